@@ -1,0 +1,263 @@
+//! Rigid bodies: what a user defines, and the record the world keeps.
+
+use glam::{DVec3, Mat3, Quat, Vec3};
+
+use crate::check;
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::{JointId, ShapeId};
+use crate::mass::{Mass, MassProperties};
+use crate::pose::Pose;
+use crate::shape::ShapeDef;
+
+/// Greatest linear speed of a body (m/s); faster input is refused, faster motion is clamped.
+pub const MAX_LINEAR_SPEED: f32 = 1.0e4;
+
+/// Greatest angular speed of a body (rad/s); faster input is refused, faster motion is clamped.
+pub const MAX_ANGULAR_SPEED: f32 = 1.0e4;
+
+/// How a body moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum BodyKind {
+    /// Never moves.
+    Static,
+    /// Moves as the host says, by velocity or target pose, and pushes dynamic bodies without being pushed.
+    Kinematic,
+    /// Moves by forces, contacts and joints.
+    #[default]
+    Dynamic,
+}
+
+/// Degrees of freedom taken from a dynamic body, along and about world axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LockedAxes {
+    /// No translation along x, y, z.
+    pub translation: [bool; 3],
+    /// No rotation about x, y, z.
+    pub rotation: [bool; 3],
+}
+
+/// Everything a body starts with.
+#[derive(Debug, Clone)]
+pub struct BodyDef {
+    /// How it moves.
+    pub kind: BodyKind,
+    /// Its frame in the world.
+    pub pose: Pose,
+    /// Velocity of its centre of mass (m/s).
+    pub linear_velocity: Vec3,
+    /// Angular velocity, world axes (rad/s).
+    pub angular_velocity: Vec3,
+    /// Where its mass comes from.
+    pub mass: Mass,
+    /// Degrees of freedom taken away.
+    pub locked_axes: LockedAxes,
+    /// Rate at which linear velocity decays (1/s), ≥ 0.
+    pub linear_damping: f32,
+    /// Rate at which angular velocity decays (1/s), ≥ 0.
+    pub angular_damping: f32,
+    /// Factor on the world's gravity.
+    pub gravity_scale: f32,
+    /// Whether it may fall asleep.
+    pub can_sleep: bool,
+    /// Sweep it through the step, so that it cannot tunnel through anything thin.
+    pub fast: bool,
+    /// The host's own word; the world only hands it back.
+    pub user_word: u64,
+    /// Shapes it is made with; more can be attached later.
+    pub shapes: Vec<ShapeDef>,
+}
+
+impl Default for BodyDef {
+    fn default() -> Self {
+        Self {
+            kind: BodyKind::Dynamic,
+            pose: Pose::IDENTITY,
+            linear_velocity: Vec3::ZERO,
+            angular_velocity: Vec3::ZERO,
+            mass: Mass::FromShapes,
+            locked_axes: LockedAxes::default(),
+            linear_damping: 0.0,
+            angular_damping: 0.0,
+            gravity_scale: 1.0,
+            can_sleep: true,
+            fast: false,
+            user_word: 0,
+            shapes: Vec::new(),
+        }
+    }
+}
+
+impl BodyDef {
+    /// A dynamic body at `pose`.
+    pub fn dynamic(pose: Pose) -> Self {
+        Self { pose, ..Self::default() }
+    }
+
+    /// A static body at `pose`.
+    pub fn fixed(pose: Pose) -> Self {
+        Self { kind: BodyKind::Static, pose, ..Self::default() }
+    }
+
+    /// A kinematic body at `pose`.
+    pub fn kinematic(pose: Pose) -> Self {
+        Self { kind: BodyKind::Kinematic, pose, ..Self::default() }
+    }
+
+    /// The same body with one more shape.
+    #[must_use]
+    pub fn with_shape(mut self, shape: ShapeDef) -> Self {
+        self.shapes.push(shape);
+        self
+    }
+
+    /// The same body with its mass set outright.
+    #[must_use]
+    pub fn with_mass(mut self, mass: Mass) -> Self {
+        self.mass = mass;
+        self
+    }
+
+    pub(crate) fn checked(mut self) -> Result<Self> {
+        self.pose = self.pose.checked("pose.position", "pose.rotation")?;
+        checked_velocity("linear_velocity", self.linear_velocity, MAX_LINEAR_SPEED)?;
+        checked_velocity("angular_velocity", self.angular_velocity, MAX_ANGULAR_SPEED)?;
+        check::not_negative("linear_damping", self.linear_damping)?;
+        check::not_negative("angular_damping", self.angular_damping)?;
+        check::finite("gravity_scale", self.gravity_scale)?;
+        let dynamic = self.kind == BodyKind::Dynamic;
+        self.shapes = self.shapes.into_iter().map(|shape| shape.checked(dynamic)).collect::<Result<_>>()?;
+        Ok(self)
+    }
+}
+
+pub(crate) fn checked_velocity(argument: &'static str, velocity: Vec3, limit: f32) -> Result<Vec3> {
+    if check::finite_vec(argument, velocity)?.length() > limit {
+        return Err(Error::new(ErrorKind::OutOfRange, argument, "is faster than 1e4 (m/s or rad/s)"));
+    }
+    Ok(velocity)
+}
+
+/// The world's record of a body. The centre of mass is what the solver moves; the user's frame follows from it.
+#[derive(Debug, Clone)]
+pub(crate) struct Body {
+    pub kind: BodyKind,
+    /// World position of the centre of mass (m).
+    pub center: DVec3,
+    pub rotation: Quat,
+    pub linear_velocity: Vec3,
+    pub angular_velocity: Vec3,
+    /// Force and torque gathered since the last step (N, N·m), about the centre of mass.
+    pub force: Vec3,
+    pub torque: Vec3,
+    pub mass_source: Mass,
+    pub mass: Option<MassProperties>,
+    pub local_center: Vec3,
+    pub locked_axes: LockedAxes,
+    pub linear_damping: f32,
+    pub angular_damping: f32,
+    pub gravity_scale: f32,
+    pub can_sleep: bool,
+    pub fast: bool,
+    pub user_word: u64,
+    /// Pose a kinematic body shall have at the end of the next step.
+    pub target: Option<Pose>,
+    pub shapes: Vec<ShapeId>,
+    pub joints: Vec<JointId>,
+    pub sleep: SleepState,
+    /// Taken out of the simulation because a step gave it a non-finite state.
+    pub quarantined: bool,
+}
+
+/// Where a body is in the life of its island.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum SleepState {
+    /// Moving, or quiet for this long (s).
+    Awake { quiet_for: f32 },
+    /// Asleep as a member of this sleeping island.
+    Asleep { island: u32 },
+}
+
+impl Body {
+    pub(crate) fn new(def: &BodyDef, mass: Option<MassProperties>) -> Self {
+        let local_center = mass.map_or(Vec3::ZERO, |mass| mass.center_of_mass);
+        let moves = def.kind != BodyKind::Static;
+        Self {
+            kind: def.kind,
+            center: def.pose.transform_point(local_center),
+            rotation: def.pose.rotation,
+            linear_velocity: if moves { def.linear_velocity } else { Vec3::ZERO },
+            angular_velocity: if moves { def.angular_velocity } else { Vec3::ZERO },
+            force: Vec3::ZERO,
+            torque: Vec3::ZERO,
+            mass_source: def.mass,
+            mass,
+            local_center,
+            locked_axes: def.locked_axes,
+            linear_damping: def.linear_damping,
+            angular_damping: def.angular_damping,
+            gravity_scale: def.gravity_scale,
+            can_sleep: def.can_sleep,
+            fast: def.fast,
+            user_word: def.user_word,
+            target: None,
+            shapes: Vec::new(),
+            joints: Vec::new(),
+            sleep: SleepState::Awake { quiet_for: 0.0 },
+            quarantined: false,
+        }
+    }
+
+    pub(crate) fn is_dynamic(&self) -> bool {
+        self.kind == BodyKind::Dynamic
+    }
+
+    pub(crate) fn is_awake(&self) -> bool {
+        matches!(self.sleep, SleepState::Awake { .. })
+    }
+
+    pub(crate) fn pose(&self) -> Pose {
+        Pose { position: self.center - (self.rotation * self.local_center).as_dvec3(), rotation: self.rotation }
+    }
+
+    pub(crate) fn set_pose(&mut self, pose: Pose) {
+        self.rotation = pose.rotation;
+        self.center = pose.transform_point(self.local_center);
+    }
+
+    /// Gives the body new mass properties; its frame stays where it is.
+    pub(crate) fn set_mass(&mut self, mass: Option<MassProperties>) {
+        let pose = self.pose();
+        self.mass = mass;
+        self.local_center = mass.map_or(Vec3::ZERO, |mass| mass.center_of_mass);
+        self.set_pose(pose);
+    }
+
+    pub(crate) fn inverse_mass(&self) -> f32 {
+        match &self.mass {
+            Some(mass) if self.is_dynamic() => 1.0 / mass.mass,
+            _ => 0.0,
+        }
+    }
+
+    /// Inverse inertia tensor in world axes (1/(kg·m²)), locked axes taken out.
+    pub(crate) fn world_inverse_inertia(&self) -> Mat3 {
+        match &self.mass {
+            Some(mass) if self.is_dynamic() => {
+                let inverse = crate::shape::inertia_tensor(1.0 / mass.principal_inertia, self.rotation * mass.inertia_frame);
+                without_locked(inverse, self.locked_axes.rotation)
+            }
+            _ => Mat3::ZERO,
+        }
+    }
+}
+
+/// Zeroes the rows and columns of the locked axes.
+pub(crate) fn without_locked(inverse: Mat3, locked: [bool; 3]) -> Mat3 {
+    let keep = free_axes(locked);
+    Mat3::from_cols(inverse.x_axis * keep * keep.x, inverse.y_axis * keep * keep.y, inverse.z_axis * keep * keep.z)
+}
+
+/// 1 along free axes, 0 along locked ones.
+pub(crate) fn free_axes(locked: [bool; 3]) -> Vec3 {
+    Vec3::from_array(locked.map(|locked| if locked { 0.0 } else { 1.0 }))
+}

@@ -1,0 +1,378 @@
+//! Joints: what a user defines, and the record the world keeps.
+//!
+//! A joint ties a frame on body A to a frame on body B. The *joint axis* is the x axis of both frames: a hinge turns about it,
+//! a prismatic joint slides along it, a spherical joint twists about it. Either body may be [`BodyId::NULL`]: that side is then
+//! the world itself and its frame is given in world coordinates.
+//!
+//! Compliance is the inverse of stiffness (m/N, rad/(N·m)), damping is a force per speed (N·s/m, N·m·s/rad); both act as a
+//! physical spring and damper would, whatever the number of substeps and iterations (Macklin et al. 2016, XPBD).
+
+use glam::{Quat, Vec3};
+
+use crate::check;
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::BodyId;
+use crate::pose::Pose;
+
+/// Give of a row of constraints: compliance (m/N or rad/(N·m)) and damping (N·s/m or N·m·s/rad).
+///
+/// Zero compliance is rigid; damping then has nothing to act on.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Softness {
+    /// Inverse stiffness, ≥ 0.
+    pub compliance: f32,
+    /// Force per relative speed, ≥ 0.
+    pub damping: f32,
+}
+
+impl Softness {
+    /// No give at all.
+    pub const RIGID: Self = Self { compliance: 0.0, damping: 0.0 };
+
+    fn check(&self, compliance: &'static str, damping: &'static str) -> Result<()> {
+        check::not_negative(compliance, self.compliance)?;
+        check::not_negative(damping, self.damping)?;
+        Ok(())
+    }
+}
+
+/// Least and greatest value of a coordinate (m or rad); either may be infinite.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Least value.
+    pub min: f32,
+    /// Greatest value.
+    pub max: f32,
+}
+
+impl Limits {
+    /// No limits.
+    pub const NONE: Self = Self { min: f32::NEG_INFINITY, max: f32::INFINITY };
+
+    /// Limits from `min` to `max`.
+    pub const fn new(min: f32, max: f32) -> Self {
+        Self { min, max }
+    }
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+/// What drives a coordinate of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Motor {
+    /// Nothing.
+    #[default]
+    Off,
+    /// Holds a speed (m/s or rad/s) with at most `max_force` (N or N·m).
+    Velocity {
+        /// Speed to hold.
+        target: f32,
+        /// Greatest force or torque, may be infinite.
+        max_force: f32,
+    },
+    /// Pulls towards a value (m or rad) as a spring and damper with at most `max_force` (N or N·m).
+    Position {
+        /// Value to reach.
+        target: f32,
+        /// Spring and damper; rigid reaches the target as fast as `max_force` allows.
+        softness: Softness,
+        /// Greatest force or torque, may be infinite.
+        max_force: f32,
+    },
+}
+
+impl Motor {
+    fn check(&self) -> Result<()> {
+        match *self {
+            Self::Off => {}
+            Self::Velocity { target, max_force } => {
+                check::finite("motor.target", target)?;
+                check::bound("motor.max_force", max_force)?;
+            }
+            Self::Position { target, softness, max_force } => {
+                check::finite("motor.target", target)?;
+                softness.check("motor.compliance", "motor.damping")?;
+                check::bound("motor.max_force", max_force)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What drives the rotation of a spherical joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum SphericalMotor {
+    /// Nothing.
+    #[default]
+    Off,
+    /// Holds an angular velocity of B against A, in A's joint frame (rad/s), with at most `max_torque` (N·m).
+    Velocity {
+        /// Angular velocity to hold.
+        target: Vec3,
+        /// Greatest torque, may be infinite.
+        max_torque: f32,
+    },
+    /// Pulls towards a rotation of B's joint frame in A's, with at most `max_torque` (N·m).
+    Position {
+        /// Rotation to reach, unit quaternion.
+        target: Quat,
+        /// Spring and damper.
+        softness: Softness,
+        /// Greatest torque, may be infinite.
+        max_torque: f32,
+    },
+}
+
+/// One coordinate of a generic joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Axis {
+    /// Range of the coordinate (m or rad); equal bounds lock it there.
+    pub limits: Limits,
+    /// Drive.
+    pub motor: Motor,
+}
+
+impl Axis {
+    /// Free to move.
+    pub const FREE: Self = Self { limits: Limits::NONE, motor: Motor::Off };
+    /// Held at zero.
+    pub const LOCKED: Self = Self { limits: Limits::new(0.0, 0.0), motor: Motor::Off };
+
+    /// Free between two values (m or rad).
+    pub const fn limited(min: f32, max: f32) -> Self {
+        Self { limits: Limits::new(min, max), motor: Motor::Off }
+    }
+}
+
+/// What a joint allows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum JointKind {
+    /// Nothing moves.
+    Fixed,
+    /// Rotation about the joint axis; the angle is in (−π, π].
+    Hinge {
+        /// Range of the angle (rad).
+        limits: Limits,
+        /// Drive of the angle.
+        motor: Motor,
+    },
+    /// Rotation about a point.
+    Spherical {
+        /// Greatest angle between the two joint axes (rad), π for none.
+        swing_limit: f32,
+        /// Range of the rotation about the joint axis (rad).
+        twist_limits: Limits,
+        /// Drive of the rotation.
+        motor: SphericalMotor,
+    },
+    /// The distance between two points.
+    Distance {
+        /// Range of the distance (m), ≥ 0.
+        limits: Limits,
+        /// Length of the spring (m) whose give is the joint's `linear` softness; `None` for no spring.
+        spring_length: Option<f32>,
+        /// Drive of the distance.
+        motor: Motor,
+    },
+    /// Translation along the joint axis.
+    Prismatic {
+        /// Range of the translation (m).
+        limits: Limits,
+        /// Drive of the translation.
+        motor: Motor,
+    },
+    /// Six axes of A's frame, each free, locked or limited. Rotations are x·y·z Euler angles of B's frame in A's; keep the
+    /// one about y within ±80° unless both others are locked.
+    Generic {
+        /// Translation along x, y, z.
+        linear: [Axis; 3],
+        /// Rotation about x, y, z.
+        angular: [Axis; 3],
+    },
+}
+
+impl JointKind {
+    /// A hinge without limits or motor.
+    pub const HINGE: Self = Self::Hinge { limits: Limits::NONE, motor: Motor::Off };
+    /// A spherical joint without limits or motor.
+    pub const SPHERICAL: Self =
+        Self::Spherical { swing_limit: std::f32::consts::PI, twist_limits: Limits::NONE, motor: SphericalMotor::Off };
+    /// A prismatic joint without limits or motor.
+    pub const PRISMATIC: Self = Self::Prismatic { limits: Limits::NONE, motor: Motor::Off };
+}
+
+/// Everything a joint starts with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointDef {
+    /// What it allows.
+    pub kind: JointKind,
+    /// First body, or null for the world.
+    pub body_a: BodyId,
+    /// Second body, or null for the world.
+    pub body_b: BodyId,
+    /// Joint frame on body A, in its frame (in world coordinates if A is the world).
+    pub frame_a: Pose,
+    /// Joint frame on body B, in its frame (in world coordinates if B is the world).
+    pub frame_b: Pose,
+    /// Give of the rows that hold points together, and of a distance joint's spring.
+    pub linear: Softness,
+    /// Give of the rows that hold directions together.
+    pub angular: Softness,
+    /// Give of the stops at limits.
+    pub limit: Softness,
+    /// Force at which the joint is reported as overloaded (N), infinity for never.
+    pub break_force: f32,
+    /// Torque at which the joint is reported as overloaded (N·m), infinity for never.
+    pub break_torque: f32,
+    /// Whether the two bodies collide with each other.
+    pub collide_connected: bool,
+    /// The host's own word; the world only hands it back.
+    pub user_word: u64,
+}
+
+impl JointDef {
+    /// A rigid, unbreakable joint with both frames at their body's origin.
+    pub fn new(kind: JointKind, body_a: BodyId, body_b: BodyId) -> Self {
+        Self {
+            kind,
+            body_a,
+            body_b,
+            frame_a: Pose::IDENTITY,
+            frame_b: Pose::IDENTITY,
+            linear: Softness::RIGID,
+            angular: Softness::RIGID,
+            limit: Softness::RIGID,
+            break_force: f32::INFINITY,
+            break_torque: f32::INFINITY,
+            collide_connected: false,
+            user_word: 0,
+        }
+    }
+
+    /// The same joint with its frames at these points of the two bodies (m), not rotated.
+    #[must_use]
+    pub fn at(mut self, on_a: Vec3, on_b: Vec3) -> Self {
+        self.frame_a = Pose::at(on_a.as_dvec3());
+        self.frame_b = Pose::at(on_b.as_dvec3());
+        self
+    }
+
+    pub(crate) fn checked(mut self) -> Result<Self> {
+        self.frame_a = self.frame_a.checked("frame_a.position", "frame_a.rotation")?;
+        self.frame_b = self.frame_b.checked("frame_b.position", "frame_b.rotation")?;
+        self.linear.check("linear.compliance", "linear.damping")?;
+        self.angular.check("angular.compliance", "angular.damping")?;
+        self.limit.check("limit.compliance", "limit.damping")?;
+        check::bound("break_force", self.break_force)?;
+        check::bound("break_torque", self.break_torque)?;
+        self.kind = self.kind.checked()?;
+        Ok(self)
+    }
+}
+
+impl JointKind {
+    pub(crate) fn checked(mut self) -> Result<Self> {
+        match &mut self {
+            Self::Fixed => {}
+            Self::Hinge { limits, motor } => {
+                angle_limits("limits", limits)?;
+                motor.check()?;
+            }
+            Self::Prismatic { limits, motor } => {
+                check::range("limits", limits.min, limits.max)?;
+                motor.check()?;
+            }
+            Self::Spherical { swing_limit, twist_limits, motor } => {
+                if check::not_negative("swing_limit", *swing_limit)? > std::f32::consts::PI {
+                    return Err(Error::new(ErrorKind::OutOfRange, "swing_limit", "is greater than π"));
+                }
+                angle_limits("twist_limits", twist_limits)?;
+                match motor {
+                    SphericalMotor::Off => {}
+                    SphericalMotor::Velocity { target, max_torque } => {
+                        check::finite_vec("motor.target", *target)?;
+                        check::bound("motor.max_torque", *max_torque)?;
+                    }
+                    SphericalMotor::Position { target, softness, max_torque } => {
+                        *target = check::rotation("motor.target", *target)?;
+                        softness.check("motor.compliance", "motor.damping")?;
+                        check::bound("motor.max_torque", *max_torque)?;
+                    }
+                }
+            }
+            Self::Distance { limits, spring_length, motor } => {
+                check::range("limits", limits.min, limits.max)?;
+                if limits.max < 0.0 {
+                    return Err(Error::new(ErrorKind::OutOfRange, "limits", "a distance cannot be negative"));
+                }
+                if let Some(length) = *spring_length {
+                    check::not_negative("spring_length", length)?;
+                }
+                motor.check()?;
+            }
+            Self::Generic { linear, angular } => {
+                for axis in linear.iter().chain(angular.iter()) {
+                    check::range("limits", axis.limits.min, axis.limits.max)?;
+                    axis.motor.check()?;
+                }
+            }
+        }
+        Ok(self)
+    }
+}
+
+/// Angles are in (−π, π]: a stop beyond that can never be reached.
+fn angle_limits(argument: &'static str, limits: &Limits) -> Result<()> {
+    check::range(argument, limits.min, limits.max)?;
+    if limits.min > std::f32::consts::PI || limits.max < -std::f32::consts::PI {
+        return Err(Error::new(ErrorKind::OutOfRange, argument, "lies outside (−π, π]"));
+    }
+    Ok(())
+}
+
+/// What a joint does at the end of the last step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointState {
+    /// Coordinate of the free axis: angle (rad), translation or distance (m); zero for other kinds.
+    pub position: f32,
+    /// Its rate (rad/s or m/s).
+    pub velocity: f32,
+    /// Force that the joint exerts on body B at its point, world axes, mean over the step (N).
+    pub force: Vec3,
+    /// Torque that the joint exerts on body B about its point, world axes, mean over the step (N·m).
+    pub torque: Vec3,
+    /// Distance between the two joint points beyond what the joint allows (m).
+    pub gap: f32,
+}
+
+/// Most scalar rows of one joint: six axes, each with a lower stop, an upper stop and a motor.
+pub(crate) const MAX_SCALAR_ROWS: usize = 18;
+
+/// Multipliers of a joint's rows at the end of a substep, to start the next one from (N·s, N·m·s).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JointImpulses {
+    pub point: Vec3,
+    pub angular: Vec3,
+    pub scalar: [f32; MAX_SCALAR_ROWS],
+}
+
+impl JointImpulses {
+    pub(crate) const ZERO: Self = Self { point: Vec3::ZERO, angular: Vec3::ZERO, scalar: [0.0; MAX_SCALAR_ROWS] };
+}
+
+/// The world's record of a joint.
+#[derive(Debug, Clone)]
+pub(crate) struct Joint {
+    pub def: JointDef,
+    /// Slots of the bodies; `None` is the world.
+    pub bodies: [Option<u32>; 2],
+    pub impulses: JointImpulses,
+    /// Force and torque on B, mean over the last step.
+    pub force: Vec3,
+    pub torque: Vec3,
+}

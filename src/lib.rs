@@ -1,0 +1,20 @@
+//! Rigid-body physics for things that hang, span and stand.
+mod body;
+mod check;
+mod error;
+mod id;
+mod joint;
+mod mass;
+mod material;
+mod pose;
+mod shape;
+pub use body::*;
+pub use check::MAX_COORDINATE;
+pub use error::{Error, ErrorKind, Result};
+pub use glam;
+pub use id::{BodyId, Handle, JointId, ShapeId};
+pub use joint::*;
+pub use mass::{MASS_RANGE, Mass, MassProperties};
+pub use material::{CombineRule, Material};
+pub use pose::Pose;
+pub use shape::*;

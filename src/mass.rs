@@ -1,0 +1,128 @@
+//! Mass, centre of mass and inertia of a body.
+
+use glam::{Mat3, Quat, Vec3};
+use parry3d::math::SymmetricEigen3;
+
+use crate::check;
+use crate::error::{Error, ErrorKind, Result};
+use crate::shape::{LocalPose, ShapeDef, inertia_tensor};
+
+/// Least and greatest mass of a dynamic body (kg).
+pub const MASS_RANGE: (f32, f32) = (1.0e-9, 1.0e12);
+
+/// Mass properties of a rigid body, in its own frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MassProperties {
+    /// Mass (kg), > 0.
+    pub mass: f32,
+    /// Centre of mass (m).
+    pub center_of_mass: Vec3,
+    /// Principal moments of inertia about the centre of mass (kg·m²), each > 0.
+    pub principal_inertia: Vec3,
+    /// Rotation of the principal axes, unit quaternion.
+    pub inertia_frame: Quat,
+}
+
+/// Where a dynamic body's mass comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Mass {
+    /// Volume times density of its shapes.
+    #[default]
+    FromShapes,
+    /// This mass (kg), distributed as the shapes say.
+    Total(f32),
+    /// These properties, whatever the shapes are.
+    Properties(MassProperties),
+}
+
+impl MassProperties {
+    /// A body with its centre of mass at its origin and its principal axes along its own.
+    pub const fn new(mass: f32, principal_inertia: Vec3) -> Self {
+        Self { mass, center_of_mass: Vec3::ZERO, principal_inertia, inertia_frame: Quat::IDENTITY }
+    }
+
+    pub(crate) fn from_parry(properties: &parry3d::mass_properties::MassProperties) -> Self {
+        Self {
+            mass: properties.mass(),
+            center_of_mass: properties.local_com,
+            principal_inertia: properties.principal_inertia(),
+            inertia_frame: properties.principal_inertia_local_frame,
+        }
+    }
+
+    pub(crate) fn scaled(self, factor: f32) -> Self {
+        Self { mass: self.mass * factor, principal_inertia: self.principal_inertia * factor, ..self }
+    }
+
+    fn checked(self) -> Result<Self> {
+        let mass = checked_mass("mass", self.mass)?;
+        check::finite_vec("center_of_mass", self.center_of_mass)?;
+        check::positive("principal_inertia.x", self.principal_inertia.x)?;
+        check::positive("principal_inertia.y", self.principal_inertia.y)?;
+        check::positive("principal_inertia.z", self.principal_inertia.z)?;
+        if (1.0 / self.principal_inertia).is_finite() {
+            Ok(Self { mass, inertia_frame: check::rotation("inertia_frame", self.inertia_frame)?, ..self })
+        } else {
+            Err(Error::new(ErrorKind::OutOfRange, "principal_inertia", "is too small to be inverted"))
+        }
+    }
+
+    fn placed(self, pose: LocalPose) -> Self {
+        Self {
+            center_of_mass: pose.position + pose.rotation * self.center_of_mass,
+            inertia_frame: pose.rotation * self.inertia_frame,
+            ..self
+        }
+    }
+}
+
+fn checked_mass(argument: &'static str, mass: f32) -> Result<f32> {
+    let mass = check::positive(argument, mass)?;
+    if mass < MASS_RANGE.0 || mass > MASS_RANGE.1 {
+        return Err(Error::new(ErrorKind::OutOfRange, argument, "must be between 1e-9 and 1e12 kg"));
+    }
+    Ok(mass)
+}
+
+/// Mass properties of a dynamic body with these shapes.
+pub(crate) fn resolve(mass: Mass, shapes: &[ShapeDef]) -> Result<MassProperties> {
+    match mass {
+        Mass::Properties(properties) => properties.checked(),
+        Mass::FromShapes => combined(shapes)?.checked(),
+        Mass::Total(total) => {
+            checked_mass("mass", total)?;
+            let combined = combined(shapes)?;
+            combined.scaled(total / combined.mass).checked()
+        }
+    }
+}
+
+/// Sum of the shapes' mass properties (parallel axis theorem), diagonalised.
+fn combined(shapes: &[ShapeDef]) -> Result<MassProperties> {
+    let parts: Vec<MassProperties> = shapes
+        .iter()
+        .filter(|shape| shape.density > 0.0)
+        .filter_map(|shape| Some(shape.shape.mass_properties(shape.density)?.placed(shape.local_pose)))
+        .collect();
+    if let [single] = parts[..] {
+        return Ok(single);
+    }
+    let mass: f32 = parts.iter().map(|part| part.mass).sum();
+    if mass <= 0.0 {
+        return Err(Error::new(ErrorKind::OutOfRange, "mass", "a dynamic body needs a shape with density, or a mass of its own"));
+    }
+    let center_of_mass = parts.iter().map(|part| part.mass * part.center_of_mass).sum::<Vec3>() / mass;
+    let mut tensor = Mat3::ZERO;
+    for part in &parts {
+        let offset = part.center_of_mass - center_of_mass;
+        let steiner = Mat3::from_diagonal(Vec3::splat(offset.length_squared()))
+            - Mat3::from_cols(offset * offset.x, offset * offset.y, offset * offset.z);
+        tensor += inertia_tensor(part.principal_inertia, part.inertia_frame) + part.mass * steiner;
+    }
+    let eigen = SymmetricEigen3::new(tensor);
+    let mut axes = eigen.eigenvectors;
+    if axes.determinant() < 0.0 {
+        axes.z_axis = -axes.z_axis;
+    }
+    Ok(MassProperties { mass, center_of_mass, principal_inertia: eigen.eigenvalues, inertia_frame: Quat::from_mat3(&axes).normalize() })
+}
