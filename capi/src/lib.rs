@@ -1,1 +1,51 @@
+//! The C interface of longspan: marshalling only.
+//!
+//! Every export goes through [`boundary::call`]: panics are caught, the host's floating-point environment is set aside, failures
+//! become a code and a message. Worlds live in [`registry`] behind handles that are safe to pass whatever their bits; [`access`]
+//! decides who may read or edit a world now. `include/longspan/longspan.h` is generated from the items and comments here, which
+//! are therefore written for readers of C.
 
+// The order of the modules is the order of the header.
+mod result;
+mod version;
+
+mod last_error;
+mod log;
+
+mod handle;
+mod math;
+
+mod shape_def;
+
+mod body_def;
+
+mod joint_def;
+
+mod events;
+mod report;
+mod world_def;
+
+mod world;
+mod world_events;
+
+mod body;
+mod body_motion;
+mod body_state;
+
+mod shape;
+
+mod joint;
+
+// What the header does not show.
+mod access;
+mod boundary;
+mod callback;
+mod enums;
+mod float_environment;
+mod pointer;
+mod published;
+mod registry;
+mod sized;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,138 @@
+//! What a step tells: who moved, which contacts began and ended, which joints were overloaded; and contact points.
+//!
+//! Arrays of these structs are handed out by pointer, so their layout never changes.
+
+use ls_core::{Contact, ContactPair, JointOverload, Moved};
+
+use crate::handle::{LsBody, LsJoint, LsShape};
+use crate::math::LsPose;
+
+/// A body that moved in a step. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsMoved {
+    /// The body.
+    pub body: LsBody,
+    /// The word its host gave it.
+    pub user_word: u64,
+    /// Its frame in the world.
+    pub pose: LsPose,
+    /// Velocity of its centre of mass (m/s).
+    pub linear_velocity: [f32; 3],
+    /// Angular velocity, world axes (rad/s).
+    pub angular_velocity: [f32; 3],
+    /// 1 if it fell asleep in this step, else 0.
+    pub fell_asleep: u32,
+    /// Not used; 0.
+    pub reserved: u32,
+}
+
+/// Two shapes that touch, or touched, and their bodies. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsContactPair {
+    /// First shape; its handle may be stale in an array of contacts that ended.
+    pub shape_a: LsShape,
+    /// Second shape.
+    pub shape_b: LsShape,
+    /// Body of the first shape.
+    pub body_a: LsBody,
+    /// Body of the second shape.
+    pub body_b: LsBody,
+}
+
+/// A joint whose load passed its break_force or break_torque in a step. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsJointOverload {
+    /// The joint.
+    pub joint: LsJoint,
+    /// The word its host gave it.
+    pub user_word: u64,
+    /// Force that it carried, mean over the step (N).
+    pub force: f32,
+    /// Torque that it carried, mean over the step (N m).
+    pub torque: f32,
+}
+
+/// A point of a contact. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C)]
+pub struct LsContactPoint {
+    /// Halfway between the two surfaces (m).
+    pub position: [f64; 3],
+    /// Distance of the surfaces along the normal (m), negative if they overlap.
+    pub separation: f32,
+    /// Force along the normal in the last substep (N), >= 0.
+    pub normal_force: f32,
+}
+
+/// One contact between two shapes, as the last step left it. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsContact {
+    /// The shapes and their bodies.
+    pub pair: LsContactPair,
+    /// Unit normal, from A to B.
+    pub normal: [f32; 3],
+    /// Friction on B, mean over the last substep (N).
+    pub friction_force: [f32; 3],
+    /// Number of points, 1 to 4.
+    pub point_count: u32,
+    /// Not used; 0.
+    pub reserved: u32,
+    /// The points; those beyond point_count are zero.
+    pub points: [LsContactPoint; 4],
+}
+
+impl From<&Moved> for LsMoved {
+    fn from(moved: &Moved) -> Self {
+        Self {
+            body: moved.body.into(),
+            user_word: moved.user_word,
+            pose: moved.pose.into(),
+            linear_velocity: moved.linear_velocity.to_array(),
+            angular_velocity: moved.angular_velocity.to_array(),
+            fell_asleep: moved.fell_asleep.into(),
+            reserved: 0,
+        }
+    }
+}
+
+impl From<&ContactPair> for LsContactPair {
+    fn from(pair: &ContactPair) -> Self {
+        Self {
+            shape_a: pair.shape_a.into(),
+            shape_b: pair.shape_b.into(),
+            body_a: pair.body_a.into(),
+            body_b: pair.body_b.into(),
+        }
+    }
+}
+
+impl From<&JointOverload> for LsJointOverload {
+    fn from(overload: &JointOverload) -> Self {
+        Self { joint: overload.joint.into(), user_word: overload.user_word, force: overload.force, torque: overload.torque }
+    }
+}
+
+impl From<Contact> for LsContact {
+    fn from(contact: Contact) -> Self {
+        let mut points = [LsContactPoint::default(); 4];
+        for (c, point) in points.iter_mut().zip(contact.points()) {
+            *c = LsContactPoint {
+                position: point.position.to_array(),
+                separation: point.separation,
+                normal_force: point.normal_force,
+            };
+        }
+        Self {
+            pair: (&contact.pair).into(),
+            normal: contact.normal.to_array(),
+            friction_force: contact.friction_force.to_array(),
+            point_count: contact.points().len() as u32,
+            reserved: 0,
+            points,
+        }
+    }
+}

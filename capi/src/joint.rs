@@ -1,0 +1,160 @@
+//! Joints.
+
+use ls_core::JointState;
+
+use crate::access::{edit, read};
+use crate::boundary::call;
+use crate::handle::{LsJoint, LsWorld};
+use crate::joint_def::{LsJointDef, LsSoftness};
+use crate::pointer::{self, Out, host};
+use crate::result::LsResult;
+use crate::sized::{self, SizedOut, Versioned};
+
+/// What a joint does at the end of the last step. Later versions append fields.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C)]
+pub struct LsJointState {
+    /// Coordinate of the free axis: angle (rad), translation or distance (m); 0 for other kinds.
+    pub position: f32,
+    /// Its rate (rad/s or m/s).
+    pub velocity: f32,
+    /// Force that the joint exerts on body B at its point, world axes, mean over the step (N).
+    pub force: [f32; 3],
+    /// Torque that the joint exerts on body B about its point, world axes, mean over the step (N m).
+    pub torque: [f32; 3],
+    /// Distance between the two joint points beyond what the joint allows (m).
+    pub gap: f32,
+}
+
+// SAFETY: numbers without padding.
+unsafe impl Versioned for LsJointState {
+    const SIZES: &'static [usize] = &[36];
+}
+
+impl From<JointState> for LsJointState {
+    fn from(state: JointState) -> Self {
+        Self {
+            position: state.position,
+            velocity: state.velocity,
+            force: state.force.to_array(),
+            torque: state.torque.to_array(),
+            gap: state.gap,
+        }
+    }
+}
+
+/// Creates a joint.
+///
+/// @param world  the world; any value is safe
+/// @param def    filled by ls_joint_def_init and changed as wanted; read during the call
+/// @param out    the joint, on LS_OK; the world owns it
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE,
+///         LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_NOT_APPLICABLE,
+///         LS_ERROR_CAPACITY_EXCEEDED
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_joint_create(world: LsWorld, def: *const LsJointDef, out: *mut LsJoint) -> LsResult {
+    call("ls_joint_create", || {
+        let (def, out) = (host!(sized::read, def), host!(Out::new, out));
+        let def = (&def).try_into()?;
+        out.write(edit(world, |world| world.create_joint(&def))?.into())
+    })
+}
+
+/// Destroys a joint.
+///
+/// @param world  the world; any value is safe
+/// @param joint  a joint of that world; any value is safe
+/// @return LS_OK, a world error, a handle error, LS_ERROR_ALREADY_DESTROYED
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_joint_destroy(world: LsWorld, joint: LsJoint) -> LsResult {
+    call("ls_joint_destroy", || edit(world, |world| world.destroy_joint(joint.into())))
+}
+
+/// The definition that a joint has now. It may be given to ls_joint_create.
+///
+/// @param world  the world; any value is safe
+/// @param joint  a joint of that world; any value is safe
+/// @param out    filled on LS_OK; fields that the kind does not name have their defaults
+/// @param size   sizeof *out as the host knows it
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_joint_def_get(world: LsWorld, joint: LsJoint, out: *mut LsJointDef, size: usize) -> LsResult {
+    call("ls_joint_def_get", || {
+        let out = host!(SizedOut::new, out, size);
+        read(world, |world| out.write_definition(&(&world.joint_def(joint.into())?).try_into()?))
+    })
+}
+
+/// What a joint does at the end of the last step.
+///
+/// @param world  the world; any value is safe
+/// @param joint  a joint of that world; any value is safe
+/// @param out    filled on LS_OK
+/// @param size   sizeof *out as the host knows it
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_joint_state_get(world: LsWorld, joint: LsJoint, out: *mut LsJointState, size: usize) -> LsResult {
+    call("ls_joint_state_get", || {
+        let out = host!(SizedOut::new, out, size);
+        read(world, |world| out.write(&world.joint_state(joint.into())?.into()))
+    })
+}
+
+/// Sets what a joint allows: new limits or motors of the same kind.
+///
+/// @param world  the world; any value is safe
+/// @param joint  a joint of that world; any value is safe
+/// @param def    of it, kind and the fields that the kind names are read; kind must be that of the joint
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE,
+///         LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_NOT_APPLICABLE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_joint_kind_set(world: LsWorld, joint: LsJoint, def: *const LsJointDef) -> LsResult {
+    call("ls_joint_kind_set", || {
+        let kind = (&host!(sized::read, def)).try_into()?;
+        edit(world, |world| world.set_joint_kind(joint.into(), kind))
+    })
+}
+
+/// Sets the give of a joint.
+///
+/// @param world    the world; any value is safe
+/// @param joint    a joint of that world; any value is safe
+/// @param linear   give of the rows that hold points together, and of a distance joint's spring
+/// @param angular  give of the rows that hold directions together
+/// @param limit    give of the stops at limits
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE,
+///         LS_ERROR_OUT_OF_RANGE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_joint_softness_set(
+    world: LsWorld,
+    joint: LsJoint,
+    linear: *const LsSoftness,
+    angular: *const LsSoftness,
+    limit: *const LsSoftness,
+) -> LsResult {
+    call("ls_joint_softness_set", || {
+        let linear = host!(pointer::read, linear).into();
+        let angular = host!(pointer::read, angular).into();
+        let limit = host!(pointer::read, limit).into();
+        edit(world, |world| world.set_joint_softness(joint.into(), linear, angular, limit))
+    })
+}
+
+/// Sets the load at which a joint is reported as overloaded.
+///
+/// @param world   the world; any value is safe
+/// @param joint   a joint of that world; any value is safe
+/// @param force   (N), >= 0, INFINITY for never
+/// @param torque  (N m), >= 0, INFINITY for never
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_joint_break_set(world: LsWorld, joint: LsJoint, force: f32, torque: f32) -> LsResult {
+    call("ls_joint_break_set", || edit(world, |world| world.set_joint_break(joint.into(), force, torque)))
+}

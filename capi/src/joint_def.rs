@@ -1,0 +1,384 @@
+//! What a joint starts with, as C describes it: one flat struct, of which each kind reads its own fields.
+
+use ls_core::glam::{Quat, Vec3};
+use ls_core::{Axis, JointDef, JointKind, Limits, Motor, Pose, Softness, SphericalMotor};
+
+use crate::boundary::call;
+use crate::enums;
+use crate::handle::LsBody;
+use crate::math::LsPose;
+use crate::pointer::host;
+use crate::result::{Failure, LS_ERROR_UNSUPPORTED, LsResult, Outcome};
+use crate::sized::{Definition, SizedOut, Versioned};
+
+/// Joint kind: nothing moves.
+pub const LS_JOINT_FIXED: i32 = 0;
+/// Joint kind: rotation about the joint axis, the angle in (-pi, pi]; limits, motor.
+pub const LS_JOINT_HINGE: i32 = 1;
+/// Joint kind: rotation about a point; swing_limit, limits (of the twist), spherical_motor.
+pub const LS_JOINT_SPHERICAL: i32 = 2;
+/// Joint kind: the distance between two points; limits, has_spring, spring_length, motor.
+pub const LS_JOINT_DISTANCE: i32 = 3;
+/// Joint kind: translation along the joint axis; limits, motor.
+pub const LS_JOINT_PRISMATIC: i32 = 4;
+/// Joint kind: six axes of A's frame, each free, locked or limited; linear_axes, angular_axes. Rotations are x, y, z Euler
+/// angles of B's frame in A's; keep the one about y within 80 degrees unless both others are locked.
+pub const LS_JOINT_GENERIC: i32 = 5;
+
+/// Motor mode: nothing drives the coordinate.
+pub const LS_MOTOR_OFF: i32 = 0;
+/// Motor mode: holds a speed with at most the greatest force or torque.
+pub const LS_MOTOR_VELOCITY: i32 = 1;
+/// Motor mode: pulls towards a value as a spring and damper, with at most the greatest force or torque.
+pub const LS_MOTOR_POSITION: i32 = 2;
+
+/// Give of constraint rows. Acts as a physical spring and damper whatever the number of substeps and iterations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsSoftness {
+    /// Inverse stiffness (m/N or rad/(N m)), >= 0; 0 is rigid.
+    pub compliance: f32,
+    /// Force per relative speed (N s/m or N m s/rad), >= 0; without compliance there is nothing to damp.
+    pub damping: f32,
+}
+
+/// Least and greatest value of a coordinate (m or rad); -INFINITY and INFINITY for none. Equal values lock it there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsLimits {
+    /// Least value.
+    pub min: f32,
+    /// Greatest value.
+    pub max: f32,
+}
+
+/// What drives one coordinate of a joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsMotor {
+    /// LS_MOTOR_ constant.
+    pub mode: i32,
+    /// Speed (m/s or rad/s) or value (m or rad) to reach.
+    pub target: f32,
+    /// Spring and damper of LS_MOTOR_POSITION; rigid reaches the target as fast as max_force allows.
+    pub softness: LsSoftness,
+    /// Greatest force (N) or torque (N m), may be INFINITY.
+    pub max_force: f32,
+}
+
+/// What drives the rotation of a spherical joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsSphericalMotor {
+    /// LS_MOTOR_ constant.
+    pub mode: i32,
+    /// LS_MOTOR_VELOCITY: angular velocity of B against A, in A's joint frame (rad/s).
+    pub target_velocity: [f32; 3],
+    /// LS_MOTOR_POSITION: rotation of B's joint frame in A's, unit quaternion x, y, z, w.
+    pub target_rotation: [f32; 4],
+    /// Spring and damper of LS_MOTOR_POSITION.
+    pub softness: LsSoftness,
+    /// Greatest torque (N m), may be INFINITY.
+    pub max_torque: f32,
+}
+
+/// One coordinate of a generic joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsAxis {
+    /// Range of the coordinate (m or rad).
+    pub limits: LsLimits,
+    /// Drive of the coordinate.
+    pub motor: LsMotor,
+}
+
+/// Everything a joint starts with. Fill it with ls_joint_def_init first.
+///
+/// A joint ties a frame on body A to a frame on body B. The joint axis is the x axis of both frames. Either body may be the null
+/// handle: that side is then the world itself, and its frame is given in world coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsJointDef {
+    /// Size of this struct in the host, set by ls_joint_def_init.
+    pub struct_size: u32,
+    /// LS_JOINT_ constant; default LS_JOINT_FIXED.
+    pub kind: i32,
+    /// First body, or null for the world; default null.
+    pub body_a: LsBody,
+    /// Second body, or null for the world; default null.
+    pub body_b: LsBody,
+    /// Joint frame on body A, in its frame; default its own.
+    pub frame_a: LsPose,
+    /// Joint frame on body B, in its frame; default its own.
+    pub frame_b: LsPose,
+    /// Give of the rows that hold points together, and of a distance joint's spring; default rigid.
+    pub linear: LsSoftness,
+    /// Give of the rows that hold directions together; default rigid.
+    pub angular: LsSoftness,
+    /// Give of the stops at limits; default rigid.
+    pub limit: LsSoftness,
+    /// Range of the angle (hinge), translation (prismatic), distance (distance) or twist (spherical); default none.
+    pub limits: LsLimits,
+    /// Spherical: greatest angle between the two joint axes (rad), 0 to pi; default pi, which is none.
+    pub swing_limit: f32,
+    /// Distance: length of the spring (m), >= 0; default 0.
+    pub spring_length: f32,
+    /// Distance: not 0 if there is a spring, whose give is linear; default 0.
+    pub has_spring: u32,
+    /// Force at which the joint is reported as overloaded (N), >= 0; default INFINITY, which is never.
+    pub break_force: f32,
+    /// Torque at which the joint is reported as overloaded (N m), >= 0; default INFINITY, which is never.
+    pub break_torque: f32,
+    /// Not 0: the two bodies collide with each other; default 0.
+    pub collide_connected: u32,
+    /// The host's own word; the library only hands it back.
+    pub user_word: u64,
+    /// Drive of a hinge, prismatic or distance joint; default off.
+    pub motor: LsMotor,
+    /// Drive of a spherical joint; default off.
+    pub spherical_motor: LsSphericalMotor,
+    /// Generic: translation along x, y, z; default locked at zero.
+    pub linear_axes: [LsAxis; 3],
+    /// Generic: rotation about x, y, z; default locked at zero.
+    pub angular_axes: [LsAxis; 3],
+}
+
+// SAFETY: numbers without padding.
+unsafe impl Versioned for LsJointDef {
+    const SIZES: &'static [usize] = &[400];
+}
+
+// SAFETY: begins with struct_size.
+unsafe impl Definition for LsJointDef {}
+
+impl Default for LsJointDef {
+    fn default() -> Self {
+        let locked = LsAxis { limits: LsLimits { min: 0.0, max: 0.0 }, motor: Motor::Off.into() };
+        let rigid = LsSoftness::from(Softness::RIGID);
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            kind: LS_JOINT_FIXED,
+            body_a: LsBody::NULL,
+            body_b: LsBody::NULL,
+            frame_a: Pose::IDENTITY.into(),
+            frame_b: Pose::IDENTITY.into(),
+            linear: rigid,
+            angular: rigid,
+            limit: rigid,
+            limits: Limits::NONE.into(),
+            swing_limit: std::f32::consts::PI,
+            spring_length: 0.0,
+            has_spring: 0,
+            break_force: f32::INFINITY,
+            break_torque: f32::INFINITY,
+            collide_connected: 0,
+            user_word: 0,
+            motor: Motor::Off.into(),
+            spherical_motor: SphericalMotor::Off.into(),
+            linear_axes: [locked; 3],
+            angular_axes: [locked; 3],
+        }
+    }
+}
+
+/// Fills a joint definition with defaults: fixed, rigid, unbreakable, both bodies null.
+///
+/// @param def   filled on LS_OK
+/// @param size  sizeof *def as the host knows it
+/// @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+/// Threads: any thread at any time. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_joint_def_init(def: *mut LsJointDef, size: usize) -> LsResult {
+    call("ls_joint_def_init", || host!(SizedOut::new, def, size).write_definition(&LsJointDef::default()))
+}
+
+impl TryFrom<&LsJointDef> for JointDef {
+    type Error = Failure;
+    fn try_from(def: &LsJointDef) -> Outcome<Self> {
+        Ok(Self {
+            kind: def.try_into()?,
+            body_a: def.body_a.into(),
+            body_b: def.body_b.into(),
+            frame_a: def.frame_a.into(),
+            frame_b: def.frame_b.into(),
+            linear: def.linear.into(),
+            angular: def.angular.into(),
+            limit: def.limit.into(),
+            break_force: def.break_force,
+            break_torque: def.break_torque,
+            collide_connected: def.collide_connected != 0,
+            user_word: def.user_word,
+        })
+    }
+}
+
+impl TryFrom<&LsJointDef> for JointKind {
+    type Error = Failure;
+    fn try_from(def: &LsJointDef) -> Outcome<Self> {
+        let limits = Limits::from(def.limits);
+        Ok(match def.kind {
+            LS_JOINT_FIXED => Self::Fixed,
+            LS_JOINT_HINGE => Self::Hinge { limits, motor: def.motor.try_into()? },
+            LS_JOINT_SPHERICAL => {
+                Self::Spherical { swing_limit: def.swing_limit, twist_limits: limits, motor: def.spherical_motor.try_into()? }
+            }
+            LS_JOINT_DISTANCE => Self::Distance {
+                limits,
+                spring_length: (def.has_spring != 0).then_some(def.spring_length),
+                motor: def.motor.try_into()?,
+            },
+            LS_JOINT_PRISMATIC => Self::Prismatic { limits, motor: def.motor.try_into()? },
+            LS_JOINT_GENERIC => Self::Generic { linear: axes(def.linear_axes)?, angular: axes(def.angular_axes)? },
+            _ => return Err(enums::unknown("kind")),
+        })
+    }
+}
+
+fn axes([x, y, z]: [LsAxis; 3]) -> Outcome<[Axis; 3]> {
+    let axis = |axis: LsAxis| Ok::<_, Failure>(Axis { limits: axis.limits.into(), motor: axis.motor.try_into()? });
+    Ok([axis(x)?, axis(y)?, axis(z)?])
+}
+
+impl TryFrom<&JointDef> for LsJointDef {
+    type Error = Failure;
+    fn try_from(def: &JointDef) -> Outcome<Self> {
+        let mut c = Self {
+            body_a: def.body_a.into(),
+            body_b: def.body_b.into(),
+            frame_a: def.frame_a.into(),
+            frame_b: def.frame_b.into(),
+            linear: def.linear.into(),
+            angular: def.angular.into(),
+            limit: def.limit.into(),
+            break_force: def.break_force,
+            break_torque: def.break_torque,
+            collide_connected: def.collide_connected.into(),
+            user_word: def.user_word,
+            ..Self::default()
+        };
+        c.set_kind(&def.kind)?;
+        Ok(c)
+    }
+}
+
+impl LsJointDef {
+    fn set_kind(&mut self, kind: &JointKind) -> Outcome<()> {
+        match *kind {
+            JointKind::Fixed => self.kind = LS_JOINT_FIXED,
+            JointKind::Hinge { limits, motor } => {
+                (self.kind, self.limits, self.motor) = (LS_JOINT_HINGE, limits.into(), motor.into());
+            }
+            JointKind::Prismatic { limits, motor } => {
+                (self.kind, self.limits, self.motor) = (LS_JOINT_PRISMATIC, limits.into(), motor.into());
+            }
+            JointKind::Spherical { swing_limit, twist_limits, motor } => {
+                (self.kind, self.swing_limit, self.limits) = (LS_JOINT_SPHERICAL, swing_limit, twist_limits.into());
+                self.spherical_motor = motor.into();
+            }
+            JointKind::Distance { limits, spring_length, motor } => {
+                (self.kind, self.limits, self.motor) = (LS_JOINT_DISTANCE, limits.into(), motor.into());
+                self.has_spring = spring_length.is_some().into();
+                self.spring_length = spring_length.unwrap_or(0.0);
+            }
+            JointKind::Generic { linear, angular } => {
+                self.kind = LS_JOINT_GENERIC;
+                self.linear_axes = linear.map(LsAxis::from);
+                self.angular_axes = angular.map(LsAxis::from);
+            }
+            _ => return Err(Failure::Refused(LS_ERROR_UNSUPPORTED, "joint", "is of a kind that C cannot describe")),
+        }
+        Ok(())
+    }
+}
+
+impl From<LsSoftness> for Softness {
+    fn from(softness: LsSoftness) -> Self {
+        Self { compliance: softness.compliance, damping: softness.damping }
+    }
+}
+
+impl From<Softness> for LsSoftness {
+    fn from(softness: Softness) -> Self {
+        Self { compliance: softness.compliance, damping: softness.damping }
+    }
+}
+
+impl From<LsLimits> for Limits {
+    fn from(limits: LsLimits) -> Self {
+        Self { min: limits.min, max: limits.max }
+    }
+}
+
+impl From<Limits> for LsLimits {
+    fn from(limits: Limits) -> Self {
+        Self { min: limits.min, max: limits.max }
+    }
+}
+
+impl From<Axis> for LsAxis {
+    fn from(axis: Axis) -> Self {
+        Self { limits: axis.limits.into(), motor: axis.motor.into() }
+    }
+}
+
+impl TryFrom<LsMotor> for Motor {
+    type Error = Failure;
+    fn try_from(motor: LsMotor) -> Outcome<Self> {
+        let LsMotor { mode, target, softness, max_force } = motor;
+        match mode {
+            LS_MOTOR_OFF => Ok(Self::Off),
+            LS_MOTOR_VELOCITY => Ok(Self::Velocity { target, max_force }),
+            LS_MOTOR_POSITION => Ok(Self::Position { target, softness: softness.into(), max_force }),
+            _ => Err(enums::unknown("motor.mode")),
+        }
+    }
+}
+
+impl From<Motor> for LsMotor {
+    fn from(motor: Motor) -> Self {
+        let rigid = Softness::RIGID.into();
+        match motor {
+            Motor::Off => Self { mode: LS_MOTOR_OFF, target: 0.0, softness: rigid, max_force: f32::INFINITY },
+            Motor::Velocity { target, max_force } => Self { mode: LS_MOTOR_VELOCITY, target, softness: rigid, max_force },
+            Motor::Position { target, softness, max_force } => {
+                Self { mode: LS_MOTOR_POSITION, target, softness: softness.into(), max_force }
+            }
+        }
+    }
+}
+
+impl TryFrom<LsSphericalMotor> for SphericalMotor {
+    type Error = Failure;
+    fn try_from(motor: LsSphericalMotor) -> Outcome<Self> {
+        let LsSphericalMotor { mode, target_velocity, target_rotation, softness, max_torque } = motor;
+        match mode {
+            LS_MOTOR_OFF => Ok(Self::Off),
+            LS_MOTOR_VELOCITY => Ok(Self::Velocity { target: Vec3::from_array(target_velocity), max_torque }),
+            LS_MOTOR_POSITION => {
+                Ok(Self::Position { target: Quat::from_array(target_rotation), softness: softness.into(), max_torque })
+            }
+            _ => Err(enums::unknown("spherical_motor.mode")),
+        }
+    }
+}
+
+impl From<SphericalMotor> for LsSphericalMotor {
+    fn from(motor: SphericalMotor) -> Self {
+        let off = Self {
+            mode: LS_MOTOR_OFF,
+            target_velocity: [0.0; 3],
+            target_rotation: Quat::IDENTITY.to_array(),
+            softness: Softness::RIGID.into(),
+            max_torque: f32::INFINITY,
+        };
+        match motor {
+            SphericalMotor::Off => off,
+            SphericalMotor::Velocity { target, max_torque } => {
+                Self { mode: LS_MOTOR_VELOCITY, target_velocity: target.to_array(), max_torque, ..off }
+            }
+            SphericalMotor::Position { target, softness, max_torque } => {
+                Self { mode: LS_MOTOR_POSITION, target_rotation: target.to_array(), softness: softness.into(), max_torque, ..off }
+            }
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Arrays of the last step in C's layout.
+//!
+//! Each is converted when it is first asked for, and stays where it is until the next step: that is how long the host may read
+//! it. A world whose host never asks pays nothing.
+
+use std::sync::{Mutex, PoisonError};
+
+use crate::events::{LsContactPair, LsJointOverload, LsMoved};
+use crate::handle::LsBody;
+
+#[derive(Default)]
+pub(crate) struct Published {
+    pub moved: Array<LsMoved>,
+    pub contact_began: Array<LsContactPair>,
+    pub contact_ended: Array<LsContactPair>,
+    pub overloaded: Array<LsJointOverload>,
+    pub quarantined: Array<LsBody>,
+}
+
+impl Published {
+    /// The arrays handed out so far end here.
+    pub(crate) fn expire(&mut self) {
+        self.moved.expire();
+        self.contact_began.expire();
+        self.contact_ended.expire();
+        self.overloaded.expire();
+        self.quarantined.expire();
+    }
+}
+
+pub(crate) struct Array<T>(Mutex<Content<T>>);
+
+struct Content<T> {
+    current: bool,
+    elements: Vec<T>,
+}
+
+impl<T> Default for Array<T> {
+    fn default() -> Self {
+        Self(Mutex::new(Content { current: false, elements: Vec::new() }))
+    }
+}
+
+impl<T> Array<T> {
+    fn expire(&mut self) {
+        self.0.get_mut().unwrap_or_else(PoisonError::into_inner).current = false;
+    }
+
+    /// Where the elements are, and how many; filled from `source` if that has not happened since the last step.
+    pub(crate) fn get(&self, source: impl Iterator<Item = T>) -> (*const T, usize) {
+        let mut content = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if !content.current {
+            content.elements.clear();
+            content.elements.extend(source);
+            content.current = true;
+        }
+        (content.elements.as_ptr(), content.elements.len())
+    }
+}

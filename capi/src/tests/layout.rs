@@ -1,0 +1,165 @@
+//! What C sees is what Rust sees: sizes and offsets of every struct, as the compiler of C says, and as version 1 promises.
+
+use std::fmt::Write as _;
+use std::mem::offset_of;
+use std::path::Path;
+use std::process::Command;
+
+use crate::body_def::*;
+use crate::events::*;
+use crate::handle::*;
+use crate::joint::*;
+use crate::joint_def::*;
+use crate::math::*;
+use crate::report::*;
+use crate::shape_def::*;
+use crate::version::*;
+use crate::world_def::*;
+
+/// Size, alignment and offsets of one struct; does not compile if a field is left out.
+struct Layout {
+    name: &'static str,
+    size: usize,
+    align: usize,
+    fields: Vec<(&'static str, usize, usize)>,
+}
+
+macro_rules! layouts {
+    ($($name:ident { $($field:ident),* })*) => {
+        vec![$({
+            fn size_of_field<T>(_: impl FnOnce(&$name) -> &T) -> usize {
+                size_of::<T>()
+            }
+            let _complete = |value: $name| {
+                let $name { $($field: _),* } = value;
+            };
+            Layout {
+                name: stringify!($name),
+                size: size_of::<$name>(),
+                align: align_of::<$name>(),
+                fields: vec![$((
+                    stringify!($field),
+                    offset_of!($name, $field),
+                    size_of_field(|value| &value.$field),
+                )),*],
+            }
+        }),*]
+    };
+}
+
+fn layouts() -> Vec<Layout> {
+    layouts! {
+        LsVersion { major, minor, patch, abi }
+        LsWorld { id }
+        LsBody { id }
+        LsShape { id }
+        LsJoint { id }
+        LsPose { position, rotation }
+        LsMaterial { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule }
+        LsCollisionFilter { member_of, collides_with }
+        LsShapeDef {
+            struct_size, kind, half_extents, half_height, radius, normal, points, point_count, triangles, triangle_count,
+            heights, height_count, rows, columns, size_x, size_z, parts, part_count, local_position, local_rotation, density,
+            material, filter, user_word
+        }
+        LsMassProperties { mass, center_of_mass, principal_inertia, inertia_frame }
+        LsMass { kind, properties }
+        LsBodyDef {
+            struct_size, kind, pose, linear_velocity, angular_velocity, mass, linear_damping, angular_damping, gravity_scale,
+            locked_axes, can_sleep, fast, user_word, shapes, shape_count
+        }
+        LsSoftness { compliance, damping }
+        LsLimits { min, max }
+        LsMotor { mode, target, softness, max_force }
+        LsSphericalMotor { mode, target_velocity, target_rotation, softness, max_torque }
+        LsAxis { limits, motor }
+        LsJointDef {
+            struct_size, kind, body_a, body_b, frame_a, frame_b, linear, angular, limit, limits, swing_limit, spring_length,
+            has_spring, break_force, break_torque, collide_connected, user_word, motor, spherical_motor, linear_axes,
+            angular_axes
+        }
+        LsJointState { position, velocity, force, torque, gap }
+        LsSleepSettings { enabled, linear_speed, angular_speed, time }
+        LsWorldDef {
+            struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_threshold, body_capacity,
+            joint_capacity, reserved
+        }
+        LsStepReport {
+            step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
+            joints, batches, colors, moved, joint_gap, penetration, broad_phase_time, narrow_phase_time, island_time,
+            solve_time, finish_time, total_time
+        }
+        LsMoved { body, user_word, pose, linear_velocity, angular_velocity, fell_asleep, reserved }
+        LsContactPair { shape_a, shape_b, body_a, body_b }
+        LsContactPoint { position, separation, normal_force }
+        LsContact { pair, normal, friction_force, point_count, reserved, points }
+        LsJointOverload { joint, user_word, force, torque }
+    }
+}
+
+#[test]
+fn no_struct_has_hidden_padding() {
+    for Layout { name, size, fields, .. } in layouts() {
+        let mut end = 0;
+        for (field, offset, field_size) in fields {
+            assert_eq!(offset, end, "{name} has {} bytes of padding before {field}", offset - end);
+            end = offset + field_size;
+        }
+        assert_eq!(size, end, "{name} has {} bytes of padding at its end", size - end);
+    }
+}
+
+#[test]
+fn structs_have_the_sizes_that_version_1_promises() {
+    let promised = [
+        ("LsWorld", 8),
+        ("LsPose", 40),
+        ("LsMaterial", 24),
+        ("LsMass", 48),
+        ("LsShapeDef", 192),
+        ("LsBodyDef", 168),
+        ("LsMotor", 20),
+        ("LsSphericalMotor", 44),
+        ("LsAxis", 28),
+        ("LsJointDef", 400),
+        ("LsJointState", 36),
+        ("LsWorldDef", 64),
+        ("LsStepReport", 96),
+        ("LsMoved", 88),
+        ("LsContactPair", 32),
+        ("LsContact", 192),
+        ("LsJointOverload", 24),
+    ];
+    for (name, size) in promised {
+        let layout = layouts().into_iter().find(|layout| layout.name == name).expect("the list of layouts is complete");
+        assert_eq!(layout.size, size, "size of {name} in bytes");
+    }
+}
+
+#[test]
+fn the_compiler_of_c_agrees_on_every_offset() {
+    let mut source = String::from("#include <stddef.h>\n#include \"longspan/longspan.h\"\n");
+    let mut checks = 0;
+    let mut check = |expression: String, value: usize| {
+        checks += 1;
+        let _ = writeln!(source, "typedef char check_{checks}[({expression}) == {value} ? 1 : -1];");
+    };
+    for Layout { name, size, align, fields } in layouts() {
+        check(format!("sizeof({name})"), size);
+        check(format!("offsetof(struct {{ char c; {name} s; }}, s)"), align);
+        for (field, offset, field_size) in fields {
+            check(format!("offsetof({name}, {field})"), offset);
+            check(format!("sizeof((({name} *)0)->{field})"), field_size);
+        }
+    }
+    let folder = std::env::temp_dir().join(format!("longspan-layout-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a temporary folder can be made");
+    let file = folder.join("layout.c");
+    std::fs::write(&file, source).expect("a temporary file can be written");
+    let include = Path::new(env!("CARGO_MANIFEST_DIR")).join("../include");
+    let output = Command::new("cc").args(["-std=c99", "-fsyntax-only", "-I"]).arg(include).arg(&file).output();
+    let output = output.expect("a C compiler is there");
+    std::fs::remove_dir_all(&folder).expect("the temporary folder can be removed");
+    assert!(checks > 300, "only {checks} checks");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}

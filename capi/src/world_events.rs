@@ -1,0 +1,187 @@
+//! The step, and what it tells: arrays to read until the next one, and callbacks.
+
+use std::ffi::c_void;
+
+use crate::access::{Hosted, edit_hosted, edit_then_call_back, read_hosted};
+use crate::boundary::call;
+use crate::events::{LsContactPair, LsJointOverload, LsMoved};
+use crate::float_environment::as_host;
+use crate::handle::{LsBody, LsWorld};
+use crate::last_error::Message;
+use crate::log;
+use crate::pointer::{Out, host};
+use crate::result::{LsResult, Outcome};
+
+/// Receives the joints that a step overloaded, one call each, in the order of ls_world_overloaded.
+///
+/// Called after the solve on the thread that steps, under its own floating-point settings. It must return normally (no
+/// exception, no longjmp). Inside it, reads of the world work, on other threads too; edits return LS_ERROR_WORLD_LOCKED.
+/// @param world     the world that steps
+/// @param overload  the joint and its load, valid during the call
+/// @param user      as given to ls_world_overload_callback_set
+pub type LsOverloadCallback = Option<unsafe extern "C" fn(world: LsWorld, overload: *const LsJointOverload, user: *mut c_void)>;
+
+pub(crate) struct OverloadHandler {
+    callback: unsafe extern "C" fn(LsWorld, *const LsJointOverload, *mut c_void),
+    user: *mut c_void,
+}
+
+// SAFETY: the pointer is only handed back, and the header says that this happens on the thread that steps.
+unsafe impl Send for OverloadHandler {}
+// SAFETY: as above.
+unsafe impl Sync for OverloadHandler {}
+
+/// Steps a world by dt, then calls its callbacks.
+///
+/// A body whose state became NaN or infinite is taken out of the simulation (ls_world_quarantined); the rest goes on.
+/// @param world  the world; any value is safe
+/// @param dt     step (s), greater than 0, at most 1; the same each time gives the best results, 1/60 is usual
+/// @return LS_OK, a world error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_PANIC
+/// Threads: edit; reads become possible while the callbacks run. Callbacks: LS_ERROR_WORLD_LOCKED; another world may be stepped.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_world_step(world: LsWorld, dt: f32) -> LsResult {
+    call("ls_world_step", || {
+        let step = |hosted: &mut Hosted| {
+            hosted.world.step(dt)?;
+            hosted.published.expire();
+            Ok(())
+        };
+        edit_then_call_back(world, step, |hosted| call_back(world, hosted))
+    })
+}
+
+fn call_back(world: LsWorld, hosted: &Hosted) {
+    for &body in hosted.world.quarantined() {
+        let id = LsBody::from(body).id;
+        let message = Message::new(format_args!("ls_world_step: body {id:#x} is no longer finite and was quarantined"));
+        log::emit(log::LS_LOG_WARNING, &message);
+    }
+    if let Some(OverloadHandler { callback, user }) = hosted.overload_handler {
+        for overload in hosted.world.overloaded().iter().map(LsJointOverload::from) {
+            // SAFETY: the host promised a function of this type that accepts its own pointer.
+            as_host(|| unsafe { callback(world, &raw const overload, user) });
+        }
+    }
+}
+
+/// Sets the function that receives overloaded joints; at the start there is none.
+///
+/// @param world     the world; any value is safe
+/// @param callback  called by ls_world_step; NULL for none
+/// @param user      handed back to the callback; must stay valid until another callback is set or the world is destroyed
+/// @return LS_OK, a world error
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_overload_callback_set(
+    world: LsWorld,
+    callback: LsOverloadCallback,
+    user: *mut c_void,
+) -> LsResult {
+    call("ls_world_overload_callback_set", || {
+        edit_hosted(world, |hosted| {
+            hosted.overload_handler = callback.map(|callback| OverloadHandler { callback, user });
+            Ok(())
+        })
+    })
+}
+
+/// Bodies that moved in the last step, with their poses and velocities.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_moved(world: LsWorld, out: *mut *const LsMoved, count: *mut usize) -> LsResult {
+    call("ls_world_moved", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, |hosted| hosted.published.moved.get(hosted.world.moved().iter().map(LsMoved::from)))
+    })
+}
+
+/// Pairs of shapes that began to touch in the last step.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_contact_began(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
+    call("ls_world_contact_began", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, |hosted| {
+            hosted.published.contact_began.get(hosted.world.contact_began().iter().map(LsContactPair::from))
+        })
+    })
+}
+
+/// Pairs of shapes that ceased to touch in the last step, or were destroyed since the step before while they touched.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_contact_ended(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
+    call("ls_world_contact_ended", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, |hosted| {
+            hosted.published.contact_ended.get(hosted.world.contact_ended().iter().map(LsContactPair::from))
+        })
+    })
+}
+
+/// Joints that carried more than their break_force or break_torque in the last step. They are reported, not removed.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_overloaded(world: LsWorld, out: *mut *const LsJointOverload, count: *mut usize) -> LsResult {
+    call("ls_world_overloaded", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, |hosted| {
+            hosted.published.overloaded.get(hosted.world.overloaded().iter().map(LsJointOverload::from))
+        })
+    })
+}
+
+/// Bodies that the last step took out of the simulation because their state became NaN or infinite.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_quarantined(world: LsWorld, out: *mut *const LsBody, count: *mut usize) -> LsResult {
+    call("ls_world_quarantined", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, |hosted| {
+            hosted.published.quarantined.get(hosted.world.quarantined().iter().copied().map(LsBody::from))
+        })
+    })
+}
+
+fn publish<T>(
+    world: LsWorld,
+    out: &Out<*const T>,
+    count: &Out<usize>,
+    array: impl FnOnce(&Hosted) -> (*const T, usize),
+) -> Outcome<()> {
+    read_hosted(world, |hosted| {
+        let (elements, len) = array(hosted);
+        out.write(elements)?;
+        count.write(len)
+    })
+}
