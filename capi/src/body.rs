@@ -28,7 +28,7 @@ pub unsafe extern "C" fn ls_body_create(world: LsWorld, def: *const LsBodyDef, o
     })
 }
 
-/// Destroys a body with its shapes and joints.
+/// Destroys a body with its shapes and joints, and wakes what touched it.
 ///
 /// @param world  the world; any value is safe
 /// @param body   a body of that world; any value is safe

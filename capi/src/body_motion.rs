@@ -22,7 +22,8 @@ pub unsafe extern "C" fn ls_body_pose_get(world: LsWorld, body: LsBody, out: *mu
     })
 }
 
-/// Puts a body somewhere else at once; velocities stay. To move a kinematic body so that it pushes, use ls_body_move_to.
+/// Puts a body somewhere else at once and wakes it and what it touched; velocities stay. To move a kinematic body so that it
+/// pushes, use ls_body_move_to.
 ///
 /// @param world  the world; any value is safe
 /// @param body   a body of that world; any value is safe
@@ -38,7 +39,8 @@ pub unsafe extern "C" fn ls_body_pose_set(world: LsWorld, body: LsBody, pose: *c
     })
 }
 
-/// Says where a kinematic body shall be at the end of the next step; it moves there with the velocity that takes.
+/// Says where a kinematic body shall be at the end of the next step; it moves there with the velocity that takes, and then
+/// stands still unless it is told again.
 ///
 /// @param world   the world; any value is safe
 /// @param body    a body of that world; any value is safe
@@ -194,7 +196,7 @@ pub unsafe extern "C" fn ls_body_add_torque(world: LsWorld, body: LsBody, torque
 /// @param body     a body of that world; any value is safe
 /// @param impulse  three floats (N s)
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
-///         LS_ERROR_NOT_FINITE
+///         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE (beyond 1e4 m/s or rad/s)
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 /// cbindgen:ptrs-as-arrays=[[impulse;3]]
 #[unsafe(no_mangle)]
@@ -234,7 +236,7 @@ pub unsafe extern "C" fn ls_body_add_impulse_at(
 /// @param body     a body of that world; any value is safe
 /// @param impulse  three floats (N m s)
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
-///         LS_ERROR_NOT_FINITE
+///         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE (beyond 1e4 m/s or rad/s)
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 /// cbindgen:ptrs-as-arrays=[[impulse;3]]
 #[unsafe(no_mangle)]

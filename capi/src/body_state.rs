@@ -106,7 +106,7 @@ pub extern "C" fn ls_body_can_sleep_set(world: LsWorld, body: LsBody, can_sleep:
     call("ls_body_can_sleep_set", || edit(world, |world| world.set_can_sleep(body.into(), can_sleep != 0)))
 }
 
-/// Whether a body is awake.
+/// Whether a body is awake; static and kinematic bodies always are.
 ///
 /// @param world  the world; any value is safe
 /// @param body   a body of that world; any value is safe
@@ -121,7 +121,7 @@ pub unsafe extern "C" fn ls_body_awake_get(world: LsWorld, body: LsBody, out: *m
     })
 }
 
-/// Wakes a body and all that it touches or is jointed to.
+/// Wakes a body and everything that fell asleep with it.
 ///
 /// @param world  the world; any value is safe
 /// @param body   a body of that world; any value is safe
@@ -132,7 +132,7 @@ pub extern "C" fn ls_body_wake(world: LsWorld, body: LsBody) -> LsResult {
     call("ls_body_wake", || edit(world, |world| world.wake(body.into())))
 }
 
-/// Puts a body to sleep with all that it touches or is jointed to.
+/// Puts a dynamic body to sleep with everything it touched or was jointed to in the last step.
 ///
 /// @param world  the world; any value is safe
 /// @param body   a body of that world; any value is safe
@@ -143,7 +143,7 @@ pub extern "C" fn ls_body_put_to_sleep(world: LsWorld, body: LsBody) -> LsResult
     call("ls_body_put_to_sleep", || edit(world, |world| world.put_to_sleep(body.into())))
 }
 
-/// Net force of all contacts on a body (N), mean over the last step.
+/// Net force of all contacts on a body in the last substep (N).
 ///
 /// @param world  the world; any value is safe
 /// @param body   a body of that world; any value is safe

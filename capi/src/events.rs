@@ -7,7 +7,7 @@ use ls_core::{Contact, ContactPair, JointOverload, Moved};
 use crate::handle::{LsBody, LsJoint, LsShape};
 use crate::math::LsPose;
 
-/// A body that moved in a step. The layout of this struct never changes.
+/// A body that moved in a step, or fell asleep at its end. The layout of this struct never changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct LsMoved {

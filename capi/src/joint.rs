@@ -43,7 +43,7 @@ impl From<JointState> for LsJointState {
     }
 }
 
-/// Creates a joint.
+/// Creates a joint between two bodies, or a body and the world; at least one must be dynamic.
 ///
 /// @param world  the world; any value is safe
 /// @param def    filled by ls_joint_def_init and changed as wanted; read during the call

@@ -66,10 +66,7 @@ pub unsafe extern "C" fn ls_world_report_get(world: LsWorld, out: *mut LsStepRep
 pub unsafe extern "C" fn ls_world_def_get(world: LsWorld, out: *mut LsWorldDef, size: usize) -> LsResult {
     call("ls_world_def_get", || {
         let out = host!(SizedOut::new, out, size);
-        read(world, |world| {
-            let gravity = world.gravity().to_array();
-            out.write_definition(&LsWorldDef { gravity, ..world.def().into() })
-        })
+        read(world, |world| out.write_definition(&world.def().into()))
     })
 }
 
@@ -145,7 +142,7 @@ pub unsafe extern "C" fn ls_world_body_count_get(world: LsWorld, out: *mut usize
     })
 }
 
-/// Number of awake bodies.
+/// Number of awake dynamic bodies.
 ///
 /// @param world  the world; any value is safe
 /// @param out    filled on LS_OK
@@ -233,7 +230,7 @@ pub unsafe extern "C" fn ls_world_joints_get(world: LsWorld, out: *mut LsJoint, 
     })
 }
 
-/// All contacts.
+/// All contacts of awake bodies.
 ///
 /// @param world     the world; any value is safe
 /// @param out       room for capacity contacts, filled on LS_OK; may be NULL if capacity is 0

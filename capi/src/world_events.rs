@@ -33,9 +33,9 @@ unsafe impl Sync for OverloadHandler {}
 
 /// Steps a world by dt, then calls its callbacks.
 ///
-/// A body whose state became NaN or infinite is taken out of the simulation (ls_world_quarantined); the rest goes on.
+/// A body that the step would have given a state that is NaN or infinite is quarantined (ls_world_quarantined); the rest goes on.
 /// @param world  the world; any value is safe
-/// @param dt     step (s), greater than 0, at most 1; the same each time gives the best results, 1/60 is usual
+/// @param dt     step (s), 1e-6 to 1; the same each time gives the best results, 1/60 is usual
 /// @return LS_OK, a world error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_PANIC
 /// Threads: edit; reads become possible while the callbacks run. Callbacks: LS_ERROR_WORLD_LOCKED; another world may be stepped.
 #[unsafe(no_mangle)]
@@ -85,7 +85,7 @@ pub unsafe extern "C" fn ls_world_overload_callback_set(
     })
 }
 
-/// Bodies that moved in the last step, with their poses and velocities.
+/// Bodies that moved in the last step, with their poses and velocities, those that fell asleep at its end included.
 ///
 /// @param world  the world; any value is safe
 /// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
@@ -119,7 +119,7 @@ pub unsafe extern "C" fn ls_world_contact_began(world: LsWorld, out: *mut *const
     })
 }
 
-/// Pairs of shapes that ceased to touch in the last step, or were destroyed since the step before while they touched.
+/// Pairs of shapes that ceased to touch in the last step.
 ///
 /// @param world  the world; any value is safe
 /// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
@@ -155,7 +155,8 @@ pub unsafe extern "C" fn ls_world_overloaded(world: LsWorld, out: *mut *const Ls
     })
 }
 
-/// Bodies that the last step took out of the simulation because their state became NaN or infinite.
+/// Bodies that the last step would have given a state that is NaN or infinite. They stay where they were, without contacts, until
+/// the host gives them a pose or velocity.
 ///
 /// @param world  the world; any value is safe
 /// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its

@@ -649,7 +649,7 @@ typedef struct LsJointOverload {
  */
 typedef void (*LsOverloadCallback)(struct LsWorld world, const struct LsJointOverload *overload, void *user);
 
-/** A body that moved in a step. The layout of this struct never changes. */
+/** A body that moved in a step, or fell asleep at its end. The layout of this struct never changes. */
 typedef struct LsMoved {
     /** The body. */
     struct LsBody body;
@@ -887,7 +887,6 @@ LsResult ls_world_def_get(LsWorld world, LsWorldDef *out, size_t size);
  * @param out    three floats, filled on LS_OK
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
- *
  */
 LsResult ls_world_gravity_get(LsWorld world, float out[3]);
 
@@ -898,7 +897,6 @@ LsResult ls_world_gravity_get(LsWorld world, float out[3]);
  * @param gravity  three finite floats
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
- *
  */
 LsResult ls_world_gravity_set(LsWorld world, const float gravity[3]);
 
@@ -933,7 +931,7 @@ LsResult ls_world_step_count_get(LsWorld world, uint64_t *out);
 LsResult ls_world_body_count_get(LsWorld world, size_t *out);
 
 /**
- * Number of awake bodies.
+ * Number of awake dynamic bodies.
  *
  * @param world  the world; any value is safe
  * @param out    filled on LS_OK
@@ -997,7 +995,7 @@ LsResult ls_world_bodies_get(LsWorld world, LsBody *out, size_t capacity, size_t
 LsResult ls_world_joints_get(LsWorld world, LsJoint *out, size_t capacity, size_t *count);
 
 /**
- * All contacts.
+ * All contacts of awake bodies.
  *
  * @param world     the world; any value is safe
  * @param out       room for capacity contacts, filled on LS_OK; may be NULL if capacity is 0
@@ -1023,14 +1021,13 @@ LsResult ls_world_poses_get(LsWorld world, const LsBody *bodies, size_t count, L
 /**
  * Steps a world by dt, then calls its callbacks.
  *
- * A body whose state became NaN or infinite is taken out of the simulation (ls_world_quarantined); the rest goes on.
+ * A body that the step would have given a state that is NaN or infinite is quarantined (ls_world_quarantined); the rest goes on.
  * @param world  the world; any value is safe
- * @param dt     step (s), greater than 0, at most 1; the same each time gives the best results, 1/60 is usual
+ * @param dt     step (s), 1e-6 to 1; the same each time gives the best results, 1/60 is usual
  * @return LS_OK, a world error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_PANIC
  * Threads: edit; reads become possible while the callbacks run. Callbacks: LS_ERROR_WORLD_LOCKED; another world may be stepped.
  */
-LsResult ls_world_step(LsWorld world,
-                       float dt);
+LsResult ls_world_step(LsWorld world, float dt);
 
 /**
  * Sets the function that receives overloaded joints; at the start there is none.
@@ -1044,7 +1041,7 @@ LsResult ls_world_step(LsWorld world,
 LsResult ls_world_overload_callback_set(LsWorld world, LsOverloadCallback callback, void *user);
 
 /**
- * Bodies that moved in the last step, with their poses and velocities.
+ * Bodies that moved in the last step, with their poses and velocities, those that fell asleep at its end included.
  *
  * @param world  the world; any value is safe
  * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
@@ -1053,9 +1050,7 @@ LsResult ls_world_overload_callback_set(LsWorld world, LsOverloadCallback callba
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_moved(LsWorld world,
-                        const LsMoved **out,
-                        size_t *count);
+LsResult ls_world_moved(LsWorld world, const LsMoved **out, size_t *count);
 
 /**
  * Pairs of shapes that began to touch in the last step.
@@ -1067,12 +1062,10 @@ LsResult ls_world_moved(LsWorld world,
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_contact_began(LsWorld world,
-                                const LsContactPair **out,
-                                size_t *count);
+LsResult ls_world_contact_began(LsWorld world, const LsContactPair **out, size_t *count);
 
 /**
- * Pairs of shapes that ceased to touch in the last step, or were destroyed since the step before while they touched.
+ * Pairs of shapes that ceased to touch in the last step.
  *
  * @param world  the world; any value is safe
  * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
@@ -1081,9 +1074,7 @@ LsResult ls_world_contact_began(LsWorld world,
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_contact_ended(LsWorld world,
-                                const LsContactPair **out,
-                                size_t *count);
+LsResult ls_world_contact_ended(LsWorld world, const LsContactPair **out, size_t *count);
 
 /**
  * Joints that carried more than their break_force or break_torque in the last step. They are reported, not removed.
@@ -1095,12 +1086,11 @@ LsResult ls_world_contact_ended(LsWorld world,
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_overloaded(LsWorld world,
-                             const LsJointOverload **out,
-                             size_t *count);
+LsResult ls_world_overloaded(LsWorld world, const LsJointOverload **out, size_t *count);
 
 /**
- * Bodies that the last step took out of the simulation because their state became NaN or infinite.
+ * Bodies that the last step would have given a state that is NaN or infinite. They stay where they were, without contacts, until
+ * the host gives them a pose or velocity.
  *
  * @param world  the world; any value is safe
  * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
@@ -1109,9 +1099,7 @@ LsResult ls_world_overloaded(LsWorld world,
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_quarantined(LsWorld world,
-                              const LsBody **out,
-                              size_t *count);
+LsResult ls_world_quarantined(LsWorld world, const LsBody **out, size_t *count);
 
 /* Bodies ---------------------------------------------------------------------------------------------------------- */
 
@@ -1126,12 +1114,10 @@ LsResult ls_world_quarantined(LsWorld world,
  *         LS_ERROR_NOT_APPLICABLE, LS_ERROR_CAPACITY_EXCEEDED
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_create(LsWorld world,
-                        const LsBodyDef *def,
-                        LsBody *out);
+LsResult ls_body_create(LsWorld world, const LsBodyDef *def, LsBody *out);
 
 /**
- * Destroys a body with its shapes and joints.
+ * Destroys a body with its shapes and joints, and wakes what touched it.
  *
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe
@@ -1184,11 +1170,7 @@ LsResult ls_body_user_word_set(LsWorld world, LsBody body, uint64_t word);
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_body_shapes_get(LsWorld world,
-                            LsBody body,
-                            LsShape *out,
-                            size_t capacity,
-                            size_t *count);
+LsResult ls_body_shapes_get(LsWorld world, LsBody body, LsShape *out, size_t capacity, size_t *count);
 
 /**
  * All joints of a body.
@@ -1201,11 +1183,7 @@ LsResult ls_body_shapes_get(LsWorld world,
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_body_joints_get(LsWorld world,
-                            LsBody body,
-                            LsJoint *out,
-                            size_t capacity,
-                            size_t *count);
+LsResult ls_body_joints_get(LsWorld world, LsBody body, LsJoint *out, size_t capacity, size_t *count);
 
 /**
  * Frame of a body in the world.
@@ -1219,7 +1197,8 @@ LsResult ls_body_joints_get(LsWorld world,
 LsResult ls_body_pose_get(LsWorld world, LsBody body, LsPose *out);
 
 /**
- * Puts a body somewhere else at once; velocities stay. To move a kinematic body so that it pushes, use ls_body_move_to.
+ * Puts a body somewhere else at once and wakes it and what it touched; velocities stay. To move a kinematic body so that it
+ * pushes, use ls_body_move_to.
  *
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe
@@ -1231,7 +1210,8 @@ LsResult ls_body_pose_get(LsWorld world, LsBody body, LsPose *out);
 LsResult ls_body_pose_set(LsWorld world, LsBody body, const LsPose *pose);
 
 /**
- * Says where a kinematic body shall be at the end of the next step; it moves there with the velocity that takes.
+ * Says where a kinematic body shall be at the end of the next step; it moves there with the velocity that takes, and then
+ * stands still unless it is told again.
  *
  * @param world   the world; any value is safe
  * @param body    a body of that world; any value is safe
@@ -1250,7 +1230,6 @@ LsResult ls_body_move_to(LsWorld world, LsBody body, const LsPose *target);
  * @param out    three doubles, filled on LS_OK
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
- *
  */
 LsResult ls_body_center_of_mass_get(LsWorld world, LsBody body, double out[3]);
 
@@ -1262,7 +1241,6 @@ LsResult ls_body_center_of_mass_get(LsWorld world, LsBody body, double out[3]);
  * @param out    three floats, filled on LS_OK
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
- *
  */
 LsResult ls_body_linear_velocity_get(LsWorld world, LsBody body, float out[3]);
 
@@ -1275,7 +1253,6 @@ LsResult ls_body_linear_velocity_get(LsWorld world, LsBody body, float out[3]);
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
- *
  */
 LsResult ls_body_linear_velocity_set(LsWorld world, LsBody body, const float velocity[3]);
 
@@ -1287,7 +1264,6 @@ LsResult ls_body_linear_velocity_set(LsWorld world, LsBody body, const float vel
  * @param out    three floats, filled on LS_OK
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
- *
  */
 LsResult ls_body_angular_velocity_get(LsWorld world, LsBody body, float out[3]);
 
@@ -1300,7 +1276,6 @@ LsResult ls_body_angular_velocity_get(LsWorld world, LsBody body, float out[3]);
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
- *
  */
 LsResult ls_body_angular_velocity_set(LsWorld world, LsBody body, const float velocity[3]);
 
@@ -1313,7 +1288,6 @@ LsResult ls_body_angular_velocity_set(LsWorld world, LsBody body, const float ve
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
  *         LS_ERROR_NOT_FINITE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
- *
  */
 LsResult ls_body_add_force(LsWorld world, LsBody body, const float force[3]);
 
@@ -1327,7 +1301,6 @@ LsResult ls_body_add_force(LsWorld world, LsBody body, const float force[3]);
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
- *
  */
 LsResult ls_body_add_force_at(LsWorld world, LsBody body, const float *force, const double *point);
 
@@ -1340,7 +1313,6 @@ LsResult ls_body_add_force_at(LsWorld world, LsBody body, const float *force, co
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
  *         LS_ERROR_NOT_FINITE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
- *
  */
 LsResult ls_body_add_torque(LsWorld world, LsBody body, const float torque[3]);
 
@@ -1351,9 +1323,8 @@ LsResult ls_body_add_torque(LsWorld world, LsBody body, const float torque[3]);
  * @param body     a body of that world; any value is safe
  * @param impulse  three floats (N s)
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
- *         LS_ERROR_NOT_FINITE
+ *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE (beyond 1e4 m/s or rad/s)
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
- *
  */
 LsResult ls_body_add_impulse(LsWorld world, LsBody body, const float impulse[3]);
 
@@ -1367,7 +1338,6 @@ LsResult ls_body_add_impulse(LsWorld world, LsBody body, const float impulse[3])
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
- *
  */
 LsResult ls_body_add_impulse_at(LsWorld world, LsBody body, const float *impulse, const double *point);
 
@@ -1378,9 +1348,8 @@ LsResult ls_body_add_impulse_at(LsWorld world, LsBody body, const float *impulse
  * @param body     a body of that world; any value is safe
  * @param impulse  three floats (N m s)
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
- *         LS_ERROR_NOT_FINITE
+ *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE (beyond 1e4 m/s or rad/s)
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
- *
  */
 LsResult ls_body_add_angular_impulse(LsWorld world, LsBody body, const float impulse[3]);
 
@@ -1465,7 +1434,7 @@ LsResult ls_body_fast_set(LsWorld world, LsBody body, uint32_t fast);
 LsResult ls_body_can_sleep_set(LsWorld world, LsBody body, uint32_t can_sleep);
 
 /**
- * Whether a body is awake.
+ * Whether a body is awake; static and kinematic bodies always are.
  *
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe
@@ -1476,7 +1445,7 @@ LsResult ls_body_can_sleep_set(LsWorld world, LsBody body, uint32_t can_sleep);
 LsResult ls_body_awake_get(LsWorld world, LsBody body, uint32_t *out);
 
 /**
- * Wakes a body and all that it touches or is jointed to.
+ * Wakes a body and everything that fell asleep with it.
  *
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe
@@ -1486,7 +1455,7 @@ LsResult ls_body_awake_get(LsWorld world, LsBody body, uint32_t *out);
 LsResult ls_body_wake(LsWorld world, LsBody body);
 
 /**
- * Puts a body to sleep with all that it touches or is jointed to.
+ * Puts a dynamic body to sleep with everything it touched or was jointed to in the last step.
  *
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe
@@ -1496,14 +1465,13 @@ LsResult ls_body_wake(LsWorld world, LsBody body);
 LsResult ls_body_put_to_sleep(LsWorld world, LsBody body);
 
 /**
- * Net force of all contacts on a body (N), mean over the last step.
+ * Net force of all contacts on a body in the last substep (N).
  *
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe
  * @param out    three floats, filled on LS_OK
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
- *
  */
 LsResult ls_body_contact_force_get(LsWorld world, LsBody body, float out[3]);
 
@@ -1518,11 +1486,7 @@ LsResult ls_body_contact_force_get(LsWorld world, LsBody body, float out[3]);
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_body_contacts_get(LsWorld world,
-                              LsBody body,
-                              LsContact *out,
-                              size_t capacity,
-                              size_t *count);
+LsResult ls_body_contacts_get(LsWorld world, LsBody body, LsContact *out, size_t capacity, size_t *count);
 
 /* Shapes ---------------------------------------------------------------------------------------------------------- */
 
@@ -1599,7 +1563,7 @@ LsResult ls_shape_filter_set(LsWorld world, LsShape shape, const LsCollisionFilt
 /* Joints ---------------------------------------------------------------------------------------------------------- */
 
 /**
- * Creates a joint.
+ * Creates a joint between two bodies, or a body and the world; at least one must be dynamic.
  *
  * @param world  the world; any value is safe
  * @param def    filled by ls_joint_def_init and changed as wanted; read during the call
@@ -1609,9 +1573,7 @@ LsResult ls_shape_filter_set(LsWorld world, LsShape shape, const LsCollisionFilt
  *         LS_ERROR_CAPACITY_EXCEEDED
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_joint_create(LsWorld world,
-                         const LsJointDef *def,
-                         LsJoint *out);
+LsResult ls_joint_create(LsWorld world, const LsJointDef *def, LsJoint *out);
 
 /**
  * Destroys a joint.
