@@ -90,18 +90,18 @@ pub unsafe extern "C" fn ls_body_linear_velocity_get(world: LsWorld, body: LsBod
 
 /// Sets the velocity of a body's centre of mass (m/s).
 ///
-/// @param world     the world; any value is safe
-/// @param body      a body of that world; any value is safe
-/// @param velocity  three floats (m/s), together at most 1e4
+/// @param world            the world; any value is safe
+/// @param body             a body of that world; any value is safe
+/// @param linear_velocity  three floats (m/s), together at most 1e4
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
 ///         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
-/// cbindgen:ptrs-as-arrays=[[velocity;3]]
+/// cbindgen:ptrs-as-arrays=[[linear_velocity;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_body_linear_velocity_set(world: LsWorld, body: LsBody, velocity: *const f32) -> LsResult {
+pub unsafe extern "C" fn ls_body_linear_velocity_set(world: LsWorld, body: LsBody, linear_velocity: *const f32) -> LsResult {
     call("ls_body_linear_velocity_set", || {
-        let velocity = host!(vector, velocity);
-        edit(world, |world| world.set_linear_velocity(body.into(), velocity))
+        let linear_velocity = host!(vector, linear_velocity);
+        edit(world, |world| world.set_linear_velocity(body.into(), linear_velocity))
     })
 }
 
@@ -123,18 +123,18 @@ pub unsafe extern "C" fn ls_body_angular_velocity_get(world: LsWorld, body: LsBo
 
 /// Sets the angular velocity of a body, world axes (rad/s).
 ///
-/// @param world     the world; any value is safe
-/// @param body      a body of that world; any value is safe
-/// @param velocity  three floats (rad/s), together at most 1e4
+/// @param world             the world; any value is safe
+/// @param body              a body of that world; any value is safe
+/// @param angular_velocity  three floats (rad/s), together at most 1e4
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
 ///         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
-/// cbindgen:ptrs-as-arrays=[[velocity;3]]
+/// cbindgen:ptrs-as-arrays=[[angular_velocity;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_body_angular_velocity_set(world: LsWorld, body: LsBody, velocity: *const f32) -> LsResult {
+pub unsafe extern "C" fn ls_body_angular_velocity_set(world: LsWorld, body: LsBody, angular_velocity: *const f32) -> LsResult {
     call("ls_body_angular_velocity_set", || {
-        let velocity = host!(vector, velocity);
-        edit(world, |world| world.set_angular_velocity(body.into(), velocity))
+        let angular_velocity = host!(vector, angular_velocity);
+        edit(world, |world| world.set_angular_velocity(body.into(), angular_velocity))
     })
 }
 

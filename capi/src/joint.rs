@@ -148,13 +148,13 @@ pub unsafe extern "C" fn ls_joint_softness_set(
 
 /// Sets the load at which a joint is reported as overloaded.
 ///
-/// @param world   the world; any value is safe
-/// @param joint   a joint of that world; any value is safe
-/// @param force   (N), >= 0, INFINITY for never
-/// @param torque  (N m), >= 0, INFINITY for never
+/// @param world         the world; any value is safe
+/// @param joint         a joint of that world; any value is safe
+/// @param break_force   (N), >= 0, INFINITY for never
+/// @param break_torque  (N m), >= 0, INFINITY for never
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]
-pub extern "C" fn ls_joint_break_set(world: LsWorld, joint: LsJoint, force: f32, torque: f32) -> LsResult {
-    call("ls_joint_break_set", || edit(world, |world| world.set_joint_break(joint.into(), force, torque)))
+pub extern "C" fn ls_joint_break_set(world: LsWorld, joint: LsJoint, break_force: f32, break_torque: f32) -> LsResult {
+    call("ls_joint_break_set", || edit(world, |world| world.set_joint_break(joint.into(), break_force, break_torque)))
 }

@@ -4,8 +4,9 @@ use std::fs;
 use std::path::Path;
 
 /// Where a new part of the header begins: its first function, and its name.
-const PARTS: [(&str, &str); 5] = [
+const PARTS: [(&str, &str); 6] = [
     ("ls_result_name", "The library"),
+    ("ls_shape_def_init", "Definitions"),
     ("ls_world_create", "Worlds"),
     ("ls_body_create", "Bodies"),
     ("ls_shape_attach", "Shapes"),

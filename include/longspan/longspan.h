@@ -25,10 +25,10 @@
  *   uint32_t: 0 is off, anything else is on. This header is for platforms with 64-bit pointers.
  *
  * Threads
- *   Calls on different worlds never disturb each other. Calls on one world, made at the same time on several threads:
+ *   Calls on different worlds never disturb each other. A call on a world that another thread is using at that moment gets:
  *
- *              beside a read          beside an edit         beside a step          beside the step's callbacks
- *     read     both work              LS_ERROR_WORLD_BUSY    LS_ERROR_WORLD_BUSY    works
+ *              during a read          during an edit         during a step          during the step's callbacks
+ *     read     LS_OK                  LS_ERROR_WORLD_BUSY    LS_ERROR_WORLD_BUSY    LS_OK
  *     edit     LS_ERROR_WORLD_BUSY    LS_ERROR_WORLD_BUSY    LS_ERROR_WORLD_BUSY    LS_ERROR_WORLD_BUSY
  *
  *   No call waits for another. "Threads: read" or "Threads: edit" at each function says what it is; stepping and destroying are
@@ -40,7 +40,7 @@
  *   Inside one, reads work, and edits of the world return LS_ERROR_WORLD_LOCKED ("Callbacks:" at each function).
  *
  * Failures inside the library
- *   None crosses into the host. A call during which the library fails returns LS_ERROR_PANIC (the Rust runtime may also print
+ *   None crosses into the host. A call, whichever it is, during which the library fails returns LS_ERROR_PANIC (the Rust runtime may also print
  *   a line on the error stream); its world is then poisoned: it returns LS_ERROR_WORLD_POISONED and can only be destroyed.
  *
  * Floating-point settings
@@ -795,6 +795,8 @@ const char *ls_last_error_message(void);
  */
 LsResult ls_log_callback_set(LsLogCallback callback, int32_t level, void *user);
 
+/* Definitions ----------------------------------------------------------------------------------------------------- */
+
 /**
  * Fills a shape definition with defaults: a ball of radius 0.5 m, friction 0.5, density 1000 kg/m^3.
  *
@@ -1247,14 +1249,14 @@ LsResult ls_body_linear_velocity_get(LsWorld world, LsBody body, float out[3]);
 /**
  * Sets the velocity of a body's centre of mass (m/s).
  *
- * @param world     the world; any value is safe
- * @param body      a body of that world; any value is safe
- * @param velocity  three floats (m/s), together at most 1e4
+ * @param world            the world; any value is safe
+ * @param body             a body of that world; any value is safe
+ * @param linear_velocity  three floats (m/s), together at most 1e4
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_linear_velocity_set(LsWorld world, LsBody body, const float velocity[3]);
+LsResult ls_body_linear_velocity_set(LsWorld world, LsBody body, const float linear_velocity[3]);
 
 /**
  * Angular velocity of a body, world axes (rad/s).
@@ -1270,14 +1272,14 @@ LsResult ls_body_angular_velocity_get(LsWorld world, LsBody body, float out[3]);
 /**
  * Sets the angular velocity of a body, world axes (rad/s).
  *
- * @param world     the world; any value is safe
- * @param body      a body of that world; any value is safe
- * @param velocity  three floats (rad/s), together at most 1e4
+ * @param world             the world; any value is safe
+ * @param body              a body of that world; any value is safe
+ * @param angular_velocity  three floats (rad/s), together at most 1e4
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE, LS_ERROR_NULL_ARGUMENT,
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_angular_velocity_set(LsWorld world, LsBody body, const float velocity[3]);
+LsResult ls_body_angular_velocity_set(LsWorld world, LsBody body, const float angular_velocity[3]);
 
 /**
  * Adds a force at a dynamic body's centre of mass, for the next step.
@@ -1642,14 +1644,14 @@ LsResult ls_joint_softness_set(LsWorld world,
 /**
  * Sets the load at which a joint is reported as overloaded.
  *
- * @param world   the world; any value is safe
- * @param joint   a joint of that world; any value is safe
- * @param force   (N), >= 0, INFINITY for never
- * @param torque  (N m), >= 0, INFINITY for never
+ * @param world         the world; any value is safe
+ * @param joint         a joint of that world; any value is safe
+ * @param break_force   (N), >= 0, INFINITY for never
+ * @param break_torque  (N m), >= 0, INFINITY for never
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_joint_break_set(LsWorld world, LsJoint joint, float force, float torque);
+LsResult ls_joint_break_set(LsWorld world, LsJoint joint, float break_force, float break_torque);
 
 #ifdef __cplusplus
 }  // extern "C"

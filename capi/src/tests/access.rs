@@ -43,8 +43,8 @@ fn reads(world: LsWorld, body: LsBody) -> Vec<LsResult> {
 fn edits(world: LsWorld, body: LsBody, joint: LsJoint) -> Vec<LsResult> {
     let gravity = [0.0_f32; 3];
     vec![
-        ls_body_destroy(world, body),
         ls_joint_break_set(world, joint, 5.0, 5.0),
+        ls_body_destroy(world, body),
         // SAFETY: three floats are there.
         unsafe { ls_world_gravity_set(world, gravity.as_ptr()) },
         ls_world_step(world, DT),

@@ -1,0 +1,141 @@
+//! The library as hosts meet it: C and C++ programs, compiled strictly, linked statically and dynamically, and run.
+
+mod common;
+
+use common::{LIBRARY, Language, Linkage, WARNINGS, run};
+
+const SAMPLES: [&str; 4] = ["hello", "chain", "bulk", "misuse"];
+
+fn sample(name: &str) -> std::path::PathBuf {
+    common::repository().join("examples_c").join(format!("{name}.c"))
+}
+
+fn host(name: &str) -> std::path::PathBuf {
+    common::repository().join("capi/tests/hosts").join(format!("{name}.c"))
+}
+
+#[test]
+fn samples_and_header_compile_without_a_warning_as_c_and_as_cpp() {
+    for name in SAMPLES {
+        LIBRARY.compile(&sample(name), Language::Cpp11, Linkage::Static);
+    }
+    let header = common::repository().join("include/longspan/longspan.h");
+    for (compiler, standard, language) in
+        [("cc", "c99", "c"), ("cc", "c11", "c"), ("g++", "c++11", "c++"), ("g++", "c++17", "c++"), ("g++", "c++20", "c++")]
+    {
+        run(std::process::Command::new(compiler)
+            .args(WARNINGS)
+            .arg(format!("-std={standard}"))
+            .args(["-fsyntax-only", "-x", language])
+            .arg(&header));
+    }
+}
+
+#[test]
+fn the_compiler_line_at_the_top_of_each_sample_works() {
+    for name in SAMPLES {
+        let text = std::fs::read_to_string(sample(name)).expect("the sample is there");
+        let line =
+            text.lines().find_map(|line| line.trim_start_matches([' ', '*']).strip_prefix("cc ")).expect("a compiler line");
+        let (compile, _) = line.split_once(" -o ").expect("it names the program");
+        let folder = format!("-L{}", LIBRARY.folder().display());
+        let arguments = compile.split_whitespace().map(|word| if word == "-L../target/release" { &folder } else { word });
+        let program = common::output_folder().join(format!("{name}-by-hand"));
+        let mut command = std::process::Command::new("cc");
+        run(command.args(arguments).arg("-o").arg(program).current_dir(common::repository().join("examples_c")));
+        assert!(line.trim_end_matches(" */").ends_with(&format!("-o {name} && ./{name}")), "{line}");
+    }
+}
+
+#[test]
+fn the_box_of_hello_comes_to_rest_on_the_ground() {
+    let output = run(&mut LIBRARY.compile(&sample("hello"), Language::C99, Linkage::Static));
+    let last = output.lines().last().expect("hello prints poses");
+    let height: f64 = last.split_whitespace().nth(4).and_then(|y| y.parse().ok()).expect("the height is printed");
+    assert_eq!(output.lines().count(), 12, "{output}");
+    assert!((height - 0.5).abs() < 1.0e-3, "the centre of a box of 1 m lies at {height} m");
+}
+
+#[test]
+fn a_program_linked_dynamically_does_the_same_as_one_linked_statically() {
+    let linked_statically = run(&mut LIBRARY.compile(&sample("hello"), Language::C99, Linkage::Static));
+    let linked_dynamically = run(&mut LIBRARY.compile(&sample("hello"), Language::C99, Linkage::Dynamic));
+    assert_eq!(linked_statically, linked_dynamically);
+}
+
+#[test]
+fn chain_prints_its_measures_and_writes_a_picture_of_every_body() {
+    let picture = common::output_folder().join("chain.txt");
+    let output = run(LIBRARY.compile(&sample("chain"), Language::C99, Linkage::Static).arg(&picture));
+    let value = |name: &str| -> f64 {
+        let line = output.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{name} is printed: {output}"));
+        line[name.len()..].split_whitespace().next().and_then(|v| v.parse().ok()).expect("a number follows")
+    };
+    for name in ["stretch", "worst gap", "top joint", "CPU time"] {
+        assert!(value(name).is_finite(), "{name}: {}", value(name));
+    }
+    let picture = std::fs::read_to_string(picture).expect("the picture is written");
+    let bodies: Vec<Vec<&str>> = picture.lines().map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(bodies.len(), 32, "anchor, 30 links and weight");
+    assert!(bodies.iter().all(|body| body.len() == 11), "kind, 3 dimensions, 3 + 4 numbers of the pose: {picture}");
+    assert!(bodies.iter().all(|body| body[1..].iter().all(|n| n.parse().is_ok_and(f64::is_finite))), "{picture}");
+    assert_eq!((bodies[0][0], bodies[1][0], bodies[31][0]), ("box", "capsule", "box"));
+}
+
+#[test]
+fn bulk_draws_a_thousand_bodies_where_they_are() {
+    let output = run(&mut LIBRARY.compile(&sample("bulk"), Language::C99, Linkage::Static));
+    assert!(output.starts_with("1000 bodies"), "{output}");
+}
+
+#[test]
+fn every_misuse_gets_its_own_error() {
+    let output = run(&mut LIBRARY.compile(&sample("misuse"), Language::C99, Linkage::Static));
+    let checks = output.lines().filter(|line| line.starts_with("ok")).count();
+    assert!(checks > 120, "only {checks} checks ran");
+    assert!(output.ends_with("\n0 unexpected\n"), "{output}");
+}
+
+#[test]
+fn misuse_touches_no_memory_that_it_should_not() {
+    let misuse = LIBRARY.compile(&sample("misuse"), Language::C99, Linkage::Static);
+    let valgrind = std::process::Command::new("valgrind")
+        .args(["--quiet", "--error-exitcode=9", "--leak-check=full", "--errors-for-leak-kinds=definite"])
+        .arg(misuse.get_program())
+        .output();
+    match valgrind {
+        Ok(output) => assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr)),
+        Err(error) => println!("skipped: valgrind cannot be run ({error})"),
+    }
+}
+
+#[test]
+fn the_host_s_floating_point_settings_neither_matter_nor_change() {
+    let output = run(&mut LIBRARY.compile(&host("float_environment"), Language::C99, Linkage::Static));
+    let hashes: Vec<&str> = output.split([' ', ',']).take(3).collect();
+    assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{output}");
+}
+
+#[test]
+fn only_functions_of_the_header_are_exported_and_all_of_them() {
+    let symbols = run(std::process::Command::new("nm").args(["--dynamic", "--defined-only"]).arg(LIBRARY.shared()));
+    let mut exported: Vec<&str> = symbols.lines().filter_map(|line| line.split_whitespace().nth(2)).collect();
+    exported.sort_unstable();
+    let header = std::fs::read_to_string(common::repository().join("include/longspan/longspan.h")).expect("the header is there");
+    let declaration = |line: &'static str| line.split('(').next()?.split([' ', '*']).next_back();
+    let header: &'static str = header.leak();
+    let mut declared: Vec<&str> = header
+        .lines()
+        .filter(|line| line.starts_with("LsResult ls_") || line.starts_with("const char *ls_"))
+        .filter_map(declaration)
+        .collect();
+    declared.sort_unstable();
+    assert!(exported.len() > 70, "only {} symbols", exported.len());
+    assert_eq!(exported, declared);
+}
+
+#[test]
+fn the_shared_library_has_its_soname() {
+    let dynamic = run(std::process::Command::new("readelf").arg("--dynamic").arg(LIBRARY.shared()));
+    assert!(dynamic.contains("[liblongspan.so.0]"), "{dynamic}");
+}
