@@ -1,0 +1,248 @@
+//! Runs a scene on an engine, takes the time of each step, and lets the metrics judge.
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use cpu_time::ThreadTime;
+use longspan::glam::{DMat3, Vec3};
+use longspan::{BodyDef, MassProperties};
+
+use crate::engine::{Effort, Engine};
+use crate::metrics::{Errors, Metric, View, world_inertia};
+use crate::scene::{Action, Scene};
+use crate::shifted::Shifted;
+
+/// What a non-finite error is written as.
+pub const NOT_FINITE: f64 = 1.0e30;
+
+/// Largest relative difference of mass and inertia that an engine may hold against the scene's.
+const MASS_TOLERANCE: f64 = 1.0e-3;
+
+/// How a run went.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// Name of the scene.
+    pub scene: &'static str,
+    /// Every key of the scene and its value.
+    pub params: Vec<(String, String)>,
+    /// Name of the engine.
+    pub engine: &'static str,
+    /// Effort it ran at.
+    pub effort: Effort,
+    /// Threads it ran on.
+    pub threads: usize,
+    /// Median time of a step in the window (ms): CPU time of the stepping thread for one thread, wall time for more.
+    pub ms_median: f64,
+    /// 99th percentile of it (ms).
+    pub ms_p99: f64,
+    /// Steps done.
+    pub steps: u32,
+    /// Errors by name; what is not finite is [`NOT_FINITE`].
+    pub errors: Vec<(&'static str, f64)>,
+}
+
+/// Why a run gave no measurement.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RunError {
+    /// The engine refused a part of the scene.
+    #[error("{engine} refuses the scene: {problem}")]
+    Refused {
+        /// The engine.
+        engine: &'static str,
+        /// What it says.
+        problem: String,
+    },
+    /// The engine cannot do what the scene's script asks.
+    #[error("{engine} cannot run the scene: it has no {feature}")]
+    Unsupported {
+        /// The engine.
+        engine: &'static str,
+        /// What it lacks.
+        feature: &'static str,
+    },
+    /// The engine computes with another mass than the scene gave it.
+    #[error("{engine} holds another mass or inertia for body {body} than the scene gave it: {found}")]
+    OtherMass {
+        /// The engine.
+        engine: &'static str,
+        /// The body.
+        body: usize,
+        /// Mass (kg) given and held.
+        found: String,
+    },
+}
+
+/// Runs `scene` on a fresh engine whose world was made from `scene.world`.
+///
+/// # Errors
+/// If the engine refuses or cannot run the scene.
+pub fn run(mut scene: Scene, engine: &mut dyn Engine, effort: Effort, threads: usize) -> Result<Measurement, RunError> {
+    let name = engine.name();
+    let mut engine = Shifted { engine, origin: scene.origin };
+    let mut metrics = std::mem::take(&mut scene.metrics);
+    let mut stage = Stage::set(&scene, &mut engine);
+    let mut times = Vec::with_capacity(scene.steps as usize);
+    let mut steps = 0;
+    let mut script = scene.script.iter().peekable();
+    loop {
+        if let Some(problem) = engine.refusal() {
+            let Some(argument) = scene.expected_refusal else { return Err(RunError::Refused { engine: name, problem }) };
+            let errors = vec![("held", f64::from(u8::from(problem.starts_with(argument))))];
+            return Ok(measurement(&scene, name, effort, threads, &times, steps, errors));
+        }
+        stage.show(&scene, &engine, steps, &mut metrics);
+        if steps == 1 {
+            stage.check_masses(&engine)?;
+        }
+        if steps == scene.steps {
+            break;
+        }
+        while let Some(scheduled) = script.next_if(|scheduled| scheduled.step <= steps) {
+            stage.act(&scheduled.action, &mut engine)?;
+        }
+        times.push(timed(threads, || engine.step(stage.dt)));
+        stage.time += f64::from(stage.dt);
+        steps += 1;
+    }
+
+    let mut errors = Errors::new();
+    if scene.expected_refusal.is_some() {
+        errors.push(("held", 0.0));
+    }
+    for metric in &metrics {
+        metric.report(&mut errors);
+    }
+    if let Some((window_name, window)) = &scene.second_window
+        && let Some((median, _)) = median_and_p99(&times, window)
+    {
+        errors.push((window_name, median));
+    }
+    Ok(measurement(&scene, name, effort, threads, &times, steps, errors))
+}
+
+fn measurement(
+    scene: &Scene,
+    engine: &'static str,
+    effort: Effort,
+    threads: usize,
+    times: &[Duration],
+    steps: u32,
+    mut errors: Errors,
+) -> Measurement {
+    for (_, value) in &mut errors {
+        if !value.is_finite() {
+            *value = NOT_FINITE;
+        }
+    }
+    let (ms_median, ms_p99) = median_and_p99(times, &scene.window).unwrap_or_default();
+    Measurement { scene: scene.name, params: scene.params.clone(), engine, effort, threads, ms_median, ms_p99, steps, errors }
+}
+
+/// The bodies that the engine holds and the settings that a script may change.
+struct Stage {
+    bodies: Vec<BodyDef>,
+    alive: Vec<bool>,
+    gravity: Vec3,
+    dt: f32,
+    time: f64,
+}
+
+impl Stage {
+    fn set(scene: &Scene, engine: &mut dyn Engine) -> Self {
+        for def in &scene.bodies {
+            engine.add_body(def);
+        }
+        for joint in &scene.joints {
+            engine.add_joint(joint);
+        }
+        Self {
+            bodies: scene.bodies.clone(),
+            alive: vec![true; scene.bodies.len()],
+            gravity: scene.world.gravity,
+            dt: scene.dt,
+            time: 0.0,
+        }
+    }
+
+    fn show(&self, scene: &Scene, engine: &dyn Engine, step: u32, metrics: &mut [Box<dyn Metric>]) {
+        let view = View {
+            step,
+            steps: scene.steps,
+            time: self.time,
+            gravity: self.gravity,
+            engine,
+            bodies: &self.bodies,
+            alive: &self.alive,
+            joints: &scene.joints,
+        };
+        for metric in metrics {
+            metric.observe(&view);
+        }
+    }
+
+    fn act(&mut self, action: &Action, engine: &mut dyn Engine) -> Result<(), RunError> {
+        match action {
+            Action::Add(def) => {
+                engine.add_body(def);
+                self.bodies.push(def.clone());
+                self.alive.push(true);
+            }
+            Action::Remove(body) => {
+                engine.remove_body(*body);
+                self.alive[*body] = false;
+            }
+            Action::SetLinearVelocity(body, velocity) => engine.set_linear_velocity(*body, *velocity),
+            Action::Push(body, impulse) => engine.apply_impulse(*body, *impulse),
+            Action::SetStep(dt) => self.dt = *dt,
+            Action::SetGravity(gravity) => {
+                if !engine.set_gravity(*gravity) {
+                    return Err(RunError::Unsupported { engine: engine.name(), feature: "gravity that changes" });
+                }
+                self.gravity = *gravity;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_masses(&self, engine: &dyn Engine) -> Result<(), RunError> {
+        for (body, def) in self.bodies.iter().enumerate().filter(|(body, _)| self.alive[*body]) {
+            if let (longspan::Mass::Properties(given), Some(held)) = (def.mass, engine.mass_properties(body))
+                && !same_mass(&given, &held)
+            {
+                let found = format!("{} kg given, {} kg held", given.mass, held.mass);
+                return Err(RunError::OtherMass { engine: engine.name(), body, found });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Compares masses, and inertia as tensors: principal axes may be numbered in any order.
+fn same_mass(given: &MassProperties, held: &MassProperties) -> bool {
+    let size = |m: DMat3| m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length());
+    let tensor = |mass: &MassProperties| world_inertia(mass, &longspan::Pose::IDENTITY);
+    let inertia_apart = size(tensor(given) - tensor(held)) / size(tensor(given));
+    let mass_apart = f64::from(given.mass - held.mass).abs() / f64::from(given.mass);
+    inertia_apart < MASS_TOLERANCE && mass_apart < MASS_TOLERANCE
+}
+
+fn timed(threads: usize, step: impl FnOnce()) -> Duration {
+    if threads == 1 {
+        let start = ThreadTime::now();
+        step();
+        start.elapsed()
+    } else {
+        let start = Instant::now();
+        step();
+        start.elapsed()
+    }
+}
+
+/// Median and 99th percentile of the window (ms); `None` if the run ended before it.
+fn median_and_p99(times: &[Duration], window: &Range<u32>) -> Option<(f64, f64)> {
+    let end = (window.end as usize).min(times.len());
+    let mut sorted = times.get(window.start as usize..end)?.to_vec();
+    sorted.sort_unstable();
+    let at = |share: f64| sorted.get((share * (sorted.len() - 1) as f64).round() as usize).map(|time| time.as_secs_f64() * 1e3);
+    if sorted.is_empty() { None } else { Some((at(0.5)?, at(0.99)?)) }
+}
