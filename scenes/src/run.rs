@@ -8,7 +8,7 @@ use longspan::glam::{DMat3, Vec3};
 use longspan::{BodyDef, MassProperties};
 
 use crate::engine::{Effort, Engine};
-use crate::metrics::{Errors, Metric, View, world_inertia};
+use crate::metrics::{Errors, View, world_inertia};
 use crate::scene::{Action, Scene};
 use crate::shifted::Shifted;
 
@@ -76,7 +76,21 @@ pub enum RunError {
 ///
 /// # Errors
 /// If the engine refuses or cannot run the scene.
-pub fn run(mut scene: Scene, engine: &mut dyn Engine, effort: Effort, threads: usize) -> Result<Measurement, RunError> {
+pub fn run(scene: Scene, engine: &mut dyn Engine, effort: Effort, threads: usize) -> Result<Measurement, RunError> {
+    run_watched(scene, engine, effort, threads, &mut |_| {})
+}
+
+/// As [`run`], with somebody watching: `watch` sees what a metric sees, once before the first step and once after each.
+///
+/// # Errors
+/// If the engine refuses or cannot run the scene.
+pub fn run_watched(
+    mut scene: Scene,
+    engine: &mut dyn Engine,
+    effort: Effort,
+    threads: usize,
+    watch: &mut dyn FnMut(&View),
+) -> Result<Measurement, RunError> {
     let name = engine.name();
     let mut engine = Shifted { engine, origin: scene.origin };
     let mut metrics = std::mem::take(&mut scene.metrics);
@@ -90,7 +104,11 @@ pub fn run(mut scene: Scene, engine: &mut dyn Engine, effort: Effort, threads: u
             let errors = vec![("held", f64::from(u8::from(problem.starts_with(argument))))];
             return Ok(measurement(&scene, name, effort, threads, &times, steps, errors));
         }
-        stage.show(&scene, &engine, steps, &mut metrics);
+        let view = stage.view(&scene, &engine, steps);
+        for metric in &mut metrics {
+            metric.observe(&view);
+        }
+        watch(&view);
         if steps == 1 {
             stage.check_masses(&engine)?;
         }
@@ -164,8 +182,8 @@ impl Stage {
         }
     }
 
-    fn show(&self, scene: &Scene, engine: &dyn Engine, step: u32, metrics: &mut [Box<dyn Metric>]) {
-        let view = View {
+    fn view<'a>(&'a self, scene: &'a Scene, engine: &'a dyn Engine, step: u32) -> View<'a> {
+        View {
             step,
             steps: scene.steps,
             time: self.time,
@@ -174,9 +192,6 @@ impl Stage {
             bodies: &self.bodies,
             alive: &self.alive,
             joints: &scene.joints,
-        };
-        for metric in metrics {
-            metric.observe(&view);
         }
     }
 
