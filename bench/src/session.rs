@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use longspan_bench::peers;
-use longspan_scenes::{CATALOGUE, Effort, Engine, LongspanEngine, Measurement, Scene, build, run as run_scene};
+use longspan_scenes::{CATALOGUE, Effort, LongspanEngine, Measurement, Scene, build, run as run_scene};
 
 use crate::args::{OURS, Run};
 use crate::line::{to_json, to_text};
@@ -54,18 +54,18 @@ fn fastest(options: &Run, engine: &str, effort: Effort) -> Result<Measurement, P
 }
 
 fn run_on(scene: Scene, engine: &str, effort: Effort, threads: usize) -> Result<Measurement, Problem> {
-    if engine == OURS {
-        let mut ours = LongspanEngine::new(&scene.world, effort, threads)?;
-        return Ok(run_scene(scene, &mut ours, effort, threads)?);
-    }
-    let hook = std::panic::take_hook();
-    std::panic::set_hook(Box::new(|_| {}));
-    let outcome = catch_unwind(AssertUnwindSafe(|| {
-        let mut peer: Box<dyn Engine> = peers::create(engine, &scene.world, effort, threads)
-            .ok_or_else(|| format!("'{engine}' was left out of this build"))?;
-        Ok(run_scene(scene, &mut *peer, effort, threads)?)
-    }));
-    std::panic::set_hook(hook);
+    let outcome = if engine == OURS {
+        catch_unwind(AssertUnwindSafe(|| {
+            let mut ours = LongspanEngine::new(&scene.world, effort, threads)?;
+            Ok(run_scene(scene, &mut ours, effort, threads)?)
+        }))
+    } else {
+        in_silence(|| {
+            let mut peer = peers::create(engine, &scene.world, effort, threads)
+                .ok_or_else(|| format!("'{engine}' was left out of this build"))?;
+            Ok(run_scene(scene, &mut *peer, effort, threads)?)
+        })
+    };
     outcome.unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().cloned().or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned()));
         match said {
@@ -74,4 +74,13 @@ fn run_on(scene: Scene, engine: &str, effort: Effort, threads: usize) -> Result<
             None => resume_unwind(panic),
         }
     })
+}
+
+/// Catches a panic without the usual report: a peer panics to say what it has no equal of.
+fn in_silence<T>(work: impl FnOnce() -> T) -> std::thread::Result<T> {
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+    let outcome = catch_unwind(AssertUnwindSafe(work));
+    std::panic::set_hook(hook);
+    outcome
 }

@@ -19,7 +19,7 @@ impl LongspanEngine {
     /// # Errors
     /// What [`World::new`] refuses.
     pub fn new(def: &WorldDef, effort: Effort, threads: usize) -> Result<Self> {
-        let mut def = def.clone();
+        let mut def = *def;
         def.threads = threads as u32;
         if let Effort::N(substeps) = effort {
             def.substeps = substeps;

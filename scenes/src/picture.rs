@@ -1,7 +1,7 @@
 //! Pictures of bodies: a small software renderer, so that a picture needs neither a window nor a graphics driver.
 //!
-//! Bodies become triangles ([`mesh`]), triangles become pixels in a depth buffer, once as the light sees them and once as the
-//! camera does ([`raster`]); this file frames the scene, draws the ground and writes the file.
+//! Bodies become triangles (`mesh`), triangles become pixels in a depth buffer, once as the light sees them and once as the
+//! camera does (`raster`); this file frames the scene, draws the ground and writes the file.
 
 mod mesh;
 mod raster;

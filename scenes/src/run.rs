@@ -261,3 +261,60 @@ fn median_and_p99(times: &[Duration], window: &Range<u32>) -> Option<(f64, f64)>
     let at = |share: f64| sorted.get((share * (sorted.len() - 1) as f64).round() as usize).map(|time| time.as_secs_f64() * 1e3);
     if sorted.is_empty() { None } else { Some((at(0.5)?, at(0.99)?)) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::{CATALOGUE, build};
+    use crate::longspan_engine::LongspanEngine;
+    use crate::stress::{Promise, ROWS};
+
+    fn measure(name: &str, keys: &[(&str, &str)]) -> Measurement {
+        let given: Vec<(String, String)> = keys.iter().map(|(key, value)| ((*key).into(), (*value).into())).collect();
+        let scene = build(name, &given).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mut engine = LongspanEngine::new(&scene.world, Effort::Default, 1).unwrap();
+        run(scene, &mut engine, Effort::Default, 1).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    fn error(run: &Measurement, name: &str) -> f64 {
+        let found = run.errors.iter().find(|(found, _)| *found == name);
+        found.unwrap_or_else(|| panic!("{} reports no {name}", run.scene)).1
+    }
+
+    #[test]
+    fn every_scene_runs_on_our_engine_and_reports_errors() {
+        for entry in CATALOGUE {
+            let run = measure(entry.name, &[("seconds", "0.05")]);
+            assert_eq!(run.steps, 3, "steps of {}", entry.name);
+            assert!(!run.errors.is_empty(), "{} reports nothing", entry.name);
+            assert!(run.ms_median > 0.0 && run.ms_p99 >= run.ms_median, "{}: {} ms", entry.name, run.ms_median);
+        }
+    }
+
+    #[test]
+    fn what_is_promised_to_be_refused_is_refused_by_name() {
+        for row in ROWS.iter().filter(|row| matches!(row.promise, Promise::Refused(_))) {
+            for seed in 0..10 {
+                let run = measure("stress", &[("row", row.name), ("seed", &seed.to_string())]);
+                assert_eq!(error(&run, "held"), 1.0, "row {}, seed {seed}", row.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_scene_far_away_is_the_same_scene() {
+        let far = measure("far_origin", &[("of", "pile"), ("n", "8"), ("offset_km", "10"), ("seconds", "0.5")]);
+        let near = measure("pile", &[("n", "8"), ("seconds", "0.5")]);
+        let apart = (error(&far, "mean_speed_end") - error(&near, "mean_speed_end")).abs();
+        assert!(apart < 1e-4, "speeds differ by {apart} m/s after a fall of half a second, bound 1e-4 m/s");
+        assert_eq!(error(&far, "escaped"), 0.0);
+    }
+
+    #[test]
+    fn percentiles_are_taken_over_the_window_alone() {
+        let times: Vec<Duration> = (1..=101).map(Duration::from_millis).collect();
+        assert_eq!(median_and_p99(&times, &(0..101)), Some((51.0, 100.0)));
+        assert_eq!(median_and_p99(&times, &(99..101)).map(|(median, _)| median), Some(101.0));
+        assert_eq!(median_and_p99(&times, &(200..300)), None);
+    }
+}
