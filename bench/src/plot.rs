@@ -93,7 +93,8 @@ fn draw(title: &str, chart: &Chart, path: &Path) -> Result<(), Problem> {
         .x_label_area_size(44)
         .y_label_area_size(72)
         .build_cartesian_2d(range(|p| p.0).log_scale(), range(|p| p.1).log_scale())?;
-    let number = |value: &f64| if (1e-2..1e4).contains(value) { value.to_string() } else { format!("{value:e}") };
+    let number =
+        |value: &f64| if (1e-2..1e4).contains(value) { three_digits(*value).to_string() } else { format!("{value:.0e}") };
     axes.configure_mesh()
         .light_line_style(BLACK.mix(0.05))
         .x_desc("time a step (ms)")
@@ -115,6 +116,12 @@ fn draw(title: &str, chart: &Chart, path: &Path) -> Result<(), Problem> {
     axes.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(BLACK.mix(0.3)).draw()?;
     canvas.present()?;
     Ok(())
+}
+
+/// Takes the noise off a number that was multiplied up.
+fn three_digits(value: f64) -> f64 {
+    let unit = 10.0_f64.powf(value.log10().floor() - 2.0);
+    if unit < 1.0 { (value / unit).round() / (1.0 / unit).round() } else { (value / unit).round() * unit }
 }
 
 #[cfg(test)]
@@ -142,6 +149,14 @@ mod tests {
         for shown in ["hanging_chain n=30", "stretch_pct", "default", "<circle"] {
             assert!(picture.contains(shown), "the picture shows no {shown}");
         }
+    }
+
+    #[test]
+    fn labels_are_short() {
+        assert_eq!(
+            [0.1 + 0.2, 0.07, 1000.0, 1.1 * 1.1].map(|value| three_digits(value).to_string()),
+            ["0.3", "0.07", "1000", "1.21"]
+        );
     }
 
     #[test]
