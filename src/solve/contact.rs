@@ -10,7 +10,7 @@
 //!
 //! Points and normal are those of the start of the step; separations follow the bodies' displacements linearly.
 
-use glam::{Mat2, Vec3};
+use glam::{Mat2, Mat4, Vec3};
 
 use super::state::{BodyMotion, BodyVelocity};
 use crate::material::PairMaterial;
@@ -19,6 +19,9 @@ use crate::material::PairMaterial;
 pub(crate) const LANES: usize = 8;
 /// Points of a manifold.
 pub(crate) const POINTS: usize = 4;
+
+/// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
+const REGULARISATION: f32 = 1.0e-3;
 
 /// One number for each manifold of a block.
 pub(crate) type Lane = [f32; LANES];
@@ -67,6 +70,8 @@ pub(crate) struct ContactBlock {
     pub lever_b: [Lane3; POINTS],
     /// A_ij for i < j: 01, 02, 03, 12, 13, 23.
     pub coupling: [Lane; 6],
+    /// (A + ε)⁻¹ on the points that exist: 00, 11, 22, 33, 01, 02, 03, 12, 13, 23.
+    pub inverse: [Lane; 10],
     /// A_ii, and its inverse; the inverse is zero for points that do not exist.
     pub diagonal: [Lane; POINTS],
     pub inverse_diagonal: [Lane; POINTS],
@@ -108,6 +113,7 @@ impl ContactBlock {
         lever_a: [[[0.0; LANES]; 3]; POINTS],
         lever_b: [[[0.0; LANES]; 3]; POINTS],
         coupling: [[0.0; LANES]; 6],
+        inverse: [[0.0; LANES]; 10],
         diagonal: [[0.0; LANES]; POINTS],
         inverse_diagonal: [[0.0; LANES]; POINTS],
         separation: [[0.0; LANES]; POINTS],
@@ -169,6 +175,8 @@ impl ContactBlock {
             }
         }
 
+        self.set_inverse(l, count);
+
         let inverse_count = 1.0 / count as f32;
         let center_a = input.lever_a[..count].iter().sum::<Vec3>() * inverse_count;
         let center_b = input.lever_b[..count].iter().sum::<Vec3>() * inverse_count;
@@ -200,6 +208,28 @@ impl ContactBlock {
         if input.material.restitution > 0.0 {
             self.has_restitution = true;
             self.restitution[l] = input.material.restitution;
+        }
+    }
+
+    /// Inverts the matrix of lane `l`. Four points of a face have a matrix of rank three; [`REGULARISATION`] makes it regular
+    /// and picks the multipliers of least norm.
+    fn set_inverse(&mut self, l: usize, count: usize) {
+        let [a01, a02, a03, a12, a13, a23] = self.coupling.map(|lane| lane[l]);
+        let mut d: [f32; POINTS] = std::array::from_fn(|i| self.diagonal[i][l]);
+        let extra = d.iter().fold(0.0_f32, |most, &x| most.max(x)) * REGULARISATION;
+        for (i, entry) in d.iter_mut().enumerate() {
+            *entry = if i < count { *entry + extra } else { 1.0 };
+        }
+        let matrix = Mat4::from_cols_array_2d(&[
+            [d[0], a01, a02, a03],
+            [a01, d[1], a12, a13],
+            [a02, a12, d[2], a23],
+            [a03, a13, a23, d[3]],
+        ]);
+        let inverse = matrix.as_dmat4().inverse();
+        let entries = [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+        for (lane, (i, j)) in self.inverse.iter_mut().zip(entries) {
+            lane[l] = if i.max(j) < count { inverse.col(i)[j] as f32 } else { 0.0 };
         }
     }
 

@@ -96,6 +96,13 @@ fn at(lanes: &Lane3, l: usize) -> Vec3 {
     Vec3::new(lanes[0][l], lanes[1][l], lanes[2][l])
 }
 
+#[inline(always)]
+fn put(lanes: &mut Lane3, l: usize, v: Vec3) {
+    lanes[0][l] = v.x;
+    lanes[1][l] = v.y;
+    lanes[2][l] = v.z;
+}
+
 impl Side {
     /// Applies an impulse and an angular impulse to lane `l`.
     #[inline(always)]
@@ -144,6 +151,21 @@ fn warm_start_body(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity],
 /// Forms max(s, 0)/h from the separations of now, and notes impact speeds where there is restitution.
 #[inline(always)]
 fn close_in(block: &mut ContactBlock, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
+    let separation = separations(block, motions);
+    let inverse_h = 1.0 / h;
+    for i in 0..POINTS {
+        for l in 0..LANES {
+            block.closing_speed[i][l] = separation[i][l].max(0.0) * inverse_h;
+        }
+    }
+    if block.has_restitution {
+        note_impacts(block, velocities, motions, h);
+    }
+}
+
+/// Separation of every point with the bodies displaced as `motions` say (m).
+#[inline(always)]
+fn separations(block: &ContactBlock, motions: &[BodyMotion]) -> [Lane; POINTS] {
     let mut moved_a: [Lane3; 2] = [[[0.0; LANES]; 3]; 2];
     let mut moved_b: [Lane3; 2] = [[[0.0; LANES]; 3]; 2];
     for l in 0..LANES {
@@ -155,21 +177,17 @@ fn close_in(block: &mut ContactBlock, velocities: &[BodyVelocity], motions: &[Bo
             moved_b[1][k][l] = b.turn[k];
         }
     }
-    let inverse_h = 1.0 / h;
+    let mut separation = block.separation;
     for l in 0..LANES {
         let n = at(&block.normal, l);
         let shift = n.dot(at(&moved_b[0], l) - at(&moved_a[0], l));
         let (axis_a, axis_b) = (n.cross(at(&moved_a[1], l)), n.cross(at(&moved_b[1], l)));
         for i in 0..POINTS {
             // n·(θ×r) = r·(n×θ)
-            let turned = at(&block.lever_b[i], l).dot(axis_b) - at(&block.lever_a[i], l).dot(axis_a);
-            let separation = block.separation[i][l] + (shift + turned);
-            block.closing_speed[i][l] = separation.max(0.0) * inverse_h;
+            separation[i][l] += shift + (at(&block.lever_b[i], l).dot(axis_b) - at(&block.lever_a[i], l).dot(axis_a));
         }
     }
-    if block.has_restitution {
-        note_impacts(block, velocities, motions, h);
-    }
+    separation
 }
 
 /// Keeps the normal velocity that a point has at the moment it touches.
@@ -282,95 +300,146 @@ fn roll(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
 /// Normal rows of every lane, each manifold as one block.
 #[inline(always)]
 fn press(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
-    for l in 0..LANES {
-        let n = at(&block.normal, l);
-        let approach = n.dot(at(&side_b.linear, l) - at(&side_a.linear, l));
-        let (axis_a, axis_b) = (n.cross(at(&side_a.angular, l)), n.cross(at(&side_b.angular, l)));
-        let mut residual = [0.0; POINTS];
-        let mut old = [0.0; POINTS];
-        for i in 0..POINTS {
-            // n·(ω×r) = r·(n×ω)
-            let turning = at(&block.lever_b[i], l).dot(axis_b) - at(&block.lever_a[i], l).dot(axis_a);
-            residual[i] = approach + turning + block.closing_speed[i][l];
-            old[i] = block.lambda[i][l];
+    let mut residual = normal_rates(block, side_a, side_b);
+    for i in 0..POINTS {
+        for l in 0..LANES {
+            residual[i][l] += block.closing_speed[i][l];
         }
-        let new = solve_manifold(block, l, residual, old);
-        let mut change = [0.0; POINTS];
-        for i in 0..POINTS {
-            block.lambda[i][l] = new[i];
-            block.peak_lambda[i][l] = block.peak_lambda[i][l].max(new[i]);
-            change[i] = new[i] - old[i];
-        }
-        push_apart(block, l, n, change, side_a, side_b);
     }
+    let new = solve_manifolds(block, residual, &block.lambda);
+    push_apart(block, &new, &block.lambda, side_a, side_b);
+    for i in 0..POINTS {
+        for l in 0..LANES {
+            block.peak_lambda[i][l] = block.peak_lambda[i][l].max(new[i][l]);
+        }
+    }
+    block.lambda = new;
 }
 
-/// Projected Gauss–Seidel on the manifold's own matrix; `residual` is J v + b at the multipliers `old`.
+/// J v of every normal row.
 #[inline(always)]
-fn solve_manifold(block: &ContactBlock, l: usize, mut residual: [f32; POINTS], old: [f32; POINTS]) -> [f32; POINTS] {
-    let [a01, a02, a03, a12, a13, a23] = &block.coupling;
-    let rows = [
-        [block.diagonal[0][l], a01[l], a02[l], a03[l]],
-        [a01[l], block.diagonal[1][l], a12[l], a13[l]],
-        [a02[l], a12[l], block.diagonal[2][l], a23[l]],
-        [a03[l], a13[l], a23[l], block.diagonal[3][l]],
-    ];
-    let mut lambda = old;
+fn normal_rates(block: &ContactBlock, side_a: &Side, side_b: &Side) -> [Lane; POINTS] {
+    let mut approach = [0.0; LANES];
+    let (mut axis_a, mut axis_b) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+    for l in 0..LANES {
+        let n = at(&block.normal, l);
+        approach[l] = n.dot(at(&side_b.linear, l) - at(&side_a.linear, l));
+        // n·(ω×r) = r·(n×ω)
+        put(&mut axis_a, l, n.cross(at(&side_a.angular, l)));
+        put(&mut axis_b, l, n.cross(at(&side_b.angular, l)));
+    }
+    let mut rates = [[0.0; LANES]; POINTS];
+    for i in 0..POINTS {
+        for l in 0..LANES {
+            let turning = at(&block.lever_b[i], l).dot(at(&axis_b, l)) - at(&block.lever_a[i], l).dot(at(&axis_a, l));
+            rates[i][l] = approach[l] + turning;
+        }
+    }
+    rates
+}
+
+/// Multipliers λ ≥ 0 of every manifold, from `residual` = J v + b at the multipliers `old`.
+///
+/// Where all points press, the regularised inverse gives them at once. Elsewhere, and for what it leaves, projected
+/// Gauss–Seidel on the manifold's own matrix. Without the inverse, the few inner sweeps leave a face's load uneven and tall
+/// columns buckle.
+#[inline(always)]
+fn solve_manifolds(block: &ContactBlock, mut residual: [Lane; POINTS], old: &[Lane; POINTS]) -> [Lane; POINTS] {
+    let b = &block.inverse;
+    let inverse: [[&Lane; POINTS]; POINTS] =
+        [[&b[0], &b[4], &b[5], &b[6]], [&b[4], &b[1], &b[7], &b[8]], [&b[5], &b[7], &b[2], &b[9]], [&b[6], &b[8], &b[9], &b[3]]];
+    let (c, d) = (&block.coupling, &block.diagonal);
+    let matrix: [[&Lane; POINTS]; POINTS] =
+        [[&d[0], &c[0], &c[1], &c[2]], [&c[0], &d[1], &c[3], &c[4]], [&c[1], &c[3], &d[2], &c[5]], [&c[2], &c[4], &c[5], &d[3]]];
+
+    let mut lambda = *old;
+    let mut step = [[0.0; LANES]; POINTS];
+    let mut least = [0.0_f32; LANES];
+    for i in 0..POINTS {
+        for l in 0..LANES {
+            let mut sum = 0.0;
+            for j in 0..POINTS {
+                sum += inverse[i][j][l] * residual[j][l];
+            }
+            step[i][l] = -sum;
+            least[l] = least[l].min(lambda[i][l] - sum);
+        }
+    }
+    for i in 0..POINTS {
+        for l in 0..LANES {
+            step[i][l] = if least[l] >= 0.0 { step[i][l] } else { 0.0 };
+            lambda[i][l] += step[i][l];
+        }
+    }
+    for i in 0..POINTS {
+        for l in 0..LANES {
+            let mut sum = 0.0;
+            for j in 0..POINTS {
+                sum += matrix[i][j][l] * step[j][l];
+            }
+            residual[i][l] += sum;
+        }
+    }
     for _ in 0..INNER_SWEEPS {
         for i in 0..POINTS {
-            let new = (lambda[i] - residual[i] * block.inverse_diagonal[i][l]).max(0.0);
-            let change = new - lambda[i];
-            lambda[i] = new;
+            let mut change = [0.0; LANES];
+            for l in 0..LANES {
+                let new = (lambda[i][l] - residual[i][l] * block.inverse_diagonal[i][l]).max(0.0);
+                change[l] = new - lambda[i][l];
+                lambda[i][l] = new;
+            }
             for j in 0..POINTS {
-                residual[j] += rows[j][i] * change;
+                for l in 0..LANES {
+                    residual[j][l] += matrix[j][i][l] * change[l];
+                }
             }
         }
     }
     lambda
 }
 
-/// Applies normal impulses of one manifold.
+/// Applies the difference of two sets of normal multipliers.
 #[inline(always)]
-fn push_apart(block: &ContactBlock, l: usize, n: Vec3, change: [f32; POINTS], side_a: &mut Side, side_b: &mut Side) {
-    let mut sum = 0.0;
-    let (mut arm_a, mut arm_b) = (Vec3::ZERO, Vec3::ZERO);
-    for i in 0..POINTS {
-        sum += change[i];
-        arm_a += at(&block.lever_a[i], l) * change[i];
-        arm_b += at(&block.lever_b[i], l) * change[i];
+fn push_apart(block: &ContactBlock, new: &[Lane; POINTS], old: &[Lane; POINTS], side_a: &mut Side, side_b: &mut Side) {
+    for l in 0..LANES {
+        let n = at(&block.normal, l);
+        let mut sum = 0.0;
+        let (mut arm_a, mut arm_b) = (Vec3::ZERO, Vec3::ZERO);
+        for i in 0..POINTS {
+            let change = new[i][l] - old[i][l];
+            sum += change;
+            arm_a += at(&block.lever_a[i], l) * change;
+            arm_b += at(&block.lever_b[i], l) * change;
+        }
+        side_a.apply(l, n * -sum, -arm_a.cross(n));
+        side_b.apply(l, n * sum, arm_b.cross(n));
     }
-    side_a.apply(l, n * -sum, -arm_a.cross(n));
-    side_b.apply(l, n * sum, arm_b.cross(n));
 }
 
 /// After the substeps: points that hit something at more than `threshold` (m/s) leave at the rebound speed.
 pub(crate) fn restitute(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], threshold: f32) {
     for block in blocks.iter_mut().filter(|block| block.has_restitution) {
         let (mut side_a, mut side_b) = (gather(&block.a, velocities), gather(&block.b, velocities));
+        let mut residual = normal_rates(block, &side_a, &side_b);
+        let mut any = [false; LANES];
         for l in 0..LANES {
-            let rebounds: [bool; POINTS] =
-                std::array::from_fn(|i| block.impact_speed[i][l] < -threshold && block.peak_lambda[i][l] > 0.0);
-            if block.restitution[l] <= 0.0 || rebounds == [false; POINTS] {
-                continue;
-            }
-            let n = at(&block.normal, l);
-            let approach = n.dot(at(&side_b.linear, l) - at(&side_a.linear, l));
-            let (axis_a, axis_b) = (n.cross(at(&side_a.angular, l)), n.cross(at(&side_b.angular, l)));
-            let mut residual = [0.0; POINTS];
-            let old: [f32; POINTS] = std::array::from_fn(|i| block.lambda[i][l]);
             for i in 0..POINTS {
-                let turning = at(&block.lever_b[i], l).dot(axis_b) - at(&block.lever_a[i], l).dot(axis_a);
-                let rebound = if rebounds[i] { block.restitution[l] * block.impact_speed[i][l] } else { 0.0 };
-                residual[i] = approach + turning + rebound;
-            }
-            let new = solve_manifold(block, l, residual, old);
-            push_apart(block, l, n, std::array::from_fn(|i| new[i] - old[i]), &mut side_a, &mut side_b);
-            for i in 0..POINTS {
-                block.lambda[i][l] = new[i];
+                if block.impact_speed[i][l] < -threshold && block.peak_lambda[i][l] > 0.0 {
+                    residual[i][l] += block.restitution[l] * block.impact_speed[i][l];
+                    any[l] = true;
+                }
             }
         }
+        let mut new = solve_manifolds(block, residual, &block.lambda);
+        for l in 0..LANES {
+            for i in 0..POINTS {
+                new[i][l] = if any[l] { new[i][l] } else { block.lambda[i][l] };
+            }
+        }
+        push_apart(block, &new, &block.lambda, &mut side_a, &mut side_b);
         scatter(&block.a, &side_a, velocities);
         scatter(&block.b, &side_b, velocities);
+        block.lambda = new;
     }
 }
 
@@ -388,32 +457,18 @@ pub(crate) fn recover(
 ) {
     for (block, lambda) in blocks.iter().zip(lambdas) {
         let (mut side_a, mut side_b) = (gather(&block.a, pushes), gather(&block.b, pushes));
-        for l in 0..LANES {
-            if block.inverse_diagonal[0][l] == 0.0 {
-                continue;
-            }
-            let n = at(&block.normal, l);
-            let (a, b) = (&motions[block.a[l] as usize], &motions[block.b[l] as usize]);
-            let shift = n.dot(b.displacement - a.displacement);
-            let approach = n.dot(at(&side_b.linear, l) - at(&side_a.linear, l));
-            let (axis_a, axis_b) = (n.cross(at(&side_a.angular, l)), n.cross(at(&side_b.angular, l)));
-            let mut residual = [0.0; POINTS];
-            for i in 0..POINTS {
-                let (lever_a, lever_b) = (at(&block.lever_a[i], l), at(&block.lever_b[i], l));
-                let separation =
-                    block.separation[i][l] + shift + n.dot(b.turn.cross(lever_b)) - n.dot(a.turn.cross(lever_a));
-                let target =
-                    if separation < 0.0 { (RECOVERY_SHARE * separation).max(-MAX_RECOVERY_SPEED * dt) } else { separation };
-                residual[i] = approach + lever_b.dot(axis_b) - lever_a.dot(axis_a) + target;
-            }
-            let old: [f32; POINTS] = std::array::from_fn(|i| lambda[i][l]);
-            let new = solve_manifold(block, l, residual, old);
-            push_apart(block, l, n, std::array::from_fn(|i| new[i] - old[i]), &mut side_a, &mut side_b);
-            for i in 0..POINTS {
-                lambda[i][l] = new[i];
+        let mut residual = normal_rates(block, &side_a, &side_b);
+        let separation = separations(block, motions);
+        for i in 0..POINTS {
+            for l in 0..LANES {
+                let s = separation[i][l];
+                residual[i][l] += if s < 0.0 { (RECOVERY_SHARE * s).max(-MAX_RECOVERY_SPEED * dt) } else { s };
             }
         }
+        let new = solve_manifolds(block, residual, lambda);
+        push_apart(block, &new, lambda, &mut side_a, &mut side_b);
         scatter(&block.a, &side_a, pushes);
         scatter(&block.b, &side_b, pushes);
+        *lambda = new;
     }
 }

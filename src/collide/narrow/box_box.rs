@@ -13,13 +13,18 @@ use parry3d::shape::Cuboid;
 
 use super::capsule::Segment;
 use super::clip::{Side, Vertex, clip};
-use super::distance;
+use super::distance::{self, Gap};
 use super::reduce::{Candidate, reduce_into};
 use super::{Manifold, ManifoldPoint};
 
 /// By how much a later axis must beat an earlier one: relative to the overlap, and to the size of the smaller box.
 const AXIS_LEAD: f32 = 1.0e-4;
 const AXIS_LEAD_OF_SIZE: f32 = 1.0e-5;
+
+/// By how much an edge axis must beat the best face: relative to the overlap, and to the least half extent. A pair of edges is
+/// one point; a face, even when it is not quite the shallowest way out, keeps all points that carry a tilted box.
+const EDGE_LEAD: f32 = 0.1;
+const EDGE_LEAD_OF_SIZE: f32 = 0.02;
 
 /// How far outside a face a vertex counts as over it, as a fraction of the least half extent.
 const CLIP_SLOP: f32 = 1.0e-4;
@@ -51,7 +56,7 @@ pub(super) fn box_box(a: Vec3, b: Vec3, relative: &Pose3, margin: f32) -> Option
     };
     let manifold = match found {
         Ok(manifold) => manifold,
-        Err(poor) if axis.separation > 0.0 => pair.nearest(relative, &axis).unwrap_or(poor),
+        Err(poor) if axis.separation > 0.0 => pair.nearest(relative).unwrap_or(poor),
         Err(poor) => poor,
     };
     let near = manifold.count > 0 && manifold.contacts().iter().any(|p| p.separation <= margin);
@@ -94,6 +99,7 @@ struct Pair {
     center: Vec3,
     center_in_b: Vec3,
     lead: f32,
+    edge_lead: f32,
     slop: f32,
 }
 
@@ -111,6 +117,7 @@ impl Pair {
             center,
             center_in_b: -(axes_in_b * center),
             lead: AXIS_LEAD_OF_SIZE * a.max_element().min(b.max_element()) + rounding,
+            edge_lead: EDGE_LEAD_OF_SIZE * a.min_element().min(b.min_element()),
             slop: CLIP_SLOP * a.min_element().min(b.min_element()) + rounding,
         }
     }
@@ -149,6 +156,7 @@ impl Pair {
         best.offer(over_b.x, 3, self);
         best.offer(over_b.y, 4, self);
         best.offer(over_b.z, 5, self);
+        best.to_beat = best.separation + self.edge_lead + EDGE_LEAD * best.separation.abs();
 
         let mut edge_normal = Vec3::ZERO;
         for i in 0..3 {
@@ -276,15 +284,53 @@ impl Pair {
     }
 
     /// Boxes apart whose nearest features face each other along none of the axes.
-    fn nearest(&self, relative: &Pose3, axis: &Axis) -> Option<Manifold> {
+    fn nearest(&self, relative: &Pose3) -> Option<Manifold> {
         let scale = 1.0 / self.a.max_element().min(self.b.max_element());
         let scaled = Pose3::from_parts(self.center * scale, relative.rotation);
-        let gap = distance::apart(&Cuboid::new(self.a * scale), &Cuboid::new(self.b * scale), &scaled)?;
-        let point = self.point(gap.on_a / scale, gap.on_b / scale, gap.normal, LONE);
+        let gap = distance::apart(&Cuboid::new(self.a * scale), &Cuboid::new(self.b * scale), &scaled);
+        let gap = gap.map(|gap| Gap { on_a: gap.on_a / scale, on_b: gap.on_b / scale, ..gap });
+        let gap = gap.filter(|gap| self.proves(gap)).or_else(|| self.nearest_features())?;
+        let point = self.point(gap.on_a, gap.on_b, gap.normal, LONE);
         let manifold = Manifold::single(gap.normal, point);
-        // The axis is a proof that the boxes are no nearer.
-        let sound = point.separation >= axis.separation - self.lead_over(axis.separation);
-        (sound && manifold.is_finite()).then_some(manifold)
+        manifold.is_finite().then_some(manifold)
+    }
+
+    /// Whether the boxes are as far apart along the normal as the points are from each other. GJK sometimes stops short.
+    fn proves(&self, gap: &Gap) -> bool {
+        let offset = gap.on_b - gap.on_a;
+        let reach_a = self.a.dot(gap.normal.abs());
+        let reach_b = self.b.dot((self.axes_in_b * gap.normal).abs());
+        let proven = self.center.dot(gap.normal) - reach_a - reach_b;
+        offset.length() - proven <= self.lead_over(proven)
+    }
+
+    /// The nearest points, by trying every corner against every face and every edge against every edge.
+    fn nearest_features(&self) -> Option<Gap> {
+        let mut best = (f32::INFINITY, Vec3::ZERO, Vec3::ZERO);
+        let mut offer = |on_a: Vec3, on_b: Vec3| {
+            let squared = on_a.distance_squared(on_b);
+            if squared < best.0 {
+                best = (squared, on_a, on_b);
+            }
+        };
+        for corner in 0..8 {
+            let signs = Vec3::new(sign(corner & 1), sign(corner & 2), sign(corner & 4));
+            let of_a = self.a * signs;
+            offer(of_a, self.center + self.axes * self.in_b(of_a).clamp(-self.b, self.b));
+            let of_b = self.center + self.axes * (self.b * signs);
+            offer(of_b.clamp(-self.a, self.a), of_b);
+        }
+        for i in 0..12 {
+            let of_a = nth_edge(self.a, i);
+            for j in 0..12 {
+                let local = nth_edge(self.b, j);
+                let of_b = Segment { center: self.center + self.axes * local.center, half: self.axes * local.half };
+                let (s, t) = of_a.closest(&of_b);
+                offer(of_a.at(s), of_b.at(t));
+            }
+        }
+        let (_, on_a, on_b) = best;
+        Some(Gap { on_a, on_b, normal: (on_b - on_a).try_normalize()? })
     }
 
     /// The corner of B furthest down on A's face across axis `i`, and the point of that face nearest to it.
@@ -367,6 +413,19 @@ fn edge(half: Vec3, axis: usize, direction: Vec3) -> Segment {
     center[axis] = 0.0;
     along[axis] = half[axis];
     Segment { center, half: along }
+}
+
+/// One of the four edges along each of the three axes.
+fn nth_edge(half: Vec3, n: usize) -> Segment {
+    let axis = n / 4;
+    let mut direction = Vec3::ZERO;
+    direction[(axis + 1) % 3] = sign(n & 1);
+    direction[(axis + 2) % 3] = sign(n & 2);
+    edge(half, axis, direction)
+}
+
+fn sign(bit: usize) -> f32 {
+    if bit == 0 { -1.0 } else { 1.0 }
 }
 
 #[cfg(test)]

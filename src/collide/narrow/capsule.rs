@@ -38,8 +38,26 @@ impl Segment {
         Self { center: pose.translation, half: pose.rotation * Vec3::new(0.0, half_height, 0.0) }
     }
 
+    pub fn between(from: Vec3, to: Vec3) -> Self {
+        Self { center: 0.5 * (from + to), half: 0.5 * (to - from) }
+    }
+
     pub fn at(&self, s: f32) -> Vec3 {
         self.center + self.half * s
+    }
+
+    /// Distance (m) along the unit vector `toward` from the point at `s` to the surface of the capsule of `radius` around
+    /// this segment. At the end that leads that way it is the radius; further back the side, or the end's ball, is further.
+    pub fn depth_of(&self, s: f32, toward: Vec3, radius: f32) -> f32 {
+        let length = self.half.length();
+        let lean = (toward.dot(self.half) / length).clamp(-1.0, 1.0);
+        let back = (1.0 - s * 1.0_f32.copysign(lean)) * length;
+        let (sin, cos_squared) = (lean.abs(), 1.0 - lean * lean);
+        if back * cos_squared <= radius * sin * cos_squared.sqrt() {
+            back * sin + (radius * radius - back * back * cos_squared).max(0.0).sqrt()
+        } else {
+            radius / cos_squared.sqrt()
+        }
     }
 
     /// Parameters of the closest points of two segments (Ericson, Real-Time Collision Detection, §5.1.9, with centres for
@@ -160,6 +178,21 @@ mod tests {
         assert_eq!(manifold.count, 1);
         assert!((manifold.normal - Vec3::Z).length() < 1e-6, "normal {}", manifold.normal);
         assert!((manifold.points[0].separation + 0.05).abs() < 1e-6, "{} m", manifold.points[0].separation);
+    }
+
+    #[test]
+    fn the_surface_of_a_leaning_capsule_is_found_along_the_normal() {
+        let (half, radius) = (1.0, 0.5);
+        let capsule = parry3d::shape::Capsule::new_y(half, radius);
+        let segment = Segment { center: Vec3::ZERO, half: Vec3::Y * half };
+        for lean in [-1.5_f32, -0.9, -0.3, 0.0, 0.01, 0.5, 1.2] {
+            let toward = Vec3::new(lean.cos(), lean.sin(), 0.0);
+            for s in [-1.0, -0.6, 0.0, 0.9, 1.0] {
+                let surface = segment.at(s) + toward * segment.depth_of(s, toward, radius);
+                let off = parry3d::query::PointQuery::distance_to_local_point(&capsule, surface, false);
+                assert!(off.abs() < 1e-5, "{off} m off the surface at lean {lean}, s {s}");
+            }
+        }
     }
 
     #[test]

@@ -167,14 +167,15 @@ impl Contact<'_> {
             self.push(foot(end), end, MIDDLE);
             return;
         }
-        let ends = [self.segment.at(low), self.segment.at(high)];
+        let ends = [low, high].map(|s| self.segment.at(s));
         let feet = ends.map(foot);
         // One above the other, the higher of two points adds nothing.
         let rise = normal.dot(ends[1] - ends[0]);
         let steep = rise.abs() > (feet[1] - feet[0]).length();
-        for i in 0..2 {
+        for (i, s) in [low, high].into_iter().enumerate() {
             if !(steep && (i == 1) == (rise > 0.0)) {
-                self.push(feet[i], ends[i], i as u32);
+                let depth = self.segment.depth_of(s, -normal, self.radius);
+                self.push_at(feet[i], ends[i], depth, i as u32);
             }
         }
     }
@@ -206,10 +207,15 @@ impl Contact<'_> {
     }
 
     fn push(&mut self, on_box: Vec3, on_segment: Vec3, feature: u32) {
+        self.push_at(on_box, on_segment, self.radius, feature);
+    }
+
+    /// A point whose surface is `depth` (m) below the segment.
+    fn push_at(&mut self, on_box: Vec3, on_segment: Vec3, depth: f32, feature: u32) {
         let normal = self.manifold.normal;
-        let separation = normal.dot(on_segment - on_box) - self.radius;
+        let separation = normal.dot(on_segment - on_box) - depth;
         if separation <= self.margin {
-            let on_b = self.relative.inverse_transform_point(on_segment - normal * self.radius);
+            let on_b = self.relative.inverse_transform_point(on_segment - normal * depth);
             self.manifold.push(ManifoldPoint { on_a: on_box, on_b, separation, feature });
         }
     }

@@ -34,6 +34,12 @@ const MIN_FACING: f32 = 0.2;
 /// to belong to another triangle.
 const MAX_DEEPENING: f32 = 5.0;
 
+/// Searches before parry3d's answer is given up, each from another direction.
+const ATTEMPTS: u32 = 3;
+
+/// Steps of the last resort for parts that do not touch.
+const MAX_APPROACH: u32 = 200;
+
 /// Feature of the nearest points, where they are no vertex of a clipped polygon.
 pub(super) const LONE: u32 = u32::MAX;
 
@@ -149,17 +155,56 @@ impl Pair<'_> {
         let pose = Pose3::from_parts(self.relative.translation * scale, self.relative.rotation);
         let limit = (margin + self.radii) * scale;
         let (a, b) = (Core { part: self.a, scale }, Core { part: self.b, scale });
-        let gap = match distance::nearest(&a, &b, &pose, limit + SLACK.1) {
-            Nearest::Found(gap) => Gap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size, ..gap },
-            Nearest::Beyond(direction) if self.along(direction).distance() - self.radii > margin => return None,
-            Nearest::Beyond(_) => self.best_own_direction(),
-        };
+        let mut unsound: Option<Gap> = None;
+        for attempt in 0..ATTEMPTS {
+            let seed = match (&unsound, attempt) {
+                (_, 0) => None,
+                (Some(gap), 1) => Some(gap.normal),
+                _ => Some(self.relative.translation.any_orthogonal_vector().try_normalize().unwrap_or(Vec3::Z)),
+            };
+            match distance::nearest(&a, &b, &pose, limit + SLACK.1, seed) {
+                Nearest::Found(gap) => {
+                    let gap = Gap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size, ..gap };
+                    if self.is_sound(&gap) {
+                        return self.within(gap, margin);
+                    }
+                    let is_unit = (gap.normal.length_squared() - 1.0).abs() < SLACK.0;
+                    unsound = Some(gap).filter(|_| is_unit).or(unsound);
+                }
+                Nearest::Beyond(direction) if self.along(direction).distance() - self.radii > margin => return None,
+                Nearest::Beyond(_) => {}
+            }
+        }
+        let apart = unsound.filter(|gap| gap.distance() > 0.0).and_then(|gap| self.approach(gap));
+        self.within(apart.unwrap_or_else(|| self.best_own_direction()), margin)
+    }
+
+    fn within(&self, gap: Gap, margin: f32) -> Option<Gap> {
+        (gap.distance() - self.radii <= margin).then_some(gap)
+    }
+
+    /// Whether the parts are as far apart along the normal as the points are.
+    fn is_sound(&self, gap: &Gap) -> bool {
         let promised = gap.distance();
         let kept = self.along(gap.normal).distance();
-        let is_unit = (gap.normal.length_squared() - 1.0).abs() < SLACK.0;
-        let sound = is_unit && (kept - promised).abs() <= self.slack(promised);
-        let gap = if sound { gap } else { self.best_own_direction() };
-        (gap.distance() - self.radii <= margin).then_some(gap)
+        (gap.normal.length_squared() - 1.0).abs() < SLACK.0 && (kept - promised).abs() <= self.slack(promised)
+    }
+
+    /// Nearest points of parts that do not touch, from points not far from them (Gilbert 1966): slow, but it cannot stall.
+    fn approach(&self, mut gap: Gap) -> Option<Gap> {
+        for _ in 0..MAX_APPROACH {
+            let offset = gap.on_b - gap.on_a;
+            gap.normal = offset.try_normalize()?;
+            let extreme = self.along(gap.normal);
+            if offset.length() - extreme.distance() <= self.slack(offset.length()) {
+                return Some(gap);
+            }
+            let back = offset - (extreme.on_b - extreme.on_a);
+            let s = (offset.dot(back) / back.length_squared()).clamp(0.0, 1.0);
+            gap.on_a = gap.on_a.lerp(extreme.on_a, s);
+            gap.on_b = gap.on_b.lerp(extreme.on_b, s);
+        }
+        self.is_sound(&gap).then_some(gap)
     }
 
     fn slack(&self, distance: f32) -> f32 {
@@ -236,28 +281,27 @@ impl Pair<'_> {
             }
             (Feature::Face { normal: normal_a }, Feature::Edge) => {
                 let Some(ground) = plane.slope(normal_a, corners_a[0].0) else { return };
-                let Some(ends) = plane.cut(corners_b, corners_a, self.slop) else { return };
-                candidates.extend((0..).zip(ends).map(|(feature, end)| {
-                    let (low, high) = (ground.height(end.at), end.height);
-                    self.candidate(plane.point(end.at, low), plane.point(end.at, high), normal, feature)
-                }));
+                let segment = Segment::between(corners_b[0].0, corners_b[1].0);
+                for (feature, end) in (0..).zip(plane.lie(&segment, corners_b, corners_a, self.slop).into_iter().flatten()) {
+                    let depth = depth_of(&segment, end, -normal, self.b.rounding());
+                    let low = plane.point(plane.flat(end), ground.height(plane.flat(end)));
+                    candidates.push(self.at_depths((low, self.a.rounding()), (end, depth), normal, feature));
+                }
             }
             (Feature::Edge, Feature::Face { normal: normal_b }) => {
                 let Some(ceiling) = plane.slope(face_b(normal_b), corners_b[0].0) else { return };
-                let Some(ends) = plane.cut(corners_a, corners_b, self.slop) else { return };
-                candidates.extend((0..).zip(ends).map(|(feature, end)| {
-                    let (low, high) = (end.height, ceiling.height(end.at));
-                    self.candidate(plane.point(end.at, low), plane.point(end.at, high), normal, feature)
-                }));
+                let segment = Segment::between(corners_a[0].0, corners_a[1].0);
+                for (feature, end) in (0..).zip(plane.lie(&segment, corners_a, corners_b, self.slop).into_iter().flatten()) {
+                    let depth = depth_of(&segment, end, normal, self.a.rounding());
+                    let high = plane.point(plane.flat(end), ceiling.height(plane.flat(end)));
+                    candidates.push(self.at_depths((end, depth), (high, self.b.rounding()), normal, feature));
+                }
             }
             (Feature::Edge, Feature::Edge) => {
-                let segment = |corners: &[Corner]| Segment {
-                    center: 0.5 * (corners[0].0 + corners[1].0),
-                    half: 0.5 * (corners[1].0 - corners[0].0),
-                };
                 let girth = self.a.girth().min(self.b.girth());
-                let ends = segment(corners_a).side_by_side(&segment(corners_b), normal, girth);
-                let ends = ends.into_iter().flatten();
+                let of_a = Segment::between(corners_a[0].0, corners_a[1].0);
+                let of_b = Segment::between(corners_b[0].0, corners_b[1].0);
+                let ends = of_a.side_by_side(&of_b, normal, girth).into_iter().flatten();
                 candidates.extend((0..).zip(ends).map(|(feature, (a, b))| self.candidate(a, b, normal, feature)));
             }
             (Feature::Point, _) | (_, Feature::Point) => {}
@@ -266,13 +310,22 @@ impl Pair<'_> {
 
     /// From points of the cores to points of the surfaces.
     fn candidate(&self, core_a: Vec3, core_b: Vec3, normal: Vec3, feature: u32) -> Candidate {
-        Candidate {
-            on_a: core_a + normal * self.a.rounding(),
-            on_b: core_b - normal * self.b.rounding(),
-            separation: normal.dot(core_b - core_a) - self.radii,
-            feature,
-        }
+        self.at_depths((core_a, self.a.rounding()), (core_b, self.b.rounding()), normal, feature)
     }
+
+    /// From points of the cores to points of the surfaces at the given depths (m) before them.
+    fn at_depths(&self, a: (Vec3, f32), b: (Vec3, f32), normal: Vec3, feature: u32) -> Candidate {
+        let separation = normal.dot(b.0 - a.0) - a.1 - b.1;
+        Candidate { on_a: a.0 + normal * a.1, on_b: b.0 - normal * b.1, separation, feature }
+    }
+}
+
+fn depth_of(segment: &Segment, at: Vec3, toward: Vec3, rounding: f32) -> f32 {
+    if rounding == 0.0 {
+        return 0.0;
+    }
+    let s = (at - segment.center).dot(segment.half) / segment.half.length_squared();
+    segment.depth_of(s.clamp(-1.0, 1.0), toward, rounding)
 }
 
 fn nearest_face(part: &Part, direction: Vec3) -> Option<Vec3> {
@@ -379,9 +432,14 @@ impl Plane {
         })
     }
 
-    /// The part of an edge over a face.
-    fn cut(&self, edge: &[Corner], face: &[Corner], slop: f32) -> Option<[Vertex; 2]> {
+    /// The ends of the part of an edge that lies over a face; none if it rather stands there.
+    fn lie(&self, segment: &Segment, edge: &[Corner], face: &[Corner], slop: f32) -> Option<[Vec3; 2]> {
+        let rise = self.normal.dot(segment.half);
+        if 2.0 * rise * rise > segment.half.length_squared() {
+            return None;
+        }
         let ends = [self.vertex(&edge[0]), self.vertex(&edge[1])];
-        self.sides(face, slop).try_fold(ends, |ends, side| clip_segment(ends, &side))
+        let cut = self.sides(face, slop).try_fold(ends, |ends, side| clip_segment(ends, &side))?;
+        Some(cut.map(|end| self.point(end.at, end.height)))
     }
 }

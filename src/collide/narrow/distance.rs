@@ -35,9 +35,9 @@ pub(super) enum Nearest {
     Beyond(Vec3),
 }
 
-/// Nearest points or least overlap of shapes not further apart than `limit`.
-pub(super) fn nearest(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3, limit: f32) -> Nearest {
-    match contact_support_map_support_map_with_params(relative, a, b, limit, &mut VoronoiSimplex::new(), None) {
+/// Nearest points or least overlap of shapes not further apart than `limit`; the search starts along `seed`.
+pub(super) fn nearest(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3, limit: f32, seed: Option<Vec3>) -> Nearest {
+    match contact_support_map_support_map_with_params(relative, a, b, limit, &mut VoronoiSimplex::new(), seed) {
         GJKResult::ClosestPoints(on_a, on_b, normal) => Nearest::Found(Gap { on_a, on_b, normal }),
         GJKResult::NoIntersection(direction) | GJKResult::Proximity(direction) => Nearest::Beyond(direction),
         GJKResult::Intersection => Nearest::Beyond(Vec3::X),

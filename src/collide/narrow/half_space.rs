@@ -3,6 +3,7 @@
 use glam::Vec3;
 use parry3d::math::Pose3;
 
+use super::capsule::Segment;
 use super::convex::{Buffers, LONE};
 use super::face::{self, Feature};
 use super::part::Part;
@@ -16,9 +17,8 @@ const TIE: f32 = 1.0e-4;
 pub(super) fn half_space(normal: Vec3, part: &Part, relative: &Pose3, margin: f32, buffers: &mut Buffers) -> Option<Manifold> {
     let rounding = part.rounding();
     let down = relative.rotation.inverse() * -normal;
-    let height = |local: Vec3| normal.dot(*relative * local) - rounding;
     let deepest = part.core_support(down);
-    let lowest = height(deepest);
+    let lowest = normal.dot(*relative * deepest) - rounding;
     // Written so that a NaN is no contact.
     let near = lowest <= margin;
     if !near {
@@ -28,28 +28,32 @@ pub(super) fn half_space(normal: Vec3, part: &Part, relative: &Pose3, margin: f3
     let tie = TIE * part.reach();
     let Buffers { corners_b: corners, candidates, .. } = buffers;
     candidates.clear();
-    let candidate = |local: Vec3, separation: f32, feature: u32| {
-        let surface = *relative * local - normal * rounding;
-        Candidate { on_a: surface - normal * separation, on_b: local + down * rounding, separation, feature }
+    let candidate = |local: Vec3, depth: f32, feature: u32| {
+        let on_b = local + down * depth;
+        let surface = *relative * on_b;
+        let separation = normal.dot(surface);
+        Candidate { on_a: surface - normal * separation, on_b, separation, feature }
     };
     match face::find(part, down, corners) {
         Feature::Edge => {
-            let [low, high] = [(corners[0], height(corners[0].0)), (corners[1], height(corners[1].0))];
-            let (low, high) = if high.1 < low.1 { (high, low) } else { (low, high) };
+            let segment = Segment::between(corners[0].0, corners[1].0);
             // One above the other, the higher of two points adds nothing.
-            let rise = high.1 - low.1;
-            let steep = 2.0 * rise * rise > (high.0.0 - low.0.0).length_squared();
-            let ends = [Some(low), (!steep).then_some(high)];
-            candidates.extend(ends.into_iter().flatten().map(|((at, id), height)| candidate(at, height, u32::from(id))));
-            candidates.sort_unstable_by_key(|c| c.feature);
+            let rise = down.dot(segment.half);
+            let steep = 2.0 * rise * rise > segment.half.length_squared();
+            for (s, &(at, id)) in [-1.0, 1.0].into_iter().zip(corners.iter()) {
+                if !steep || s * rise > 0.0 {
+                    let depth = if rounding > 0.0 { segment.depth_of(s, down, rounding) } else { 0.0 };
+                    candidates.push(candidate(at, depth, u32::from(id)));
+                }
+            }
         }
         Feature::Face { .. } => {
-            candidates.extend(corners.iter().map(|&(at, id)| candidate(at, height(at), u32::from(id))));
+            candidates.extend(corners.iter().map(|&(at, id)| candidate(at, 0.0, u32::from(id))));
         }
         Feature::Point => {}
     }
     if candidates.iter().all(|c| c.separation > lowest + tie) {
-        candidates.push(candidate(deepest, lowest, LONE));
+        candidates.push(candidate(deepest, rounding, LONE));
     }
     candidates.retain(|c| c.separation <= margin);
 

@@ -69,10 +69,22 @@ fn own_pairs(scale: f32) -> BoxedStrategy<Shape> {
 fn hull(scale: f32) -> BoxedStrategy<Shape> {
     let points = prop::collection::vec(direction(), 8..24);
     (points, extents(scale))
-        .prop_filter_map("flat", |(points, half)| {
-            Shape::new(Geometry::ConvexHull { points: points.into_iter().map(|p| p * half).collect() }).ok()
+        .prop_filter_map("no hull with plane faces", |(points, half)| {
+            let points = points.into_iter().map(|p| p * half).collect();
+            Shape::new(Geometry::ConvexHull { points }).ok().filter(has_plane_faces)
         })
         .boxed()
+}
+
+/// parry3d makes one face of facets that are within 1.5° of one plane. Then corners of the face are off its plane, and
+/// distances to it are only good to that much.
+fn has_plane_faces(shape: &Shape) -> bool {
+    let hull = shape.parry().as_convex_polyhedron().unwrap();
+    hull.faces().iter().all(|face| {
+        let ids = &hull.vertices_adj_to_face()[face.first_vertex_or_edge as usize..];
+        let at = |i: usize| hull.points()[ids[i] as usize];
+        (0..face.num_vertices_or_edges as usize).all(|i| face.normal.dot(at(i) - at(0)).abs() < 1e-4 * size(shape))
+    })
 }
 
 fn convex(scale: f32) -> BoxedStrategy<Shape> {
@@ -124,6 +136,22 @@ fn box_depth(a: Vec3, b: Vec3, relative: &Pose3) -> f64 {
     axes.map(|n| t.dot(n).abs() - reach(&of_a, a, n) - reach(&of_b, b, n)).fold(f64::MIN, f64::max)
 }
 
+/// Distance between the planes across `normal` that hold A below and B above: no more than their distance (m).
+fn support_gap(a: &Shape, b: &Shape, pose: &Pose3, normal: Vec3) -> f32 {
+    let furthest = |shape: &Shape, direction: Vec3| shape.parry().as_support_map().unwrap().local_support_point(direction);
+    let on_b = *pose * furthest(b, pose.rotation.inverse() * -normal);
+    normal.dot(on_b - furthest(a, normal))
+}
+
+/// Directions spread evenly over the sphere.
+fn directions(count: u32) -> impl Iterator<Item = Vec3> {
+    (0..count).map(move |i| {
+        let y = 1.0 - (2 * i + 1) as f32 / count as f32;
+        let (sin, cos) = (2.399_963_2 * i as f32).sin_cos();
+        Vec3::new(cos, 0.0, sin) * (1.0 - y * y).sqrt() + Vec3::Y * y
+    })
+}
+
 fn half_extents(shape: &Shape) -> Vec3 {
     let Geometry::Box { half_extents } = *shape.geometry() else { panic!("not a box") };
     half_extents
@@ -166,28 +194,39 @@ proptest! {
     }
 
     #[test]
-    fn separated_boxes_report_their_distance((a, b, pose) in pairs(boxes)) {
-        let distance = query::distance(&Pose3::IDENTITY, &**a.parry(), &pose, &**b.parry()).unwrap().distance;
-        prop_assume!(distance > 1e-3);
+    fn convex_pairs_report_their_distance_or_least_overlap((a, b, pose) in pairs(convex)) {
         let found = manifolds(&a, &b, pose, 10.0);
         check(&a, &b, pose, 10.0, &found);
         let separation = deepest(&found).expect("within the margin");
-        prop_assert!((separation - distance).abs() <= 2e-3 * distance + 1e-4, "{separation} m, GJK gives {distance} m");
+        let proven = support_gap(&a, &b, &pose, found[0].normal);
+        // Half a percent of a deep overlap is what EPA and the snap to faces may miss together.
+        let bound = 5e-3 * separation.abs() + 1e-3 * size(&a).max(size(&b));
+        prop_assert!((separation - proven).abs() <= bound, "{separation} m, but {proven} m apart along the normal");
+        if separation > bound {
+            let deepest = found[0].contacts().iter().find(|p| p.separation == separation).unwrap();
+            let distance = (pose * deepest.on_b - deepest.on_a).length();
+            prop_assert!(distance - separation <= bound, "points {distance} m apart for a distance of {separation} m");
+        } else {
+            for direction in directions(500) {
+                let way_out = support_gap(&a, &b, &pose, direction);
+                prop_assert!(way_out <= separation + bound, "{separation} m, but {way_out} m along {direction}");
+            }
+        }
     }
 
     #[test]
     fn convex_pairs_agree_with_an_independent_query((a, b, pose) in pairs(convex)) {
-        let found = manifolds(&a, &b, pose, 10.0);
-        check(&a, &b, pose, 10.0, &found);
-        let separation = deepest(&found).expect("within the margin");
         let reference = query::contact(&Pose3::IDENTITY, &**a.parry(), &pose, &**b.parry(), 10.0).unwrap();
-        if let Some(reference) = reference {
-            let bound = 3e-3 * reference.dist.abs() + 2e-3 * size(&a).max(size(&b));
-            prop_assert!(
-                separation <= reference.dist + bound && (reference.dist < 0.0 || separation >= reference.dist - bound),
-                "{separation} m, parry3d gives {} m for {a:?} and {b:?} at {pose:?}", reference.dist
-            );
-        }
+        let Some(reference) = reference else { return Err(TestCaseError::reject("no answer")) };
+        // The query sometimes stops short of the nearest points; then its normal does not bear its distance out.
+        let bound = 3e-3 * reference.dist.abs() + 1e-3 * size(&a).max(size(&b));
+        let proven = support_gap(&a, &b, &pose, reference.normal1);
+        prop_assume!((proven - reference.dist).abs() <= bound);
+        let separation = deepest(&manifolds(&a, &b, pose, 10.0)).expect("within the margin");
+        prop_assert!(
+            (separation - reference.dist).abs() <= 2.0 * bound,
+            "{separation} m, parry3d gives {} m for {a:?} and {b:?} at {pose:?}", reference.dist
+        );
     }
 
     #[test]
