@@ -48,6 +48,8 @@ pub struct World {
     batches: Vec<Batch>,
     batch_count: usize,
     events: Events,
+    /// Bodies that this step gave a non-finite state.
+    broken: Vec<u32>,
     report: StepReport,
     /// Length of the last substep (s), for rescaling multipliers.
     last_substep: f32,
@@ -98,6 +100,7 @@ impl World {
             batches: Vec::new(),
             batch_count: 0,
             events: Events::default(),
+            broken: Vec::new(),
             report: StepReport::default(),
             last_substep: 0.0,
             last_dt: 0.0,

@@ -98,6 +98,8 @@ impl Batch {
         self.colors.clear();
         let mut counts = [0_u32; MAX_COLORS + 1];
         for &(a, b) in ends {
+            self.motions[a as usize].constrained = true;
+            self.motions[b as usize].constrained = true;
             let end = |slot: u32| (slot, slot != WORLD_SLOT && self.motions[slot as usize].is_dynamic());
             let color = self.coloring.assign(end(a), end(b)).unwrap_or(MAX_COLORS as u32);
             counts[color as usize] += 1;

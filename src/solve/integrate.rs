@@ -9,16 +9,22 @@
 //! create energy; it is accepted only if it does not (see [`MAX_ENERGY_GAIN`]), else one implicit step of Euler's equations in
 //! the body frame (Catto 2015) is taken, which only loses energy.
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{DQuat, DVec3, Mat3, Quat, Vec3};
 
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
 /// Relative gain of rotational energy in one substep beyond which the midpoint rule is refused.
-const MAX_ENERGY_GAIN: f32 = 1.0e-3;
+const MAX_ENERGY_GAIN: f64 = 1.0e-3;
 
 /// Rotation since the last refresh after which the world inertia of an unjointed body is formed anew (rad).
 const INERTIA_REFRESH: f32 = 2.0e-3;
+
+/// Rotation of one substep below which the gyroscopic term is left out (rad): it would change ω by less than its square.
+const NEGLIGIBLE_TUMBLE: f32 = 1.0e-4;
+
+/// Rotation of one substep above which the midpoint rule takes two halves (rad).
+const SPLIT_TUMBLE: f64 = 1.0e-2;
 
 /// Largest rotation of one substep (rad); beyond it the direction of a lever has no meaning.
 const MAX_TURN: f32 = 1.5;
@@ -50,6 +56,10 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
         return;
     }
     motion.displacement += velocity.linear * h;
+    if motion.is_dynamic() && !motion.constrained {
+        // The velocity has gained the whole substep's acceleration; a free path is a parabola.
+        motion.displacement -= Vec3::select(velocity.inverse_mass.cmpgt(Vec3::ZERO), motion.acceleration * (0.5 * h * h), Vec3::ZERO);
+    }
     let turned = turn(velocity, motion, h);
     motion.turn += turned.mean * h;
     motion.rotation = turned.rotation;
@@ -77,28 +87,40 @@ fn turn(velocity: &BodyVelocity, motion: &BodyMotion, h: f32) -> Turn {
     if angular == Vec3::ZERO {
         return Turn { rotation: motion.rotation, mean: angular, angular };
     }
-    if motion.kind == MotionKind::Tumbling {
+    if motion.kind == MotionKind::Tumbling && angular.length_squared() > NEGLIGIBLE_TUMBLE * NEGLIGIBLE_TUMBLE / (h * h) {
         return tumble(angular, motion, h);
     }
     Turn { rotation: rotated(motion.rotation, angular * h), mean: angular, angular }
 }
 
+/// In `f64`: in `f32` the rounding of L is biased and costs 0.07 % of it in ten seconds.
 fn tumble(angular: Vec3, motion: &BodyMotion, h: f32) -> Turn {
-    let frame = motion.rotation * motion.inertia_frame;
-    let local = frame.conjugate() * angular;
-    let momentum = frame * (motion.inertia * local);
-    let inverse = 1.0 / motion.inertia;
-    let velocity_in = |frame: Quat| frame * (inverse * (frame.conjugate() * momentum)) * motion.free_rotation;
+    let step = f64::from(h);
+    let rotation = motion.rotation.as_dquat().normalize();
+    let inertia_frame = motion.inertia_frame.as_dquat();
+    let frame = rotation * inertia_frame;
+    let inertia = motion.inertia.as_dvec3();
+    let free = motion.free_rotation.as_dvec3();
+    let local = frame.conjugate() * angular.as_dvec3();
+    let momentum = frame * (inertia * local);
+    let velocity_in = |frame: DQuat| frame * ((frame.conjugate() * momentum) / inertia) * free;
 
-    let mean = velocity_in(rotated(frame, angular * (0.5 * h)));
-    let end_frame = rotated(frame, mean * h);
-    let end = velocity_in(end_frame);
-    let energy = local.dot(motion.inertia * local);
-    let end_energy = momentum.dot(end);
-    if end_energy <= energy * (1.0 + MAX_ENERGY_GAIN) && (mean * h).length_squared() < MAX_TURN * MAX_TURN {
-        return Turn { rotation: rotated(motion.rotation, mean * h), mean, angular: end };
+    let pieces = if angular.length() * h > SPLIT_TUMBLE as f32 { 2 } else { 1 };
+    let piece = step / f64::from(pieces);
+    let (mut turned, mut end, mut mean) = (rotation, angular.as_dvec3(), DVec3::ZERO);
+    for _ in 0..pieces {
+        let middle = velocity_in(rotated_f64(turned * inertia_frame, end * (0.5 * piece)));
+        turned = rotated_f64(turned, middle * piece);
+        end = velocity_in(turned * inertia_frame);
+        mean += middle / f64::from(pieces);
     }
-    let implicit = frame * implicit_gyroscopic(local, motion.inertia, h) * motion.free_rotation;
+    let energy = local.dot(inertia * local);
+    let gains = momentum.dot(end) > energy * (1.0 + MAX_ENERGY_GAIN);
+    if !gains && (mean * step).length_squared() < f64::from(MAX_TURN * MAX_TURN) {
+        return Turn { rotation: turned.as_quat(), mean: mean.as_vec3(), angular: end.as_vec3() };
+    }
+    let local = local.as_vec3();
+    let implicit = frame.as_quat() * implicit_gyroscopic(local, motion.inertia, h) * motion.free_rotation;
     let scale = (local.length() / implicit.length().max(f32::MIN_POSITIVE)).min(1.0);
     let angular = implicit * scale;
     Turn { rotation: rotated(motion.rotation, angular * h), mean: angular, angular }
@@ -127,6 +149,20 @@ pub(crate) fn rotated(rotation: Quat, vector: Vec3) -> Quat {
     let cosine = 1.0 - x / 2.0 * (1.0 - x / 12.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0 * (1.0 - x / 90.0))));
     let axis = half * sine_over_angle;
     (Quat::from_xyzw(axis.x, axis.y, axis.z, cosine) * rotation).normalize()
+}
+
+/// As [`rotated`], with as many more terms as `f64` can tell.
+fn rotated_f64(rotation: DQuat, vector: DVec3) -> DQuat {
+    let half = vector * 0.5;
+    let x = half.length_squared();
+    let (mut sine_over_angle, mut cosine) = (1.0, 1.0);
+    for k in (1..=8).rev() {
+        let n = f64::from(2 * k);
+        sine_over_angle = 1.0 - x / (n * (n + 1.0)) * sine_over_angle;
+        cosine = 1.0 - x / (n * (n - 1.0)) * cosine;
+    }
+    let axis = half * sine_over_angle;
+    (DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine) * rotation).normalize()
 }
 
 fn refresh_inertia(velocity: &mut BodyVelocity, motion: &mut BodyMotion) {

@@ -3,8 +3,8 @@
 //! A *batch* is one island, or several small ones, with its own copy of the bodies' state and its own rows, sorted by colour.
 //! Batches share nothing and are solved side by side; an island's result does not depend on the batch it is in.
 //!
-//! A substep: forces → joint rows at predicted poses, warm start → sweeps of joints and contacts → poses. After the substeps:
-//! restitution, then position recovery, which moves bodies without giving them velocity.
+//! A substep: forces → joint rows at predicted poses, warm start → sweeps of joints and contacts → poses → position rows of
+//! joints. After the substeps: restitution, then position recovery of contacts. What moves positions gives no velocity.
 
 pub(crate) mod batch;
 mod color;
@@ -16,7 +16,7 @@ pub(crate) mod state;
 
 use batch::Batch;
 use contact::POINTS;
-use state::{BodyVelocity, MotionKind};
+use state::BodyVelocity;
 
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
@@ -49,6 +49,7 @@ impl Batch {
             }
             self.joints.keep_impulses();
             self.advance(h);
+            self.joints.project(joints, &self.velocities, &mut self.motions, h);
         }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.recover_positions(settings.dt);
@@ -69,28 +70,18 @@ impl Batch {
 
     fn recover_positions(&mut self, dt: f32) {
         self.penetration = self.worst_penetration();
-        let stops = self.joints.has_overlap();
-        if self.penetration <= NEGLIGIBLE_OVERLAP && !stops {
+        if self.penetration <= NEGLIGIBLE_OVERLAP {
             return;
         }
         self.pushes.clear();
-        self.pushes.extend(self.velocities.iter().map(|body| BodyVelocity {
-            linear: glam::Vec3::ZERO,
-            angular: glam::Vec3::ZERO,
-            ..*body
-        }));
+        self.pushes.extend(self.velocities.iter().map(BodyVelocity::at_rest));
         self.recovery_lambdas.clear();
         self.recovery_lambdas.resize(self.contacts.len(), [[0.0; contact::LANES]; POINTS]);
         for _ in 0..contact_kernels::RECOVERY_SWEEPS {
-            self.joints.recover(&mut self.pushes);
             contact_kernels::recover(&self.contacts, &mut self.recovery_lambdas, &mut self.pushes, &self.motions, dt);
         }
         for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
-            if motion.kind != MotionKind::Fixed {
-                motion.displacement += push.linear;
-                motion.turn += push.angular;
-                motion.rotation = integrate::rotated(motion.rotation, push.angular);
-            }
+            motion.displace(push.linear, push.angular);
         }
     }
 

@@ -7,6 +7,9 @@ use glam::{Mat3, Quat, Vec3};
 /// Slot of everything static.
 pub(crate) const WORLD_SLOT: u32 = 0;
 
+/// Largest rotation by which a body is pushed at once (rad).
+const MAX_PUSH_TURN: f32 = 0.5;
+
 /// Symmetric 3×3 matrix: xx, yy, zz, xy, xz, yz.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Symmetric([f32; 6]);
@@ -52,6 +55,11 @@ impl BodyVelocity {
     pub(crate) const FIXED: Self =
         Self { linear: Vec3::ZERO, inverse_mass: Vec3::ZERO, angular: Vec3::ZERO, inverse_inertia: Symmetric::ZERO };
 
+    /// The same body at rest, to gather displacements in.
+    pub(crate) fn at_rest(&self) -> Self {
+        Self { linear: Vec3::ZERO, angular: Vec3::ZERO, ..*self }
+    }
+
     /// Applies an impulse (N·s) and an angular impulse about the centre of mass (N·m·s).
     #[inline(always)]
     pub(crate) fn apply(&mut self, impulse: Vec3, angular_impulse: Vec3) {
@@ -86,6 +94,8 @@ pub(crate) struct BodyMotion {
     pub kind: MotionKind,
     /// Whether joint rows need the predicted pose of this body.
     pub jointed: bool,
+    /// Whether any row acts on this body.
+    pub constrained: bool,
 }
 
 /// How a slot is integrated.
@@ -116,7 +126,19 @@ impl BodyMotion {
         turn_at_refresh: Vec3::ZERO,
         kind: MotionKind::Fixed,
         jointed: false,
+        constrained: false,
     };
+
+    /// Moves a dynamic body by a displacement (m) and a rotation vector (rad, at most [`MAX_PUSH_TURN`]).
+    pub(crate) fn displace(&mut self, displacement: Vec3, turn: Vec3) {
+        if !self.is_dynamic() {
+            return;
+        }
+        let turn = turn.clamp_length_max(MAX_PUSH_TURN);
+        self.displacement += displacement;
+        self.turn += turn;
+        self.rotation = super::integrate::rotated(self.rotation, turn);
+    }
 
     pub(crate) fn is_dynamic(&self) -> bool {
         matches!(self.kind, MotionKind::Round | MotionKind::Tumbling)

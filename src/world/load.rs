@@ -97,6 +97,7 @@ impl Records<'_> {
                 BodyKind::Dynamic => MotionKind::Tumbling,
             },
             jointed: !body.joints.is_empty(),
+            constrained: !body.joints.is_empty(),
             ..BodyMotion::FIXED
         };
         (velocity, motion)

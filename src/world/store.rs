@@ -22,6 +22,9 @@ impl World {
             residuals.joint_gap = residuals.joint_gap.max(batch.joint_gap);
             residuals.penetration = residuals.penetration.max(batch.penetration);
         }
+        for index in std::mem::take(&mut self.broken) {
+            self.quarantine(index);
+        }
         self.finish_kinematic_bodies(dt);
         self.report.counts.bodies_asleep = self.sleeping.body_count() as u32;
     }
@@ -57,9 +60,7 @@ impl World {
             body.linear_velocity = velocity.linear;
             body.angular_velocity = velocity.angular;
         }
-        for &index in &broken {
-            self.quarantine(index);
-        }
+        self.broken.append(&mut broken);
         self.scratch.slots = broken;
     }
 

@@ -26,7 +26,7 @@ pub(crate) fn rows(sink: &mut RowSink, limits: Limits, spring_length: Option<f32
             start: sink.geometry.start.gap.length() - rest,
             predicted: sink.geometry.predicted.gap.length() - rest,
         };
-        let give = Give::new(sink.def.linear, sink.h);
+        let give = Give::new(sink.def.linear, sink.phase);
         sink.scalar(jacobian, Demand::Equal(error), give, 3);
     }
 }

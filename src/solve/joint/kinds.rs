@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::geometry::{JointGeometry, Placement};
-use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, ScalarRow};
+use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, Phase, ScalarRow};
 use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor};
 use crate::solve::state::BodyVelocity;
 
@@ -13,8 +13,7 @@ pub(crate) struct RowSink<'a> {
     pub geometry: &'a JointGeometry,
     pub def: &'a JointDef,
     pub impulses: &'a JointImpulses,
-    /// Length of the substep (s).
-    pub h: f32,
+    pub phase: Phase,
     pub point: Option<BlockRow>,
     pub direction: Option<BlockRow>,
     pub scalars: &'a mut Vec<ScalarRow>,
@@ -51,9 +50,9 @@ impl RowSink<'_> {
             Held::Across(_) => g.gradient.a.lever + g.gradient.gap,
         };
         let error = Error3 { start: g.start.gap, predicted: g.predicted.gap };
-        let give = Give::new(self.def.linear, self.h);
+        let give = Give::new(self.def.linear, self.phase);
         let levers = [lever_a, g.gradient.b.lever];
-        self.point = Some(BlockRow::point(self.bodies, levers, error, held, give, self.impulses.point, self.h));
+        self.point = Some(BlockRow::point(self.bodies, levers, error, held, give, self.impulses.point));
     }
 
     /// Holds the joint frames together about the axes `held`; `error` reads the rotation vector in A's frame.
@@ -61,8 +60,8 @@ impl RowSink<'_> {
         let g = self.geometry;
         let in_world = |placement: &Placement| g.gradient.a.frame * error(placement);
         let error = Error3 { start: in_world(&g.start), predicted: in_world(&g.predicted) };
-        let give = Give::new(self.def.angular, self.h);
-        self.direction = Some(BlockRow::direction(self.bodies, error, held, give, self.impulses.angular, self.h));
+        let give = Give::new(self.def.angular, self.phase);
+        self.direction = Some(BlockRow::direction(self.bodies, error, held, give, self.impulses.angular));
     }
 
     /// Adds the stops and the motor of a coordinate; their multipliers are `id`, `id + 1` and `id + 2`.
@@ -78,7 +77,7 @@ impl RowSink<'_> {
         if coordinate.is_angle {
             predicted = start + super::geometry::wrapped(predicted - start);
         }
-        let give = Give::new(self.def.limit, self.h);
+        let give = Give::new(self.def.limit, self.phase);
         let jacobian = coordinate.jacobian;
         if limits.min == limits.max {
             let error = Error1 { start: start - limits.min, predicted: predicted - limits.min };
@@ -100,13 +99,13 @@ impl RowSink<'_> {
         match motor {
             Motor::Off => {}
             Motor::Velocity { target, max_force } => {
-                let demand = Demand::Speed { target, max_impulse: max_force * self.h };
-                self.scalar(jacobian, demand, Give::RIGID, id);
+                let demand = Demand::Speed { target, max_impulse: max_force * self.phase.h() };
+                self.scalar(jacobian, demand, Give::rigid(self.phase), id);
             }
             Motor::Position { target, softness, max_force } => {
                 let error = Error1 { start: start - target, predicted: predicted - target };
-                let demand = Demand::Drive { error, max_impulse: max_force * self.h };
-                self.scalar(jacobian, demand, Give::new(softness, self.h), id);
+                let demand = Demand::Drive { error, max_impulse: max_force * self.phase.h() };
+                self.scalar(jacobian, demand, Give::new(softness, self.phase), id);
             }
         }
     }
@@ -114,7 +113,7 @@ impl RowSink<'_> {
     /// Adds one scalar row whose multiplier is `id`.
     pub(crate) fn scalar(&mut self, jacobian: Jacobian, demand: Demand, give: Give, id: u8) {
         let impulse = self.impulses.scalar[id as usize];
-        self.scalars.push(ScalarRow::new(self.bodies, jacobian, demand, give, id, impulse, self.h));
+        self.scalars.push(ScalarRow::new(self.bodies, jacobian, demand, give, id, impulse));
     }
 
     /// Gradient of the component of the gap along `axis`, which is fixed in A's frame.

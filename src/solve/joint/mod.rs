@@ -20,7 +20,7 @@ mod spherical;
 
 use geometry::{JointGeometry, Placement, Side};
 use kinds::RowSink;
-use rows::{BlockRow, ScalarRow};
+use rows::{BlockRow, Phase, ScalarRow};
 
 use super::color::{Coloring, MAX_COLORS};
 use super::integrate;
@@ -29,10 +29,7 @@ use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind};
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
-const IMPLICIT_RANGE: (f32, f32) = (0.1, 0.5);
-
-/// Share of the overlap at a stop that is taken out in one step.
-const RECOVERY_SHARE: f32 = 0.2;
+const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
 
 /// One joint as its batch holds it.
 #[derive(Debug, Clone, Copy)]
@@ -117,7 +114,7 @@ impl BatchJoints {
                 geometry: &geometry,
                 def: &joints[entry.joint].def,
                 impulses: &entry.impulses,
-                h,
+                phase: Phase::Velocity { h },
                 point: None,
                 direction: None,
                 scalars: &mut self.scalars,
@@ -193,22 +190,36 @@ impl BatchJoints {
         }
     }
 
-    /// Whether a rigid stop was overrun at the start of the last substep.
-    pub(crate) fn has_overlap(&self) -> bool {
-        self.scalars.iter().any(|row| row.overlap > 0.0)
-    }
-
-    /// One sweep of position recovery over the stops that are overrun; `pushes` holds displacements (see the contacts').
-    pub(crate) fn recover(&self, pushes: &mut [BodyVelocity]) {
-        for rows in &self.rows {
-            for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
-                if row.overlap > 0.0 {
-                    let (mut a, mut b) = (pushes[rows.a as usize], pushes[rows.b as usize]);
-                    row.push_towards(RECOVERY_SHARE * row.overlap, &mut a, &mut b);
-                    pushes[rows.a as usize] = a;
-                    pushes[rows.b as usize] = b;
-                }
+    /// One sweep of position rows, joint by joint at the poses of now: rigid errors are taken out, velocities stay as they are.
+    pub(crate) fn project(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
+        for entry in &self.entries {
+            let now = |slot: u32| (motions[slot as usize].displacement, motions[slot as usize].rotation);
+            let placement = entry.placement(now(entry.a), now(entry.b));
+            let [mut a, mut b] = [entry.a, entry.b].map(|slot| velocities[slot as usize].at_rest());
+            self.scalars.clear();
+            let mut sink = RowSink {
+                bodies: [&a, &b],
+                geometry: &JointGeometry { start: placement, predicted: placement, gradient: placement },
+                def: &joints[entry.joint].def,
+                impulses: &JointImpulses::ZERO,
+                phase: Phase::Position { h },
+                point: None,
+                direction: None,
+                scalars: &mut self.scalars,
+            };
+            kinds::add_rows(&mut sink);
+            let (point, direction) = (sink.point, sink.direction);
+            if let Some(mut row) = direction {
+                row.solve_direction(&mut a, &mut b);
             }
+            for row in &mut self.scalars {
+                row.solve(&mut a, &mut b);
+            }
+            if let Some(mut row) = point {
+                row.solve_point(&mut a, &mut b);
+            }
+            motions[entry.a as usize].displace(a.linear, a.angular);
+            motions[entry.b as usize].displace(b.linear, b.angular);
         }
     }
 

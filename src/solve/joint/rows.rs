@@ -1,50 +1,100 @@
-//! The two forms of joint row: a 3×3 block and a scalar, both with give.
+//! The two forms of joint row: a 3×3 block and a scalar, both with give; each for velocities and for positions.
 //!
-//! A row holds C(x) = 0 (or ≥ 0) at the *end* of the substep. With the pose predicted from the present velocity v*, C* there,
-//! and Jacobian J,  C(end)/h ≈ J v + b,  b = C*/h − J v*, so the position row becomes a velocity row, corrections go into the
-//! velocity, and positions follow from it: nothing is ever differenced.
+//! **Velocity rows** hold C(x) = 0 (or ≥ 0) at the *end* of the substep. With the pose predicted from the present velocity v*,
+//! C* there, and Jacobian J,  C(end)/h ≈ J v + b,  b = C*/h − J v*: corrections go into the velocity, and positions follow from
+//! it; nothing is ever differenced. A rigid row only answers for what this substep makes of C, b = (C* − C₀)/h − J v*; the
+//! error C₀ that was there before is left to the position rows. So a carried multiplier is a force and nothing else: with C₀ in
+//! the velocity row, a joint that converges slowly repeats its own correction and blows up (a bob of small inertia on a long
+//! hinge lever does so within a second).
 //!
-//! Compliance α and damping c (Macklin et al. 2016) make the impulse p satisfy  p = −h (C + c α … ) as an implicit spring and
-//! damper would: with k = c α / h and γ = α / h²,
+//! Compliance α and damping c (Macklin et al. 2016) make the impulse p that of an implicit spring and damper: with k = c α / h
+//! and γ = α / h²,
 //!
 //!     Δp = −(J v + b/(1+k) + γ/(1+k) p) / (w + γ/(1+k)),    w = J M⁻¹ Jᵀ.
 //!
 //! α = 0 is a rigid row. Units: p in N·s or N·m·s, b in m/s or rad/s, w in 1/kg or 1/(kg·m²).
+//!
+//! **Position rows** take rigid errors out after the substep, J δ = −C, by displacements that leave no velocity behind.
 
 use glam::{Mat3, Vec3};
 
 use crate::joint::Softness;
 use crate::solve::state::BodyVelocity;
 
-/// Greatest speed at which a rigid row takes out an error that it did not cause itself (m/s, rad/s).
+/// Greatest displacement of a joint point, and rotation, by one position row in one substep, as speeds (m/s, rad/s).
 const MAX_RECOVERY_SPEED: f32 = 10.0;
 
-/// Softness of a row for one substep: γ/(1+k) and 1/(1+k).
+/// What rows are built for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Phase {
+    /// Velocities at the end of a substep of this length (s).
+    Velocity { h: f32 },
+    /// Displacements after a substep of this length (s).
+    Position { h: f32 },
+}
+
+impl Phase {
+    /// Length of the substep (s).
+    pub(crate) fn h(self) -> f32 {
+        let (Self::Velocity { h } | Self::Position { h }) = self;
+        h
+    }
+}
+
+/// Give of a row in one phase of one substep.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Give {
+    phase: Phase,
+    /// γ/(1+k) and 1/(1+k).
     gamma: f32,
     share: f32,
     rigid: bool,
 }
 
 impl Give {
-    pub(crate) const RIGID: Self = Self { gamma: 0.0, share: 1.0, rigid: true };
-
-    pub(crate) fn new(softness: Softness, h: f32) -> Self {
+    pub(crate) fn new(softness: Softness, phase: Phase) -> Self {
+        let h = phase.h();
         let k = softness.damping * softness.compliance / h;
         let share = 1.0 / (1.0 + k);
-        Self { gamma: softness.compliance / (h * h) * share, share, rigid: softness.compliance == 0.0 }
+        Self { phase, gamma: softness.compliance / (h * h) * share, share, rigid: softness.compliance == 0.0 }
     }
 
-    /// Bias of a row with error `predicted` (C*), rate `rate` (J v*) and error `start` at the start of the substep.
-    ///
-    /// A rigid row keeps what this substep's motion makes of C, and takes out what was there before at a bounded speed.
-    fn bias(&self, predicted: f32, start: f32, rate: f32, h: f32) -> f32 {
-        if self.rigid {
-            let recovery = (start / h).clamp(-MAX_RECOVERY_SPEED, MAX_RECOVERY_SPEED);
-            return (predicted - start) / h - rate + recovery;
+    pub(crate) fn rigid(phase: Phase) -> Self {
+        Self::new(Softness::RIGID, phase)
+    }
+
+    /// Whether the row takes part in the position phase: only what is rigid has an error to take out.
+    fn acts(&self) -> bool {
+        self.rigid || matches!(self.phase, Phase::Velocity { .. })
+    }
+
+    /// Bias of a row with errors `start` (C₀) and `predicted` (C*), and rate `rate` (J v*).
+    fn bias(&self, predicted: f32, start: f32, rate: f32) -> f32 {
+        match self.phase {
+            Phase::Velocity { h } if self.rigid => (predicted - start) / h - rate,
+            Phase::Velocity { h } => (predicted / h - rate) * self.share,
+            Phase::Position { h } => start.clamp(-MAX_RECOVERY_SPEED * h, MAX_RECOVERY_SPEED * h),
         }
-        (predicted / h - rate) * self.share
+    }
+
+    /// Bias of a stop C ≥ 0: a rigid one may be closed within the substep but not overrun further.
+    fn stop(&self, error: Error1, rate: f32) -> f32 {
+        match self.phase {
+            Phase::Velocity { h } if self.rigid => (error.predicted - error.start + error.start.max(0.0)) / h - rate,
+            Phase::Velocity { .. } => self.bias(error.predicted, error.start, rate),
+            Phase::Position { h } => error.start.max(-MAX_RECOVERY_SPEED * h),
+        }
+    }
+
+    /// Bias of a drive towards C = 0; a rigid one closes the whole error, at a bounded speed.
+    fn drive(&self, error: Error1, rate: f32) -> f32 {
+        match self.phase {
+            Phase::Velocity { h } if self.rigid => {
+                let closing = (error.start / h).clamp(-MAX_RECOVERY_SPEED, MAX_RECOVERY_SPEED);
+                (error.predicted - error.start) / h - rate + closing
+            }
+            _ => self.bias(error.predicted, error.start, rate),
+        }
     }
 }
 
@@ -124,7 +174,6 @@ impl BlockRow {
         held: Held,
         give: Give,
         impulse: Vec3,
-        h: f32,
     ) -> Self {
         let [a, b] = bodies;
         let response = |body: &BodyVelocity, lever: Vec3| {
@@ -133,23 +182,23 @@ impl BlockRow {
         };
         let k = response(a, levers[0]) + response(b, levers[1]);
         let rate = b.linear + b.angular.cross(levers[1]) - a.linear - a.angular.cross(levers[0]);
-        Self::new(levers, k, rate, error, held, give, impulse, h)
+        Self::new(levers, k, rate, error, held, give, impulse)
     }
 
     /// Holds two directions together about the axes `held`.
-    pub(crate) fn direction(bodies: [&BodyVelocity; 2], error: Error3, held: Held, give: Give, impulse: Vec3, h: f32) -> Self {
+    pub(crate) fn direction(bodies: [&BodyVelocity; 2], error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
         let [a, b] = bodies;
         let k = a.inverse_inertia.to_mat3() + b.inverse_inertia.to_mat3();
-        Self::new([Vec3::ZERO; 2], k, b.angular - a.angular, error, held, give, impulse, h)
+        Self::new([Vec3::ZERO; 2], k, b.angular - a.angular, error, held, give, impulse)
     }
 
-    #[expect(clippy::too_many_arguments, reason = "the parts of one row, passed on once")]
-    fn new(levers: [Vec3; 2], k: Mat3, rate: Vec3, error: Error3, held: Held, give: Give, impulse: Vec3, h: f32) -> Self {
-        let bias = Vec3::from_array(std::array::from_fn(|i| give.bias(error.predicted[i], error.start[i], rate[i], h)));
+    fn new(levers: [Vec3; 2], k: Mat3, rate: Vec3, error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
+        let bias = Vec3::from_array(std::array::from_fn(|i| give.bias(error.predicted[i], error.start[i], rate[i])));
+        let mass = held.inverse(k + Mat3::from_diagonal(Vec3::splat(give.gamma)));
         Self {
             lever_a: levers[0],
             lever_b: levers[1],
-            mass: held.inverse(k + Mat3::from_diagonal(Vec3::splat(give.gamma))),
+            mass: if give.acts() { mass } else { Mat3::ZERO },
             bias,
             gamma: give.gamma,
             impulse: held.project(impulse),
@@ -191,8 +240,6 @@ pub(crate) struct ScalarRow {
     pub impulse: f32,
     min: f32,
     max: f32,
-    /// How far a rigid stop was overrun at the start of the substep (m or rad).
-    pub overlap: f32,
     /// Place of its multiplier in the joint's record.
     pub id: u8,
 }
@@ -238,33 +285,22 @@ pub(crate) enum Demand {
 }
 
 impl ScalarRow {
-    pub(crate) fn new(
-        bodies: [&BodyVelocity; 2],
-        jacobian: Jacobian,
-        demand: Demand,
-        give: Give,
-        id: u8,
-        impulse: f32,
-        h: f32,
-    ) -> Self {
+    pub(crate) fn new(bodies: [&BodyVelocity; 2], jacobian: Jacobian, demand: Demand, give: Give, id: u8, impulse: f32) -> Self {
         let [a, b] = bodies;
         let rate = jacobian.rate(a, b);
-        let mut gamma = give.gamma;
-        let mut overlap = 0.0;
+        let (mut gamma, mut acts) = (give.gamma, give.acts());
+        let moves = matches!(give.phase, Phase::Velocity { .. });
         let (bias, min, max) = match demand {
-            Demand::Equal(error) => (give.bias(error.predicted, error.start, rate, h), f32::NEG_INFINITY, f32::INFINITY),
-            Demand::AtLeast(error) if give.rigid => {
-                let open = error.start.max(0.0);
-                overlap = open - error.start;
-                ((error.predicted - error.start + open) / h - rate, 0.0, f32::INFINITY)
-            }
-            Demand::AtLeast(error) => (give.bias(error.predicted, error.start, rate, h), 0.0, f32::INFINITY),
+            Demand::Equal(error) => (give.bias(error.predicted, error.start, rate), f32::NEG_INFINITY, f32::INFINITY),
+            Demand::AtLeast(error) => (give.stop(error, rate), 0.0, f32::INFINITY),
             Demand::Speed { target, max_impulse } => {
                 gamma = 0.0;
+                acts = moves;
                 (-target, -max_impulse, max_impulse)
             }
             Demand::Drive { error, max_impulse } => {
-                (give.bias(error.predicted, error.start, rate, h), -max_impulse, max_impulse)
+                acts = moves;
+                (give.drive(error, rate), -max_impulse, max_impulse)
             }
         };
         let w = jacobian.inverse_effective_mass(a, b) + gamma;
@@ -272,13 +308,12 @@ impl ScalarRow {
             jacobian,
             response_a: a.inverse_inertia.mul(jacobian.angular_a),
             response_b: b.inverse_inertia.mul(jacobian.angular_b),
-            mass: if w > 0.0 { 1.0 / w } else { 0.0 },
+            mass: if w > 0.0 && acts { 1.0 / w } else { 0.0 },
             bias,
             gamma,
-            impulse: impulse.clamp(min, max),
+            impulse: if acts { impulse.clamp(min, max) } else { 0.0 },
             min,
             max,
-            overlap,
             id,
         }
     }
@@ -290,14 +325,6 @@ impl ScalarRow {
         let change = new - self.impulse;
         self.impulse = new;
         self.push(change, a, b);
-    }
-
-    /// Displaces the bodies until the coordinate has grown by `amount`, or leaves them where it has.
-    pub(crate) fn push_towards(&self, amount: f32, a: &mut BodyVelocity, b: &mut BodyVelocity) {
-        let missing = amount - self.jacobian.rate(a, b);
-        if missing > 0.0 {
-            self.push(self.mass * missing, a, b);
-        }
     }
 
     /// Applies an impulse along the row.

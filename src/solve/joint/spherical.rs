@@ -25,7 +25,7 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
         let sine = across.length();
         if sine > MIN_SWING {
             let error = Error1 { start: swing_limit - swing(&sink.geometry.start), predicted: swing_limit - swing(&sink.geometry.predicted) };
-            let give = Give::new(sink.def.limit, sink.h);
+            let give = Give::new(sink.def.limit, sink.phase);
             sink.scalar(Jacobian::angular(-across / sine), Demand::AtLeast(error), give, 0);
         }
     }
@@ -51,8 +51,8 @@ fn drive(sink: &mut RowSink, motor: SphericalMotor) {
         SphericalMotor::Off => {}
         SphericalMotor::Velocity { target, max_torque } => {
             for i in 0..3 {
-                let demand = Demand::Speed { target: target[i], max_impulse: max_torque * sink.h };
-                sink.scalar(Jacobian::angular(axes.col(i)), demand, Give::RIGID, 4 + i as u8);
+                let demand = Demand::Speed { target: target[i], max_impulse: max_torque * sink.phase.h() };
+                sink.scalar(Jacobian::angular(axes.col(i)), demand, Give::rigid(sink.phase), 4 + i as u8);
             }
         }
         SphericalMotor::Position { target, softness, max_torque } => {
@@ -64,8 +64,8 @@ fn drive(sink: &mut RowSink, motor: SphericalMotor) {
             let (start, predicted) = (error(&sink.geometry.start), error(&sink.geometry.predicted));
             for i in 0..3 {
                 let error = Error1 { start: start[i], predicted: predicted[i] };
-                let demand = Demand::Drive { error, max_impulse: max_torque * sink.h };
-                sink.scalar(Jacobian::angular(axes.col(i)), demand, Give::new(softness, sink.h), 4 + i as u8);
+                let demand = Demand::Drive { error, max_impulse: max_torque * sink.phase.h() };
+                sink.scalar(Jacobian::angular(axes.col(i)), demand, Give::new(softness, sink.phase), 4 + i as u8);
             }
         }
     }
