@@ -1,6 +1,7 @@
 //! Rigid-body physics for things that hang, span and stand.
 mod body;
 mod check;
+mod collide;
 mod error;
 mod id;
 mod joint;

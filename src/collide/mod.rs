@@ -1,0 +1,2 @@
+//! Where shapes meet.
+pub(crate) mod narrow;

@@ -1,0 +1,402 @@
+//! Any two convex parts: a direction from GJK and EPA, then clipping of the features that face each other along it.
+//!
+//! parry3d's GJK gives the direction between parts apart, its EPA the way out of an overlap. Near touching, both are noise
+//! in `f32`; what keeps a resting contact still is that a face as good as the direction found takes its place. A direction
+//! that does not keep what it promises, or none at all, is replaced by the best of the parts' own directions, so that
+//! no overlap is ever lost.
+//!
+//! Both work on the parts scaled to 1, for their tolerances are absolute.
+
+use glam::Vec3;
+use parry3d::math::Pose3;
+use parry3d::query::details::NormalConstraints;
+use parry3d::shape::SupportMap;
+
+use super::capsule::Segment;
+use super::clip;
+use super::distance::{self, Gap, Nearest};
+use super::face::{self, Corner, Feature};
+use super::part::Part;
+use super::plane::Plane;
+use super::reduce::{Candidate, reduce_into};
+use super::{Manifold, ManifoldPoint};
+
+/// How much less than the distance found a face may give and still be the normal; a direction that gives less than the
+/// distance by this much is noise. Fractions of the distance and of the smaller part.
+const SLACK: (f32, f32) = (2.0e-3, 1.0e-4);
+
+/// How far sideways the nearest points of parts that do not touch may be from facing each other across a face, as a fraction
+/// of the smaller part.
+const SKEW: f32 = 1.0e-3;
+
+/// How far outside a face the point of deepest overlap may be, as a fraction of the smaller part: corners stand for round
+/// rims, and directions are not exact.
+const OVERHANG: f32 = 0.02;
+
+/// How far outside a face a vertex counts as over it, as a fraction of the smaller part.
+const CLIP_SLOP: f32 = 1.0e-4;
+
+/// Where a triangle's neighbours have turned the normal, points deeper than this many times the original depth are thought
+/// to belong to another triangle.
+const MAX_DEEPENING: f32 = 5.0;
+
+/// Searches before parry3d's answer is given up, each from another direction.
+const ATTEMPTS: u32 = 3;
+
+/// How far apart parts are moved so that GJK sees clearly, as a fraction of the smaller.
+const CLEARANCE: f32 = 0.05;
+
+/// Steps of the last resort for parts that do not touch.
+const MAX_APPROACH: u32 = 200;
+
+/// Feature of the nearest points, where they are no vertex of a clipped polygon.
+pub(super) const LONE: u32 = u32::MAX;
+
+/// Reused from call to call.
+#[derive(Default)]
+pub(super) struct Buffers {
+    pub corners_a: Vec<Corner>,
+    pub corners_b: Vec<Corner>,
+    pub candidates: Vec<Candidate>,
+    polygon: Vec<clip::Vertex>,
+    clipped: Vec<clip::Vertex>,
+}
+
+/// The core of a part, scaled.
+struct Core<'a> {
+    part: &'a Part<'a>,
+    scale: f32,
+}
+
+impl SupportMap for Core<'_> {
+    fn local_support_point(&self, direction: Vec3) -> Vec3 {
+        self.part.core_support(direction) * self.scale
+    }
+}
+
+/// Part B against part A.
+pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers: &mut Buffers) -> Option<Manifold> {
+    let (reach_a, reach_b) = (a.reach(), b.reach());
+    // Written so that a NaN is no contact.
+    let near = relative.translation.length() <= reach_a + reach_b + margin;
+    if !near || !relative.rotation.is_finite() {
+        return None;
+    }
+    let size = reach_a.min(reach_b);
+    let pair = Pair {
+        a,
+        b,
+        relative,
+        radii: a.rounding() + b.rounding(),
+        size,
+        slop: CLIP_SLOP * size + 4.0 * f32::EPSILON * reach_a.max(reach_b),
+    };
+    let gap = pair.gap(margin)?;
+    let allowed = pair.allowed_normal(gap.normal)?;
+    let normal = if allowed.dot(gap.normal) < 1.0 - SLACK.1 {
+        pair.facing_features(allowed, buffers);
+        let depth = gap.distance() - pair.radii;
+        buffers.candidates.retain(|c| depth >= 0.0 || c.separation >= MAX_DEEPENING * depth);
+        allowed
+    } else {
+        pair.settle(&gap, buffers)
+    };
+    let candidates = &mut buffers.candidates;
+    candidates.retain(|c| c.separation <= margin);
+
+    let mut manifold = Manifold { normal, ..Manifold::default() };
+    reduce_into(&mut manifold, candidates, pair.slop, |c| ManifoldPoint {
+        on_a: c.on_a,
+        on_b: relative.inverse_transform_point(c.on_b),
+        separation: c.separation,
+        feature: c.feature,
+    });
+    (manifold.count > 0 && manifold.is_finite()).then_some(manifold)
+}
+
+impl Gap {
+    fn distance(&self) -> f32 {
+        self.normal.dot(self.on_b - self.on_a)
+    }
+}
+
+struct Pair<'a> {
+    a: &'a Part<'a>,
+    b: &'a Part<'a>,
+    relative: &'a Pose3,
+    /// Rounding of both (m).
+    radii: f32,
+    /// Reach of the smaller (m).
+    size: f32,
+    slop: f32,
+}
+
+impl Pair<'_> {
+    /// Nearest points of the cores, or those of deepest overlap; none if the parts are further apart than `margin`.
+    fn gap(&self, margin: f32) -> Option<Gap> {
+        let scale = 1.0 / self.size;
+        let pose = Pose3::from_parts(self.relative.translation * scale, self.relative.rotation);
+        let limit = (margin + self.radii) * scale;
+        let (a, b) = (Core { part: self.a, scale }, Core { part: self.b, scale });
+        let mut unsound: Option<Gap> = None;
+        for attempt in 0..ATTEMPTS {
+            let seed = match (&unsound, attempt) {
+                (_, 0) => None,
+                (Some(gap), 1) => Some(gap.normal),
+                _ => Some(self.relative.translation.any_orthogonal_vector().try_normalize().unwrap_or(Vec3::Z)),
+            };
+            match distance::nearest(&a, &b, &pose, limit + SLACK.1, seed) {
+                Nearest::Found(gap) => {
+                    let gap = Gap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size, ..gap };
+                    if self.is_sound(&gap) {
+                        return self.within(gap, margin);
+                    }
+                    let is_unit = (gap.normal.length_squared() - 1.0).abs() < SLACK.0;
+                    unsound = Some(gap).filter(|_| is_unit).or(unsound);
+                }
+                Nearest::Beyond(direction) if self.along(direction).distance() - self.radii > margin => return None,
+                Nearest::Beyond(_) => {}
+            }
+        }
+        let apart = unsound.filter(|gap| gap.distance() > 0.0).and_then(|gap| self.approach(gap));
+        self.within(apart.unwrap_or_else(|| self.pull_apart(&a, &b, unsound)), margin)
+    }
+
+    /// Parts that touch, or nearly: from the best direction known, they are moved apart until GJK sees clearly, and what it
+    /// sees there is taken back if it is a shorter way out.
+    fn pull_apart(&self, a: &Core, b: &Core, unsound: Option<Gap>) -> Gap {
+        let mut best = self.best_own_direction();
+        if let Some(gap) = unsound.map(|gap| self.along(gap.normal))
+            && gap.distance() > best.distance()
+        {
+            best = gap;
+        }
+        for _ in 0..ATTEMPTS {
+            let shift = best.normal * (CLEARANCE * self.size - best.distance());
+            let pose = Pose3::from_parts((self.relative.translation + shift) / self.size, self.relative.rotation);
+            let Nearest::Found(gap) = distance::nearest(a, b, &pose, f32::MAX, Some(best.normal)) else { break };
+            let gap = Gap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size - shift, ..gap };
+            if !self.is_sound(&gap) || gap.distance() <= best.distance() {
+                break;
+            }
+            best = gap;
+        }
+        best
+    }
+
+    fn within(&self, gap: Gap, margin: f32) -> Option<Gap> {
+        (gap.distance() - self.radii <= margin).then_some(gap)
+    }
+
+    /// Whether the parts are as far apart along the normal as the points are.
+    fn is_sound(&self, gap: &Gap) -> bool {
+        let promised = gap.distance();
+        let kept = self.along(gap.normal).distance();
+        (gap.normal.length_squared() - 1.0).abs() < SLACK.0 && (kept - promised).abs() <= self.slack(promised)
+    }
+
+    /// Nearest points of parts that do not touch, from points not far from them (Gilbert 1966): slow, but it cannot stall.
+    fn approach(&self, mut gap: Gap) -> Option<Gap> {
+        for _ in 0..MAX_APPROACH {
+            let offset = gap.on_b - gap.on_a;
+            gap.normal = offset.try_normalize()?;
+            let extreme = self.along(gap.normal);
+            if offset.length() - extreme.distance() <= self.slack(offset.length()) {
+                return Some(gap);
+            }
+            let back = offset - (extreme.on_b - extreme.on_a);
+            let s = (offset.dot(back) / back.length_squared()).clamp(0.0, 1.0);
+            gap.on_a = gap.on_a.lerp(extreme.on_a, s);
+            gap.on_b = gap.on_b.lerp(extreme.on_b, s);
+        }
+        self.is_sound(&gap).then_some(gap)
+    }
+
+    fn slack(&self, distance: f32) -> f32 {
+        SLACK.0 * distance.abs() + SLACK.1 * self.size
+    }
+
+    /// The gap that a unit `normal` proves: between the parts' extreme points along it.
+    fn along(&self, normal: Vec3) -> Gap {
+        let on_b = *self.relative * self.b.core_support(self.relative.rotation.inverse() * -normal);
+        Gap { on_a: self.a.core_support(normal), on_b, normal }
+    }
+
+    /// The best direction that the parts themselves suggest: their faces, their axes, and from centre to centre.
+    fn best_own_direction(&self) -> Gap {
+        let center = self.relative.translation;
+        let between = center.try_normalize().unwrap_or(Vec3::Y);
+        let mut best = self.along(between);
+        let mut consider = |direction: Vec3| {
+            let gap = self.along(direction);
+            if gap.distance() > best.distance() {
+                best = gap;
+            }
+        };
+        let in_b = self.relative.rotation.inverse() * center;
+        face::own_directions(self.a, center, &mut consider);
+        face::own_directions(self.b, -in_b, &mut |direction| consider(self.relative.rotation * -direction));
+        best
+    }
+
+    /// The normal, turned to where the neighbours of a triangle let it push; none if it does not push there at all.
+    fn allowed_normal(&self, normal: Vec3) -> Option<Vec3> {
+        let mut allowed = normal;
+        if let Part::Triangle { constraints: Some(constraints), .. } = self.a
+            && !constraints.project_local_normal_mut(&mut allowed)
+        {
+            return None;
+        }
+        if let Part::Triangle { constraints: Some(constraints), .. } = self.b {
+            let before = self.relative.rotation.inverse() * -allowed;
+            let mut toward_a = before;
+            if !constraints.project_local_normal_mut(&mut toward_a) {
+                return None;
+            }
+            if toward_a != before {
+                allowed = self.relative.rotation * -toward_a;
+            }
+        }
+        Some(allowed)
+    }
+
+    /// Fills the candidates, with the normal of a face if one is as good as that of `gap`; returns the normal.
+    fn settle(&self, gap: &Gap, buffers: &mut Buffers) -> Vec3 {
+        if let Some((under_face, of_a)) = self.face_as_good(gap) {
+            self.facing_features(under_face.normal, buffers);
+            if self.is_found(&under_face, &buffers.candidates) {
+                return under_face.normal;
+            }
+            // What is deepest under the face's plane must also be under the face.
+            let (corners, foot) =
+                if of_a { (&buffers.corners_a, under_face.on_a) } else { (&buffers.corners_b, under_face.on_b) };
+            let plane = Plane::across(under_face.normal);
+            if under_face.distance() > 0.0 || plane.is_over(corners, foot, OVERHANG * self.size) {
+                buffers.candidates.push(self.candidate(under_face.on_a, under_face.on_b, under_face.normal, LONE));
+                return under_face.normal;
+            }
+        }
+        self.facing_features(gap.normal, buffers);
+        if !self.is_found(gap, &buffers.candidates) {
+            buffers.candidates.push(self.candidate(gap.on_a, gap.on_b, gap.normal, LONE));
+        }
+        gap.normal
+    }
+
+    fn is_found(&self, gap: &Gap, candidates: &[Candidate]) -> bool {
+        let separation = gap.distance() - self.radii;
+        candidates.iter().any(|c| c.separation <= separation + SLACK.0 * separation.abs() + self.slop)
+    }
+
+    /// The gap under a face of A (true) or B (false) that separates the parts as well as `gap` does.
+    fn face_as_good(&self, gap: &Gap) -> Option<(Gap, bool)> {
+        let enough = gap.distance() - self.slack(gap.distance());
+        let offset = gap.on_b - gap.on_a;
+        let skew = SKEW * self.size;
+        let under = |normal: Vec3, of_a: bool| {
+            let extreme = self.along(normal);
+            let depth = extreme.distance();
+            if depth < enough {
+                return None;
+            }
+            if gap.distance() > 0.0 {
+                let facing = offset.reject_from_normalized(normal).length_squared() <= skew * skew;
+                return facing.then_some((Gap { normal, ..*gap }, of_a));
+            }
+            let foot = if of_a {
+                Gap { on_a: extreme.on_b - normal * depth, ..extreme }
+            } else {
+                Gap { on_b: extreme.on_a + normal * depth, ..extreme }
+            };
+            Some((foot, of_a))
+        };
+        let rotation = self.relative.rotation;
+        let of_a = face::nearest(self.a, gap.normal);
+        let of_b = || face::nearest(self.b, rotation.inverse() * -gap.normal).map(|normal| rotation * -normal);
+        of_a.and_then(|normal| under(normal, true)).or_else(|| under(of_b()?, false))
+    }
+
+    /// Fills the candidates with the corners of the common part of the two features that face each other along `normal`.
+    fn facing_features(&self, normal: Vec3, buffers: &mut Buffers) {
+        let Buffers { corners_a, corners_b, candidates, polygon, clipped } = buffers;
+        candidates.clear();
+        let feature_a = face::find(self.a, normal, corners_a);
+        let feature_b = face::find(self.b, self.relative.rotation.inverse() * -normal, corners_b);
+        for (corner, _) in corners_b.iter_mut() {
+            *corner = *self.relative * *corner;
+        }
+        let face_b = |n: Vec3| self.relative.rotation * n;
+        let plane = Plane::across(normal);
+        match (feature_a, feature_b) {
+            (Feature::Face { normal: normal_a }, Feature::Face { normal: normal_b }) => {
+                let (Some(ground), Some(_)) =
+                    (plane.slope(normal_a, corners_a[0].0), plane.slope(face_b(normal_b), corners_b[0].0))
+                else {
+                    return;
+                };
+                polygon.clear();
+                polygon.extend(corners_b.iter().map(|corner| plane.vertex(corner)));
+                for side in plane.sides(corners_a, self.slop) {
+                    clipped.clear();
+                    clip::clip(polygon, &side, |vertex| clipped.push(vertex));
+                    std::mem::swap(polygon, clipped);
+                }
+                let mut arriving = polygon.last().map_or(0, |vertex| vertex.edge);
+                for vertex in polygon.iter() {
+                    if !vertex.spare {
+                        let feature = u32::from(arriving) << 16 | u32::from(vertex.edge);
+                        let low = plane.point(vertex.at, ground.height(vertex.at));
+                        let high = plane.point(vertex.at, vertex.height);
+                        candidates.push(self.candidate(low, high, normal, feature));
+                    }
+                    arriving = vertex.edge;
+                }
+            }
+            (Feature::Face { normal: normal_a }, Feature::Edge) => {
+                let Some(ground) = plane.slope(normal_a, corners_a[0].0) else { return };
+                let segment = Segment::between(corners_b[0].0, corners_b[1].0);
+                for (feature, end) in (0..).zip(plane.lie(&segment, corners_b, corners_a, self.slop).into_iter().flatten()) {
+                    let depth = depth_of(&segment, end, -normal, self.b.rounding());
+                    let low = plane.point(plane.flat(end), ground.height(plane.flat(end)));
+                    candidates.push(self.at_depths((low, self.a.rounding()), (end, depth), normal, feature));
+                }
+            }
+            (Feature::Edge, Feature::Face { normal: normal_b }) => {
+                let Some(ceiling) = plane.slope(face_b(normal_b), corners_b[0].0) else { return };
+                let segment = Segment::between(corners_a[0].0, corners_a[1].0);
+                for (feature, end) in (0..).zip(plane.lie(&segment, corners_a, corners_b, self.slop).into_iter().flatten()) {
+                    let depth = depth_of(&segment, end, normal, self.a.rounding());
+                    let high = plane.point(plane.flat(end), ceiling.height(plane.flat(end)));
+                    candidates.push(self.at_depths((end, depth), (high, self.b.rounding()), normal, feature));
+                }
+            }
+            (Feature::Edge, Feature::Edge) => {
+                let girth = self.a.girth().min(self.b.girth());
+                let of_a = Segment::between(corners_a[0].0, corners_a[1].0);
+                let of_b = Segment::between(corners_b[0].0, corners_b[1].0);
+                let ends = of_a.side_by_side(&of_b, normal, girth).into_iter().flatten();
+                candidates.extend((0..).zip(ends).map(|(feature, (a, b))| self.candidate(a, b, normal, feature)));
+            }
+            (Feature::Point, _) | (_, Feature::Point) => {}
+        }
+    }
+
+    /// From points of the cores to points of the surfaces.
+    fn candidate(&self, core_a: Vec3, core_b: Vec3, normal: Vec3, feature: u32) -> Candidate {
+        self.at_depths((core_a, self.a.rounding()), (core_b, self.b.rounding()), normal, feature)
+    }
+
+    /// From points of the cores to points of the surfaces at the given depths (m) before them.
+    fn at_depths(&self, a: (Vec3, f32), b: (Vec3, f32), normal: Vec3, feature: u32) -> Candidate {
+        let separation = normal.dot(b.0 - a.0) - a.1 - b.1;
+        Candidate { on_a: a.0 + normal * a.1, on_b: b.0 - normal * b.1, separation, feature }
+    }
+}
+
+fn depth_of(segment: &Segment, at: Vec3, toward: Vec3, rounding: f32) -> f32 {
+    if rounding == 0.0 {
+        return 0.0;
+    }
+    let s = (at - segment.center).dot(segment.half) / segment.half.length_squared();
+    segment.depth_of(s.clamp(-1.0, 1.0), toward, rounding)
+}
