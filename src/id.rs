@@ -165,7 +165,8 @@ impl<T, H: Handle> Pool<T, H> {
 
     pub(crate) fn handle_of(&self, index: u32) -> H {
         let generation = u64::from(self.slots[index as usize].generation);
-        let bits = (u64::from(self.tag) << TAG_SHIFT) | (H::KIND << KIND_SHIFT) | (generation << INDEX_BITS) | u64::from(index + 1);
+        let bits =
+            (u64::from(self.tag) << TAG_SHIFT) | (H::KIND << KIND_SHIFT) | (generation << INDEX_BITS) | u64::from(index + 1);
         H::from_bits(bits)
     }
 

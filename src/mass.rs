@@ -124,5 +124,10 @@ fn combined(shapes: &[ShapeDef]) -> Result<MassProperties> {
     if axes.determinant() < 0.0 {
         axes.z_axis = -axes.z_axis;
     }
-    Ok(MassProperties { mass, center_of_mass, principal_inertia: eigen.eigenvalues, inertia_frame: Quat::from_mat3(&axes).normalize() })
+    Ok(MassProperties {
+        mass,
+        center_of_mass,
+        principal_inertia: eigen.eigenvalues,
+        inertia_frame: Quat::from_mat3(&axes).normalize(),
+    })
 }

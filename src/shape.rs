@@ -391,7 +391,8 @@ fn height_field(rows: usize, columns: usize, heights: &[f32], size_x: f32, size_
     }
     // parry stores the grid column by column.
     let column_major = (0..rows * columns).map(|i| heights[(i % rows) * columns + i / rows]).collect();
-    Ok(SharedShape::heightfield(Array2::new(rows, columns, column_major), Vec3::new(size_x, 1.0, size_z)))
+    let flags = parry3d::shape::HeightFieldFlags::FIX_INTERNAL_EDGES;
+    Ok(SharedShape::heightfield_with_flags(Array2::new(rows, columns, column_major), Vec3::new(size_x, 1.0, size_z), flags))
 }
 
 fn compound(parts: &[(LocalPose, Geometry)]) -> Result<SharedShape> {

@@ -45,20 +45,17 @@ pub(super) fn box_box(a: Vec3, b: Vec3, relative: &Pose3, margin: f32) -> Option
     let found = match axis.kind {
         Kind::FaceOfA(i) => pair.faces(i, axis.separation, margin),
         Kind::FaceOfB(i) => {
-            let from_b = |found: Manifold| Manifold {
-                normal: -(pair.axes * found.normal),
-                points: found.points.map(|p| ManifoldPoint { on_a: p.on_b, on_b: p.on_a, feature: p.feature | FACE_OF_B, ..p }),
-                ..found
-            };
-            pair.swapped().faces(i, axis.separation, margin).map(from_b).map_err(from_b)
+            let mut found = pair.swapped().faces(i, axis.separation, margin);
+            found.manifold.normal = -(pair.axes * found.manifold.normal);
+            for point in &mut found.manifold.points {
+                *point = ManifoldPoint { on_a: point.on_b, on_b: point.on_a, feature: point.feature | FACE_OF_B, ..*point };
+            }
+            found
         }
         Kind::Edges(i, j) => pair.edges(i, j, axis.normal),
     };
-    let manifold = match found {
-        Ok(manifold) => manifold,
-        Err(poor) if axis.separation > 0.0 => pair.nearest(relative).unwrap_or(poor),
-        Err(poor) => poor,
-    };
+    let elsewhere = !found.facing && axis.separation > 0.0;
+    let manifold = elsewhere.then(|| pair.nearest(relative)).flatten().unwrap_or(found.manifold);
     let near = manifold.count > 0 && manifold.contacts().iter().any(|p| p.separation <= margin);
     near.then_some(manifold)
 }
@@ -85,8 +82,12 @@ struct Axis {
     normal: Vec3,
 }
 
-/// The contact along an axis; as an error where the nearest features do not face each other along it.
-type Found = Result<Manifold, Manifold>;
+/// The contact along an axis.
+struct Found {
+    manifold: Manifold,
+    /// Whether the nearest features face each other along the axis.
+    facing: bool,
+}
 
 /// Two boxes in the frame of the first.
 struct Pair {
@@ -255,7 +256,7 @@ impl Pair {
         }
         let slack = self.lead_over(expected) + self.slop;
         if clipped.count == 0 || (expected > 0.0 && deepest > expected + slack) {
-            return Err(self.corner_over_face(i, sign));
+            return Found { manifold: self.corner_over_face(i, sign), facing: false };
         }
         let mut manifold = Manifold { normal: unit(i) * sign, ..Manifold::default() };
         reduce_into(&mut manifold, &candidates[..count], self.slop, |c| ManifoldPoint {
@@ -264,7 +265,7 @@ impl Pair {
             separation: c.separation,
             feature: c.feature,
         });
-        Ok(manifold)
+        Found { manifold, facing: true }
     }
 
     /// Edge `i` of A across edge `j` of B.
@@ -280,7 +281,7 @@ impl Pair {
         let side = |n: Vec3| u32::from(n.x > 0.0) | u32::from(n.y > 0.0) << 1 | u32::from(n.z > 0.0) << 2;
         let feature = EDGES | (3 * i + j) as u32 | side(on_a.center) << 4 | side(local.center) << 7;
         let manifold = Manifold::single(normal, self.point(point_a, point_b, normal, feature));
-        if facing || separation <= 0.0 { Ok(manifold) } else { Err(manifold) }
+        Found { manifold, facing }
     }
 
     /// Boxes apart whose nearest features face each other along none of the axes.

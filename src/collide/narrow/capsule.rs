@@ -11,9 +11,9 @@ use super::{Manifold, ManifoldPoint};
 /// Shortest stretch that counts as a line of contact, as a fraction of the radii.
 const MIN_STRETCH: f32 = 1.0e-2;
 
-/// How far the two segments may part sideways at the ends of a line of contact, as a fraction of the radii: a tenth costs
-/// half a percent of the radii in distance.
-const MAX_SKEW: f32 = 0.1;
+/// How far the two segments may part sideways at the ends of a line of contact, as a fraction of the radii: this much
+/// costs an eighth of a percent of the radii in distance.
+const MAX_SKEW: f32 = 0.05;
 
 /// How far the normal may lean along either segment at a line of contact (sine): beside the end of a capsule, a point
 /// along the normal is then within 0.05 % of the radius of its surface.

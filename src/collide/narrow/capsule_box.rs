@@ -16,8 +16,8 @@ const FACE_PREFERENCE: f32 = 1.0e-5;
 /// Squared sine between a segment and a box edge below which they have no common normal.
 const PARALLEL: f32 = 1.0e-8;
 
-/// A normal this close to a face's (1 − cosine, 4.5 mrad) is that face's.
-const SNAP: f32 = 1.0e-5;
+/// A normal that leans less than this (rad) from a face's is that face's.
+const SNAP: f32 = 1.0e-3;
 
 /// Component of a normal below which it stands across a box edge.
 const ACROSS: f32 = 1.0e-3;
@@ -126,7 +126,11 @@ impl Contact<'_> {
             return;
         }
         let normal = offset / distance;
-        if let Some(axis) = (0..3).find(|&i| normal[i].abs() >= 1.0 - SNAP) {
+        if let Some(axis) = (0..3).find(|&i| {
+            let mut lean = normal;
+            lean[i] = 0.0;
+            lean.length() <= SNAP
+        }) {
             self.on_face(axis, axis_towards(axis, normal[axis]));
             return;
         }

@@ -8,7 +8,7 @@
 //! within the slop, that is where the edge ends. Cutting at the side without that care would extend edges along the
 //! side instead of shortening them.
 
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 
 /// A vertex in the plane of contact.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -74,11 +74,6 @@ fn crossing((from, from_beyond): (&Vertex, f32), (to, to_beyond): (&Vertex, f32)
     let s = (from_beyond / (from_beyond - to_beyond)).clamp(0.0, 1.0);
     let spare = from_beyond.min(to_beyond) >= 0.0;
     Vertex { at: from.at.lerp(to.at, s), height: from.height + (to.height - from.height) * s, edge, spare }
-}
-
-/// Two unit vectors that with the unit vector `normal` form a right-handed frame (Duff et al. 2017).
-pub(super) fn plane_axes(normal: Vec3) -> (Vec3, Vec3) {
-    normal.any_orthonormal_pair()
 }
 
 #[cfg(test)]

@@ -7,16 +7,17 @@
 //!
 //! Both work on the parts scaled to 1, for their tolerances are absolute.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use parry3d::math::Pose3;
 use parry3d::query::details::NormalConstraints;
 use parry3d::shape::SupportMap;
 
 use super::capsule::Segment;
-use super::clip::{Side, Vertex, clip, clip_segment, plane_axes};
+use super::clip;
 use super::distance::{self, Gap, Nearest};
 use super::face::{self, Corner, Feature};
 use super::part::Part;
+use super::plane::Plane;
 use super::reduce::{Candidate, reduce_into};
 use super::{Manifold, ManifoldPoint};
 
@@ -24,11 +25,16 @@ use super::{Manifold, ManifoldPoint};
 /// distance by this much is noise. Fractions of the distance and of the smaller part.
 const SLACK: (f32, f32) = (2.0e-3, 1.0e-4);
 
+/// How far sideways the nearest points of parts that do not touch may be from facing each other across a face, as a fraction
+/// of the smaller part.
+const SKEW: f32 = 1.0e-3;
+
+/// How far outside a face the point of deepest overlap may be, as a fraction of the smaller part: corners stand for round
+/// rims, and directions are not exact.
+const OVERHANG: f32 = 0.02;
+
 /// How far outside a face a vertex counts as over it, as a fraction of the smaller part.
 const CLIP_SLOP: f32 = 1.0e-4;
-
-/// A face seen at a smaller cosine than this is not clipped: heights on it would be extrapolated.
-const MIN_FACING: f32 = 0.2;
 
 /// Where a triangle's neighbours have turned the normal, points deeper than this many times the original depth are thought
 /// to belong to another triangle.
@@ -37,14 +43,14 @@ const MAX_DEEPENING: f32 = 5.0;
 /// Searches before parry3d's answer is given up, each from another direction.
 const ATTEMPTS: u32 = 3;
 
+/// How far apart parts are moved so that GJK sees clearly, as a fraction of the smaller.
+const CLEARANCE: f32 = 0.05;
+
 /// Steps of the last resort for parts that do not touch.
 const MAX_APPROACH: u32 = 200;
 
 /// Feature of the nearest points, where they are no vertex of a clipped polygon.
 pub(super) const LONE: u32 = u32::MAX;
-
-/// Bit of an edge id: a side of the clipping polygon.
-const CLIPPING: u16 = 1 << 15;
 
 /// Reused from call to call.
 #[derive(Default)]
@@ -52,8 +58,8 @@ pub(super) struct Buffers {
     pub corners_a: Vec<Corner>,
     pub corners_b: Vec<Corner>,
     pub candidates: Vec<Candidate>,
-    polygon: Vec<Vertex>,
-    clipped: Vec<Vertex>,
+    polygon: Vec<clip::Vertex>,
+    clipped: Vec<clip::Vertex>,
 }
 
 /// The core of a part, scaled.
@@ -85,43 +91,20 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers
         size,
         slop: CLIP_SLOP * size + 4.0 * f32::EPSILON * reach_a.max(reach_b),
     };
-    let mut gap = pair.gap(margin)?;
-    let found = gap.normal;
-    let distance = gap.distance();
-    if let Part::Triangle { constraints: Some(constraints), .. } = a
-        && !constraints.project_local_normal_mut(&mut gap.normal)
-    {
-        return None;
-    }
-    if let Part::Triangle { constraints: Some(constraints), .. } = b {
-        let mut toward_a = relative.rotation.inverse() * -gap.normal;
-        let before = toward_a;
-        if !constraints.project_local_normal_mut(&mut toward_a) {
-            return None;
-        }
-        if toward_a != before {
-            gap.normal = relative.rotation * -toward_a;
-        }
-    }
-    let turned = gap.normal.dot(found) < 1.0 - SLACK.1;
-    if !turned {
-        gap.normal = pair.face_as_good(&gap).unwrap_or(gap.normal);
-    }
-
-    pair.facing_features(gap.normal, buffers);
-    let candidates = &mut buffers.candidates;
-    if turned {
-        candidates.retain(|c| distance >= pair.radii || c.separation >= MAX_DEEPENING * (distance - pair.radii));
+    let gap = pair.gap(margin)?;
+    let allowed = pair.allowed_normal(gap.normal)?;
+    let normal = if allowed.dot(gap.normal) < 1.0 - SLACK.1 {
+        pair.facing_features(allowed, buffers);
+        let depth = gap.distance() - pair.radii;
+        buffers.candidates.retain(|c| depth >= 0.0 || c.separation >= MAX_DEEPENING * depth);
+        allowed
     } else {
-        let separation = gap.distance() - pair.radii;
-        let found = candidates.iter().any(|c| c.separation <= separation + SLACK.0 * separation.abs() + pair.slop);
-        if !found {
-            candidates.push(pair.candidate(gap.on_a, gap.on_b, gap.normal, LONE));
-        }
-    }
+        pair.settle(&gap, buffers)
+    };
+    let candidates = &mut buffers.candidates;
     candidates.retain(|c| c.separation <= margin);
 
-    let mut manifold = Manifold { normal: gap.normal, ..Manifold::default() };
+    let mut manifold = Manifold { normal, ..Manifold::default() };
     reduce_into(&mut manifold, candidates, pair.slop, |c| ManifoldPoint {
         on_a: c.on_a,
         on_b: relative.inverse_transform_point(c.on_b),
@@ -176,7 +159,29 @@ impl Pair<'_> {
             }
         }
         let apart = unsound.filter(|gap| gap.distance() > 0.0).and_then(|gap| self.approach(gap));
-        self.within(apart.unwrap_or_else(|| self.best_own_direction()), margin)
+        self.within(apart.unwrap_or_else(|| self.pull_apart(&a, &b, unsound)), margin)
+    }
+
+    /// Parts that touch, or nearly: from the best direction known, they are moved apart until GJK sees clearly, and what it
+    /// sees there is taken back if it is a shorter way out.
+    fn pull_apart(&self, a: &Core, b: &Core, unsound: Option<Gap>) -> Gap {
+        let mut best = self.best_own_direction();
+        if let Some(gap) = unsound.map(|gap| self.along(gap.normal))
+            && gap.distance() > best.distance()
+        {
+            best = gap;
+        }
+        for _ in 0..ATTEMPTS {
+            let shift = best.normal * (CLEARANCE * self.size - best.distance());
+            let pose = Pose3::from_parts((self.relative.translation + shift) / self.size, self.relative.rotation);
+            let Nearest::Found(gap) = distance::nearest(a, b, &pose, f32::MAX, Some(best.normal)) else { break };
+            let gap = Gap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size - shift, ..gap };
+            if !self.is_sound(&gap) || gap.distance() <= best.distance() {
+                break;
+            }
+            best = gap;
+        }
+        best
     }
 
     fn within(&self, gap: Gap, margin: f32) -> Option<Gap> {
@@ -229,18 +234,86 @@ impl Pair<'_> {
             }
         };
         let in_b = self.relative.rotation.inverse() * center;
-        own_directions(self.a, center, &mut consider);
-        own_directions(self.b, -in_b, &mut |direction| consider(self.relative.rotation * -direction));
+        face::own_directions(self.a, center, &mut consider);
+        face::own_directions(self.b, -in_b, &mut |direction| consider(self.relative.rotation * -direction));
         best
     }
 
-    /// The normal of a face of A or B that separates the parts as well as `gap` does.
-    fn face_as_good(&self, gap: &Gap) -> Option<Vec3> {
+    /// The normal, turned to where the neighbours of a triangle let it push; none if it does not push there at all.
+    fn allowed_normal(&self, normal: Vec3) -> Option<Vec3> {
+        let mut allowed = normal;
+        if let Part::Triangle { constraints: Some(constraints), .. } = self.a
+            && !constraints.project_local_normal_mut(&mut allowed)
+        {
+            return None;
+        }
+        if let Part::Triangle { constraints: Some(constraints), .. } = self.b {
+            let before = self.relative.rotation.inverse() * -allowed;
+            let mut toward_a = before;
+            if !constraints.project_local_normal_mut(&mut toward_a) {
+                return None;
+            }
+            if toward_a != before {
+                allowed = self.relative.rotation * -toward_a;
+            }
+        }
+        Some(allowed)
+    }
+
+    /// Fills the candidates, with the normal of a face if one is as good as that of `gap`; returns the normal.
+    fn settle(&self, gap: &Gap, buffers: &mut Buffers) -> Vec3 {
+        if let Some((under_face, of_a)) = self.face_as_good(gap) {
+            self.facing_features(under_face.normal, buffers);
+            if self.is_found(&under_face, &buffers.candidates) {
+                return under_face.normal;
+            }
+            // What is deepest under the face's plane must also be under the face.
+            let (corners, foot) =
+                if of_a { (&buffers.corners_a, under_face.on_a) } else { (&buffers.corners_b, under_face.on_b) };
+            let plane = Plane::across(under_face.normal);
+            if under_face.distance() > 0.0 || plane.is_over(corners, foot, OVERHANG * self.size) {
+                buffers.candidates.push(self.candidate(under_face.on_a, under_face.on_b, under_face.normal, LONE));
+                return under_face.normal;
+            }
+        }
+        self.facing_features(gap.normal, buffers);
+        if !self.is_found(gap, &buffers.candidates) {
+            buffers.candidates.push(self.candidate(gap.on_a, gap.on_b, gap.normal, LONE));
+        }
+        gap.normal
+    }
+
+    fn is_found(&self, gap: &Gap, candidates: &[Candidate]) -> bool {
+        let separation = gap.distance() - self.radii;
+        candidates.iter().any(|c| c.separation <= separation + SLACK.0 * separation.abs() + self.slop)
+    }
+
+    /// The gap under a face of A (true) or B (false) that separates the parts as well as `gap` does.
+    fn face_as_good(&self, gap: &Gap) -> Option<(Gap, bool)> {
         let enough = gap.distance() - self.slack(gap.distance());
+        let offset = gap.on_b - gap.on_a;
+        let skew = SKEW * self.size;
+        let under = |normal: Vec3, of_a: bool| {
+            let extreme = self.along(normal);
+            let depth = extreme.distance();
+            if depth < enough {
+                return None;
+            }
+            if gap.distance() > 0.0 {
+                let facing = offset.reject_from_normalized(normal).length_squared() <= skew * skew;
+                return facing.then_some((Gap { normal, ..*gap }, of_a));
+            }
+            let foot = if of_a {
+                Gap { on_a: extreme.on_b - normal * depth, ..extreme }
+            } else {
+                Gap { on_b: extreme.on_a + normal * depth, ..extreme }
+            };
+            Some((foot, of_a))
+        };
         let rotation = self.relative.rotation;
-        let of_a = nearest_face(self.a, gap.normal);
-        let of_b = nearest_face(self.b, rotation.inverse() * -gap.normal).map(|normal| rotation * -normal);
-        of_a.into_iter().chain(of_b).find(|&normal| self.along(normal).distance() >= enough)
+        let of_a = face::nearest(self.a, gap.normal);
+        let of_b = || face::nearest(self.b, rotation.inverse() * -gap.normal).map(|normal| rotation * -normal);
+        of_a.and_then(|normal| under(normal, true)).or_else(|| under(of_b()?, false))
     }
 
     /// Fills the candidates with the corners of the common part of the two features that face each other along `normal`.
@@ -265,7 +338,7 @@ impl Pair<'_> {
                 polygon.extend(corners_b.iter().map(|corner| plane.vertex(corner)));
                 for side in plane.sides(corners_a, self.slop) {
                     clipped.clear();
-                    clip(polygon, &side, |vertex| clipped.push(vertex));
+                    clip::clip(polygon, &side, |vertex| clipped.push(vertex));
                     std::mem::swap(polygon, clipped);
                 }
                 let mut arriving = polygon.last().map_or(0, |vertex| vertex.edge);
@@ -326,120 +399,4 @@ fn depth_of(segment: &Segment, at: Vec3, toward: Vec3, rounding: f32) -> f32 {
     }
     let s = (at - segment.center).dot(segment.half) / segment.half.length_squared();
     segment.depth_of(s.clamp(-1.0, 1.0), toward, rounding)
-}
-
-fn nearest_face(part: &Part, direction: Vec3) -> Option<Vec3> {
-    match part {
-        Part::Box { half_extents: _ } => {
-            let facing = direction.abs();
-            let axis = (1..3).fold(0, |best, i| if facing[i] > facing[best] { i } else { best });
-            let mut normal = Vec3::ZERO;
-            normal[axis] = 1.0_f32.copysign(direction[axis]);
-            Some(normal)
-        }
-        Part::Cylinder { .. } => Some(Vec3::new(0.0, 1.0_f32.copysign(direction.y), 0.0)),
-        Part::Cone { .. } => Some(Vec3::NEG_Y),
-        Part::Hull(hull) => {
-            let facing = |n: &Vec3| n.dot(direction);
-            hull.faces().iter().map(|face| face.normal).reduce(|best, n| if facing(&n) > facing(&best) { n } else { best })
-        }
-        Part::Triangle { triangle, .. } => triangle.normal().map(|n| n * 1.0_f32.copysign(n.dot(direction))),
-        Part::Ball { .. } | Part::Capsule { .. } | Part::HalfSpace { .. } => None,
-    }
-}
-
-/// Outward directions in which `part` might touch something centred at `other`, in the part's frame.
-fn own_directions(part: &Part, other: Vec3, consider: &mut impl FnMut(Vec3)) {
-    let aside = Vec3::new(other.x, 0.0, other.z).try_normalize().unwrap_or(Vec3::X);
-    match part {
-        Part::Ball { .. } | Part::HalfSpace { .. } => {}
-        Part::Box { .. } => [Vec3::X, Vec3::Y, Vec3::Z].into_iter().for_each(|n| {
-            consider(n);
-            consider(-n);
-        }),
-        Part::Capsule { .. } => consider(aside),
-        Part::Cylinder { .. } => [Vec3::Y, Vec3::NEG_Y, aside].into_iter().for_each(consider),
-        Part::Cone { half_height, radius } => {
-            consider(Vec3::NEG_Y);
-            consider((aside * 2.0 * *half_height + Vec3::Y * *radius).normalize());
-        }
-        Part::Hull(hull) => hull.faces().iter().for_each(|face| consider(face.normal)),
-        Part::Triangle { triangle, .. } => {
-            let Some(normal) = triangle.normal() else { return };
-            consider(normal);
-            consider(-normal);
-            for edge in triangle.edges_scaled_directions() {
-                if let Some(outward) = edge.cross(normal).try_normalize() {
-                    consider(outward);
-                }
-            }
-        }
-    }
-}
-
-/// The plane of contact and its axes.
-struct Plane {
-    u: Vec3,
-    v: Vec3,
-    normal: Vec3,
-}
-
-/// Height of a face over the plane of contact.
-struct Slope {
-    gradient: Vec2,
-    height: f32,
-}
-
-impl Slope {
-    fn height(&self, at: Vec2) -> f32 {
-        self.height + self.gradient.dot(at)
-    }
-}
-
-impl Plane {
-    fn across(normal: Vec3) -> Self {
-        let (u, v) = plane_axes(normal);
-        Self { u, v, normal }
-    }
-
-    fn flat(&self, point: Vec3) -> Vec2 {
-        Vec2::new(self.u.dot(point), self.v.dot(point))
-    }
-
-    fn point(&self, at: Vec2, height: f32) -> Vec3 {
-        self.u * at.x + self.v * at.y + self.normal * height
-    }
-
-    fn vertex(&self, &(corner, id): &Corner) -> Vertex {
-        Vertex { at: self.flat(corner), height: self.normal.dot(corner), edge: id, spare: false }
-    }
-
-    /// The face through `point`; none if it is seen too much from the side.
-    fn slope(&self, face: Vec3, point: Vec3) -> Option<Slope> {
-        let facing = face.dot(self.normal);
-        (facing.abs() >= MIN_FACING).then(|| Slope { gradient: self.flat(face) / -facing, height: face.dot(point) / facing })
-    }
-
-    /// The sides of a convex polygon.
-    fn sides<'a>(&'a self, corners: &'a [Corner], slop: f32) -> impl Iterator<Item = Side> + 'a {
-        let at = move |i: usize| self.flat(corners[i % corners.len()].0);
-        let area: f32 = (1..corners.len() - 1).map(|i| (at(i) - at(0)).perp_dot(at(i + 1) - at(0))).sum();
-        let sense = 1.0_f32.copysign(area);
-        (0..corners.len()).filter_map(move |i| {
-            let along = (at(i + 1) - at(i)).try_normalize()?;
-            let normal = -along.perp() * sense;
-            Some(Side { normal, offset: normal.dot(at(i)), slop, edge: CLIPPING | corners[i].1 })
-        })
-    }
-
-    /// The ends of the part of an edge that lies over a face; none if it rather stands there.
-    fn lie(&self, segment: &Segment, edge: &[Corner], face: &[Corner], slop: f32) -> Option<[Vec3; 2]> {
-        let rise = self.normal.dot(segment.half);
-        if 2.0 * rise * rise > segment.half.length_squared() {
-            return None;
-        }
-        let ends = [self.vertex(&edge[0]), self.vertex(&edge[1])];
-        let cut = self.sides(face, slop).try_fold(ends, |ends, side| clip_segment(ends, &side))?;
-        Some(cut.map(|end| self.point(end.at, end.height)))
-    }
 }

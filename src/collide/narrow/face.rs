@@ -106,3 +106,53 @@ fn rim(radius: f32, y: f32, corners: &mut Vec<Corner>) -> Feature {
 fn across(direction: Vec3) -> Vec3 {
     Vec3::new(direction.x, 0.0, direction.z).try_normalize().unwrap_or(Vec3::X)
 }
+
+/// The normal of the face of `part` most aligned with `direction`; none for what has no flat face.
+pub(super) fn nearest(part: &Part, direction: Vec3) -> Option<Vec3> {
+    match part {
+        Part::Box { half_extents: _ } => {
+            let facing = direction.abs();
+            let axis = (1..3).fold(0, |best, i| if facing[i] > facing[best] { i } else { best });
+            let mut normal = Vec3::ZERO;
+            normal[axis] = 1.0_f32.copysign(direction[axis]);
+            Some(normal)
+        }
+        Part::Cylinder { .. } => Some(Vec3::new(0.0, 1.0_f32.copysign(direction.y), 0.0)),
+        Part::Cone { .. } => Some(Vec3::NEG_Y),
+        Part::Hull(hull) => {
+            let facing = |n: &Vec3| n.dot(direction);
+            hull.faces().iter().map(|face| face.normal).reduce(|best, n| if facing(&n) > facing(&best) { n } else { best })
+        }
+        Part::Triangle { triangle, .. } => triangle.normal().map(|n| n * 1.0_f32.copysign(n.dot(direction))),
+        Part::Ball { .. } | Part::Capsule { .. } | Part::HalfSpace { .. } => None,
+    }
+}
+
+/// Outward directions in which `part` might touch something centred at `other`, in the part's frame.
+pub(super) fn own_directions(part: &Part, other: Vec3, consider: &mut impl FnMut(Vec3)) {
+    let aside = Vec3::new(other.x, 0.0, other.z).try_normalize().unwrap_or(Vec3::X);
+    match part {
+        Part::Ball { .. } | Part::HalfSpace { .. } => {}
+        Part::Box { .. } => [Vec3::X, Vec3::Y, Vec3::Z].into_iter().for_each(|n| {
+            consider(n);
+            consider(-n);
+        }),
+        Part::Capsule { .. } => consider(aside),
+        Part::Cylinder { .. } => [Vec3::Y, Vec3::NEG_Y, aside].into_iter().for_each(consider),
+        Part::Cone { half_height, radius } => {
+            consider(Vec3::NEG_Y);
+            consider((aside * 2.0 * *half_height + Vec3::Y * *radius).normalize());
+        }
+        Part::Hull(hull) => hull.faces().iter().for_each(|face| consider(face.normal)),
+        Part::Triangle { triangle, .. } => {
+            let Some(normal) = triangle.normal() else { return };
+            consider(normal);
+            consider(-normal);
+            for edge in triangle.edges_scaled_directions() {
+                if let Some(outward) = edge.cross(normal).try_normalize() {
+                    consider(outward);
+                }
+            }
+        }
+    }
+}

@@ -2,7 +2,8 @@
 //!
 //!     collide ─┬─ a part against a part (part.rs) ─┬─ ball, capsule, box: closed forms and clipping
 //!              │                                   ├─ half-space: the points nearest to its plane
-//!              │                                   └─ cylinder, cone, hull: GJK, EPA, clipping (convex.rs)
+//!              │                                   ├─ triangle against ball, box: parry3d (triangle.rs)
+//!              │                                   └─ the rest: GJK, EPA, clipping (convex.rs)
 //!              └─ composite.rs: parts of compounds, triangles of meshes and height fields near the other shape
 //!
 //! Nothing is remembered between calls: the same arguments give the same bits, whatever was asked before. Tolerances are
@@ -24,6 +25,7 @@ mod distance;
 mod face;
 mod half_space;
 mod part;
+mod plane;
 mod reduce;
 mod triangle;
 
