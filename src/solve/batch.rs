@@ -1,5 +1,6 @@
 //! One batch of islands: slots for its bodies, blocks for its contacts, entries for its joints.
 
+use super::birth::Birth;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
 use super::joint::BatchJoints;
@@ -31,6 +32,7 @@ pub(crate) struct Batch {
     lanes: Vec<(u32, u32)>,
     /// Kinematic bodies that have a slot here, sorted by body.
     replicas: Vec<Replica>,
+    pub birth: Birth,
     pub coloring: Coloring,
     colors: Vec<u32>,
     pub pushes: Vec<BodyVelocity>,

@@ -246,6 +246,11 @@ impl ContactBlock {
         }
     }
 
+    /// Levers of a point of lane `l`.
+    pub(crate) fn levers_of(&self, point: usize, l: usize) -> (Vec3, Vec3) {
+        (get(&self.lever_a[point], l), get(&self.lever_b[point], l))
+    }
+
     /// Normal of lane `l`.
     pub(crate) fn normal_of(&self, l: usize) -> Vec3 {
         get(&self.normal, l)

@@ -7,6 +7,7 @@
 //! joints. After the substeps: restitution, then position recovery of contacts. What moves positions gives no velocity.
 
 pub(crate) mod batch;
+mod birth;
 mod color;
 pub(crate) mod contact;
 mod contact_kernels;
@@ -29,6 +30,8 @@ const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
 pub(crate) struct StepSettings {
     /// Length of the step (s).
     pub dt: f32,
+    /// Acceleration of free fall (m/s²).
+    pub gravity: glam::Vec3,
     pub substeps: u32,
     pub iterations: u32,
     /// Approach speed above which a contact rebounds (m/s).
@@ -39,6 +42,7 @@ impl Batch {
     /// Moves all bodies of the batch through the step.
     pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
         let h = settings.dt / settings.substeps as f32;
+        self.start_contacts(settings.gravity, h);
         for _ in 0..settings.substeps {
             self.apply_forces(h);
             self.joints.prepare(joints, &mut self.velocities, &self.motions, h);
@@ -54,6 +58,13 @@ impl Batch {
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.recover_positions(settings.dt);
         self.joint_gap = self.joints.worst_gap(joints, &self.motions);
+    }
+
+    /// Gives contacts that are born under load their static multipliers.
+    fn start_contacts(&mut self, gravity: glam::Vec3, h: f32) {
+        let mut birth = std::mem::take(&mut self.birth);
+        birth.start_contacts(self, gravity, h);
+        self.birth = birth;
     }
 
     fn apply_forces(&mut self, h: f32) {

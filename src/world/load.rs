@@ -35,6 +35,7 @@ impl World {
     pub(super) fn solve_batches(&mut self, dt: f32) {
         let settings = StepSettings {
             dt,
+            gravity: self.def.gravity,
             substeps: self.def.substeps,
             iterations: self.def.iterations,
             restitution_threshold: self.def.restitution_threshold,

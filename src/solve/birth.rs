@@ -1,0 +1,255 @@
+//! First multipliers of contacts that are born under load: the static load of what rests on them.
+//!
+//! A sweep carries load through one contact at a time, so a column built at rest would first sink under multipliers of zero,
+//! then rebound. Where bodies at rest stand on contacts that have no history, this pass walks down from the top, and splits each
+//! body's weight and what it carries over the points under it: of all λ ≥ 0 along the normals that balance force along gravity
+//! and moment about the two horizontal axes, those of least norm (an active set of points, normal equations in `f64`). The sweeps
+//! start from there. What moves, or has multipliers already, is left alone, so nothing is held up that must fall.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::batch::Batch;
+use super::contact::{LANES, POINTS};
+use super::state::WORLD_SLOT;
+
+/// Least cosine between a contact's normal and the vertical for it to support.
+const MIN_SUPPORT_COSINE: f32 = 0.3;
+
+/// Relative normal speed above which a contact is an impact (m/s).
+const MAX_REST_SPEED: f32 = 0.05;
+
+/// Passes in which points that would pull are taken out.
+const ACTIVE_SET_PASSES: usize = 5;
+
+/// Regularisation of the balance, per point: of the force row, and of the moment rows relative to squared levers.
+const FORCE_REGULARISATION: f64 = 1.0e-9;
+const MOMENT_REGULARISATION: f64 = 1.0e-6;
+
+/// Buffers of the pass.
+#[derive(Debug, Default)]
+pub(crate) struct Birth {
+    supports: Vec<Support>,
+    /// Supports sorted by upper body: first of each slot.
+    first: Vec<u32>,
+    /// Number of unvisited bodies that stand on each slot, and whether the slot's contacts are all new.
+    waiting: Vec<u32>,
+    new: Vec<bool>,
+    load: Vec<(DVec3, DVec3)>,
+    queue: Vec<u32>,
+    points: Vec<Point>,
+}
+
+/// A manifold through which `upper` stands on `lower`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Support {
+    upper: u32,
+    lower: u32,
+    block: u32,
+    lane: u32,
+}
+
+/// A supporting point: its place in the blocks, and how a unit force there acts on the upper body.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    support: Support,
+    index: usize,
+    normal: DVec3,
+    lever_lower: DVec3,
+    /// Force along the vertical and moments about the horizontal axes per unit of λ.
+    column: DVec3,
+    force: f64,
+    active: bool,
+}
+
+impl Birth {
+    /// Writes first multipliers into the contacts of `batch` that are new and at rest; `h` is the substep (s).
+    pub(crate) fn start_contacts(&mut self, batch: &mut Batch, gravity: Vec3, h: f32) {
+        let Some(up) = (-gravity).try_normalize() else { return };
+        self.find_supports(batch, up, gravity.length() * h);
+        if self.supports.is_empty() {
+            return;
+        }
+        self.queue.clear();
+        for slot in 1..batch.velocities.len() as u32 {
+            if self.waiting[slot as usize] == 0 && self.has_supports(slot) {
+                self.queue.push(slot);
+            }
+        }
+        let mut next = 0;
+        while next < self.queue.len() {
+            let slot = self.queue[next];
+            next += 1;
+            if self.new[slot as usize] {
+                self.split_load(batch, slot, up.as_dvec3(), h);
+            }
+            for support in self.first[slot as usize]..self.first[slot as usize + 1] {
+                let lower = self.supports[support as usize].lower as usize;
+                if lower != WORLD_SLOT as usize {
+                    self.waiting[lower] -= 1;
+                    if self.waiting[lower] == 0 && self.has_supports(lower as u32) {
+                        self.queue.push(lower as u32);
+                    }
+                }
+            }
+        }
+    }
+
+    fn has_supports(&self, slot: u32) -> bool {
+        self.first[slot as usize] < self.first[slot as usize + 1]
+    }
+
+    /// Lists the supporting manifolds; a body is new if all of its are without multipliers and at rest.
+    fn find_supports(&mut self, batch: &Batch, up: Vec3, closable_speed: f32) {
+        let slots = batch.velocities.len();
+        self.supports.clear();
+        self.new.clear();
+        self.new.resize(slots, true);
+        let mut any_new = false;
+        for (number, block) in batch.contacts.iter().enumerate() {
+            for lane in 0..LANES {
+                let normal = block.normal_of(lane);
+                let rise = normal.dot(up);
+                if block.inverse_diagonal[0][lane] == 0.0 || rise.abs() < MIN_SUPPORT_COSINE {
+                    continue;
+                }
+                let (a, b) = (block.a[lane], block.b[lane]);
+                let (lower, upper) = if rise > 0.0 { (a, b) } else { (b, a) };
+                if !batch.motions[upper as usize].is_dynamic() {
+                    continue;
+                }
+                let approach = normal.dot(batch.velocities[b as usize].linear - batch.velocities[a as usize].linear).abs();
+                let untouched = (0..POINTS).all(|i| block.lambda[i][lane] == 0.0);
+                let fresh = untouched && approach < MAX_REST_SPEED + closable_speed;
+                self.new[upper as usize] &= fresh;
+                any_new |= fresh;
+                self.supports.push(Support { upper, lower, block: number as u32, lane: lane as u32 });
+            }
+        }
+        if !any_new {
+            self.supports.clear();
+            return;
+        }
+        self.supports.sort_unstable();
+        self.first.clear();
+        self.first.resize(slots + 1, 0);
+        self.waiting.clear();
+        self.waiting.resize(slots, 0);
+        for support in &self.supports {
+            self.first[support.upper as usize + 1] += 1;
+            self.waiting[support.lower as usize] += 1;
+        }
+        for slot in 0..slots {
+            self.first[slot + 1] += self.first[slot];
+        }
+        self.load.clear();
+        self.load.resize(slots, (DVec3::ZERO, DVec3::ZERO));
+    }
+
+    /// Splits the load of one body over its supporting points and hands it on to what carries them.
+    fn split_load(&mut self, batch: &mut Batch, slot: u32, up: DVec3, h: f32) {
+        let horizontal = super::contact::tangents(up.as_vec3());
+        let axes = [horizontal.0.as_dvec3(), horizontal.1.as_dvec3()];
+        let (motion, velocity) = (&batch.motions[slot as usize], &batch.velocities[slot as usize]);
+        let mass = 1.0 / f64::from(velocity.inverse_mass.max_element());
+        let (carried, moment) = self.load[slot as usize];
+        let force = motion.acceleration.as_dvec3() * mass + carried;
+        let moment = moment + motion.torque.as_dvec3();
+        let demand = -DVec3::new(force.dot(up), moment.dot(axes[0]), moment.dot(axes[1]));
+        if demand.x <= 0.0 || !mass.is_finite() {
+            return;
+        }
+
+        self.points.clear();
+        let reach = motion.acceleration.length() * h * h;
+        for support in &self.supports[self.first[slot as usize] as usize..self.first[slot as usize + 1] as usize] {
+            let (block, lane) = (&batch.contacts[support.block as usize], support.lane as usize);
+            let upper_is_b = block.b[lane] == slot;
+            let normal = block.normal_of(lane).as_dvec3() * if upper_is_b { 1.0 } else { -1.0 };
+            for index in 0..POINTS {
+                // Touching means that gravity closes the gap within the substep.
+                if block.inverse_diagonal[index][lane] == 0.0 || block.separation[index][lane] > reach {
+                    continue;
+                }
+                let (lever_a, lever_b) = block.levers_of(index, lane);
+                let (upper, lower) = if upper_is_b { (lever_b, lever_a) } else { (lever_a, lever_b) };
+                let turning = upper.as_dvec3().cross(normal);
+                let column = DVec3::new(normal.dot(up), turning.dot(axes[0]), turning.dot(axes[1]));
+                let lever_lower = lower.as_dvec3();
+                self.points.push(Point { support: *support, index, normal, lever_lower, column, force: 0.0, active: true });
+            }
+        }
+        balance(&mut self.points, demand);
+        for point in &self.points {
+            let Support { block, lane, lower, .. } = point.support;
+            batch.contacts[block as usize].lambda[point.index][lane as usize] = (point.force * f64::from(h)) as f32;
+            let push = -point.normal * point.force;
+            let load = &mut self.load[lower as usize];
+            load.0 += push;
+            load.1 += point.lever_lower.cross(push);
+        }
+    }
+}
+
+/// Forces of least norm, none pulling, whose columns add up to `demand`.
+fn balance(points: &mut [Point], demand: DVec3) {
+    for _ in 0..ACTIVE_SET_PASSES {
+        let mut matrix = DMat3::ZERO;
+        let (mut count, mut reach) = (0.0, 0.0);
+        for point in points.iter().filter(|point| point.active) {
+            let c = point.column;
+            matrix += DMat3::from_cols(c * c.x, c * c.y, c * c.z);
+            count += 1.0;
+            reach += c.y * c.y + c.z * c.z;
+        }
+        if count == 0.0 {
+            return;
+        }
+        let moment = MOMENT_REGULARISATION * reach.max(f64::MIN_POSITIVE);
+        matrix += DMat3::from_diagonal(DVec3::new(FORCE_REGULARISATION * count, moment, moment));
+        let multiplier = matrix.inverse() * demand;
+        if !multiplier.is_finite() {
+            points.iter_mut().for_each(|point| point.force = 0.0);
+            return;
+        }
+        let mut pulls = false;
+        for point in points.iter_mut() {
+            point.force = if point.active { point.column.dot(multiplier).max(0.0) } else { 0.0 };
+            if point.active && point.column.dot(multiplier) < 0.0 {
+                point.active = false;
+                pulls = true;
+            }
+        }
+        if !pulls {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(x: f64, z: f64) -> Point {
+        let support = Support { upper: 1, lower: 0, block: 0, lane: 0 };
+        let column = DVec3::new(1.0, -z, x);
+        Point { support, index: 0, normal: DVec3::Y, lever_lower: DVec3::ZERO, column, force: 0.0, active: true }
+    }
+
+    #[test]
+    fn a_weight_off_centre_loads_the_near_corners_by_the_lever_rule() {
+        let mut points = [point(-1.0, -1.0), point(1.0, -1.0), point(-1.0, 1.0), point(1.0, 1.0)];
+        // 10 N at x = 0.5 m.
+        balance(&mut points, DVec3::new(10.0, 0.0, 5.0));
+        let forces = points.map(|point| point.force);
+        for (force, expected) in forces.iter().zip([1.25, 3.75, 1.25, 3.75]) {
+            assert!((force - expected).abs() < 1e-4, "{forces:?} N");
+        }
+    }
+
+    #[test]
+    fn no_point_pulls_on_an_overhang() {
+        let mut points = [point(-1.0, -1.0), point(1.0, -1.0), point(-1.0, 1.0), point(1.0, 1.0)];
+        balance(&mut points, DVec3::new(10.0, 0.0, 20.0));
+        assert!(points.iter().all(|point| point.force >= 0.0), "{:?} N", points.map(|point| point.force));
+    }
+}
