@@ -19,7 +19,7 @@ const RECOVERY_SHARE: f32 = 0.2;
 ///
 /// A loaded point gapes by rounding or by an unfinished sweep. If it may close whole in one substep, the impulse that stops it is
 /// carried on, opens the next gap, and waves of load grow in a tower until it falls.
-const PRESSED_GAP_SHARE: f32 = 0.2;
+const PRESSED_GAP_SHARE: f32 = 0.01;
 
 /// Greatest speed at which an overlap is taken out (m/s).
 const MAX_RECOVERY_SPEED: f32 = 0.9;
