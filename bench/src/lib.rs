@@ -1,1 +1,3 @@
+//! Measures longspan and its peers on the same scenes.
 
+pub mod peers;
