@@ -369,6 +369,17 @@ fn the_number_of_threads_changes_nothing_but_the_time() {
 }
 
 #[test]
+fn a_great_effort_is_borne() {
+    for name in peers() {
+        let mut engine = scene(name, Effort::N(1275));
+        let ball = engine.add_body(&dynamic_at(0.0, 0.0, 0.0, ball(0.5)));
+        steps(engine.as_mut(), 6);
+        let (fallen, expected) = (-engine.pose(ball).position.y, 0.5 * GRAVITY * 0.01);
+        assert!((fallen - expected).abs() <= 1.0e-3 * expected, "{name}: fell {fallen:.6} m in 0.1 s, expected {expected:.6} m");
+    }
+}
+
+#[test]
 fn what_an_engine_lacks_is_refused_by_name() {
     for name in peers() {
         let refused = std::panic::catch_unwind(|| {

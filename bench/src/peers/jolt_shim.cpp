@@ -51,6 +51,10 @@ Quat ToJolt(JoltQuat inQ) { return Quat(inQ.x, inQ.y, inQ.z, inQ.w); }
 JoltVec3 FromJolt(Vec3Arg inV) { return { inV.GetX(), inV.GetY(), inV.GetZ() }; }
 JoltQuat FromJolt(QuatArg inQ) { return { inQ.GetX(), inQ.GetY(), inQ.GetZ(), inQ.GetW() }; }
 
+// Jolt creates the jobs of all collision steps of an update in advance, in an array of fixed size that it runs past the end of.
+// This many collision steps stay inside.
+uint MaxCollisionSteps(uint inThreads) { return uint(cMaxPhysicsJobs) / (16 + 12 * inThreads); }
+
 void StartJolt()
 {
 	static std::once_flag started;
@@ -231,6 +235,8 @@ struct JoltWorld {
 	std::unique_ptr<JobSystem> jobs;
 	PhysicsSystem system;
 	uint32_t collision_steps = 1;
+	// Of one update; more are done in several.
+	uint32_t max_collision_steps = 1;
 	// Length of the last collision step (s); zero before the first.
 	float collision_dt = 0.0f;
 	std::vector<Body *> bodies;
@@ -261,6 +267,7 @@ JoltWorld *jolt_world_create(const JoltWorldDef *def)
 	settings.mAllowSleeping = def->allow_sleeping;
 	world->system.SetPhysicsSettings(settings);
 	world->collision_steps = def->collision_steps;
+	world->max_collision_steps = MaxCollisionSteps(def->threads);
 	return world;
 }
 
@@ -278,7 +285,15 @@ uint32_t jolt_world_step(JoltWorld *world, float dt)
 	if (world->collision_dt == 0.0f)
 		world->system.OptimizeBroadPhase();
 	world->collision_dt = dt / float(world->collision_steps);
-	return uint32_t(world->system.Update(dt, int(world->collision_steps), &world->temp_allocator, world->jobs.get()));
+	EPhysicsUpdateError errors = EPhysicsUpdateError::None;
+	for (uint32_t left = world->collision_steps; left > 0;)
+	{
+		uint32_t steps = std::min(left, world->max_collision_steps);
+		float update_dt = float(steps) * world->collision_dt;
+		errors = errors | world->system.Update(update_dt, int(steps), &world->temp_allocator, world->jobs.get());
+		left -= steps;
+	}
+	return uint32_t(errors);
 }
 
 JoltShape *jolt_shape_ball(float radius) { return Owned(new SphereShape(radius)); }

@@ -2,6 +2,9 @@
 //!
 //! What an engine has no equal of is refused with a panic that starts with `not supported by`, never approximated in silence.
 
+// A build without any peer has no use for what they share.
+#![cfg_attr(not(any(feature = "peer-rapier", feature = "peer-box3d", feature = "peer-jolt")), allow(dead_code, unused_variables))]
+
 use longspan::WorldDef;
 use longspan_scenes::{Effort, Engine};
 

@@ -1,12 +1,6 @@
 //! Shapes as the peers take them: one convex part at a time, in the frame of the body.
 
-use glam::{Quat, Vec3};
 use longspan::{Geometry, LocalPose, ShapeDef};
-
-/// Half the edge of the box that stands in for a half-space (m): beyond every scene, small enough for single precision.
-const GROUND_HALF_EXTENT: f32 = 500.0;
-/// Half the thickness of that box (m).
-const GROUND_HALF_DEPTH: f32 = 25.0;
 
 /// The parts of `shape` with their places on the body; a shape that is not a compound is its own only part.
 pub fn parts(shape: &ShapeDef) -> Vec<(LocalPose, &Geometry)> {
@@ -17,7 +11,13 @@ pub fn parts(shape: &ShapeDef) -> Vec<(LocalPose, &Geometry)> {
 }
 
 /// The box, and its place, that stands in for the half-space below the plane with this outward `normal`.
-pub fn ground_box(place: &LocalPose, normal: Vec3) -> (LocalPose, Vec3) {
+#[cfg(any(feature = "peer-box3d", feature = "peer-jolt"))]
+pub fn ground_box(place: &LocalPose, normal: glam::Vec3) -> (LocalPose, glam::Vec3) {
+    use glam::{Quat, Vec3};
+
+    // Beyond every scene, and small enough for single precision (m).
+    const GROUND_HALF_EXTENT: f32 = 500.0;
+    const GROUND_HALF_DEPTH: f32 = 25.0;
     let upright = Quat::from_rotation_arc(Vec3::Y, normal);
     let local = LocalPose { position: -GROUND_HALF_DEPTH * normal, rotation: upright };
     (placed(place, &local), Vec3::new(GROUND_HALF_EXTENT, GROUND_HALF_DEPTH, GROUND_HALF_EXTENT))
