@@ -161,6 +161,10 @@ pub(crate) struct Body {
     pub user_word: u64,
     /// Pose a kinematic body shall have at the end of the next step.
     pub target: Option<Pose>,
+    /// Whether the velocity comes from a target, so that it ends with it.
+    pub driven: bool,
+    /// Net contact impulse of the last step over its length (N).
+    pub contact_force: Vec3,
     pub shapes: Vec<ShapeId>,
     pub joints: Vec<JointId>,
     pub sleep: SleepState,
@@ -200,6 +204,8 @@ impl Body {
             fast: def.fast,
             user_word: def.user_word,
             target: None,
+            driven: false,
+            contact_force: Vec3::ZERO,
             shapes: Vec::new(),
             joints: Vec::new(),
             sleep: SleepState::Awake { quiet_for: 0.0 },
@@ -213,6 +219,17 @@ impl Body {
 
     pub(crate) fn is_awake(&self) -> bool {
         matches!(self.sleep, SleepState::Awake { .. })
+    }
+
+    /// Whether a step may move the body: awake and dynamic, or kinematic with a velocity or a target.
+    pub(crate) fn is_mover(&self) -> bool {
+        match self.kind {
+            BodyKind::Static => false,
+            BodyKind::Dynamic => self.is_awake() && !self.quarantined,
+            BodyKind::Kinematic => {
+                self.target.is_some() || self.linear_velocity != Vec3::ZERO || self.angular_velocity != Vec3::ZERO
+            }
+        }
     }
 
     pub(crate) fn pose(&self) -> Pose {

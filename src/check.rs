@@ -7,6 +7,9 @@ use crate::error::{Error, ErrorKind, Result};
 /// Largest distance from the origin that a position may have (m): at this range an `f64` still resolves 0.1 µm.
 pub const MAX_COORDINATE: f64 = 1.0e9;
 
+/// Shortest and longest step (s).
+pub const STEP_RANGE: (f32, f32) = (1.0e-6, 1.0);
+
 /// How far a rotation or direction may be from unit length before it is refused (1 %).
 const UNIT_TOLERANCE: f32 = 0.01;
 
@@ -38,6 +41,13 @@ pub(crate) fn positive(argument: &'static str, value: f32) -> Result<f32> {
         return Err(Error::new(ErrorKind::OutOfRange, argument, "must be greater than zero"));
     }
     Ok(value)
+}
+
+pub(crate) fn step_length(dt: f32) -> Result<f32> {
+    if finite("dt", dt)? < STEP_RANGE.0 || dt > STEP_RANGE.1 {
+        return Err(Error::new(ErrorKind::OutOfRange, "dt", "must be between 1e-6 and 1 s"));
+    }
+    Ok(dt)
 }
 
 pub(crate) fn range(argument: &'static str, min: f32, max: f32) -> Result<()> {

@@ -365,6 +365,12 @@ impl JointImpulses {
     pub(crate) const ZERO: Self = Self { point: Vec3::ZERO, angular: Vec3::ZERO, scalar: [0.0; MAX_SCALAR_ROWS] };
 }
 
+impl JointImpulses {
+    pub(crate) fn is_finite(&self) -> bool {
+        self.point.is_finite() && self.angular.is_finite() && self.scalar.iter().all(|impulse| impulse.is_finite())
+    }
+}
+
 /// The world's record of a joint.
 #[derive(Debug, Clone)]
 pub(crate) struct Joint {
@@ -375,4 +381,13 @@ pub(crate) struct Joint {
     /// Force and torque on B, mean over the last step.
     pub force: Vec3,
     pub torque: Vec3,
+}
+
+impl Joint {
+    /// Starts the next step from nothing.
+    pub(crate) fn forget_impulses(&mut self) {
+        self.impulses = JointImpulses::ZERO;
+        self.force = Vec3::ZERO;
+        self.torque = Vec3::ZERO;
+    }
 }

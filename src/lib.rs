@@ -1,20 +1,57 @@
 //! Rigid-body physics for things that hang, span and stand.
+//!
+//! A [`World`] holds bodies made of shapes, and joints between them; [`World::step`] moves it on. Units are SI and radians;
+//! positions are `f64`, everything else is `f32`; no axis is special, gravity is a vector.
+//!
+//! ```
+//! use longspan::{BodyDef, Pose, Shape, ShapeDef, World, WorldDef, glam::Vec3};
+//!
+//! let mut world = World::new(&WorldDef::default())?;
+//! let ground = Shape::cuboid(Vec3::new(10.0, 0.5, 10.0))?;
+//! world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, -0.5, 0.0)).with_shape(ShapeDef::new(ground)))?;
+//! let cube = Shape::cuboid(Vec3::splat(0.5))?;
+//! let body = world.create_body(&BodyDef::dynamic(Pose::at_xyz(0.0, 2.0, 0.0)).with_shape(ShapeDef::new(cube)))?;
+//! for _ in 0..120 {
+//!     world.step(1.0 / 60.0)?;
+//! }
+//! assert!((world.pose(body)?.position.y - 0.5).abs() < 1e-3);
+//! # Ok::<(), longspan::Error>(())
+//! ```
+//!
+//! Every call checks its arguments in every build: what it refuses is an [`Error`] that names the argument, and nothing has
+//! changed. The same calls give the same bits, whatever the number of threads.
+//!
+//! Inside, arrows point one way: `world` drives `collide` and `solve`, which know bodies, shapes and joints but not the world.
+//! No code here knows C; the stable C interface is the crate `longspan-capi`.
+
+#![forbid(unsafe_op_in_unsafe_fn)]
+
 mod body;
 mod check;
+mod collide;
 mod error;
 mod id;
+mod island;
 mod joint;
 mod mass;
 mod material;
 mod pose;
+mod report;
+mod settings;
 mod shape;
-pub use body::*;
-pub use check::MAX_COORDINATE;
+mod solve;
+mod world;
+
+pub use body::{BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
+pub use check::{MAX_COORDINATE, STEP_RANGE};
 pub use error::{Error, ErrorKind, Result};
 pub use glam;
-pub use id::{BodyId, Handle, JointId, ShapeId};
-pub use joint::*;
+pub use id::{BodyId, Handle, JointId, MAX_OBJECTS, ShapeId};
+pub use joint::{Axis, JointDef, JointKind, JointState, Limits, Motor, Softness, SphericalMotor};
 pub use mass::{MASS_RANGE, Mass, MassProperties};
 pub use material::{CombineRule, Material};
 pub use pose::Pose;
-pub use shape::*;
+pub use report::{Contact, ContactPair, ContactPoint, JointOverload, Moved, Residuals, StepCounts, StepReport, StepTimings};
+pub use settings::{MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
+pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};
+pub use world::World;

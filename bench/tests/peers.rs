@@ -369,6 +369,21 @@ fn the_number_of_threads_changes_nothing_but_the_time() {
 }
 
 #[test]
+fn gravity_can_be_turned_and_wakes_who_sleeps() {
+    for name in peers() {
+        let mut engine = peers::create(name, &WorldDef::default(), Effort::Default, 1).expect("the peer is part of this build");
+        engine.add_body(&BodyDef::fixed(Pose::at_xyz(0.0, -1.0, 0.0)).with_shape(cuboid(5.0, 1.0, 5.0)));
+        let body = engine.add_body(&dynamic_at(0.0, 0.5, 0.0, cuboid(0.5, 0.5, 0.5)));
+        steps(engine.as_mut(), 240);
+        assert!(!engine.is_awake(body), "{name}: awake after 4 s at rest");
+        assert!(engine.set_gravity(Vec3::new(0.0, 1.0, 0.0)), "{name} cannot turn gravity");
+        steps(engine.as_mut(), 60);
+        let risen = engine.pose(body).position.y - 0.5;
+        assert!((0.4..0.6).contains(&risen), "{name}: rose {risen:.4} m in 1 s, expected 0.5 m");
+    }
+}
+
+#[test]
 fn a_great_effort_is_borne() {
     for name in peers() {
         let mut engine = scene(name, Effort::N(1275));

@@ -1,7 +1,7 @@
 //! The door every engine comes through: a scene knows this trait and nothing else of who runs it.
 
 use longspan::glam::Vec3;
-use longspan::{BodyDef, JointDef, Pose};
+use longspan::{BodyDef, JointDef, MassProperties, Pose};
 
 /// A physics engine that can run a scene: ours or a peer's.
 pub trait Engine {
@@ -33,6 +33,20 @@ pub trait Engine {
     /// Net contact force on the body, mean over the last step (N), of an engine that reports it.
     fn contact_force(&self, body: usize) -> Option<Vec3> {
         let _ = body;
+        None
+    }
+    /// Mass properties of a dynamic body as the engine holds them, of an engine that can be asked; checked against the scene's.
+    fn mass_properties(&self, body: usize) -> Option<MassProperties> {
+        let _ = body;
+        None
+    }
+    /// Turns gravity (m/s²); `false` from an engine that cannot.
+    fn set_gravity(&mut self, gravity: Vec3) -> bool {
+        let _ = gravity;
+        false
+    }
+    /// The first thing that the engine refused, with the name of the argument at fault.
+    fn refusal(&self) -> Option<String> {
         None
     }
     /// Whether the body is simulated at present.

@@ -195,6 +195,15 @@ impl Engine for Box3d {
         }
     }
 
+    fn set_gravity(&mut self, gravity: Vec3) -> bool {
+        // SAFETY: the world is alive, and only living bodies are on the list.
+        unsafe {
+            ffi::b3World_SetGravity(self.world, vec_to_box3d(gravity));
+            self.bodies.iter().flatten().for_each(|&id| ffi::b3Body_SetAwake(id, true));
+        }
+        true
+    }
+
     fn is_awake(&self, body: usize) -> bool {
         // SAFETY: `id` lets only living bodies through.
         unsafe { ffi::b3Body_IsAwake(self.id(body)) }

@@ -146,6 +146,12 @@ impl Engine for Jolt {
         unsafe { ffi::jolt_joint_force(self.world, joint as u32, &mut force) }.then(|| force.into())
     }
 
+    fn set_gravity(&mut self, gravity: Vec3) -> bool {
+        // SAFETY: the world is alive.
+        unsafe { ffi::jolt_world_set_gravity(self.world, gravity.into()) };
+        true
+    }
+
     fn is_awake(&self, body: usize) -> bool {
         // SAFETY: `number` lets only living bodies through.
         unsafe { ffi::jolt_body_is_active(self.world, self.number(body)) }

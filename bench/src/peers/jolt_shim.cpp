@@ -296,6 +296,14 @@ uint32_t jolt_world_step(JoltWorld *world, float dt)
 	return uint32_t(errors);
 }
 
+void jolt_world_set_gravity(JoltWorld *world, JoltVec3 gravity)
+{
+	world->system.SetGravity(ToJolt(gravity));
+	for (Body *body : world->bodies)
+		if (body != nullptr && !body->IsStatic())
+			world->system.GetBodyInterfaceNoLock().ActivateBody(body->GetID());
+}
+
 JoltShape *jolt_shape_ball(float radius) { return Owned(new SphereShape(radius)); }
 
 JoltShape *jolt_shape_box(JoltVec3 half_extents)

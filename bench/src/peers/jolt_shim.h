@@ -84,6 +84,8 @@ JoltWorld *jolt_world_create(const JoltWorldDef *def);
 void jolt_world_destroy(JoltWorld *world);
 // Returns 0, or Jolt's error bits: some contacts were dropped because a buffer was full.
 uint32_t jolt_world_step(JoltWorld *world, float dt);
+// Wakes every body.
+void jolt_world_set_gravity(JoltWorld *world, JoltVec3 gravity);
 
 // A shape is null if Jolt refuses to build it. It is freed with `jolt_shape_release`, also after bodies or compounds use it.
 JoltShape *jolt_shape_ball(float radius);

@@ -154,6 +154,12 @@ impl Engine for Rapier {
         Some(-impulse_on_a / self.substep())
     }
 
+    fn set_gravity(&mut self, gravity: Vec3) -> bool {
+        self.world.gravity = gravity;
+        self.world.wake_up_all(true);
+        true
+    }
+
     fn is_awake(&self, body: usize) -> bool {
         !self.world.bodies[self.bodies[body]].is_sleeping()
     }

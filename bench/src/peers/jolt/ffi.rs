@@ -125,6 +125,7 @@ unsafe extern "C" {
     pub fn jolt_world_create(def: *const JoltWorldDef) -> *mut JoltWorld;
     pub fn jolt_world_destroy(world: *mut JoltWorld);
     pub fn jolt_world_step(world: *mut JoltWorld, dt: f32) -> u32;
+    pub fn jolt_world_set_gravity(world: *mut JoltWorld, gravity: JoltVec3);
 
     pub fn jolt_shape_ball(radius: f32) -> *mut JoltShape;
     pub fn jolt_shape_box(half_extents: JoltVec3) -> *mut JoltShape;

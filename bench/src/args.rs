@@ -1,0 +1,165 @@
+//! What the command line takes.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use longspan_scenes::Effort;
+
+/// Our engine's name on the command line.
+pub const OURS: &str = "longspan";
+
+/// Every peer, and whether this build has it.
+const PEERS: [(&str, bool); 3] =
+    [("rapier", cfg!(feature = "peer-rapier")), ("box3d", cfg!(feature = "peer-box3d")), ("jolt", cfg!(feature = "peer-jolt"))];
+
+/// Run time against error: longspan beside other engines on the same scenes.
+#[derive(Debug, Parser)]
+#[command(name = "longspan-bench", version)]
+pub struct Options {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Runs a scene on engines and prints times and errors
+    Run(Run),
+    /// Prints the scenes with their keys and defaults
+    List,
+    /// Turns a file of JSON lines into run-time-against-error pictures (SVG), one for each scene and its keys
+    Plot {
+        /// Lines as `run --json` prints them
+        file: PathBuf,
+        /// Folder for the pictures, made if need be
+        out_dir: PathBuf,
+    },
+    /// Runs a scene on our engine and draws its end
+    Picture(Picture),
+    /// Draws bodies from a text file, one a line: `box hx hy hz  px py pz  qx qy qz qw`, `ball r …`, `capsule half_height r …`, `cylinder half_height r …`
+    Draw {
+        /// The text file
+        file: PathBuf,
+        /// The picture (PNG)
+        out: PathBuf,
+        /// Width and height in pixels
+        #[arg(long, default_value = "1280x720", value_parser = size)]
+        size: (usize, usize),
+    },
+}
+
+/// Which scene, with which keys.
+#[derive(Debug, Args)]
+pub struct Chosen {
+    /// Name of the scene
+    pub scene: String,
+    /// Sets a key of the scene
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = key_value)]
+    pub set: Vec<(String, String)>,
+    /// Length of the run (s) instead of the scene's own
+    #[arg(long)]
+    pub seconds: Option<f64>,
+}
+
+impl Chosen {
+    /// All keys, the length of the run among them.
+    pub fn keys(&self) -> Vec<(String, String)> {
+        let seconds = self.seconds.map(|seconds| ("seconds".to_owned(), seconds.to_string()));
+        self.set.iter().cloned().chain(seconds).collect()
+    }
+}
+
+#[derive(Debug, Args)]
+pub struct Run {
+    #[command(flatten)]
+    pub chosen: Chosen,
+    /// Engines to run it on; all that were built in if not given
+    #[arg(long, value_delimiter = ',', value_parser = engine)]
+    pub engines: Vec<String>,
+    /// Efforts to run it at: `default`, or a number of substeps
+    #[arg(long, value_delimiter = ',', default_value = "default", value_parser = effort)]
+    pub effort: Vec<Effort>,
+    /// Threads
+    #[arg(long, default_value_t = 1, value_parser = at_least_one)]
+    pub threads: usize,
+    /// Prints one JSON object a line
+    #[arg(long)]
+    pub json: bool,
+    /// Runs each this many times and prints the one with the smallest median time
+    #[arg(long, default_value_t = 1, value_parser = at_least_one)]
+    pub repeat: usize,
+}
+
+impl Run {
+    /// The engines asked for, or all of this build.
+    pub fn engines(&self) -> Vec<String> {
+        if self.engines.is_empty() { built_in().map(str::to_owned).collect() } else { self.engines.clone() }
+    }
+}
+
+#[derive(Debug, Args)]
+pub struct Picture {
+    #[command(flatten)]
+    pub chosen: Chosen,
+    /// The picture (PNG)
+    pub out: PathBuf,
+    /// Width and height in pixels
+    #[arg(long, default_value = "1280x720", value_parser = size)]
+    pub size: (usize, usize),
+}
+
+fn built_in() -> impl Iterator<Item = &'static str> {
+    [OURS].into_iter().chain(PEERS.into_iter().filter(|(_, built)| *built).map(|(name, _)| name))
+}
+
+fn engine(name: &str) -> Result<String, String> {
+    if built_in().any(|built| built == name) {
+        return Ok(name.to_owned());
+    }
+    let valid = built_in().collect::<Vec<_>>().join(", ");
+    match PEERS.iter().find(|(peer, _)| *peer == name) {
+        Some(_) => Err(format!("'{name}' was left out of this build (feature peer-{name}); the engines are: {valid}")),
+        None => Err(format!("no engine is called '{name}'; the engines are: {valid}")),
+    }
+}
+
+fn effort(text: &str) -> Result<Effort, String> {
+    if text == "default" {
+        return Ok(Effort::Default);
+    }
+    at_least_one(text).map(|count| Effort::N(count as u32)).map_err(|_| "must be `default` or a number from 1 on".to_owned())
+}
+
+fn at_least_one(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|count| (1..=1_000_000).contains(count)).ok_or_else(|| "must be a number from 1 on".to_owned())
+}
+
+fn key_value(text: &str) -> Result<(String, String), String> {
+    let (key, value) = text.split_once('=').ok_or_else(|| "must be KEY=VALUE".to_owned())?;
+    Ok((key.to_owned(), value.to_owned()))
+}
+
+fn size(text: &str) -> Result<(usize, usize), String> {
+    let side = |text: &str| text.parse().ok().filter(|pixels| (1..=16_384).contains(pixels));
+    let sides = text.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
+    sides.ok_or_else(|| "must be WIDTHxHEIGHT in pixels".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_reads_as_the_guide_shows_it() {
+        let line = "longspan-bench run hanging_chain --set n=10 --set ratio=100 --engines longspan --effort default,16 --threads 2 --seconds 1 --json";
+        let Command::Run(run) = Options::try_parse_from(line.split(' ')).unwrap().command else { panic!("not a run") };
+        let keys = [("n", "10"), ("ratio", "100"), ("seconds", "1")].map(|(key, value)| (key.to_owned(), value.to_owned()));
+        assert_eq!(run.chosen.keys(), keys);
+        assert_eq!((run.effort, run.threads, run.json), (vec![Effort::Default, Effort::N(16)], 2, true));
+    }
+
+    #[test]
+    fn an_unknown_engine_is_refused_with_those_that_exist() {
+        let problem = Options::try_parse_from(["longspan-bench", "run", "pile", "--engines", "novodex"]).unwrap_err().to_string();
+        assert!(problem.contains("novodex") && problem.contains("longspan"), "{problem}");
+    }
+}

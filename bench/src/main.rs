@@ -1,0 +1,30 @@
+//! The command line: runs scenes on engines, lists them, plots results, draws pictures.
+
+mod args;
+mod draw;
+mod line;
+mod plot;
+mod session;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Command, Options};
+
+fn main() -> ExitCode {
+    let outcome = match Options::parse().command {
+        Command::Run(run) => session::run(&run),
+        Command::List => session::list(),
+        Command::Plot { file, out_dir } => plot::plot(&file, &out_dir),
+        Command::Picture(picture) => draw::picture(&picture),
+        Command::Draw { file, out, size } => draw::draw_file(&file, &out, size),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("longspan-bench: {problem}");
+            ExitCode::FAILURE
+        }
+    }
+}

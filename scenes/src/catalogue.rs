@@ -1,0 +1,127 @@
+//! Every scene by name.
+
+use longspan::glam::DVec3;
+
+use crate::params::{Params, SceneError};
+use crate::scene::Scene;
+use crate::{chain, closed_form, idle, masonry, pile, stack, stress, violent};
+
+/// A scene that can be built.
+pub struct Entry {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is, in one line.
+    pub summary: &'static str,
+    build: fn(&mut Params) -> Result<Scene, SceneError>,
+}
+
+/// Every scene.
+pub const CATALOGUE: &[Entry] = &[
+    entry("hanging_chain", "a heavy box at the end of a chain of light links", chain::hanging_chain),
+    entry("swinging_weight", "the same chain let go horizontally, against its exact motion", chain::swinging_weight),
+    entry("heavy_on_light", "nine boxes of 100 kg carry a tenth that is far heavier", stack::heavy_on_light),
+    entry("tower", "a ring-shaped tower of stone blocks stands, then is hit", stack::tower),
+    entry("column", "equal boxes on one another for a minute", stack::column),
+    entry("pile", "boxes and balls dropped into a pit", pile::pile),
+    entry("arch", "a semicircular arch of wedges without mortar", masonry::arch),
+    entry("card_house", "a house of cards", masonry::card_house),
+    entry("free_gyro", "a free body spinning about its middle axis", closed_form::free_gyro),
+    entry("box_on_plane", "a box at rest and the force that carries it", closed_form::box_on_plane),
+    entry("slope", "a box on a slope that rests or slides", closed_form::slope),
+    entry("bounce", "a ball and the height of its first rebound", closed_form::bounce),
+    entry("pendulum", "a pendulum and its period", closed_form::pendulum),
+    entry("projectile", "a ball in free flight", closed_form::projectile),
+    entry("spring", "a weight on a spring and damper", closed_form::spring),
+    entry("hinge_motor", "a wheel driven by a motor of bounded torque", closed_form::hinge_motor),
+    entry("hinge_limit", "a bar that falls onto the stop of its hinge", closed_form::hinge_limit),
+    entry("far_origin", "another scene, far from the origin", far_origin),
+    entry("idle", "bodies asleep, scenes without joints, scenes without anything static", idle::idle),
+    entry("violent", "thrown chains, random joint graphs, violated limits, deep overlap", violent::violent),
+    entry("stress", "one kind of abuse and what is promised for it", stress::stress),
+];
+
+const fn entry(name: &'static str, summary: &'static str, build: fn(&mut Params) -> Result<Scene, SceneError>) -> Entry {
+    Entry { name, summary, build }
+}
+
+/// Builds a scene from its name and the keys that the user set.
+///
+/// # Errors
+/// An unknown name or key, with those that are valid; a value out of range; a feature that this version does not have.
+pub fn build(name: &str, given: &[(String, String)]) -> Result<Scene, SceneError> {
+    let entry = find(name)?;
+    let mut params = Params::new(given);
+    let mut scene = (entry.build)(&mut params)?;
+    params.check_all_used(entry.name)?;
+    scene.name = entry.name;
+    let facts = std::mem::take(&mut scene.params);
+    scene.params = params.into_asked().into_iter().chain(facts).collect();
+    Ok(scene)
+}
+
+fn find(name: &str) -> Result<&'static Entry, SceneError> {
+    CATALOGUE.iter().find(|entry| entry.name == name).ok_or_else(|| {
+        let valid = CATALOGUE.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
+        SceneError::UnknownScene { name: name.into(), valid }
+    })
+}
+
+fn far_origin(params: &mut Params) -> Result<Scene, SceneError> {
+    let offset = params.number("offset_km", 10.0, 0.0..=1.0e5)?;
+    let of = params.word("of", &["hanging_chain", "pile", "tower"])?;
+    let mut scene = (find(of)?.build)(params)?;
+    // Along all axes, so that no coordinate is spared.
+    scene.origin = DVec3::ONE.normalize() * offset * 1000.0;
+    Ok(scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn set(key: &str, value: &str) -> Vec<(String, String)> {
+        vec![(key.into(), value.into())]
+    }
+
+    fn problem(name: &str, given: &[(String, String)]) -> String {
+        build(name, given).err().map(|error| error.to_string()).unwrap_or_default()
+    }
+
+    #[test]
+    fn every_scene_builds_with_its_defaults() {
+        for entry in CATALOGUE {
+            let scene = build(entry.name, &[]).unwrap_or_else(|error| panic!("{}: {error}", entry.name));
+            assert!(!scene.bodies.is_empty() && !scene.metrics.is_empty(), "{} is empty", entry.name);
+        }
+        for row in stress::ROWS {
+            build("stress", &set("row", row.name)).unwrap_or_else(|error| panic!("{}: {error}", row.name));
+        }
+    }
+
+    #[test]
+    fn what_is_unknown_is_refused_with_what_is_valid() {
+        let no_scene = problem("hanging_chian", &[]);
+        assert!(no_scene.contains("hanging_chain") && no_scene.contains("stress"), "{no_scene}");
+        let no_key = problem("hanging_chain", &set("lenght", "3"));
+        assert!(no_key.contains("lenght") && no_key.contains("n, ratio") && no_key.contains("substeps"), "{no_key}");
+        let bad_value = problem("hanging_chain", &set("n", "0"));
+        assert!(bad_value.contains("n=0") && bad_value.contains("from 1"), "{bad_value}");
+        let bad_word = problem("violent", &set("what", "peace"));
+        assert!(bad_word.contains("graph"), "{bad_word}");
+    }
+
+    #[test]
+    fn features_of_later_versions_are_refused_by_name() {
+        assert!(problem("pile", &set("long_range", "on")).contains("not available"));
+        assert!(problem("pile", &set("solver", "direct")).contains("not available"));
+        assert_eq!(problem("pile", &set("long_range", "off")), "");
+        assert_eq!(problem("pile", &set("solver", "gs")), "");
+    }
+
+    #[test]
+    fn common_keys_reach_the_world() {
+        let given = [set("substeps", "7"), set("iterations", "3"), set("seconds", "1")].concat();
+        let scene = build("pile", &given).unwrap();
+        assert_eq!((scene.world.substeps, scene.world.iterations, scene.steps), (7, 3, 60));
+    }
+}

@@ -1,0 +1,55 @@
+//! What must cost nothing: bodies asleep, and features that a scene does not use.
+
+use longspan::glam::Vec3;
+use longspan::{BodyDef, Pose, WorldDef};
+
+use crate::metrics::{Awake, EndSpeeds};
+use crate::params::{Params, SceneError};
+use crate::pile;
+use crate::random::Random;
+use crate::scene::{Scene, cuboid, floor, sleepless, start_in};
+
+pub(crate) fn idle(params: &mut Params) -> Result<Scene, SceneError> {
+    match params.word("what", &["asleep", "no_joints", "no_static"])? {
+        "asleep" => asleep(params),
+        "no_joints" => pile::pile(params),
+        _ => no_static(params),
+    }
+}
+
+/// Boxes that lie on the floor, apart from one another, and fall asleep; time counts once they do.
+fn asleep(params: &mut Params) -> Result<Scene, SceneError> {
+    let n = params.count("n", 10_000, 1..=1_000_000)?;
+    let mut scene = start_in(WorldDef::default(), params, 6.0)?;
+    scene.window = scene.steps / 2..scene.steps;
+    let row = (n as f64).sqrt().ceil() as usize;
+    scene.body(floor(row as f32, 0.0, 0.5)?);
+    let solid = cuboid(0.25, 0.25, 0.25)?;
+    for index in 0..n {
+        let along = |place: usize| place as f64 - 0.5 * row as f64;
+        let pose = Pose::at_xyz(along(index % row), 0.25, along(index / row));
+        scene.body(BodyDef::dynamic(pose).with_shape(solid.clone()));
+    }
+    scene.judge(Awake::default());
+    scene.judge(EndSpeeds::default());
+    Ok(scene)
+}
+
+/// Boxes that drift and collide without gravity and without anything static.
+fn no_static(params: &mut Params) -> Result<Scene, SceneError> {
+    let n = params.count("n", 1000, 1..=1_000_000)?;
+    let mut random = Random::new(params.seed()?);
+    let mut scene = start_in(WorldDef { gravity: Vec3::ZERO, ..sleepless() }, params, 4.0)?;
+    let row = (n as f64).cbrt().ceil() as usize;
+    let solid = cuboid(0.25, 0.25, 0.25)?;
+    for index in 0..n {
+        let place = |part: usize| (part % row) as f64 * 0.8;
+        let pose = Pose::at_xyz(place(index), place(index / row), place(index / row / row));
+        let mut def = BodyDef::dynamic(pose).with_shape(solid.clone());
+        def.linear_velocity = random.vector(0.5);
+        def.angular_velocity = random.vector(1.0);
+        scene.body(def);
+    }
+    scene.judge(EndSpeeds::default());
+    Ok(scene)
+}

@@ -1,0 +1,143 @@
+//! Our engine behind the scenes' trait.
+
+use longspan::glam::Vec3;
+use longspan::{BodyDef, BodyId, JointId, MassProperties, Pose, Result, World, WorldDef};
+
+use crate::engine::{Effort, Engine, SceneJoint};
+
+/// A [`World`], its handles in order of creation, and the first call that it refused.
+pub struct LongspanEngine {
+    world: World,
+    bodies: Vec<BodyId>,
+    joints: Vec<JointId>,
+    refusal: Option<longspan::Error>,
+}
+
+impl LongspanEngine {
+    /// A world as `def` says, but with this effort and this many threads.
+    ///
+    /// # Errors
+    /// What [`World::new`] refuses.
+    pub fn new(def: &WorldDef, effort: Effort, threads: usize) -> Result<Self> {
+        let mut def = *def;
+        def.threads = threads as u32;
+        if let Effort::N(substeps) = effort {
+            def.substeps = substeps;
+        }
+        Ok(Self { world: World::new(&def)?, bodies: Vec::new(), joints: Vec::new(), refusal: None })
+    }
+
+    /// The world behind the trait.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The world behind the trait, to edit.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// The world's handle of a scene's body.
+    pub fn body_id(&self, body: usize) -> BodyId {
+        self.bodies[body]
+    }
+
+    /// The world's handle of a scene's joint.
+    pub fn joint_id(&self, joint: usize) -> JointId {
+        self.joints[joint]
+    }
+
+    fn note<T>(&mut self, result: Result<T>) -> Option<T> {
+        match result {
+            Ok(value) => Some(value),
+            Err(error) => {
+                self.refusal.get_or_insert(error);
+                None
+            }
+        }
+    }
+}
+
+const HELD: &str = "the scene asks only for bodies that it created and did not remove";
+
+impl Engine for LongspanEngine {
+    fn name(&self) -> &'static str {
+        "longspan"
+    }
+
+    fn add_body(&mut self, def: &BodyDef) -> usize {
+        let created = self.world.create_body(def);
+        let id = self.note(created).unwrap_or(BodyId::NULL);
+        self.bodies.push(id);
+        self.bodies.len() - 1
+    }
+
+    fn remove_body(&mut self, body: usize) {
+        let removed = self.world.destroy_body(self.bodies[body]);
+        self.note(removed);
+    }
+
+    fn add_joint(&mut self, joint: &SceneJoint) -> usize {
+        let id_of = |side: Option<usize>| side.map_or(BodyId::NULL, |body| self.bodies[body]);
+        let mut def = joint.def;
+        def.body_a = id_of(joint.a);
+        def.body_b = id_of(joint.b);
+        let created = self.world.create_joint(&def);
+        let id = self.note(created).unwrap_or(JointId::NULL);
+        self.joints.push(id);
+        self.joints.len() - 1
+    }
+
+    fn step(&mut self, dt: f32) {
+        if let Err(error) = self.world.step(dt) {
+            self.refusal.get_or_insert(error);
+        }
+    }
+
+    fn pose(&self, body: usize) -> Pose {
+        self.world.pose(self.bodies[body]).expect(HELD)
+    }
+
+    fn linear_velocity(&self, body: usize) -> Vec3 {
+        self.world.linear_velocity(self.bodies[body]).expect(HELD)
+    }
+
+    fn angular_velocity(&self, body: usize) -> Vec3 {
+        self.world.angular_velocity(self.bodies[body]).expect(HELD)
+    }
+
+    fn set_linear_velocity(&mut self, body: usize, v: Vec3) {
+        let set = self.world.set_linear_velocity(self.bodies[body], v);
+        self.note(set);
+    }
+
+    fn apply_impulse(&mut self, body: usize, impulse: Vec3) {
+        let applied = self.world.add_impulse(self.bodies[body], impulse);
+        self.note(applied);
+    }
+
+    fn joint_force(&self, joint: usize) -> Option<Vec3> {
+        self.world.joint_state(self.joints[joint]).ok().map(|state| state.force)
+    }
+
+    fn contact_force(&self, body: usize) -> Option<Vec3> {
+        self.world.contact_force(self.bodies[body]).ok()
+    }
+
+    fn mass_properties(&self, body: usize) -> Option<MassProperties> {
+        self.world.mass_properties(self.bodies[body]).ok().flatten()
+    }
+
+    fn set_gravity(&mut self, gravity: Vec3) -> bool {
+        let set = self.world.set_gravity(gravity);
+        self.note(set).is_some()
+    }
+
+    fn refusal(&self) -> Option<String> {
+        self.refusal.map(|error| error.to_string())
+    }
+
+    fn is_awake(&self, body: usize) -> bool {
+        self.world.is_awake(self.bodies[body]).unwrap_or(false)
+    }
+}

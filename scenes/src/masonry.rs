@@ -1,0 +1,98 @@
+//! Masonry without mortar: an arch of wedges, a house of cards. Both stand by friction and thrust alone.
+
+use std::f32::consts::PI;
+
+use longspan::glam::{Quat, Vec3};
+use longspan::{BodyDef, Geometry, Pose, ShapeDef};
+
+use crate::metrics::{Moved, Stood};
+use crate::params::{Params, SceneError};
+use crate::scene::{Scene, cuboid, floor, shape, start, with_friction};
+
+const ARCH_INNER: f32 = 2.0;
+const ARCH_OUTER: f32 = 2.6;
+const ARCH_HALF_DEPTH: f32 = 0.5;
+
+pub(crate) fn arch(params: &mut Params) -> Result<Scene, SceneError> {
+    let n = params.count("n", 11, 3..=101)?;
+    let friction = params.number("friction", 0.6, 0.0..=10.0)? as f32;
+    let mut scene = start(params, 20.0)?;
+    scene.body(floor(20.0, 0.0, friction)?);
+    for index in 0..n {
+        let from = PI * index as f32 / n as f32;
+        let to = PI * (index + 1) as f32 / n as f32;
+        scene.body(voussoir(from, to, friction)?);
+    }
+    judge_standing(&mut scene, 0.3);
+    Ok(scene)
+}
+
+/// The wedge between two angles from the x axis; its frame lies at mid-thickness.
+fn voussoir(from: f32, to: f32, friction: f32) -> Result<BodyDef, SceneError> {
+    let radial = |angle: f32, radius: f32| radius * Vec3::new(angle.cos(), angle.sin(), 0.0);
+    let middle = radial(0.5 * (from + to), 0.5 * (ARCH_INNER + ARCH_OUTER));
+    let mut points = Vec::new();
+    for angle in [from, to] {
+        for radius in [ARCH_INNER, ARCH_OUTER] {
+            for depth in [-ARCH_HALF_DEPTH, ARCH_HALF_DEPTH] {
+                points.push(radial(angle, radius) - middle + Vec3::Z * depth);
+            }
+        }
+    }
+    let wedge = ShapeDef { density: 2000.0, ..with_friction(shape(Geometry::ConvexHull { points })?, friction) };
+    Ok(BodyDef::dynamic(Pose::at(middle.as_dvec3())).with_shape(wedge))
+}
+
+/// Half thickness, half height and half width of a leaning card (m), and how far it leans from the vertical (rad).
+const CARD: Vec3 = Vec3::new(0.01, 0.5, 0.3);
+const LEAN: f32 = 20.0 * PI / 180.0;
+/// Space between the feet of neighbouring pairs (m).
+const FOOT_GAP: f32 = 0.005;
+
+/// Pairs of leaning cards, `levels` of them at the bottom and one less on each level, with lying cards between the levels.
+///
+/// The feet of a level stand just inside the top edges of the pair below, so each leaning card is a strut: the pair's thrust is
+/// taken by friction at the foot and by the lying card above, and it stands if friction exceeds tan 20° = 0.36.
+pub(crate) fn card_house(params: &mut Params) -> Result<Scene, SceneError> {
+    let levels = params.count("levels", 3, 1..=20)?;
+    let friction = params.number("friction", 0.6, 0.0..=10.0)? as f32;
+    let mut scene = start(params, 20.0)?;
+    scene.body(floor(20.0, 0.0, friction)?);
+
+    let (sin, cos) = LEAN.sin_cos();
+    let half_width = CARD.x * cos + CARD.y * sin;
+    let half_height = CARD.x * sin + CARD.y * cos;
+    let pitch = 4.0 * half_width + FOOT_GAP;
+    let overhang = 3.0 * CARD.x * cos;
+    let card = with_friction(cuboid(CARD.x, CARD.y, CARD.z)?, friction);
+    let mut bottom = 0.0;
+    for level in 0..levels {
+        let pairs = levels - level;
+        let apex = |pair: usize| pitch * (pair as f32 - 0.5 * (pairs as f32 - 1.0));
+        for pair in 0..pairs {
+            for side in [-1.0, 1.0] {
+                let center = Vec3::new(apex(pair) + side * half_width, bottom + half_height, 0.0);
+                let pose = Pose::at(center.as_dvec3()).rotated(Quat::from_rotation_z(side * LEAN));
+                scene.body(BodyDef::dynamic(pose).with_shape(card.clone()));
+            }
+        }
+        bottom += 2.0 * half_height;
+        for gap in 1..pairs {
+            // Lying cards meet over inner pairs; the outermost reach past the outer ones.
+            let left = apex(gap - 1) + if gap == 1 { -overhang } else { 0.5 * FOOT_GAP };
+            let right = apex(gap) + if gap == pairs - 1 { overhang } else { -0.5 * FOOT_GAP };
+            let lying = with_friction(cuboid(0.5 * (right - left), CARD.x, CARD.z)?, friction);
+            let center = Vec3::new(0.5 * (left + right), bottom + CARD.x, 0.0);
+            scene.body(BodyDef::dynamic(Pose::at(center.as_dvec3())).with_shape(lying));
+        }
+        bottom += 2.0 * CARD.x;
+    }
+    judge_standing(&mut scene, 0.2);
+    Ok(scene)
+}
+
+fn judge_standing(scene: &mut Scene, reach: f64) {
+    let end = scene.steps;
+    scene.judge(Moved::after(end, None));
+    scene.judge(Stood::within(reach));
+}

@@ -1,0 +1,166 @@
+//! Things that stand on one another: the heavy on the light, a column, a ring-shaped tower.
+
+use longspan::glam::{DVec3, Quat, Vec3};
+use longspan::{BodyDef, Mass, Pose, ShapeDef};
+
+use crate::metrics::{Displaced, Errors, Metric, Moved, Overlap, Stood, View};
+use crate::params::{Params, SceneError};
+use crate::random::Random;
+use crate::scene::{Action, GRAVITY, Scene, ball, cuboid, floor, start, with_friction};
+
+pub(crate) fn heavy_on_light(params: &mut Params) -> Result<Scene, SceneError> {
+    let ratio = params.number("ratio", 1.0e4, 1.0e-3..=1.0e9)?;
+    let gap = params.number("gap_mm", 0.0, 0.0..=1000.0)? * 1e-3;
+    let offset = params.number("offset", 0.0, -1.0..=1.0)?;
+    let mut scene = start(params, 5.0)?;
+    scene.body(floor(20.0, 0.0, 0.5)?);
+    let unit = cuboid(0.5, 0.5, 0.5)?;
+    for level in 0..10 {
+        let is_top = level == 9;
+        let x = if is_top { offset } else { 0.0 };
+        let pose = Pose::at_xyz(x, 0.5 + gap + (1.0 + gap) * f64::from(level), 0.0);
+        let mass = if is_top { 100.0 * ratio as f32 } else { 100.0 };
+        scene.body(BodyDef::dynamic(pose).with_shape(unit.clone()).with_mass(Mass::Total(mass)));
+    }
+    scene.judge(Overlap::at_end());
+    scene.judge(Stood::within(0.2 + 10.0 * gap));
+    if offset.abs() > 0.5 {
+        // The stack under the heavy box stays up if the common centre of mass stays over every interface below.
+        let topples_alone = ratio * offset.abs() / (ratio + 1.0) < 0.5;
+        scene.judge(Toppling {
+            body: 10,
+            lean: offset.abs() - 0.5,
+            has_reference: topples_alone && gap == 0.0,
+            ..Toppling::START
+        });
+    }
+    Ok(scene)
+}
+
+/// `fall_time_s`: when a box tilts by 0.2 rad; `fall_time_err_pct`: against a rigid unit box that tips over a fixed edge.
+struct Toppling {
+    body: usize,
+    /// How far its centre of mass lies beyond the edge (m).
+    lean: f64,
+    has_reference: bool,
+    last: (f64, f64),
+    reached: Option<f64>,
+}
+
+impl Toppling {
+    const TILT: f64 = 0.2;
+    const START: Self = Self { body: 0, lean: 0.0, has_reference: false, last: (0.0, 0.0), reached: None };
+
+    /// Time in which a unit box with its centre of mass half a metre above the edge and `lean` beyond it tilts by `TILT`:
+    /// (1/6 + r²) θ″ = g r sin θ, θ from the vertical, from rest.
+    fn rigid_time(&self) -> f64 {
+        let radius = self.lean.hypot(0.5);
+        let start = self.lean.atan2(0.5);
+        let (mut angle, mut rate, mut time) = (start, 0.0_f64, 0.0);
+        let h = 1e-5;
+        while angle < start + Self::TILT {
+            let acceleration = f64::from(GRAVITY) * radius * (angle + 0.5 * h * rate).sin() / (1.0 / 6.0 + radius * radius);
+            angle += h * (rate + 0.5 * h * acceleration);
+            rate += h * acceleration;
+            time += h;
+        }
+        time
+    }
+}
+
+impl Metric for Toppling {
+    fn observe(&mut self, view: &View) {
+        let up = view.engine.pose(self.body).rotation.as_dquat().normalize() * DVec3::Y;
+        let tilt = up.x.hypot(up.z).atan2(up.y);
+        if self.reached.is_none() && tilt >= Self::TILT {
+            let share = (Self::TILT - self.last.1) / (tilt - self.last.1);
+            self.reached = Some(self.last.0 + share * (view.time - self.last.0));
+        }
+        self.last = (view.time, tilt);
+    }
+
+    fn report(&self, errors: &mut Errors) {
+        let time = self.reached.unwrap_or(f64::INFINITY);
+        errors.push(("fall_time_s", time));
+        if self.has_reference {
+            let expected = self.rigid_time();
+            errors.push(("fall_time_err_pct", 100.0 * (time - expected).abs() / expected));
+        }
+    }
+}
+
+pub(crate) fn column(params: &mut Params) -> Result<Scene, SceneError> {
+    let n = params.count("n", 20, 1..=1000)?;
+    let gap = params.number("gap_mm", 0.0, 0.0..=1000.0)? * 1e-3;
+    let scatter = params.number("scatter_mm", 0.0, 0.0..=400.0)? as f32 * 1e-3;
+    let mut random = Random::new(params.seed()?);
+    let mut scene = start(params, 60.0)?;
+    scene.body(floor(20.0, 0.0, 0.5)?);
+    let unit = cuboid(0.5, 0.5, 0.5)?;
+    for level in 0..n {
+        let aside = scatter * Vec3::new(random.between(-1.0, 1.0), 0.0, random.between(-1.0, 1.0));
+        let pose = Pose::at(aside.as_dvec3() + DVec3::Y * (0.5 + gap + (1.0 + gap) * level as f64));
+        scene.body(BodyDef::dynamic(pose).with_shape(unit.clone()));
+    }
+    let end = scene.steps;
+    scene.judge(Moved::after(end, Some(vec![n])));
+    scene.judge(Overlap::spread(1, 1));
+    scene.judge(Stood::within(0.3 + gap * n as f64));
+    Ok(scene)
+}
+
+const RING: usize = 40;
+const RING_RADIUS: f32 = 3.0;
+const BLOCK: Vec3 = Vec3::new(0.15, 0.125, 0.22);
+const STONE_FRICTION: f32 = 0.6;
+/// The tower stands for ten seconds before anything happens to it.
+const STANDING: u32 = 600;
+const COLLAPSE: f64 = 4.0;
+
+pub(crate) fn tower(params: &mut Params) -> Result<Scene, SceneError> {
+    let count = params.count("bodies", 1000, RING..=100_000)?;
+    let scatter = params.number("scatter_mm", 0.0, 0.0..=20.0)? as f32 * 1e-3;
+    let twist = (params.number("scatter_deg", 0.0, 0.0..=5.0)? as f32).to_radians();
+    let removed = params.count("remove", 0, 0..=RING)?;
+    let push = params.number("push", 0.0, -1.0e6..=1.0e6)? as f32;
+    let throws_ball = params.switch("ball", true)?;
+    let mut random = Random::new(params.seed()?);
+    let mut scene = start(params, f64::from(STANDING) / 60.0 + COLLAPSE)?;
+    scene.window = STANDING.min(scene.steps) / 2..STANDING.min(scene.steps);
+    scene.second_window = Some(("collapse_ms_median", STANDING..scene.steps));
+
+    scene.body(floor(50.0, 0.0, STONE_FRICTION)?);
+    let stone = ShapeDef { density: 2000.0, ..with_friction(cuboid(BLOCK.x, BLOCK.y, BLOCK.z)?, STONE_FRICTION) };
+    let mut blocks = Vec::new();
+    for index in 0..count {
+        let (course, place) = (index / RING, index % RING);
+        let angle = std::f32::consts::TAU * (place as f32 + 0.5 * (course % 2) as f32) / RING as f32;
+        let turn = Quat::from_rotation_y(-angle);
+        let aside = Vec3::new(random.between(-scatter, scatter), 0.0, random.between(-scatter, scatter));
+        let center = turn * Vec3::X * RING_RADIUS + aside;
+        let height = f64::from(BLOCK.y) * (1.0 + 2.0 * course as f64);
+        let pose = Pose::at(center.as_dvec3() + DVec3::Y * height);
+        let turned = pose.rotated(turn * Quat::from_rotation_y(random.between(-twist, twist)));
+        blocks.push(scene.body(BodyDef::dynamic(turned).with_shape(stone.clone())));
+    }
+
+    for index in 0..removed {
+        scene.at(STANDING, Action::Remove(blocks[index * RING / removed]));
+    }
+    if push != 0.0 {
+        // A block in the middle of the height, pushed towards the axis.
+        let block = blocks[(count / RING / 2) * RING];
+        scene.at(STANDING, Action::Push(block, Vec3::NEG_X * push));
+    }
+    if throws_ball {
+        let shape = with_friction(ball(0.6)?, STONE_FRICTION);
+        let mut thrown = BodyDef::dynamic(Pose::at_xyz(-8.0, 2.5, 0.0)).with_shape(shape).with_mass(Mass::Total(5000.0));
+        thrown.linear_velocity = Vec3::new(20.0, 0.0, 0.0);
+        scene.at(STANDING, Action::Add(thrown));
+    }
+    let standing = STANDING.min(scene.steps);
+    scene.judge(Moved::after(standing, None));
+    scene.judge(Displaced::since(standing, blocks));
+    scene.judge(Overlap::spread(scene.steps + 1 - standing, 60));
+    Ok(scene)
+}

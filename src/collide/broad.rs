@@ -1,0 +1,67 @@
+//! Broad phase: which shapes may touch, from enlarged boxes in parry3d's bounding volume hierarchy.
+//!
+//! A shape's kept box changes only when the shape leaves it; only then are new neighbours looked for. The tree's form depends
+//! on history, but what it reports does not: it only ever adds candidates, and those too far apart are dropped exactly.
+
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::partitioning::{Bvh, BvhWorkspace};
+
+/// Boxes of all shapes, by slot.
+#[derive(Default)]
+pub(crate) struct BroadPhase {
+    tree: Bvh,
+    workspace: BvhWorkspace,
+    /// Shapes whose kept box changed since the last [`refresh`](Self::refresh).
+    changed: Vec<u32>,
+}
+
+impl BroadPhase {
+    /// Keeps `kept` for a shape and looks for its neighbours at the next refresh.
+    pub(crate) fn set(&mut self, shape: u32, kept: Aabb) {
+        self.tree.insert_or_update_partially(kept, shape, 0.0);
+        self.changed.push(shape);
+    }
+
+    pub(crate) fn remove(&mut self, shape: u32) {
+        self.tree.remove(shape);
+        self.changed.retain(|&changed| changed != shape);
+    }
+
+    /// Looks for a shape's neighbours again although it has not moved.
+    pub(crate) fn revisit(&mut self, shape: u32) {
+        self.changed.push(shape);
+    }
+
+    /// Brings the tree up to date and appends every (changed shape, neighbour) to `candidates`.
+    pub(crate) fn refresh(&mut self, box_of: impl Fn(u32) -> Option<Aabb>, candidates: &mut Vec<(u32, u32)>) {
+        if self.changed.is_empty() {
+            return;
+        }
+        self.changed.sort_unstable();
+        self.changed.dedup();
+        self.tree.refit(&mut self.workspace);
+        self.tree.optimize_incremental(&mut self.workspace);
+        for &shape in &self.changed {
+            if let Some(kept) = box_of(shape) {
+                candidates.extend(self.tree.intersect_aabb(&kept).filter(|&other| other != shape).map(|other| (shape, other)));
+            }
+        }
+        self.changed.clear();
+    }
+
+    /// Shapes whose kept box meets `region`, in no particular order.
+    pub(crate) fn overlapping<'a>(&'a self, region: &'a Aabb) -> impl Iterator<Item = u32> + 'a {
+        self.tree.intersect_aabb(region)
+    }
+}
+
+/// Whether two kept boxes still meet.
+pub(crate) fn still_near(a: &Option<Aabb>, b: &Option<Aabb>) -> bool {
+    matches!((a, b), (Some(a), Some(b)) if a.intersects(b))
+}
+
+impl std::fmt::Debug for BroadPhase {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("BroadPhase").field("changed", &self.changed.len()).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,119 @@
+//! A shape on a body as collision sees it.
+
+use glam::{DVec3, Quat, Vec3};
+use parry3d::bounding_volume::Aabb;
+use parry3d::math::Pose3;
+
+use crate::body::Body;
+use crate::material::Material;
+use crate::shape::{CollisionFilter, LocalPose, Shape, ShapeDef};
+
+/// Margin of the box that the broad phase keeps around a shape, as a share of the shape's extent, and its bounds (m).
+const FAT_MARGIN_SHARE: f32 = 0.1;
+const FAT_MARGIN_RANGE: (f32, f32) = (1.0e-3, 0.1);
+
+/// Greatest reach that is used (m); a half-space has no end.
+const MAX_REACH: f32 = 1.0e7;
+
+/// Speculative margin beside relative motion: a share of the smaller shape's least extent, and its greatest value (m).
+const CONTACT_MARGIN_SHARE: f32 = 0.05;
+const MAX_CONTACT_MARGIN: f32 = 0.01;
+
+/// The world's record of a shape.
+#[derive(Debug, Clone)]
+pub(crate) struct Collider {
+    pub body: u32,
+    pub shape: Shape,
+    pub local_pose: LocalPose,
+    pub material: Material,
+    pub density: f32,
+    pub filter: CollisionFilter,
+    pub user_word: u64,
+    /// Distance from the body's centre of mass to the farthest point of the shape (m).
+    pub reach: f32,
+    /// Least extent of the shape's own box (m).
+    pub least_extent: f32,
+    /// Box kept by the broad phase (m, rounded outwards); none before the first update.
+    pub fat_box: Option<Aabb>,
+}
+
+impl Collider {
+    pub(crate) fn new(body: u32, def: &ShapeDef, local_center: Vec3) -> Self {
+        let own_box = def.shape.parry().compute_local_aabb();
+        let mut collider = Self {
+            body,
+            shape: def.shape.clone(),
+            local_pose: def.local_pose,
+            material: def.material,
+            density: def.density,
+            filter: def.filter,
+            user_word: def.user_word,
+            reach: 0.0,
+            least_extent: own_box.extents().min_element(),
+            fat_box: None,
+        };
+        collider.center_moved(local_center);
+        collider
+    }
+
+    /// Tells the shape where its body's centre of mass is now.
+    pub(crate) fn center_moved(&mut self, local_center: Vec3) {
+        let sphere = self.shape.parry().compute_local_bounding_sphere();
+        let center = self.local_pose.position + self.local_pose.rotation * sphere.center - local_center;
+        self.reach = (center.length() + sphere.radius).min(MAX_REACH);
+    }
+
+    /// World position of the shape's origin (m), and its rotation.
+    pub(crate) fn world_pose(&self, body: &Body) -> (DVec3, Quat) {
+        let from_center = body.rotation * (self.local_pose.position - body.local_center);
+        (body.center + from_center.as_dvec3(), body.rotation * self.local_pose.rotation)
+    }
+
+    /// World box of the shape (m), rounded outwards, enlarged by `margin`.
+    pub(crate) fn world_box(&self, body: &Body, margin: f32) -> Aabb {
+        let (position, rotation) = self.world_pose(body);
+        let local = self.shape.parry().compute_aabb(&Pose3::from_parts(Vec3::ZERO, rotation));
+        let grown = Vec3::splat(margin);
+        Aabb::new(
+            rounded_down(position + (local.mins - grown).as_dvec3()),
+            rounded_up(position + (local.maxs + grown).as_dvec3()),
+        )
+    }
+
+    /// Margin of the kept box (m).
+    pub(crate) fn fat_margin(&self) -> f32 {
+        (self.least_extent * FAT_MARGIN_SHARE).clamp(FAT_MARGIN_RANGE.0, FAT_MARGIN_RANGE.1)
+    }
+
+    /// How far the shape may move in a step of `dt` seconds, gravity included (m).
+    pub(crate) fn motion_bound(&self, body: &Body, gravity: f32, dt: f32) -> f32 {
+        let falling = if body.is_dynamic() { gravity * body.gravity_scale.abs() * dt } else { 0.0 };
+        (body.linear_velocity.length() + body.angular_velocity.length() * self.reach + falling) * dt
+    }
+}
+
+/// Distance at which two shapes become contacts even without relative motion (m).
+pub(crate) fn contact_margin(a: &Collider, b: &Collider) -> f32 {
+    (a.least_extent.min(b.least_extent).max(0.0) * CONTACT_MARGIN_SHARE).min(MAX_CONTACT_MARGIN)
+}
+
+fn rounded_down(v: DVec3) -> Vec3 {
+    Vec3::from_array(v.to_array().map(|x| if f64::from(x as f32) > x { (x as f32).next_down() } else { x as f32 }))
+}
+
+fn rounded_up(v: DVec3) -> Vec3 {
+    Vec3::from_array(v.to_array().map(|x| if f64::from(x as f32) < x { (x as f32).next_up() } else { x as f32 }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_are_rounded_outwards() {
+        for x in [1.0e4 + 0.1, -1.0e4 - 0.1, 123_456.789, 0.0, 1.0e9] {
+            let v = DVec3::splat(x);
+            assert!(f64::from(rounded_down(v).x) <= x && f64::from(rounded_up(v).x) >= x, "{x} m");
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! A capsule against a capsule, and the segments inside them.
+//!
+//! The closest points of the two inner segments give normal and depth. Side by side, capsules touch along a line, and the
+//! ends of the stretch where they lie next to each other carry the contact.
+
+use glam::Vec3;
+use parry3d::math::Pose3;
+
+use super::{Manifold, ManifoldPoint};
+
+/// Shortest stretch that counts as a line of contact, as a fraction of the radii.
+const MIN_STRETCH: f32 = 1.0e-2;
+
+/// How far the two segments may part sideways at the ends of a line of contact, as a fraction of the radii: a tenth costs
+/// half a percent of the radii in distance.
+const MAX_SKEW: f32 = 0.1;
+
+/// How far the normal may lean along either segment at a line of contact (sine): beside the end of a capsule, a point
+/// along the normal is then within 0.05 % of the radius of its surface.
+const MAX_LEAN: f32 = 0.03;
+
+/// Segments closer than this fraction of their lengths have no direction from one to the other.
+const CROSSING: f32 = 4.0 * f32::EPSILON;
+
+/// Squared sine below which two segments are parallel.
+const PARALLEL: f32 = 1.0e-10;
+
+/// The points center + s·half, −1 ≤ s ≤ 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Segment {
+    pub center: Vec3,
+    pub half: Vec3,
+}
+
+impl Segment {
+    /// The inner segment of a capsule placed at `pose`.
+    pub fn of_capsule(half_height: f32, pose: &Pose3) -> Self {
+        Self { center: pose.translation, half: pose.rotation * Vec3::new(0.0, half_height, 0.0) }
+    }
+
+    pub fn at(&self, s: f32) -> Vec3 {
+        self.center + self.half * s
+    }
+
+    /// Parameters of the closest points of two segments (Ericson, Real-Time Collision Detection, §5.1.9, with centres for
+    /// origins; the determinant is taken from the cross product, which does not cancel near parallel).
+    pub fn closest(&self, other: &Self) -> (f32, f32) {
+        let (u, v, r) = (self.half, other.half, self.center - other.center);
+        let (uu, vv, uv) = (u.length_squared(), v.length_squared(), u.dot(v));
+        let (ur, vr) = (u.dot(r), v.dot(r));
+        let determinant = u.cross(v).length_squared();
+        let s = if determinant > PARALLEL * uu * vv { ((uv * vr - ur * vv) / determinant).clamp(-1.0, 1.0) } else { 0.0 };
+        let t = (uv * s + vr) / vv;
+        if t.abs() <= 1.0 {
+            return (s, t);
+        }
+        let t = t.clamp(-1.0, 1.0);
+        (((uv * t - ur) / uu).clamp(-1.0, 1.0), t)
+    }
+
+    /// The pairs of points at both ends of the stretch where the segments run side by side across `normal`, from the low to
+    /// the high end of `self`; none if they cross, or only meet at their ends. `radii` (m) is the scale of the contact.
+    pub fn side_by_side(&self, other: &Self, normal: Vec3, radii: f32) -> Option<[(Vec3, Vec3); 2]> {
+        let leans = |half: Vec3| normal.dot(half).abs() > MAX_LEAN * half.length();
+        if leans(self.half) || leans(other.half) {
+            return None;
+        }
+        let squared = self.half.length_squared();
+        let slope = other.half.dot(self.half) / squared;
+        let middle = (other.center - self.center).dot(self.half) / squared;
+        let (low, high) = ((middle - slope.abs()).max(-1.0), (middle + slope.abs()).min(1.0));
+        let stretch = (high - low) * squared.sqrt();
+        if stretch.is_nan() || stretch < MIN_STRETCH * radii {
+            return None;
+        }
+        let pair = |s: f32| {
+            let facing = (self.at(s), other.at(((s - middle) / slope).clamp(-1.0, 1.0)));
+            let skew = (facing.1 - facing.0).reject_from_normalized(normal);
+            (skew.length_squared() <= (MAX_SKEW * radii) * (MAX_SKEW * radii)).then_some(facing)
+        };
+        Some([pair(low)?, pair(high)?])
+    }
+}
+
+/// Capsule B against capsule A; half heights and radii (m).
+pub(super) fn capsule_capsule(a: (f32, f32), b: (f32, f32), relative: &Pose3, margin: f32) -> Option<Manifold> {
+    let segment_a = Segment { center: Vec3::ZERO, half: Vec3::new(0.0, a.0, 0.0) };
+    let segment_b = Segment::of_capsule(b.0, relative);
+    let radii = a.1 + b.1;
+    let (s, t) = segment_a.closest(&segment_b);
+    let offset = segment_b.at(t) - segment_a.at(s);
+    let distance = offset.length();
+    if distance.is_nan() || distance - radii > margin {
+        return None;
+    }
+    let normal = if distance > CROSSING * (a.0 + b.0) { offset / distance } else { across(&segment_a, &segment_b) };
+
+    let place = |(core_a, core_b): (Vec3, Vec3), feature| {
+        let (on_a, on_b) = (core_a + normal * a.1, core_b - normal * b.1);
+        ManifoldPoint {
+            on_a,
+            on_b: relative.inverse_transform_point(on_b),
+            separation: normal.dot(core_b - core_a) - radii,
+            feature,
+        }
+    };
+    let mut manifold = Manifold { normal, ..Manifold::default() };
+    match segment_a.side_by_side(&segment_b, normal, radii) {
+        Some(ends) => {
+            for (feature, end) in (0..).zip(ends) {
+                let point = place(end, feature);
+                if point.separation <= margin {
+                    manifold.push(point);
+                }
+            }
+        }
+        None => manifold.push(place((segment_a.at(s), segment_b.at(t)), 2)),
+    }
+    (manifold.count > 0).then_some(manifold)
+}
+
+/// Direction in which crossing segments part soonest: across both, or any across the first where they are parallel.
+fn across(a: &Segment, b: &Segment) -> Vec3 {
+    let cross = a.half.cross(b.half);
+    let squared = cross.length_squared();
+    if squared > PARALLEL * a.half.length_squared() * b.half.length_squared() {
+        let normal = cross / squared.sqrt();
+        return if normal.dot(b.center - a.center) < 0.0 { -normal } else { normal };
+    }
+    a.half.any_orthogonal_vector().normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+
+    fn pose(x: f32, y: f32, z: f32, rotation: Quat) -> Pose3 {
+        Pose3::from_parts(Vec3::new(x, y, z), rotation)
+    }
+
+    #[test]
+    fn parallel_capsules_touch_at_both_ends_of_their_common_stretch() {
+        let relative = pose(0.0, 1.0, 0.7, Quat::from_rotation_y(1.0));
+        let manifold = capsule_capsule((1.0, 0.25), (1.5, 0.5), &relative, 0.0).expect("a contact");
+        assert_eq!(manifold.count, 2);
+        assert!((manifold.normal - Vec3::Z).length() < 1e-6, "normal {}", manifold.normal);
+        for (point, y) in manifold.contacts().iter().zip([-0.5, 1.0]) {
+            assert!((point.on_a - Vec3::new(0.0, y, 0.25)).length() < 1e-6, "point {}", point.on_a);
+            assert!((point.separation + 0.05).abs() < 1e-6, "{} m", point.separation);
+        }
+        let upside_down = pose(0.0, 1.0, 0.7, Quat::from_rotation_x(std::f32::consts::PI));
+        assert_eq!(capsule_capsule((1.0, 0.25), (1.5, 0.5), &upside_down, 0.0).expect("a contact").count, 2);
+    }
+
+    #[test]
+    fn crossing_capsules_touch_at_one_point() {
+        let relative = pose(0.0, 0.2, 0.7, Quat::from_rotation_z(1.0));
+        let manifold = capsule_capsule((1.0, 0.25), (1.0, 0.5), &relative, 0.0).expect("a contact");
+        assert_eq!(manifold.count, 1);
+        assert!((manifold.normal - Vec3::Z).length() < 1e-6, "normal {}", manifold.normal);
+        assert!((manifold.points[0].separation + 0.05).abs() < 1e-6, "{} m", manifold.points[0].separation);
+    }
+
+    #[test]
+    fn capsules_end_to_end_touch_at_one_point() {
+        let relative = pose(0.0, 3.0, 0.0, Quat::IDENTITY);
+        let manifold = capsule_capsule((1.0, 0.25), (1.0, 0.5), &relative, 1.0).expect("a contact");
+        assert_eq!((manifold.count, manifold.normal, manifold.points[0].separation), (1, Vec3::Y, 0.25));
+    }
+
+    #[test]
+    fn capsules_whose_axes_meet_part_across_both() {
+        let relative = pose(0.0, 0.2, 0.0, Quat::from_rotation_z(1.0));
+        let manifold = capsule_capsule((1.0, 0.25), (1.0, 0.5), &relative, 0.0).expect("a contact");
+        assert!((manifold.normal.z.abs() - 1.0).abs() < 1e-6, "normal {}", manifold.normal);
+        assert!((manifold.points[0].separation + 0.75).abs() < 1e-6, "{} m", manifold.points[0].separation);
+        let same = capsule_capsule((1.0, 0.25), (1.0, 0.5), &Pose3::IDENTITY, 0.0).expect("a contact");
+        assert!(same.normal.y == 0.0 && same.normal.is_normalized(), "normal {}", same.normal);
+        assert_eq!((same.count, same.points[0].separation), (2, -0.75));
+    }
+}

@@ -1,0 +1,103 @@
+//! Shapes of several parts: every part of one near the other is a convex pair of its own.
+//!
+//! Parts are visited in the order of their ids, so that the result does not depend on how a tree was built.
+
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::math::Pose3;
+use parry3d::shape::Triangle;
+
+use super::part::{self, Part};
+use super::{Manifold, Scratch};
+use crate::shape::{Geometry, Shape};
+
+/// Manifolds of every near pair of parts; appends to `out`.
+pub(super) fn collide(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
+    if !relative.is_finite() {
+        return;
+    }
+    let mut near_a = std::mem::take(&mut scratch.parts_a);
+    let mut near_b = std::mem::take(&mut scratch.parts_b);
+    let inverse = relative.inverse();
+    let parts_of_b = part_count(b);
+    near_parts(a, bounds(b, relative, margin).as_ref(), &mut near_a);
+    for &id_a in &near_a {
+        let Some((part_a, pose_a)) = part_at(a, id_a) else { continue };
+        let bounds_in_b = matches!(part_a, Part::HalfSpace { .. }).then_some(None);
+        let bounds_in_b = bounds_in_b.unwrap_or_else(|| Some(part_a.bounds(&(inverse * pose_a)).loosened(margin)));
+        near_parts(b, bounds_in_b.as_ref(), &mut near_b);
+        for &id_b in &near_b {
+            let Some((part_b, pose_b)) = part_at(b, id_b) else { continue };
+            let between = pose_a.inverse() * *relative * pose_b;
+            let Some(mut manifold) = part::collide(&part_a, &part_b, &between, margin, scratch) else { continue };
+            manifold.normal = pose_a.rotation * manifold.normal;
+            for point in &mut manifold.points[..usize::from(manifold.count)] {
+                point.on_a = pose_a * point.on_a;
+                point.on_b = pose_b * point.on_b;
+            }
+            manifold.part = id_a.wrapping_mul(parts_of_b).wrapping_add(id_b);
+            out.push(manifold);
+        }
+    }
+    scratch.parts_a = near_a;
+    scratch.parts_b = near_b;
+}
+
+/// Box around `shape` placed at `pose`, widened; none for a half-space, which has no bounds.
+fn bounds(shape: &Shape, pose: &Pose3, margin: f32) -> Option<Aabb> {
+    let bounded = !matches!(shape.geometry(), Geometry::HalfSpace { .. });
+    bounded.then(|| shape.parry().compute_aabb(pose).loosened(margin))
+}
+
+fn part_count(shape: &Shape) -> u32 {
+    match shape.geometry() {
+        Geometry::Compound { parts } => parts.len() as u32,
+        Geometry::TriangleMesh { .. } => shape.parry().as_trimesh().map_or(0, |mesh| mesh.num_triangles() as u32),
+        // parry numbers the right-hand triangles of all cells after the left-hand ones.
+        Geometry::HeightField { rows, columns, .. } => 2 * ((rows - 1) * (columns - 1)) as u32,
+        _ => 1,
+    }
+}
+
+/// Ids of the parts of `shape` that may meet `bounds`, in order; all of them without bounds.
+fn near_parts(shape: &Shape, bounds: Option<&Aabb>, ids: &mut Vec<u32>) {
+    ids.clear();
+    let parry = shape.parry();
+    let Some(bounds) = bounds else {
+        ids.extend(0..part_count(shape));
+        return;
+    };
+    if let Some(compound) = parry.as_compound() {
+        ids.extend(compound.bvh().intersect_aabb(bounds));
+    } else if let Some(mesh) = parry.as_trimesh() {
+        ids.extend(mesh.bvh().intersect_aabb(bounds));
+    } else if let Some(field) = parry.as_heightfield() {
+        field.map_elements_in_local_aabb(bounds, &mut |id, _| ids.push(id));
+    } else {
+        ids.push(0);
+    }
+    ids.sort_unstable();
+}
+
+/// A part of `shape` and its place there.
+fn part_at(shape: &Shape, id: u32) -> Option<(Part<'_>, Pose3)> {
+    let parry = shape.parry();
+    if let Geometry::Compound { parts } = shape.geometry() {
+        let (pose, part) = parry.as_compound()?.shapes().get(id as usize)?;
+        return Some((Part::of(&parts.get(id as usize)?.1, &**part)?, *pose));
+    }
+    if let Some(mesh) = parry.as_trimesh() {
+        let constraints = mesh.triangle_normal_constraints(id);
+        return Some(about_centroid(mesh.triangle(id), |triangle| Part::Triangle { triangle, constraints }));
+    }
+    if let Some(field) = parry.as_heightfield() {
+        let constraints = field.triangle_normal_constraints(id);
+        return Some(about_centroid(field.triangle_at_id(id)?, |triangle| Part::Triangle { triangle, constraints }));
+    }
+    Some((Part::whole(shape)?, Pose3::IDENTITY))
+}
+
+fn about_centroid<'a>(triangle: Triangle, part: impl FnOnce(Triangle) -> Part<'a>) -> (Part<'a>, Pose3) {
+    let center = triangle.center();
+    let [a, b, c] = triangle.vertices().map(|corner| corner - center);
+    (part(Triangle::new(a, b, c)), Pose3::from_translation(center))
+}

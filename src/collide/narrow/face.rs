@@ -1,0 +1,108 @@
+//! The face, edge or point of a part that meets another in a given direction.
+
+use glam::Vec3;
+
+use super::part::Part;
+
+/// Corners that stand for the rim of a cylinder or cone. They keep their places on the part, so that a resting contact does
+/// not turn with the noise of the normal; where the rim is tilted, its deepest point is added by the caller.
+const RIM_CORNERS: u16 = 16;
+
+/// A triangle seen at a smaller cosine than this shows its edge.
+const EDGE_ON: f32 = 0.2;
+
+/// A corner with an id that is unique on its part.
+pub(super) type Corner = (Vec3, u16);
+
+/// What meets the other shape; the corners are in the buffer given to [`find`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Feature {
+    /// No corner worth clipping: a ball.
+    Point,
+    /// Two corners.
+    Edge,
+    /// Three or more corners in order around the outward normal, either way.
+    Face { normal: Vec3 },
+}
+
+/// The feature of `part` that faces `direction` (unit, in the part's frame); fills `corners`.
+pub(super) fn find(part: &Part, direction: Vec3, corners: &mut Vec<Corner>) -> Feature {
+    corners.clear();
+    match part {
+        Part::Ball { .. } | Part::HalfSpace { .. } => Feature::Point,
+        Part::Capsule { half_height, .. } => {
+            corners.extend([(Vec3::new(0.0, -half_height, 0.0), 0), (Vec3::new(0.0, *half_height, 0.0), 1)]);
+            Feature::Edge
+        }
+        Part::Box { half_extents } => box_face(*half_extents, direction, corners),
+        Part::Cylinder { half_height, radius } => {
+            if direction.y.abs() > std::f32::consts::FRAC_1_SQRT_2 {
+                return rim(*radius, half_height.copysign(direction.y), corners);
+            }
+            let foot = across(direction) * *radius;
+            corners.extend([(foot - Vec3::Y * *half_height, 0), (foot + Vec3::Y * *half_height, 1)]);
+            Feature::Edge
+        }
+        Part::Cone { half_height, radius } => {
+            let radial = (direction.x * direction.x + direction.z * direction.z).sqrt();
+            let side =
+                (2.0 * half_height * radial + radius * direction.y) / (4.0 * half_height * half_height + radius * radius).sqrt();
+            if -direction.y > side {
+                return rim(*radius, -half_height, corners);
+            }
+            corners.extend([(across(direction) * *radius - Vec3::Y * *half_height, 0), (Vec3::Y * *half_height, 1)]);
+            Feature::Edge
+        }
+        Part::Hull(hull) => {
+            let faces = hull.faces();
+            let best = (1..faces.len())
+                .fold(0, |best, i| if faces[i].normal.dot(direction) > faces[best].normal.dot(direction) { i } else { best });
+            let first = faces[best].first_vertex_or_edge as usize;
+            let ids = &hull.vertices_adj_to_face()[first..first + faces[best].num_vertices_or_edges as usize];
+            corners.extend(ids.iter().map(|&id| (hull.points()[id as usize], id as u16)));
+            Feature::Face { normal: faces[best].normal }
+        }
+        Part::Triangle { triangle, .. } => {
+            corners.extend((0..).zip(triangle.vertices()).map(|(id, &corner)| (corner, id)));
+            let Some(normal) = triangle.normal() else { return Feature::Point };
+            let facing = normal.dot(direction);
+            if facing.abs() > EDGE_ON {
+                return Feature::Face { normal: normal * 1.0_f32.copysign(facing) };
+            }
+            let along = |i: usize| corners[i].0.dot(direction);
+            let lowest = (1..3).fold(0, |low, i| if along(i) < along(low) { i } else { low });
+            corners.remove(lowest);
+            Feature::Edge
+        }
+    }
+}
+
+fn box_face(half: Vec3, direction: Vec3, corners: &mut Vec<Corner>) -> Feature {
+    let facing = direction.abs();
+    let axis = (1..3).fold(0, |best, i| if facing[i] > facing[best] { i } else { best });
+    let sign = 1.0_f32.copysign(direction[axis]);
+    let id = (axis as u16 * 2 + u16::from(sign > 0.0)) * 4;
+    for (i, (u, v)) in (0..).zip([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]) {
+        let mut corner = Vec3::ZERO;
+        corner[axis] = sign * half[axis];
+        corner[(axis + 1) % 3] = u * half[(axis + 1) % 3];
+        corner[(axis + 2) % 3] = v * half[(axis + 2) % 3];
+        corners.push((corner, id + i));
+    }
+    let mut normal = Vec3::ZERO;
+    normal[axis] = sign;
+    Feature::Face { normal }
+}
+
+fn rim(radius: f32, y: f32, corners: &mut Vec<Corner>) -> Feature {
+    let first = if y > 0.0 { 2 } else { 2 + RIM_CORNERS };
+    corners.extend((0..RIM_CORNERS).map(|i| {
+        let angle = f32::from(i) * (std::f32::consts::TAU / f32::from(RIM_CORNERS));
+        (Vec3::new(radius * libm::cosf(angle), y, radius * libm::sinf(angle)), first + i)
+    }));
+    Feature::Face { normal: Vec3::new(0.0, 1.0_f32.copysign(y), 0.0) }
+}
+
+fn across(direction: Vec3) -> Vec3 {
+    Vec3::new(direction.x, 0.0, direction.z).try_normalize().unwrap_or(Vec3::X)
+}

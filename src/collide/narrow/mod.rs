@@ -1,0 +1,112 @@
+//! Contact manifolds between two shapes, as a pure function of the shapes and their relative pose.
+//!
+//!     collide ─┬─ a part against a part (part.rs) ─┬─ ball, capsule, box: closed forms and clipping
+//!              │                                   ├─ half-space: the points nearest to its plane
+//!              │                                   └─ cylinder, cone, hull: GJK, EPA, clipping (convex.rs)
+//!              └─ composite.rs: parts of compounds, triangles of meshes and height fields near the other shape
+//!
+//! Nothing is remembered between calls: the same arguments give the same bits, whatever was asked before. Tolerances are
+//! fractions of the smaller shape plus the rounding of the larger, so that 1 mm and 1 km behave alike.
+
+use glam::Vec3;
+use parry3d::math::Pose3;
+
+use crate::shape::Shape;
+
+mod ball;
+mod box_box;
+mod capsule;
+mod capsule_box;
+mod clip;
+mod composite;
+mod convex;
+mod distance;
+mod face;
+mod half_space;
+mod part;
+mod reduce;
+mod triangle;
+
+#[cfg(test)]
+mod tests;
+
+/// Most points of a manifold.
+pub(crate) const MAX_POINTS: usize = 4;
+
+/// One point of a manifold. Points lie on the two surfaces; separation = n·(p_b − p_a), negative when overlapping (m).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct ManifoldPoint {
+    /// In the frame of shape A (m).
+    pub on_a: Vec3,
+    /// In the frame of shape B (m).
+    pub on_b: Vec3,
+    /// Along the manifold's normal (m).
+    pub separation: f32,
+    /// Stable id of the pair of features, to match multipliers from step to step.
+    pub feature: u32,
+}
+
+/// Up to four points that share a normal.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Manifold {
+    /// Unit vector in the frame of shape A, from A to B.
+    pub normal: Vec3,
+    /// Only the first `count` mean something.
+    pub points: [ManifoldPoint; MAX_POINTS],
+    /// Number of points, 1 to 4.
+    pub count: u8,
+    /// Which pair of sub-shapes or triangles; 0 for convex pairs.
+    pub part: u32,
+}
+
+impl Manifold {
+    fn single(normal: Vec3, point: ManifoldPoint) -> Self {
+        let mut manifold = Self { normal, ..Self::default() };
+        manifold.push(point);
+        manifold
+    }
+
+    fn push(&mut self, point: ManifoldPoint) {
+        self.points[usize::from(self.count)] = point;
+        self.count += 1;
+    }
+
+    fn contacts(&self) -> &[ManifoldPoint] {
+        &self.points[..usize::from(self.count)]
+    }
+
+    /// The manifold of (B, A), with B at `relative` in A's frame, from that of (A, B).
+    fn swapped(mut self, relative: &Pose3) -> Self {
+        self.normal = relative.rotation.inverse() * -self.normal;
+        for point in &mut self.points[..usize::from(self.count)] {
+            std::mem::swap(&mut point.on_a, &mut point.on_b);
+        }
+        self
+    }
+
+    fn is_finite(&self) -> bool {
+        let finite = |p: &ManifoldPoint| p.on_a.is_finite() && p.on_b.is_finite() && p.separation.is_finite();
+        self.normal.is_finite() && self.contacts().iter().all(finite)
+    }
+}
+
+/// Buffers kept between calls so that nothing is allocated; they carry nothing from one call to the next.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    polygons: convex::Buffers,
+    triangle: triangle::Buffer,
+    parts_a: Vec<u32>,
+    parts_b: Vec<u32>,
+}
+
+/// Manifolds of `b` (placed at `relative` in A's frame) against `a`; points further apart than `margin` are left out.
+/// Clears `out` first.
+///
+/// Speculative points are honest: their separation is the distance along the normal, never more than the true distance.
+pub(crate) fn collide(a: &Shape, b: &Shape, relative: Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
+    out.clear();
+    match (part::Part::whole(a), part::Part::whole(b)) {
+        (Some(part_a), Some(part_b)) => out.extend(part::collide(&part_a, &part_b, &relative, margin, scratch)),
+        _ => composite::collide(a, b, &relative, margin, scratch, out),
+    }
+}

@@ -1,0 +1,336 @@
+//! Pairs of shapes that may touch, with the contacts they had last: found by key, walked in key order.
+//!
+//! A pair is *active* while one of its bodies can move by itself; the pairs of a sleeping island are kept by the island.
+
+use glam::{Quat, Vec3};
+use parry3d::math::Pose3;
+
+use super::collider::{Collider, contact_margin};
+use super::narrow::{self, Manifold, Scratch};
+use crate::body::Body;
+use crate::material::PairMaterial;
+use crate::solve::contact::ContactImpulses;
+
+/// Two shapes' slots, the lower first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct PairKey(u64);
+
+impl PairKey {
+    pub(crate) fn new(a: u32, b: u32) -> Self {
+        Self(u64::from(a.min(b)) << 32 | u64::from(a.max(b)))
+    }
+
+    pub(crate) fn shapes(self) -> (u32, u32) {
+        ((self.0 >> 32) as u32, self.0 as u32)
+    }
+}
+
+/// A manifold with the multipliers it had at the end of the last step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct CarriedManifold {
+    pub geometry: Manifold,
+    pub impulses: ContactImpulses,
+}
+
+/// Two shapes near each other.
+#[derive(Debug, Clone)]
+pub(crate) struct Pair {
+    pub key: PairKey,
+    pub material: PairMaterial,
+    pub manifolds: Vec<CarriedManifold>,
+    /// Pose of B's shape in A's, and margin, that the manifolds were made for.
+    made_for: Option<(Pose3, f32)>,
+    /// Whether the narrow phase made new manifolds in the last step.
+    pub updated: bool,
+    /// Whether a point may close its separation within the step.
+    pub may_touch: bool,
+    /// Whether a normal impulse acted in the last step.
+    pub in_contact: bool,
+    active: bool,
+}
+
+/// Relative motion below which manifolds are kept: translation over the smaller shape's least extent, and rotation (rad).
+const REUSE_TRANSLATION: f32 = 1.0e-4;
+const REUSE_ROTATION: f32 = 1.0e-4;
+
+/// Factor on relative motion in the margin that manifolds are made for, so that a slightly greater speed does not remake them.
+const MARGIN_RESERVE: f32 = 1.5;
+
+/// Distance between old and new contact point on A's surface, over the shape's extent, at which they are taken for the same.
+const SAME_POINT: f32 = 0.02;
+
+impl Pair {
+    fn new(key: PairKey, material: PairMaterial) -> Self {
+        Self {
+            key,
+            material,
+            manifolds: Vec::with_capacity(1),
+            made_for: None,
+            updated: false,
+            may_touch: false,
+            in_contact: false,
+            active: false,
+        }
+    }
+
+    /// Brings the manifolds up to date with the bodies' poses.
+    pub(crate) fn update(&mut self, a: (&Collider, &Body), b: (&Collider, &Body), motion: f32, scratch: &mut PairScratch) {
+        let still = contact_margin(a.0, b.0);
+        let (position_a, rotation_a) = a.0.world_pose(a.1);
+        let (position_b, rotation_b) = b.0.world_pose(b.1);
+        let inverse_a = rotation_a.conjugate();
+        let relative = Pose3::from_parts(inverse_a * (position_b - position_a).as_vec3(), inverse_a * rotation_b);
+        self.updated = !self.still_good(&relative, still + motion, a.0.least_extent.min(b.0.least_extent));
+        if self.updated {
+            let margin = still + motion * MARGIN_RESERVE;
+            narrow::collide(&a.0.shape, &b.0.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
+            self.carry_over(&scratch.manifolds, a.0.least_extent);
+            self.made_for = Some((relative, margin));
+        } else {
+            self.follow(&relative);
+        }
+        let points = self.manifolds.iter().flat_map(|m| &m.geometry.points[..m.geometry.count as usize]);
+        self.may_touch = points.fold(f32::INFINITY, |least, point| least.min(point.separation)) <= motion;
+    }
+
+    /// Whether there are contact points at all.
+    pub(crate) fn has_points(&self) -> bool {
+        !self.manifolds.is_empty()
+    }
+
+    pub(crate) fn is_active(&self) -> bool {
+        self.active
+    }
+
+    /// Whether the relative pose is close enough to the one the manifolds were made for, and the margin no larger.
+    fn still_good(&self, relative: &Pose3, margin: f32, extent: f32) -> bool {
+        let Some((made_for, made_with)) = &self.made_for else {
+            return false;
+        };
+        let shift = (relative.translation - made_for.translation).length();
+        let (p, q) = (relative.rotation, made_for.rotation);
+        let turn = (Quat::from_xyzw(p.x, p.y, p.z, p.w) - Quat::from_xyzw(q.x, q.y, q.z, q.w)).length() * 2.0;
+        margin <= *made_with && shift <= extent * REUSE_TRANSLATION && turn <= REUSE_ROTATION
+    }
+
+    /// Moves the kept points with the shapes: their separations follow, the points stay where they are on the surfaces.
+    fn follow(&mut self, relative: &Pose3) {
+        for manifold in &mut self.manifolds {
+            let normal = manifold.geometry.normal;
+            for point in &mut manifold.geometry.points[..manifold.geometry.count as usize] {
+                let on_b = relative.rotation * point.on_b + relative.translation;
+                point.separation = normal.dot(on_b - point.on_a);
+            }
+        }
+    }
+
+    /// Takes new manifolds, with the multipliers of the old points that they continue.
+    fn carry_over(&mut self, fresh: &[Manifold], extent: f32) {
+        let reach = (extent * SAME_POINT).max(1.0e-5);
+        let old_count = self.manifolds.len();
+        for manifold in fresh {
+            let old = self.manifolds[..old_count].iter().find(|old| old.geometry.part == manifold.part);
+            let impulses = old.map_or(ContactImpulses::default(), |old| continued(old, manifold, reach));
+            self.manifolds.push(CarriedManifold { geometry: *manifold, impulses });
+        }
+        self.manifolds.drain(..old_count);
+    }
+
+    /// Forgets all multipliers.
+    pub(crate) fn forget_impulses(&mut self) {
+        for manifold in &mut self.manifolds {
+            manifold.impulses = ContactImpulses::default();
+        }
+    }
+}
+
+/// Multipliers of `old` for the points of `new`: matched by feature, or else by place.
+fn continued(old: &CarriedManifold, new: &Manifold, reach: f32) -> ContactImpulses {
+    let mut impulses = ContactImpulses { normal: [0.0; 4], ..old.impulses };
+    let old_points = &old.geometry.points[..old.geometry.count as usize];
+    let mut taken = [false; 4];
+    let mut open = [true; 4];
+    for (i, point) in new.points[..new.count as usize].iter().enumerate() {
+        if let Some(j) = old_points.iter().position(|old| old.feature == point.feature)
+            && !taken[j]
+        {
+            impulses.normal[i] = old.impulses.normal[j];
+            (taken[j], open[i]) = (true, false);
+        }
+    }
+    for (i, point) in new.points[..new.count as usize].iter().enumerate().filter(|&(i, _)| open[i]) {
+        let near = |j: &usize| !taken[*j] && (old_points[*j].on_a - point.on_a).length_squared() < reach * reach;
+        if let Some(j) = (0..old_points.len()).find(near) {
+            impulses.normal[i] = old.impulses.normal[j];
+            taken[j] = true;
+        }
+    }
+    if impulses.normal == [0.0; 4] {
+        return ContactImpulses::default();
+    }
+    impulses
+}
+
+/// Buffers that one thread of the narrow phase reuses.
+#[derive(Default)]
+pub(crate) struct PairScratch {
+    narrow: Scratch,
+    manifolds: Vec<Manifold>,
+}
+
+/// All pairs of a world.
+#[derive(Debug, Default)]
+pub(crate) struct PairCache {
+    pairs: Vec<Pair>,
+    free: Vec<u32>,
+    /// Active pairs in key order.
+    active: Vec<(PairKey, u32)>,
+    merged: Vec<(PairKey, u32)>,
+}
+
+impl PairCache {
+    pub(crate) fn active(&self) -> &[(PairKey, u32)] {
+        &self.active
+    }
+
+    pub(crate) fn get(&self, slot: u32) -> &Pair {
+        &self.pairs[slot as usize]
+    }
+
+    pub(crate) fn get_mut(&mut self, slot: u32) -> &mut Pair {
+        &mut self.pairs[slot as usize]
+    }
+
+    /// Calls `f` for every active pair, in key order.
+    pub(crate) fn for_each_active(&mut self, mut f: impl FnMut(&mut Pair)) {
+        for &(_, slot) in &self.active {
+            f(&mut self.pairs[slot as usize]);
+        }
+    }
+
+    /// Every slot of the cache, also those not in use or asleep; see [`is_active`](Self::is_active).
+    pub(crate) fn slots_mut(&mut self) -> &mut [Pair] {
+        &mut self.pairs
+    }
+
+    /// Adds those of `keys` (sorted, without repeats) that are not active yet; `material` combines the surfaces of a pair.
+    pub(crate) fn activate_new(&mut self, keys: &[PairKey], material: impl Fn(PairKey) -> PairMaterial) {
+        if keys.is_empty() {
+            return;
+        }
+        let mut fresh = Vec::new();
+        for &key in keys {
+            if self.active.binary_search_by_key(&key, |&(key, _)| key).is_err() {
+                fresh.push((key, self.allocate(key, material(key))));
+            }
+        }
+        self.merge(&fresh);
+    }
+
+    /// Makes pairs active again that a sleeping island kept; where the pair was found anew meanwhile, the kept one is dropped.
+    pub(crate) fn activate_kept(&mut self, slots: &[u32]) {
+        let mut kept = Vec::with_capacity(slots.len());
+        for &slot in slots {
+            let key = self.pairs[slot as usize].key;
+            match self.active.binary_search_by_key(&key, |&(key, _)| key) {
+                Ok(_) => self.release(slot),
+                Err(_) => kept.push((key, slot)),
+            }
+        }
+        kept.sort_unstable();
+        self.merge(&kept);
+    }
+
+    /// Keeps the active pairs that `keep` says; `drop_or_store` takes the others and says whether their slot lives on.
+    pub(crate) fn retain_active(&mut self, mut fate: impl FnMut(PairKey, u32, &Pair) -> Fate) {
+        let mut active = std::mem::take(&mut self.active);
+        active.retain(|&(key, slot)| match fate(key, slot, &self.pairs[slot as usize]) {
+            Fate::Stay => true,
+            Fate::Store => {
+                self.pairs[slot as usize].active = false;
+                false
+            }
+            Fate::Drop => {
+                self.release(slot);
+                false
+            }
+        });
+        self.active = active;
+    }
+
+    /// Gives a slot back.
+    pub(crate) fn release(&mut self, slot: u32) {
+        let pair = &mut self.pairs[slot as usize];
+        pair.manifolds.clear();
+        pair.active = false;
+        self.free.push(slot);
+    }
+
+    fn allocate(&mut self, key: PairKey, material: PairMaterial) -> u32 {
+        match self.free.pop() {
+            Some(slot) => {
+                let manifolds = std::mem::take(&mut self.pairs[slot as usize].manifolds);
+                self.pairs[slot as usize] = Pair { manifolds, ..Pair::new(key, material) };
+                slot
+            }
+            None => {
+                self.pairs.push(Pair::new(key, material));
+                self.pairs.len() as u32 - 1
+            }
+        }
+    }
+
+    fn merge(&mut self, fresh: &[(PairKey, u32)]) {
+        if fresh.is_empty() {
+            return;
+        }
+        for &(_, slot) in fresh {
+            self.pairs[slot as usize].active = true;
+        }
+        self.merged.clear();
+        self.merged.reserve(self.active.len() + fresh.len());
+        let mut rest = fresh.iter().copied().peekable();
+        for &entry in &self.active {
+            while let Some(next) = rest.next_if(|next| next.0 < entry.0) {
+                self.merged.push(next);
+            }
+            self.merged.push(entry);
+        }
+        self.merged.extend(rest);
+        std::mem::swap(&mut self.active, &mut self.merged);
+    }
+}
+
+/// What becomes of an active pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fate {
+    /// Stays active.
+    Stay,
+    /// Leaves the active list; somebody else keeps its slot.
+    Store,
+    /// Is given up.
+    Drop,
+}
+
+/// A manifold in world axes: normal, and points as levers from the two centres of mass (m).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct WorldManifold {
+    pub normal: Vec3,
+    pub lever_a: [Vec3; 4],
+    pub lever_b: [Vec3; 4],
+}
+
+impl WorldManifold {
+    pub(crate) fn new(manifold: &Manifold, a: (&Collider, &Body), b: (&Collider, &Body)) -> Self {
+        let frame = |(collider, body): (&Collider, &Body)| {
+            let offset = body.rotation * (collider.local_pose.position - body.local_center);
+            (offset, body.rotation * collider.local_pose.rotation)
+        };
+        let ((offset_a, rotation_a), (offset_b, rotation_b)) = (frame(a), frame(b));
+        Self {
+            normal: (rotation_a * manifold.normal).normalize(),
+            lever_a: manifold.points.map(|point| offset_a + rotation_a * point.on_a),
+            lever_b: manifold.points.map(|point| offset_b + rotation_b * point.on_b),
+        }
+    }
+}

@@ -1,0 +1,104 @@
+//! Islands: bodies that touch or are jointed, found anew each step over what is awake, and kept as they are while asleep.
+
+/// Union–find over body slots. Roots are the lowest slot of their set, so the result does not depend on the order of unions.
+#[derive(Debug, Default)]
+pub(crate) struct UnionFind {
+    parent: Vec<u32>,
+}
+
+impl UnionFind {
+    /// Makes every one of `members` a set of its own.
+    pub(crate) fn reset(&mut self, slots: usize, members: &[u32]) {
+        self.parent.resize(slots, 0);
+        for &member in members {
+            self.parent[member as usize] = member;
+        }
+    }
+
+    pub(crate) fn find(&mut self, mut body: u32) -> u32 {
+        while self.parent[body as usize] != body {
+            let grandparent = self.parent[self.parent[body as usize] as usize];
+            self.parent[body as usize] = grandparent;
+            body = grandparent;
+        }
+        body
+    }
+
+    pub(crate) fn union(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.find(a), self.find(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+}
+
+/// An island asleep: its bodies, and the pairs it took out of the active list.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct SleepingIsland {
+    pub bodies: Vec<u32>,
+    pub pairs: Vec<u32>,
+}
+
+/// All sleeping islands, by number; numbers are used again.
+#[derive(Debug, Default)]
+pub(crate) struct SleepingIslands {
+    islands: Vec<Option<SleepingIsland>>,
+    free: Vec<u32>,
+    bodies: usize,
+}
+
+impl SleepingIslands {
+    pub(crate) fn body_count(&self) -> usize {
+        self.bodies
+    }
+
+    pub(crate) fn insert(&mut self, island: SleepingIsland) -> u32 {
+        self.bodies += island.bodies.len();
+        match self.free.pop() {
+            Some(number) => {
+                self.islands[number as usize] = Some(island);
+                number
+            }
+            None => {
+                self.islands.push(Some(island));
+                self.islands.len() as u32 - 1
+            }
+        }
+    }
+
+    /// Gives a sleeping island the pairs it keeps.
+    pub(crate) fn set_pairs(&mut self, number: u32, pairs: Vec<u32>) {
+        if let Some(island) = &mut self.islands[number as usize] {
+            island.pairs = pairs;
+        }
+    }
+
+    pub(crate) fn take(&mut self, number: u32) -> SleepingIsland {
+        let island = self.islands[number as usize].take().unwrap_or_default();
+        self.bodies -= island.bodies.len();
+        self.free.push(number);
+        island
+    }
+
+    /// Every pair kept by a sleeping island.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = u32> + '_ {
+        self.islands.iter().flatten().flat_map(|island| island.pairs.iter().copied())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roots_do_not_depend_on_the_order_of_unions() {
+        let members: Vec<u32> = (0..20).collect();
+        let unions = [(3, 7), (7, 12), (1, 12), (5, 6), (6, 19)];
+        let roots = |order: &[usize]| {
+            let mut sets = UnionFind::default();
+            sets.reset(20, &members);
+            order.iter().for_each(|&i| sets.union(unions[i].0, unions[i].1));
+            members.iter().map(|&m| sets.find(m)).collect::<Vec<_>>()
+        };
+        assert_eq!(roots(&[0, 1, 2, 3, 4]), roots(&[4, 2, 0, 3, 1]));
+        assert_eq!(roots(&[0, 1, 2, 3, 4])[12], 1);
+    }
+}

@@ -1,0 +1,179 @@
+//! What a step tells its caller: counts, residuals, timings, events.
+
+use glam::{DVec3, Vec3};
+
+use crate::id::{BodyId, JointId, ShapeId};
+use crate::pose::Pose;
+
+/// Summary of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepReport {
+    /// Number of the step, from 1.
+    pub step: u64,
+    /// Simulated time at its end (s).
+    pub time: f64,
+    /// How much there was to do.
+    pub counts: StepCounts,
+    /// How well it was done.
+    pub residuals: Residuals,
+    /// How long it took.
+    pub timings: StepTimings,
+}
+
+/// Sizes of a step's work.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StepCounts {
+    /// Dynamic bodies awake during the step.
+    pub bodies_awake: u32,
+    /// Dynamic bodies asleep.
+    pub bodies_asleep: u32,
+    /// Islands solved.
+    pub islands: u32,
+    /// Pairs of shapes near each other with a body that can move.
+    pub pairs: u32,
+    /// Pairs whose contacts were made anew.
+    pub pairs_updated: u32,
+    /// Pairs that kept their contacts.
+    pub pairs_reused: u32,
+    /// Contact manifolds solved.
+    pub manifolds: u32,
+    /// Contact points solved.
+    pub contact_points: u32,
+    /// Joints solved.
+    pub joints: u32,
+    /// Batches of islands solved independently.
+    pub batches: u32,
+    /// Greatest number of contact colours in a batch.
+    pub colors: u32,
+    /// Bodies whose pose changed.
+    pub moved: u32,
+}
+
+/// Errors left at the end of a step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Residuals {
+    /// Worst distance between joint points beyond what the joint allows (m).
+    pub joint_gap: f32,
+    /// Worst overlap of two shapes before it was recovered (m).
+    pub penetration: f32,
+}
+
+/// Wall time of each stage (s).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StepTimings {
+    /// Finding pairs.
+    pub broad_phase: f32,
+    /// Making contacts.
+    pub narrow_phase: f32,
+    /// Waking and grouping islands.
+    pub islands: f32,
+    /// Preparing rows and solving them.
+    pub solve: f32,
+    /// Writing back, sweeping fast bodies, sleep, events.
+    pub finish: f32,
+    /// The whole step.
+    pub total: f32,
+}
+
+/// A body whose pose changed in the last step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// The body.
+    pub body: BodyId,
+    /// The host's word on it.
+    pub user_word: u64,
+    /// Its frame now.
+    pub pose: Pose,
+    /// Velocity of its centre of mass (m/s).
+    pub linear_velocity: Vec3,
+    /// Angular velocity (rad/s).
+    pub angular_velocity: Vec3,
+    /// Whether it fell asleep at the end of the step.
+    pub fell_asleep: bool,
+}
+
+/// Two shapes in contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ContactPair {
+    /// One shape.
+    pub shape_a: ShapeId,
+    /// The other.
+    pub shape_b: ShapeId,
+    /// Body of `shape_a`.
+    pub body_a: BodyId,
+    /// Body of `shape_b`.
+    pub body_b: BodyId,
+}
+
+/// A joint whose load passed its limit in the last step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointOverload {
+    /// The joint.
+    pub joint: JointId,
+    /// The host's word on it.
+    pub user_word: u64,
+    /// Its force (N).
+    pub force: f32,
+    /// Its torque (N·m).
+    pub torque: f32,
+}
+
+/// One manifold between two shapes, as the last step left it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// The shapes and bodies.
+    pub pair: ContactPair,
+    /// Unit vector from A to B.
+    pub normal: Vec3,
+    /// Friction on B, mean over the last substep (N).
+    pub friction_force: Vec3,
+    points: [ContactPoint; 4],
+    count: u8,
+}
+
+impl Contact {
+    pub(crate) fn new(pair: ContactPair, normal: Vec3, friction_force: Vec3) -> Self {
+        Self { pair, normal, friction_force, points: [ContactPoint::default(); 4], count: 0 }
+    }
+
+    pub(crate) fn push(&mut self, point: ContactPoint) {
+        self.points[self.count as usize] = point;
+        self.count += 1;
+    }
+
+    /// Its points, one to four.
+    pub fn points(&self) -> &[ContactPoint] {
+        &self.points[..self.count as usize]
+    }
+}
+
+/// A point of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactPoint {
+    /// Halfway between the two surfaces (m).
+    pub position: DVec3,
+    /// Distance of the surfaces along the normal, negative when they overlap (m).
+    pub separation: f32,
+    /// Force along the normal in the last substep (N), ≥ 0.
+    pub normal_force: f32,
+}
+
+/// Everything that happened in the last step.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Events {
+    pub moved: Vec<Moved>,
+    pub contact_began: Vec<ContactPair>,
+    pub contact_ended: Vec<ContactPair>,
+    pub overloaded: Vec<JointOverload>,
+    pub quarantined: Vec<BodyId>,
+}
+
+impl Events {
+    pub(crate) fn clear(&mut self) {
+        self.moved.clear();
+        self.contact_began.clear();
+        self.contact_ended.clear();
+        self.overloaded.clear();
+        self.quarantined.clear();
+    }
+}

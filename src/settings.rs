@@ -1,0 +1,108 @@
+//! What a world is made with.
+
+use glam::Vec3;
+
+use crate::check;
+use crate::error::{Error, ErrorKind, Result};
+
+/// How joints are solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Solver {
+    /// The library's choice for each island.
+    #[default]
+    Auto,
+    /// Sweeps over all rows.
+    GaussSeidel,
+    /// One sparse direct solve for each group of joints; not available in this version.
+    Direct,
+}
+
+/// When bodies fall asleep: an island sleeps once all its bodies have been slower than this for a while.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SleepSettings {
+    /// Whether anything may sleep.
+    pub enabled: bool,
+    /// Linear speed below which a body is quiet (m/s), ≥ 0.
+    pub linear_speed: f32,
+    /// Angular speed below which a body is quiet (rad/s), ≥ 0.
+    pub angular_speed: f32,
+    /// How long an island must be quiet (s), ≥ 0.
+    pub time: f32,
+}
+
+impl Default for SleepSettings {
+    fn default() -> Self {
+        Self { enabled: true, linear_speed: 0.05, angular_speed: 0.1, time: 0.5 }
+    }
+}
+
+/// Most substeps of a step and iterations of a substep.
+pub const MAX_EFFORT: u32 = 256;
+
+/// Most threads of a world.
+pub const MAX_THREADS: u32 = 64;
+
+/// Everything a world starts with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorldDef {
+    /// Acceleration of free fall (m/s²).
+    pub gravity: Vec3,
+    /// Substeps of a step, 1 to 256.
+    pub substeps: u32,
+    /// Sweeps over all rows in a substep, 1 to 256.
+    pub iterations: u32,
+    /// How joints are solved.
+    pub solver: Solver,
+    /// Threads of a step, 1 to 64, the calling one among them; results are the same bits for any number.
+    pub threads: u32,
+    /// When bodies fall asleep.
+    pub sleep: SleepSettings,
+    /// Approach speed above which contacts rebound (m/s), ≥ 0.
+    pub restitution_threshold: f32,
+    /// Bodies to reserve memory for.
+    pub body_capacity: u32,
+    /// Joints to reserve memory for.
+    pub joint_capacity: u32,
+}
+
+impl Default for WorldDef {
+    fn default() -> Self {
+        Self {
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            substeps: 4,
+            iterations: 2,
+            solver: Solver::Auto,
+            threads: 1,
+            sleep: SleepSettings::default(),
+            restitution_threshold: 1.0,
+            body_capacity: 0,
+            joint_capacity: 0,
+        }
+    }
+}
+
+/// Most bodies or joints that memory is reserved for in advance.
+const MAX_CAPACITY_HINT: u32 = 1 << 20;
+
+impl WorldDef {
+    pub(crate) fn check(&self) -> Result<()> {
+        check::finite_vec("gravity", self.gravity)?;
+        let within = |argument, value: u32, max| {
+            if (1..=max).contains(&value) { Ok(()) } else { Err(Error::new(ErrorKind::OutOfRange, argument, "is zero or too large")) }
+        };
+        within("substeps", self.substeps, MAX_EFFORT)?;
+        within("iterations", self.iterations, MAX_EFFORT)?;
+        within("threads", self.threads, MAX_THREADS)?;
+        if self.body_capacity > MAX_CAPACITY_HINT || self.joint_capacity > MAX_CAPACITY_HINT {
+            return Err(Error::new(ErrorKind::OutOfRange, "body_capacity", "capacity hints go up to 1048576"));
+        }
+        check::not_negative("sleep.linear_speed", self.sleep.linear_speed)?;
+        check::not_negative("sleep.angular_speed", self.sleep.angular_speed)?;
+        check::not_negative("sleep.time", self.sleep.time)?;
+        check::not_negative("restitution_threshold", self.restitution_threshold)?;
+        if self.solver == Solver::Direct {
+            return Err(Error::new(ErrorKind::Unsupported, "solver", "the direct joint solver is not in this version"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,269 @@
+//! Contact rows in blocks of eight manifolds of one colour, laid out for SIMD lanes.
+//!
+//! Each manifold of up to four points carries
+//!
+//! * normal rows C_i = n·(p_b − p_a) ≥ 0 with J = [−n, −r_a×n, n, r_b×n], taken at velocity level as J v + max(s_i, 0)/h ≥ 0 and
+//!   solved together through their own 4×4 matrix A_ij = J_i M⁻¹ J_jᵀ; λ_i ≥ 0 (N·s) is carried from substep to substep;
+//! * two tangential rows at the manifold's centre inside the Coulomb cone |λ_t| ≤ μ Σλ_i;
+//! * one row about the normal, |λ_w| ≤ (μ r̄ + spin) Σλ_i, with r̄ the mean distance of the points from the centre (m);
+//! * two rolling rows about the tangents, |λ_r| ≤ rolling Σλ_i, where the material asks for them.
+//!
+//! Points and normal are those of the start of the step; separations follow the bodies' displacements linearly.
+
+use glam::{Mat2, Vec3};
+
+use super::state::{BodyMotion, BodyVelocity};
+use crate::material::PairMaterial;
+
+/// Manifolds in a block.
+pub(crate) const LANES: usize = 8;
+/// Points of a manifold.
+pub(crate) const POINTS: usize = 4;
+
+/// One number for each manifold of a block.
+pub(crate) type Lane = [f32; LANES];
+/// One vector for each manifold of a block: x, y, z.
+pub(crate) type Lane3 = [Lane; 3];
+
+/// Multipliers of a manifold, to start the next substep or step from.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct ContactImpulses {
+    /// Along the normal at each point (N·s), ≥ 0.
+    pub normal: [f32; POINTS],
+    /// Friction on B in world axes (N·s).
+    pub friction: Vec3,
+    /// About the normal (N·m·s).
+    pub twist: f32,
+    /// Rolling friction on B in world axes (N·m·s).
+    pub rolling: Vec3,
+}
+
+/// A manifold as the solver takes it: world axes, levers from the centres of mass.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactInput {
+    pub a: u32,
+    pub b: u32,
+    /// From A to B.
+    pub normal: Vec3,
+    pub lever_a: [Vec3; POINTS],
+    pub lever_b: [Vec3; POINTS],
+    pub separation: [f32; POINTS],
+    pub count: usize,
+    pub material: PairMaterial,
+    pub impulses: ContactImpulses,
+}
+
+/// Eight manifolds; unused lanes act on the world slot and do nothing.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub(crate) struct ContactBlock {
+    pub a: [u32; LANES],
+    pub b: [u32; LANES],
+    pub normal: Lane3,
+    pub tangent: Lane3,
+    pub center_a: Lane3,
+    pub center_b: Lane3,
+    pub lever_a: [Lane3; POINTS],
+    pub lever_b: [Lane3; POINTS],
+    /// A_ij for i < j: 01, 02, 03, 12, 13, 23.
+    pub coupling: [Lane; 6],
+    /// A_ii, and its inverse; the inverse is zero for points that do not exist.
+    pub diagonal: [Lane; POINTS],
+    pub inverse_diagonal: [Lane; POINTS],
+    /// Separation at the start of the step (m).
+    pub separation: [Lane; POINTS],
+    /// max(s, 0)/h of this substep (m/s).
+    pub closing_speed: [Lane; POINTS],
+    pub lambda: [Lane; POINTS],
+    /// Inverse of the tangential 2×2 matrix: 11, 12, 22.
+    pub tangent_mass: [Lane; 3],
+    pub tangent_lambda: [Lane; 2],
+    pub friction: Lane,
+    pub twist_mass: Lane,
+    pub twist_lambda: Lane,
+    /// Torque limit about the normal per normal force (m).
+    pub twist_arm: Lane,
+    /// Inverse of the angular 2×2 matrix about the tangents: 11, 12, 22.
+    pub rolling_mass: [Lane; 3],
+    pub rolling_lambda: [Lane; 2],
+    /// Torque limit about the tangents per normal force (m).
+    pub rolling_arm: Lane,
+    pub restitution: Lane,
+    /// Normal velocity at the moment of impact, negative when approaching (m/s); zero where there was none.
+    pub impact_speed: [Lane; POINTS],
+    /// Greatest multiplier of each point in this step (N·s).
+    pub peak_lambda: [Lane; POINTS],
+    pub has_rolling: bool,
+    pub has_restitution: bool,
+}
+
+impl ContactBlock {
+    pub(crate) const EMPTY: Self = Self {
+        a: [0; LANES],
+        b: [0; LANES],
+        normal: [[0.0; LANES]; 3],
+        tangent: [[0.0; LANES]; 3],
+        center_a: [[0.0; LANES]; 3],
+        center_b: [[0.0; LANES]; 3],
+        lever_a: [[[0.0; LANES]; 3]; POINTS],
+        lever_b: [[[0.0; LANES]; 3]; POINTS],
+        coupling: [[0.0; LANES]; 6],
+        diagonal: [[0.0; LANES]; POINTS],
+        inverse_diagonal: [[0.0; LANES]; POINTS],
+        separation: [[0.0; LANES]; POINTS],
+        closing_speed: [[0.0; LANES]; POINTS],
+        lambda: [[0.0; LANES]; POINTS],
+        tangent_mass: [[0.0; LANES]; 3],
+        tangent_lambda: [[0.0; LANES]; 2],
+        friction: [0.0; LANES],
+        twist_mass: [0.0; LANES],
+        twist_lambda: [0.0; LANES],
+        twist_arm: [0.0; LANES],
+        rolling_mass: [[0.0; LANES]; 3],
+        rolling_lambda: [[0.0; LANES]; 2],
+        rolling_arm: [0.0; LANES],
+        restitution: [0.0; LANES],
+        impact_speed: [[0.0; LANES]; POINTS],
+        peak_lambda: [[0.0; LANES]; POINTS],
+        has_rolling: false,
+        has_restitution: false,
+    };
+
+    /// Prepares one manifold in lane `l`.
+    pub(crate) fn set_lane(&mut self, l: usize, input: &ContactInput, velocities: &[BodyVelocity]) {
+        let (a, b) = (&velocities[input.a as usize], &velocities[input.b as usize]);
+        let (inertia_a, inertia_b) = (a.inverse_inertia.to_mat3(), b.inverse_inertia.to_mat3());
+        let inverse_mass = a.inverse_mass + b.inverse_mass;
+        let n = input.normal;
+        let (t1, t2) = tangents(n);
+
+        self.a[l] = input.a;
+        self.b[l] = input.b;
+        put(&mut self.normal, l, n);
+        put(&mut self.tangent, l, t1);
+
+        let count = input.count;
+        let along_normal = n.dot(inverse_mass * n);
+        let mut torque_a = [Vec3::ZERO; POINTS];
+        let mut torque_b = [Vec3::ZERO; POINTS];
+        for i in 0..count {
+            put(&mut self.lever_a[i], l, input.lever_a[i]);
+            put(&mut self.lever_b[i], l, input.lever_b[i]);
+            self.separation[i][l] = input.separation[i];
+            self.lambda[i][l] = input.impulses.normal[i];
+            torque_a[i] = input.lever_a[i].cross(n);
+            torque_b[i] = input.lever_b[i].cross(n);
+        }
+        let mut pair = 0;
+        for i in 0..POINTS {
+            let (response_a, response_b) = (inertia_a * torque_a[i], inertia_b * torque_b[i]);
+            let entry = |j: usize| along_normal + response_a.dot(torque_a[j]) + response_b.dot(torque_b[j]);
+            if i < count {
+                let diagonal = entry(i);
+                self.diagonal[i][l] = diagonal;
+                self.inverse_diagonal[i][l] = invert(diagonal);
+            }
+            for j in i + 1..POINTS {
+                self.coupling[pair][l] = if j < count { entry(j) } else { 0.0 };
+                pair += 1;
+            }
+        }
+
+        let inverse_count = 1.0 / count as f32;
+        let center_a = input.lever_a[..count].iter().sum::<Vec3>() * inverse_count;
+        let center_b = input.lever_b[..count].iter().sum::<Vec3>() * inverse_count;
+        put(&mut self.center_a, l, center_a);
+        put(&mut self.center_b, l, center_b);
+        let response = |u: Vec3, v: Vec3| {
+            u.dot(inverse_mass * v)
+                + center_a.cross(u).dot(inertia_a * center_a.cross(v))
+                + center_b.cross(u).dot(inertia_b * center_b.cross(v))
+        };
+        put_inverse2(&mut self.tangent_mass, l, response(t1, t1), response(t1, t2), response(t2, t2));
+        self.tangent_lambda[0][l] = input.impulses.friction.dot(t1);
+        self.tangent_lambda[1][l] = input.impulses.friction.dot(t2);
+        self.friction[l] = input.material.friction;
+
+        let spread = input.lever_a[..count].iter().map(|lever| (*lever - center_a).length()).sum::<f32>() * inverse_count;
+        let angular = inertia_a + inertia_b;
+        self.twist_mass[l] = invert(n.dot(angular * n));
+        self.twist_lambda[l] = input.impulses.twist;
+        self.twist_arm[l] = input.material.friction * spread + input.material.spinning;
+
+        if input.material.rolling > 0.0 {
+            self.has_rolling = true;
+            self.rolling_arm[l] = input.material.rolling;
+            put_inverse2(&mut self.rolling_mass, l, t1.dot(angular * t1), t1.dot(angular * t2), t2.dot(angular * t2));
+            self.rolling_lambda[0][l] = input.impulses.rolling.dot(t1);
+            self.rolling_lambda[1][l] = input.impulses.rolling.dot(t2);
+        }
+        if input.material.restitution > 0.0 {
+            self.has_restitution = true;
+            self.restitution[l] = input.material.restitution;
+        }
+    }
+
+    /// Multipliers of lane `l` at the end of the last substep.
+    pub(crate) fn impulses(&self, l: usize) -> ContactImpulses {
+        let n = get(&self.normal, l);
+        let t1 = get(&self.tangent, l);
+        let t2 = n.cross(t1);
+        ContactImpulses {
+            normal: std::array::from_fn(|i| self.lambda[i][l]),
+            friction: t1 * self.tangent_lambda[0][l] + t2 * self.tangent_lambda[1][l],
+            twist: self.twist_lambda[l],
+            rolling: t1 * self.rolling_lambda[0][l] + t2 * self.rolling_lambda[1][l],
+        }
+    }
+
+    /// Normal of lane `l`.
+    pub(crate) fn normal_of(&self, l: usize) -> Vec3 {
+        get(&self.normal, l)
+    }
+
+    /// Smallest separation of lane `l` after the step (m), with the bodies displaced as `motions` say.
+    pub(crate) fn least_separation(&self, l: usize, motions: &[BodyMotion]) -> f32 {
+        let (a, b) = (&motions[self.a[l] as usize], &motions[self.b[l] as usize]);
+        let n = get(&self.normal, l);
+        (0..POINTS)
+            .filter(|&i| self.inverse_diagonal[i][l] > 0.0)
+            .map(|i| {
+                let moved_b = b.displacement + b.turn.cross(get(&self.lever_b[i], l));
+                let moved_a = a.displacement + a.turn.cross(get(&self.lever_a[i], l));
+                self.separation[i][l] + n.dot(moved_b - moved_a)
+            })
+            .fold(f32::INFINITY, f32::min)
+    }
+}
+
+/// Two unit vectors that complete `n` to a right-handed frame (Duff et al. 2017).
+pub(crate) fn tangents(n: Vec3) -> (Vec3, Vec3) {
+    let sign = 1.0_f32.copysign(n.z);
+    let a = -1.0 / (sign + n.z);
+    let b = n.x * n.y * a;
+    let t1 = Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    (t1, n.cross(t1))
+}
+
+fn put(lanes: &mut Lane3, l: usize, v: Vec3) {
+    lanes[0][l] = v.x;
+    lanes[1][l] = v.y;
+    lanes[2][l] = v.z;
+}
+
+fn get(lanes: &Lane3, l: usize) -> Vec3 {
+    Vec3::new(lanes[0][l], lanes[1][l], lanes[2][l])
+}
+
+fn put_inverse2(lanes: &mut [Lane; 3], l: usize, m11: f32, m12: f32, m22: f32) {
+    let matrix = Mat2::from_cols_array(&[m11, m12, m12, m22]);
+    // Bodies that cannot turn make one direction immovable: leave those rows out rather than divide by nothing.
+    let inverse = if m11 > 0.0 && m22 > 0.0 && matrix.determinant() > f32::EPSILON * m11 * m22 { matrix.inverse() } else { Mat2::ZERO };
+    lanes[0][l] = inverse.x_axis.x;
+    lanes[1][l] = inverse.x_axis.y;
+    lanes[2][l] = inverse.y_axis.y;
+}
+
+fn invert(x: f32) -> f32 {
+    if x > 0.0 { 1.0 / x } else { 0.0 }
+}

@@ -1,0 +1,419 @@
+//! The loops over contact blocks: warm start, sweep, restitution, position recovery.
+//!
+//! Every kernel gathers the bodies of eight manifolds into lanes, computes one manifold a lane in a plain loop, and scatters the
+//! result. The loops are compiled twice, for AVX2 and for the baseline; both do the same operations in the same order and give
+//! the same bits.
+
+use glam::Vec3;
+
+use super::contact::{ContactBlock, LANES, Lane, Lane3, POINTS};
+use super::state::{BodyMotion, BodyVelocity};
+
+/// Sweeps over the 4×4 matrix of a manifold within one visit.
+const INNER_SWEEPS: usize = 4;
+
+/// Share of an overlap that is taken out in one step.
+const RECOVERY_SHARE: f32 = 0.2;
+
+/// Greatest speed at which an overlap is taken out (m/s).
+const MAX_RECOVERY_SPEED: f32 = 0.9;
+
+/// Sweeps of position recovery in a step.
+pub(crate) const RECOVERY_SWEEPS: usize = 2;
+
+macro_rules! dispatched {
+    ($(#[$doc:meta])* $name:ident, $avx2:ident, $body:ident, ($($arg:ident: $type:ty),*)) => {
+        $(#[$doc])*
+        pub(crate) fn $name($($arg: $type),*) {
+            #[cfg(target_arch = "x86_64")]
+            if std::arch::is_x86_feature_detected!("avx2") {
+                #[target_feature(enable = "avx2")]
+                fn $avx2($($arg: $type),*) {
+                    $body($($arg),*);
+                }
+                // SAFETY: the processor has just been found to have AVX2, the only feature that the function needs.
+                return unsafe { $avx2($($arg),*) };
+            }
+            $body($($arg),*);
+        }
+    };
+}
+
+dispatched!(
+    /// Applies the carried multipliers and forms the closing speeds of this substep.
+    ///
+    /// The velocities have the substep's forces in them already.
+    warm_start, warm_start_avx2, warm_start_body,
+    (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32)
+);
+dispatched!(
+    /// One sweep: friction, then the normal rows of each manifold as a block.
+    sweep, sweep_avx2, sweep_body, (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity])
+);
+
+/// Velocities and inverse masses of one side of a block.
+struct Side {
+    linear: Lane3,
+    angular: Lane3,
+    inverse_mass: Lane3,
+    inverse_inertia: [Lane; 6],
+}
+
+#[inline(always)]
+fn gather(slots: &[u32; LANES], velocities: &[BodyVelocity]) -> Side {
+    let mut side = Side {
+        linear: [[0.0; LANES]; 3],
+        angular: [[0.0; LANES]; 3],
+        inverse_mass: [[0.0; LANES]; 3],
+        inverse_inertia: [[0.0; LANES]; 6],
+    };
+    for l in 0..LANES {
+        let body = &velocities[slots[l] as usize];
+        for k in 0..3 {
+            side.linear[k][l] = body.linear[k];
+            side.angular[k][l] = body.angular[k];
+            side.inverse_mass[k][l] = body.inverse_mass[k];
+        }
+        for k in 0..6 {
+            side.inverse_inertia[k][l] = body.inverse_inertia.entries()[k];
+        }
+    }
+    side
+}
+
+#[inline(always)]
+fn scatter(slots: &[u32; LANES], side: &Side, velocities: &mut [BodyVelocity]) {
+    for l in 0..LANES {
+        let body = &mut velocities[slots[l] as usize];
+        body.linear = Vec3::new(side.linear[0][l], side.linear[1][l], side.linear[2][l]);
+        body.angular = Vec3::new(side.angular[0][l], side.angular[1][l], side.angular[2][l]);
+    }
+}
+
+/// Lane `l` of a vector.
+#[inline(always)]
+fn at(lanes: &Lane3, l: usize) -> Vec3 {
+    Vec3::new(lanes[0][l], lanes[1][l], lanes[2][l])
+}
+
+impl Side {
+    /// Applies an impulse and an angular impulse to lane `l`.
+    #[inline(always)]
+    fn apply(&mut self, l: usize, impulse: Vec3, torque: Vec3) {
+        let [xx, yy, zz, xy, xz, yz] = &self.inverse_inertia;
+        self.linear[0][l] += self.inverse_mass[0][l] * impulse.x;
+        self.linear[1][l] += self.inverse_mass[1][l] * impulse.y;
+        self.linear[2][l] += self.inverse_mass[2][l] * impulse.z;
+        self.angular[0][l] += xx[l] * torque.x + xy[l] * torque.y + xz[l] * torque.z;
+        self.angular[1][l] += xy[l] * torque.x + yy[l] * torque.y + yz[l] * torque.z;
+        self.angular[2][l] += xz[l] * torque.x + yz[l] * torque.y + zz[l] * torque.z;
+    }
+}
+
+#[inline(always)]
+fn warm_start_body(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
+    for block in blocks {
+        close_in(block, velocities, motions, h);
+        let (mut side_a, mut side_b) = (gather(&block.a, velocities), gather(&block.b, velocities));
+        for l in 0..LANES {
+            let n = at(&block.normal, l);
+            let t1 = at(&block.tangent, l);
+            let t2 = n.cross(t1);
+            let friction = t1 * block.tangent_lambda[0][l] + t2 * block.tangent_lambda[1][l];
+            let moment =
+                n * block.twist_lambda[l] + t1 * block.rolling_lambda[0][l] + t2 * block.rolling_lambda[1][l];
+            let mut sum = 0.0;
+            let (mut arm_a, mut arm_b) = (Vec3::ZERO, Vec3::ZERO);
+            for i in 0..POINTS {
+                let lambda = block.lambda[i][l];
+                sum += lambda;
+                arm_a += at(&block.lever_a[i], l) * lambda;
+                arm_b += at(&block.lever_b[i], l) * lambda;
+            }
+            let impulse = n * sum + friction;
+            let torque_a = arm_a.cross(n) + at(&block.center_a, l).cross(friction) + moment;
+            let torque_b = arm_b.cross(n) + at(&block.center_b, l).cross(friction) + moment;
+            side_a.apply(l, -impulse, -torque_a);
+            side_b.apply(l, impulse, torque_b);
+        }
+        scatter(&block.a, &side_a, velocities);
+        scatter(&block.b, &side_b, velocities);
+    }
+}
+
+/// Forms max(s, 0)/h from the separations of now, and notes impact speeds where there is restitution.
+#[inline(always)]
+fn close_in(block: &mut ContactBlock, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
+    let mut moved_a: [Lane3; 2] = [[[0.0; LANES]; 3]; 2];
+    let mut moved_b: [Lane3; 2] = [[[0.0; LANES]; 3]; 2];
+    for l in 0..LANES {
+        let (a, b) = (&motions[block.a[l] as usize], &motions[block.b[l] as usize]);
+        for k in 0..3 {
+            moved_a[0][k][l] = a.displacement[k];
+            moved_a[1][k][l] = a.turn[k];
+            moved_b[0][k][l] = b.displacement[k];
+            moved_b[1][k][l] = b.turn[k];
+        }
+    }
+    let inverse_h = 1.0 / h;
+    for l in 0..LANES {
+        let n = at(&block.normal, l);
+        let shift = n.dot(at(&moved_b[0], l) - at(&moved_a[0], l));
+        let (axis_a, axis_b) = (n.cross(at(&moved_a[1], l)), n.cross(at(&moved_b[1], l)));
+        for i in 0..POINTS {
+            // n·(θ×r) = r·(n×θ)
+            let turned = at(&block.lever_b[i], l).dot(axis_b) - at(&block.lever_a[i], l).dot(axis_a);
+            let separation = block.separation[i][l] + (shift + turned);
+            block.closing_speed[i][l] = separation.max(0.0) * inverse_h;
+        }
+    }
+    if block.has_restitution {
+        note_impacts(block, velocities, motions, h);
+    }
+}
+
+/// Keeps the normal velocity that a point has at the moment it touches.
+///
+/// A point that closes its gap within the substep touches after t = s/|v| of it; gravity has acted for t only, so the speed of
+/// impact is v − g (h − t). Without this a rebound loses up to a substep's worth of gravity.
+fn note_impacts(block: &mut ContactBlock, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
+    for l in 0..LANES {
+        if block.restitution[l] <= 0.0 {
+            continue;
+        }
+        let (a, b) = (block.a[l] as usize, block.b[l] as usize);
+        let n = at(&block.normal, l);
+        let gravity = n.dot(motions[b].acceleration - motions[a].acceleration);
+        for i in 0..POINTS {
+            if block.impact_speed[i][l] != 0.0 || block.lambda[i][l] > 0.0 {
+                continue;
+            }
+            let at_b = velocities[b].linear + velocities[b].angular.cross(at(&block.lever_b[i], l));
+            let at_a = velocities[a].linear + velocities[a].angular.cross(at(&block.lever_a[i], l));
+            let speed = n.dot(at_b - at_a);
+            if speed < 0.0 && speed + block.closing_speed[i][l] < 0.0 {
+                let fraction = (block.closing_speed[i][l] / -speed).min(1.0);
+                block.impact_speed[i][l] = speed - gravity * h * (1.0 - fraction);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn sweep_body(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity]) {
+    for block in blocks {
+        let (mut side_a, mut side_b) = (gather(&block.a, velocities), gather(&block.b, velocities));
+        if block.has_rolling {
+            roll(block, &mut side_a, &mut side_b);
+        }
+        rub(block, &mut side_a, &mut side_b);
+        press(block, &mut side_a, &mut side_b);
+        scatter(&block.a, &side_a, velocities);
+        scatter(&block.b, &side_b, velocities);
+    }
+}
+
+/// Tangential and twist rows of every lane.
+#[inline(always)]
+fn rub(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
+    for l in 0..LANES {
+        let n = at(&block.normal, l);
+        let t1 = at(&block.tangent, l);
+        let t2 = n.cross(t1);
+        let (center_a, center_b) = (at(&block.center_a, l), at(&block.center_b, l));
+        let load = block.lambda[0][l] + block.lambda[1][l] + block.lambda[2][l] + block.lambda[3][l];
+
+        let (spin_a, spin_b) = (at(&side_a.angular, l), at(&side_b.angular, l));
+        let slip = at(&side_b.linear, l) + spin_b.cross(center_b) - at(&side_a.linear, l) - spin_a.cross(center_a);
+        let (slip1, slip2) = (slip.dot(t1), slip.dot(t2));
+        let [m11, m12, m22] = &block.tangent_mass;
+        let old1 = block.tangent_lambda[0][l];
+        let old2 = block.tangent_lambda[1][l];
+        let free1 = old1 - (m11[l] * slip1 + m12[l] * slip2);
+        let free2 = old2 - (m12[l] * slip1 + m22[l] * slip2);
+        let limit = block.friction[l] * load;
+        let size = (free1 * free1 + free2 * free2).sqrt();
+        let scale = if size > limit { limit / size } else { 1.0 };
+        let (new1, new2) = (free1 * scale, free2 * scale);
+        block.tangent_lambda[0][l] = new1;
+        block.tangent_lambda[1][l] = new2;
+        let impulse = t1 * (new1 - old1) + t2 * (new2 - old2);
+
+        // The twist sees the velocities before the tangential impulse: the two hardly couple at the centre.
+        let twist_limit = block.twist_arm[l] * load;
+        let old = block.twist_lambda[l];
+        let free = old - block.twist_mass[l] * n.dot(spin_b - spin_a);
+        let new = free.max(-twist_limit).min(twist_limit);
+        block.twist_lambda[l] = new;
+        let moment = n * (new - old);
+
+        side_a.apply(l, -impulse, -(center_a.cross(impulse) + moment));
+        side_b.apply(l, impulse, center_b.cross(impulse) + moment);
+    }
+}
+
+/// Rolling rows of every lane.
+#[inline(always)]
+fn roll(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
+    for l in 0..LANES {
+        let n = at(&block.normal, l);
+        let t1 = at(&block.tangent, l);
+        let t2 = n.cross(t1);
+        let load = block.lambda[0][l] + block.lambda[1][l] + block.lambda[2][l] + block.lambda[3][l];
+        let rolling = at(&side_b.angular, l) - at(&side_a.angular, l);
+        let (roll1, roll2) = (rolling.dot(t1), rolling.dot(t2));
+        let [m11, m12, m22] = &block.rolling_mass;
+        let old1 = block.rolling_lambda[0][l];
+        let old2 = block.rolling_lambda[1][l];
+        let free1 = old1 - (m11[l] * roll1 + m12[l] * roll2);
+        let free2 = old2 - (m12[l] * roll1 + m22[l] * roll2);
+        let limit = block.rolling_arm[l] * load;
+        let size = (free1 * free1 + free2 * free2).sqrt();
+        let scale = if size > limit { limit / size } else { 1.0 };
+        let (new1, new2) = (free1 * scale, free2 * scale);
+        block.rolling_lambda[0][l] = new1;
+        block.rolling_lambda[1][l] = new2;
+        let moment = t1 * (new1 - old1) + t2 * (new2 - old2);
+        side_a.apply(l, Vec3::ZERO, -moment);
+        side_b.apply(l, Vec3::ZERO, moment);
+    }
+}
+
+/// Normal rows of every lane, each manifold as one block.
+#[inline(always)]
+fn press(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
+    for l in 0..LANES {
+        let n = at(&block.normal, l);
+        let approach = n.dot(at(&side_b.linear, l) - at(&side_a.linear, l));
+        let (axis_a, axis_b) = (n.cross(at(&side_a.angular, l)), n.cross(at(&side_b.angular, l)));
+        let mut residual = [0.0; POINTS];
+        let mut old = [0.0; POINTS];
+        for i in 0..POINTS {
+            // n·(ω×r) = r·(n×ω)
+            let turning = at(&block.lever_b[i], l).dot(axis_b) - at(&block.lever_a[i], l).dot(axis_a);
+            residual[i] = approach + turning + block.closing_speed[i][l];
+            old[i] = block.lambda[i][l];
+        }
+        let new = solve_manifold(block, l, residual, old);
+        let mut change = [0.0; POINTS];
+        for i in 0..POINTS {
+            block.lambda[i][l] = new[i];
+            block.peak_lambda[i][l] = block.peak_lambda[i][l].max(new[i]);
+            change[i] = new[i] - old[i];
+        }
+        push_apart(block, l, n, change, side_a, side_b);
+    }
+}
+
+/// Projected Gauss–Seidel on the manifold's own matrix; `residual` is J v + b at the multipliers `old`.
+#[inline(always)]
+fn solve_manifold(block: &ContactBlock, l: usize, mut residual: [f32; POINTS], old: [f32; POINTS]) -> [f32; POINTS] {
+    let [a01, a02, a03, a12, a13, a23] = &block.coupling;
+    let rows = [
+        [block.diagonal[0][l], a01[l], a02[l], a03[l]],
+        [a01[l], block.diagonal[1][l], a12[l], a13[l]],
+        [a02[l], a12[l], block.diagonal[2][l], a23[l]],
+        [a03[l], a13[l], a23[l], block.diagonal[3][l]],
+    ];
+    let mut lambda = old;
+    for _ in 0..INNER_SWEEPS {
+        for i in 0..POINTS {
+            let new = (lambda[i] - residual[i] * block.inverse_diagonal[i][l]).max(0.0);
+            let change = new - lambda[i];
+            lambda[i] = new;
+            for j in 0..POINTS {
+                residual[j] += rows[j][i] * change;
+            }
+        }
+    }
+    lambda
+}
+
+/// Applies normal impulses of one manifold.
+#[inline(always)]
+fn push_apart(block: &ContactBlock, l: usize, n: Vec3, change: [f32; POINTS], side_a: &mut Side, side_b: &mut Side) {
+    let mut sum = 0.0;
+    let (mut arm_a, mut arm_b) = (Vec3::ZERO, Vec3::ZERO);
+    for i in 0..POINTS {
+        sum += change[i];
+        arm_a += at(&block.lever_a[i], l) * change[i];
+        arm_b += at(&block.lever_b[i], l) * change[i];
+    }
+    side_a.apply(l, n * -sum, -arm_a.cross(n));
+    side_b.apply(l, n * sum, arm_b.cross(n));
+}
+
+/// After the substeps: points that hit something at more than `threshold` (m/s) leave at the rebound speed.
+pub(crate) fn restitute(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], threshold: f32) {
+    for block in blocks.iter_mut().filter(|block| block.has_restitution) {
+        let (mut side_a, mut side_b) = (gather(&block.a, velocities), gather(&block.b, velocities));
+        for l in 0..LANES {
+            let rebounds: [bool; POINTS] =
+                std::array::from_fn(|i| block.impact_speed[i][l] < -threshold && block.peak_lambda[i][l] > 0.0);
+            if block.restitution[l] <= 0.0 || rebounds == [false; POINTS] {
+                continue;
+            }
+            let n = at(&block.normal, l);
+            let approach = n.dot(at(&side_b.linear, l) - at(&side_a.linear, l));
+            let (axis_a, axis_b) = (n.cross(at(&side_a.angular, l)), n.cross(at(&side_b.angular, l)));
+            let mut residual = [0.0; POINTS];
+            let old: [f32; POINTS] = std::array::from_fn(|i| block.lambda[i][l]);
+            for i in 0..POINTS {
+                let turning = at(&block.lever_b[i], l).dot(axis_b) - at(&block.lever_a[i], l).dot(axis_a);
+                let rebound = if rebounds[i] { block.restitution[l] * block.impact_speed[i][l] } else { 0.0 };
+                residual[i] = approach + turning + rebound;
+            }
+            let new = solve_manifold(block, l, residual, old);
+            push_apart(block, l, n, std::array::from_fn(|i| new[i] - old[i]), &mut side_a, &mut side_b);
+            for i in 0..POINTS {
+                block.lambda[i][l] = new[i];
+            }
+        }
+        scatter(&block.a, &side_a, velocities);
+        scatter(&block.b, &side_b, velocities);
+    }
+}
+
+/// One sweep of position recovery: overlapping points are pushed apart by displacements that leave no velocity behind.
+///
+/// `pushes` holds a displacement and rotation for each slot in the form of a velocity times the step. Rows are
+/// J δ ≥ −β s where s < 0 (never faster than [`MAX_RECOVERY_SPEED`]) and J δ ≥ −s elsewhere, so that one overlap is not cured
+/// by making another.
+pub(crate) fn recover(
+    blocks: &[ContactBlock],
+    lambdas: &mut [[Lane; POINTS]],
+    pushes: &mut [BodyVelocity],
+    motions: &[BodyMotion],
+    dt: f32,
+) {
+    for (block, lambda) in blocks.iter().zip(lambdas) {
+        let (mut side_a, mut side_b) = (gather(&block.a, pushes), gather(&block.b, pushes));
+        for l in 0..LANES {
+            if block.inverse_diagonal[0][l] == 0.0 {
+                continue;
+            }
+            let n = at(&block.normal, l);
+            let (a, b) = (&motions[block.a[l] as usize], &motions[block.b[l] as usize]);
+            let shift = n.dot(b.displacement - a.displacement);
+            let approach = n.dot(at(&side_b.linear, l) - at(&side_a.linear, l));
+            let (axis_a, axis_b) = (n.cross(at(&side_a.angular, l)), n.cross(at(&side_b.angular, l)));
+            let mut residual = [0.0; POINTS];
+            for i in 0..POINTS {
+                let (lever_a, lever_b) = (at(&block.lever_a[i], l), at(&block.lever_b[i], l));
+                let separation =
+                    block.separation[i][l] + shift + n.dot(b.turn.cross(lever_b)) - n.dot(a.turn.cross(lever_a));
+                let target =
+                    if separation < 0.0 { (RECOVERY_SHARE * separation).max(-MAX_RECOVERY_SPEED * dt) } else { separation };
+                residual[i] = approach + lever_b.dot(axis_b) - lever_a.dot(axis_a) + target;
+            }
+            let old: [f32; POINTS] = std::array::from_fn(|i| lambda[i][l]);
+            let new = solve_manifold(block, l, residual, old);
+            push_apart(block, l, n, std::array::from_fn(|i| new[i] - old[i]), &mut side_a, &mut side_b);
+            for i in 0..POINTS {
+                lambda[i][l] = new[i];
+            }
+        }
+        scatter(&block.a, &side_a, pushes);
+        scatter(&block.b, &side_b, pushes);
+    }
+}

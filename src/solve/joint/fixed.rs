@@ -1,0 +1,10 @@
+//! Fixed joint: C = [p_b − p_a, log(R_aᵀ R_b)] = 0, six rows as two blocks.
+
+use super::geometry::Placement;
+use super::kinds::RowSink;
+use super::rows::Held;
+
+pub(crate) fn rows(sink: &mut RowSink) {
+    sink.hold_directions(Held::All, Placement::rotation_vector);
+    sink.hold_points(Held::All);
+}

@@ -1,0 +1,85 @@
+//! Where the two frames of a joint are: at the start of the substep, predicted for its end, and where its Jacobian is taken.
+
+use glam::{Mat3, Quat, Vec3};
+
+/// A joint frame in world axes, relative to its body's centre of mass.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Side {
+    /// From the centre of mass to the joint point (m).
+    pub lever: Vec3,
+    /// Rotation of the joint frame.
+    pub frame: Quat,
+}
+
+/// Both sides at one moment.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Placement {
+    pub a: Side,
+    pub b: Side,
+    /// From A's joint point to B's (m).
+    pub gap: Vec3,
+}
+
+impl Placement {
+    /// Rotation of B's frame in A's, with the shorter way round.
+    pub(crate) fn relative_rotation(&self) -> Quat {
+        let q = self.a.frame.conjugate() * self.b.frame;
+        if q.w < 0.0 { -q } else { q }
+    }
+
+    /// Gap in A's joint frame (m).
+    pub(crate) fn local_gap(&self) -> Vec3 {
+        self.a.frame.conjugate() * self.gap
+    }
+
+    /// Axes of A's joint frame, world coordinates.
+    pub(crate) fn axes_a(&self) -> Mat3 {
+        Mat3::from_quat(self.a.frame)
+    }
+
+    /// Rotation of B about A's joint axis, in (−π, π] (rad).
+    pub(crate) fn twist(&self) -> f32 {
+        let q = self.relative_rotation();
+        wrapped(2.0 * libm::atan2f(q.x, q.w))
+    }
+
+    /// Rotation vector from A's frame to B's, in A's frame (rad).
+    pub(crate) fn rotation_vector(&self) -> Vec3 {
+        let q = self.relative_rotation();
+        let axis = Vec3::new(q.x, q.y, q.z);
+        let sine = axis.length();
+        if sine < 1.0e-4 {
+            return axis * 2.0;
+        }
+        axis * (2.0 * libm::atan2f(sine, q.w) / sine)
+    }
+
+    /// Error of B's joint axis against A's as a rotation vector in A's frame: its y and z components (rad).
+    pub(crate) fn axis_error(&self) -> Vec3 {
+        let b = self.relative_rotation() * Vec3::X;
+        let sine = (b.y * b.y + b.z * b.z).sqrt();
+        let angle_over_sine = if sine < 1.0e-4 && b.x > 0.0 { 1.0 } else { libm::atan2f(sine, b.x) / sine.max(1.0e-6) };
+        Vec3::new(0.0, -b.z, b.y) * angle_over_sine
+    }
+}
+
+/// An angle brought into (−π, π].
+pub(crate) fn wrapped(angle: f32) -> f32 {
+    use std::f32::consts::{PI, TAU};
+    if angle > PI {
+        angle - TAU
+    } else if angle <= -PI {
+        angle + TAU
+    } else {
+        angle
+    }
+}
+
+/// The three placements that rows are built from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JointGeometry {
+    pub start: Placement,
+    pub predicted: Placement,
+    /// Where the Jacobian is taken (see [`super`]).
+    pub gradient: Placement,
+}

@@ -1,0 +1,132 @@
+//! Which rows each kind of joint has; one function a kind, in its own file.
+
+use glam::Vec3;
+
+use super::geometry::{JointGeometry, Placement};
+use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, ScalarRow};
+use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor};
+use crate::solve::state::BodyVelocity;
+
+/// Rows of one joint for one substep, as its kind asks for them.
+pub(crate) struct RowSink<'a> {
+    pub bodies: [&'a BodyVelocity; 2],
+    pub geometry: &'a JointGeometry,
+    pub def: &'a JointDef,
+    pub impulses: &'a JointImpulses,
+    /// Length of the substep (s).
+    pub h: f32,
+    pub point: Option<BlockRow>,
+    pub direction: Option<BlockRow>,
+    pub scalars: &'a mut Vec<ScalarRow>,
+}
+
+/// Adds the rows of the joint's kind.
+pub(crate) fn add_rows(sink: &mut RowSink) {
+    match sink.def.kind {
+        JointKind::Fixed => super::fixed::rows(sink),
+        JointKind::Hinge { limits, motor } => super::hinge::rows(sink, limits, motor),
+        JointKind::Spherical { swing_limit, twist_limits, motor } => super::spherical::rows(sink, swing_limit, twist_limits, motor),
+        JointKind::Distance { limits, spring_length, motor } => super::distance::rows(sink, limits, spring_length, motor),
+        JointKind::Prismatic { limits, motor } => super::prismatic::rows(sink, limits, motor),
+        JointKind::Generic { linear, angular } => super::generic::rows(sink, &linear, &angular),
+    }
+}
+
+/// A coordinate of a joint: its gradient and how to read it off a placement.
+#[derive(Clone, Copy)]
+pub(crate) struct Coordinate<F: Fn(&Placement) -> f32> {
+    pub jacobian: Jacobian,
+    pub value: F,
+    /// Angles wrap at ±π; lengths do not.
+    pub is_angle: bool,
+}
+
+impl RowSink<'_> {
+    /// Holds the joint points together in the directions `held`.
+    pub(crate) fn hold_points(&mut self, held: Held) {
+        let g = self.geometry;
+        // Where a direction stays free, B's point slides in A's frame and A is turned by what acts there.
+        let lever_a = match held {
+            Held::All => g.gradient.a.lever,
+            Held::Across(_) => g.gradient.a.lever + g.gradient.gap,
+        };
+        let error = Error3 { start: g.start.gap, predicted: g.predicted.gap };
+        let give = Give::new(self.def.linear, self.h);
+        let levers = [lever_a, g.gradient.b.lever];
+        self.point = Some(BlockRow::point(self.bodies, levers, error, held, give, self.impulses.point, self.h));
+    }
+
+    /// Holds the joint frames together about the axes `held`; `error` reads the rotation vector in A's frame.
+    pub(crate) fn hold_directions(&mut self, held: Held, error: impl Fn(&Placement) -> Vec3) {
+        let g = self.geometry;
+        let in_world = |placement: &Placement| g.gradient.a.frame * error(placement);
+        let error = Error3 { start: in_world(&g.start), predicted: in_world(&g.predicted) };
+        let give = Give::new(self.def.angular, self.h);
+        self.direction = Some(BlockRow::direction(self.bodies, error, held, give, self.impulses.angular, self.h));
+    }
+
+    /// Adds the stops and the motor of a coordinate; their multipliers are `id`, `id + 1` and `id + 2`.
+    pub(crate) fn limit_and_drive<F: Fn(&Placement) -> f32>(
+        &mut self,
+        coordinate: &Coordinate<F>,
+        limits: Limits,
+        motor: Motor,
+        id: u8,
+    ) {
+        let start = (coordinate.value)(&self.geometry.start);
+        let mut predicted = (coordinate.value)(&self.geometry.predicted);
+        if coordinate.is_angle {
+            predicted = start + super::geometry::wrapped(predicted - start);
+        }
+        let give = Give::new(self.def.limit, self.h);
+        let jacobian = coordinate.jacobian;
+        if limits.min == limits.max {
+            let error = Error1 { start: start - limits.min, predicted: predicted - limits.min };
+            self.scalar(jacobian, Demand::Equal(error), give, id);
+        } else {
+            if limits.min.is_finite() {
+                let error = Error1 { start: start - limits.min, predicted: predicted - limits.min };
+                self.scalar(jacobian, Demand::AtLeast(error), give, id);
+            }
+            if limits.max.is_finite() {
+                let error = Error1 { start: limits.max - start, predicted: limits.max - predicted };
+                self.scalar(jacobian.reversed(), Demand::AtLeast(error), give, id + 1);
+            }
+        }
+        self.drive(jacobian, start, predicted, motor, id + 2);
+    }
+
+    fn drive(&mut self, jacobian: Jacobian, start: f32, predicted: f32, motor: Motor, id: u8) {
+        match motor {
+            Motor::Off => {}
+            Motor::Velocity { target, max_force } => {
+                let demand = Demand::Speed { target, max_impulse: max_force * self.h };
+                self.scalar(jacobian, demand, Give::RIGID, id);
+            }
+            Motor::Position { target, softness, max_force } => {
+                let error = Error1 { start: start - target, predicted: predicted - target };
+                let demand = Demand::Drive { error, max_impulse: max_force * self.h };
+                self.scalar(jacobian, demand, Give::new(softness, self.h), id);
+            }
+        }
+    }
+
+    /// Adds one scalar row whose multiplier is `id`.
+    pub(crate) fn scalar(&mut self, jacobian: Jacobian, demand: Demand, give: Give, id: u8) {
+        let impulse = self.impulses.scalar[id as usize];
+        self.scalars.push(ScalarRow::new(self.bodies, jacobian, demand, give, id, impulse, self.h));
+    }
+
+    /// Gradient of the component of the gap along `axis`, which is fixed in A's frame.
+    pub(crate) fn along(&self, axis: Vec3) -> Jacobian {
+        let g = &self.geometry.gradient;
+        Jacobian { linear: axis, angular_a: (g.a.lever + g.gap).cross(axis), angular_b: g.b.lever.cross(axis) }
+    }
+}
+
+impl Jacobian {
+    /// The gradient of the negated coordinate.
+    pub(crate) fn reversed(self) -> Self {
+        Self { linear: -self.linear, angular_a: -self.angular_a, angular_b: -self.angular_b }
+    }
+}

@@ -1,0 +1,106 @@
+//! The solver: substeps of one batch of islands, on arrays of its own.
+//!
+//! A *batch* is one island, or several small ones, with its own copy of the bodies' state and its own rows, sorted by colour.
+//! Batches share nothing and are solved side by side; an island's result does not depend on the batch it is in.
+//!
+//! A substep: forces → joint rows at predicted poses, warm start → sweeps of joints and contacts → poses. After the substeps:
+//! restitution, then position recovery, which moves bodies without giving them velocity.
+
+pub(crate) mod batch;
+mod color;
+pub(crate) mod contact;
+mod contact_kernels;
+pub(crate) mod integrate;
+pub(crate) mod joint;
+pub(crate) mod state;
+
+use batch::Batch;
+use contact::POINTS;
+use state::{BodyVelocity, MotionKind};
+
+use crate::id::{JointId, Pool};
+use crate::joint::Joint;
+
+/// Overlap below which position recovery has nothing to do (m).
+const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
+
+/// What all batches of a step have in common.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StepSettings {
+    /// Length of the step (s).
+    pub dt: f32,
+    pub substeps: u32,
+    pub iterations: u32,
+    /// Approach speed above which a contact rebounds (m/s).
+    pub restitution_threshold: f32,
+}
+
+impl Batch {
+    /// Moves all bodies of the batch through the step.
+    pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
+        let h = settings.dt / settings.substeps as f32;
+        for _ in 0..settings.substeps {
+            self.apply_forces(h);
+            self.joints.prepare(joints, &mut self.velocities, &self.motions, h);
+            contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
+            for _ in 0..settings.iterations {
+                self.joints.sweep(&mut self.velocities);
+                contact_kernels::sweep(&mut self.contacts, &mut self.velocities);
+            }
+            self.joints.keep_impulses();
+            self.advance(h);
+        }
+        contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
+        self.recover_positions(settings.dt);
+        self.joint_gap = self.joints.worst_gap(joints, &self.motions);
+    }
+
+    fn apply_forces(&mut self, h: f32) {
+        for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
+            integrate::apply_forces(velocity, motion, h);
+        }
+    }
+
+    fn advance(&mut self, h: f32) {
+        for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
+            integrate::advance(velocity, motion, h);
+        }
+    }
+
+    fn recover_positions(&mut self, dt: f32) {
+        self.penetration = self.worst_penetration();
+        let stops = self.joints.has_overlap();
+        if self.penetration <= NEGLIGIBLE_OVERLAP && !stops {
+            return;
+        }
+        self.pushes.clear();
+        self.pushes.extend(self.velocities.iter().map(|body| BodyVelocity {
+            linear: glam::Vec3::ZERO,
+            angular: glam::Vec3::ZERO,
+            ..*body
+        }));
+        self.recovery_lambdas.clear();
+        self.recovery_lambdas.resize(self.contacts.len(), [[0.0; contact::LANES]; POINTS]);
+        for _ in 0..contact_kernels::RECOVERY_SWEEPS {
+            self.joints.recover(&mut self.pushes);
+            contact_kernels::recover(&self.contacts, &mut self.recovery_lambdas, &mut self.pushes, &self.motions, dt);
+        }
+        for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
+            if motion.kind != MotionKind::Fixed {
+                motion.displacement += push.linear;
+                motion.turn += push.angular;
+                motion.rotation = integrate::rotated(motion.rotation, push.angular);
+            }
+        }
+    }
+
+    fn worst_penetration(&self) -> f32 {
+        let mut worst = 0.0_f32;
+        for block in &self.contacts {
+            for l in 0..contact::LANES {
+                worst = worst.max(-block.least_separation(l, &self.motions));
+            }
+        }
+        worst
+    }
+}

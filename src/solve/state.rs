@@ -1,0 +1,124 @@
+//! The solver's own view of a body: what constraint rows touch, apart from what only integration touches.
+//!
+//! Slot 0 of every batch is the world: it never moves and absorbs what static shapes receive.
+
+use glam::{Mat3, Quat, Vec3};
+
+/// Slot of everything static.
+pub(crate) const WORLD_SLOT: u32 = 0;
+
+/// Symmetric 3×3 matrix: xx, yy, zz, xy, xz, yz.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Symmetric([f32; 6]);
+
+impl Symmetric {
+    pub(crate) const ZERO: Self = Self([0.0; 6]);
+
+    pub(crate) fn from_mat3(m: Mat3) -> Self {
+        Self([m.x_axis.x, m.y_axis.y, m.z_axis.z, m.x_axis.y, m.x_axis.z, m.y_axis.z])
+    }
+
+    pub(crate) fn to_mat3(self) -> Mat3 {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        Mat3::from_cols(Vec3::new(xx, xy, xz), Vec3::new(xy, yy, yz), Vec3::new(xz, yz, zz))
+    }
+
+    pub(crate) fn entries(&self) -> &[f32; 6] {
+        &self.0
+    }
+
+    #[inline(always)]
+    pub(crate) fn mul(&self, v: Vec3) -> Vec3 {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        Vec3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
+    }
+}
+
+/// Velocity and inverse mass of a body: one cache line, all that a sweep reads and writes.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct BodyVelocity {
+    /// Velocity of the centre of mass (m/s).
+    pub linear: Vec3,
+    /// Inverse mass along the world axes (1/kg); zero where locked.
+    pub inverse_mass: Vec3,
+    /// Angular velocity (rad/s).
+    pub angular: Vec3,
+    /// Inverse inertia in world axes (1/(kg·m²)).
+    pub inverse_inertia: Symmetric,
+}
+
+impl BodyVelocity {
+    pub(crate) const FIXED: Self =
+        Self { linear: Vec3::ZERO, inverse_mass: Vec3::ZERO, angular: Vec3::ZERO, inverse_inertia: Symmetric::ZERO };
+
+    /// Applies an impulse (N·s) and an angular impulse about the centre of mass (N·m·s).
+    #[inline(always)]
+    pub(crate) fn apply(&mut self, impulse: Vec3, angular_impulse: Vec3) {
+        self.linear += self.inverse_mass * impulse;
+        self.angular += self.inverse_inertia.mul(angular_impulse);
+    }
+}
+
+/// Motion of a body since the start of the step, and what integration needs to know of it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BodyMotion {
+    /// Displacement of the centre of mass since the start of the step (m).
+    pub displacement: Vec3,
+    /// Sum of the substeps' rotation vectors since the start of the step (rad).
+    pub turn: Vec3,
+    /// Rotation now.
+    pub rotation: Quat,
+    /// Acceleration by gravity and by the host's forces (m/s²).
+    pub acceleration: Vec3,
+    /// The host's torque (N·m).
+    pub torque: Vec3,
+    pub linear_damping: f32,
+    pub angular_damping: f32,
+    /// Principal moments of inertia (kg·m²).
+    pub inertia: Vec3,
+    /// Rotation of the principal axes in the body.
+    pub inertia_frame: Quat,
+    /// 1 along and about free world axes, 0 for locked ones.
+    pub free_rotation: Vec3,
+    /// Rotation vector since the world inertia was last refreshed (rad).
+    pub turn_at_refresh: Vec3,
+    pub kind: MotionKind,
+    /// Whether joint rows need the predicted pose of this body.
+    pub jointed: bool,
+}
+
+/// How a slot is integrated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum MotionKind {
+    /// Static, or a replica of a static body that a joint holds on to.
+    Fixed,
+    /// Moves at a given velocity.
+    Kinematic,
+    /// All principal moments are equal: angular velocity is constant without torque.
+    Round,
+    /// The gyroscopic term matters.
+    Tumbling,
+}
+
+impl BodyMotion {
+    pub(crate) const FIXED: Self = Self {
+        displacement: Vec3::ZERO,
+        turn: Vec3::ZERO,
+        rotation: Quat::IDENTITY,
+        acceleration: Vec3::ZERO,
+        torque: Vec3::ZERO,
+        linear_damping: 0.0,
+        angular_damping: 0.0,
+        inertia: Vec3::ONE,
+        inertia_frame: Quat::IDENTITY,
+        free_rotation: Vec3::ONE,
+        turn_at_refresh: Vec3::ZERO,
+        kind: MotionKind::Fixed,
+        jointed: false,
+    };
+
+    pub(crate) fn is_dynamic(&self) -> bool {
+        matches!(self.kind, MotionKind::Round | MotionKind::Tumbling)
+    }
+}

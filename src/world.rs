@@ -1,0 +1,217 @@
+//! A world of bodies, and the step that moves it.
+//!
+//! [`World::step`] is the whole pipeline as a table of contents; each line is a stage in a file of its own under `world/`.
+//! Nothing below this module knows `World`: stages hand plain arrays to `collide` and `solve` and take plain arrays back.
+
+use std::time::Instant;
+
+use crate::body::Body;
+use crate::check;
+use crate::collide::broad::BroadPhase;
+use crate::collide::collider::Collider;
+use crate::collide::pairs::{PairCache, PairKey, PairScratch};
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::{BodyId, JointId, Pool, ShapeId, WorldTag};
+use crate::island::{SleepingIslands, UnionFind};
+use crate::joint::Joint;
+use crate::report::{Events, StepReport};
+use crate::settings::WorldDef;
+use crate::solve::batch::Batch;
+
+mod bodies;
+mod contacts;
+mod forces;
+mod group;
+mod joints;
+mod load;
+mod pairs;
+mod read;
+mod shapes;
+mod sleep;
+mod store;
+
+/// Bodies, shapes and joints that act on each other, and nothing else.
+pub struct World {
+    def: WorldDef,
+    bodies: Pool<Body, BodyId>,
+    colliders: Pool<Collider, ShapeId>,
+    joints: Pool<Joint, JointId>,
+
+    broad: BroadPhase,
+    pairs: PairCache,
+    /// Bodies that a step may move, sorted by slot.
+    movers: Vec<u32>,
+    movers_sorted: bool,
+    sleeping: SleepingIslands,
+
+    groups: group::Groups,
+    batches: Vec<Batch>,
+    batch_count: usize,
+    events: Events,
+    report: StepReport,
+    /// Length of the last substep (s), for rescaling multipliers.
+    last_substep: f32,
+    last_dt: f32,
+    scratch: Scratch,
+    threads: Option<rayon::ThreadPool>,
+    /// Last, so that the world's number is free again only when everything else is gone.
+    _tag: WorldTag,
+}
+
+/// Buffers that steps reuse.
+#[derive(Default)]
+struct Scratch {
+    candidates: Vec<(u32, u32)>,
+    keys: Vec<PairKey>,
+    pair: PairScratch,
+    paths: Vec<(u32, crate::collide::sweep::PathStart)>,
+    slots: Vec<u32>,
+    islands: UnionFind,
+}
+
+impl World {
+    /// Makes an empty world.
+    ///
+    /// # Errors
+    /// Names the field of `def` that is out of range; [`ErrorKind::CapacityExceeded`] when 1023 worlds are alive.
+    pub fn new(def: &WorldDef) -> Result<Self> {
+        def.check()?;
+        let tag = WorldTag::acquire()?;
+        let threads = match def.threads {
+            1 => None,
+            count => {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(count as usize).thread_name(|i| format!("longspan-{i}")).build();
+                Some(pool.map_err(|_| Error::new(ErrorKind::CapacityExceeded, "threads", "the system gave no more threads"))?)
+            }
+        };
+        let mut world = Self {
+            def: *def,
+            bodies: Pool::new(&tag),
+            colliders: Pool::new(&tag),
+            joints: Pool::new(&tag),
+            broad: BroadPhase::default(),
+            pairs: PairCache::default(),
+            movers: Vec::new(),
+            movers_sorted: true,
+            sleeping: SleepingIslands::default(),
+            groups: group::Groups::default(),
+            batches: Vec::new(),
+            batch_count: 0,
+            events: Events::default(),
+            report: StepReport::default(),
+            last_substep: 0.0,
+            last_dt: 0.0,
+            scratch: Scratch::default(),
+            threads,
+            _tag: tag,
+        };
+        world.bodies.reserve(def.body_capacity as usize);
+        world.joints.reserve(def.joint_capacity as usize);
+        Ok(world)
+    }
+
+    /// Moves everything on by `dt` seconds.
+    ///
+    /// # Errors
+    /// `dt` outside 1e-6 … 1 s; nothing has moved then.
+    pub fn step(&mut self, dt: f32) -> Result<&StepReport> {
+        check::step_length(dt)?;
+        let mut clock = Clock::start();
+        self.begin_step(dt);
+        self.find_pairs(dt);
+        self.report.timings.broad_phase = clock.lap();
+        self.update_contacts(dt);
+        self.report.timings.narrow_phase = clock.lap();
+        self.wake_what_is_touched();
+        self.group_islands();
+        self.report.timings.islands = clock.lap();
+        self.solve_batches(dt);
+        self.report.timings.solve = clock.lap();
+        self.store_results(dt);
+        self.stop_fast_bodies();
+        self.report_contacts();
+        self.put_quiet_islands_to_sleep(dt);
+        self.list_moved();
+        self.report.timings.finish = clock.lap();
+        self.report.timings.total = clock.total();
+        Ok(&self.report)
+    }
+
+    fn begin_step(&mut self, dt: f32) {
+        self.events.clear();
+        let (step, time) = (self.report.step + 1, self.report.time + f64::from(dt));
+        self.report = StepReport { step, time, ..StepReport::default() };
+        self.drive_kinematic_bodies(dt);
+        self.settle_movers();
+    }
+
+    /// Summary of the last step.
+    pub fn report(&self) -> &StepReport {
+        &self.report
+    }
+
+    /// What the world was made with; gravity is that of now.
+    pub fn def(&self) -> &WorldDef {
+        &self.def
+    }
+
+    /// Simulated time (s).
+    pub fn time(&self) -> f64 {
+        self.report.time
+    }
+
+    /// Steps taken.
+    pub fn step_count(&self) -> u64 {
+        self.report.step
+    }
+
+    /// Acceleration of free fall (m/s²).
+    pub fn gravity(&self) -> glam::Vec3 {
+        self.def.gravity
+    }
+
+    /// Changes gravity (m/s²) and wakes everything.
+    ///
+    /// # Errors
+    /// `gravity` is not finite.
+    pub fn set_gravity(&mut self, gravity: glam::Vec3) -> Result<()> {
+        self.def.gravity = check::finite_vec("gravity", gravity)?;
+        self.wake_all();
+        Ok(())
+    }
+}
+
+impl std::fmt::Debug for World {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("World")
+            .field("bodies", &self.bodies.len())
+            .field("shapes", &self.colliders.len())
+            .field("joints", &self.joints.len())
+            .field("step", &self.report.step)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Wall time of the stages of a step.
+struct Clock {
+    start: Instant,
+    last: Instant,
+}
+
+impl Clock {
+    fn start() -> Self {
+        let now = Instant::now();
+        Self { start: now, last: now }
+    }
+
+    fn lap(&mut self) -> f32 {
+        let now = Instant::now();
+        let lap = now - self.last;
+        self.last = now;
+        lap.as_secs_f32()
+    }
+
+    fn total(&self) -> f32 {
+        (self.last - self.start).as_secs_f32()
+    }
+}

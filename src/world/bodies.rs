@@ -1,0 +1,282 @@
+//! Making, changing and destroying bodies.
+
+use glam::Vec3;
+
+use super::World;
+use crate::body::{Body, BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, checked_velocity};
+use crate::check;
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::BodyId;
+use crate::mass::{self, Mass};
+use crate::pose::Pose;
+use crate::shape::ShapeDef;
+
+impl World {
+    /// Makes a body with its shapes.
+    ///
+    /// # Errors
+    /// Names the field of `def` at fault; the world is unchanged then.
+    pub fn create_body(&mut self, def: &BodyDef) -> Result<BodyId> {
+        let def = def.clone().checked()?;
+        let mass = if def.kind == BodyKind::Dynamic { Some(mass::resolve(def.mass, &def.shapes)?) } else { None };
+        if self.colliders.len() + def.shapes.len() > crate::id::MAX_OBJECTS {
+            return Err(Error::new(ErrorKind::CapacityExceeded, "shapes", "the world holds no more shapes"));
+        }
+        let (index, id) = self.bodies.insert(Body::new(&def, mass))?;
+        for shape in &def.shapes {
+            self.add_collider(index, shape)?;
+        }
+        self.note_mover(index);
+        Ok(id)
+    }
+
+    /// Destroys a body with its shapes and joints, and wakes what touched it.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world.
+    pub fn destroy_body(&mut self, body: BodyId) -> Result<()> {
+        let index = self.bodies.find_to_destroy(body)?;
+        self.wake_body(index);
+        self.wake_around(index);
+        for joint in self.bodies[index].joints.clone() {
+            self.destroy_joint(joint)?;
+        }
+        for shape in self.bodies[index].shapes.clone() {
+            let slot = self.colliders.find(shape)?;
+            self.remove_collider(slot);
+        }
+        self.bodies.remove(index);
+        self.movers_sorted = false;
+        self.settle_movers();
+        Ok(())
+    }
+
+    /// Puts a body somewhere else at once, and wakes it and what it touched.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world; the pose is not finite, too far out, or not a rotation.
+    pub fn set_pose(&mut self, body: BodyId, pose: Pose) -> Result<()> {
+        let pose = pose.checked("pose.position", "pose.rotation")?;
+        let index = self.bodies.find(body)?;
+        self.wake_body(index);
+        self.wake_around(index);
+        let record = &mut self.bodies[index];
+        record.set_pose(pose);
+        record.target = None;
+        record.quarantined = false;
+        self.forget_contacts_of(index);
+        self.forget_joints_of(index);
+        self.refresh_boxes(index);
+        self.wake_around(index);
+        self.note_mover(index);
+        Ok(())
+    }
+
+    /// Gives a body another velocity of its centre of mass (m/s), and wakes it.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world; the body is static; the velocity is not finite or above 1e4 m/s.
+    pub fn set_linear_velocity(&mut self, body: BodyId, velocity: Vec3) -> Result<()> {
+        checked_velocity("linear_velocity", velocity, MAX_LINEAR_SPEED)?;
+        let record = self.moving_body(body)?;
+        record.linear_velocity = velocity;
+        self.velocity_changed(body)
+    }
+
+    /// Gives a body another angular velocity (rad/s), and wakes it.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world; the body is static; the velocity is not finite or above 1e4 rad/s.
+    pub fn set_angular_velocity(&mut self, body: BodyId, velocity: Vec3) -> Result<()> {
+        checked_velocity("angular_velocity", velocity, MAX_ANGULAR_SPEED)?;
+        let record = self.moving_body(body)?;
+        record.angular_velocity = velocity;
+        self.velocity_changed(body)
+    }
+
+    /// Moves a kinematic body so that it has this pose at the end of the next step.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world; the body is not kinematic; the pose is refused as in
+    /// [`set_pose`](Self::set_pose).
+    pub fn move_to(&mut self, body: BodyId, target: Pose) -> Result<()> {
+        let target = target.checked("target.position", "target.rotation")?;
+        let index = self.bodies.find(body)?;
+        if self.bodies[index].kind != BodyKind::Kinematic {
+            return Err(Error::new(ErrorKind::NotApplicable, "body", "only kinematic bodies are moved by target"));
+        }
+        self.bodies[index].target = Some(target);
+        self.note_mover(index);
+        Ok(())
+    }
+
+    /// Gives a body another mass.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world; the body is not dynamic; the mass is refused as in
+    /// [`create_body`](Self::create_body).
+    pub fn set_mass(&mut self, body: BodyId, mass: Mass) -> Result<()> {
+        let index = self.bodies.find(body)?;
+        if !self.bodies[index].is_dynamic() {
+            return Err(Error::new(ErrorKind::NotApplicable, "body", "only dynamic bodies have mass"));
+        }
+        let resolved = mass::resolve(mass, &self.shape_defs(index))?;
+        self.bodies[index].mass_source = mass;
+        self.apply_mass(index, Some(resolved));
+        Ok(())
+    }
+
+    /// Rates at which linear and angular velocity decay (1/s).
+    ///
+    /// # Errors
+    /// The handle is not a body of this world; a rate is negative or not finite.
+    pub fn set_damping(&mut self, body: BodyId, linear: f32, angular: f32) -> Result<()> {
+        check::not_negative("linear", linear)?;
+        check::not_negative("angular", angular)?;
+        self.change(body, |body| (body.linear_damping, body.angular_damping) = (linear, angular))
+    }
+
+    /// Factor on the world's gravity.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world; the factor is not finite.
+    pub fn set_gravity_scale(&mut self, body: BodyId, scale: f32) -> Result<()> {
+        check::finite("scale", scale)?;
+        self.change(body, |body| body.gravity_scale = scale)
+    }
+
+    /// Degrees of freedom taken away.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world.
+    pub fn set_locked_axes(&mut self, body: BodyId, locked: LockedAxes) -> Result<()> {
+        self.change(body, |body| {
+            body.locked_axes = locked;
+            body.linear_velocity *= crate::body::free_axes(locked.translation);
+            body.angular_velocity *= crate::body::free_axes(locked.rotation);
+        })
+    }
+
+    /// Whether the body is swept through each step.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world.
+    pub fn set_fast(&mut self, body: BodyId, fast: bool) -> Result<()> {
+        let index = self.bodies.find(body)?;
+        self.bodies[index].fast = fast;
+        Ok(())
+    }
+
+    /// Whether the body may fall asleep; if not, it wakes now.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world.
+    pub fn set_can_sleep(&mut self, body: BodyId, can_sleep: bool) -> Result<()> {
+        self.change(body, |body| body.can_sleep = can_sleep)
+    }
+
+    /// The host's own word on the body.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world.
+    pub fn set_user_word(&mut self, body: BodyId, word: u64) -> Result<()> {
+        let index = self.bodies.find(body)?;
+        self.bodies[index].user_word = word;
+        Ok(())
+    }
+
+    /// Changes a body's record and wakes it.
+    fn change(&mut self, body: BodyId, edit: impl FnOnce(&mut Body)) -> Result<()> {
+        let index = self.bodies.find(body)?;
+        edit(&mut self.bodies[index]);
+        self.wake_body(index);
+        Ok(())
+    }
+
+    fn moving_body(&mut self, body: BodyId) -> Result<&mut Body> {
+        let index = self.bodies.find(body)?;
+        if self.bodies[index].kind == BodyKind::Static {
+            return Err(Error::new(ErrorKind::NotApplicable, "body", "static bodies have no velocity"));
+        }
+        Ok(&mut self.bodies[index])
+    }
+
+    fn velocity_changed(&mut self, body: BodyId) -> Result<()> {
+        let index = self.bodies.find(body)?;
+        let record = &mut self.bodies[index];
+        record.driven = false;
+        record.quarantined = false;
+        self.wake_body(index);
+        self.note_mover(index);
+        Ok(())
+    }
+
+    /// Adds a body to the list of movers where it belongs, and has its neighbours looked for.
+    pub(super) fn note_mover(&mut self, index: u32) {
+        if !self.bodies[index].is_mover() {
+            return;
+        }
+        for &id in &self.bodies[index].shapes {
+            if let Ok(shape) = self.colliders.find(id) {
+                self.broad.revisit(shape);
+            }
+        }
+        self.movers.push(index);
+        self.movers_sorted = false;
+    }
+
+    /// Gives kinematic bodies the velocity that takes them to their target in `dt` seconds.
+    pub(super) fn drive_kinematic_bodies(&mut self, dt: f32) {
+        for &index in &self.movers {
+            let Some(body) = self.bodies.get(index) else { continue };
+            if body.kind != BodyKind::Kinematic {
+                continue;
+            }
+            let body = &mut self.bodies[index];
+            match body.target {
+                Some(target) => {
+                    let center = target.transform_point(body.local_center);
+                    body.linear_velocity = ((center - body.center) / f64::from(dt)).as_vec3().clamp_length_max(MAX_LINEAR_SPEED);
+                    let turn = target.rotation * body.rotation.conjugate();
+                    let turn = if turn.w < 0.0 { -turn } else { turn };
+                    body.angular_velocity = (turn.to_scaled_axis() / dt).clamp_length_max(MAX_ANGULAR_SPEED);
+                    body.driven = true;
+                }
+                None if body.driven => {
+                    body.linear_velocity = Vec3::ZERO;
+                    body.angular_velocity = Vec3::ZERO;
+                    body.driven = false;
+                }
+                None => {}
+            }
+        }
+        self.movers_sorted = false;
+    }
+
+    /// The shapes of a body as they were defined.
+    pub(super) fn shape_defs(&self, index: u32) -> Vec<ShapeDef> {
+        let colliders = self.bodies[index].shapes.iter().filter_map(|&id| Some(&self.colliders[self.colliders.find(id).ok()?]));
+        colliders
+            .map(|collider| ShapeDef {
+                shape: collider.shape.clone(),
+                local_pose: collider.local_pose,
+                material: collider.material,
+                density: collider.density,
+                filter: collider.filter,
+                user_word: collider.user_word,
+            })
+            .collect()
+    }
+
+    /// Gives a body mass properties and tells its shapes where the centre of mass is now.
+    pub(super) fn apply_mass(&mut self, index: u32, mass: Option<crate::mass::MassProperties>) {
+        self.bodies[index].set_mass(mass);
+        let center = self.bodies[index].local_center;
+        for id in self.bodies[index].shapes.clone() {
+            if let Ok(shape) = self.colliders.find(id) {
+                self.colliders[shape].center_moved(center);
+            }
+        }
+        self.wake_body(index);
+    }
+}

@@ -1,0 +1,108 @@
+//! Contacts and events of the last step, for reading.
+
+use glam::Vec3;
+
+use super::World;
+use super::pairs::contact_pair;
+use crate::collide::collider::Collider;
+use crate::collide::pairs::{PairKey, WorldManifold};
+use crate::error::Result;
+use crate::id::BodyId;
+use crate::report::{Contact, ContactPair, ContactPoint, JointOverload, Moved};
+
+impl World {
+    /// Bodies whose pose changed in the last step, those that fell asleep at its end included, in order of creation slot.
+    pub fn moved(&self) -> &[Moved] {
+        &self.events.moved
+    }
+
+    /// Pairs of shapes whose contact began in the last step.
+    pub fn contact_began(&self) -> &[ContactPair] {
+        &self.events.contact_began
+    }
+
+    /// Pairs of shapes whose contact ended in the last step.
+    pub fn contact_ended(&self) -> &[ContactPair] {
+        &self.events.contact_ended
+    }
+
+    /// Joints whose load passed their limit in the last step.
+    pub fn overloaded(&self) -> &[JointOverload] {
+        &self.events.overloaded
+    }
+
+    /// Bodies that the last step would have given a non-finite state: they stay where they were, without contacts, until the
+    /// host gives them a pose or velocity.
+    pub fn quarantined(&self) -> &[BodyId] {
+        &self.events.quarantined
+    }
+
+    /// Net force of all contacts on a body in the last substep (N).
+    ///
+    /// # Errors
+    /// The handle is not a body of this world.
+    pub fn contact_force(&self, body: BodyId) -> Result<Vec3> {
+        let index = self.bodies.find(body)?;
+        Ok(match self.bodies[index].kind {
+            crate::body::BodyKind::Dynamic => self.bodies[index].contact_force,
+            _ => self.force_on_fixed(index),
+        })
+    }
+
+    /// Every manifold between shapes of which at least one body is awake, in a fixed order.
+    pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
+        self.pairs.active().iter().flat_map(|&(key, slot)| self.contacts_of_pair(key, slot))
+    }
+
+    /// Every manifold of a body, asleep or awake, in a fixed order.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world.
+    pub fn contacts_of(&self, body: BodyId) -> Result<impl Iterator<Item = Contact> + '_> {
+        let index = self.bodies.find(body)?;
+        let touches = move |key: PairKey| {
+            let (a, b) = key.shapes();
+            self.colliders[a].body == index || self.colliders[b].body == index
+        };
+        let asleep = self.sleeping.pairs().map(|slot| (self.pairs.get(slot).key, slot));
+        let all = self.pairs.active().iter().copied().chain(asleep).filter(move |&(key, _)| touches(key));
+        Ok(all.flat_map(|(key, slot)| self.contacts_of_pair(key, slot)))
+    }
+
+    fn force_on_fixed(&self, index: u32) -> Vec3 {
+        let mut force = Vec3::ZERO;
+        for contact in self.contacts_of(self.bodies.handle_of(index)).into_iter().flatten() {
+            let on_b = contact.normal * contact.points().iter().map(|point| point.normal_force).sum::<f32>() + contact.friction_force;
+            force += if contact.pair.body_b == self.bodies.handle_of(index) { on_b } else { -on_b };
+        }
+        force
+    }
+
+    fn contacts_of_pair(&self, key: PairKey, slot: u32) -> impl Iterator<Item = Contact> + '_ {
+        let (a, b) = key.shapes();
+        let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
+        let (body_a, body_b) = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
+        let pair = contact_pair(&self.colliders, &self.bodies, key);
+        let per_substep = if self.last_substep > 0.0 { 1.0 / self.last_substep } else { 0.0 };
+        self.pairs.get(slot).manifolds.iter().map(move |manifold| {
+            let world = WorldManifold::new(&manifold.geometry, (shape_a, body_a), (shape_b, body_b));
+            let mut contact = Contact::new(pair, world.normal, manifold.impulses.friction * per_substep);
+            for i in 0..manifold.geometry.count as usize {
+                let on_a = body_a.center + world.lever_a[i].as_dvec3();
+                let on_b = body_b.center + world.lever_b[i].as_dvec3();
+                contact.push(ContactPoint {
+                    position: (on_a + on_b) * 0.5,
+                    separation: world.normal.dot((on_b - on_a).as_vec3()),
+                    normal_force: manifold.impulses.normal[i] * per_substep,
+                });
+            }
+            contact
+        })
+    }
+
+    /// Whether a swept shape and another may touch at all.
+    pub(super) fn may_meet(&self, a: &Collider, b: &Collider) -> bool {
+        super::pairs::may_collide(a, b, &self.bodies, &self.joints)
+    }
+}
+

@@ -1,0 +1,190 @@
+//! Stages that wake what is touched and sort bodies, contacts and joints into islands, and islands into batches.
+
+use super::World;
+
+/// Bodies after which a batch takes no further island. It must not depend on the number of threads.
+const BATCH_BODIES: usize = 64;
+
+/// Where each body is in the batches of this step.
+#[derive(Debug, Default)]
+pub(super) struct Groups {
+    /// Batch and slot of each mover, by body slot.
+    pub place: Vec<(u32, u32)>,
+    /// Island of each mover, by body slot.
+    pub island: Vec<u32>,
+    sizes: Vec<u32>,
+    batch_of_island: Vec<u32>,
+    /// First member of each island in `members`.
+    starts: Vec<u32>,
+    /// Movers that are dynamic, sorted by island.
+    pub members: Vec<u32>,
+}
+
+impl Groups {
+    /// Members of each island, by number.
+    pub(super) fn islands(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|range| &self.members[range[0] as usize..range[1] as usize])
+    }
+}
+
+impl World {
+    /// Wakes sleeping islands that something awake may touch in this step.
+    pub(super) fn wake_what_is_touched(&mut self) {
+        let mut slots = std::mem::take(&mut self.scratch.slots);
+        slots.clear();
+        for &(key, slot) in self.pairs.active() {
+            if !self.pairs.get(slot).may_touch {
+                continue;
+            }
+            let (a, b) = key.shapes();
+            for body in [self.colliders[a].body, self.colliders[b].body] {
+                if self.bodies[body].is_dynamic() && !self.bodies[body].is_awake() {
+                    slots.push(body);
+                }
+            }
+        }
+        for &body in &slots {
+            self.wake_body(body);
+        }
+        self.scratch.slots = slots;
+        self.settle_movers();
+    }
+
+    /// Sorts everything awake into islands and batches.
+    pub(super) fn group_islands(&mut self) {
+        self.join_islands();
+        self.number_islands();
+        self.make_batches();
+        self.hand_out_contacts();
+        self.hand_out_joints();
+    }
+
+    fn join_islands(&mut self) {
+        let Self { scratch, bodies, colliders, pairs, joints, movers, .. } = self;
+        scratch.islands.reset(bodies.slot_count(), movers);
+        for &(key, slot) in pairs.active() {
+            if pairs.get(slot).has_points() {
+                let (a, b) = key.shapes();
+                let (a, b) = (colliders[a].body, colliders[b].body);
+                let joins = |body: u32| bodies[body].is_dynamic() && bodies[body].is_mover();
+                if joins(a) && joins(b) {
+                    scratch.islands.union(a, b);
+                }
+            }
+        }
+        for &body in movers.iter().filter(|&&body| bodies[body].is_dynamic()) {
+            for &id in &bodies[body].joints {
+                let Ok(slot) = joints.find(id) else { continue };
+                if let [Some(a), Some(b)] = joints[slot].bodies
+                    && bodies[a].is_dynamic()
+                    && bodies[b].is_dynamic()
+                    && bodies[a].is_mover()
+                    && bodies[b].is_mover()
+                {
+                    scratch.islands.union(a, b);
+                }
+            }
+        }
+    }
+
+    /// Numbers the islands by their lowest body and lists their members.
+    fn number_islands(&mut self) {
+        let Self { scratch, bodies, movers, groups, report, .. } = self;
+        groups.island.resize(bodies.slot_count(), 0);
+        groups.place.resize(bodies.slot_count(), (0, 0));
+        groups.sizes.clear();
+        let dynamic = || movers.iter().copied().filter(|&body| bodies[body].is_dynamic());
+        for body in dynamic() {
+            let root = scratch.islands.find(body);
+            if root == body {
+                groups.island[body as usize] = groups.sizes.len() as u32;
+                groups.sizes.push(0);
+            }
+            // The root is the lowest member, so it has its number already.
+            let island = groups.island[root as usize];
+            groups.island[body as usize] = island;
+            groups.sizes[island as usize] += 1;
+        }
+        groups.starts.clear();
+        groups.starts.push(0);
+        let mut total = 0;
+        for &size in &groups.sizes {
+            total += size;
+            groups.starts.push(total);
+        }
+        groups.members.clear();
+        groups.members.resize(total as usize, 0);
+        let mut next = std::mem::take(&mut scratch.slots);
+        next.clear();
+        next.extend_from_slice(&groups.starts);
+        for body in dynamic() {
+            let place = &mut next[groups.island[body as usize] as usize];
+            groups.members[*place as usize] = body;
+            *place += 1;
+        }
+        scratch.slots = next;
+        report.counts.islands = groups.sizes.len() as u32;
+        report.counts.bodies_awake = total;
+    }
+
+    fn make_batches(&mut self) {
+        let Self { groups, batches, batch_count, report, .. } = self;
+        groups.batch_of_island.clear();
+        *batch_count = 0;
+        let mut filled = BATCH_BODIES;
+        for island in 0..groups.sizes.len() {
+            if filled >= BATCH_BODIES {
+                if batches.len() == *batch_count {
+                    batches.push(Default::default());
+                }
+                batches[*batch_count].clear();
+                *batch_count += 1;
+                filled = 0;
+            }
+            let batch = *batch_count - 1;
+            groups.batch_of_island.push(batch as u32);
+            for member in groups.starts[island]..groups.starts[island + 1] {
+                let body = groups.members[member as usize];
+                groups.place[body as usize] = (batch as u32, batches[batch].enlist(body));
+                filled += 1;
+            }
+        }
+        report.counts.batches = *batch_count as u32;
+    }
+
+    fn hand_out_contacts(&mut self) {
+        let Self { groups, batches, pairs, colliders, bodies, report, .. } = self;
+        for &(key, slot) in pairs.active() {
+            let pair = pairs.get(slot);
+            if !pair.has_points() {
+                continue;
+            }
+            let (a, b) = key.shapes();
+            let moved = [colliders[a].body, colliders[b].body].into_iter().find(|&body| bodies[body].is_dynamic() && bodies[body].is_mover());
+            let Some(body) = moved else { continue };
+            let batch = &mut batches[groups.place[body as usize].0 as usize];
+            for (number, manifold) in pair.manifolds.iter().enumerate() {
+                batch.manifolds.push((slot, number as u32));
+                report.counts.manifolds += 1;
+                report.counts.contact_points += u32::from(manifold.geometry.count);
+            }
+        }
+    }
+
+    fn hand_out_joints(&mut self) {
+        let Self { groups, batches, joints, bodies, movers, scratch, report, .. } = self;
+        scratch.slots.clear();
+        for &body in movers.iter().filter(|&&body| bodies[body].is_dynamic()) {
+            scratch.slots.extend(bodies[body].joints.iter().filter_map(|&id| joints.find(id).ok()));
+        }
+        scratch.slots.sort_unstable();
+        scratch.slots.dedup();
+        for &slot in &scratch.slots {
+            let moved = joints[slot].bodies.into_iter().flatten().find(|&body| bodies[body].is_dynamic() && bodies[body].is_mover());
+            if let Some(body) = moved {
+                batches[groups.place[body as usize].0 as usize].joint_slots.push(slot);
+                report.counts.joints += 1;
+            }
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Making, changing, reading and destroying joints.
+
+use glam::{DVec3, Quat, Vec3};
+
+use super::World;
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::{BodyId, JointId};
+use crate::joint::{Joint, JointDef, JointImpulses, JointKind, JointState, Softness};
+use crate::solve::joint::{coordinate, gap_of, placement_of};
+
+impl World {
+    /// Makes a joint and wakes its bodies.
+    ///
+    /// # Errors
+    /// Names the field of `def` at fault: a handle that is not a body of this world, the same body twice, no dynamic body,
+    /// a number out of range.
+    pub fn create_joint(&mut self, def: &JointDef) -> Result<JointId> {
+        let def = def.checked()?;
+        let bodies = [self.joint_body(def.body_a, "body_a")?, self.joint_body(def.body_b, "body_b")?];
+        if bodies[0] == bodies[1] {
+            return Err(Error::new(ErrorKind::NotApplicable, "body_b", "is the same as body_a"));
+        }
+        if !bodies.into_iter().flatten().any(|index| self.bodies[index].is_dynamic()) {
+            return Err(Error::new(ErrorKind::NotApplicable, "body_a", "a joint needs at least one dynamic body"));
+        }
+        let joint = Joint { def, bodies, impulses: JointImpulses::ZERO, force: Vec3::ZERO, torque: Vec3::ZERO };
+        let (_, id) = self.joints.insert(joint)?;
+        for index in bodies.into_iter().flatten() {
+            self.bodies[index].joints.push(id);
+            self.wake_body(index);
+            if !def.collide_connected {
+                self.forget_contacts_of(index);
+            }
+        }
+        Ok(id)
+    }
+
+    /// Destroys a joint and wakes its bodies.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world.
+    pub fn destroy_joint(&mut self, joint: JointId) -> Result<()> {
+        let slot = self.joints.find_to_destroy(joint)?;
+        let bodies = self.joints[slot].bodies;
+        self.joints.remove(slot);
+        for index in bodies.into_iter().flatten() {
+            self.bodies[index].joints.retain(|&other| other != joint);
+            self.wake_body(index);
+            // The two may collide from now on.
+            for &id in &self.bodies[index].shapes {
+                if let Ok(shape) = self.colliders.find(id) {
+                    self.broad.revisit(shape);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The joint's definition as it is now.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world.
+    pub fn joint_def(&self, joint: JointId) -> Result<JointDef> {
+        Ok(self.joints[self.joints.find(joint)?].def)
+    }
+
+    /// Gives a joint other limits or motors.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world; `kind` is another kind of joint; a number is out of range.
+    pub fn set_joint_kind(&mut self, joint: JointId, kind: JointKind) -> Result<()> {
+        let kind = kind.checked()?;
+        let slot = self.joints.find(joint)?;
+        if std::mem::discriminant(&kind) != std::mem::discriminant(&self.joints[slot].def.kind) {
+            return Err(Error::new(ErrorKind::NotApplicable, "kind", "a joint cannot become another kind of joint"));
+        }
+        self.change_joint(slot, |def| def.kind = kind);
+        Ok(())
+    }
+
+    /// Gives a joint other compliances and dampings.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world; a number is negative or not finite.
+    pub fn set_joint_softness(&mut self, joint: JointId, linear: Softness, angular: Softness, limit: Softness) -> Result<()> {
+        let slot = self.joints.find(joint)?;
+        let def = JointDef { linear, angular, limit, ..self.joints[slot].def }.checked()?;
+        self.change_joint(slot, |old| *old = def);
+        Ok(())
+    }
+
+    /// Sets the force (N) and torque (N·m) above which a joint is reported as overloaded.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world; a limit is negative or NaN.
+    pub fn set_joint_break(&mut self, joint: JointId, force: f32, torque: f32) -> Result<()> {
+        let slot = self.joints.find(joint)?;
+        let def = JointDef { break_force: force, break_torque: torque, ..self.joints[slot].def }.checked()?;
+        self.joints[slot].def = def;
+        Ok(())
+    }
+
+    /// What the joint does at the end of the last step.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world.
+    pub fn joint_state(&self, joint: JointId) -> Result<JointState> {
+        let joint = &self.joints[self.joints.find(joint)?];
+        let ([a, b], [velocity_a, velocity_b]) = ([self.end(joint, 0), self.end(joint, 1)], [self.velocity(joint, 0), self.velocity(joint, 1)]);
+        let offset = (b.origin - a.origin).as_vec3();
+        let placement = placement_of(offset, [a.lever, b.lever], [a.frame, b.frame]);
+        let (position, axis) = coordinate(&joint.def.kind, &placement);
+        let angular_rate = (velocity_b.1 - velocity_a.1).dot(axis);
+        let point_rate = velocity_b.0 + velocity_b.1.cross(b.lever) - velocity_a.0 - velocity_a.1.cross(a.lever + placement.gap);
+        Ok(JointState {
+            position,
+            velocity: if matches!(joint.def.kind, JointKind::Hinge { .. }) { angular_rate } else { point_rate.dot(axis) },
+            force: joint.force,
+            torque: joint.torque,
+            gap: gap_of(&joint.def.kind, &placement),
+        })
+    }
+
+    /// Every joint, by slot.
+    pub fn joints(&self) -> impl Iterator<Item = JointId> + '_ {
+        self.joints.iter().map(|(slot, _)| self.joints.handle_of(slot))
+    }
+
+    fn joint_body(&self, body: BodyId, argument: &'static str) -> Result<Option<u32>> {
+        if body == BodyId::NULL {
+            return Ok(None);
+        }
+        self.bodies.find(body).map(Some).map_err(|error| Error { argument, ..error })
+    }
+
+    fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
+        edit(&mut self.joints[slot].def);
+        for index in self.joints[slot].bodies.into_iter().flatten() {
+            self.wake_body(index);
+        }
+    }
+
+    /// Starts all joints of a body from nothing, as after a teleport.
+    pub(super) fn forget_joints_of(&mut self, index: u32) {
+        for id in self.bodies[index].joints.clone() {
+            if let Ok(slot) = self.joints.find(id) {
+                self.joints[slot].forget_impulses();
+            }
+        }
+    }
+
+    fn end(&self, joint: &Joint, side: usize) -> End {
+        let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
+        match joint.bodies[side] {
+            None => End { origin: frame.position, lever: Vec3::ZERO, frame: frame.rotation },
+            Some(index) => {
+                let body = &self.bodies[index];
+                let lever = body.rotation * (frame.position.as_vec3() - body.local_center);
+                End { origin: body.center, lever, frame: body.rotation * frame.rotation }
+            }
+        }
+    }
+
+    fn velocity(&self, joint: &Joint, side: usize) -> (Vec3, Vec3) {
+        joint.bodies[side].map_or((Vec3::ZERO, Vec3::ZERO), |index| {
+            let body = &self.bodies[index];
+            (body.linear_velocity, body.angular_velocity)
+        })
+    }
+}
+
+/// One side of a joint in world axes.
+struct End {
+    origin: DVec3,
+    lever: Vec3,
+    frame: Quat,
+}

@@ -1,0 +1,211 @@
+//! Stage that fills the batches from the world's records and solves them, side by side where there are threads.
+
+use glam::{DVec3, Quat, Vec3};
+use rayon::prelude::*;
+
+use super::World;
+use crate::body::{Body, BodyKind};
+use crate::collide::collider::Collider;
+use crate::collide::pairs::{PairCache, WorldManifold};
+use crate::id::{BodyId, JointId, Pool, ShapeId};
+use crate::joint::{Joint, JointImpulses};
+use crate::solve::StepSettings;
+use crate::solve::batch::Batch;
+use crate::solve::contact::{ContactImpulses, ContactInput};
+use crate::solve::joint::JointEntry;
+use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
+
+/// Relative difference of principal moments below which a body is taken as round.
+const ROUND: f32 = 1.0e-5;
+
+/// Everything that a batch reads.
+struct Records<'a> {
+    bodies: &'a Pool<Body, BodyId>,
+    colliders: &'a Pool<Collider, ShapeId>,
+    pairs: &'a PairCache,
+    joints: &'a Pool<Joint, JointId>,
+    place: &'a [(u32, u32)],
+    gravity: Vec3,
+    /// Ratio of this step's substep to the last one's, by which carried multipliers grow.
+    impulse_scale: f32,
+}
+
+impl World {
+    /// Fills every batch, prepares its rows and moves its bodies through the step.
+    pub(super) fn solve_batches(&mut self, dt: f32) {
+        let settings = StepSettings {
+            dt,
+            substeps: self.def.substeps,
+            iterations: self.def.iterations,
+            restitution_threshold: self.def.restitution_threshold,
+        };
+        let substep = dt / self.def.substeps as f32;
+        let records = Records {
+            bodies: &self.bodies,
+            colliders: &self.colliders,
+            pairs: &self.pairs,
+            joints: &self.joints,
+            place: &self.groups.place,
+            gravity: self.def.gravity,
+            impulse_scale: if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 },
+        };
+        let work = |batch: &mut Batch| {
+            records.fill(batch);
+            batch.solve(records.joints, &settings);
+        };
+        let batches = &mut self.batches[..self.batch_count];
+        match &self.threads {
+            Some(pool) if batches.len() > 1 => pool.install(|| batches.par_iter_mut().for_each(work)),
+            _ => batches.iter_mut().for_each(work),
+        }
+        self.last_substep = substep;
+        self.last_dt = dt;
+    }
+}
+
+impl Records<'_> {
+    fn fill(&self, batch: &mut Batch) {
+        batch.load_bodies(|index| self.body_state(index));
+        self.fill_contacts(batch);
+        self.fill_joints(batch);
+    }
+
+    fn body_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
+        let body = &self.bodies[index];
+        let velocity = BodyVelocity {
+            linear: body.linear_velocity,
+            inverse_mass: body.inverse_mass() * crate::body::free_axes(body.locked_axes.translation),
+            angular: body.angular_velocity,
+            inverse_inertia: Symmetric::from_mat3(body.world_inverse_inertia()),
+        };
+        let mass = body.mass.as_ref();
+        let inertia = mass.map_or(Vec3::ONE, |mass| mass.principal_inertia);
+        let round = inertia.max_element() - inertia.min_element() <= ROUND * inertia.max_element();
+        let motion = BodyMotion {
+            rotation: body.rotation,
+            acceleration: self.gravity * body.gravity_scale + body.force * body.inverse_mass(),
+            torque: body.torque,
+            linear_damping: body.linear_damping,
+            angular_damping: body.angular_damping,
+            inertia,
+            inertia_frame: mass.map_or(Quat::IDENTITY, |mass| mass.inertia_frame),
+            free_rotation: crate::body::free_axes(body.locked_axes.rotation),
+            kind: match body.kind {
+                BodyKind::Static => MotionKind::Fixed,
+                BodyKind::Kinematic => MotionKind::Kinematic,
+                BodyKind::Dynamic if round => MotionKind::Round,
+                BodyKind::Dynamic => MotionKind::Tumbling,
+            },
+            jointed: !body.joints.is_empty(),
+            ..BodyMotion::FIXED
+        };
+        (velocity, motion)
+    }
+
+    /// Slot of a body in a batch: its own, a replica where it is kinematic and moves, or that of the world.
+    fn slot(&self, batch: &mut Batch, index: u32) -> u32 {
+        let body = &self.bodies[index];
+        match body.kind {
+            BodyKind::Dynamic if body.is_mover() => self.place[index as usize].1,
+            BodyKind::Kinematic if body.is_mover() => batch.replica(index, || self.body_state(index)),
+            _ => WORLD_SLOT,
+        }
+    }
+
+    fn fill_contacts(&self, batch: &mut Batch) {
+        let mut ends = std::mem::take(&mut batch.ends);
+        ends.clear();
+        for number in 0..batch.manifolds.len() {
+            let (a, b) = self.pairs.get(batch.manifolds[number].0).key.shapes();
+            let slot_a = self.slot(batch, self.colliders[a].body);
+            let slot_b = self.slot(batch, self.colliders[b].body);
+            ends.push((slot_a, slot_b));
+        }
+        batch.color_contacts(&ends);
+        for (number, &(slot_a, slot_b)) in ends.iter().enumerate() {
+            let (slot, manifold) = batch.manifolds[number];
+            let pair = self.pairs.get(slot);
+            let carried = &pair.manifolds[manifold as usize];
+            let (a, b) = pair.key.shapes();
+            let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
+            let bodies = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
+            let world = WorldManifold::new(&carried.geometry, (shape_a, bodies.0), (shape_b, bodies.1));
+            let input = ContactInput {
+                a: slot_a,
+                b: slot_b,
+                normal: world.normal,
+                lever_a: world.lever_a,
+                lever_b: world.lever_b,
+                separation: carried.geometry.points.map(|point| point.separation),
+                count: carried.geometry.count as usize,
+                material: pair.material,
+                impulses: scaled(&carried.impulses, self.impulse_scale),
+            };
+            batch.set_contact(number, &input);
+        }
+        batch.ends = ends;
+    }
+
+    fn fill_joints(&self, batch: &mut Batch) {
+        for number in 0..batch.joint_slots.len() {
+            let slot = batch.joint_slots[number];
+            let joint = &self.joints[slot];
+            let (a, b) = (self.joint_end(batch, joint, 0), self.joint_end(batch, joint, 1));
+            batch.joints.entries.push(JointEntry {
+                joint: slot,
+                a: a.slot,
+                b: b.slot,
+                offset: (b.origin - a.origin).as_vec3(),
+                local_lever: [a.lever, b.lever],
+                local_frame: [a.frame, b.frame],
+                impulses: scaled_joint(&joint.impulses, self.impulse_scale),
+                linear_sum: Vec3::ZERO,
+                angular_sum: Vec3::ZERO,
+            });
+        }
+        let Batch { joints, coloring, motions, .. } = batch;
+        joints.sort_by_color(coloring, motions);
+    }
+
+    fn joint_end(&self, batch: &mut Batch, joint: &Joint, side: usize) -> JointEnd {
+        let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
+        let Some(index) = joint.bodies[side] else {
+            return JointEnd { slot: WORLD_SLOT, origin: frame.position, lever: Vec3::ZERO, frame: frame.rotation };
+        };
+        let body = &self.bodies[index];
+        let slot = self.slot(batch, index);
+        if slot == WORLD_SLOT {
+            let world = body.pose().transform(frame);
+            return JointEnd { slot, origin: world.position, lever: Vec3::ZERO, frame: world.rotation };
+        }
+        let lever = frame.position.as_vec3() - body.local_center;
+        JointEnd { slot, origin: body.center, lever, frame: frame.rotation }
+    }
+}
+
+/// One side of a joint: what it hangs on, and its frame there.
+struct JointEnd {
+    slot: u32,
+    /// World position that displacements count from (m).
+    origin: DVec3,
+    /// Joint point from there, in the body's frame (m).
+    lever: Vec3,
+    frame: Quat,
+}
+
+fn scaled(impulses: &ContactImpulses, factor: f32) -> ContactImpulses {
+    ContactImpulses {
+        normal: impulses.normal.map(|lambda| lambda * factor),
+        friction: impulses.friction * factor,
+        twist: impulses.twist * factor,
+        rolling: impulses.rolling * factor,
+    }
+}
+
+fn scaled_joint(impulses: &JointImpulses, factor: f32) -> JointImpulses {
+    JointImpulses {
+        point: impulses.point * factor,
+        angular: impulses.angular * factor,
+        scalar: impulses.scalar.map(|lambda| lambda * factor),
+    }
+}

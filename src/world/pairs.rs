@@ -1,0 +1,143 @@
+//! Stages of a step that find pairs of shapes and bring their contacts up to date.
+
+use parry3d::bounding_volume::BoundingVolume;
+use rayon::prelude::*;
+
+use super::World;
+use crate::body::Body;
+use crate::collide::broad::still_near;
+use crate::collide::collider::Collider;
+use crate::collide::pairs::{Fate, Pair, PairKey, PairScratch};
+use crate::id::{BodyId, JointId, Pool, ShapeId};
+use crate::joint::Joint;
+use crate::material::PairMaterial;
+
+/// Active pairs below which the narrow phase stays on one thread.
+const MIN_PARALLEL_PAIRS: usize = 256;
+
+impl World {
+    /// Brings the boxes of what moves up to date and the list of active pairs with them.
+    pub(super) fn find_pairs(&mut self, dt: f32) {
+        let gravity = self.def.gravity.length();
+        for &index in &self.movers {
+            let body = &self.bodies[index];
+            for &id in &body.shapes {
+                let Ok(shape) = self.colliders.find(id) else { continue };
+                let collider = &mut self.colliders[shape];
+                let bound = collider.motion_bound(body, gravity, dt) + collider.fat_margin();
+                let tight = collider.world_box(body, bound);
+                if !collider.fat_box.is_some_and(|kept| kept.contains(&tight)) {
+                    let kept = tight.loosened(collider.fat_margin());
+                    collider.fat_box = Some(kept);
+                    self.broad.set(shape, kept);
+                }
+            }
+        }
+        self.drop_distant_pairs();
+        self.add_new_pairs();
+    }
+
+    fn drop_distant_pairs(&mut self) {
+        let Self { pairs, colliders, bodies, events, .. } = self;
+        pairs.retain_active(|key, _, pair| {
+            let (a, b) = key.shapes();
+            let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
+            let moves = bodies[shape_a.body].is_mover() || bodies[shape_b.body].is_mover();
+            if moves && still_near(&shape_a.fat_box, &shape_b.fat_box) {
+                return Fate::Stay;
+            }
+            if pair.in_contact {
+                events.contact_ended.push(contact_pair(colliders, bodies, key));
+            }
+            Fate::Drop
+        });
+    }
+
+    fn add_new_pairs(&mut self) {
+        let Self { broad, colliders, bodies, joints, pairs, scratch, .. } = self;
+        scratch.candidates.clear();
+        broad.refresh(|shape| colliders.get(shape).and_then(|collider| collider.fat_box), &mut scratch.candidates);
+        scratch.keys.clear();
+        for &(a, b) in &scratch.candidates {
+            if may_collide(&colliders[a], &colliders[b], bodies, joints) {
+                scratch.keys.push(PairKey::new(a, b));
+            }
+        }
+        scratch.keys.sort_unstable();
+        scratch.keys.dedup();
+        pairs.activate_new(&scratch.keys, |key| {
+            let (a, b) = key.shapes();
+            PairMaterial::combine(&colliders[a].material, &colliders[b].material)
+        });
+    }
+
+    /// Makes or follows the contacts of every active pair.
+    pub(super) fn update_contacts(&mut self, dt: f32) {
+        let Self { pairs, colliders, bodies, scratch, threads, def, report, .. } = self;
+        let active = pairs.active().len();
+        let update = |pair: &mut Pair, scratch: &mut PairScratch| {
+            let (a, b) = pair.key.shapes();
+            let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
+            let (body_a, body_b) = (&bodies[shape_a.body], &bodies[shape_b.body]);
+            let motion = relative_motion((shape_a, body_a), (shape_b, body_b), def.gravity, dt);
+            pair.update((shape_a, body_a), (shape_b, body_b), motion, scratch);
+        };
+        match threads {
+            Some(pool) if active >= MIN_PARALLEL_PAIRS => pool.install(|| {
+                pairs.slots_mut().par_iter_mut().with_min_len(32).filter(|pair| pair.is_active()).for_each_init(PairScratch::default, |scratch, pair| {
+                    update(pair, scratch);
+                });
+            }),
+            _ => pairs.for_each_active(|pair| update(pair, &mut scratch.pair)),
+        }
+        let updated = pairs.active().iter().filter(|&&(_, slot)| pairs.get(slot).updated).count();
+        report.counts.pairs = active as u32;
+        report.counts.pairs_updated = updated as u32;
+        report.counts.pairs_reused = (active - updated) as u32;
+    }
+}
+
+/// How far two shapes can move against each other in a step (m).
+fn relative_motion(a: (&Collider, &Body), b: (&Collider, &Body), gravity: glam::Vec3, dt: f32) -> f32 {
+    let fall = |body: &Body| if body.is_dynamic() && body.is_mover() { body.gravity_scale } else { 0.0 };
+    let closing = b.1.linear_velocity - a.1.linear_velocity + gravity * ((fall(b.1) - fall(a.1)) * dt);
+    let turning = |(collider, body): (&Collider, &Body)| body.angular_velocity.length() * collider.reach;
+    (closing.length() + turning(a) + turning(b)) * dt
+}
+
+/// Whether a pair of shapes belongs among the active pairs.
+pub(super) fn may_collide(a: &Collider, b: &Collider, bodies: &Pool<Body, BodyId>, joints: &Pool<Joint, JointId>) -> bool {
+    if a.body == b.body || !a.filter.accepts(&b.filter) {
+        return false;
+    }
+    let (body_a, body_b) = (&bodies[a.body], &bodies[b.body]);
+    (body_a.is_dynamic() || body_b.is_dynamic())
+        && (body_a.is_mover() || body_b.is_mover())
+        && !(body_a.quarantined || body_b.quarantined)
+        && !kept_apart(body_a, body_b, b.body, joints)
+}
+
+/// Whether a joint between two bodies forbids that they collide.
+fn kept_apart(a: &Body, b: &Body, b_index: u32, joints: &Pool<Joint, JointId>) -> bool {
+    let fewer = if a.joints.len() <= b.joints.len() { a } else { b };
+    fewer.joints.iter().filter_map(|&id| joints.find(id).ok()).any(|slot| {
+        let joint = &joints[slot];
+        let other_is_there = joint.bodies.contains(&Some(b_index)) && a.joints.iter().any(|&id| joints.find(id) == Ok(slot));
+        other_is_there && !joint.def.collide_connected
+    })
+}
+
+/// Handles of a pair of shapes.
+pub(super) fn contact_pair(
+    colliders: &Pool<Collider, ShapeId>,
+    bodies: &Pool<Body, BodyId>,
+    key: PairKey,
+) -> crate::report::ContactPair {
+    let (a, b) = key.shapes();
+    crate::report::ContactPair {
+        shape_a: colliders.handle_of(a),
+        shape_b: colliders.handle_of(b),
+        body_a: bodies.handle_of(colliders[a].body),
+        body_b: bodies.handle_of(colliders[b].body),
+    }
+}

@@ -1,0 +1,132 @@
+//! Reading bodies and shapes.
+
+use glam::{DVec3, Vec3};
+
+use super::World;
+use crate::body::BodyKind;
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::{BodyId, JointId, ShapeId};
+use crate::mass::MassProperties;
+use crate::pose::Pose;
+
+/// Every getter here fails only if its handle is not an object of this world.
+impl World {
+    /// Number of bodies.
+    pub fn body_count(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Number of shapes.
+    pub fn shape_count(&self) -> usize {
+        self.colliders.len()
+    }
+
+    /// Number of joints.
+    pub fn joint_count(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Number of dynamic bodies awake.
+    pub fn awake_body_count(&self) -> usize {
+        self.bodies.iter().filter(|(_, body)| body.is_dynamic() && body.is_mover()).count()
+    }
+
+    /// Every body, by slot.
+    pub fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
+        self.bodies.iter().map(|(slot, _)| self.bodies.handle_of(slot))
+    }
+
+    /// How the body moves.
+    pub fn body_kind(&self, body: BodyId) -> Result<BodyKind> {
+        Ok(self.bodies[self.bodies.find(body)?].kind)
+    }
+
+    /// The body's frame.
+    pub fn pose(&self, body: BodyId) -> Result<Pose> {
+        Ok(self.bodies[self.bodies.find(body)?].pose())
+    }
+
+    /// The frames of many bodies at once.
+    ///
+    /// # Errors
+    /// `out` is not as long as `ids`, or a handle is not a body of this world; nothing is written then.
+    pub fn poses_into(&self, ids: &[BodyId], out: &mut [Pose]) -> Result<()> {
+        if ids.len() != out.len() {
+            return Err(Error::new(ErrorKind::OutOfRange, "out", "is not as long as the list of bodies"));
+        }
+        for &id in ids {
+            self.bodies.find(id)?;
+        }
+        for (&id, pose) in ids.iter().zip(out) {
+            *pose = self.pose(id)?;
+        }
+        Ok(())
+    }
+
+    /// World position of the centre of mass (m).
+    pub fn center_of_mass(&self, body: BodyId) -> Result<DVec3> {
+        Ok(self.bodies[self.bodies.find(body)?].center)
+    }
+
+    /// Mass properties; `None` for bodies that are not dynamic.
+    pub fn mass_properties(&self, body: BodyId) -> Result<Option<MassProperties>> {
+        Ok(self.bodies[self.bodies.find(body)?].mass)
+    }
+
+    /// Velocity of the centre of mass (m/s).
+    pub fn linear_velocity(&self, body: BodyId) -> Result<Vec3> {
+        Ok(self.bodies[self.bodies.find(body)?].linear_velocity)
+    }
+
+    /// Angular velocity (rad/s).
+    pub fn angular_velocity(&self, body: BodyId) -> Result<Vec3> {
+        Ok(self.bodies[self.bodies.find(body)?].angular_velocity)
+    }
+
+    /// The host's word on the body.
+    pub fn user_word(&self, body: BodyId) -> Result<u64> {
+        Ok(self.bodies[self.bodies.find(body)?].user_word)
+    }
+
+    /// The body's shapes, in the order they were attached.
+    pub fn body_shapes(&self, body: BodyId) -> Result<&[ShapeId]> {
+        Ok(&self.bodies[self.bodies.find(body)?].shapes)
+    }
+
+    /// The body's joints, in the order they were made.
+    pub fn body_joints(&self, body: BodyId) -> Result<&[JointId]> {
+        Ok(&self.bodies[self.bodies.find(body)?].joints)
+    }
+
+    /// The body that a shape is on.
+    pub fn shape_body(&self, shape: ShapeId) -> Result<BodyId> {
+        Ok(self.bodies.handle_of(self.colliders[self.colliders.find(shape)?].body))
+    }
+
+    /// The host's word on the shape.
+    pub fn shape_user_word(&self, shape: ShapeId) -> Result<u64> {
+        Ok(self.colliders[self.colliders.find(shape)?].user_word)
+    }
+
+    /// Hash of the poses and velocities of all bodies, bit for bit (FNV-1a over their slots in order).
+    pub fn state_hash(&self) -> u64 {
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        let mut mix = |word: u64| {
+            for byte in word.to_le_bytes() {
+                hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+            }
+        };
+        for (slot, body) in self.bodies.iter() {
+            mix(u64::from(slot));
+            for x in body.center.to_array() {
+                mix(x.to_bits());
+            }
+            let rotation = body.rotation.to_array();
+            let velocities = [body.linear_velocity, body.angular_velocity].map(|v| v.to_array());
+            for x in rotation.into_iter().chain(velocities.into_iter().flatten()) {
+                mix(u64::from(x.to_bits()));
+            }
+        }
+        hash
+    }
+}

@@ -1,0 +1,150 @@
+//! Attaching, changing and destroying shapes.
+
+use super::World;
+use crate::body::BodyKind;
+use crate::collide::collider::Collider;
+use crate::collide::pairs::Fate;
+use crate::error::Result;
+use crate::id::{BodyId, ShapeId};
+use crate::mass;
+use crate::material::{Material, PairMaterial};
+use crate::shape::{CollisionFilter, ShapeDef};
+
+impl World {
+    /// Adds a shape to a body; the body's mass follows unless it was set outright.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world; a field of `def` is out of range; the shape cannot be on a dynamic body.
+    pub fn attach_shape(&mut self, body: BodyId, def: &ShapeDef) -> Result<ShapeId> {
+        let index = self.bodies.find(body)?;
+        let dynamic = self.bodies[index].kind == BodyKind::Dynamic;
+        let def = def.clone().checked(dynamic)?;
+        let mass = if dynamic {
+            let mut defs = self.shape_defs(index);
+            defs.push(def.clone());
+            Some(mass::resolve(self.bodies[index].mass_source, &defs)?)
+        } else {
+            None
+        };
+        let id = self.add_collider(index, &def)?;
+        self.apply_mass(index, mass);
+        self.wake_around(index);
+        self.note_mover(index);
+        Ok(id)
+    }
+
+    /// Takes a shape off its body; the body's mass follows unless it was set outright.
+    ///
+    /// # Errors
+    /// The handle is not a shape of this world; without the shape a dynamic body would have no mass.
+    pub fn destroy_shape(&mut self, shape: ShapeId) -> Result<()> {
+        let slot = self.colliders.find_to_destroy(shape)?;
+        let index = self.colliders[slot].body;
+        let mass = if self.bodies[index].is_dynamic() {
+            let mut defs = self.shape_defs(index);
+            defs.remove(self.bodies[index].shapes.iter().position(|&id| id == shape).unwrap_or(0));
+            Some(mass::resolve(self.bodies[index].mass_source, &defs)?)
+        } else {
+            None
+        };
+        self.wake_around(index);
+        self.remove_collider(slot);
+        self.apply_mass(index, mass);
+        Ok(())
+    }
+
+    /// Gives a shape another surface.
+    ///
+    /// # Errors
+    /// The handle is not a shape of this world; a coefficient is out of range.
+    pub fn set_material(&mut self, shape: ShapeId, material: Material) -> Result<()> {
+        material.check()?;
+        let slot = self.colliders.find(shape)?;
+        let body = self.colliders[slot].body;
+        self.wake_body(body);
+        self.wake_around(body);
+        self.colliders[slot].material = material;
+        let Self { pairs, colliders, .. } = self;
+        pairs.for_each_active(|pair| {
+            let (a, b) = pair.key.shapes();
+            if a == slot || b == slot {
+                pair.material = PairMaterial::combine(&colliders[a].material, &colliders[b].material);
+            }
+        });
+        Ok(())
+    }
+
+    /// Gives a shape another filter.
+    ///
+    /// # Errors
+    /// The handle is not a shape of this world.
+    pub fn set_filter(&mut self, shape: ShapeId, filter: CollisionFilter) -> Result<()> {
+        let slot = self.colliders.find(shape)?;
+        let body = self.colliders[slot].body;
+        self.wake_body(body);
+        self.wake_around(body);
+        self.colliders[slot].filter = filter;
+        self.drop_pairs_of_shape(slot);
+        self.broad.revisit(slot);
+        Ok(())
+    }
+
+    pub(super) fn add_collider(&mut self, index: u32, def: &ShapeDef) -> Result<ShapeId> {
+        let body = &self.bodies[index];
+        let collider = Collider::new(index, def, body.local_center);
+        let (slot, id) = self.colliders.insert(collider)?;
+        self.bodies[index].shapes.push(id);
+        self.refresh_box(slot);
+        Ok(id)
+    }
+
+    pub(super) fn remove_collider(&mut self, slot: u32) {
+        self.drop_pairs_of_shape(slot);
+        self.broad.remove(slot);
+        let id = self.colliders.handle_of(slot);
+        if let Some(collider) = self.colliders.remove(slot) {
+            self.bodies[collider.body].shapes.retain(|&other| other != id);
+        }
+    }
+
+    /// Gives up the pairs of a shape, whose bodies are awake or not dynamic.
+    fn drop_pairs_of_shape(&mut self, slot: u32) {
+        let Self { pairs, events, colliders, bodies, .. } = self;
+        pairs.retain_active(|key, _, pair| {
+            let (a, b) = key.shapes();
+            if a != slot && b != slot {
+                return Fate::Stay;
+            }
+            if pair.in_contact {
+                events.contact_ended.push(super::pairs::contact_pair(colliders, bodies, key));
+            }
+            Fate::Drop
+        });
+    }
+
+    /// Gives up all pairs of a body; those that still hold are found again in the next step.
+    pub(super) fn forget_contacts_of(&mut self, index: u32) {
+        for id in self.bodies[index].shapes.clone() {
+            if let Ok(slot) = self.colliders.find(id) {
+                self.drop_pairs_of_shape(slot);
+                self.broad.revisit(slot);
+            }
+        }
+    }
+
+    /// Brings the kept boxes of a body to where it is now.
+    pub(super) fn refresh_boxes(&mut self, index: u32) {
+        for id in self.bodies[index].shapes.clone() {
+            if let Ok(slot) = self.colliders.find(id) {
+                self.refresh_box(slot);
+            }
+        }
+    }
+
+    fn refresh_box(&mut self, slot: u32) {
+        let collider = &self.colliders[slot];
+        let kept = collider.world_box(&self.bodies[collider.body], 2.0 * collider.fat_margin());
+        self.colliders[slot].fat_box = Some(kept);
+        self.broad.set(slot, kept);
+    }
+}

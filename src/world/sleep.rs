@@ -1,0 +1,187 @@
+//! Sleep and wake: whole islands, with the pairs between their bodies.
+
+use super::World;
+use crate::body::{BodyKind, SleepState};
+use crate::collide::pairs::Fate;
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::BodyId;
+use crate::island::SleepingIsland;
+
+impl World {
+    /// Whether a body is awake; static and kinematic bodies always are.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world.
+    pub fn is_awake(&self, body: BodyId) -> Result<bool> {
+        Ok(self.bodies[self.bodies.find(body)?].is_awake())
+    }
+
+    /// Wakes a body and its island.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world.
+    pub fn wake(&mut self, body: BodyId) -> Result<()> {
+        let index = self.bodies.find(body)?;
+        self.wake_body(index);
+        Ok(())
+    }
+
+    /// Puts a dynamic body to sleep with everything it touched or was jointed to in the last step.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world; [`ErrorKind::NotApplicable`] if the body is not dynamic.
+    pub fn put_to_sleep(&mut self, body: BodyId) -> Result<()> {
+        let index = self.bodies.find(body)?;
+        if !self.bodies[index].is_dynamic() {
+            return Err(Error::new(ErrorKind::NotApplicable, "body", "only dynamic bodies sleep"));
+        }
+        if self.bodies[index].is_awake() {
+            self.settle_movers();
+            self.group_islands();
+            let island = self.groups.island[index as usize];
+            let members = self.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();
+            self.put_island_to_sleep(members);
+            self.settle_movers();
+        }
+        Ok(())
+    }
+
+    /// Wakes the island of a body, or starts its time of quiet anew.
+    pub(super) fn wake_body(&mut self, index: u32) {
+        match self.bodies[index].sleep {
+            SleepState::Awake { .. } => self.bodies[index].sleep = SleepState::Awake { quiet_for: 0.0 },
+            SleepState::Asleep { island } => {
+                let island = self.sleeping.take(island);
+                for &member in &island.bodies {
+                    let body = &mut self.bodies[member];
+                    body.sleep = SleepState::Awake { quiet_for: 0.0 };
+                    for &id in &body.shapes {
+                        if let Ok(shape) = self.colliders.find(id) {
+                            self.broad.revisit(shape);
+                        }
+                    }
+                }
+                self.movers.extend_from_slice(&island.bodies);
+                self.movers_sorted = false;
+                self.pairs.activate_kept(&island.pairs);
+            }
+        }
+        if self.bodies[index].is_mover() {
+            self.movers.push(index);
+            self.movers_sorted = false;
+        }
+    }
+
+    pub(super) fn wake_all(&mut self) {
+        let asleep: Vec<u32> = self.bodies.iter().filter(|(_, body)| !body.is_awake()).map(|(index, _)| index).collect();
+        for index in asleep {
+            self.wake_body(index);
+        }
+    }
+
+    /// Wakes everything whose box meets that of a shape of this body.
+    pub(super) fn wake_around(&mut self, index: u32) {
+        let mut near = Vec::new();
+        for &id in &self.bodies[index].shapes {
+            if let Ok(shape) = self.colliders.find(id)
+                && let Some(region) = self.colliders[shape].fat_box
+            {
+                near.extend(self.broad.overlapping(&region).map(|other| self.colliders[other].body));
+            }
+        }
+        near.sort_unstable();
+        near.dedup();
+        for other in near {
+            if !self.bodies[other].is_awake() {
+                self.wake_body(other);
+            }
+        }
+    }
+
+    /// Drops from the list of movers what no longer moves, and sorts it.
+    pub(super) fn settle_movers(&mut self) {
+        if self.movers_sorted {
+            return;
+        }
+        let Self { movers, bodies, .. } = self;
+        movers.sort_unstable();
+        movers.dedup();
+        movers.retain(|&index| bodies.get(index).is_some_and(crate::body::Body::is_mover));
+        self.movers_sorted = true;
+    }
+
+    /// Counts the quiet time of every island and puts those to sleep that have been quiet for long enough.
+    pub(super) fn put_quiet_islands_to_sleep(&mut self, dt: f32) {
+        if !self.def.sleep.enabled {
+            return;
+        }
+        let mut sleepy = Vec::new();
+        let limits = self.def.sleep;
+        let Self { groups, bodies, .. } = self;
+        for members in groups.islands() {
+            let mut quiet = f32::INFINITY;
+            for &index in members {
+                let body = &mut bodies[index];
+                let slow = body.linear_velocity.length() <= limits.linear_speed && body.angular_velocity.length() <= limits.angular_speed;
+                if let SleepState::Awake { quiet_for } = &mut body.sleep {
+                    *quiet_for = if slow && body.can_sleep { *quiet_for + dt } else { 0.0 };
+                    quiet = quiet.min(*quiet_for);
+                }
+            }
+            if quiet >= limits.time && !members.is_empty() {
+                sleepy.push(members.to_vec());
+            }
+        }
+        sleepy.retain(|members| !self.rests_on_a_mover(members));
+        for members in sleepy {
+            self.put_island_to_sleep(members);
+        }
+    }
+
+    /// Whether a kinematic body that moves touches or holds one of these bodies.
+    fn rests_on_a_mover(&self, members: &[u32]) -> bool {
+        let moves = |index: u32| self.bodies[index].kind == BodyKind::Kinematic && self.bodies[index].is_mover();
+        let jointed = members.iter().flat_map(|&index| &self.bodies[index].joints).filter_map(|&id| self.joints.find(id).ok());
+        if jointed.flat_map(|slot| self.joints[slot].bodies).flatten().any(moves) {
+            return true;
+        }
+        self.movers.iter().any(|&index| self.bodies[index].kind == BodyKind::Kinematic)
+            && self.pairs.active().iter().any(|&(key, slot)| {
+                let (a, b) = key.shapes();
+                let (a, b) = (self.colliders[a].body, self.colliders[b].body);
+                self.pairs.get(slot).may_touch
+                    && ((moves(a) && members.binary_search(&b).is_ok()) || (moves(b) && members.binary_search(&a).is_ok()))
+            })
+    }
+
+    fn put_island_to_sleep(&mut self, members: Vec<u32>) {
+        for &index in &members {
+            let body = &mut self.bodies[index];
+            body.linear_velocity = glam::Vec3::ZERO;
+            body.angular_velocity = glam::Vec3::ZERO;
+        }
+        let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new() });
+        for &index in &members {
+            self.bodies[index].sleep = SleepState::Asleep { island: number };
+        }
+        let Self { pairs, colliders, bodies, .. } = self;
+        let mut kept = Vec::new();
+        pairs.retain_active(|key, slot, _| {
+            let (a, b) = key.shapes();
+            let (a, b) = (colliders[a].body, colliders[b].body);
+            if bodies[a].is_mover() || bodies[b].is_mover() {
+                return Fate::Stay;
+            }
+            let ours = |index: u32| bodies[index].sleep == SleepState::Asleep { island: number };
+            let still = |index: u32| !bodies[index].is_dynamic();
+            if (ours(a) && (ours(b) || still(b))) || (ours(b) && still(a)) {
+                kept.push(slot);
+                return Fate::Store;
+            }
+            // Between two sleeping islands: found again when either wakes.
+            Fate::Drop
+        });
+        self.sleeping.set_pairs(number, kept);
+        self.movers_sorted = false;
+    }
+}

@@ -1,0 +1,208 @@
+//! Stages after the solve: results back into the world's records, fast bodies stopped, events listed.
+
+use glam::Vec3;
+
+use super::World;
+use super::pairs::contact_pair;
+use crate::body::{Body, BodyKind};
+use crate::collide::sweep::{self, PathStart};
+use crate::report::{JointOverload, Moved};
+
+impl World {
+    /// Writes poses, velocities and multipliers back.
+    pub(super) fn store_results(&mut self, dt: f32) {
+        self.scratch.paths.clear();
+        for number in 0..self.batch_count {
+            self.store_bodies(number);
+            self.store_contacts(number, dt);
+            self.store_joints(number, dt);
+            let batch = &self.batches[number];
+            let (report, residuals) = (&mut self.report.counts, &mut self.report.residuals);
+            report.colors = report.colors.max(batch.color_count);
+            residuals.joint_gap = residuals.joint_gap.max(batch.joint_gap);
+            residuals.penetration = residuals.penetration.max(batch.penetration);
+        }
+        self.finish_kinematic_bodies(dt);
+        self.report.counts.bodies_asleep = self.sleeping.body_count() as u32;
+    }
+
+    fn store_bodies(&mut self, number: usize) {
+        let mut broken = std::mem::take(&mut self.scratch.slots);
+        broken.clear();
+        let batch = &self.batches[number];
+        for slot in 1..batch.bodies.len() {
+            let index = batch.bodies[slot];
+            let body = &mut self.bodies[index];
+            if body.kind != BodyKind::Dynamic {
+                continue;
+            }
+            let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
+            body.force = Vec3::ZERO;
+            body.torque = Vec3::ZERO;
+            body.contact_force = Vec3::ZERO;
+            let finite = motion.displacement.is_finite()
+                && motion.rotation.is_finite()
+                && velocity.linear.is_finite()
+                && velocity.angular.is_finite()
+                && (body.center + motion.displacement.as_dvec3()).abs().max_element() <= crate::check::MAX_COORDINATE;
+            if !finite {
+                broken.push(index);
+                continue;
+            }
+            if body.fast {
+                self.scratch.paths.push((index, PathStart { center: body.center, rotation: body.rotation }));
+            }
+            body.center += motion.displacement.as_dvec3();
+            body.rotation = motion.rotation;
+            body.linear_velocity = velocity.linear;
+            body.angular_velocity = velocity.angular;
+        }
+        for &index in &broken {
+            self.quarantine(index);
+        }
+        self.scratch.slots = broken;
+    }
+
+    fn store_contacts(&mut self, number: usize, dt: f32) {
+        let substep = dt / self.def.substeps as f32;
+        let Self { batches, pairs, colliders, bodies, .. } = self;
+        let batch = &batches[number];
+        for (i, &(slot, manifold)) in batch.manifolds.iter().enumerate() {
+            let pair = pairs.get_mut(slot);
+            let impulses = batch.contact_impulses(i);
+            let carried = &mut pair.manifolds[manifold as usize];
+            if !impulses.normal.iter().sum::<f32>().is_finite() || !impulses.friction.is_finite() {
+                pair.forget_impulses();
+                continue;
+            }
+            carried.impulses = impulses;
+            let (a, b) = pair.key.shapes();
+            let normal = batch.contact_normal(i);
+            let force = (normal * impulses.normal.iter().sum::<f32>() + impulses.friction) / substep;
+            bodies[colliders[a].body].contact_force -= force;
+            bodies[colliders[b].body].contact_force += force;
+        }
+    }
+
+    fn store_joints(&mut self, number: usize, dt: f32) {
+        let Self { batches, joints, events, .. } = self;
+        for entry in &batches[number].joints.entries {
+            let handle = joints.handle_of(entry.joint);
+            let joint = &mut joints[entry.joint];
+            joint.impulses = entry.impulses;
+            joint.force = entry.linear_sum / dt;
+            joint.torque = entry.angular_sum / dt;
+            if !joint.force.is_finite() || !joint.torque.is_finite() || !entry.impulses.is_finite() {
+                joint.forget_impulses();
+                continue;
+            }
+            let (force, torque) = (joint.force.length(), joint.torque.length());
+            if force > joint.def.break_force || torque > joint.def.break_torque {
+                events.overloaded.push(JointOverload { joint: handle, user_word: joint.def.user_word, force, torque });
+            }
+        }
+    }
+
+    /// Takes a body out of the simulation where it last was, at rest, and says so.
+    fn quarantine(&mut self, index: u32) {
+        let body = &mut self.bodies[index];
+        body.linear_velocity = Vec3::ZERO;
+        body.angular_velocity = Vec3::ZERO;
+        body.quarantined = true;
+        self.events.quarantined.push(self.bodies.handle_of(index));
+        self.forget_contacts_of(index);
+        self.movers_sorted = false;
+    }
+
+    /// Kinematic bodies end where they were told to be.
+    fn finish_kinematic_bodies(&mut self, dt: f32) {
+        for &index in &self.movers {
+            let body = &mut self.bodies[index];
+            if body.kind != BodyKind::Kinematic {
+                continue;
+            }
+            if let Some(target) = body.target.take() {
+                body.set_pose(target);
+            } else {
+                body.center += body.linear_velocity.as_dvec3() * f64::from(dt);
+                let turn = body.angular_velocity * dt;
+                body.rotation = rotated_far(body.rotation, turn);
+            }
+        }
+    }
+
+    /// Sweeps bodies flagged fast along the path of the step and stops them at what they would have passed through.
+    pub(super) fn stop_fast_bodies(&mut self) {
+        for number in 0..self.scratch.paths.len() {
+            let (index, start) = self.scratch.paths[number];
+            if let Some(fraction) = self.first_touch(index, &start) {
+                let body = &mut self.bodies[index];
+                body.center = start.center.lerp(body.center, f64::from(fraction));
+            }
+        }
+    }
+
+    fn first_touch(&self, index: u32, start: &PathStart) -> Option<f32> {
+        let body = &self.bodies[index];
+        let mut first: Option<f32> = None;
+        for &id in &body.shapes {
+            let collider = &self.colliders[self.colliders.find(id).ok()?];
+            if !sweep::is_long(collider, body, start) {
+                continue;
+            }
+            let path = sweep::path_box(collider, body, start);
+            for other in self.broad.overlapping(&path) {
+                let other_shape = &self.colliders[other];
+                if self.may_meet(collider, other_shape) {
+                    let other_body: &Body = &self.bodies[other_shape.body];
+                    if let Some(fraction) = sweep::first_touch(collider, body, start, other_shape, other_body) {
+                        first = Some(first.map_or(fraction, |least| least.min(fraction)));
+                    }
+                }
+            }
+        }
+        first
+    }
+
+    /// Lists pairs whose contact began or ended.
+    pub(super) fn report_contacts(&mut self) {
+        let Self { pairs, colliders, bodies, events, .. } = self;
+        for number in 0..pairs.active().len() {
+            let (key, slot) = pairs.active()[number];
+            let pair = pairs.get_mut(slot);
+            let now = pair.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
+            if now != pair.in_contact {
+                pair.in_contact = now;
+                let list = if now { &mut events.contact_began } else { &mut events.contact_ended };
+                list.push(contact_pair(colliders, bodies, key));
+            }
+        }
+    }
+
+    /// Lists every body that moved.
+    pub(super) fn list_moved(&mut self) {
+        let Self { movers, bodies, events, report, .. } = self;
+        for &index in movers.iter() {
+            let body = &bodies[index];
+            if body.quarantined {
+                continue;
+            }
+            events.moved.push(Moved {
+                body: bodies.handle_of(index),
+                user_word: body.user_word,
+                pose: body.pose(),
+                linear_velocity: body.linear_velocity,
+                angular_velocity: body.angular_velocity,
+                fell_asleep: !body.is_awake(),
+            });
+        }
+        report.counts.moved = events.moved.len() as u32;
+        self.movers_sorted = false;
+    }
+}
+
+/// As the solver's rotation of one substep, but for any angle: in pieces of less than a radian.
+fn rotated_far(rotation: glam::Quat, turn: Vec3) -> glam::Quat {
+    let pieces = turn.length().ceil().max(1.0);
+    (0..pieces as u32).fold(rotation, |rotation, _| crate::solve::integrate::rotated(rotation, turn / pieces))
+}
