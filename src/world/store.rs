@@ -112,6 +112,7 @@ impl World {
         body.quarantined = true;
         self.events.quarantined.push(self.bodies.handle_of(index));
         self.forget_contacts_of(index);
+        self.events.take_edits();
         self.movers_sorted = false;
     }
 
