@@ -4,6 +4,7 @@ use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, BodyId, JointDef, JointKind, Limits, Mass, MassProperties, Motor, Pose};
 
 use crate::chain::add_chain;
+use crate::impact::add_wall_and_ball;
 use crate::metrics::{EndSpeeds, EnergyGrowth, Escaped, Held, HingeOvershoot, JointGap, Metric, NotFinite, Overlap, PeakSpeed};
 use crate::params::{Params, SceneError};
 use crate::pile::add_pit;
@@ -158,13 +159,9 @@ fn size(scene: &mut Scene, random: &mut Random) -> Result<Bounds, SceneError> {
 
 fn speed(scene: &mut Scene, random: &mut Random) -> Result<Bounds, SceneError> {
     scene.world.gravity = Vec3::ZERO;
-    scene.body(BodyDef::fixed(Pose::IDENTITY).with_shape(cuboid(0.05, 50.0, 50.0)?));
-    let mut def = BodyDef::dynamic(Pose::at_xyz(-10.0 - random.unit(), 0.0, 0.0)).with_shape(ball(0.05)?);
-    def.linear_velocity = Vec3::X * random.log_between(1.0, 1.0e3);
-    def.fast = true;
+    let start = -10.0 - random.unit();
+    let (def, before_wall) = add_wall_and_ball(scene, 0.05, start, random.log_between(1.0, 1.0e3))?;
     scene.body(def);
-    let far = 1.0e5;
-    let before_wall = Escaped::from(DVec3::splat(-far), DVec3::new(0.0, far, far));
     Ok(Bounds::default().and(before_wall, &[("escaped", 0.0)]).and(EnergyGrowth::default(), &ENERGY))
 }
 
