@@ -78,7 +78,7 @@ fn find(name: &str) -> Result<&'static Entry, SceneError> {
 
 fn far_origin(params: &mut Params) -> Result<Scene, SceneError> {
     let offset = params.number("offset_km", 10.0, 0.0..=1.0e5)?;
-    let of = params.word("of", &["hanging_chain", "pile", "tower"])?;
+    let of = params.word("of", &["hanging_chain", "pile", "tower", "projectile"])?;
     let mut scene = (find(of)?.build)(params)?;
     // Along all axes, so that no coordinate is spared.
     scene.origin = DVec3::ONE.normalize() * offset * 1000.0;

@@ -55,7 +55,7 @@ pub(crate) fn free_cluster(params: &mut Params) -> Result<Scene, SceneError> {
         (2, JointKind::Fixed),
         (0, JointKind::Prismatic { limits: slide, motor: Motor::Off }),
         (1, swing),
-        (2, JointKind::Distance { limits: Limits::new(0.3, 0.7), spring_length: None, motor: Motor::Off }),
+        (2, JointKind::Distance { limits: Limits::new(0.3, 0.9), spring_length: None, motor: Motor::Off }),
         (3, generic),
     ];
     for (index, (a, kind)) in kinds.into_iter().enumerate() {
