@@ -26,6 +26,7 @@
 
 #![forbid(unsafe_op_in_unsafe_fn)]
 
+mod balance;
 mod body;
 mod check;
 mod collide;

@@ -2,14 +2,15 @@
 //!
 //! A pair is *active* while one of its bodies can move by itself; the pairs of a sleeping island are kept by the island.
 
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 use parry3d::math::Pose3;
 
 use super::collider::{Collider, contact_margin};
-use super::narrow::{self, Manifold, Scratch};
+use super::narrow::{self, Manifold, ManifoldPoint, Scratch};
+use crate::balance::{LoadedPoint, balance};
 use crate::body::Body;
 use crate::material::PairMaterial;
-use crate::solve::contact::ContactImpulses;
+use crate::solve::contact::{ContactImpulses, tangents};
 
 /// Two shapes' slots, the lower first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -56,8 +57,8 @@ const REUSE_ROTATION: f32 = 1.0e-4;
 /// Factor on relative motion in the margin that manifolds are made for, so that a slightly greater speed does not remake them.
 const MARGIN_RESERVE: f32 = 1.5;
 
-/// Distance between old and new contact point on A's surface, over the shape's extent, at which they are taken for the same.
-const SAME_POINT: f32 = 0.02;
+/// Share of the old multipliers that matching features must have taken for them to be kept point by point.
+const ALL_TAKEN: f32 = 0.999;
 
 impl Pair {
     fn new(key: PairKey, material: PairMaterial) -> Self {
@@ -84,7 +85,7 @@ impl Pair {
         if self.updated {
             let margin = still + motion * MARGIN_RESERVE;
             narrow::collide(&a.0.shape, &b.0.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
-            self.carry_over(&scratch.manifolds, a.0.least_extent);
+            self.carry_over(&scratch.manifolds);
             self.made_for = Some((relative, margin));
         } else {
             self.follow(&relative);
@@ -125,12 +126,11 @@ impl Pair {
     }
 
     /// Takes new manifolds, with the multipliers of the old points that they continue.
-    fn carry_over(&mut self, fresh: &[Manifold], extent: f32) {
-        let reach = (extent * SAME_POINT).max(1.0e-5);
+    fn carry_over(&mut self, fresh: &[Manifold]) {
         let old_count = self.manifolds.len();
         for manifold in fresh {
             let old = self.manifolds[..old_count].iter().find(|old| old.geometry.part == manifold.part);
-            let impulses = old.map_or(ContactImpulses::default(), |old| continued(old, manifold, reach));
+            let impulses = old.map_or(ContactImpulses::default(), |old| continued(old, manifold));
             self.manifolds.push(CarriedManifold { geometry: *manifold, impulses });
         }
         self.manifolds.drain(..old_count);
@@ -144,31 +144,46 @@ impl Pair {
     }
 }
 
-/// Multipliers of `old` for the points of `new`: matched by feature, or else by place.
-fn continued(old: &CarriedManifold, new: &Manifold, reach: f32) -> ContactImpulses {
-    let mut impulses = ContactImpulses { normal: [0.0; 4], ..old.impulses };
+/// Multipliers of `old` for the points of `new`: point by point where features match, or else the same force and moments.
+///
+/// Two faces cross in up to eight points, of which four are kept; which four may change with the last bit. A point that took
+/// its multiplier with it would leave the others to find the load again, and a tower shakes itself down.
+fn continued(old: &CarriedManifold, new: &Manifold) -> ContactImpulses {
     let old_points = &old.geometry.points[..old.geometry.count as usize];
-    let mut taken = [false; 4];
-    let mut open = [true; 4];
-    for (i, point) in new.points[..new.count as usize].iter().enumerate() {
-        if let Some(j) = old_points.iter().position(|old| old.feature == point.feature)
-            && !taken[j]
-        {
-            impulses.normal[i] = old.impulses.normal[j];
-            (taken[j], open[i]) = (true, false);
+    let new_points = &new.points[..new.count as usize];
+    let mut impulses = ContactImpulses { normal: [0.0; 4], ..old.impulses };
+    let mut taken = 0.0;
+    for (point, normal) in new_points.iter().zip(&mut impulses.normal) {
+        if let Some(j) = old_points.iter().position(|old| old.feature == point.feature) {
+            *normal = old.impulses.normal[j];
+            taken += *normal;
         }
     }
-    for (i, point) in new.points[..new.count as usize].iter().enumerate().filter(|&(i, _)| open[i]) {
-        let near = |j: &usize| !taken[*j] && (old_points[*j].on_a - point.on_a).length_squared() < reach * reach;
-        if let Some(j) = (0..old_points.len()).find(near) {
-            impulses.normal[i] = old.impulses.normal[j];
-            taken[j] = true;
-        }
-    }
-    if impulses.normal == [0.0; 4] {
+    let total: f32 = old.impulses.normal[..old_points.len()].iter().sum();
+    if total == 0.0 {
         return ContactImpulses::default();
     }
+    if taken < total * ALL_TAKEN {
+        impulses.normal = spread(old, new_points);
+    }
     impulses
+}
+
+/// The old multipliers' force and moments on the new points.
+fn spread(old: &CarriedManifold, new_points: &[ManifoldPoint]) -> [f32; 4] {
+    let (u, v) = tangents(old.geometry.normal);
+    let column = |point: &ManifoldPoint| DVec3::new(1.0, f64::from(point.on_a.dot(u)), f64::from(point.on_a.dot(v)));
+    let old_points = &old.geometry.points[..old.geometry.count as usize];
+    // About the centre of the new points, so that the moments are those of small levers.
+    let center = new_points.iter().map(column).sum::<DVec3>() / new_points.len() as f64;
+    let about_center = |point: &ManifoldPoint| column(point) - DVec3::new(0.0, center.y, center.z);
+    let demand = old_points.iter().zip(&old.impulses.normal).map(|(point, &lambda)| about_center(point) * f64::from(lambda)).sum();
+    let mut loaded = [LoadedPoint::new(DVec3::ZERO); 4];
+    for (loaded, point) in loaded.iter_mut().zip(new_points) {
+        *loaded = LoadedPoint::new(about_center(point));
+    }
+    balance(&mut loaded[..new_points.len()], demand);
+    loaded.map(|point| point.force as f32)
 }
 
 /// Buffers that one thread of the narrow phase reuses.

@@ -130,10 +130,10 @@ impl Batch {
         }
     }
 
-    /// Prepares the rows of the manifold with this number.
-    pub(crate) fn set_contact(&mut self, number: usize, input: &ContactInput) {
+    /// Prepares the rows of the manifold with this number; points closer than `reach` (m) count as touching.
+    pub(crate) fn set_contact(&mut self, number: usize, input: &ContactInput, reach: f32) {
         let (block, lane) = self.lanes[number];
-        self.contacts[block as usize].set_lane(lane as usize, input, &self.velocities);
+        self.contacts[block as usize].set_lane(lane as usize, input, &self.velocities, reach);
     }
 
     /// Multipliers of the manifold with this number.

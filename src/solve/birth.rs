@@ -3,27 +3,20 @@
 //! A sweep carries load through one contact at a time, so a column built at rest would first sink under multipliers of zero,
 //! then rebound. Where bodies at rest stand on contacts that have no history, this pass walks down from the top, and splits each
 //! body's weight and what it carries over the points under it: of all λ ≥ 0 along the normals that balance force along gravity
-//! and moment about the two horizontal axes, those of least norm (an active set of points, normal equations in `f64`). The sweeps
-//! start from there. What moves, or has multipliers already, is left alone, so nothing is held up that must fall.
+//! and moment about the two horizontal axes, those of least norm. The sweeps start from there. What moves, or has multipliers already, is left alone, so nothing is held up that must fall.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::batch::Batch;
 use super::contact::{LANES, POINTS};
 use super::state::WORLD_SLOT;
+use crate::balance::{LoadedPoint, balance};
 
 /// Least cosine between a contact's normal and the vertical for it to support.
 const MIN_SUPPORT_COSINE: f32 = 0.3;
 
 /// Relative normal speed above which a contact is an impact (m/s).
 const MAX_REST_SPEED: f32 = 0.05;
-
-/// Passes in which points that would pull are taken out.
-const ACTIVE_SET_PASSES: usize = 5;
-
-/// Regularisation of the balance, per point: of the force row, and of the moment rows relative to squared levers.
-const FORCE_REGULARISATION: f64 = 1.0e-9;
-const MOMENT_REGULARISATION: f64 = 1.0e-6;
 
 /// Buffers of the pass.
 #[derive(Debug, Default)]
@@ -37,6 +30,8 @@ pub(crate) struct Birth {
     load: Vec<(DVec3, DVec3)>,
     queue: Vec<u32>,
     points: Vec<Point>,
+    /// Force along the vertical and moments about the horizontal axes per unit of λ of each point, and its λ/h.
+    loaded: Vec<LoadedPoint>,
 }
 
 /// A manifold through which `upper` stands on `lower`.
@@ -55,10 +50,6 @@ struct Point {
     index: usize,
     normal: DVec3,
     lever_lower: DVec3,
-    /// Force along the vertical and moments about the horizontal axes per unit of λ.
-    column: DVec3,
-    force: f64,
-    active: bool,
 }
 
 impl Birth {
@@ -160,6 +151,7 @@ impl Birth {
         }
 
         self.points.clear();
+        self.loaded.clear();
         let reach = motion.acceleration.length() * h * h;
         for support in &self.supports[self.first[slot as usize] as usize..self.first[slot as usize + 1] as usize] {
             let (block, lane) = (&batch.contacts[support.block as usize], support.lane as usize);
@@ -175,81 +167,18 @@ impl Birth {
                 let turning = upper.as_dvec3().cross(normal);
                 let column = DVec3::new(normal.dot(up), turning.dot(axes[0]), turning.dot(axes[1]));
                 let lever_lower = lower.as_dvec3();
-                self.points.push(Point { support: *support, index, normal, lever_lower, column, force: 0.0, active: true });
+                self.points.push(Point { support: *support, index, normal, lever_lower });
+                self.loaded.push(LoadedPoint::new(column));
             }
         }
-        balance(&mut self.points, demand);
-        for point in &self.points {
+        balance(&mut self.loaded, demand);
+        for (point, loaded) in self.points.iter().zip(&self.loaded) {
             let Support { block, lane, lower, .. } = point.support;
-            batch.contacts[block as usize].lambda[point.index][lane as usize] = (point.force * f64::from(h)) as f32;
-            let push = -point.normal * point.force;
+            batch.contacts[block as usize].lambda[point.index][lane as usize] = (loaded.force * f64::from(h)) as f32;
+            let push = -point.normal * loaded.force;
             let load = &mut self.load[lower as usize];
             load.0 += push;
             load.1 += point.lever_lower.cross(push);
         }
-    }
-}
-
-/// Forces of least norm, none pulling, whose columns add up to `demand`.
-fn balance(points: &mut [Point], demand: DVec3) {
-    for _ in 0..ACTIVE_SET_PASSES {
-        let mut matrix = DMat3::ZERO;
-        let (mut count, mut reach) = (0.0, 0.0);
-        for point in points.iter().filter(|point| point.active) {
-            let c = point.column;
-            matrix += DMat3::from_cols(c * c.x, c * c.y, c * c.z);
-            count += 1.0;
-            reach += c.y * c.y + c.z * c.z;
-        }
-        if count == 0.0 {
-            return;
-        }
-        let moment = MOMENT_REGULARISATION * reach.max(f64::MIN_POSITIVE);
-        matrix += DMat3::from_diagonal(DVec3::new(FORCE_REGULARISATION * count, moment, moment));
-        let multiplier = matrix.inverse() * demand;
-        if !multiplier.is_finite() {
-            points.iter_mut().for_each(|point| point.force = 0.0);
-            return;
-        }
-        let mut pulls = false;
-        for point in points.iter_mut() {
-            point.force = if point.active { point.column.dot(multiplier).max(0.0) } else { 0.0 };
-            if point.active && point.column.dot(multiplier) < 0.0 {
-                point.active = false;
-                pulls = true;
-            }
-        }
-        if !pulls {
-            return;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn point(x: f64, z: f64) -> Point {
-        let support = Support { upper: 1, lower: 0, block: 0, lane: 0 };
-        let column = DVec3::new(1.0, -z, x);
-        Point { support, index: 0, normal: DVec3::Y, lever_lower: DVec3::ZERO, column, force: 0.0, active: true }
-    }
-
-    #[test]
-    fn a_weight_off_centre_loads_the_near_corners_by_the_lever_rule() {
-        let mut points = [point(-1.0, -1.0), point(1.0, -1.0), point(-1.0, 1.0), point(1.0, 1.0)];
-        // 10 N at x = 0.5 m.
-        balance(&mut points, DVec3::new(10.0, 0.0, 5.0));
-        let forces = points.map(|point| point.force);
-        for (force, expected) in forces.iter().zip([1.25, 3.75, 1.25, 3.75]) {
-            assert!((force - expected).abs() < 1e-4, "{forces:?} N");
-        }
-    }
-
-    #[test]
-    fn no_point_pulls_on_an_overhang() {
-        let mut points = [point(-1.0, -1.0), point(1.0, -1.0), point(-1.0, 1.0), point(1.0, 1.0)];
-        balance(&mut points, DVec3::new(10.0, 0.0, 20.0));
-        assert!(points.iter().all(|point| point.force >= 0.0), "{:?} N", points.map(|point| point.force));
     }
 }

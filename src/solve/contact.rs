@@ -10,7 +10,7 @@
 //!
 //! Points and normal are those of the start of the step; separations follow the bodies' displacements linearly.
 
-use glam::{Mat2, Mat4, Vec3};
+use glam::{Mat2, Mat4, Vec2, Vec3, Vec4};
 
 use super::state::{BodyMotion, BodyVelocity};
 use crate::material::PairMaterial;
@@ -135,8 +135,8 @@ impl ContactBlock {
         has_restitution: false,
     };
 
-    /// Prepares one manifold in lane `l`.
-    pub(crate) fn set_lane(&mut self, l: usize, input: &ContactInput, velocities: &[BodyVelocity]) {
+    /// Prepares one manifold in lane `l`; points closer than `reach` (m) count as touching.
+    pub(crate) fn set_lane(&mut self, l: usize, input: &ContactInput, velocities: &[BodyVelocity], reach: f32) {
         let (a, b) = (&velocities[input.a as usize], &velocities[input.b as usize]);
         let (inertia_a, inertia_b) = (a.inverse_inertia.to_mat3(), b.inverse_inertia.to_mat3());
         let inverse_mass = a.inverse_mass + b.inverse_mass;
@@ -176,6 +176,9 @@ impl ContactBlock {
         }
 
         self.set_inverse(l, count);
+        if count == POINTS {
+            self.level(l, reach);
+        }
 
         let inverse_count = 1.0 / count as f32;
         let center_a = input.lever_a[..count].iter().sum::<Vec3>() * inverse_count;
@@ -208,6 +211,34 @@ impl ContactBlock {
         if input.material.restitution > 0.0 {
             self.has_restitution = true;
             self.restitution[l] = input.material.restitution;
+        }
+    }
+
+    /// Evens out the load of four touching points in lane `l` without changing its force or moments.
+    ///
+    /// Four points of a face have one combination ν of multipliers that does nothing: Σν = 0, Σν r = 0. Where some of them
+    /// overlap by a micrometre and others gape by one, their rows contradict each other along ν, and the sweeps would shift the
+    /// load along it until two points carry all and the face rocks on a diagonal.
+    fn level(&mut self, l: usize, reach: f32) {
+        if (0..POINTS).any(|i| self.separation[i][l] > reach) {
+            return;
+        }
+        let (n, t1) = (get(&self.normal, l), get(&self.tangent, l));
+        let t2 = n.cross(t1);
+        let p: [Vec2; POINTS] = std::array::from_fn(|i| {
+            let lever = get(&self.lever_a[i], l);
+            Vec2::new(lever.dot(t1), lever.dot(t2))
+        });
+        let area = |a: Vec2, b: Vec2, c: Vec2| (b - a).perp_dot(c - a);
+        let idle = Vec4::new(area(p[1], p[2], p[3]), -area(p[0], p[2], p[3]), area(p[0], p[1], p[3]), -area(p[0], p[1], p[2]));
+        let Some(idle) = idle.try_normalize() else { return };
+        let lambda = Vec4::from_array(std::array::from_fn(|i| self.lambda[i][l]));
+        let shift = idle * idle.dot(lambda);
+        let least = (lambda - shift).min_element();
+        if least >= 0.0 {
+            for i in 0..POINTS {
+                self.lambda[i][l] = lambda[i] - shift[i];
+            }
         }
     }
 

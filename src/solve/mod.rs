@@ -47,9 +47,9 @@ impl Batch {
             self.apply_forces(h);
             self.joints.prepare(joints, &mut self.velocities, &self.motions, h);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
-            for _ in 0..settings.iterations {
+            for iteration in 0..settings.iterations {
                 self.joints.sweep(&mut self.velocities);
-                contact_kernels::sweep(&mut self.contacts, &mut self.velocities);
+                contact_kernels::sweep(&mut self.contacts, &mut self.velocities, iteration % 2 == 1);
             }
             self.joints.keep_impulses();
             self.advance(h);

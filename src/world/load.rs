@@ -26,6 +26,8 @@ struct Records<'a> {
     joints: &'a Pool<Joint, JointId>,
     place: &'a [(u32, u32)],
     gravity: Vec3,
+    /// Gap that gravity closes within a substep (m).
+    reach: f32,
     /// Ratio of this step's substep to the last one's, by which carried multipliers grow.
     impulse_scale: f32,
 }
@@ -48,6 +50,7 @@ impl World {
             joints: &self.joints,
             place: &self.groups.place,
             gravity: self.def.gravity,
+            reach: self.def.gravity.length() * substep * substep,
             impulse_scale: if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 },
         };
         let work = |batch: &mut Batch| {
@@ -143,7 +146,7 @@ impl Records<'_> {
                 material: pair.material,
                 impulses: scaled(&carried.impulses, self.impulse_scale),
             };
-            batch.set_contact(number, &input);
+            batch.set_contact(number, &input, self.reach);
         }
         batch.ends = ends;
     }

@@ -1,0 +1,89 @@
+//! Balance of a load on points that can only push: of all λ ≥ 0 that add up to a force and two moments, those of least norm.
+//!
+//! Normal equations of the three balance rows in `f64`, with an active set: points that would pull are taken out, a few times.
+
+use glam::{DMat3, DVec3};
+
+/// Passes in which points that would pull are taken out.
+const ACTIVE_SET_PASSES: usize = 5;
+
+/// Regularisation per point: of the force row, and of the moment rows relative to the squared levers.
+const FORCE_REGULARISATION: f64 = 1.0e-9;
+const MOMENT_REGULARISATION: f64 = 1.0e-6;
+
+/// A point that takes part in a balance.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LoadedPoint {
+    /// Force and two moments per unit of λ.
+    column: DVec3,
+    /// λ.
+    pub force: f64,
+    active: bool,
+}
+
+impl LoadedPoint {
+    pub(crate) fn new(column: DVec3) -> Self {
+        Self { column, force: 0.0, active: true }
+    }
+}
+
+/// Sets the points' forces so that their columns add up to `demand`, as nearly as pushing can.
+pub(crate) fn balance(points: &mut [LoadedPoint], demand: DVec3) {
+    for _ in 0..ACTIVE_SET_PASSES {
+        let mut matrix = DMat3::ZERO;
+        let (mut count, mut reach) = (0.0, 0.0);
+        for point in points.iter().filter(|point| point.active) {
+            let c = point.column;
+            matrix += DMat3::from_cols(c * c.x, c * c.y, c * c.z);
+            count += 1.0;
+            reach += c.y * c.y + c.z * c.z;
+        }
+        if count == 0.0 {
+            return;
+        }
+        let moment = MOMENT_REGULARISATION * reach.max(f64::MIN_POSITIVE);
+        matrix += DMat3::from_diagonal(DVec3::new(FORCE_REGULARISATION * count, moment, moment));
+        let multiplier = matrix.inverse() * demand;
+        if !multiplier.is_finite() {
+            points.iter_mut().for_each(|point| point.force = 0.0);
+            return;
+        }
+        let mut pulls = false;
+        for point in points.iter_mut() {
+            let force = point.column.dot(multiplier);
+            point.force = if point.active { force.max(0.0) } else { 0.0 };
+            if point.active && force < 0.0 {
+                point.active = false;
+                pulls = true;
+            }
+        }
+        if !pulls {
+            return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [(f64, f64); 4] = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+
+    #[test]
+    fn a_weight_off_centre_loads_the_near_corners_by_the_lever_rule() {
+        let mut points = CORNERS.map(|(x, z)| LoadedPoint::new(DVec3::new(1.0, -z, x)));
+        // 10 N at x = 0.5 m.
+        balance(&mut points, DVec3::new(10.0, 0.0, 5.0));
+        let forces = points.map(|point| point.force);
+        for (force, expected) in forces.iter().zip([1.25, 3.75, 1.25, 3.75]) {
+            assert!((force - expected).abs() < 1e-4, "{forces:?} N");
+        }
+    }
+
+    #[test]
+    fn no_point_pulls_on_an_overhang() {
+        let mut points = CORNERS.map(|(x, z)| LoadedPoint::new(DVec3::new(1.0, -z, x)));
+        balance(&mut points, DVec3::new(10.0, 0.0, 20.0));
+        assert!(points.iter().all(|point| point.force >= 0.0), "{:?} N", points.map(|point| point.force));
+    }
+}
