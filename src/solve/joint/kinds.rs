@@ -49,7 +49,12 @@ impl RowSink<'_> {
             Held::All => g.gradient.a.lever,
             Held::Across(_) => g.gradient.a.lever + g.gradient.gap,
         };
-        let error = Error3 { start: g.start.gap, predicted: g.predicted.gap };
+        // Where B slides, the error is what A sees of it: in world axes A's turning would move a gap along the free direction.
+        let seen = |placement: &Placement| match held {
+            Held::All => placement.gap,
+            Held::Across(_) => g.gradient.a.frame * placement.local_gap(),
+        };
+        let error = Error3 { start: seen(&g.start), predicted: seen(&g.predicted) };
         let give = Give::new(self.def.linear, self.phase);
         let levers = [lever_a, g.gradient.b.lever];
         self.point = Some(BlockRow::point(self.bodies, levers, error, held, give, self.impulses.point));
