@@ -44,10 +44,11 @@ impl RowSink<'_> {
     /// Holds the joint points together in the directions `held`.
     pub(crate) fn hold_points(&mut self, held: Held) {
         let g = self.geometry;
-        // Where a direction stays free, B's point slides in A's frame and A is turned by what acts there.
-        let lever_a = match held {
-            Held::All => g.gradient.a.lever,
-            Held::Across(_) => g.gradient.a.lever + g.gradient.gap,
+        // Both bodies are pushed at one point, so that a gap costs no angular momentum: halfway between the joint points, or where
+        // B's point slides in A's frame, there.
+        let (lever_a, lever_b) = match held {
+            Held::All => (g.gradient.a.lever + 0.5 * g.gradient.gap, g.gradient.b.lever - 0.5 * g.gradient.gap),
+            Held::Across(_) => (g.gradient.a.lever + g.gradient.gap, g.gradient.b.lever),
         };
         // Where B slides, the error is what A sees of it: in world axes A's turning would move a gap along the free direction.
         let seen = |placement: &Placement| match held {
@@ -56,7 +57,7 @@ impl RowSink<'_> {
         };
         let error = Error3 { start: seen(&g.start), predicted: seen(&g.predicted) };
         let give = Give::new(self.def.linear, self.phase);
-        let levers = [lever_a, g.gradient.b.lever];
+        let levers = [lever_a, lever_b];
         self.point = Some(BlockRow::point(self.bodies, levers, error, held, give, self.impulses.point));
     }
 
