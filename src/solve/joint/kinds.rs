@@ -98,17 +98,21 @@ impl RowSink<'_> {
                 self.scalar(jacobian.reversed(), Demand::AtLeast(error), give, id + 1);
             }
         }
-        self.drive(jacobian, start, predicted, motor, id + 2);
+        self.drive(jacobian, start, predicted, limits, motor, id + 2);
     }
 
-    fn drive(&mut self, jacobian: Jacobian, start: f32, predicted: f32, motor: Motor, id: u8) {
+    fn drive(&mut self, jacobian: Jacobian, start: f32, predicted: f32, limits: Limits, motor: Motor, id: u8) {
         match motor {
             Motor::Off => {}
             Motor::Velocity { target, max_force } => {
-                let demand = Demand::Speed { target, max_impulse: max_force * self.phase.h() };
+                // A motor that pushed on past the joint's own stop would fight it, without end if its force has none.
+                let h = self.phase.h();
+                let (least, most) = ((limits.min - start).min(0.0) / h, (limits.max - start).max(0.0) / h);
+                let demand = Demand::Speed { target: target.clamp(least, most), max_impulse: max_force * h };
                 self.scalar(jacobian, demand, Give::rigid(self.phase), id);
             }
             Motor::Position { target, softness, max_force } => {
+                let target = target.clamp(limits.min, limits.max);
                 let error = Error1 { start: start - target, predicted: predicted - target };
                 let demand = Demand::Drive { error, max_impulse: max_force * self.phase.h() };
                 self.scalar(jacobian, demand, Give::new(softness, self.phase), id);
