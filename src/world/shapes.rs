@@ -107,7 +107,7 @@ impl World {
         }
     }
 
-    /// Gives up the pairs of a shape, whose bodies are awake or not dynamic.
+    /// Gives up the pairs of a shape, whose bodies are awake or not dynamic; contacts that end so are the next step's events.
     fn drop_pairs_of_shape(&mut self, slot: u32) {
         let Self { pairs, events, colliders, bodies, .. } = self;
         pairs.retain_active(|key, _, pair| {
@@ -116,7 +116,7 @@ impl World {
                 return Fate::Stay;
             }
             if pair.in_contact {
-                events.contact_ended.push(super::pairs::contact_pair(colliders, bodies, key));
+                events.ended_by_edits.push(super::pairs::contact_pair(colliders, bodies, key));
             }
             Fate::Drop
         });

@@ -8,6 +8,9 @@ use crate::body::{Body, BodyKind};
 use crate::collide::sweep::{self, PathStart};
 use crate::report::{JointOverload, Moved};
 
+/// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
+const ROTATION_TOLERANCE: f32 = 1.0e-3;
+
 impl World {
     /// Writes poses, velocities and multipliers back.
     pub(super) fn store_results(&mut self, dt: f32) {
@@ -44,7 +47,7 @@ impl World {
             body.torque = Vec3::ZERO;
             body.contact_force = Vec3::ZERO;
             let finite = motion.displacement.is_finite()
-                && motion.rotation.is_finite()
+                && (motion.rotation.length_squared() - 1.0).abs() < ROTATION_TOLERANCE
                 && velocity.linear.is_finite()
                 && velocity.angular.is_finite()
                 && (body.center + motion.displacement.as_dvec3()).abs().max_element() <= crate::check::MAX_COORDINATE;
@@ -112,6 +115,7 @@ impl World {
         body.quarantined = true;
         self.events.quarantined.push(self.bodies.handle_of(index));
         self.forget_contacts_of(index);
+        self.events.take_edits();
         self.movers_sorted = false;
     }
 
