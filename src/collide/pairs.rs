@@ -51,8 +51,8 @@ pub(crate) struct Pair {
 }
 
 /// Relative motion below which manifolds are kept: translation over the smaller shape's least extent, and rotation (rad).
-const REUSE_TRANSLATION: f32 = 1.0e-4;
-const REUSE_ROTATION: f32 = 1.0e-4;
+const REUSE_TRANSLATION: f32 = 5.0e-4;
+const REUSE_ROTATION: f32 = 5.0e-4;
 
 /// Factor on relative motion in the margin that manifolds are made for, so that a slightly greater speed does not remake them.
 const MARGIN_RESERVE: f32 = 1.5;
@@ -75,16 +75,15 @@ impl Pair {
     }
 
     /// Brings the manifolds up to date with the bodies' poses.
-    pub(crate) fn update(&mut self, a: (&Collider, &Body), b: (&Collider, &Body), motion: f32, scratch: &mut PairScratch) {
-        let still = contact_margin(a.0, b.0);
-        let (position_a, rotation_a) = a.0.world_pose(a.1);
-        let (position_b, rotation_b) = b.0.world_pose(b.1);
+    pub(crate) fn update(&mut self, a: &Collider, b: &Collider, motion: f32, scratch: &mut PairScratch) {
+        let still = contact_margin(a, b);
+        let ((position_a, rotation_a), (position_b, rotation_b)) = (a.place, b.place);
         let inverse_a = rotation_a.conjugate();
         let relative = Pose3::from_parts(inverse_a * (position_b - position_a).as_vec3(), inverse_a * rotation_b);
-        self.updated = !self.still_good(&relative, still + motion, a.0.least_extent.min(b.0.least_extent));
+        self.updated = !self.still_good(&relative, still + motion, a.least_extent.min(b.least_extent));
         if self.updated {
             let margin = still + motion * MARGIN_RESERVE;
-            narrow::collide(&a.0.shape, &b.0.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
+            narrow::collide(&a.shape, &b.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
             self.carry_over(&scratch.manifolds);
             self.made_for = Some((relative, margin));
         } else {
@@ -92,6 +91,14 @@ impl Pair {
         }
         let points = self.manifolds.iter().flat_map(|m| &m.geometry.points[..m.geometry.count as usize]);
         self.may_touch = points.fold(f32::INFINITY, |least, point| least.min(point.separation)) <= motion;
+    }
+
+    /// Takes note that the two cannot touch in this step.
+    pub(crate) fn part(&mut self) {
+        self.manifolds.clear();
+        self.made_for = None;
+        self.may_touch = false;
+        self.updated = false;
     }
 
     /// Whether there are contact points at all.

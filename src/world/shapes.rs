@@ -1,8 +1,10 @@
 //! Attaching, changing and destroying shapes.
 
+use parry3d::bounding_volume::BoundingVolume;
+
 use super::World;
 use crate::body::BodyKind;
-use crate::collide::collider::Collider;
+use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::Fate;
 use crate::error::Result;
 use crate::id::{BodyId, ShapeId};
@@ -142,9 +144,11 @@ impl World {
     }
 
     fn refresh_box(&mut self, slot: u32) {
-        let collider = &self.colliders[slot];
-        let kept = collider.world_box(&self.bodies[collider.body], 2.0 * collider.fat_margin());
-        self.colliders[slot].fat_box = Some(kept);
+        let collider = &mut self.colliders[slot];
+        collider.follow(&self.bodies[collider.body]);
+        collider.tight_box = collider.world_box(own_margin(collider));
+        let kept = collider.tight_box.loosened(collider.fat_margin());
+        collider.fat_box = Some(kept);
         self.broad.set(slot, kept);
     }
 }

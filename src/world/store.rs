@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::World;
 use super::pairs::contact_pair;
-use crate::body::{Body, BodyKind};
+use crate::body::BodyKind;
 use crate::collide::sweep::{self, PathStart};
 use crate::report::{JointOverload, Moved};
 
@@ -62,6 +62,11 @@ impl World {
             body.rotation = motion.rotation;
             body.linear_velocity = velocity.linear;
             body.angular_velocity = velocity.angular;
+            for &id in &body.shapes {
+                if let Ok(shape) = self.colliders.find(id) {
+                    self.colliders[shape].follow(body);
+                }
+            }
         }
         self.broken.append(&mut broken);
         self.scratch.slots = broken;
@@ -133,6 +138,20 @@ impl World {
                 let turn = body.angular_velocity * dt;
                 body.rotation = rotated_far(body.rotation, turn);
             }
+            for &id in &body.shapes {
+                if let Ok(shape) = self.colliders.find(id) {
+                    self.colliders[shape].follow(body);
+                }
+            }
+        }
+    }
+
+    fn shapes_follow(&mut self, index: u32) {
+        let body = &self.bodies[index];
+        for &id in &body.shapes {
+            if let Ok(shape) = self.colliders.find(id) {
+                self.colliders[shape].follow(body);
+            }
         }
     }
 
@@ -143,6 +162,7 @@ impl World {
             if let Some(fraction) = self.first_touch(index, &start) {
                 let body = &mut self.bodies[index];
                 body.center = start.center.lerp(body.center, f64::from(fraction));
+                self.shapes_follow(index);
             }
         }
     }
@@ -159,8 +179,7 @@ impl World {
             for other in self.broad.overlapping(&path) {
                 let other_shape = &self.colliders[other];
                 if self.may_meet(collider, other_shape) {
-                    let other_body: &Body = &self.bodies[other_shape.body];
-                    if let Some(fraction) = sweep::first_touch(collider, body, start, other_shape, other_body) {
+                    if let Some(fraction) = sweep::first_touch(collider, body, start, other_shape) {
                         first = Some(first.map_or(fraction, |least| least.min(fraction)));
                     }
                 }
