@@ -22,6 +22,8 @@ mod axes;
 mod face;
 mod nearest;
 
+use axes::FaceAxis;
+
 /// By how much a later axis must beat an earlier one: relative to the overlap, and to the size of the smaller box.
 const AXIS_LEAD: f32 = 1.0e-4;
 const AXIS_LEAD_OF_SIZE: f32 = 1.0e-5;
@@ -49,41 +51,13 @@ const EDGES: u32 = 1 << 17;
 /// Feature of a lone point found by other means.
 const LONE: u32 = 1 << 18;
 
-/// Box B against box A, by their half extents (m).
-pub(super) fn box_box(a: Vec3, b: Vec3, relative: &Pose3, margin: f32) -> Option<Manifold> {
+/// Box B against box A, by their half extents (m): appends their manifold if they are near.
+pub(super) fn box_box(a: Vec3, b: Vec3, relative: &Pose3, margin: f32, out: &mut Vec<Manifold>) {
     let pair = Pair::new(a, b, relative);
-    let face = pair.best_face(margin)?;
-    let axes = pair.edge_axes();
-    let (to_beat, clear_lead) = (face.separation + pair.lead_over(face.separation), pair.edge_lead_over(face.separation));
-
-    // Nearly always no edges come near to beating the face by as much as they must, and which are best does not matter.
-    let edges_count = axes.greatest() > clear_lead.min(0.0);
-    let mut edges = None;
-    if edges_count {
-        edges = pair.best_edges(&axes, to_beat, margin)?;
-        if let Some(edges) = edges.take_if(|edges| edges.separation > clear_lead) {
-            return pair.on_edges(&edges, relative, margin);
-        }
-    }
-    let mut manifold = Manifold::default();
-    let deepest = pair.on_face(&face, margin, &mut manifold);
-    let facing = deepest <= face.separation + pair.slack(face.separation);
-    if facing {
-        return Some(manifold).filter(|manifold| manifold.count > 0);
-    }
-    if !edges_count {
-        edges = pair.best_edges(&axes, to_beat, margin)?;
-    }
-    match edges {
-        Some(edges) if manifold.count < 2 || deepest > edges.separation + pair.tilt_slack(edges.separation) => {
-            pair.on_edges(&edges, relative, margin)
-        }
-        None if face.separation > 0.0 => {
-            let found = pair.nearest(relative).unwrap_or_else(|| pair.corner_over_face(&face));
-            within(found, margin)
-        }
-        None if manifold.count == 0 => Some(pair.corner_over_face(&face)),
-        _ => Some(manifold),
+    let Some(face) = pair.best_face(margin) else { return };
+    let manifold = Manifold::append(out);
+    if pair.contact(&face, relative, margin, manifold).is_none() {
+        out.pop();
     }
 }
 
@@ -141,6 +115,45 @@ impl Pair {
         }
     }
 
+    /// Fills an empty `manifold`; none if the boxes are further apart than `margin`.
+    #[inline]
+    fn contact(&self, face: &FaceAxis, relative: &Pose3, margin: f32, manifold: &mut Manifold) -> Option<()> {
+        let axes = self.edge_axes();
+        let to_beat = face.separation + self.lead_over(face.separation);
+        let clear_lead = self.edge_lead_over(face.separation);
+
+        // Nearly always no edges come near to beating the face by as much as they must, and which are best does not matter.
+        let edges_count = axes.greatest() > clear_lead.min(0.0);
+        let mut edges = None;
+        if edges_count {
+            edges = self.best_edges(&axes, to_beat, margin)?;
+            if let Some(edges) = edges.take_if(|edges| edges.separation > clear_lead) {
+                *manifold = self.on_edges(&edges, relative, margin)?;
+                return Some(());
+            }
+        }
+        let deepest = self.on_face(face, margin, manifold);
+        let facing = deepest <= face.separation + self.slack(face.separation);
+        if facing {
+            return (manifold.count > 0).then_some(());
+        }
+        if !edges_count {
+            edges = self.best_edges(&axes, to_beat, margin)?;
+        }
+        match edges {
+            Some(edges) if manifold.count < 2 || deepest > edges.separation + self.tilt_slack(edges.separation) => {
+                *manifold = self.on_edges(&edges, relative, margin)?;
+            }
+            None if face.separation > 0.0 => {
+                let found = self.nearest(relative).unwrap_or_else(|| self.corner_over_face(face));
+                *manifold = within(found, margin)?;
+            }
+            None if manifold.count == 0 => *manifold = self.corner_over_face(face),
+            _ => {}
+        }
+        Some(())
+    }
+
     fn lead_over(&self, separation: f32) -> f32 {
         self.lead + AXIS_LEAD * separation.abs()
     }
@@ -189,8 +202,14 @@ mod tests {
 
     const UNIT: Vec3 = Vec3::splat(0.5);
 
+    fn found(a: Vec3, b: Vec3, position: Vec3, rotation: Quat, margin: f32) -> Option<Manifold> {
+        let mut out = Vec::new();
+        box_box(a, b, &Pose3::from_parts(position, rotation), margin, &mut out);
+        out.pop()
+    }
+
     fn contact(a: Vec3, b: Vec3, position: Vec3, rotation: Quat, margin: f32) -> Manifold {
-        box_box(a, b, &Pose3::from_parts(position, rotation), margin).expect("a contact")
+        found(a, b, position, rotation, margin).expect("a contact")
     }
 
     fn features(manifold: &Manifold) -> Vec<u32> {
@@ -261,7 +280,7 @@ mod tests {
         for shift in [0.0, 1e-7, -1e-7, 1e-6, -1e-6, 1e-4, -1e-4] {
             for (offset, turn) in jitters(1e-5) {
                 let position = Vec3::new(1.0 + shift, 0.25, 0.0) + offset;
-                let Some(manifold) = box_box(UNIT, UNIT, &Pose3::from_parts(position, turn), 0.01) else { continue };
+                let Some(manifold) = found(UNIT, UNIT, position, turn, 0.01) else { continue };
                 for point in manifold.contacts() {
                     assert!(point.separation > -2e-4, "{} m at {position}", point.separation);
                 }
@@ -298,7 +317,7 @@ mod tests {
         for point in manifold.contacts() {
             assert!((point.separation - 0.9).abs() < 1e-6, "{} m", point.separation);
         }
-        assert!(box_box(UNIT, UNIT, &Pose3::from_translation(Vec3::new(0.2, -2.1, 0.1)), 1.0).is_none());
+        assert!(found(UNIT, UNIT, Vec3::new(0.2, -2.1, 0.1), Quat::IDENTITY, 1.0).is_none());
     }
 
     #[test]

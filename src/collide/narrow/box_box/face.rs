@@ -59,7 +59,7 @@ impl Pair {
             let Vertex { at, height, .. } = *vertex;
             let from_center = Vec3::new(at.x, at.y, sign * (half.z + height)) - center;
             ManifoldPoint {
-                on_a: turn.from_face(Vec3::new(at.x, at.y, sign * half.z)),
+                on_a: turn.back(Vec3::new(at.x, at.y, sign * half.z)),
                 on_b: Vec3::from_array(axes.map(|axis| axis.dot(from_center))),
                 separation: height,
                 feature,
@@ -132,7 +132,7 @@ impl Turn {
     }
 
     #[inline]
-    fn from_face(self, v: Vec3) -> Vec3 {
+    fn back(self, v: Vec3) -> Vec3 {
         match self.0 {
             0 => Vec3::new(v.z, v.x, v.y),
             1 => Vec3::new(v.y, v.z, v.x),
