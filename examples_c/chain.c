@@ -2,8 +2,8 @@
  *
  *     cc chain.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o chain && ./chain
  *
- * With a file name as argument it also writes one line a body, to draw a picture from:
- * kind, dimensions (half extents, or half height, radius and 0), position, rotation (x y z w). */
+ * ./chain MASS hangs another mass (kg) below it. ./chain MASS FILE also writes one line a body into the file, to draw a picture
+ * from: kind, dimensions (half extents, or half height and radius), position, rotation (x y z w). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +18,6 @@ static const float DT = 1.0f / 60.0f;
 static const float LINK_LENGTH = 0.2f; /* from joint to joint (m) */
 static const float LINK_RADIUS = 0.02f;
 static const float LINK_MASS = 1.0f;
-static const float WEIGHT_MASS = 10000.0f;
 static const float WEIGHT_HALF_EXTENT = 0.5f;
 static const float GRAVITY = 9.81f;
 
@@ -91,7 +90,7 @@ static void write_picture(const char *path, const LsPose *poses, int count)
             const double half = i == 0 ? 0.1 : WEIGHT_HALF_EXTENT;
             fprintf(file, "box %.9g %.9g %.9g", half, half, half);
         } else {
-            fprintf(file, "capsule %.9g %.9g 0", (double)(LINK_LENGTH / 2 - LINK_RADIUS), (double)LINK_RADIUS);
+            fprintf(file, "capsule %.9g %.9g", (double)(LINK_LENGTH / 2 - LINK_RADIUS), (double)LINK_RADIUS);
         }
         fprintf(file, " %.17g %.17g %.17g %.9g %.9g %.9g %.9g\n", p->position[0], p->position[1], p->position[2],
                 p->rotation[0], p->rotation[1], p->rotation[2], p->rotation[3]);
@@ -101,6 +100,7 @@ static void write_picture(const char *path, const LsPose *poses, int count)
 
 int main(int argc, char **argv)
 {
+    const float weight_mass = argc > 1 ? (float)atof(argv[1]) : 10000.0f; /* the library refuses what is not positive */
     LsWorldDef world_def;
     LsShapeDef shape;
     LsWorld world;
@@ -136,7 +136,7 @@ int main(int argc, char **argv)
     shape.kind = LS_SHAPE_BOX;
     shape.half_extents[0] = shape.half_extents[1] = shape.half_extents[2] = WEIGHT_HALF_EXTENT;
     above[LINKS + 1] = WEIGHT_HALF_EXTENT;
-    bodies[LINKS + 1] = create_body(world, LS_BODY_DYNAMIC, &shape, WEIGHT_MASS,
+    bodies[LINKS + 1] = create_body(world, LS_BODY_DYNAMIC, &shape, weight_mass,
                                     -LINKS * (double)LINK_LENGTH - WEIGHT_HALF_EXTENT, 0.2f);
     for (i = 0; i < JOINTS; ++i) {
         LsJoint joint = create_joint(world, bodies[i], below[i], bodies[i + 1], above[i + 1]);
@@ -173,13 +173,13 @@ int main(int argc, char **argv)
     check(ls_joint_state_get(world, top, &state, sizeof state));
     force = sqrt((double)state.force[0] * state.force[0] + (double)state.force[1] * state.force[1] +
                  (double)state.force[2] * state.force[2]);
-    load = ((double)WEIGHT_MASS + LINKS * (double)LINK_MASS) * GRAVITY;
+    load = ((double)weight_mass + LINKS * (double)LINK_MASS) * GRAVITY;
     printf("stretch       %.6f %%\n", 100.0 * (length / rest - 1.0));
     printf("worst gap     %.9f m\n", worst_gap);
     printf("top joint     %.1f N of %.1f N below it (%+.3f %%)\n", force, load, 100.0 * (force / load - 1.0));
     printf("CPU time      %.6f ms a step\n", 1000.0 * cpu / STEPS);
-    if (argc > 1) {
-        write_picture(argv[1], poses, LINKS + 2);
+    if (argc > 2) {
+        write_picture(argv[2], poses, LINKS + 2);
     }
     check(ls_world_destroy(world));
     return 0;

@@ -23,6 +23,9 @@ pub(crate) const POINTS: usize = 4;
 /// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
 const REGULARISATION: f32 = 1.0e-3;
 
+/// Share of its limit below which a friction multiplier is dropped before it becomes denormal.
+pub(crate) const NEGLIGIBLE_FRICTION: f32 = 1.0e-9;
+
 /// One number for each manifold of a block.
 pub(crate) type Lane = [f32; LANES];
 /// One vector for each manifold of a block: x, y, z.
@@ -191,14 +194,16 @@ impl ContactBlock {
                 + center_b.cross(u).dot(inertia_b * center_b.cross(v))
         };
         put_inverse2(&mut self.tangent_mass, l, response(t1, t1), response(t1, t2), response(t2, t2));
-        self.tangent_lambda[0][l] = input.impulses.friction.dot(t1);
-        self.tangent_lambda[1][l] = input.impulses.friction.dot(t2);
+        let pressed: f32 = input.impulses.normal.iter().sum();
+        let carried = |lambda: f32| if lambda.abs() > NEGLIGIBLE_FRICTION * pressed { lambda } else { 0.0 };
+        self.tangent_lambda[0][l] = carried(input.impulses.friction.dot(t1));
+        self.tangent_lambda[1][l] = carried(input.impulses.friction.dot(t2));
         self.friction[l] = input.material.friction;
 
         let spread = input.lever_a[..count].iter().map(|lever| (*lever - center_a).length()).sum::<f32>() * inverse_count;
         let angular = inertia_a + inertia_b;
         self.twist_mass[l] = invert(n.dot(angular * n));
-        self.twist_lambda[l] = input.impulses.twist;
+        self.twist_lambda[l] = carried(input.impulses.twist);
         self.twist_arm[l] = input.material.friction * spread + input.material.spinning;
 
         if input.material.rolling > 0.0 {

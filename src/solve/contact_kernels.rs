@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::contact::{ContactBlock, LANES, Lane, Lane3, POINTS};
+use super::contact::{ContactBlock, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS};
 use super::state::{BodyMotion, BodyVelocity};
 
 /// Sweeps over the 4×4 matrix of a manifold within one visit.
@@ -19,7 +19,7 @@ const RECOVERY_SHARE: f32 = 0.2;
 ///
 /// A loaded point gapes by rounding or by an unfinished sweep. If it may close whole in one substep, the impulse that stops it is
 /// carried on, opens the next gap, and waves of load grow in a tower until it falls.
-const PRESSED_GAP_SHARE: f32 = 0.2;
+const PRESSED_GAP_SHARE: f32 = 0.01;
 
 /// Greatest speed at which an overlap is taken out (m/s).
 const MAX_RECOVERY_SPEED: f32 = 0.9;
@@ -240,6 +240,12 @@ fn sweep_body(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], back
     }
 }
 
+/// Zero for a friction impulse that is nothing beside its limit, and whose square would be a denormal number.
+#[inline(always)]
+fn flushed(impulse: f32, limit: f32) -> f32 {
+    if impulse.abs() > NEGLIGIBLE_FRICTION * limit { impulse } else { 0.0 }
+}
+
 /// Tangential and twist rows of every lane.
 #[inline(always)]
 fn rub(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
@@ -259,6 +265,7 @@ fn rub(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
         let free1 = old1 - (m11[l] * slip1 + m12[l] * slip2);
         let free2 = old2 - (m12[l] * slip1 + m22[l] * slip2);
         let limit = block.friction[l] * load;
+        let (free1, free2) = (flushed(free1, limit), flushed(free2, limit));
         let size = (free1 * free1 + free2 * free2).sqrt();
         let scale = if size > limit { limit / size } else { 1.0 };
         let (new1, new2) = (free1 * scale, free2 * scale);
@@ -295,6 +302,7 @@ fn roll(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
         let free1 = old1 - (m11[l] * roll1 + m12[l] * roll2);
         let free2 = old2 - (m12[l] * roll1 + m22[l] * roll2);
         let limit = block.rolling_arm[l] * load;
+        let (free1, free2) = (flushed(free1, limit), flushed(free2, limit));
         let size = (free1 * free1 + free2 * free2).sqrt();
         let scale = if size > limit { limit / size } else { 1.0 };
         let (new1, new2) = (free1 * scale, free2 * scale);

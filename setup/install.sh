@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Installs what building longspan and its C samples takes besides Rust, on Debian and Ubuntu: a C and a C++ compiler.
+# With --ci also what the full set of checks uses: valgrind.
+set -euo pipefail
+
+packages=(gcc g++ libc6-dev)
+case "${1:-}" in
+    "") ;;
+    --ci) packages+=(valgrind) ;;
+    *) echo "usage: setup/install.sh [--ci]" >&2; exit 2 ;;
+esac
+
+if ! command -v apt-get >/dev/null; then
+    echo "setup/install.sh knows apt-get only; install by hand: ${packages[*]}" >&2
+    exit 1
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+    dpkg-query --show --showformat='${db:Status-Status}' "$package" 2>/dev/null | grep -qx installed || missing+=("$package")
+done
+if [ ${#missing[@]} -eq 0 ]; then
+    echo "installed already: ${packages[*]}"
+    exit 0
+fi
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+    as_root=(sudo)
+fi
+echo "installing with apt-get: ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends "${missing[@]}"

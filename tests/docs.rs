@@ -1,0 +1,88 @@
+//! What the documents say of the code is so: stages have the names that they are described by, and files are where links lead.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+fn repository() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: impl AsRef<Path>) -> String {
+    let path = repository().join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Names of the functions that the method beginning with `start` calls as statements, in order.
+fn calls(source: &str, start: &str) -> Vec<String> {
+    let source = read(source);
+    let (_, rest) = source.split_once(start).unwrap_or_else(|| panic!("there is no `{start}`"));
+    let body = rest.split("\n    }\n").next().unwrap_or_default();
+    let statements = body.lines().filter_map(|line| {
+        let (path, _) = line.trim().rsplit_once(" = ").map_or(line.trim(), |(_, value)| value).split_once('(')?;
+        let is_path = path.chars().all(|letter| letter.is_alphanumeric() || "_.:".contains(letter));
+        let is_stage = path.starts_with("self.") || path.starts_with("contact_kernels::");
+        (is_path && is_stage).then(|| path.rsplit(['.', ':']).next().unwrap_or_default().to_owned())
+    });
+    statements.collect()
+}
+
+/// The part of a document under this heading.
+fn section<'a>(document: &'a str, heading: &str) -> &'a str {
+    let (_, rest) = document.split_once(&format!("\n## {heading}\n")).unwrap_or_else(|| panic!("there is no section {heading}"));
+    rest.split("\n## ").next().unwrap_or_default()
+}
+
+#[test]
+fn every_stage_of_a_step_is_described_in_the_order_in_which_it_runs() {
+    let document = read("docs/architecture.md");
+    let stages = section(&document, "The stages").lines().filter_map(|line| line.strip_prefix("### `")?.strip_suffix('`'));
+    let stages: Vec<&str> = stages.collect();
+    let called = calls("src/world.rs", "pub fn step(&mut self");
+    assert!(called.len() > 5, "only {called:?} were found in `step`");
+    assert_eq!(stages, called, "docs/architecture.md describes the left, `step` in src/world.rs calls the right");
+}
+
+#[test]
+fn every_stage_of_a_batch_that_is_described_exists() {
+    let document = read("docs/architecture.md");
+    let called = calls("src/solve/mod.rs", "fn solve(&mut self");
+    let lines = section(&document, "A batch").lines().filter_map(|line| line.strip_prefix("    "));
+    let described: Vec<&str> = lines.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "for").collect();
+    assert!(described.len() > 5, "only {described:?} are described");
+    let missing: Vec<&&str> = described.iter().filter(|name| !called.iter().any(|call| call == **name)).collect();
+    assert!(missing.is_empty(), "docs/architecture.md names {missing:?}; `solve` in src/solve/mod.rs calls {called:?}");
+}
+
+/// README.md, and all of docs/ and of the folders' own.
+fn documents() -> Vec<PathBuf> {
+    let folders = ["", "docs", "examples_c", "include", "setup", "tests", "benches", "bench"];
+    let files = folders.iter().flat_map(|folder| {
+        let folder = repository().join(folder);
+        let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+        entries.map(|entry| entry.expect("the folder can be listed").path())
+    });
+    files.filter(|file| file.extension().is_some_and(|ending| ending == "md")).collect()
+}
+
+#[test]
+fn links_and_sources_named_in_the_documents_exist() {
+    let (mut seen, mut broken) = (0, BTreeSet::new());
+    for document in documents() {
+        let text = std::fs::read_to_string(&document).expect("a document can be read");
+        let folder = document.parent().expect("a document lies in a folder");
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+        let links = links.filter(|link| !link.is_empty() && !link.contains("://")).map(|link| folder.join(link));
+        let words = text.split(|letter: char| letter.is_whitespace() || "`*,;()".contains(letter));
+        let sources =
+            words.filter(|word| ["src/", "capi/", "examples_c/", "include/"].iter().any(|start| word.starts_with(start)));
+        let sources = sources.map(|word| repository().join(word.trim_end_matches(['.', ':'])));
+        for file in links.chain(sources) {
+            seen += 1;
+            if !file.exists() {
+                broken.insert(format!("{}: {}", document.display(), file.display()));
+            }
+        }
+    }
+    assert!(seen > 30, "only {seen} files are named");
+    assert!(broken.is_empty(), "{broken:#?}");
+}

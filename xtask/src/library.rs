@@ -1,0 +1,93 @@
+//! The library as cargo builds it, and where cargo puts things.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use tinyjson::{InnerAsRef, JsonValue};
+
+use crate::{Outcome, printed, repository};
+
+/// A release build of `longspan-capi`.
+pub struct Library {
+    /// The folder of `liblongspan.a` and `liblongspan.so`.
+    pub folder: PathBuf,
+}
+
+/// Cargo, as it was called, in the repository.
+pub fn cargo() -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.current_dir(repository());
+    command
+}
+
+impl Library {
+    /// Builds the library, and asks cargo where it went: the folder depends on settings that are the user's.
+    pub fn build() -> Outcome<Self> {
+        println!("building the library: cargo build --release -p longspan-capi");
+        let mut command = cargo();
+        command.args(["build", "--release", "--package", "longspan-capi", "--message-format", "json-render-diagnostics"]);
+        let messages = printed(command.stderr(Stdio::inherit()))?;
+        let folder = folder_of_static_library(&messages).ok_or("cargo says nothing of liblongspan.a")?;
+        let library = Self { folder };
+        library.link_soname()?;
+        Ok(library)
+    }
+
+    /// The static library.
+    pub fn archive(&self) -> PathBuf {
+        self.folder.join("liblongspan.a")
+    }
+
+    /// Programs look for the shared library by its SONAME; cargo does not write a file of that name.
+    #[cfg(unix)]
+    fn link_soname(&self) -> Outcome<()> {
+        match std::os::unix::fs::symlink("liblongspan.so", self.folder.join("liblongspan.so.0")) {
+            Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => Err(error.into()),
+            _ => Ok(()),
+        }
+    }
+
+    #[cfg(not(unix))]
+    fn link_soname(&self) -> Outcome<()> {
+        Ok(())
+    }
+}
+
+/// A folder of cargo's target folder for what a command writes, made if need be.
+pub fn output_folder(name: &str) -> Outcome<PathBuf> {
+    let metadata = printed(cargo().args(["metadata", "--format-version", "1", "--no-deps"]))?;
+    let metadata: JsonValue = metadata.parse()?;
+    let target = field::<String>(&metadata, "target_directory").ok_or("cargo does not say where its target folder is")?;
+    let folder = Path::new(target).join(name);
+    std::fs::create_dir_all(&folder)?;
+    Ok(folder)
+}
+
+/// Cargo's messages are JSON, one a line; the one of an artifact names its files.
+fn folder_of_static_library(messages: &str) -> Option<PathBuf> {
+    let messages = messages.lines().filter_map(|line| line.parse::<JsonValue>().ok());
+    let files = messages.filter_map(|message| field::<Vec<JsonValue>>(&message, "filenames").cloned()).flatten();
+    let archive =
+        files.filter_map(|file| file.get::<String>().map(PathBuf::from)).find(|file| file.ends_with("liblongspan.a"))?;
+    archive.parent().map(Path::to_owned)
+}
+
+/// A field of a JSON object, if it is there and of this type.
+fn field<'a, T: InnerAsRef>(object: &'a JsonValue, name: &str) -> Option<&'a T> {
+    object.get::<HashMap<String, JsonValue>>()?.get(name)?.get()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_library_is_found_wherever_cargo_put_it() {
+        let messages = r#"{"reason":"compiler-artifact","filenames":["/t/release/libglam.rlib"]}
+not a message
+{"reason":"build-script-executed"}
+{"reason":"compiler-artifact","filenames":["/t/x86_64/release/liblongspan.so","/t/x86_64/release/liblongspan.a"]}"#;
+        assert_eq!(folder_of_static_library(messages), Some(PathBuf::from("/t/x86_64/release")));
+    }
+}

@@ -1,0 +1,68 @@
+//! The project's own commands: `cargo demo`, and `cargo xtask` with one of the words below.
+//!
+//! What lives here is what somebody does with this repository that takes more than one call of cargo or of a C compiler. What
+//! must not: anything that a user of the library needs, and any check that a plain test can make.
+
+mod compiler;
+mod demo;
+mod library;
+mod readme;
+mod samples;
+
+use std::path::Path;
+use std::process::{Command, ExitCode};
+
+const USAGE: &str = "cargo xtask COMMAND
+
+    demo      builds the library and the C samples, hangs ten tonnes on a chain, and draws it (also: cargo demo)
+    header    writes include/longspan/longspan.h anew
+    samples   compiles every C sample as C99 and as C++11 without a warning, and runs it
+    readme    compiles and runs the C example of README.md by the compiler lines given there";
+
+type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let outcome = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["demo"] => demo::run(),
+        ["header"] => write_header(),
+        ["samples"] => samples::run(),
+        ["readme"] => readme::run(),
+        _ => Err(USAGE.into()),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(problem) => {
+            eprintln!("{problem}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The test that compares the header with the library's source can also write it.
+fn write_header() -> Outcome<()> {
+    let mut cargo = library::cargo();
+    cargo.args(["test", "--package", "longspan-capi", "--test", "header"]).env("LONGSPAN_BLESS", "1");
+    succeed(&mut cargo)
+}
+
+/// The folder that holds everything.
+fn repository() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("this crate lies in a folder of the repository")
+}
+
+/// Runs a command that must succeed; what it prints is seen.
+fn succeed(command: &mut Command) -> Outcome<()> {
+    let status = command.status().map_err(|error| format!("{command:?}: {error}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{command:?}: {status}").into()) }
+}
+
+/// Runs a command that must succeed and returns what it prints.
+fn printed(command: &mut Command) -> Outcome<String> {
+    let output = command.output().map_err(|error| format!("{command:?}: {error}"))?;
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    if output.status.success() {
+        return Ok(text(&output.stdout));
+    }
+    Err(format!("{command:?}: {}\n{}{}", output.status, text(&output.stdout), text(&output.stderr)).into())
+}
