@@ -16,7 +16,10 @@ fn compare(name: &str, keys: &[(&str, &str)], errors: &[(&str, f64)]) {
         let (at_origin, far_away) = (near.error(error), far.error(error));
         let apart = (far_away - at_origin).abs();
         let bound = (0.01 * at_origin).max(FLOOR * metre);
-        assert!(apart <= bound, "{name}: {error} is {at_origin:.4e} at the origin, {far_away:.4e} at 10 km: {apart:.2e} apart, bound {bound:.2e}");
+        assert!(
+            apart <= bound,
+            "{name}: {error} is {at_origin:.4e} at the origin, {far_away:.4e} at 10 km: {apart:.2e} apart, bound {bound:.2e}"
+        );
     }
 }
 

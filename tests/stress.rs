@@ -10,7 +10,11 @@ fn seeds() -> u64 {
 fn holds(name: &str) {
     let row = ROWS.iter().find(|row| row.name == name).expect("the row is in the table");
     let Judged { held, seeds, failed, worst, .. } = judge(row, seeds()).unwrap_or_else(|error| panic!("{name}: {error}"));
-    assert!(failed.is_empty(), "{name}, {}: held for {held} of {seeds} seeds, not for {failed:?}; worst values {worst:?}", row.promise);
+    assert!(
+        failed.is_empty(),
+        "{name}, {}: held for {held} of {seeds} seeds, not for {failed:?}; worst values {worst:?}",
+        row.promise
+    );
 }
 
 macro_rules! rows {
