@@ -2,7 +2,7 @@
 //!
 //! A pair is *active* while one of its bodies can move by itself; the pairs of a sleeping island are kept by the island.
 
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Mat3, Quat, Vec3};
 use parry3d::math::Pose3;
 
 use super::collider::{Collider, contact_margin};
@@ -346,13 +346,14 @@ impl WorldManifold {
     pub(crate) fn new(manifold: &Manifold, a: (&Collider, &Body), b: (&Collider, &Body)) -> Self {
         let frame = |(collider, body): (&Collider, &Body)| {
             let offset = body.rotation * (collider.local_pose.position - body.local_center);
-            (offset, body.rotation * collider.local_pose.rotation)
+            (offset, Mat3::from_quat(collider.place.1))
         };
         let ((offset_a, rotation_a), (offset_b, rotation_b)) = (frame(a), frame(b));
-        Self {
-            normal: (rotation_a * manifold.normal).normalize(),
-            lever_a: manifold.points.map(|point| offset_a + rotation_a * point.on_a),
-            lever_b: manifold.points.map(|point| offset_b + rotation_b * point.on_b),
+        let mut world = Self { normal: (rotation_a * manifold.normal).normalize(), lever_a: [Vec3::ZERO; 4], lever_b: [Vec3::ZERO; 4] };
+        for (i, point) in manifold.points[..manifold.count as usize].iter().enumerate() {
+            world.lever_a[i] = offset_a + rotation_a * point.on_a;
+            world.lever_b[i] = offset_b + rotation_b * point.on_b;
         }
+        world
     }
 }

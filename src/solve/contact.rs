@@ -12,7 +12,7 @@
 
 use glam::{Mat2, Mat4, Vec2, Vec3, Vec4};
 
-use super::state::{BodyMotion, BodyVelocity};
+use super::state::BodyVelocity;
 use crate::material::PairMaterial;
 
 /// Manifolds in a block.
@@ -290,20 +290,6 @@ impl ContactBlock {
     /// Normal of lane `l`.
     pub(crate) fn normal_of(&self, l: usize) -> Vec3 {
         get(&self.normal, l)
-    }
-
-    /// Smallest separation of lane `l` after the step (m), with the bodies displaced as `motions` say.
-    pub(crate) fn least_separation(&self, l: usize, motions: &[BodyMotion]) -> f32 {
-        let (a, b) = (&motions[self.a[l] as usize], &motions[self.b[l] as usize]);
-        let n = get(&self.normal, l);
-        (0..POINTS)
-            .filter(|&i| self.inverse_diagonal[i][l] > 0.0)
-            .map(|i| {
-                let moved_b = b.displacement + b.turn.cross(get(&self.lever_b[i], l));
-                let moved_a = a.displacement + a.turn.cross(get(&self.lever_a[i], l));
-                self.separation[i][l] + n.dot(moved_b - moved_a)
-            })
-            .fold(f32::INFINITY, f32::min)
     }
 }
 

@@ -57,6 +57,21 @@ dispatched!(
     sweep, sweep_avx2, sweep_body, (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], backwards: bool)
 );
 
+dispatched!(
+    /// One sweep of position recovery: overlapping points are pushed apart by displacements that leave no velocity behind.
+    ///
+    /// `pushes` holds a displacement and rotation for each slot in the form of a velocity times the step. Rows are
+    /// J δ ≥ −β s where s < 0 (never faster than [`MAX_RECOVERY_SPEED`]) and J δ ≥ −s elsewhere, so that one overlap is not
+    /// cured by making another.
+    recover, recover_avx2, recover_body,
+    (blocks: &[ContactBlock], lambdas: &mut [[Lane; POINTS]], pushes: &mut [BodyVelocity], motions: &[BodyMotion], dt: f32)
+);
+dispatched!(
+    /// Raises `worst` to the greatest overlap of any point (m).
+    find_worst_overlap, find_worst_overlap_avx2, find_worst_overlap_body,
+    (blocks: &[ContactBlock], motions: &[BodyMotion], worst: &mut f32)
+);
+
 /// Velocities and inverse masses of one side of a block.
 struct Side {
     linear: Lane3,
@@ -460,12 +475,23 @@ pub(crate) fn restitute(blocks: &mut [ContactBlock], velocities: &mut [BodyVeloc
     }
 }
 
-/// One sweep of position recovery: overlapping points are pushed apart by displacements that leave no velocity behind.
-///
-/// `pushes` holds a displacement and rotation for each slot in the form of a velocity times the step. Rows are
-/// J δ ≥ −β s where s < 0 (never faster than [`MAX_RECOVERY_SPEED`]) and J δ ≥ −s elsewhere, so that one overlap is not cured
-/// by making another.
-pub(crate) fn recover(
+#[inline(always)]
+fn find_worst_overlap_body(blocks: &[ContactBlock], motions: &[BodyMotion], worst: &mut f32) {
+    let mut deepest = [0.0_f32; LANES];
+    for block in blocks {
+        let separation = separations(block, motions);
+        for i in 0..POINTS {
+            for l in 0..LANES {
+                let overlap = if block.inverse_diagonal[i][l] > 0.0 { -separation[i][l] } else { 0.0 };
+                deepest[l] = deepest[l].max(overlap);
+            }
+        }
+    }
+    *worst = deepest.iter().fold(*worst, |worst, &overlap| worst.max(overlap));
+}
+
+#[inline(always)]
+fn recover_body(
     blocks: &[ContactBlock],
     lambdas: &mut [[Lane; POINTS]],
     pushes: &mut [BodyVelocity],
