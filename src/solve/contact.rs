@@ -103,6 +103,8 @@ pub(crate) struct ContactBlock {
     pub peak_lambda: [Lane; POINTS],
     pub has_rolling: bool,
     pub has_restitution: bool,
+    /// Whether any manifold has more than one point.
+    pub has_faces: bool,
 }
 
 impl ContactBlock {
@@ -136,6 +138,7 @@ impl ContactBlock {
         peak_lambda: [[0.0; LANES]; POINTS],
         has_rolling: false,
         has_restitution: false,
+        has_faces: false,
     };
 
     /// Prepares one manifold in lane `l`; points closer than `reach` (m) count as touching.
@@ -178,7 +181,10 @@ impl ContactBlock {
             }
         }
 
-        self.set_inverse(l, count);
+        if count > 1 {
+            self.has_faces = true;
+            self.set_inverse(l, count);
+        }
         if count == POINTS {
             self.level(l, reach);
         }
