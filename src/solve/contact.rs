@@ -12,7 +12,7 @@
 
 use glam::{Mat2, Mat4, Vec2, Vec3, Vec4};
 
-use super::state::BodyVelocity;
+use super::state::{BodyMotion, BodyVelocity};
 use crate::material::PairMaterial;
 
 /// Manifolds in a block.
@@ -101,6 +101,8 @@ pub(crate) struct ContactBlock {
     pub impact_speed: [Lane; POINTS],
     /// Greatest multiplier of each point in this step (N·s).
     pub peak_lambda: [Lane; POINTS],
+    /// Points of each manifold.
+    pub count: [u8; LANES],
     pub has_rolling: bool,
     pub has_restitution: bool,
     /// Whether any manifold has more than one point.
@@ -136,6 +138,7 @@ impl ContactBlock {
         restitution: [0.0; LANES],
         impact_speed: [[0.0; LANES]; POINTS],
         peak_lambda: [[0.0; LANES]; POINTS],
+        count: [0; LANES],
         has_rolling: false,
         has_restitution: false,
         has_faces: false,
@@ -143,9 +146,6 @@ impl ContactBlock {
 
     /// Prepares one manifold in lane `l`; points closer than `reach` (m) count as touching.
     pub(crate) fn set_lane(&mut self, l: usize, input: &ContactInput, velocities: &[BodyVelocity], reach: f32) {
-        let (a, b) = (&velocities[input.a as usize], &velocities[input.b as usize]);
-        let (inertia_a, inertia_b) = (a.inverse_inertia.to_mat3(), b.inverse_inertia.to_mat3());
-        let inverse_mass = a.inverse_mass + b.inverse_mass;
         let n = input.normal;
         let (t1, t2) = tangents(n);
 
@@ -155,16 +155,59 @@ impl ContactBlock {
         put(&mut self.tangent, l, t1);
 
         let count = input.count;
-        let along_normal = n.dot(inverse_mass * n);
-        let mut torque_a = [Vec3::ZERO; POINTS];
-        let mut torque_b = [Vec3::ZERO; POINTS];
         for i in 0..count {
             put(&mut self.lever_a[i], l, input.lever_a[i]);
             put(&mut self.lever_b[i], l, input.lever_b[i]);
             self.separation[i][l] = input.separation[i];
             self.lambda[i][l] = input.impulses.normal[i];
-            torque_a[i] = input.lever_a[i].cross(n);
-            torque_b[i] = input.lever_b[i].cross(n);
+        }
+        let inverse_count = 1.0 / count as f32;
+        let center_a = input.lever_a[..count].iter().sum::<Vec3>() * inverse_count;
+        let center_b = input.lever_b[..count].iter().sum::<Vec3>() * inverse_count;
+        put(&mut self.center_a, l, center_a);
+        put(&mut self.center_b, l, center_b);
+        self.count[l] = count as u8;
+        self.has_faces |= count > 1;
+        self.has_rolling |= input.material.rolling > 0.0;
+        self.set_masses(l, velocities);
+        if count == POINTS {
+            self.level(l, reach);
+        }
+
+        let pressed: f32 = input.impulses.normal.iter().sum();
+        let carried = |lambda: f32| if lambda.abs() > NEGLIGIBLE_FRICTION * pressed { lambda } else { 0.0 };
+        self.friction[l] = input.material.friction;
+        self.tangent_lambda[0][l] = carried(input.impulses.friction.dot(t1));
+        self.tangent_lambda[1][l] = carried(input.impulses.friction.dot(t2));
+        let spread = input.lever_a[..count].iter().map(|lever| (*lever - center_a).length()).sum::<f32>() * inverse_count;
+        self.twist_lambda[l] = carried(input.impulses.twist);
+        self.twist_arm[l] = input.material.friction * spread + input.material.spinning;
+        if input.material.rolling > 0.0 {
+            self.rolling_arm[l] = input.material.rolling;
+            self.rolling_lambda[0][l] = input.impulses.rolling.dot(t1);
+            self.rolling_lambda[1][l] = input.impulses.rolling.dot(t2);
+        }
+        if input.material.restitution > 0.0 {
+            self.has_restitution = true;
+            self.restitution[l] = input.material.restitution;
+        }
+    }
+
+    /// Forms the effective masses of lane `l` from the bodies' inertia of now.
+    fn set_masses(&mut self, l: usize, velocities: &[BodyVelocity]) {
+        let (a, b) = (&velocities[self.a[l] as usize], &velocities[self.b[l] as usize]);
+        let (inertia_a, inertia_b) = (a.inverse_inertia.to_mat3(), b.inverse_inertia.to_mat3());
+        let inverse_mass = a.inverse_mass + b.inverse_mass;
+        let count = self.count[l] as usize;
+        let (n, t1) = (get(&self.normal, l), get(&self.tangent, l));
+        let t2 = n.cross(t1);
+
+        let along_normal = n.dot(inverse_mass * n);
+        let mut torque_a = [Vec3::ZERO; POINTS];
+        let mut torque_b = [Vec3::ZERO; POINTS];
+        for i in 0..count {
+            torque_a[i] = get(&self.lever_a[i], l).cross(n);
+            torque_b[i] = get(&self.lever_b[i], l).cross(n);
         }
         let mut pair = 0;
         for i in 0..POINTS {
@@ -180,48 +223,30 @@ impl ContactBlock {
                 pair += 1;
             }
         }
-
         if count > 1 {
-            self.has_faces = true;
             self.set_inverse(l, count);
         }
-        if count == POINTS {
-            self.level(l, reach);
-        }
 
-        let inverse_count = 1.0 / count as f32;
-        let center_a = input.lever_a[..count].iter().sum::<Vec3>() * inverse_count;
-        let center_b = input.lever_b[..count].iter().sum::<Vec3>() * inverse_count;
-        put(&mut self.center_a, l, center_a);
-        put(&mut self.center_b, l, center_b);
+        let (center_a, center_b) = (get(&self.center_a, l), get(&self.center_b, l));
         let response = |u: Vec3, v: Vec3| {
             u.dot(inverse_mass * v)
                 + center_a.cross(u).dot(inertia_a * center_a.cross(v))
                 + center_b.cross(u).dot(inertia_b * center_b.cross(v))
         };
         put_inverse2(&mut self.tangent_mass, l, response(t1, t1), response(t1, t2), response(t2, t2));
-        let pressed: f32 = input.impulses.normal.iter().sum();
-        let carried = |lambda: f32| if lambda.abs() > NEGLIGIBLE_FRICTION * pressed { lambda } else { 0.0 };
-        self.tangent_lambda[0][l] = carried(input.impulses.friction.dot(t1));
-        self.tangent_lambda[1][l] = carried(input.impulses.friction.dot(t2));
-        self.friction[l] = input.material.friction;
-
-        let spread = input.lever_a[..count].iter().map(|lever| (*lever - center_a).length()).sum::<f32>() * inverse_count;
         let angular = inertia_a + inertia_b;
         self.twist_mass[l] = invert(n.dot(angular * n));
-        self.twist_lambda[l] = carried(input.impulses.twist);
-        self.twist_arm[l] = input.material.friction * spread + input.material.spinning;
-
-        if input.material.rolling > 0.0 {
-            self.has_rolling = true;
-            self.rolling_arm[l] = input.material.rolling;
+        if self.has_rolling {
             put_inverse2(&mut self.rolling_mass, l, t1.dot(angular * t1), t1.dot(angular * t2), t2.dot(angular * t2));
-            self.rolling_lambda[0][l] = input.impulses.rolling.dot(t1);
-            self.rolling_lambda[1][l] = input.impulses.rolling.dot(t2);
         }
-        if input.material.restitution > 0.0 {
-            self.has_restitution = true;
-            self.restitution[l] = input.material.restitution;
+    }
+
+    /// Forms the effective masses anew where the inertia of a body has been.
+    pub(crate) fn refresh_masses(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        for l in 0..LANES {
+            if self.count[l] > 0 && (motions[self.a[l] as usize].refreshed || motions[self.b[l] as usize].refreshed) {
+                self.set_masses(l, velocities);
+            }
         }
     }
 

@@ -17,8 +17,9 @@ use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 /// Relative gain of rotational energy in one substep beyond which the midpoint rule is refused.
 const MAX_ENERGY_GAIN: f64 = 1.0e-3;
 
-/// Rotation since the last refresh after which the world inertia of an unjointed body is formed anew (rad).
-const INERTIA_REFRESH: f32 = 2.0e-3;
+/// Rotation since the last refresh, times the ratio of greatest to least inertia, after which the world inertia of an unjointed
+/// body is formed anew (rad). A needle's response along its axis leaks across it as it turns; left alone it gains energy.
+const INERTIA_REFRESH: f32 = 1.0e-2;
 
 /// Rotation of one substep below which the gyroscopic term is left out (rad): it would change ω by less than its square.
 const NEGLIGIBLE_TUMBLE: f32 = 1.0e-4;
@@ -38,10 +39,13 @@ pub(crate) fn apply_forces(velocity: &mut BodyVelocity, motion: &mut BodyMotion,
     if !motion.is_dynamic() {
         return;
     }
+    motion.refreshed = false;
     if motion.kind == MotionKind::Tumbling {
         let turned = motion.turn - motion.turn_at_refresh;
-        if turned.length_squared() > INERTIA_REFRESH * INERTIA_REFRESH || (motion.jointed && turned != Vec3::ZERO) {
+        let noticeable = INERTIA_REFRESH * motion.inertia.min_element() / motion.inertia.max_element();
+        if turned.length_squared() > noticeable * noticeable || (motion.jointed && turned != Vec3::ZERO) {
             refresh_inertia(velocity, motion);
+            motion.refreshed = true;
         }
     }
     let free = velocity.inverse_mass.cmpgt(Vec3::ZERO);

@@ -45,13 +45,19 @@ impl Batch {
         self.start_contacts(settings.gravity, h);
         for _ in 0..settings.substeps {
             self.apply_forces(h);
-            self.joints.prepare(joints, &mut self.velocities, &self.motions, h);
+            self.joints.prepare(joints, &self.velocities, &self.motions, h);
+            self.joints.warm_start(&mut self.velocities);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
             for iteration in 0..settings.iterations {
+                if iteration > 0 && iteration + 1 == settings.iterations {
+                    self.joints.keep_impulses();
+                    self.joints.prepare(joints, &self.velocities, &self.motions, h);
+                }
                 self.joints.sweep(&mut self.velocities);
                 contact_kernels::sweep(&mut self.contacts, &mut self.velocities, iteration % 2 == 1);
             }
             self.joints.keep_impulses();
+            self.joints.add_loads();
             self.advance(h);
             self.joints.project(joints, &self.velocities, &mut self.motions, h);
         }
@@ -68,8 +74,15 @@ impl Batch {
     }
 
     fn apply_forces(&mut self, h: f32) {
+        let mut refreshed = false;
         for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
             integrate::apply_forces(velocity, motion, h);
+            refreshed |= motion.refreshed;
+        }
+        if refreshed {
+            for block in &mut self.contacts {
+                block.refresh_masses(&self.velocities, &self.motions);
+            }
         }
     }
 

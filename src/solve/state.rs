@@ -96,6 +96,8 @@ pub(crate) struct BodyMotion {
     pub jointed: bool,
     /// Whether any row acts on this body.
     pub constrained: bool,
+    /// Whether the world inertia was formed anew in this substep.
+    pub refreshed: bool,
 }
 
 /// How a slot is integrated.
@@ -127,6 +129,7 @@ impl BodyMotion {
         kind: MotionKind::Fixed,
         jointed: false,
         constrained: false,
+        refreshed: false,
     };
 
     /// Moves a dynamic body by a displacement (m) and a rotation vector (rad, at most [`MAX_PUSH_TURN`]).

@@ -31,6 +31,9 @@ use crate::joint::{Joint, JointImpulses, JointKind};
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
 const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
 
+/// Passes over the rows of a joint that has scalar ones: they are solved one by one, and see each other only so.
+const SCALAR_PASSES: usize = 3;
+
 /// One joint as its batch holds it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct JointEntry {
@@ -92,11 +95,14 @@ impl BatchJoints {
         std::mem::swap(&mut self.entries, &mut self.sorted);
     }
 
-    /// Builds this substep's rows at the predicted poses and applies the carried multipliers.
+    /// Builds this substep's rows at the poses predicted from the velocities of now; multipliers go on from where they are.
+    ///
+    /// Done again before the last sweep, so that the rows hold to second order at the poses that the substep ends in: what the
+    /// position rows would have to mend costs angular momentum.
     pub(crate) fn prepare(
         &mut self,
         joints: &Pool<Joint, JointId>,
-        velocities: &mut [BodyVelocity],
+        velocities: &[BodyVelocity],
         motions: &[BodyMotion],
         h: f32,
     ) {
@@ -123,10 +129,10 @@ impl BatchJoints {
             let (point, direction) = (sink.point, sink.direction);
             self.rows.push(JointRows { a: entry.a, b: entry.b, point, direction, scalars: (first, self.scalars.len() as u32) });
         }
-        self.warm_start(velocities);
     }
 
-    fn warm_start(&self, velocities: &mut [BodyVelocity]) {
+    /// Applies the carried multipliers.
+    pub(crate) fn warm_start(&self, velocities: &mut [BodyVelocity]) {
         for rows in &self.rows {
             let (mut a, mut b) = (velocities[rows.a as usize], velocities[rows.b as usize]);
             if let Some(row) = &rows.direction {
@@ -152,41 +158,52 @@ impl BatchJoints {
             if let Some(row) = &mut rows.direction {
                 row.solve_direction(&mut a, &mut b);
             }
-            for row in &mut self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
-                row.solve(&mut a, &mut b);
-            }
-            if let Some(row) = &mut rows.point {
-                row.solve_point(&mut a, &mut b);
+            let scalars = &mut self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize];
+            for _ in 0..if scalars.is_empty() { 1 } else { SCALAR_PASSES } {
+                for row in scalars.iter_mut() {
+                    row.solve(&mut a, &mut b);
+                }
+                if let Some(row) = &mut rows.point {
+                    row.solve_point(&mut a, &mut b);
+                }
             }
             velocities[rows.a as usize] = a;
             velocities[rows.b as usize] = b;
         }
     }
 
-    /// Keeps the multipliers for the next substep and adds them to the joints' loads.
-    pub(crate) fn keep_impulses(&mut self) {
+    /// Adds the substep's multipliers to the joints' loads.
+    pub(crate) fn add_loads(&mut self) {
         for (entry, rows) in self.entries.iter_mut().zip(&self.rows) {
-            let mut kept = JointImpulses::ZERO;
             let (mut linear, mut angular) = (Vec3::ZERO, Vec3::ZERO);
             if let Some(row) = &rows.point {
-                kept.point = row.impulse;
                 linear += row.impulse;
             }
             if let Some(row) = &rows.direction {
-                kept.angular = row.impulse;
                 angular += row.impulse;
             }
             let lever_b = rows.point.as_ref().map(|row| row.lever_b);
             for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
-                kept.scalar[row.id as usize] = row.impulse;
                 let jacobian = &row.jacobian;
                 linear += jacobian.linear * row.impulse;
                 let about_point = jacobian.angular_b - lever_b.map_or(jacobian.angular_b, |lever| lever.cross(jacobian.linear));
                 angular += about_point * row.impulse;
             }
-            entry.impulses = kept;
             entry.linear_sum += linear;
             entry.angular_sum += angular;
+        }
+    }
+
+    /// Keeps the multipliers for rows that are built anew.
+    pub(crate) fn keep_impulses(&mut self) {
+        for (entry, rows) in self.entries.iter_mut().zip(&self.rows) {
+            let mut kept = JointImpulses::ZERO;
+            kept.point = rows.point.as_ref().map_or(Vec3::ZERO, |row| row.impulse);
+            kept.angular = rows.direction.as_ref().map_or(Vec3::ZERO, |row| row.impulse);
+            for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
+                kept.scalar[row.id as usize] = row.impulse;
+            }
+            entry.impulses = kept;
         }
     }
 
