@@ -113,26 +113,30 @@ pub(crate) struct Scratch {
 /// Clears `out` first.
 ///
 /// Speculative points are honest: their separation is the distance along the normal, never more than the true distance.
+#[inline]
 pub(crate) fn collide(a: &Shape, b: &Shape, relative: Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
     out.clear();
-    // The commonest pairs need nothing but their sizes.
+    // The commonest pairs need nothing but their sizes, and balls are done before a call would be.
     match (a.geometry(), b.geometry()) {
-        (&Geometry::Box { half_extents: half_a }, &Geometry::Box { half_extents: half_b }) => {
-            return box_box::box_box(half_a, half_b, &relative, margin, out);
+        (&Geometry::Ball { radius: radius_a }, &Geometry::Ball { radius: radius_b }) => {
+            ball::append(ball::ball_ball(radius_a, radius_b, &relative, margin), out);
         }
         (&Geometry::Box { half_extents }, &Geometry::Ball { radius }) => {
-            return ball::append(ball::box_ball(half_extents, radius, &relative, margin), out);
+            ball::append(ball::box_ball(half_extents, radius, &relative, margin), out);
         }
         (&Geometry::Ball { radius }, &Geometry::Box { half_extents }) => {
-            return ball::append(ball::ball_box(radius, half_extents, &relative, margin), out);
+            ball::append(ball::ball_box(radius, half_extents, &relative, margin), out);
         }
-        (&Geometry::Ball { radius: radius_a }, &Geometry::Ball { radius: radius_b }) => {
-            return ball::append(ball::ball_ball(radius_a, radius_b, &relative, margin), out);
+        (&Geometry::Box { half_extents: half_a }, &Geometry::Box { half_extents: half_b }) => {
+            box_box::box_box(half_a, half_b, &relative, margin, out);
         }
-        _ => {}
+        _ => collide_parts(a, b, &relative, margin, scratch, out),
     }
+}
+
+fn collide_parts(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
     match (part::Part::whole(a), part::Part::whole(b)) {
-        (Some(part_a), Some(part_b)) => part::collide(&part_a, &part_b, &relative, margin, scratch, out),
-        _ => composite::collide(a, b, &relative, margin, scratch, out),
+        (Some(part_a), Some(part_b)) => part::collide(&part_a, &part_b, relative, margin, scratch, out),
+        _ => composite::collide(a, b, relative, margin, scratch, out),
     }
 }

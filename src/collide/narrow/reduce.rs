@@ -56,9 +56,10 @@ fn choose(candidates: &[Candidate], tie: f32) -> ([usize; MAX_POINTS], usize) {
     };
     let normal = area(third) / area_squared.sqrt();
     let corners = [at(first), at(second), at(third)];
+    let outward = [0, 1, 2].map(|k| (corners[(k + 1) % 3] - corners[k]).cross(normal));
     // Area that a point adds to the triangle: that beyond the edge it is furthest out of.
     let added = |i: usize| {
-        let beyond = |k: usize| normal.dot((at(i) - corners[k]).cross(corners[(k + 1) % 3] - corners[k]));
+        let beyond = |k: usize| outward[k].dot(at(i) - corners[k]);
         beyond(0).max(beyond(1)).max(beyond(2))
     };
     match largest(count, added) {

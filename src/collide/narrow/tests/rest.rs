@@ -1,12 +1,14 @@
 //! Solids at rest on floors: every point that carries them is there, whatever the floor is made of.
 
+use std::f32::consts::FRAC_PI_4;
+
 use super::*;
 
 #[test]
 fn a_flat_floor_of_triangles_carries_a_box_evenly_and_straight_up() {
     let cube = Shape::cuboid(Vec3::new(0.5, 0.25, 0.5)).unwrap();
     for floor in [mesh_floor(8, 0.4), field_floor(8, 0.4)] {
-        for (x, yaw) in [(0.0, 0.0), (0.013, 0.0), (0.2, 0.3), (-0.37, std::f32::consts::FRAC_PI_4)] {
+        for (x, yaw) in [(0.0, 0.0), (0.013, 0.0), (0.2, 0.3), (-0.37, FRAC_PI_4)] {
             let pose = Pose3::from_parts(Vec3::new(x, 0.249, 0.11 * x), Quat::from_rotation_y(yaw));
             let found = manifolds(&floor, &cube, pose, 0.01);
             let area: f32 = found.iter().map(|m| spanned(m.contacts())).sum();
@@ -157,7 +159,7 @@ fn over_floor(corners: &[Vec3], rotation: Quat, height: f32, x: f32, z: f32) -> 
 const TILTS: [f32; 5] = [0.0, 0.1, 0.5, 1.0, 2.0];
 
 /// Turns that line edges up, nearly so, and not at all: direction of the tilt and turn about the vertical (rad).
-const POSES: [(f32, f32); 7] = [(0.0, 0.0), (0.3, 0.0), (0.7854, 0.0), (0.2, 0.01), (0.2, 0.5), (1.0, 1.3), (2.5, 0.7854)];
+const POSES: [(f32, f32); 7] = [(0.0, 0.0), (0.3, 0.0), (FRAC_PI_4, 0.0), (0.2, 0.01), (0.2, 0.5), (1.0, 1.3), (2.5, FRAC_PI_4)];
 
 /// A face's normal is no more than the tilt off the vertical, here 2°; rounding adds a little.
 const FACE_LEAN: f32 = 2.1;
