@@ -43,8 +43,8 @@ pub(crate) fn apply_forces(velocity: &mut BodyVelocity, motion: &mut BodyMotion,
     if motion.kind == MotionKind::Tumbling {
         let turned = motion.turn - motion.turn_at_refresh;
         let noticeable = INERTIA_REFRESH * motion.inertia.min_element() / motion.inertia.max_element();
-        if turned.length_squared() > noticeable * noticeable || (motion.jointed && turned != Vec3::ZERO) {
-            refresh_inertia(velocity, motion);
+        if turned.length_squared() > noticeable * noticeable || (motion.jointed && velocity.angular != Vec3::ZERO) {
+            refresh_inertia(velocity, motion, h);
             motion.refreshed = true;
         }
     }
@@ -107,7 +107,7 @@ fn turn(velocity: &BodyVelocity, motion: &BodyMotion, h: f32) -> Turn {
 fn tumble(angular: Vec3, motion: &BodyMotion, h: f32) -> Turn {
     let step = f64::from(h);
     let rotation = motion.rotation.as_dquat().normalize();
-    let inertia_frame = motion.inertia_frame.as_dquat();
+    let inertia_frame = motion.inertia_frame.as_dquat().normalize();
     let frame = rotation * inertia_frame;
     let inertia = motion.inertia.as_dvec3();
     let free = motion.free_rotation.as_dvec3();
@@ -175,8 +175,14 @@ fn rotated_f64(rotation: DQuat, vector: DVec3) -> DQuat {
     (DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine) * rotation).normalize()
 }
 
-fn refresh_inertia(velocity: &mut BodyVelocity, motion: &mut BodyMotion) {
-    let tensor = crate::shape::inertia_tensor(1.0 / motion.inertia, motion.rotation * motion.inertia_frame);
+/// Forms the world inertia that rows respond with.
+///
+/// A body that turns by θ in a substep smears its axes by θ²: the response about a light axis, I⁻¹, would act across it as θ² I⁻¹
+/// and the rows would overshoot. So no axis answers as if lighter than θ² of the heaviest.
+fn refresh_inertia(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32) {
+    let turn = velocity.angular.length() * h;
+    let inertia = motion.inertia.max(Vec3::splat(motion.inertia.max_element() * (turn * turn).min(1.0)));
+    let tensor = crate::shape::inertia_tensor(1.0 / inertia, motion.rotation * motion.inertia_frame);
     let free = motion.free_rotation;
     let masked = Mat3::from_cols(tensor.x_axis * free * free.x, tensor.y_axis * free * free.y, tensor.z_axis * free * free.z);
     velocity.inverse_inertia = Symmetric::from_mat3(masked);
