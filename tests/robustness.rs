@@ -444,7 +444,8 @@ fn box_on_the_floor() -> Host {
 
 #[test]
 fn contacts_that_edits_end_are_told_after_the_next_step() {
-    let edits: [(&str, fn(&mut World, BodyId)); 3] = [
+    type Edit = fn(&mut World, BodyId);
+    let edits: [(&str, Edit); 3] = [
         ("a body destroyed", |world, body| world.destroy_body(body).expect("alive")),
         ("a body teleported", |world, body| world.set_pose(body, Pose::at_xyz(0.0, 5.0, 0.0)).expect("a pose")),
         ("a filter changed", |world, body| {

@@ -3,7 +3,9 @@
 //! Rotation is torque-free between the constraint impulses, so the angular momentum L = R I Rᵀ ω stays constant while the body
 //! turns. The midpoint rule on L (Müller et al. 2020 use the explicit gyroscopic term, which loses 1–2 % of L) is
 //!
-//!     ω½ = R½ I⁻¹ R½ᵀ L,   R½ = exp(h ω / 2) R,      R' = exp(h ω½) R,      ω' = R' I⁻¹ R'ᵀ L
+//! ```text
+//! ω½ = R½ I⁻¹ R½ᵀ L,   R½ = exp(h ω / 2) R,      R' = exp(h ω½) R,      ω' = R' I⁻¹ R'ᵀ L
+//! ```
 //!
 //! L is exact and the energy error is of second order. On thin rods a small tilt of L becomes a large spin and the rule can
 //! create energy; it is accepted only if it does not (see [`MAX_ENERGY_GAIN`]), else one implicit step of Euler's equations in

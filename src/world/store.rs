@@ -178,10 +178,10 @@ impl World {
             let path = sweep::path_box(collider, body, start);
             for other in self.broad.overlapping(&path) {
                 let other_shape = &self.colliders[other];
-                if self.may_meet(collider, other_shape) {
-                    if let Some(fraction) = sweep::first_touch(collider, body, start, other_shape) {
-                        first = Some(first.map_or(fraction, |least| least.min(fraction)));
-                    }
+                if self.may_meet(collider, other_shape)
+                    && let Some(fraction) = sweep::first_touch(collider, body, start, other_shape)
+                {
+                    first = Some(first.map_or(fraction, |least| least.min(fraction)));
                 }
             }
         }

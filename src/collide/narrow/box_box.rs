@@ -5,9 +5,11 @@
 //! beat an earlier one by a margin well above rounding: aligned boxes are then always A's face against B's. And a pair of
 //! edges is one point, while a face keeps all points that carry a tilted box. So by how far the edges beat the face decides:
 //!
-//!     not at all                 the face
-//!     up to the edge lead        the face, if what touches over it is as near as the edges are; else the edges
-//!     by more                    the edges
+//! ```text
+//! not at all                 the face
+//! up to the edge lead        the face, if what touches over it is as near as the edges are; else the edges
+//! by more                    the edges
+//! ```
 //!
 //! Between boxes apart, the best axis gives the true distance where the nearest features face each other along it. Where
 //! they do not (corner to corner, corner to edge), the nearest points are found by GJK and make a manifold of one point.

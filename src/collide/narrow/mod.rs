@@ -1,10 +1,12 @@
 //! Contact manifolds between two shapes, as a pure function of the shapes and their relative pose.
 //!
-//!     collide ─┬─ a part against a part (part.rs) ─┬─ ball, capsule, box: closed forms and clipping
-//!              │                                   ├─ half-space: the points nearest to its plane
-//!              │                                   ├─ triangle against ball, box: parry3d (triangle.rs)
-//!              │                                   └─ the rest: GJK, EPA, clipping (convex.rs)
-//!              └─ composite.rs: parts of compounds, triangles of meshes and height fields near the other shape
+//! ```text
+//! collide ─┬─ a part against a part (part.rs) ─┬─ ball, capsule, box: closed forms and clipping
+//!          │                                   ├─ half-space: the points nearest to its plane
+//!          │                                   ├─ triangle against ball, box: parry3d (triangle.rs)
+//!          │                                   └─ the rest: GJK, EPA, clipping (convex.rs)
+//!          └─ composite.rs: parts of compounds, triangles of meshes and height fields near the other shape
+//! ```
 //!
 //! Nothing is remembered between calls: the same arguments give the same bits, whatever was asked before. Tolerances are
 //! fractions of the smaller shape plus the rounding of the larger, so that 1 mm and 1 km behave alike.

@@ -10,7 +10,9 @@
 //! Compliance α and damping c (Macklin et al. 2016) make the impulse p that of an implicit spring and damper: with k = c α / h
 //! and γ = α / h²,
 //!
-//!     Δp = −(J v + b/(1+k) + γ/(1+k) p) / (w + γ/(1+k)),    w = J M⁻¹ Jᵀ.
+//! ```text
+//! Δp = −(J v + b/(1+k) + γ/(1+k) p) / (w + γ/(1+k)),    w = J M⁻¹ Jᵀ.
+//! ```
 //!
 //! α = 0 is a rigid row. Units: p in N·s or N·m·s, b in m/s or rad/s, w in 1/kg or 1/(kg·m²).
 //!
