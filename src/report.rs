@@ -166,14 +166,23 @@ pub(crate) struct Events {
     pub contact_ended: Vec<ContactPair>,
     pub overloaded: Vec<JointOverload>,
     pub quarantined: Vec<BodyId>,
+    /// Contacts that edits ended since the last step: the next step lists them, for a host that reads after each step.
+    pub ended_by_edits: Vec<ContactPair>,
 }
 
 impl Events {
-    pub(crate) fn clear(&mut self) {
+    /// Starts the lists of a step: empty but for what edits ended before it.
+    pub(crate) fn begin_step(&mut self) {
         self.moved.clear();
         self.contact_began.clear();
         self.contact_ended.clear();
         self.overloaded.clear();
         self.quarantined.clear();
+        self.take_edits();
+    }
+
+    /// Hands endings by edits over to the step that is under way.
+    pub(crate) fn take_edits(&mut self) {
+        self.contact_ended.append(&mut self.ended_by_edits);
     }
 }

@@ -82,7 +82,8 @@ impl World {
         let threads = match def.threads {
             1 => None,
             count => {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(count as usize).thread_name(|i| format!("longspan-{i}")).build();
+                let pool =
+                    rayon::ThreadPoolBuilder::new().num_threads(count as usize).thread_name(|i| format!("longspan-{i}")).build();
                 Some(pool.map_err(|_| Error::new(ErrorKind::CapacityExceeded, "threads", "the system gave no more threads"))?)
             }
         };
@@ -141,7 +142,7 @@ impl World {
     }
 
     fn begin_step(&mut self, dt: f32) {
-        self.events.clear();
+        self.events.begin_step();
         let (step, time) = (self.report.step + 1, self.report.time + f64::from(dt));
         self.report = StepReport { step, time, ..StepReport::default() };
         self.drive_kinematic_bodies(dt);

@@ -33,6 +33,12 @@ pub enum Command {
         /// Folder for the pictures, made if need be
         out_dir: PathBuf,
     },
+    /// Runs every row of the stress scene on our engine and prints the table of what held (Markdown)
+    StressTable {
+        /// Seeds of each row
+        #[arg(long, default_value_t = 100, value_parser = at_least_one)]
+        seeds: usize,
+    },
     /// Runs a scene on our engine and draws its end
     Picture(Picture),
     /// Draws bodies from a text file, one a line: `box hx hy hz  px py pz  qx qy qz qw`, `ball r …`, `capsule half_height r …`, `cylinder half_height r …`

@@ -53,7 +53,7 @@ pub fn to_text(run: &Measurement) -> String {
 }
 
 /// Four digits.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     if value == 0.0 || (1e-3..1e6).contains(&value.abs()) { format!("{:.4}", value) } else { format!("{value:.3e}") }
 }
 

@@ -5,6 +5,7 @@ mod draw;
 mod line;
 mod plot;
 mod session;
+mod stress_table;
 
 use std::process::ExitCode;
 
@@ -17,6 +18,7 @@ fn main() -> ExitCode {
         Command::Run(run) => session::run(&run),
         Command::List => session::list(),
         Command::Plot { file, out_dir } => plot::plot(&file, &out_dir),
+        Command::StressTable { seeds } => stress_table::print(seeds as u64),
         Command::Picture(picture) => draw::picture(&picture),
         Command::Draw { file, out, size } => draw::draw_file(&file, &out, size),
     };

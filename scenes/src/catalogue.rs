@@ -4,7 +4,7 @@ use longspan::glam::DVec3;
 
 use crate::params::{Params, SceneError};
 use crate::scene::Scene;
-use crate::{chain, closed_form, idle, masonry, pile, stack, stress, violent};
+use crate::{chain, closed_form, free, friction, idle, impact, masonry, pile, stack, stress, violent};
 
 /// A scene that can be built.
 pub struct Entry {
@@ -25,7 +25,9 @@ pub const CATALOGUE: &[Entry] = &[
     entry("pile", "boxes and balls dropped into a pit", pile::pile),
     entry("arch", "a semicircular arch of wedges without mortar", masonry::arch),
     entry("card_house", "a house of cards", masonry::card_house),
-    entry("free_gyro", "a free body spinning about its middle axis", closed_form::free_gyro),
+    entry("free_gyro", "a free body spinning about its middle axis", free::free_gyro),
+    entry("free_cluster", "eight bodies in joints of every kind, tumbling freely", free::free_cluster),
+    entry("damping", "a thrown and spun ball under damping alone", free::damping),
     entry("box_on_plane", "a box at rest and the force that carries it", closed_form::box_on_plane),
     entry("slope", "a box on a slope that rests or slides", closed_form::slope),
     entry("bounce", "a ball and the height of its first rebound", closed_form::bounce),
@@ -33,7 +35,15 @@ pub const CATALOGUE: &[Entry] = &[
     entry("projectile", "a ball in free flight", closed_form::projectile),
     entry("spring", "a weight on a spring and damper", closed_form::spring),
     entry("hinge_motor", "a wheel driven by a motor of bounded torque", closed_form::hinge_motor),
+    entry("hinge_servo", "a bar held at an angle by a position motor", closed_form::hinge_servo),
     entry("hinge_limit", "a bar that falls onto the stop of its hinge", closed_form::hinge_limit),
+    entry("platform", "a box carried along by a platform", friction::platform),
+    entry("rolling", "a ball brought to rest by rolling friction", friction::rolling),
+    entry("spinning", "a ball spinning on the spot, stopped by spinning friction", friction::spinning),
+    entry("locked_axes", "a box with locked axes, struck off centre", impact::locked_axes),
+    entry("bullet", "a small fast ball against a thin wall", impact::bullet),
+    entry("half_sunk", "a box created half inside the floor", impact::half_sunk),
+    entry("resting", "boxes, balls and capsules that lie still, and a hung weight", idle::resting),
     entry("far_origin", "another scene, far from the origin", far_origin),
     entry("idle", "bodies asleep, scenes without joints, scenes without anything static", idle::idle),
     entry("violent", "thrown chains, random joint graphs, violated limits, deep overlap", violent::violent),
@@ -68,7 +78,7 @@ fn find(name: &str) -> Result<&'static Entry, SceneError> {
 
 fn far_origin(params: &mut Params) -> Result<Scene, SceneError> {
     let offset = params.number("offset_km", 10.0, 0.0..=1.0e5)?;
-    let of = params.word("of", &["hanging_chain", "pile", "tower"])?;
+    let of = params.word("of", &["hanging_chain", "pile", "tower", "projectile"])?;
     let mut scene = (find(of)?.build)(params)?;
     // Along all axes, so that no coordinate is spared.
     scene.origin = DVec3::ONE.normalize() * offset * 1000.0;

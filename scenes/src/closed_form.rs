@@ -1,16 +1,12 @@
 //! Scenes whose outcome is known in closed form.
 
 use longspan::glam::{DVec3, Quat, Vec3};
-use longspan::{BodyDef, BodyId, JointDef, JointKind, Limits, Mass, MassProperties, Material, Motor, Pose, Softness, WorldDef};
+use longspan::{BodyDef, BodyId, JointDef, JointKind, Limits, Mass, MassProperties, Material, Motor, Pose, Softness};
 
-use crate::metrics::{AngularMomentumError, EnergyError, HingeOvershoot, JointGap, Moved, Overlap, TrajectoryError};
-use crate::outcome::{Distance, ForceError, PeriodError, ReboundError, SpinError};
+use crate::metrics::{EnergyError, HingeError, HingeOvershoot, JointGap, Moved, Overlap, TrajectoryError, View};
+use crate::outcome::{Distance, ForceError, PeriodError, ReboundError, SpeedError};
 use crate::params::{Params, SceneError};
-use crate::scene::{GRAVITY, Scene, about_z, ball, cuboid, floor, sleepless, start, start_in, with_friction};
-
-fn weightless() -> WorldDef {
-    WorldDef { gravity: Vec3::ZERO, ..sleepless() }
-}
+use crate::scene::{GRAVITY, Scene, about_z, ball, cuboid, floor, start, start_in, weightless, with_friction};
 
 pub(crate) fn box_on_plane(params: &mut Params) -> Result<Scene, SceneError> {
     let mass = params.number("mass", 100.0, 1.0e-6..=1.0e9)? as f32;
@@ -37,7 +33,7 @@ pub(crate) fn slope(params: &mut Params) -> Result<Scene, SceneError> {
     let solid = with_friction(cuboid(0.25, 0.1, 0.25)?, friction as f32);
     let body = scene.body(BodyDef::dynamic(out_of_plane(0.1)).with_shape(solid));
     let acceleration = (f64::from(GRAVITY) * (angle.sin() - friction * angle.cos())).max(0.0);
-    scene.judge(Distance::new(body, acceleration));
+    scene.judge(Distance::new(body, move |t| 0.5 * acceleration * t * t));
     Ok(scene)
 }
 
@@ -77,7 +73,7 @@ pub(crate) fn pendulum(params: &mut Params) -> Result<Scene, SceneError> {
     }
     let swing = m * f64::from(GRAVITY) * l * (1.0 - angle.cos());
     let steps = scene.steps;
-    scene.judge(PeriodError::new(body, std::f64::consts::TAU / (rate * a)));
+    scene.judge(PeriodError::new(body, DVec3::X, 0.0, std::f64::consts::TAU / (rate * a)));
     scene.judge(EnergyError::new("energy_drift_pct", Some("energy_rise_pct"), Some(swing)));
     scene.judge(JointGap::over_last(steps));
     Ok(scene)
@@ -121,6 +117,7 @@ pub(crate) fn spring(params: &mut Params) -> Result<Scene, SceneError> {
         let swing = (-decay * t).exp() * ((rate * t).cos() + decay / rate * (rate * t).sin());
         DVec3::NEG_Y * (f64::from(length) + sag * (1.0 - swing))
     }));
+    scene.judge(PeriodError::new(body, DVec3::Y, -f64::from(length) - sag, std::f64::consts::TAU / rate));
     Ok(scene)
 }
 
@@ -135,7 +132,9 @@ pub(crate) fn hinge_motor(params: &mut Params) -> Result<Scene, SceneError> {
     let motor = Motor::Velocity { target: target as f32, max_force: torque as f32 };
     let kind = JointKind::Hinge { limits: Limits::NONE, motor };
     scene.joint(Some(anchor), Some(body), about_z(kind, Vec3::Z * 0.2, Vec3::ZERO));
-    scene.judge(SpinError::new(body, target, torque));
+    let inertia = f64::from(properties_of(&scene, body).principal_inertia.z);
+    let spin = move |view: &View| f64::from(view.engine.angular_velocity(body).z);
+    scene.judge(SpeedError::new("spin_err_pct", target, spin, move |_, t| target.min(torque * t / inertia)));
     Ok(scene)
 }
 
@@ -153,19 +152,35 @@ pub(crate) fn hinge_limit(params: &mut Params) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-pub(crate) fn free_gyro(params: &mut Params) -> Result<Scene, SceneError> {
-    let spin = params.number("spin", 5.0, 0.01..=1000.0)? as f32;
-    let mut scene = start_in(weightless(), params, 10.0)?;
-    let mass = Mass::Properties(MassProperties::new(1.0, Vec3::new(1.0, 2.0, 3.0)));
-    let mut def = BodyDef::dynamic(Pose::IDENTITY).with_shape(cuboid(0.6, 0.4, 0.2)?).with_mass(mass);
-    def.angular_velocity = Vec3::new(0.05, spin, 0.02);
-    scene.body(def);
-    scene.judge(AngularMomentumError::default());
-    scene.judge(EnergyError::new("energy_err_pct", None, None));
+/// A bar held level or at an angle against gravity by a position motor: it hangs where spring and weight balance.
+pub(crate) fn hinge_servo(params: &mut Params) -> Result<Scene, SceneError> {
+    let target = params.number("angle_deg", 30.0, -80.0..=80.0)?.to_radians();
+    let stiffness = params.number("stiffness", f64::INFINITY, 1.0..=f64::INFINITY)?;
+    let mut scene = start(params, 6.0)?;
+    let anchor = scene.body(BodyDef::fixed(Pose::IDENTITY).with_shape(cuboid(0.1, 0.1, 0.1)?));
+    let body = scene.body(BodyDef::dynamic(Pose::at_xyz(0.5, 0.0, 0.0)).with_shape(cuboid(0.5, 0.05, 0.05)?));
+    let mass = properties_of(&scene, body);
+    let weight_torque = f64::from(mass.mass * GRAVITY) * 0.5;
+    // Half of critical damping, so that the bar has come to rest well before the end.
+    let inertia = f64::from(mass.principal_inertia.z) + 0.25 * f64::from(mass.mass);
+    let softness = match stiffness.is_finite() {
+        true => Softness { compliance: (1.0 / stiffness) as f32, damping: (stiffness * inertia).sqrt() as f32 },
+        false => Softness::RIGID,
+    };
+    let motor = Motor::Position { target: target as f32, softness, max_force: f32::INFINITY };
+    let kind = JointKind::Hinge { limits: Limits::NONE, motor };
+    let joint = scene.joint(Some(anchor), Some(body), about_z(kind, Vec3::ZERO, Vec3::X * -0.5));
+
+    // k (θ₀ − θ) = ½ m g l cos θ, by Newton's method; there is one balance if the spring is stiffer than the weight.
+    let balance = (0..50).fold(target, |angle: f64, _| {
+        let torque = angle - target + weight_torque * angle.cos() / stiffness;
+        angle - torque / (1.0 - weight_torque * angle.sin() / stiffness)
+    });
+    scene.judge(HingeError::new(joint, balance));
     Ok(scene)
 }
 
-fn properties_of(scene: &Scene, body: usize) -> MassProperties {
+pub(crate) fn properties_of(scene: &Scene, body: usize) -> MassProperties {
     match scene.bodies[body].mass {
         Mass::Properties(properties) => properties,
         other => unreachable!("the scene computed the mass of each body: {other:?}"),

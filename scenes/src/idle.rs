@@ -1,13 +1,14 @@
 //! What must cost nothing: bodies asleep, and features that a scene does not use.
 
-use longspan::glam::Vec3;
-use longspan::{BodyDef, Pose, WorldDef};
+use longspan::glam::Quat;
+use longspan::{BodyDef, Geometry, Pose, WorldDef};
 
-use crate::metrics::{Awake, EndSpeeds};
+use crate::chain::add_chain;
+use crate::metrics::{Awake, EndSpeeds, Overlap, PoseSpeed};
 use crate::params::{Params, SceneError};
 use crate::pile;
 use crate::random::Random;
-use crate::scene::{Scene, cuboid, floor, sleepless, start_in};
+use crate::scene::{Scene, ball, cuboid, floor, shape, start, start_in, weightless};
 
 pub(crate) fn idle(params: &mut Params) -> Result<Scene, SceneError> {
     match params.word("what", &["asleep", "no_joints", "no_static"])? {
@@ -39,7 +40,7 @@ fn asleep(params: &mut Params) -> Result<Scene, SceneError> {
 fn no_static(params: &mut Params) -> Result<Scene, SceneError> {
     let n = params.count("n", 1000, 1..=1_000_000)?;
     let mut random = Random::new(params.seed()?);
-    let mut scene = start_in(WorldDef { gravity: Vec3::ZERO, ..sleepless() }, params, 4.0)?;
+    let mut scene = start_in(weightless(), params, 4.0)?;
     let row = (n as f64).cbrt().ceil() as usize;
     let solid = cuboid(0.25, 0.25, 0.25)?;
     for index in 0..n {
@@ -51,5 +52,25 @@ fn no_static(params: &mut Params) -> Result<Scene, SceneError> {
         scene.body(def);
     }
     scene.judge(EndSpeeds::default());
+    Ok(scene)
+}
+
+/// Three boxes on one another, balls, lying capsules, and a weight on a short chain: awake, and still.
+pub(crate) fn resting(params: &mut Params) -> Result<Scene, SceneError> {
+    let mut scene = start(params, 4.0)?;
+    add_chain(&mut scene, 3, 10.0, Quat::IDENTITY)?;
+    scene.body(floor(20.0, -4.0, 0.5)?);
+    let (solid, round) = (cuboid(0.25, 0.25, 0.25)?, ball(0.25)?);
+    let long = shape(Geometry::Capsule { half_height: 0.3, radius: 0.2 })?;
+    for row in 0..3 {
+        let at = |x: f64, height: f64| Pose::at_xyz(x, -4.0 + height, 2.0 + f64::from(row));
+        scene.body(BodyDef::dynamic(at(-3.0, 0.25)).with_shape(round.clone()));
+        let lying = at(3.0, 0.2).rotated(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+        scene.body(BodyDef::dynamic(lying).with_shape(long.clone()));
+        let stacked = Pose::at_xyz(0.0, -3.75 + 0.5 * f64::from(row), 3.0);
+        scene.body(BodyDef::dynamic(stacked).with_shape(solid.clone()));
+    }
+    scene.judge(PoseSpeed::over_last(60));
+    scene.judge(Overlap::at_end());
     Ok(scene)
 }

@@ -42,18 +42,19 @@ impl Metric for ForceError {
     }
 }
 
-/// `slide_err_m` and, if it should slide at all, `slide_err_pct`: the way of a body against ½ a t².
+/// `way_err_m` and, if it should move at all, `way_err_pct`: how far a body is from its start at the end, against a formula.
 pub(crate) struct Distance {
     body: usize,
-    acceleration: f64,
+    formula: Box<dyn Fn(f64) -> f64>,
     start: DVec3,
     way: f64,
     expected: f64,
 }
 
 impl Distance {
-    pub(crate) fn new(body: usize, acceleration: f64) -> Self {
-        Self { body, acceleration, start: DVec3::ZERO, way: 0.0, expected: 0.0 }
+    /// `formula` gives the way (m) at a time (s).
+    pub(crate) fn new(body: usize, formula: impl Fn(f64) -> f64 + 'static) -> Self {
+        Self { body, formula: Box::new(formula), start: DVec3::ZERO, way: 0.0, expected: 0.0 }
     }
 }
 
@@ -63,15 +64,15 @@ impl Metric for Distance {
             self.start = view.center(self.body);
         } else if view.at_end() {
             self.way = view.center(self.body).distance(self.start);
-            self.expected = 0.5 * self.acceleration * view.time * view.time;
+            self.expected = (self.formula)(view.time);
         }
     }
 
     fn report(&self, errors: &mut Errors) {
         let error = (self.way - self.expected).abs();
-        errors.push(("slide_err_m", if error.is_nan() { f64::INFINITY } else { error }));
+        errors.push(("way_err_m", if error.is_nan() { f64::INFINITY } else { error }));
         if self.expected > 0.0 {
-            errors.push(("slide_err_pct", percent(self.way, self.expected)));
+            errors.push(("way_err_pct", percent(self.way, self.expected)));
         }
     }
 }
@@ -111,23 +112,26 @@ impl Metric for ReboundError {
     }
 }
 
-/// `period_err_pct`: mean time between passages through x = 0 in one direction against the formula.
+/// `period_err_pct`: mean time between passages of a coordinate through its middle in one direction against the formula.
 pub(crate) struct PeriodError {
     body: usize,
+    axis: DVec3,
+    middle: f64,
     expected: f64,
     before: Option<(f64, f64)>,
     passages: Vec<f64>,
 }
 
 impl PeriodError {
-    pub(crate) fn new(body: usize, expected: f64) -> Self {
-        Self { body, expected, before: None, passages: Vec::new() }
+    /// The coordinate is that of the body's centre along `axis`; `middle` (m) is where it swings about.
+    pub(crate) fn new(body: usize, axis: DVec3, middle: f64, expected: f64) -> Self {
+        Self { body, axis, middle, expected, before: None, passages: Vec::new() }
     }
 }
 
 impl Metric for PeriodError {
     fn observe(&mut self, view: &View) {
-        let now = (view.time, view.center(self.body).x);
+        let now = (view.time, view.center(self.body).dot(self.axis) - self.middle);
         if let Some(before) = self.before
             && before.1 > 0.0
             && now.1 <= 0.0
@@ -148,29 +152,34 @@ impl Metric for PeriodError {
     }
 }
 
-/// `spin_err_pct`: worst difference of a body's spin about z from min(target, τ t/I), in per cent of the target.
-pub(crate) struct SpinError {
-    body: usize,
-    target: f64,
-    torque: f64,
+/// Worst difference of a speed from its formula, in per cent of a scale, under a name.
+pub(crate) struct SpeedError {
+    name: &'static str,
+    scale: f64,
+    speed: Box<dyn Fn(&View) -> f64>,
+    formula: Box<dyn Fn(u32, f64) -> f64>,
     worst: f64,
 }
 
-impl SpinError {
-    pub(crate) fn new(body: usize, target: f64, torque: f64) -> Self {
-        Self { body, target, torque, worst: 0.0 }
+impl SpeedError {
+    /// `formula` gives what `speed` should be after a number of steps, at a time (s).
+    pub(crate) fn new(
+        name: &'static str,
+        scale: f64,
+        speed: impl Fn(&View) -> f64 + 'static,
+        formula: impl Fn(u32, f64) -> f64 + 'static,
+    ) -> Self {
+        Self { name, scale, speed: Box::new(speed), formula: Box::new(formula), worst: 0.0 }
     }
 }
 
-impl Metric for SpinError {
+impl Metric for SpeedError {
     fn observe(&mut self, view: &View) {
-        let inertia = view.mass(self.body).map_or(f64::NAN, |mass| f64::from(mass.principal_inertia.z));
-        let expected = self.target.min(self.torque * view.time / inertia);
-        let error = 100.0 * (f64::from(view.engine.angular_velocity(self.body).z) - expected).abs() / self.target;
+        let error = 100.0 * ((self.speed)(view) - (self.formula)(view.step, view.time)).abs() / self.scale;
         self.worst = self.worst.max(if error.is_nan() { f64::INFINITY } else { error });
     }
 
     fn report(&self, errors: &mut Errors) {
-        errors.push(("spin_err_pct", self.worst));
+        errors.push((self.name, self.worst));
     }
 }

@@ -128,6 +128,11 @@ pub fn sleepless() -> WorldDef {
     WorldDef { sleep: SleepSettings { enabled: false, ..SleepSettings::default() }, ..WorldDef::default() }
 }
 
+/// A sleepless world without gravity.
+pub(crate) fn weightless() -> WorldDef {
+    WorldDef { gravity: Vec3::ZERO, ..sleepless() }
+}
+
 /// A sleepless world with the common keys applied, and the number of steps of `seconds` or what the user set.
 pub(crate) fn start(params: &mut Params, seconds: f64) -> Result<Scene, SceneError> {
     start_in(sleepless(), params, seconds)

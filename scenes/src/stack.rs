@@ -3,10 +3,13 @@
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, Mass, Pose, ShapeDef};
 
-use crate::metrics::{Displaced, Errors, Metric, Moved, Overlap, Stood, View};
+use crate::metrics::{Awake, Displaced, Errors, Metric, Moved, Overlap, PoseSpeed, Stood, View};
 use crate::params::{Params, SceneError};
 use crate::random::Random;
 use crate::scene::{Action, GRAVITY, Scene, ball, cuboid, floor, start, with_friction};
+
+/// What has come to rest is watched over its last second.
+const LAST_SECOND: u32 = 60;
 
 pub(crate) fn heavy_on_light(params: &mut Params) -> Result<Scene, SceneError> {
     let ratio = params.number("ratio", 1.0e4, 1.0e-3..=1.0e9)?;
@@ -24,6 +27,7 @@ pub(crate) fn heavy_on_light(params: &mut Params) -> Result<Scene, SceneError> {
     }
     scene.judge(Overlap::at_end());
     scene.judge(Stood::within(0.2 + 10.0 * gap));
+    scene.judge(PoseSpeed::over_last(LAST_SECOND));
     if offset.abs() > 0.5 {
         // The stack under the heavy box stays up if the common centre of mass stays over every interface below.
         let topples_alone = ratio * offset.abs() / (ratio + 1.0) < 0.5;
@@ -106,6 +110,8 @@ pub(crate) fn column(params: &mut Params) -> Result<Scene, SceneError> {
     scene.judge(Moved::after(end, Some(vec![n])));
     scene.judge(Overlap::spread(1, 1));
     scene.judge(Stood::within(0.3 + gap * n as f64));
+    scene.judge(PoseSpeed::over_last(LAST_SECOND));
+    scene.judge(Awake::default());
     Ok(scene)
 }
 

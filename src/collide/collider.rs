@@ -9,7 +9,7 @@ use crate::material::Material;
 use crate::shape::{CollisionFilter, LocalPose, Shape, ShapeDef};
 
 /// Margin of the box that the broad phase keeps around a shape, as a share of the shape's extent, and its bounds (m).
-const FAT_MARGIN_SHARE: f32 = 0.1;
+const FAT_MARGIN_SHARE: f32 = 0.05;
 const FAT_MARGIN_RANGE: (f32, f32) = (1.0e-3, 0.1);
 
 /// Greatest reach that is used (m); a half-space has no end.
@@ -33,6 +33,10 @@ pub(crate) struct Collider {
     pub reach: f32,
     /// Least extent of the shape's own box (m).
     pub least_extent: f32,
+    /// Where the shape is: world position of its origin (m), and its rotation.
+    pub place: (DVec3, Quat),
+    /// Box that the shape cannot leave in this step (m, rounded outwards); that of the last step in which its body moved.
+    pub tight_box: Aabb,
     /// Box kept by the broad phase (m, rounded outwards); none before the first update.
     pub fat_box: Option<Aabb>,
 }
@@ -50,6 +54,8 @@ impl Collider {
             user_word: def.user_word,
             reach: 0.0,
             least_extent: own_box.extents().min_element(),
+            place: (DVec3::ZERO, Quat::IDENTITY),
+            tight_box: Aabb::new_invalid(),
             fat_box: None,
         };
         collider.center_moved(local_center);
@@ -63,15 +69,24 @@ impl Collider {
         self.reach = (center.length() + sphere.radius).min(MAX_REACH);
     }
 
-    /// World position of the shape's origin (m), and its rotation.
+    /// Takes note of where the body is now.
+    pub(crate) fn follow(&mut self, body: &Body) {
+        self.place = self.world_pose(body);
+    }
+
+    /// World position of the shape's origin (m), and its rotation, on a body anywhere.
     pub(crate) fn world_pose(&self, body: &Body) -> (DVec3, Quat) {
         let from_center = body.rotation * (self.local_pose.position - body.local_center);
         (body.center + from_center.as_dvec3(), body.rotation * self.local_pose.rotation)
     }
 
-    /// World box of the shape (m), rounded outwards, enlarged by `margin`.
-    pub(crate) fn world_box(&self, body: &Body, margin: f32) -> Aabb {
-        let (position, rotation) = self.world_pose(body);
+    /// World box of the shape where it is (m), rounded outwards, enlarged by `margin`.
+    pub(crate) fn world_box(&self, margin: f32) -> Aabb {
+        self.box_at(self.place, margin)
+    }
+
+    /// World box of the shape at a place (m), rounded outwards, enlarged by `margin`.
+    pub(crate) fn box_at(&self, (position, rotation): (DVec3, Quat), margin: f32) -> Aabb {
         let local = self.shape.parry().compute_aabb(&Pose3::from_parts(Vec3::ZERO, rotation));
         let grown = Vec3::splat(margin);
         Aabb::new(
@@ -92,9 +107,14 @@ impl Collider {
     }
 }
 
+/// What a shape adds to a contact margin at most (m).
+pub(crate) fn own_margin(shape: &Collider) -> f32 {
+    (shape.least_extent.max(0.0) * CONTACT_MARGIN_SHARE).min(MAX_CONTACT_MARGIN)
+}
+
 /// Distance at which two shapes become contacts even without relative motion (m).
 pub(crate) fn contact_margin(a: &Collider, b: &Collider) -> f32 {
-    (a.least_extent.min(b.least_extent).max(0.0) * CONTACT_MARGIN_SHARE).min(MAX_CONTACT_MARGIN)
+    own_margin(a).min(own_margin(b))
 }
 
 fn rounded_down(v: DVec3) -> Vec3 {

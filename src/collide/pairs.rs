@@ -2,7 +2,7 @@
 //!
 //! A pair is *active* while one of its bodies can move by itself; the pairs of a sleeping island are kept by the island.
 
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Mat3, Quat, Vec3};
 use parry3d::math::Pose3;
 
 use super::collider::{Collider, contact_margin};
@@ -51,8 +51,8 @@ pub(crate) struct Pair {
 }
 
 /// Relative motion below which manifolds are kept: translation over the smaller shape's least extent, and rotation (rad).
-const REUSE_TRANSLATION: f32 = 1.0e-4;
-const REUSE_ROTATION: f32 = 1.0e-4;
+const REUSE_TRANSLATION: f32 = 5.0e-4;
+const REUSE_ROTATION: f32 = 5.0e-4;
 
 /// Factor on relative motion in the margin that manifolds are made for, so that a slightly greater speed does not remake them.
 const MARGIN_RESERVE: f32 = 1.5;
@@ -75,16 +75,15 @@ impl Pair {
     }
 
     /// Brings the manifolds up to date with the bodies' poses.
-    pub(crate) fn update(&mut self, a: (&Collider, &Body), b: (&Collider, &Body), motion: f32, scratch: &mut PairScratch) {
-        let still = contact_margin(a.0, b.0);
-        let (position_a, rotation_a) = a.0.world_pose(a.1);
-        let (position_b, rotation_b) = b.0.world_pose(b.1);
+    pub(crate) fn update(&mut self, a: &Collider, b: &Collider, motion: f32, scratch: &mut PairScratch) {
+        let still = contact_margin(a, b);
+        let ((position_a, rotation_a), (position_b, rotation_b)) = (a.place, b.place);
         let inverse_a = rotation_a.conjugate();
         let relative = Pose3::from_parts(inverse_a * (position_b - position_a).as_vec3(), inverse_a * rotation_b);
-        self.updated = !self.still_good(&relative, still + motion, a.0.least_extent.min(b.0.least_extent));
+        self.updated = !self.still_good(&relative, still + motion, a.least_extent.min(b.least_extent));
         if self.updated {
             let margin = still + motion * MARGIN_RESERVE;
-            narrow::collide(&a.0.shape, &b.0.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
+            narrow::collide(&a.shape, &b.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
             self.carry_over(&scratch.manifolds);
             self.made_for = Some((relative, margin));
         } else {
@@ -92,6 +91,14 @@ impl Pair {
         }
         let points = self.manifolds.iter().flat_map(|m| &m.geometry.points[..m.geometry.count as usize]);
         self.may_touch = points.fold(f32::INFINITY, |least, point| least.min(point.separation)) <= motion;
+    }
+
+    /// Takes note that the two cannot touch in this step.
+    pub(crate) fn part(&mut self) {
+        self.manifolds.clear();
+        self.made_for = None;
+        self.may_touch = false;
+        self.updated = false;
     }
 
     /// Whether there are contact points at all.
@@ -339,13 +346,14 @@ impl WorldManifold {
     pub(crate) fn new(manifold: &Manifold, a: (&Collider, &Body), b: (&Collider, &Body)) -> Self {
         let frame = |(collider, body): (&Collider, &Body)| {
             let offset = body.rotation * (collider.local_pose.position - body.local_center);
-            (offset, body.rotation * collider.local_pose.rotation)
+            (offset, Mat3::from_quat(collider.place.1))
         };
         let ((offset_a, rotation_a), (offset_b, rotation_b)) = (frame(a), frame(b));
-        Self {
-            normal: (rotation_a * manifold.normal).normalize(),
-            lever_a: manifold.points.map(|point| offset_a + rotation_a * point.on_a),
-            lever_b: manifold.points.map(|point| offset_b + rotation_b * point.on_b),
+        let mut world = Self { normal: (rotation_a * manifold.normal).normalize(), lever_a: [Vec3::ZERO; 4], lever_b: [Vec3::ZERO; 4] };
+        for (i, point) in manifold.points[..manifold.count as usize].iter().enumerate() {
+            world.lever_a[i] = offset_a + rotation_a * point.on_a;
+            world.lever_b[i] = offset_b + rotation_b * point.on_b;
         }
+        world
     }
 }

@@ -13,6 +13,18 @@ struct Replica {
     slot: u32,
 }
 
+/// Slots of a manifold's bodies, and its number of points.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ManifoldEnds {
+    pub a: u32,
+    pub b: u32,
+    pub points: u8,
+}
+
+/// Groups of manifolds: two for each colour, two for what found none; and the first of those.
+const GROUPS: usize = 2 * MAX_COLORS + 2;
+const ALONE: usize = 2 * MAX_COLORS;
+
 /// Bodies, contacts and joints solved together.
 #[derive(Debug, Default)]
 pub(crate) struct Batch {
@@ -26,15 +38,16 @@ pub(crate) struct Batch {
     pub motions: Vec<BodyMotion>,
     pub contacts: Vec<ContactBlock>,
     pub joints: BatchJoints,
-    /// Slots of each manifold's bodies.
-    pub ends: Vec<(u32, u32)>,
+    /// Slots of each manifold's bodies, and its number of points.
+    pub ends: Vec<ManifoldEnds>,
     /// Block and lane of each manifold.
     lanes: Vec<(u32, u32)>,
     /// Kinematic bodies that have a slot here, sorted by body.
     replicas: Vec<Replica>,
     pub birth: Birth,
     pub coloring: Coloring,
-    colors: Vec<u32>,
+    /// Colour of each manifold, twice, plus one if it has a single point.
+    groups: Vec<u32>,
     pub pushes: Vec<BodyVelocity>,
     pub recovery_lambdas: Vec<[Lane; POINTS]>,
     /// Number of colours that the contacts took.
@@ -94,39 +107,35 @@ impl Batch {
         }
     }
 
-    /// Lays out a block and a lane for every manifold; `ends` gives the slots of each.
-    pub(crate) fn color_contacts(&mut self, ends: &[(u32, u32)]) {
+    /// Lays out a block and a lane for every manifold; `ends` gives the slots of each and its number of points.
+    ///
+    /// Within a colour, manifolds of one point have blocks of their own, which cost a fraction of those of four.
+    pub(crate) fn color_contacts(&mut self, ends: &[ManifoldEnds]) {
         self.coloring.reset(self.velocities.len());
-        self.colors.clear();
-        let mut counts = [0_u32; MAX_COLORS + 1];
-        for &(a, b) in ends {
+        self.groups.clear();
+        let mut counts = [0_u32; GROUPS];
+        for &ManifoldEnds { a, b, points } in ends {
             self.motions[a as usize].constrained = true;
             self.motions[b as usize].constrained = true;
             let end = |slot: u32| (slot, slot != WORLD_SLOT && self.motions[slot as usize].is_dynamic());
             let color = self.coloring.assign(end(a), end(b)).unwrap_or(MAX_COLORS as u32);
-            counts[color as usize] += 1;
-            self.colors.push(color);
+            let group = 2 * color as usize + usize::from(points == 1);
+            counts[group] += 1;
+            self.groups.push(group as u32);
         }
-        let mut next = [0_u32; MAX_COLORS + 1];
+        let mut next = [0_u32; GROUPS];
         let mut blocks = 0;
-        for color in 0..MAX_COLORS {
-            next[color] = blocks * LANES as u32;
-            blocks += counts[color].div_ceil(LANES as u32);
+        for (group, &count) in counts.iter().enumerate() {
+            next[group] = blocks * LANES as u32;
+            // What found no colour is solved one manifold a block, after the rest.
+            blocks += if group < ALONE { count.div_ceil(LANES as u32) } else { count };
         }
-        // What found no colour is solved one manifold a block, after the rest.
-        let alone = blocks;
-        blocks += counts[MAX_COLORS];
-        self.color_count = counts.iter().filter(|&&count| count > 0).count() as u32;
+        self.color_count = counts.chunks(2).filter(|counts| counts.iter().any(|&count| count > 0)).count() as u32;
         self.contacts.resize(blocks as usize, ContactBlock::EMPTY);
-        for &color in &self.colors {
-            let place = next[color as usize];
-            next[color as usize] += 1;
-            let lane = if color as usize == MAX_COLORS {
-                (alone + place, 0)
-            } else {
-                (place / LANES as u32, place % LANES as u32)
-            };
-            self.lanes.push(lane);
+        for &group in &self.groups {
+            let place = &mut next[group as usize];
+            self.lanes.push((*place / LANES as u32, *place % LANES as u32));
+            *place += if (group as usize) < ALONE { 1 } else { LANES as u32 };
         }
     }
 

@@ -12,7 +12,7 @@
 
 use glam::{Mat2, Mat4, Vec2, Vec3, Vec4};
 
-use super::state::{BodyMotion, BodyVelocity};
+use super::state::BodyVelocity;
 use crate::material::PairMaterial;
 
 /// Manifolds in a block.
@@ -22,6 +22,9 @@ pub(crate) const POINTS: usize = 4;
 
 /// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
 const REGULARISATION: f32 = 1.0e-3;
+
+/// Share of its limit below which a friction multiplier is dropped before it becomes denormal.
+pub(crate) const NEGLIGIBLE_FRICTION: f32 = 1.0e-9;
 
 /// One number for each manifold of a block.
 pub(crate) type Lane = [f32; LANES];
@@ -100,6 +103,8 @@ pub(crate) struct ContactBlock {
     pub peak_lambda: [Lane; POINTS],
     pub has_rolling: bool,
     pub has_restitution: bool,
+    /// Whether any manifold has more than one point.
+    pub has_faces: bool,
 }
 
 impl ContactBlock {
@@ -133,6 +138,7 @@ impl ContactBlock {
         peak_lambda: [[0.0; LANES]; POINTS],
         has_rolling: false,
         has_restitution: false,
+        has_faces: false,
     };
 
     /// Prepares one manifold in lane `l`; points closer than `reach` (m) count as touching.
@@ -175,7 +181,10 @@ impl ContactBlock {
             }
         }
 
-        self.set_inverse(l, count);
+        if count > 1 {
+            self.has_faces = true;
+            self.set_inverse(l, count);
+        }
         if count == POINTS {
             self.level(l, reach);
         }
@@ -191,14 +200,16 @@ impl ContactBlock {
                 + center_b.cross(u).dot(inertia_b * center_b.cross(v))
         };
         put_inverse2(&mut self.tangent_mass, l, response(t1, t1), response(t1, t2), response(t2, t2));
-        self.tangent_lambda[0][l] = input.impulses.friction.dot(t1);
-        self.tangent_lambda[1][l] = input.impulses.friction.dot(t2);
+        let pressed: f32 = input.impulses.normal.iter().sum();
+        let carried = |lambda: f32| if lambda.abs() > NEGLIGIBLE_FRICTION * pressed { lambda } else { 0.0 };
+        self.tangent_lambda[0][l] = carried(input.impulses.friction.dot(t1));
+        self.tangent_lambda[1][l] = carried(input.impulses.friction.dot(t2));
         self.friction[l] = input.material.friction;
 
         let spread = input.lever_a[..count].iter().map(|lever| (*lever - center_a).length()).sum::<f32>() * inverse_count;
         let angular = inertia_a + inertia_b;
         self.twist_mass[l] = invert(n.dot(angular * n));
-        self.twist_lambda[l] = input.impulses.twist;
+        self.twist_lambda[l] = carried(input.impulses.twist);
         self.twist_arm[l] = input.material.friction * spread + input.material.spinning;
 
         if input.material.rolling > 0.0 {
@@ -285,20 +296,6 @@ impl ContactBlock {
     /// Normal of lane `l`.
     pub(crate) fn normal_of(&self, l: usize) -> Vec3 {
         get(&self.normal, l)
-    }
-
-    /// Smallest separation of lane `l` after the step (m), with the bodies displaced as `motions` say.
-    pub(crate) fn least_separation(&self, l: usize, motions: &[BodyMotion]) -> f32 {
-        let (a, b) = (&motions[self.a[l] as usize], &motions[self.b[l] as usize]);
-        let n = get(&self.normal, l);
-        (0..POINTS)
-            .filter(|&i| self.inverse_diagonal[i][l] > 0.0)
-            .map(|i| {
-                let moved_b = b.displacement + b.turn.cross(get(&self.lever_b[i], l));
-                let moved_a = a.displacement + a.turn.cross(get(&self.lever_a[i], l));
-                self.separation[i][l] + n.dot(moved_b - moved_a)
-            })
-            .fold(f32::INFINITY, f32::min)
     }
 }
 

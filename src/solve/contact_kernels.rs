@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::contact::{ContactBlock, LANES, Lane, Lane3, POINTS};
+use super::contact::{ContactBlock, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS};
 use super::state::{BodyMotion, BodyVelocity};
 
 /// Sweeps over the 4×4 matrix of a manifold within one visit.
@@ -55,6 +55,21 @@ dispatched!(
 dispatched!(
     /// One sweep: friction, then the normal rows of each manifold as a block.
     sweep, sweep_avx2, sweep_body, (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], backwards: bool)
+);
+
+dispatched!(
+    /// One sweep of position recovery: overlapping points are pushed apart by displacements that leave no velocity behind.
+    ///
+    /// `pushes` holds a displacement and rotation for each slot in the form of a velocity times the step. Rows are
+    /// J δ ≥ −β s where s < 0 (never faster than [`MAX_RECOVERY_SPEED`]) and J δ ≥ −s elsewhere, so that one overlap is not
+    /// cured by making another.
+    recover, recover_avx2, recover_body,
+    (blocks: &[ContactBlock], lambdas: &mut [[Lane; POINTS]], pushes: &mut [BodyVelocity], motions: &[BodyMotion], dt: f32)
+);
+dispatched!(
+    /// Raises `worst` to the greatest overlap of any point (m).
+    find_worst_overlap, find_worst_overlap_avx2, find_worst_overlap_body,
+    (blocks: &[ContactBlock], motions: &[BodyMotion], worst: &mut f32)
 );
 
 /// Velocities and inverse masses of one side of a block.
@@ -157,7 +172,7 @@ fn warm_start_body(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity],
 /// Forms max(s, 0)/h from the separations of now, and notes impact speeds where there is restitution.
 #[inline(always)]
 fn close_in(block: &mut ContactBlock, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
-    let separation = separations(block, motions);
+    let separation = separations::<POINTS>(block, motions);
     let inverse_h = 1.0 / h;
     for i in 0..POINTS {
         for l in 0..LANES {
@@ -172,7 +187,7 @@ fn close_in(block: &mut ContactBlock, velocities: &[BodyVelocity], motions: &[Bo
 
 /// Separation of every point with the bodies displaced as `motions` say (m).
 #[inline(always)]
-fn separations(block: &ContactBlock, motions: &[BodyMotion]) -> [Lane; POINTS] {
+fn separations<const N: usize>(block: &ContactBlock, motions: &[BodyMotion]) -> [Lane; POINTS] {
     let mut moved_a: [Lane3; 2] = [[[0.0; LANES]; 3]; 2];
     let mut moved_b: [Lane3; 2] = [[[0.0; LANES]; 3]; 2];
     for l in 0..LANES {
@@ -189,7 +204,7 @@ fn separations(block: &ContactBlock, motions: &[BodyMotion]) -> [Lane; POINTS] {
         let n = at(&block.normal, l);
         let shift = n.dot(at(&moved_b[0], l) - at(&moved_a[0], l));
         let (axis_a, axis_b) = (n.cross(at(&moved_a[1], l)), n.cross(at(&moved_b[1], l)));
-        for i in 0..POINTS {
+        for i in 0..N {
             // n·(θ×r) = r·(n×θ)
             separation[i][l] += shift + (at(&block.lever_b[i], l).dot(axis_b) - at(&block.lever_a[i], l).dot(axis_a));
         }
@@ -233,22 +248,36 @@ fn sweep_body(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], back
         if block.has_rolling {
             roll(block, &mut side_a, &mut side_b);
         }
-        rub(block, &mut side_a, &mut side_b);
-        press(block, &mut side_a, &mut side_b);
+        if block.has_faces {
+            rub::<POINTS>(block, &mut side_a, &mut side_b);
+            press::<POINTS>(block, &mut side_a, &mut side_b);
+        } else {
+            rub::<1>(block, &mut side_a, &mut side_b);
+            press::<1>(block, &mut side_a, &mut side_b);
+        }
         scatter(&block.a, &side_a, velocities);
         scatter(&block.b, &side_b, velocities);
     }
 }
 
+/// Zero for a friction impulse that is nothing beside its limit, and whose square would be a denormal number.
+#[inline(always)]
+fn flushed(impulse: f32, limit: f32) -> f32 {
+    if impulse.abs() > NEGLIGIBLE_FRICTION * limit { impulse } else { 0.0 }
+}
+
 /// Tangential and twist rows of every lane.
 #[inline(always)]
-fn rub(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
+fn rub<const N: usize>(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
     for l in 0..LANES {
         let n = at(&block.normal, l);
         let t1 = at(&block.tangent, l);
         let t2 = n.cross(t1);
         let (center_a, center_b) = (at(&block.center_a, l), at(&block.center_b, l));
-        let load = block.lambda[0][l] + block.lambda[1][l] + block.lambda[2][l] + block.lambda[3][l];
+        let mut load = 0.0;
+        for i in 0..N {
+            load += block.lambda[i][l];
+        }
 
         let (spin_a, spin_b) = (at(&side_a.angular, l), at(&side_b.angular, l));
         let slip = at(&side_b.linear, l) + spin_b.cross(center_b) - at(&side_a.linear, l) - spin_a.cross(center_a);
@@ -259,6 +288,7 @@ fn rub(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
         let free1 = old1 - (m11[l] * slip1 + m12[l] * slip2);
         let free2 = old2 - (m12[l] * slip1 + m22[l] * slip2);
         let limit = block.friction[l] * load;
+        let (free1, free2) = (flushed(free1, limit), flushed(free2, limit));
         let size = (free1 * free1 + free2 * free2).sqrt();
         let scale = if size > limit { limit / size } else { 1.0 };
         let (new1, new2) = (free1 * scale, free2 * scale);
@@ -295,6 +325,7 @@ fn roll(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
         let free1 = old1 - (m11[l] * roll1 + m12[l] * roll2);
         let free2 = old2 - (m12[l] * roll1 + m22[l] * roll2);
         let limit = block.rolling_arm[l] * load;
+        let (free1, free2) = (flushed(free1, limit), flushed(free2, limit));
         let size = (free1 * free1 + free2 * free2).sqrt();
         let scale = if size > limit { limit / size } else { 1.0 };
         let (new1, new2) = (free1 * scale, free2 * scale);
@@ -308,26 +339,26 @@ fn roll(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
 
 /// Normal rows of every lane, each manifold as one block.
 #[inline(always)]
-fn press(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
-    let mut residual = normal_rates(block, side_a, side_b);
-    for i in 0..POINTS {
+fn press<const N: usize>(block: &mut ContactBlock, side_a: &mut Side, side_b: &mut Side) {
+    let mut residual = normal_rates::<N>(block, side_a, side_b);
+    for i in 0..N {
         for l in 0..LANES {
             residual[i][l] += block.closing_speed[i][l];
         }
     }
-    let new = solve_manifolds(block, residual, &block.lambda);
-    push_apart(block, &new, &block.lambda, side_a, side_b);
-    for i in 0..POINTS {
+    let new = solve_manifolds::<N>(block, residual, &block.lambda);
+    push_apart::<N>(block, &new, &block.lambda, side_a, side_b);
+    for i in 0..N {
         for l in 0..LANES {
             block.peak_lambda[i][l] = block.peak_lambda[i][l].max(new[i][l]);
         }
     }
-    block.lambda = new;
+    block.lambda[..N].copy_from_slice(&new[..N]);
 }
 
 /// J v of every normal row.
 #[inline(always)]
-fn normal_rates(block: &ContactBlock, side_a: &Side, side_b: &Side) -> [Lane; POINTS] {
+fn normal_rates<const N: usize>(block: &ContactBlock, side_a: &Side, side_b: &Side) -> [Lane; POINTS] {
     let mut approach = [0.0; LANES];
     let (mut axis_a, mut axis_b) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
     for l in 0..LANES {
@@ -338,7 +369,7 @@ fn normal_rates(block: &ContactBlock, side_a: &Side, side_b: &Side) -> [Lane; PO
         put(&mut axis_b, l, n.cross(at(&side_b.angular, l)));
     }
     let mut rates = [[0.0; LANES]; POINTS];
-    for i in 0..POINTS {
+    for i in 0..N {
         for l in 0..LANES {
             let turning = at(&block.lever_b[i], l).dot(at(&axis_b, l)) - at(&block.lever_a[i], l).dot(at(&axis_a, l));
             rates[i][l] = approach[l] + turning;
@@ -353,7 +384,14 @@ fn normal_rates(block: &ContactBlock, side_a: &Side, side_b: &Side) -> [Lane; PO
 /// Gauss–Seidel on the manifold's own matrix. Without the inverse, the few inner sweeps leave a face's load uneven and tall
 /// columns buckle.
 #[inline(always)]
-fn solve_manifolds(block: &ContactBlock, mut residual: [Lane; POINTS], old: &[Lane; POINTS]) -> [Lane; POINTS] {
+fn solve_manifolds<const N: usize>(block: &ContactBlock, mut residual: [Lane; POINTS], old: &[Lane; POINTS]) -> [Lane; POINTS] {
+    if N == 1 {
+        let mut lambda = *old;
+        for l in 0..LANES {
+            lambda[0][l] = (lambda[0][l] - residual[0][l] * block.inverse_diagonal[0][l]).max(0.0);
+        }
+        return lambda;
+    }
     let b = &block.inverse;
     let inverse: [[&Lane; POINTS]; POINTS] =
         [[&b[0], &b[4], &b[5], &b[6]], [&b[4], &b[1], &b[7], &b[8]], [&b[5], &b[7], &b[2], &b[9]], [&b[6], &b[8], &b[9], &b[3]]];
@@ -409,12 +447,12 @@ fn solve_manifolds(block: &ContactBlock, mut residual: [Lane; POINTS], old: &[La
 
 /// Applies the difference of two sets of normal multipliers.
 #[inline(always)]
-fn push_apart(block: &ContactBlock, new: &[Lane; POINTS], old: &[Lane; POINTS], side_a: &mut Side, side_b: &mut Side) {
+fn push_apart<const N: usize>(block: &ContactBlock, new: &[Lane; POINTS], old: &[Lane; POINTS], side_a: &mut Side, side_b: &mut Side) {
     for l in 0..LANES {
         let n = at(&block.normal, l);
         let mut sum = 0.0;
         let (mut arm_a, mut arm_b) = (Vec3::ZERO, Vec3::ZERO);
-        for i in 0..POINTS {
+        for i in 0..N {
             let change = new[i][l] - old[i][l];
             sum += change;
             arm_a += at(&block.lever_a[i], l) * change;
@@ -429,7 +467,7 @@ fn push_apart(block: &ContactBlock, new: &[Lane; POINTS], old: &[Lane; POINTS], 
 pub(crate) fn restitute(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], threshold: f32) {
     for block in blocks.iter_mut().filter(|block| block.has_restitution) {
         let (mut side_a, mut side_b) = (gather(&block.a, velocities), gather(&block.b, velocities));
-        let mut residual = normal_rates(block, &side_a, &side_b);
+        let mut residual = normal_rates::<POINTS>(block, &side_a, &side_b);
         let mut any = [false; LANES];
         for l in 0..LANES {
             for i in 0..POINTS {
@@ -439,25 +477,36 @@ pub(crate) fn restitute(blocks: &mut [ContactBlock], velocities: &mut [BodyVeloc
                 }
             }
         }
-        let mut new = solve_manifolds(block, residual, &block.lambda);
+        let mut new = solve_manifolds::<POINTS>(block, residual, &block.lambda);
         for l in 0..LANES {
             for i in 0..POINTS {
                 new[i][l] = if any[l] { new[i][l] } else { block.lambda[i][l] };
             }
         }
-        push_apart(block, &new, &block.lambda, &mut side_a, &mut side_b);
+        push_apart::<POINTS>(block, &new, &block.lambda, &mut side_a, &mut side_b);
         scatter(&block.a, &side_a, velocities);
         scatter(&block.b, &side_b, velocities);
         block.lambda = new;
     }
 }
 
-/// One sweep of position recovery: overlapping points are pushed apart by displacements that leave no velocity behind.
-///
-/// `pushes` holds a displacement and rotation for each slot in the form of a velocity times the step. Rows are
-/// J δ ≥ −β s where s < 0 (never faster than [`MAX_RECOVERY_SPEED`]) and J δ ≥ −s elsewhere, so that one overlap is not cured
-/// by making another.
-pub(crate) fn recover(
+#[inline(always)]
+fn find_worst_overlap_body(blocks: &[ContactBlock], motions: &[BodyMotion], worst: &mut f32) {
+    let mut deepest = [0.0_f32; LANES];
+    for block in blocks {
+        let separation = separations::<POINTS>(block, motions);
+        for i in 0..POINTS {
+            for l in 0..LANES {
+                let overlap = if block.inverse_diagonal[i][l] > 0.0 { -separation[i][l] } else { 0.0 };
+                deepest[l] = deepest[l].max(overlap);
+            }
+        }
+    }
+    *worst = deepest.iter().fold(*worst, |worst, &overlap| worst.max(overlap));
+}
+
+#[inline(always)]
+fn recover_body(
     blocks: &[ContactBlock],
     lambdas: &mut [[Lane; POINTS]],
     pushes: &mut [BodyVelocity],
@@ -465,19 +514,34 @@ pub(crate) fn recover(
     dt: f32,
 ) {
     for (block, lambda) in blocks.iter().zip(lambdas) {
-        let (mut side_a, mut side_b) = (gather(&block.a, pushes), gather(&block.b, pushes));
-        let mut residual = normal_rates(block, &side_a, &side_b);
-        let separation = separations(block, motions);
-        for i in 0..POINTS {
-            for l in 0..LANES {
-                let s = separation[i][l];
-                residual[i][l] += if s < 0.0 { (RECOVERY_SHARE * s).max(-MAX_RECOVERY_SPEED * dt) } else { s };
-            }
+        if block.has_faces {
+            part_overlaps::<POINTS>(block, lambda, pushes, motions, dt);
+        } else {
+            part_overlaps::<1>(block, lambda, pushes, motions, dt);
         }
-        let new = solve_manifolds(block, residual, lambda);
-        push_apart(block, &new, lambda, &mut side_a, &mut side_b);
-        scatter(&block.a, &side_a, pushes);
-        scatter(&block.b, &side_b, pushes);
-        *lambda = new;
     }
+}
+
+#[inline(always)]
+fn part_overlaps<const N: usize>(
+    block: &ContactBlock,
+    lambda: &mut [Lane; POINTS],
+    pushes: &mut [BodyVelocity],
+    motions: &[BodyMotion],
+    dt: f32,
+) {
+    let (mut side_a, mut side_b) = (gather(&block.a, pushes), gather(&block.b, pushes));
+    let mut residual = normal_rates::<N>(block, &side_a, &side_b);
+    let separation = separations::<N>(block, motions);
+    for i in 0..N {
+        for l in 0..LANES {
+            let s = separation[i][l];
+            residual[i][l] += if s < 0.0 { (RECOVERY_SHARE * s).max(-MAX_RECOVERY_SPEED * dt) } else { s };
+        }
+    }
+    let new = solve_manifolds::<N>(block, residual, lambda);
+    push_apart::<N>(block, &new, lambda, &mut side_a, &mut side_b);
+    scatter(&block.a, &side_a, pushes);
+    scatter(&block.b, &side_b, pushes);
+    *lambda = new;
 }

@@ -80,7 +80,7 @@ impl Batch {
     }
 
     fn recover_positions(&mut self, dt: f32) {
-        self.penetration = self.worst_penetration();
+        contact_kernels::find_worst_overlap(&self.contacts, &self.motions, &mut self.penetration);
         if self.penetration <= NEGLIGIBLE_OVERLAP {
             return;
         }
@@ -94,15 +94,5 @@ impl Batch {
         for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
             motion.displace(push.linear, push.angular);
         }
-    }
-
-    fn worst_penetration(&self) -> f32 {
-        let mut worst = 0.0_f32;
-        for block in &self.contacts {
-            for l in 0..contact::LANES {
-                worst = worst.max(-block.least_separation(l, &self.motions));
-            }
-        }
-        worst
     }
 }

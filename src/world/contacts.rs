@@ -21,7 +21,8 @@ impl World {
         &self.events.contact_began
     }
 
-    /// Pairs of shapes whose contact ended in the last step.
+    /// Pairs of shapes whose contact ended in the last step, or by an edit since the step before it: handles of what the edit
+    /// destroyed are stale.
     pub fn contact_ended(&self) -> &[ContactPair] {
         &self.events.contact_ended
     }
@@ -72,7 +73,8 @@ impl World {
     fn force_on_fixed(&self, index: u32) -> Vec3 {
         let mut force = Vec3::ZERO;
         for contact in self.contacts_of(self.bodies.handle_of(index)).into_iter().flatten() {
-            let on_b = contact.normal * contact.points().iter().map(|point| point.normal_force).sum::<f32>() + contact.friction_force;
+            let on_b =
+                contact.normal * contact.points().iter().map(|point| point.normal_force).sum::<f32>() + contact.friction_force;
             force += if contact.pair.body_b == self.bodies.handle_of(index) { on_b } else { -on_b };
         }
         force
@@ -105,4 +107,3 @@ impl World {
         super::pairs::may_collide(a, b, &self.bodies, &self.joints)
     }
 }
-

@@ -10,7 +10,7 @@ use crate::collide::pairs::{PairCache, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::{Joint, JointImpulses};
 use crate::solve::StepSettings;
-use crate::solve::batch::Batch;
+use crate::solve::batch::{Batch, ManifoldEnds};
 use crate::solve::contact::{ContactImpulses, ContactInput};
 use crate::solve::joint::JointEntry;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
@@ -121,13 +121,15 @@ impl Records<'_> {
         let mut ends = std::mem::take(&mut batch.ends);
         ends.clear();
         for number in 0..batch.manifolds.len() {
-            let (a, b) = self.pairs.get(batch.manifolds[number].0).key.shapes();
-            let slot_a = self.slot(batch, self.colliders[a].body);
-            let slot_b = self.slot(batch, self.colliders[b].body);
-            ends.push((slot_a, slot_b));
+            let (slot, manifold) = batch.manifolds[number];
+            let pair = self.pairs.get(slot);
+            let (a, b) = pair.key.shapes();
+            let points = pair.manifolds[manifold as usize].geometry.count;
+            let (a, b) = (self.slot(batch, self.colliders[a].body), self.slot(batch, self.colliders[b].body));
+            ends.push(ManifoldEnds { a, b, points });
         }
         batch.color_contacts(&ends);
-        for (number, &(slot_a, slot_b)) in ends.iter().enumerate() {
+        for (number, ends) in ends.iter().enumerate() {
             let (slot, manifold) = batch.manifolds[number];
             let pair = self.pairs.get(slot);
             let carried = &pair.manifolds[manifold as usize];
@@ -136,8 +138,8 @@ impl Records<'_> {
             let bodies = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
             let world = WorldManifold::new(&carried.geometry, (shape_a, bodies.0), (shape_b, bodies.1));
             let input = ContactInput {
-                a: slot_a,
-                b: slot_b,
+                a: ends.a,
+                b: ends.b,
                 normal: world.normal,
                 lever_a: world.lever_a,
                 lever_b: world.lever_b,

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::World;
 use crate::body::Body;
 use crate::collide::broad::still_near;
-use crate::collide::collider::Collider;
+use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::{Fate, Pair, PairKey, PairScratch};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
@@ -24,8 +24,8 @@ impl World {
             for &id in &body.shapes {
                 let Ok(shape) = self.colliders.find(id) else { continue };
                 let collider = &mut self.colliders[shape];
-                let bound = collider.motion_bound(body, gravity, dt) + collider.fat_margin();
-                let tight = collider.world_box(body, bound);
+                let tight = collider.world_box(collider.motion_bound(body, gravity, dt) + own_margin(collider));
+                collider.tight_box = tight;
                 if !collider.fat_box.is_some_and(|kept| kept.contains(&tight)) {
                     let kept = tight.loosened(collider.fat_margin());
                     collider.fat_box = Some(kept);
@@ -78,9 +78,12 @@ impl World {
         let update = |pair: &mut Pair, scratch: &mut PairScratch| {
             let (a, b) = pair.key.shapes();
             let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
+            if !shape_a.tight_box.intersects(&shape_b.tight_box) {
+                return pair.part();
+            }
             let (body_a, body_b) = (&bodies[shape_a.body], &bodies[shape_b.body]);
             let motion = relative_motion((shape_a, body_a), (shape_b, body_b), def.gravity, dt);
-            pair.update((shape_a, body_a), (shape_b, body_b), motion, scratch);
+            pair.update(shape_a, shape_b, motion, scratch);
         };
         match threads {
             Some(pool) if active >= MIN_PARALLEL_PAIRS => pool.install(|| {

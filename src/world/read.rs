@@ -3,11 +3,13 @@
 use glam::{DVec3, Vec3};
 
 use super::World;
-use crate::body::BodyKind;
+use crate::body::{BodyKind, LockedAxes};
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId, ShapeId};
 use crate::mass::MassProperties;
+use crate::material::Material;
 use crate::pose::Pose;
+use crate::shape::CollisionFilter;
 
 /// Every getter here fails only if its handle is not an object of this world.
 impl World {
@@ -88,6 +90,32 @@ impl World {
         Ok(self.bodies[self.bodies.find(body)?].user_word)
     }
 
+    /// Rates at which linear and angular velocity decay (1/s).
+    pub fn damping(&self, body: BodyId) -> Result<(f32, f32)> {
+        let body = &self.bodies[self.bodies.find(body)?];
+        Ok((body.linear_damping, body.angular_damping))
+    }
+
+    /// Factor on the world's gravity.
+    pub fn gravity_scale(&self, body: BodyId) -> Result<f32> {
+        Ok(self.bodies[self.bodies.find(body)?].gravity_scale)
+    }
+
+    /// Degrees of freedom taken away.
+    pub fn locked_axes(&self, body: BodyId) -> Result<LockedAxes> {
+        Ok(self.bodies[self.bodies.find(body)?].locked_axes)
+    }
+
+    /// Whether the body is swept through each step.
+    pub fn is_fast(&self, body: BodyId) -> Result<bool> {
+        Ok(self.bodies[self.bodies.find(body)?].fast)
+    }
+
+    /// Whether the body may fall asleep.
+    pub fn can_sleep(&self, body: BodyId) -> Result<bool> {
+        Ok(self.bodies[self.bodies.find(body)?].can_sleep)
+    }
+
     /// The body's shapes, in the order they were attached.
     pub fn body_shapes(&self, body: BodyId) -> Result<&[ShapeId]> {
         Ok(&self.bodies[self.bodies.find(body)?].shapes)
@@ -101,6 +129,16 @@ impl World {
     /// The body that a shape is on.
     pub fn shape_body(&self, shape: ShapeId) -> Result<BodyId> {
         Ok(self.bodies.handle_of(self.colliders[self.colliders.find(shape)?].body))
+    }
+
+    /// The shape's surface.
+    pub fn material(&self, shape: ShapeId) -> Result<Material> {
+        Ok(self.colliders[self.colliders.find(shape)?].material)
+    }
+
+    /// What the shape collides with.
+    pub fn filter(&self, shape: ShapeId) -> Result<CollisionFilter> {
+        Ok(self.colliders[self.colliders.find(shape)?].filter)
     }
 
     /// The host's word on the shape.

@@ -1,8 +1,10 @@
 //! Attaching, changing and destroying shapes.
 
+use parry3d::bounding_volume::BoundingVolume;
+
 use super::World;
 use crate::body::BodyKind;
-use crate::collide::collider::Collider;
+use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::Fate;
 use crate::error::Result;
 use crate::id::{BodyId, ShapeId};
@@ -107,7 +109,7 @@ impl World {
         }
     }
 
-    /// Gives up the pairs of a shape, whose bodies are awake or not dynamic.
+    /// Gives up the pairs of a shape, whose bodies are awake or not dynamic; contacts that end so are the next step's events.
     fn drop_pairs_of_shape(&mut self, slot: u32) {
         let Self { pairs, events, colliders, bodies, .. } = self;
         pairs.retain_active(|key, _, pair| {
@@ -116,7 +118,7 @@ impl World {
                 return Fate::Stay;
             }
             if pair.in_contact {
-                events.contact_ended.push(super::pairs::contact_pair(colliders, bodies, key));
+                events.ended_by_edits.push(super::pairs::contact_pair(colliders, bodies, key));
             }
             Fate::Drop
         });
@@ -142,9 +144,11 @@ impl World {
     }
 
     fn refresh_box(&mut self, slot: u32) {
-        let collider = &self.colliders[slot];
-        let kept = collider.world_box(&self.bodies[collider.body], 2.0 * collider.fat_margin());
-        self.colliders[slot].fat_box = Some(kept);
+        let collider = &mut self.colliders[slot];
+        collider.follow(&self.bodies[collider.body]);
+        collider.tight_box = collider.world_box(own_margin(collider));
+        let kept = collider.tight_box.loosened(collider.fat_margin());
+        collider.fat_box = Some(kept);
         self.broad.set(slot, kept);
     }
 }

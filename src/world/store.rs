@@ -4,9 +4,12 @@ use glam::Vec3;
 
 use super::World;
 use super::pairs::contact_pair;
-use crate::body::{Body, BodyKind};
+use crate::body::BodyKind;
 use crate::collide::sweep::{self, PathStart};
 use crate::report::{JointOverload, Moved};
+
+/// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
+const ROTATION_TOLERANCE: f32 = 1.0e-3;
 
 impl World {
     /// Writes poses, velocities and multipliers back.
@@ -44,7 +47,7 @@ impl World {
             body.torque = Vec3::ZERO;
             body.contact_force = Vec3::ZERO;
             let finite = motion.displacement.is_finite()
-                && motion.rotation.is_finite()
+                && (motion.rotation.length_squared() - 1.0).abs() < ROTATION_TOLERANCE
                 && velocity.linear.is_finite()
                 && velocity.angular.is_finite()
                 && (body.center + motion.displacement.as_dvec3()).abs().max_element() <= crate::check::MAX_COORDINATE;
@@ -59,6 +62,11 @@ impl World {
             body.rotation = motion.rotation;
             body.linear_velocity = velocity.linear;
             body.angular_velocity = velocity.angular;
+            for &id in &body.shapes {
+                if let Ok(shape) = self.colliders.find(id) {
+                    self.colliders[shape].follow(body);
+                }
+            }
         }
         self.broken.append(&mut broken);
         self.scratch.slots = broken;
@@ -112,6 +120,7 @@ impl World {
         body.quarantined = true;
         self.events.quarantined.push(self.bodies.handle_of(index));
         self.forget_contacts_of(index);
+        self.events.take_edits();
         self.movers_sorted = false;
     }
 
@@ -129,6 +138,20 @@ impl World {
                 let turn = body.angular_velocity * dt;
                 body.rotation = rotated_far(body.rotation, turn);
             }
+            for &id in &body.shapes {
+                if let Ok(shape) = self.colliders.find(id) {
+                    self.colliders[shape].follow(body);
+                }
+            }
+        }
+    }
+
+    fn shapes_follow(&mut self, index: u32) {
+        let body = &self.bodies[index];
+        for &id in &body.shapes {
+            if let Ok(shape) = self.colliders.find(id) {
+                self.colliders[shape].follow(body);
+            }
         }
     }
 
@@ -139,6 +162,7 @@ impl World {
             if let Some(fraction) = self.first_touch(index, &start) {
                 let body = &mut self.bodies[index];
                 body.center = start.center.lerp(body.center, f64::from(fraction));
+                self.shapes_follow(index);
             }
         }
     }
@@ -155,8 +179,7 @@ impl World {
             for other in self.broad.overlapping(&path) {
                 let other_shape = &self.colliders[other];
                 if self.may_meet(collider, other_shape) {
-                    let other_body: &Body = &self.bodies[other_shape.body];
-                    if let Some(fraction) = sweep::first_touch(collider, body, start, other_shape, other_body) {
+                    if let Some(fraction) = sweep::first_touch(collider, body, start, other_shape) {
                         first = Some(first.map_or(fraction, |least| least.min(fraction)));
                     }
                 }

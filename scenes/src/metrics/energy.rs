@@ -120,3 +120,28 @@ impl Metric for AngularMomentumError {
         errors.push(("ang_momentum_err_pct", self.worst));
     }
 }
+
+/// `lin_momentum_err_pct`: how far the linear momentum of all bodies leaves its start, as a vector.
+#[derive(Default)]
+pub struct LinearMomentumError {
+    start: DVec3,
+    worst: f64,
+}
+
+impl Metric for LinearMomentumError {
+    fn observe(&mut self, view: &View) {
+        let of_body = |body: usize| Some(f64::from(view.mass(body)?.mass) * view.engine.linear_velocity(body).as_dvec3());
+        let momentum: DVec3 = view.dynamic().filter_map(of_body).sum();
+        if view.step == 0 {
+            self.start = momentum;
+        }
+        let mut worst = Worst::ZERO;
+        worst.note(self.worst);
+        worst.note(100.0 * (momentum - self.start).length() / self.start.length());
+        self.worst = worst.value();
+    }
+
+    fn report(&self, errors: &mut Errors) {
+        errors.push(("lin_momentum_err_pct", self.worst));
+    }
+}

@@ -2,7 +2,8 @@
 
 use super::{Errors, Metric, View};
 
-/// `held`: 1 if every bounded error stayed within its bound, else 0; then the errors themselves.
+/// `held`: 1 if every bounded error stayed within its bound, else 0; `of_bound`: the greatest share of its bound that an error
+/// took (infinite where the bound is zero and the error is not); then the errors themselves.
 pub struct Held {
     metrics: Vec<Box<dyn Metric>>,
     bounds: Vec<(&'static str, f64)>,
@@ -29,6 +30,11 @@ impl Metric for Held {
         }
         let kept = |(name, bound): &(&str, f64)| found.iter().any(|(found, value)| found == name && value <= bound);
         errors.push(("held", f64::from(u8::from(self.bounds.iter().all(kept)))));
+        let share = |(name, bound): &(&str, f64)| {
+            let value = found.iter().find(|(found, _)| found == name).map_or(f64::INFINITY, |(_, value)| *value);
+            if value == 0.0 { 0.0 } else { value / bound }
+        };
+        errors.push(("of_bound", self.bounds.iter().map(share).fold(0.0, f64::max)));
         errors.extend(found);
     }
 }

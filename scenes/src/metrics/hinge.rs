@@ -58,3 +58,29 @@ impl Metric for HingeOvershoot {
         errors.extend([("overshoot_deg", self.peak.value()), ("limit_err_deg", self.end.value())]);
     }
 }
+
+/// `angle_err_deg`: how far a hinge is from an angle at the end.
+pub struct HingeError {
+    joint: usize,
+    expected: f64,
+    end: Worst,
+}
+
+impl HingeError {
+    /// `expected` in radians.
+    pub fn new(joint: usize, expected: f64) -> Self {
+        Self { joint, expected, end: Worst::ZERO }
+    }
+}
+
+impl Metric for HingeError {
+    fn observe(&mut self, view: &View) {
+        if view.at_end() {
+            self.end.note((hinge_angle(view, self.joint) - self.expected).abs().to_degrees());
+        }
+    }
+
+    fn report(&self, errors: &mut Errors) {
+        errors.push(("angle_err_deg", self.end.value()));
+    }
+}

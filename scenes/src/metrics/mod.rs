@@ -9,11 +9,11 @@ mod overlap;
 mod solid;
 mod trajectory;
 
-pub use energy::{AngularMomentumError, EnergyError, EnergyGrowth, energy_of};
+pub use energy::{AngularMomentumError, EnergyError, EnergyGrowth, LinearMomentumError, energy_of};
 pub use held::Held;
-pub use hinge::{HingeOvershoot, hinge_angle};
+pub use hinge::{HingeError, HingeOvershoot, hinge_angle};
 pub use joints::{JointGap, LoadError, Stretch, gap_of};
-pub use motion::{Awake, Displaced, EndSpeeds, Escaped, Moved, NotFinite, PeakSpeed, Stood};
+pub use motion::{Awake, Displaced, EndSpeeds, Escaped, LockedDrift, Moved, NotFinite, PeakSpeed, PoseSpeed, Stood};
 pub use overlap::Overlap;
 pub use solid::{Solid, overlap_depth};
 pub use trajectory::TrajectoryError;

@@ -1,6 +1,7 @@
 //! Whether what should stand stays where it is, and how fast things are.
 
 use longspan::glam::DVec3;
+use longspan::{LockedAxes, Pose};
 
 use super::{Errors, Metric, View, Worst, or_infinite};
 
@@ -184,6 +185,74 @@ impl Metric for PeakSpeed {
 
     fn report(&self, errors: &mut Errors) {
         errors.extend([("speed_peak", self.linear.value()), ("spin_peak", self.angular.value())]);
+    }
+}
+
+/// `pose_speed_max` and `speed_max`: the greatest change of a body's place per second of a step, and the greatest velocity that a
+/// body claims to have, over the last steps (m/s).
+pub struct PoseSpeed {
+    last: u32,
+    before: Vec<DVec3>,
+    time: f64,
+    by_pose: Worst,
+    by_velocity: Worst,
+}
+
+impl PoseSpeed {
+    /// Watches the last `last` steps.
+    pub fn over_last(last: u32) -> Self {
+        Self { last, before: Vec::new(), time: 0.0, by_pose: Worst::ZERO, by_velocity: Worst::ZERO }
+    }
+}
+
+impl Metric for PoseSpeed {
+    fn observe(&mut self, view: &View) {
+        if view.step > 0 && view.in_last(self.last) {
+            for body in view.dynamic().filter(|&body| body < self.before.len()) {
+                self.by_pose.note(view.center(body).distance(self.before[body]) / (view.time - self.time));
+                self.by_velocity.note(f64::from(view.engine.linear_velocity(body).length()));
+            }
+        }
+        self.before.clear();
+        self.before.extend((0..view.bodies.len()).map(|body| if view.alive[body] { view.center(body) } else { DVec3::NAN }));
+        self.time = view.time;
+    }
+
+    fn report(&self, errors: &mut Errors) {
+        errors.extend([("pose_speed_max", self.by_pose.value()), ("speed_max", self.by_velocity.value())]);
+    }
+}
+
+/// `locked_shift_m`, `locked_turn_deg`: how far bodies move along and turn about axes that are locked, at worst; `free_shift_m`: how
+/// far along those that are free. Of rotations either one is free or none.
+#[derive(Default)]
+pub struct LockedDrift {
+    start: Vec<Pose>,
+    found: [f64; 3],
+}
+
+impl Metric for LockedDrift {
+    fn observe(&mut self, view: &View) {
+        if view.step == 0 {
+            self.start = (0..view.bodies.len()).map(|body| view.engine.pose(body)).collect();
+        }
+        for body in view.dynamic().filter(|&body| view.bodies[body].locked_axes != LockedAxes::default()) {
+            let (locked, start, pose) = (view.bodies[body].locked_axes, &self.start[body], view.engine.pose(body));
+            let mask = |locked: [bool; 3]| DVec3::from_array(locked.map(|locked| f64::from(u8::from(locked))));
+            let shift = pose.position - start.position;
+            let turn = (pose.rotation.as_dquat() * start.rotation.as_dquat().conjugate()).normalize();
+            let about_locked = (DVec3::new(turn.x, turn.y, turn.z) * mask(locked.rotation)).length();
+            let along_locked = shift * mask(locked.translation);
+            let now = [along_locked.length(), 2.0 * about_locked.min(1.0).asin().to_degrees(), (shift - along_locked).length()];
+            for (found, now) in self.found.iter_mut().zip(now) {
+                *found = found.max(or_infinite(now));
+            }
+        }
+    }
+
+    fn report(&self, errors: &mut Errors) {
+        let [shift, turn, free] = self.found;
+        errors.extend([("locked_shift_m", shift), ("locked_turn_deg", turn), ("free_shift_m", free)]);
     }
 }
 

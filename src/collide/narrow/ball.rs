@@ -8,21 +8,57 @@ use super::{Manifold, ManifoldPoint};
 /// A ball touches at one point, whichever feature the other shape offers there.
 const FEATURE: u32 = 0;
 
+/// The one point of a contact, and its normal.
+pub(super) struct Touch {
+    normal: Vec3,
+    point: ManifoldPoint,
+}
+
+#[inline]
+pub(super) fn append(touch: Option<Touch>, out: &mut Vec<Manifold>) {
+    if let Some(Touch { normal, point }) = touch {
+        let manifold = Manifold::append(out);
+        manifold.normal = normal;
+        manifold.push(point);
+    }
+}
+
 /// Ball B against ball A. Balls with one centre separate along y.
-pub(super) fn ball_ball(radius_a: f32, radius_b: f32, relative: &Pose3, margin: f32) -> Option<Manifold> {
+#[inline]
+pub(super) fn ball_ball(radius_a: f32, radius_b: f32, relative: &Pose3, margin: f32) -> Option<Touch> {
     let distance = relative.translation.length();
     let normal = if distance > 0.0 { relative.translation / distance } else { Vec3::Y };
     contact(normal * radius_a, normal, distance - radius_a, radius_b, relative, margin)
 }
 
 /// Ball B against box A. From inside, the ball leaves through the nearest face.
-pub(super) fn box_ball(half: Vec3, radius: f32, relative: &Pose3, margin: f32) -> Option<Manifold> {
-    let center = relative.translation;
+#[inline]
+pub(super) fn box_ball(half: Vec3, radius: f32, relative: &Pose3, margin: f32) -> Option<Touch> {
+    let (nearest, normal, distance) = nearest_on_box(half, relative.translation);
+    contact(nearest, normal, distance, radius, relative, margin)
+}
+
+/// Box B against ball A.
+#[inline]
+pub(super) fn ball_box(radius: f32, half: Vec3, relative: &Pose3, margin: f32) -> Option<Touch> {
+    let (on_b, outward, distance) = nearest_on_box(half, relative.rotation.inverse() * -relative.translation);
+    let separation = distance - radius;
+    // Written so that a NaN is no contact.
+    let near = separation <= margin;
+    near.then(|| {
+        let normal = relative.rotation * -outward;
+        Touch { normal, point: ManifoldPoint { on_a: normal * radius, on_b, separation, feature: FEATURE } }
+    })
+}
+
+/// The point of a box's surface nearest to `center`, the normal there, and the distance along it, negative inside.
+#[inline]
+fn nearest_on_box(half: Vec3, center: Vec3) -> (Vec3, Vec3, f32) {
     let nearest = center.clamp(-half, half);
     if nearest != center {
         let offset = center - nearest;
         let distance = offset.length();
-        return contact(nearest, offset / distance, distance, radius, relative, margin);
+        return (nearest, offset / distance, distance);
     }
     let depth = half - center.abs();
     let axis = if depth.x <= depth.y && depth.x <= depth.z {
@@ -37,11 +73,11 @@ pub(super) fn box_ball(half: Vec3, radius: f32, relative: &Pose3, margin: f32) -
     normal[axis] = sign;
     let mut nearest = center;
     nearest[axis] = sign * half[axis];
-    contact(nearest, normal, -depth[axis], radius, relative, margin)
+    (nearest, normal, -depth[axis])
 }
 
 /// Ball B against capsule A. A centre on the capsule's axis leaves along x.
-pub(super) fn capsule_ball(half_height: f32, radius_a: f32, radius_b: f32, relative: &Pose3, margin: f32) -> Option<Manifold> {
+pub(super) fn capsule_ball(half_height: f32, radius_a: f32, radius_b: f32, relative: &Pose3, margin: f32) -> Option<Touch> {
     let center = relative.translation;
     let nearest = Vec3::new(0.0, center.y.clamp(-half_height, half_height), 0.0);
     let offset = center - nearest;
@@ -50,14 +86,15 @@ pub(super) fn capsule_ball(half_height: f32, radius_a: f32, radius_b: f32, relat
     contact(nearest + normal * radius_a, normal, distance - radius_a, radius_b, relative, margin)
 }
 
-/// The manifold of a ball whose centre is at `distance` along `normal` from `on_a`.
-fn contact(on_a: Vec3, normal: Vec3, distance: f32, radius: f32, relative: &Pose3, margin: f32) -> Option<Manifold> {
+/// The contact of a ball whose centre is at `distance` along `normal` from `on_a`.
+#[inline]
+fn contact(on_a: Vec3, normal: Vec3, distance: f32, radius: f32, relative: &Pose3, margin: f32) -> Option<Touch> {
     let separation = distance - radius;
     // Written so that a NaN is no contact.
     let near = separation <= margin;
     near.then(|| {
         let on_b = relative.rotation.inverse() * (normal * -radius);
-        Manifold::single(normal, ManifoldPoint { on_a, on_b, separation, feature: FEATURE })
+        Touch { normal, point: ManifoldPoint { on_a, on_b, separation, feature: FEATURE } }
     })
 }
 
@@ -70,10 +107,9 @@ mod tests {
         Pose3::from_parts(Vec3::new(x, y, z), Quat::from_rotation_z(0.7))
     }
 
-    fn only(manifold: Option<Manifold>) -> (Vec3, ManifoldPoint) {
-        let manifold = manifold.expect("a contact");
-        assert_eq!(manifold.count, 1);
-        (manifold.normal, manifold.points[0])
+    fn only(touch: Option<Touch>) -> (Vec3, ManifoldPoint) {
+        let Touch { normal, point } = touch.expect("a contact");
+        (normal, point)
     }
 
     #[test]
@@ -116,6 +152,19 @@ mod tests {
         assert_eq!((normal, point.separation), (Vec3::X, -1.5));
         let (normal, point) = only(box_ball(half, 0.5, &at(0.0, 0.0, 3.0), 0.0));
         assert_eq!((normal, point.separation), (Vec3::Z, -0.5), "centre on the face");
+    }
+
+    #[test]
+    fn a_box_touches_a_ball_where_the_ball_touches_the_box() {
+        let half = Vec3::new(1.0, 2.0, 3.0);
+        for pose in [at(0.5, 2.25, -1.0), at(1.3, 2.4, 0.0), at(-3.0, -4.0, -4.0), at(0.1, -1.5, 0.0)] {
+            let (normal, point) = only(box_ball(half, 0.5, &pose, 5.0));
+            let (back, mirrored) = only(ball_box(0.5, half, &pose.inverse(), 5.0));
+            assert!((pose.rotation * back + normal).length() < 1e-6, "normals {normal} and {back}");
+            assert!((point.separation - mirrored.separation).abs() < 2e-6, "{} and {} m", point.separation, mirrored.separation);
+            let off = (mirrored.on_b - point.on_a).length().max((mirrored.on_a - point.on_b).length());
+            assert!(off < 2e-6, "points {off} m apart");
+        }
     }
 
     #[test]

@@ -1,64 +1,46 @@
 //! A box against a box: separating axes, then clipping of the two faces that meet.
 //!
 //! 15 axes can separate two boxes: three face normals of each and the nine cross products of their edges (Gottschalk et
-//! al. 1996). The axis of least overlap, or of greatest separation, is the normal. A face must be beaten by an edge, and a
-//! face of A by one of B, by a margin well above rounding: aligned boxes are then always A's face against B's.
+//! al. 1996). The axis of least overlap, or of greatest separation, is the normal, with two preferences. A later face must
+//! beat an earlier one by a margin well above rounding: aligned boxes are then always A's face against B's. And a pair of
+//! edges is one point, while a face keeps all points that carry a tilted box. So by how far the edges beat the face decides:
 //!
-//! Between boxes apart, that axis gives the true distance where the nearest features face each other along it. Where they do
-//! not (corner to corner, corner to edge), the nearest points are found by GJK and make a manifold of one point.
+//!     not at all                 the face
+//!     up to the edge lead        the face, if what touches over it is as near as the edges are; else the edges
+//!     by more                    the edges
+//!
+//! Between boxes apart, the best axis gives the true distance where the nearest features face each other along it. Where
+//! they do not (corner to corner, corner to edge), the nearest points are found by GJK and make a manifold of one point.
 
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec3};
 use parry3d::math::Pose3;
-use parry3d::shape::Cuboid;
 
 use super::capsule::Segment;
-use super::clip::{Side, Vertex, clip};
-use super::distance::{self, Gap};
-use super::reduce::{Candidate, reduce_into};
 use super::{Manifold, ManifoldPoint};
+
+mod axes;
+mod face;
+mod nearest;
+
+use axes::FaceAxis;
 
 /// By how much a later axis must beat an earlier one: relative to the overlap, and to the size of the smaller box.
 const AXIS_LEAD: f32 = 1.0e-4;
 const AXIS_LEAD_OF_SIZE: f32 = 1.0e-5;
 
-/// By how much an edge axis must beat the best face: relative to the overlap, and to the least half extent. A pair of edges is
-/// one point; a face, even when it is not quite the shallowest way out, keeps all points that carry a tilted box.
-const EDGE_LEAD: f32 = 0.1;
-const EDGE_LEAD_OF_SIZE: f32 = 0.02;
+/// By how much an edge axis must beat the best face: relative to the overlap, and to the least half extent.
+pub(super) const EDGE_LEAD: f32 = 0.1;
+pub(super) const EDGE_LEAD_OF_SIZE: f32 = 0.02;
+
+/// How much further apart (relative) the points over a face may be than the edges it is preferred to: along a face's normal,
+/// edges that cross 2.5° off it are 1/cos 2.5° as far apart.
+const FACE_TILT: f32 = 1.0e-3;
 
 /// How far outside a face a vertex counts as over it, as a fraction of the least half extent.
 const CLIP_SLOP: f32 = 1.0e-4;
 
 /// Rounding of a coordinate, as a fraction of the greatest half extent.
 const ROUNDING: f32 = 4.0 * f32::EPSILON;
-
-/// Squared sine between two edges below which they have no common normal of their own.
-const PARALLEL: f32 = 1.0e-8;
-
-/// Most vertices of a quadrilateral clipped to a rectangle.
-const MAX_CLIPPED: usize = 8;
-
-/// Box B against box A, by their half extents (m).
-pub(super) fn box_box(a: Vec3, b: Vec3, relative: &Pose3, margin: f32) -> Option<Manifold> {
-    let pair = Pair::new(a, b, relative);
-    let axis = pair.best_axis(margin)?;
-    let found = match axis.kind {
-        Kind::FaceOfA(i) => pair.faces(i, axis.separation, margin),
-        Kind::FaceOfB(i) => {
-            let mut found = pair.swapped().faces(i, axis.separation, margin);
-            found.manifold.normal = -(pair.axes * found.manifold.normal);
-            for point in &mut found.manifold.points {
-                *point = ManifoldPoint { on_a: point.on_b, on_b: point.on_a, feature: point.feature | FACE_OF_B, ..*point };
-            }
-            found
-        }
-        Kind::Edges(i, j) => pair.edges(i, j, axis.normal),
-    };
-    let elsewhere = !found.facing && axis.separation > 0.0;
-    let manifold = elsewhere.then(|| pair.nearest(relative)).flatten().unwrap_or(found.manifold);
-    let near = manifold.count > 0 && manifold.contacts().iter().any(|p| p.separation <= margin);
-    near.then_some(manifold)
-}
 
 /// Bit of a feature id: the clipping face belongs to B.
 const FACE_OF_B: u32 = 1 << 16;
@@ -69,24 +51,18 @@ const EDGES: u32 = 1 << 17;
 /// Feature of a lone point found by other means.
 const LONE: u32 = 1 << 18;
 
-enum Kind {
-    FaceOfA(usize),
-    FaceOfB(usize),
-    Edges(usize, usize),
+/// Box B against box A, by their half extents (m): appends their manifold if they are near.
+pub(super) fn box_box(a: Vec3, b: Vec3, relative: &Pose3, margin: f32, out: &mut Vec<Manifold>) {
+    let pair = Pair::new(a, b, relative);
+    let Some(face) = pair.best_face(margin) else { return };
+    let manifold = Manifold::append(out);
+    if pair.contact(&face, relative, margin, manifold).is_none() {
+        out.pop();
+    }
 }
 
-struct Axis {
-    kind: Kind,
-    separation: f32,
-    /// In A's frame, from A to B.
-    normal: Vec3,
-}
-
-/// The contact along an axis.
-struct Found {
-    manifold: Manifold,
-    /// Whether the nearest features face each other along the axis.
-    facing: bool,
+fn within(lone: Manifold, margin: f32) -> Option<Manifold> {
+    (lone.points[0].separation <= margin).then_some(lone)
 }
 
 /// Two boxes in the frame of the first.
@@ -105,11 +81,13 @@ struct Pair {
 }
 
 impl Pair {
+    #[inline]
     fn new(a: Vec3, b: Vec3, relative: &Pose3) -> Self {
         let axes = Mat3::from_quat(relative.rotation);
         let axes_in_b = axes.transpose();
         let center = relative.translation;
         let rounding = ROUNDING * a.max_element().max(b.max_element());
+        let least = a.min_element().min(b.min_element());
         Self {
             a,
             b,
@@ -118,12 +96,13 @@ impl Pair {
             center,
             center_in_b: -(axes_in_b * center),
             lead: AXIS_LEAD_OF_SIZE * a.max_element().min(b.max_element()) + rounding,
-            edge_lead: EDGE_LEAD_OF_SIZE * a.min_element().min(b.min_element()),
-            slop: CLIP_SLOP * a.min_element().min(b.min_element()) + rounding,
+            edge_lead: EDGE_LEAD_OF_SIZE * least,
+            slop: CLIP_SLOP * least + rounding,
         }
     }
 
     /// The same pair in B's frame.
+    #[inline]
     fn swapped(&self) -> Self {
         Self {
             a: self.b,
@@ -136,211 +115,61 @@ impl Pair {
         }
     }
 
-    /// None if some axis separates the boxes by more than `margin`.
+    /// Fills an empty `manifold`; none if the boxes are further apart than `margin`.
     #[inline]
-    fn best_axis(&self, margin: f32) -> Option<Axis> {
-        let Self { a, b, axes, axes_in_b, center, .. } = self;
-        let over_a = center.abs() - *a - abs(axes) * *b;
-        // Written so that a NaN is no contact.
-        let near = over_a.max_element() <= margin;
-        if !near {
-            return None;
-        }
-        let over_b = self.center_in_b.abs() - *b - abs(axes_in_b) * *a;
-        if over_b.max_element() > margin {
-            return None;
-        }
+    fn contact(&self, face: &FaceAxis, relative: &Pose3, margin: f32, manifold: &mut Manifold) -> Option<()> {
+        let axes = self.edge_axes();
+        let to_beat = face.separation + self.lead_over(face.separation);
+        let clear_lead = self.edge_lead_over(face.separation);
 
-        let mut best = Best { separation: over_a.x, to_beat: over_a.x + self.lead_over(over_a.x), at: 0 };
-        best.offer(over_a.y, 1, self);
-        best.offer(over_a.z, 2, self);
-        best.offer(over_b.x, 3, self);
-        best.offer(over_b.y, 4, self);
-        best.offer(over_b.z, 5, self);
-        best.to_beat = best.separation + self.edge_lead + EDGE_LEAD * best.separation.abs();
-
-        let mut edge_normal = Vec3::ZERO;
-        for i in 0..3 {
-            for j in 0..3 {
-                let cross = unit(i).cross(axes.col(j));
-                let squared = cross.length_squared();
-                if squared < PARALLEL {
-                    continue;
-                }
-                let along = center.dot(cross);
-                // B's reach is measured with the same vector, not with the entries of the rotation that it equals in theory:
-                // near parallel, the difference would be divided by a small length.
-                let (k, l) = ((j + 1) % 3, (j + 2) % 3);
-                let reach_a = a.dot(cross.abs());
-                let reach_b = b[k] * cross.dot(axes.col(k)).abs() + b[l] * cross.dot(axes.col(l)).abs();
-                let over = along.abs() - reach_a - reach_b;
-                // |cross| ≤ 1: division only lowers an overlap.
-                if over <= best.to_beat && over <= 0.0 {
-                    continue;
-                }
-                let length = squared.sqrt();
-                let separation = over / length;
-                if separation > margin {
-                    return None;
-                }
-                if separation > best.to_beat {
-                    best.offer(separation, 6 + 3 * i + j, self);
-                    edge_normal = cross * (1.0_f32.copysign(along) / length);
-                }
+        // Nearly always no edges come near to beating the face by as much as they must, and which are best does not matter.
+        let edges_count = axes.greatest() > clear_lead.min(0.0);
+        let mut edges = None;
+        if edges_count {
+            edges = self.best_edges(&axes, to_beat, margin)?;
+            if let Some(edges) = edges.take_if(|edges| edges.separation > clear_lead) {
+                *manifold = self.on_edges(&edges, relative, margin)?;
+                return Some(());
             }
         }
-
-        let separation = best.separation;
-        Some(match best.at {
-            i @ 0..3 => Axis { kind: Kind::FaceOfA(i), separation, normal: unit(i) * 1.0_f32.copysign(center[i]) },
-            i @ 3..6 => {
-                let i = i - 3;
-                let normal = axes.col(i) * -1.0_f32.copysign(self.center_in_b[i]);
-                Axis { kind: Kind::FaceOfB(i), separation, normal }
+        let deepest = self.on_face(face, margin, manifold);
+        let facing = deepest <= face.separation + self.slack(face.separation);
+        if facing {
+            return (manifold.count > 0).then_some(());
+        }
+        if !edges_count {
+            edges = self.best_edges(&axes, to_beat, margin)?;
+        }
+        match edges {
+            Some(edges) if manifold.count < 2 || deepest > edges.separation + self.tilt_slack(edges.separation) => {
+                *manifold = self.on_edges(&edges, relative, margin)?;
             }
-            i => Axis { kind: Kind::Edges((i - 6) / 3, (i - 6) % 3), separation, normal: edge_normal },
-        })
+            None if face.separation > 0.0 => {
+                let found = self.nearest(relative).unwrap_or_else(|| self.corner_over_face(face));
+                *manifold = within(found, margin)?;
+            }
+            None if manifold.count == 0 => *manifold = self.corner_over_face(face),
+            _ => {}
+        }
+        Some(())
     }
 
     fn lead_over(&self, separation: f32) -> f32 {
         self.lead + AXIS_LEAD * separation.abs()
     }
 
-    /// A's face across axis `i` against the face of B most opposed to it.
-    fn faces(&self, i: usize, expected: f32, margin: f32) -> Found {
-        let sign = 1.0_f32.copysign(self.center[i]);
-        let (u, v) = ((i + 1) % 3, (i + 2) % 3);
-        let facing = self.axes_in_b.col(i) * sign;
-        let alignment = facing.abs();
-        let k = (1..3).fold(0, |best, k| if alignment[k] > alignment[best] + AXIS_LEAD { k } else { best });
-        let incident_normal = self.axes.col(k) * -1.0_f32.copysign(facing[k]);
-        let middle = self.center + incident_normal * self.b[k];
-        let (p, q) = ((k + 1) % 3, (k + 2) % 3);
-        let (along_p, along_q) = (self.axes.col(p) * self.b[p], self.axes.col(q) * self.b[q]);
-
-        let vertex = |offset: Vec3, edge: u16| {
-            let corner = middle + offset;
-            Vertex { at: Vec2::new(corner[u], corner[v]), height: sign * corner[i] - self.a[i], edge, spare: false }
-        };
-        let incident = [
-            vertex(-along_p - along_q, 0),
-            vertex(along_p - along_q, 1),
-            vertex(along_p + along_q, 2),
-            vertex(along_q - along_p, 3),
-        ];
-        let rectangle = Vec2::new(self.a[u], self.a[v]);
-        let mut clipped = Clipped::default();
-        clipped.fill(&incident, rectangle, self.slop);
-
-        let face_id = (i as u32) << 1 | u32::from(sign > 0.0);
-        let incident_id = (k as u32) << 1 | u32::from(facing[k] > 0.0);
-        let mut candidates = [Candidate::default(); MAX_CLIPPED];
-        let mut count = 0;
-        let mut deepest = f32::INFINITY;
-        let mut arriving = clipped.vertices[..clipped.count].last().map_or(0, |vertex| vertex.edge);
-        for vertex in &clipped.vertices[..clipped.count] {
-            let Vertex { at, height, .. } = *vertex;
-            deepest = deepest.min(height);
-            if height <= margin && !vertex.spare {
-                let mut on_a = Vec3::ZERO;
-                on_a[u] = at.x;
-                on_a[v] = at.y;
-                on_a[i] = sign * self.a[i];
-                let mut on_b = on_a;
-                on_b[i] = sign * (self.a[i] + height);
-                let feature = face_id << 9 | incident_id << 6 | u32::from(arriving) << 3 | u32::from(vertex.edge);
-                candidates[count] = Candidate { on_a, on_b, separation: height, feature };
-                count += 1;
-            }
-            arriving = vertex.edge;
-        }
-        let slack = self.lead_over(expected) + self.slop;
-        if clipped.count == 0 || (expected > 0.0 && deepest > expected + slack) {
-            return Found { manifold: self.corner_over_face(i, sign), facing: false };
-        }
-        let mut manifold = Manifold { normal: unit(i) * sign, ..Manifold::default() };
-        reduce_into(&mut manifold, &candidates[..count], self.slop, |c| ManifoldPoint {
-            on_a: c.on_a,
-            on_b: self.in_b(c.on_b),
-            separation: c.separation,
-            feature: c.feature,
-        });
-        Found { manifold, facing: true }
+    /// What edges must reach to be preferred to a face (m).
+    fn edge_lead_over(&self, face: f32) -> f32 {
+        face + self.edge_lead + EDGE_LEAD * face.abs()
     }
 
-    /// Edge `i` of A across edge `j` of B.
-    fn edges(&self, i: usize, j: usize, normal: Vec3) -> Found {
-        let on_a = edge(self.a, i, normal);
-        let local = edge(self.b, j, self.axes_in_b * -normal);
-        let on_b = Segment { center: self.center + self.axes * local.center, half: self.axes * local.half };
-        let (s, t) = on_a.closest(&on_b);
-        let (point_a, point_b) = (on_a.at(s), on_b.at(t));
-        let offset = point_b - point_a;
-        let separation = normal.dot(offset);
-        let facing = offset.length() <= separation + self.lead_over(separation) + self.slop;
-        let side = |n: Vec3| u32::from(n.x > 0.0) | u32::from(n.y > 0.0) << 1 | u32::from(n.z > 0.0) << 2;
-        let feature = EDGES | (3 * i + j) as u32 | side(on_a.center) << 4 | side(local.center) << 7;
-        let manifold = Manifold::single(normal, self.point(point_a, point_b, normal, feature));
-        Found { manifold, facing }
+    /// How far points may be off the separation along an axis and still be those it promises (m).
+    fn slack(&self, separation: f32) -> f32 {
+        self.lead_over(separation) + self.slop
     }
 
-    /// Boxes apart whose nearest features face each other along none of the axes.
-    fn nearest(&self, relative: &Pose3) -> Option<Manifold> {
-        let scale = 1.0 / self.a.max_element().min(self.b.max_element());
-        let scaled = Pose3::from_parts(self.center * scale, relative.rotation);
-        let gap = distance::apart(&Cuboid::new(self.a * scale), &Cuboid::new(self.b * scale), &scaled);
-        let gap = gap.map(|gap| Gap { on_a: gap.on_a / scale, on_b: gap.on_b / scale, ..gap });
-        let gap = gap.filter(|gap| self.proves(gap)).or_else(|| self.nearest_features())?;
-        let point = self.point(gap.on_a, gap.on_b, gap.normal, LONE);
-        let manifold = Manifold::single(gap.normal, point);
-        manifold.is_finite().then_some(manifold)
-    }
-
-    /// Whether the boxes are as far apart along the normal as the points are from each other. GJK sometimes stops short.
-    fn proves(&self, gap: &Gap) -> bool {
-        let offset = gap.on_b - gap.on_a;
-        let reach_a = self.a.dot(gap.normal.abs());
-        let reach_b = self.b.dot((self.axes_in_b * gap.normal).abs());
-        let proven = self.center.dot(gap.normal) - reach_a - reach_b;
-        offset.length() - proven <= self.lead_over(proven)
-    }
-
-    /// The nearest points, by trying every corner against every face and every edge against every edge.
-    fn nearest_features(&self) -> Option<Gap> {
-        let mut best = (f32::INFINITY, Vec3::ZERO, Vec3::ZERO);
-        let mut offer = |on_a: Vec3, on_b: Vec3| {
-            let squared = on_a.distance_squared(on_b);
-            if squared < best.0 {
-                best = (squared, on_a, on_b);
-            }
-        };
-        for corner in 0..8 {
-            let signs = Vec3::new(sign(corner & 1), sign(corner & 2), sign(corner & 4));
-            let of_a = self.a * signs;
-            offer(of_a, self.center + self.axes * self.in_b(of_a).clamp(-self.b, self.b));
-            let of_b = self.center + self.axes * (self.b * signs);
-            offer(of_b.clamp(-self.a, self.a), of_b);
-        }
-        for i in 0..12 {
-            let of_a = nth_edge(self.a, i);
-            for j in 0..12 {
-                let local = nth_edge(self.b, j);
-                let of_b = Segment { center: self.center + self.axes * local.center, half: self.axes * local.half };
-                let (s, t) = of_a.closest(&of_b);
-                offer(of_a.at(s), of_b.at(t));
-            }
-        }
-        let (_, on_a, on_b) = best;
-        Some(Gap { on_a, on_b, normal: (on_b - on_a).try_normalize()? })
-    }
-
-    /// The corner of B furthest down on A's face across axis `i`, and the point of that face nearest to it.
-    fn corner_over_face(&self, i: usize, sign: f32) -> Manifold {
-        let normal = unit(i) * sign;
-        let corner = self.center + self.axes * self.b.copysign(self.axes_in_b * -normal);
-        let mut foot = corner.clamp(-self.a, self.a);
-        foot[i] = sign * self.a[i];
-        Manifold::single(normal, self.point(foot, corner, normal, LONE))
+    fn tilt_slack(&self, separation: f32) -> f32 {
+        self.slack(separation) + FACE_TILT * separation.abs()
     }
 
     fn point(&self, on_a: Vec3, on_b: Vec3, normal: Vec3, feature: u32) -> ManifoldPoint {
@@ -350,57 +179,6 @@ impl Pair {
     fn in_b(&self, point: Vec3) -> Vec3 {
         self.axes_in_b * (point - self.center)
     }
-}
-
-struct Best {
-    separation: f32,
-    to_beat: f32,
-    at: usize,
-}
-
-impl Best {
-    #[inline]
-    fn offer(&mut self, separation: f32, at: usize, pair: &Pair) {
-        if separation > self.to_beat {
-            *self = Self { separation, to_beat: separation + pair.lead_over(separation), at };
-        }
-    }
-}
-
-/// A quadrilateral cut to a rectangle.
-#[derive(Default)]
-struct Clipped {
-    vertices: [Vertex; MAX_CLIPPED],
-    count: usize,
-}
-
-impl Clipped {
-    #[inline]
-    fn fill(&mut self, polygon: &[Vertex; 4], rectangle: Vec2, slop: f32) {
-        let Vec2 { x, y } = rectangle;
-        let sides = [(Vec2::X, x), (Vec2::NEG_X, x), (Vec2::Y, y), (Vec2::NEG_Y, y)];
-        self.vertices[..4].copy_from_slice(polygon);
-        self.count = 4;
-        for (edge, (normal, offset)) in (4..).zip(sides) {
-            let side = Side { normal, offset, slop, edge };
-            if self.vertices[..self.count].iter().all(|vertex| normal.dot(vertex.at) - offset <= slop) {
-                continue;
-            }
-            let (from, count) = (self.vertices, self.count);
-            self.count = 0;
-            clip(&from[..count], &side, |vertex| {
-                // A convex polygon gains one vertex a side; only rounding could offer a ninth.
-                if self.count < MAX_CLIPPED {
-                    self.vertices[self.count] = vertex;
-                    self.count += 1;
-                }
-            });
-        }
-    }
-}
-
-fn abs(m: &Mat3) -> Mat3 {
-    Mat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
 }
 
 fn unit(i: usize) -> Vec3 {
@@ -416,19 +194,6 @@ fn edge(half: Vec3, axis: usize, direction: Vec3) -> Segment {
     Segment { center, half: along }
 }
 
-/// One of the four edges along each of the three axes.
-fn nth_edge(half: Vec3, n: usize) -> Segment {
-    let axis = n / 4;
-    let mut direction = Vec3::ZERO;
-    direction[(axis + 1) % 3] = sign(n & 1);
-    direction[(axis + 2) % 3] = sign(n & 2);
-    edge(half, axis, direction)
-}
-
-fn sign(bit: usize) -> f32 {
-    if bit == 0 { -1.0 } else { 1.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -437,8 +202,14 @@ mod tests {
 
     const UNIT: Vec3 = Vec3::splat(0.5);
 
+    fn found(a: Vec3, b: Vec3, position: Vec3, rotation: Quat, margin: f32) -> Option<Manifold> {
+        let mut out = Vec::new();
+        box_box(a, b, &Pose3::from_parts(position, rotation), margin, &mut out);
+        out.pop()
+    }
+
     fn contact(a: Vec3, b: Vec3, position: Vec3, rotation: Quat, margin: f32) -> Manifold {
-        box_box(a, b, &Pose3::from_parts(position, rotation), margin).expect("a contact")
+        found(a, b, position, rotation, margin).expect("a contact")
     }
 
     fn features(manifold: &Manifold) -> Vec<u32> {
@@ -509,7 +280,7 @@ mod tests {
         for shift in [0.0, 1e-7, -1e-7, 1e-6, -1e-6, 1e-4, -1e-4] {
             for (offset, turn) in jitters(1e-5) {
                 let position = Vec3::new(1.0 + shift, 0.25, 0.0) + offset;
-                let Some(manifold) = box_box(UNIT, UNIT, &Pose3::from_parts(position, turn), 0.01) else { continue };
+                let Some(manifold) = found(UNIT, UNIT, position, turn, 0.01) else { continue };
                 for point in manifold.contacts() {
                     assert!(point.separation > -2e-4, "{} m at {position}", point.separation);
                 }
@@ -546,7 +317,7 @@ mod tests {
         for point in manifold.contacts() {
             assert!((point.separation - 0.9).abs() < 1e-6, "{} m", point.separation);
         }
-        assert!(box_box(UNIT, UNIT, &Pose3::from_translation(Vec3::new(0.2, -2.1, 0.1)), 1.0).is_none());
+        assert!(found(UNIT, UNIT, Vec3::new(0.2, -2.1, 0.1), Quat::IDENTITY, 1.0).is_none());
     }
 
     #[test]

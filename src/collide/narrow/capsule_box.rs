@@ -2,7 +2,8 @@
 //!
 //! The box swept along the segment has six faces of its own and those that the segment draws out of the box's edges. While
 //! the segment cuts the box, the nearest of them is the way out, exactly. Outside, the closest points are on one of the
-//! segment's ends or on one of the box's edges. On a face, and along an edge, both ends of the common stretch touch.
+//! segment's ends or on one of the box's edges. On a face, and along an edge, both ends of the common stretch touch; also
+//! where a capsule that lies on a face slightly tilted is nearest to the rim.
 
 use glam::{Mat3, Vec3};
 use parry3d::math::Pose3;
@@ -19,6 +20,11 @@ const PARALLEL: f32 = 1.0e-8;
 /// A normal that leans less than this (rad) from a face's is that face's.
 const SNAP: f32 = 1.0e-3;
 
+/// A normal that leans less than this (sine of 2.5°) from a face's gives way to it if the capsule then lies on two points.
+/// Distances along the face's normal are up to 1/cos 2.5° those along the other: the fraction of gap and radius allowed for.
+const FACE_LEAN: f32 = 0.0436;
+const FACE_TILT: f32 = 1.0e-3;
+
 /// Component of a normal below which it stands across a box edge.
 const ACROSS: f32 = 1.0e-3;
 
@@ -32,13 +38,13 @@ pub(super) fn box_capsule(half: Vec3, (half_height, radius): (f32, f32), relativ
         FACE_PREFERENCE * half.min_element().min(half_height + radius) + 4.0 * f32::EPSILON * (half.max_element() + half_height);
     let way_out = way_out(half, &segment, tolerance, margin + radius)?;
 
-    let mut contact = Contact { half, segment, radius, margin, relative, manifold: Manifold::default() };
+    let mut contact = Contact { half, segment, radius, margin, tolerance, relative, manifold: Manifold::default() };
     if way_out.separation > tolerance {
         contact.apart();
     } else if let Some(axis) = way_out.face {
         contact.on_face(axis, way_out.normal);
     } else {
-        contact.on_edge(way_out.normal);
+        contact.on_edge(way_out.normal, way_out.separation);
     }
     (contact.manifold.count > 0).then_some(contact.manifold)
 }
@@ -95,6 +101,15 @@ fn edge(half: Vec3, axis: usize, normal: Vec3) -> Segment {
     Segment { center, half: along }
 }
 
+/// The axis of the face most aligned with a unit normal, and the sine between them.
+fn nearest_face(normal: Vec3) -> (usize, f32) {
+    let facing = normal.abs();
+    let axis = (1..3).fold(0, |best, i| if facing[i] > facing[best] { i } else { best });
+    let mut lean = normal;
+    lean[axis] = 0.0;
+    (axis, lean.length())
+}
+
 fn smallest_component(v: Vec3) -> usize {
     let v = v.abs();
     if v.x <= v.y && v.x <= v.z {
@@ -111,6 +126,7 @@ struct Contact<'a> {
     segment: Segment,
     radius: f32,
     margin: f32,
+    tolerance: f32,
     relative: &'a Pose3,
     manifold: Manifold,
 }
@@ -126,12 +142,12 @@ impl Contact<'_> {
             return;
         }
         let normal = offset / distance;
-        if let Some(axis) = (0..3).find(|&i| {
-            let mut lean = normal;
-            lean[i] = 0.0;
-            lean.length() <= SNAP
-        }) {
+        let (axis, lean) = nearest_face(normal);
+        if lean <= SNAP {
             self.on_face(axis, axis_towards(axis, normal[axis]));
+            return;
+        }
+        if self.lies_on_face(normal, distance - self.radius) {
             return;
         }
         self.manifold.normal = normal;
@@ -146,6 +162,22 @@ impl Contact<'_> {
         } else {
             self.push(on_box, on_segment, MIDDLE);
         }
+    }
+
+    /// Fills the manifold if the capsule lies on the face next to `normal`, nearly as near as `separation` (m) along it.
+    fn lies_on_face(&mut self, normal: Vec3, separation: f32) -> bool {
+        let (axis, lean) = nearest_face(normal);
+        if lean > FACE_LEAN {
+            return false;
+        }
+        self.on_face(axis, axis_towards(axis, normal[axis]));
+        let deepest = self.manifold.contacts().iter().fold(f32::INFINITY, |least, point| least.min(point.separation));
+        let lies =
+            self.manifold.count == 2 && deepest <= separation + FACE_TILT * (separation.abs() + self.radius) + self.tolerance;
+        if !lies {
+            self.manifold = Manifold::default();
+        }
+        lies
     }
 
     /// The part of the segment over the face: its ends carry the contact.
@@ -185,7 +217,10 @@ impl Contact<'_> {
     }
 
     /// The segment crosses one of the box's edges.
-    fn on_edge(&mut self, normal: Vec3) {
+    fn on_edge(&mut self, normal: Vec3, separation: f32) {
+        if self.lies_on_face(normal, separation - self.radius) {
+            return;
+        }
         self.manifold.normal = normal;
         let edge = edge(self.half, smallest_component(normal), normal);
         let (s, t) = edge.closest(&self.segment);

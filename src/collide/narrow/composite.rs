@@ -28,14 +28,16 @@ pub(super) fn collide(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scrat
         for &id_b in &near_b {
             let Some((part_b, pose_b)) = part_at(b, id_b) else { continue };
             let between = pose_a.inverse() * *relative * pose_b;
-            let Some(mut manifold) = part::collide(&part_a, &part_b, &between, margin, scratch) else { continue };
-            manifold.normal = pose_a.rotation * manifold.normal;
-            for point in &mut manifold.points[..usize::from(manifold.count)] {
-                point.on_a = pose_a * point.on_a;
-                point.on_b = pose_b * point.on_b;
+            let before = out.len();
+            part::collide(&part_a, &part_b, &between, margin, scratch, out);
+            for manifold in &mut out[before..] {
+                manifold.normal = pose_a.rotation * manifold.normal;
+                for point in &mut manifold.points[..usize::from(manifold.count)] {
+                    point.on_a = pose_a * point.on_a;
+                    point.on_b = pose_b * point.on_b;
+                }
+                manifold.part = id_a.wrapping_mul(parts_of_b).wrapping_add(id_b);
             }
-            manifold.part = id_a.wrapping_mul(parts_of_b).wrapping_add(id_b);
-            out.push(manifold);
         }
     }
     scratch.parts_a = near_a;

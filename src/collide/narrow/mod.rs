@@ -12,7 +12,7 @@
 use glam::Vec3;
 use parry3d::math::Pose3;
 
-use crate::shape::Shape;
+use crate::shape::{Geometry, Shape};
 
 mod ball;
 mod box_box;
@@ -68,6 +68,15 @@ impl Manifold {
         manifold
     }
 
+    /// An empty manifold at the end of `out`, to be filled where it lies: copies of one as large as this are felt.
+    #[inline]
+    fn append(out: &mut Vec<Self>) -> &mut Self {
+        let last = out.len();
+        out.push(Self::default());
+        &mut out[last]
+    }
+
+    #[inline]
     fn push(&mut self, point: ManifoldPoint) {
         self.points[usize::from(self.count)] = point;
         self.count += 1;
@@ -77,13 +86,12 @@ impl Manifold {
         &self.points[..usize::from(self.count)]
     }
 
-    /// The manifold of (B, A), with B at `relative` in A's frame, from that of (A, B).
-    fn swapped(mut self, relative: &Pose3) -> Self {
+    /// Makes the manifold of (A, B) that of (B, A), with B at `relative` in A's frame.
+    fn swap(&mut self, relative: &Pose3) {
         self.normal = relative.rotation.inverse() * -self.normal;
         for point in &mut self.points[..usize::from(self.count)] {
             std::mem::swap(&mut point.on_a, &mut point.on_b);
         }
-        self
     }
 
     fn is_finite(&self) -> bool {
@@ -107,8 +115,24 @@ pub(crate) struct Scratch {
 /// Speculative points are honest: their separation is the distance along the normal, never more than the true distance.
 pub(crate) fn collide(a: &Shape, b: &Shape, relative: Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
     out.clear();
+    // The commonest pairs need nothing but their sizes.
+    match (a.geometry(), b.geometry()) {
+        (&Geometry::Box { half_extents: half_a }, &Geometry::Box { half_extents: half_b }) => {
+            return box_box::box_box(half_a, half_b, &relative, margin, out);
+        }
+        (&Geometry::Box { half_extents }, &Geometry::Ball { radius }) => {
+            return ball::append(ball::box_ball(half_extents, radius, &relative, margin), out);
+        }
+        (&Geometry::Ball { radius }, &Geometry::Box { half_extents }) => {
+            return ball::append(ball::ball_box(radius, half_extents, &relative, margin), out);
+        }
+        (&Geometry::Ball { radius: radius_a }, &Geometry::Ball { radius: radius_b }) => {
+            return ball::append(ball::ball_ball(radius_a, radius_b, &relative, margin), out);
+        }
+        _ => {}
+    }
     match (part::Part::whole(a), part::Part::whole(b)) {
-        (Some(part_a), Some(part_b)) => out.extend(part::collide(&part_a, &part_b, &relative, margin, scratch)),
+        (Some(part_a), Some(part_b)) => part::collide(&part_a, &part_b, &relative, margin, scratch, out),
         _ => composite::collide(a, b, &relative, margin, scratch, out),
     }
 }

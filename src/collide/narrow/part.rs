@@ -123,41 +123,49 @@ impl<'a> Part<'a> {
     }
 }
 
-/// The manifold of part `b`, placed at `relative` in A's frame, against part `a`.
-pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, scratch: &mut Scratch) -> Option<Manifold> {
+/// Appends the manifold of part `b`, placed at `relative` in A's frame, against part `a`, if they are near.
+pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
     match (a, b) {
         (&Part::Box { half_extents: half_a }, &Part::Box { half_extents: half_b }) => {
-            box_box::box_box(half_a, half_b, relative, margin)
+            box_box::box_box(half_a, half_b, relative, margin, out);
         }
         (&Part::Ball { radius: radius_a }, &Part::Ball { radius: radius_b }) => {
-            ball::ball_ball(radius_a, radius_b, relative, margin)
+            ball::append(ball::ball_ball(radius_a, radius_b, relative, margin), out);
         }
-        (&Part::Box { half_extents }, &Part::Ball { radius }) => ball::box_ball(half_extents, radius, relative, margin),
+        (&Part::Box { half_extents }, &Part::Ball { radius }) => {
+            ball::append(ball::box_ball(half_extents, radius, relative, margin), out);
+        }
+        (&Part::Ball { radius }, &Part::Box { half_extents }) => {
+            ball::append(ball::ball_box(radius, half_extents, relative, margin), out);
+        }
         (&Part::Capsule { half_height, radius: radius_a }, &Part::Ball { radius }) => {
-            ball::capsule_ball(half_height, radius_a, radius, relative, margin)
+            ball::append(ball::capsule_ball(half_height, radius_a, radius, relative, margin), out);
         }
         (
             &Part::Capsule { half_height: half_height_a, radius: radius_a },
             &Part::Capsule { half_height: half_height_b, radius: radius_b },
-        ) => capsule::capsule_capsule((half_height_a, radius_a), (half_height_b, radius_b), relative, margin),
+        ) => out.extend(capsule::capsule_capsule((half_height_a, radius_a), (half_height_b, radius_b), relative, margin)),
         (&Part::Box { half_extents }, &Part::Capsule { half_height, radius }) => {
-            capsule_box::box_capsule(half_extents, (half_height, radius), relative, margin)
+            out.extend(capsule_box::box_capsule(half_extents, (half_height, radius), relative, margin));
         }
-        (Part::HalfSpace { .. }, Part::HalfSpace { .. }) => None,
-        (&Part::HalfSpace { normal }, _) => half_space::half_space(normal, b, relative, margin, &mut scratch.polygons),
-        (_, Part::HalfSpace { .. })
-        | (Part::Ball { .. }, Part::Box { .. } | Part::Capsule { .. })
-        | (Part::Capsule { .. }, Part::Box { .. }) => {
-            let inverse = relative.inverse();
-            collide(b, a, &inverse, margin, scratch).map(|manifold| manifold.swapped(&inverse))
+        (Part::HalfSpace { .. }, Part::HalfSpace { .. }) => {}
+        (&Part::HalfSpace { normal }, _) => {
+            out.extend(half_space::half_space(normal, b, relative, margin, &mut scratch.polygons));
         }
         (Part::Triangle { triangle, constraints }, Part::Ball { .. } | Part::Box { .. }) => {
-            triangle::collide(triangle, constraints.as_ref(), b, relative, margin, &mut scratch.triangle)
+            out.extend(triangle::collide(triangle, constraints.as_ref(), b, relative, margin, &mut scratch.triangle));
         }
-        (Part::Ball { .. } | Part::Box { .. }, Part::Triangle { .. }) => {
+        (_, Part::HalfSpace { .. })
+        | (Part::Ball { .. }, Part::Capsule { .. })
+        | (Part::Capsule { .. }, Part::Box { .. })
+        | (Part::Ball { .. } | Part::Box { .. }, Part::Triangle { .. }) => {
             let inverse = relative.inverse();
-            collide(b, a, &inverse, margin, scratch).map(|manifold| manifold.swapped(&inverse))
+            let before = out.len();
+            collide(b, a, &inverse, margin, scratch, out);
+            for manifold in &mut out[before..] {
+                manifold.swap(&inverse);
+            }
         }
-        _ => convex::collide(a, b, relative, margin, &mut scratch.polygons),
+        _ => out.extend(convex::collide(a, b, relative, margin, &mut scratch.polygons)),
     }
 }

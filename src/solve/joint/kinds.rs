@@ -44,14 +44,20 @@ impl RowSink<'_> {
     /// Holds the joint points together in the directions `held`.
     pub(crate) fn hold_points(&mut self, held: Held) {
         let g = self.geometry;
-        // Where a direction stays free, B's point slides in A's frame and A is turned by what acts there.
-        let lever_a = match held {
-            Held::All => g.gradient.a.lever,
-            Held::Across(_) => g.gradient.a.lever + g.gradient.gap,
+        // Both bodies are pushed at one point, so that a gap costs no angular momentum: halfway between the joint points, or where
+        // B's point slides in A's frame, there.
+        let (lever_a, lever_b) = match held {
+            Held::All => (g.gradient.a.lever + 0.5 * g.gradient.gap, g.gradient.b.lever - 0.5 * g.gradient.gap),
+            Held::Across(_) => (g.gradient.a.lever + g.gradient.gap, g.gradient.b.lever),
         };
-        let error = Error3 { start: g.start.gap, predicted: g.predicted.gap };
+        // Where B slides, the error is what A sees of it: in world axes A's turning would move a gap along the free direction.
+        let seen = |placement: &Placement| match held {
+            Held::All => placement.gap,
+            Held::Across(_) => g.gradient.a.frame * placement.local_gap(),
+        };
+        let error = Error3 { start: seen(&g.start), predicted: seen(&g.predicted) };
         let give = Give::new(self.def.linear, self.phase);
-        let levers = [lever_a, g.gradient.b.lever];
+        let levers = [lever_a, lever_b];
         self.point = Some(BlockRow::point(self.bodies, levers, error, held, give, self.impulses.point));
     }
 
@@ -92,17 +98,21 @@ impl RowSink<'_> {
                 self.scalar(jacobian.reversed(), Demand::AtLeast(error), give, id + 1);
             }
         }
-        self.drive(jacobian, start, predicted, motor, id + 2);
+        self.drive(jacobian, start, predicted, limits, motor, id + 2);
     }
 
-    fn drive(&mut self, jacobian: Jacobian, start: f32, predicted: f32, motor: Motor, id: u8) {
+    fn drive(&mut self, jacobian: Jacobian, start: f32, predicted: f32, limits: Limits, motor: Motor, id: u8) {
         match motor {
             Motor::Off => {}
             Motor::Velocity { target, max_force } => {
-                let demand = Demand::Speed { target, max_impulse: max_force * self.phase.h() };
+                // A motor that pushed on past the joint's own stop would fight it, without end if its force has none.
+                let h = self.phase.h();
+                let (least, most) = ((limits.min - start).min(0.0) / h, (limits.max - start).max(0.0) / h);
+                let demand = Demand::Speed { target: target.clamp(least, most), max_impulse: max_force * h };
                 self.scalar(jacobian, demand, Give::rigid(self.phase), id);
             }
             Motor::Position { target, softness, max_force } => {
+                let target = target.clamp(limits.min, limits.max);
                 let error = Error1 { start: start - target, predicted: predicted - target };
                 let demand = Demand::Drive { error, max_impulse: max_force * self.phase.h() };
                 self.scalar(jacobian, demand, Give::new(softness, self.phase), id);
