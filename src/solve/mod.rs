@@ -59,7 +59,7 @@ impl Batch {
             self.joints.keep_impulses();
             self.joints.add_loads();
             self.advance(h);
-            self.joints.project(joints, &self.velocities, &mut self.motions, h);
+            self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
         }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.recover_positions(settings.dt);

@@ -6,7 +6,7 @@
 //! the predicted pose the same spring is implicit: stable at any tension, at the price of some damping. Each joint blends
 //! between the two by its own κ.
 
-use glam::{Quat, Vec3};
+use glam::{Mat3, Quat, Vec3};
 
 mod distance;
 mod fixed;
@@ -33,6 +33,9 @@ const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
 
 /// Passes over the rows of a joint that has scalar ones: they are solved one by one, and see each other only so.
 const SCALAR_PASSES: usize = 3;
+
+/// Greatest change of angular velocity, over the sum of both bodies', by which angular momentum is given back.
+const MOMENTUM_RETURN_LIMIT: f32 = 0.01;
 
 /// One joint as its batch holds it.
 #[derive(Debug, Clone, Copy)]
@@ -207,8 +210,8 @@ impl BatchJoints {
         }
     }
 
-    /// One sweep of position rows, joint by joint at the poses of now: rigid errors are taken out, velocities stay as they are.
-    pub(crate) fn project(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
+    /// One sweep of position rows, joint by joint at the poses of now: rigid errors are taken out, angular momentum is kept.
+    pub(crate) fn project(&mut self, joints: &Pool<Joint, JointId>, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], h: f32) {
         for entry in &self.entries {
             let now = |slot: u32| (motions[slot as usize].displacement, motions[slot as usize].rotation);
             let placement = entry.placement(now(entry.a), now(entry.b));
@@ -235,6 +238,7 @@ impl BatchJoints {
             if let Some(mut row) = point {
                 row.solve_point(&mut a, &mut b);
             }
+            keep_angular_momentum(velocities, motions, [(entry.a as usize, &a), (entry.b as usize, &b)]);
             motions[entry.a as usize].displace(a.linear, a.angular);
             motions[entry.b as usize].displace(b.linear, b.angular);
         }
@@ -247,6 +251,33 @@ impl BatchJoints {
             gap_of(&joints[entry.joint].def.kind, &entry.placement(at(entry.a), at(entry.b)))
         };
         self.entries.iter().map(gap).fold(0.0, f32::max)
+    }
+}
+
+/// Gives a pair of bodies back the angular momentum that moving them by position rows would take.
+///
+/// A displacement δ of a body moving at v changes x × m v by δ × m v, and a rotation θ changes I ω by θ × I ω − I (θ × ω). The two
+/// bodies take the sum back as one more rotation together, where it is small beside what they have: a joint far open is no
+/// measure of momentum.
+fn keep_angular_momentum(velocities: &mut [BodyVelocity], motions: &[BodyMotion], pushes: [(usize, &BodyVelocity); 2]) {
+    let moves = |slot: usize| motions[slot].is_dynamic() && velocities[slot].inverse_mass.min_element() > 0.0;
+    if !pushes.iter().all(|&(slot, _)| moves(slot)) {
+        return;
+    }
+    let (mut lost, mut inertia, mut spin) = (Vec3::ZERO, Mat3::ZERO, 0.0);
+    for (slot, push) in pushes {
+        let body = &velocities[slot];
+        let own = body.inverse_inertia.to_mat3().inverse();
+        lost += (push.linear / body.inverse_mass).cross(body.linear);
+        lost += push.angular.cross(own * body.angular) - own * push.angular.cross(body.angular);
+        inertia += own;
+        spin += body.angular.length();
+    }
+    let change = inertia.inverse() * lost;
+    if change.is_finite() && change.length() <= MOMENTUM_RETURN_LIMIT * spin {
+        for (slot, _) in pushes {
+            velocities[slot].angular -= change;
+        }
     }
 }
 
