@@ -88,7 +88,11 @@ impl WorldDef {
     pub(crate) fn check(&self) -> Result<()> {
         check::finite_vec("gravity", self.gravity)?;
         let within = |argument, value: u32, max| {
-            if (1..=max).contains(&value) { Ok(()) } else { Err(Error::new(ErrorKind::OutOfRange, argument, "is zero or too large")) }
+            if (1..=max).contains(&value) {
+                Ok(())
+            } else {
+                Err(Error::new(ErrorKind::OutOfRange, argument, "is zero or too large"))
+            }
         };
         within("substeps", self.substeps, MAX_EFFORT)?;
         within("iterations", self.iterations, MAX_EFFORT)?;

@@ -26,6 +26,7 @@ pub(crate) fn free_gyro(params: &mut Params) -> Result<Scene, SceneError> {
 pub(crate) fn free_cluster(params: &mut Params) -> Result<Scene, SceneError> {
     let spin = params.number("spin", 3.0, 0.0..=100.0)? as f32;
     let drift = params.number("drift", 1.0, 1.0e-3..=100.0)? as f32;
+    let joints = params.word("joints", &["mixed", "spherical", "hinge", "fixed", "prismatic"])?;
     let mut random = Random::new(params.seed()?);
     let mut scene = start_in(weightless(), params, 10.0)?;
     for index in 0..8 {
@@ -60,6 +61,13 @@ pub(crate) fn free_cluster(params: &mut Params) -> Result<Scene, SceneError> {
     ];
     for (index, (a, kind)) in kinds.into_iter().enumerate() {
         let b = index + 1;
+        let kind = match joints {
+            "spherical" => JointKind::SPHERICAL,
+            "hinge" => JointKind::HINGE,
+            "fixed" => JointKind::Fixed,
+            "prismatic" => JointKind::PRISMATIC,
+            _ => kind,
+        };
         let def = joint_halfway(&scene, a, b, kind);
         scene.joint(Some(a), Some(b), def);
     }

@@ -184,7 +184,8 @@ fn spread(old: &CarriedManifold, new_points: &[ManifoldPoint]) -> [f32; 4] {
     // About the centre of the new points, so that the moments are those of small levers.
     let center = new_points.iter().map(column).sum::<DVec3>() / new_points.len() as f64;
     let about_center = |point: &ManifoldPoint| column(point) - DVec3::new(0.0, center.y, center.z);
-    let demand = old_points.iter().zip(&old.impulses.normal).map(|(point, &lambda)| about_center(point) * f64::from(lambda)).sum();
+    let demand =
+        old_points.iter().zip(&old.impulses.normal).map(|(point, &lambda)| about_center(point) * f64::from(lambda)).sum();
     let mut loaded = [LoadedPoint::new(DVec3::ZERO); 4];
     for (loaded, point) in loaded.iter_mut().zip(new_points) {
         *loaded = LoadedPoint::new(about_center(point));
@@ -349,7 +350,8 @@ impl WorldManifold {
             (offset, Mat3::from_quat(collider.place.1))
         };
         let ((offset_a, rotation_a), (offset_b, rotation_b)) = (frame(a), frame(b));
-        let mut world = Self { normal: (rotation_a * manifold.normal).normalize(), lever_a: [Vec3::ZERO; 4], lever_b: [Vec3::ZERO; 4] };
+        let mut world =
+            Self { normal: (rotation_a * manifold.normal).normalize(), lever_a: [Vec3::ZERO; 4], lever_b: [Vec3::ZERO; 4] };
         for (i, point) in manifold.points[..manifold.count as usize].iter().enumerate() {
             world.lever_a[i] = offset_a + rotation_a * point.on_a;
             world.lever_b[i] = offset_b + rotation_b * point.on_b;

@@ -346,7 +346,8 @@ fn get(lanes: &Lane3, l: usize) -> Vec3 {
 fn put_inverse2(lanes: &mut [Lane; 3], l: usize, m11: f32, m12: f32, m22: f32) {
     let matrix = Mat2::from_cols_array(&[m11, m12, m12, m22]);
     // Bodies that cannot turn make one direction immovable: leave those rows out rather than divide by nothing.
-    let inverse = if m11 > 0.0 && m22 > 0.0 && matrix.determinant() > f32::EPSILON * m11 * m22 { matrix.inverse() } else { Mat2::ZERO };
+    let inverse =
+        if m11 > 0.0 && m22 > 0.0 && matrix.determinant() > f32::EPSILON * m11 * m22 { matrix.inverse() } else { Mat2::ZERO };
     lanes[0][l] = inverse.x_axis.x;
     lanes[1][l] = inverse.x_axis.y;
     lanes[2][l] = inverse.y_axis.y;

@@ -4,6 +4,8 @@
 //! result. The loops are compiled twice, for AVX2 and for the baseline; both do the same operations in the same order and give
 //! the same bits.
 
+#![expect(clippy::needless_range_loop, reason = "the same index runs through many arrays: one lane, one manifold")]
+
 use glam::Vec3;
 
 use super::contact::{ContactBlock, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS};
@@ -148,8 +150,7 @@ fn warm_start_body(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity],
             let t1 = at(&block.tangent, l);
             let t2 = n.cross(t1);
             let friction = t1 * block.tangent_lambda[0][l] + t2 * block.tangent_lambda[1][l];
-            let moment =
-                n * block.twist_lambda[l] + t1 * block.rolling_lambda[0][l] + t2 * block.rolling_lambda[1][l];
+            let moment = n * block.twist_lambda[l] + t1 * block.rolling_lambda[0][l] + t2 * block.rolling_lambda[1][l];
             let mut sum = 0.0;
             let (mut arm_a, mut arm_b) = (Vec3::ZERO, Vec3::ZERO);
             for i in 0..POINTS {
@@ -447,7 +448,13 @@ fn solve_manifolds<const N: usize>(block: &ContactBlock, mut residual: [Lane; PO
 
 /// Applies the difference of two sets of normal multipliers.
 #[inline(always)]
-fn push_apart<const N: usize>(block: &ContactBlock, new: &[Lane; POINTS], old: &[Lane; POINTS], side_a: &mut Side, side_b: &mut Side) {
+fn push_apart<const N: usize>(
+    block: &ContactBlock,
+    new: &[Lane; POINTS],
+    old: &[Lane; POINTS],
+    side_a: &mut Side,
+    side_b: &mut Side,
+) {
     for l in 0..LANES {
         let n = at(&block.normal, l);
         let mut sum = 0.0;

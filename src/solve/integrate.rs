@@ -70,7 +70,8 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
     motion.displacement += velocity.linear * h;
     if motion.is_dynamic() && !motion.constrained {
         // The velocity has gained the whole substep's acceleration; a free path is a parabola.
-        motion.displacement -= Vec3::select(velocity.inverse_mass.cmpgt(Vec3::ZERO), motion.acceleration * (0.5 * h * h), Vec3::ZERO);
+        motion.displacement -=
+            Vec3::select(velocity.inverse_mass.cmpgt(Vec3::ZERO), motion.acceleration * (0.5 * h * h), Vec3::ZERO);
     }
     let turned = turn(velocity, motion, h);
     motion.turn += turned.mean * h;

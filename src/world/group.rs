@@ -160,7 +160,9 @@ impl World {
                 continue;
             }
             let (a, b) = key.shapes();
-            let moved = [colliders[a].body, colliders[b].body].into_iter().find(|&body| bodies[body].is_dynamic() && bodies[body].is_mover());
+            let moved = [colliders[a].body, colliders[b].body]
+                .into_iter()
+                .find(|&body| bodies[body].is_dynamic() && bodies[body].is_mover());
             let Some(body) = moved else { continue };
             let batch = &mut batches[groups.place[body as usize].0 as usize];
             for (number, manifold) in pair.manifolds.iter().enumerate() {
@@ -180,7 +182,8 @@ impl World {
         scratch.slots.sort_unstable();
         scratch.slots.dedup();
         for &slot in &scratch.slots {
-            let moved = joints[slot].bodies.into_iter().flatten().find(|&body| bodies[body].is_dynamic() && bodies[body].is_mover());
+            let moved =
+                joints[slot].bodies.into_iter().flatten().find(|&body| bodies[body].is_dynamic() && bodies[body].is_mover());
             if let Some(body) = moved {
                 batches[groups.place[body as usize].0 as usize].joint_slots.push(slot);
                 report.counts.joints += 1;

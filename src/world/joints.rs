@@ -106,7 +106,8 @@ impl World {
     /// The handle is not a joint of this world.
     pub fn joint_state(&self, joint: JointId) -> Result<JointState> {
         let joint = &self.joints[self.joints.find(joint)?];
-        let ([a, b], [velocity_a, velocity_b]) = ([self.end(joint, 0), self.end(joint, 1)], [self.velocity(joint, 0), self.velocity(joint, 1)]);
+        let ([a, b], [velocity_a, velocity_b]) =
+            ([self.end(joint, 0), self.end(joint, 1)], [self.velocity(joint, 0), self.velocity(joint, 1)]);
         let offset = (b.origin - a.origin).as_vec3();
         let placement = placement_of(offset, [a.lever, b.lever], [a.frame, b.frame]);
         let (position, axis) = coordinate(&joint.def.kind, &placement);

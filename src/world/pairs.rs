@@ -87,9 +87,12 @@ impl World {
         };
         match threads {
             Some(pool) if active >= MIN_PARALLEL_PAIRS => pool.install(|| {
-                pairs.slots_mut().par_iter_mut().with_min_len(32).filter(|pair| pair.is_active()).for_each_init(PairScratch::default, |scratch, pair| {
-                    update(pair, scratch);
-                });
+                pairs.slots_mut().par_iter_mut().with_min_len(32).filter(|pair| pair.is_active()).for_each_init(
+                    PairScratch::default,
+                    |scratch, pair| {
+                        update(pair, scratch);
+                    },
+                );
             }),
             _ => pairs.for_each_active(|pair| update(pair, &mut scratch.pair)),
         }

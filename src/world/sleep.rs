@@ -122,7 +122,8 @@ impl World {
             let mut quiet = f32::INFINITY;
             for &index in members {
                 let body = &mut bodies[index];
-                let slow = body.linear_velocity.length() <= limits.linear_speed && body.angular_velocity.length() <= limits.angular_speed;
+                let slow = body.linear_velocity.length() <= limits.linear_speed
+                    && body.angular_velocity.length() <= limits.angular_speed;
                 if let SleepState::Awake { quiet_for } = &mut body.sleep {
                     *quiet_for = if slow && body.can_sleep { *quiet_for + dt } else { 0.0 };
                     quiet = quiet.min(*quiet_for);

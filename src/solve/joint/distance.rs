@@ -15,17 +15,14 @@ pub(crate) fn rows(sink: &mut RowSink, limits: Limits, spring_length: Option<f32
     let g = &sink.geometry.gradient;
     let length = g.gap.length();
     let direction = if length > MIN_GAP { g.gap / length } else { g.a.frame * Vec3::X };
-    let jacobian =
-        Jacobian { linear: direction, angular_a: g.a.lever.cross(direction), angular_b: g.b.lever.cross(direction) };
+    let jacobian = Jacobian { linear: direction, angular_a: g.a.lever.cross(direction), angular_b: g.b.lever.cross(direction) };
     let distance = Coordinate { jacobian, value: |p: &Placement| p.gap.length(), is_angle: false };
     // No distance is negative: a least distance of zero needs no row.
     let limits = if limits.min <= 0.0 && limits.max > 0.0 { Limits::new(f32::NEG_INFINITY, limits.max) } else { limits };
     sink.limit_and_drive(&distance, limits, motor, 0);
     if let Some(rest) = spring_length {
-        let error = Error1 {
-            start: sink.geometry.start.gap.length() - rest,
-            predicted: sink.geometry.predicted.gap.length() - rest,
-        };
+        let error =
+            Error1 { start: sink.geometry.start.gap.length() - rest, predicted: sink.geometry.predicted.gap.length() - rest };
         let give = Give::new(sink.def.linear, sink.phase);
         sink.scalar(jacobian, Demand::Equal(error), give, 3);
     }

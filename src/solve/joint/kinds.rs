@@ -24,7 +24,9 @@ pub(crate) fn add_rows(sink: &mut RowSink) {
     match sink.def.kind {
         JointKind::Fixed => super::fixed::rows(sink),
         JointKind::Hinge { limits, motor } => super::hinge::rows(sink, limits, motor),
-        JointKind::Spherical { swing_limit, twist_limits, motor } => super::spherical::rows(sink, swing_limit, twist_limits, motor),
+        JointKind::Spherical { swing_limit, twist_limits, motor } => {
+            super::spherical::rows(sink, swing_limit, twist_limits, motor)
+        }
         JointKind::Distance { limits, spring_length, motor } => super::distance::rows(sink, limits, spring_length, motor),
         JointKind::Prismatic { limits, motor } => super::prismatic::rows(sink, limits, motor),
         JointKind::Generic { linear, angular } => super::generic::rows(sink, &linear, &angular),

@@ -35,7 +35,7 @@ const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
 const SCALAR_PASSES: usize = 3;
 
 /// Greatest change of angular velocity, over the sum of both bodies', by which angular momentum is given back.
-const MOMENTUM_RETURN_LIMIT: f32 = 0.01;
+const MOMENTUM_RETURN_LIMIT: f32 = 0.2;
 
 /// One joint as its batch holds it.
 #[derive(Debug, Clone, Copy)]
@@ -102,13 +102,7 @@ impl BatchJoints {
     ///
     /// Done again before the last sweep, so that the rows hold to second order at the poses that the substep ends in: what the
     /// position rows would have to mend costs angular momentum.
-    pub(crate) fn prepare(
-        &mut self,
-        joints: &Pool<Joint, JointId>,
-        velocities: &[BodyVelocity],
-        motions: &[BodyMotion],
-        h: f32,
-    ) {
+    pub(crate) fn prepare(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
         self.predicted.clear();
         self.predicted.extend(velocities.iter().zip(motions).map(|(velocity, motion)| {
             if motion.jointed { integrate::predict(velocity, motion, h) } else { (motion.displacement, motion.rotation) }
@@ -211,7 +205,13 @@ impl BatchJoints {
     }
 
     /// One sweep of position rows, joint by joint at the poses of now: rigid errors are taken out, angular momentum is kept.
-    pub(crate) fn project(&mut self, joints: &Pool<Joint, JointId>, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], h: f32) {
+    pub(crate) fn project(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        velocities: &mut [BodyVelocity],
+        motions: &mut [BodyMotion],
+        h: f32,
+    ) {
         for entry in &self.entries {
             let now = |slot: u32| (motions[slot as usize].displacement, motions[slot as usize].rotation);
             let placement = entry.placement(now(entry.a), now(entry.b));
@@ -283,7 +283,8 @@ fn keep_angular_momentum(velocities: &mut [BodyVelocity], motions: &[BodyMotion]
 
 impl JointEntry {
     fn placement(&self, a: (Vec3, Quat), b: (Vec3, Quat)) -> Placement {
-        let side = |rotation: Quat, i: usize| Side { lever: rotation * self.local_lever[i], frame: rotation * self.local_frame[i] };
+        let side =
+            |rotation: Quat, i: usize| Side { lever: rotation * self.local_lever[i], frame: rotation * self.local_frame[i] };
         let (side_a, side_b) = (side(a.1, 0), side(b.1, 1));
         Placement { a: side_a, b: side_b, gap: self.offset + (b.0 - a.0) + (side_b.lever - side_a.lever) }
     }

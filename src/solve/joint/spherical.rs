@@ -24,7 +24,10 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
         let across = axis_a.cross(axis_b);
         let sine = across.length();
         if sine > MIN_SWING {
-            let error = Error1 { start: swing_limit - swing(&sink.geometry.start), predicted: swing_limit - swing(&sink.geometry.predicted) };
+            let error = Error1 {
+                start: swing_limit - swing(&sink.geometry.start),
+                predicted: swing_limit - swing(&sink.geometry.predicted),
+            };
             let give = Give::new(sink.def.limit, sink.phase);
             sink.scalar(Jacobian::angular(-across / sine), Demand::AtLeast(error), give, 0);
         }
