@@ -53,8 +53,13 @@ impl Batch {
                     self.joints.keep_impulses();
                     self.joints.prepare(joints, &self.velocities, &self.motions, h);
                 }
-                self.joints.sweep(&mut self.velocities);
-                contact_kernels::sweep(&mut self.contacts, &mut self.velocities, iteration % 2 == 1);
+                if iteration % 2 == 0 {
+                    self.joints.sweep(&mut self.velocities, false);
+                    contact_kernels::sweep(&mut self.contacts, &mut self.velocities, false);
+                } else {
+                    contact_kernels::sweep(&mut self.contacts, &mut self.velocities, true);
+                    self.joints.sweep(&mut self.velocities, true);
+                }
             }
             self.joints.keep_impulses();
             self.joints.add_loads();

@@ -67,6 +67,50 @@ struct JointRows {
     scalars: (u32, u32),
 }
 
+impl JointRows {
+    fn scalars<'a>(&self, all: &'a mut [ScalarRow]) -> &'a mut [ScalarRow] {
+        &mut all[self.scalars.0 as usize..self.scalars.1 as usize]
+    }
+
+    fn passes(&self) -> usize {
+        if self.scalars.0 == self.scalars.1 { 1 } else { SCALAR_PASSES }
+    }
+
+    fn sweep(&mut self, all: &mut [ScalarRow], velocities: &mut [BodyVelocity]) {
+        let (mut a, mut b) = (velocities[self.a as usize], velocities[self.b as usize]);
+        if let Some(row) = &mut self.direction {
+            row.solve_direction(&mut a, &mut b);
+        }
+        for _ in 0..self.passes() {
+            for row in self.scalars(all) {
+                row.solve(&mut a, &mut b);
+            }
+            if let Some(row) = &mut self.point {
+                row.solve_point(&mut a, &mut b);
+            }
+        }
+        velocities[self.a as usize] = a;
+        velocities[self.b as usize] = b;
+    }
+
+    fn sweep_backwards(&mut self, all: &mut [ScalarRow], velocities: &mut [BodyVelocity]) {
+        let (mut a, mut b) = (velocities[self.a as usize], velocities[self.b as usize]);
+        for _ in 0..self.passes() {
+            if let Some(row) = &mut self.point {
+                row.solve_point(&mut a, &mut b);
+            }
+            for row in self.scalars(all).iter_mut().rev() {
+                row.solve(&mut a, &mut b);
+            }
+        }
+        if let Some(row) = &mut self.direction {
+            row.solve_direction(&mut a, &mut b);
+        }
+        velocities[self.a as usize] = a;
+        velocities[self.b as usize] = b;
+    }
+}
+
 /// All joints of a batch, in colour order.
 #[derive(Debug, Default)]
 pub(crate) struct BatchJoints {
@@ -148,24 +192,17 @@ impl BatchJoints {
         }
     }
 
-    /// One sweep over all joints: directions, coordinates, then points, which matter most to the eye.
-    pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity]) {
-        for rows in &mut self.rows {
-            let (mut a, mut b) = (velocities[rows.a as usize], velocities[rows.b as usize]);
-            if let Some(row) = &mut rows.direction {
-                row.solve_direction(&mut a, &mut b);
-            }
-            let scalars = &mut self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize];
-            for _ in 0..if scalars.is_empty() { 1 } else { SCALAR_PASSES } {
-                for row in scalars.iter_mut() {
-                    row.solve(&mut a, &mut b);
-                }
-                if let Some(row) = &mut rows.point {
-                    row.solve_point(&mut a, &mut b);
-                }
-            }
-            velocities[rows.a as usize] = a;
-            velocities[rows.b as usize] = b;
+    /// One sweep over all joints: directions, coordinates, then points; backwards, all in the opposite order.
+    ///
+    /// Sweeps to and fro are symmetric, which carried multipliers need: with r the residual of a substep, μ = A λ what is carried
+    /// and g an eigenvalue of the error that the sweeps leave, r' = g (r + μ), μ' = g μ − (1 − g) r grows by |z| a substep, z² −
+    /// 2 g z + g = 0. For g in 0…1, as a symmetric sweep has it, |z| = √g < 1; sweeps in one direction have complex g, |z| may
+    /// pass 1, and a tree of fixed joints tears itself apart.
+    pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity], backwards: bool) {
+        if backwards {
+            self.rows.iter_mut().rev().for_each(|rows| rows.sweep_backwards(&mut self.scalars, velocities));
+        } else {
+            self.rows.iter_mut().for_each(|rows| rows.sweep(&mut self.scalars, velocities));
         }
     }
 
