@@ -99,6 +99,7 @@ impl TryFrom<LsWorldDef> for WorldDef {
                 time: def.sleep.time,
             },
             restitution_threshold: def.restitution_threshold,
+            support: false,
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
         })

@@ -144,7 +144,9 @@ impl Params {
             };
         }
         for kind in LONG_RANGE_KINDS {
-            if self.given(kind).is_some() && self.switch(kind, false)? {
+            if kind == "support" && self.given(kind).is_some() {
+                world.support = self.switch(kind, false)?;
+            } else if self.given(kind).is_some() && self.switch(kind, false)? {
                 return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() });
             }
         }

@@ -118,6 +118,7 @@ impl World {
         body.linear_velocity = Vec3::ZERO;
         body.angular_velocity = Vec3::ZERO;
         body.quarantined = true;
+        self.topology_changed();
         self.events.quarantined.push(self.bodies.handle_of(index));
         self.forget_contacts_of(index);
         self.events.take_edits();
