@@ -26,6 +26,7 @@ mod joints;
 mod load;
 mod pairs;
 mod read;
+mod redefine;
 mod shapes;
 mod sleep;
 mod store;

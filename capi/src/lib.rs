@@ -27,6 +27,7 @@ mod world_def;
 
 mod world;
 mod world_events;
+mod world_settings;
 
 mod body;
 mod body_motion;

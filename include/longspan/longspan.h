@@ -393,9 +393,9 @@ typedef struct LsSoftness {
 
 /** Least and greatest value of a coordinate (m or rad); -INFINITY and INFINITY for none. Equal values lock it there. */
 typedef struct LsLimits {
-    /** Least value. */
+    /** Least value (m or rad). */
     float min;
-    /** Greatest value. */
+    /** Greatest value (m or rad). */
     float max;
 } LsLimits;
 
@@ -1103,6 +1103,37 @@ LsResult ls_world_overloaded(LsWorld world, const LsJointOverload **out, size_t 
  */
 LsResult ls_world_quarantined(LsWorld world, const LsBody **out, size_t *count);
 
+/**
+ * Sets how much work a step does, from the next step on.
+ *
+ * @param world       the world; any value is safe
+ * @param substeps    substeps a step, 1 to 256
+ * @param iterations  sweeps a substep, 1 to 256
+ * @return LS_OK, a world error, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_effort_set(LsWorld world, uint32_t substeps, uint32_t iterations);
+
+/**
+ * Sets when bodies fall asleep; if they no longer may, all wake.
+ *
+ * @param world     the world; any value is safe
+ * @param settings  read during the call; speeds (m/s, rad/s) and time (s), each >= 0
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_sleep_settings_set(LsWorld world, const LsSleepSettings *settings);
+
+/**
+ * Sets the approach speed below which nothing bounces.
+ *
+ * @param world  the world; any value is safe
+ * @param speed  (m/s), >= 0
+ * @return LS_OK, a world error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_restitution_threshold_set(LsWorld world, float speed);
+
 /* Bodies ---------------------------------------------------------------------------------------------------------- */
 
 /**
@@ -1380,6 +1411,18 @@ LsResult ls_body_mass_get(LsWorld world, LsBody body, LsMassProperties *out);
 LsResult ls_body_mass_set(LsWorld world, LsBody body, const LsMass *mass);
 
 /**
+ * Rates at which velocities decay.
+ *
+ * @param world    the world; any value is safe
+ * @param body     a body of that world; any value is safe
+ * @param linear   rate for the linear velocity (1/s), filled on LS_OK
+ * @param angular  rate for the angular velocity (1/s), filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_damping_get(LsWorld world, LsBody body, float *linear, float *angular);
+
+/**
  * Sets the rates at which velocities decay.
  *
  * @param world    the world; any value is safe
@@ -1390,6 +1433,17 @@ LsResult ls_body_mass_set(LsWorld world, LsBody body, const LsMass *mass);
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_body_damping_set(LsWorld world, LsBody body, float linear, float angular);
+
+/**
+ * Factor on the world's gravity.
+ *
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param out    filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_gravity_scale_get(LsWorld world, LsBody body, float *out);
 
 /**
  * Sets the factor on the world's gravity.
@@ -1403,6 +1457,17 @@ LsResult ls_body_damping_set(LsWorld world, LsBody body, float linear, float ang
 LsResult ls_body_gravity_scale_set(LsWorld world, LsBody body, float scale);
 
 /**
+ * Degrees of freedom taken away.
+ *
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param out    bit set of LS_LOCK_ constants, filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_locked_axes_get(LsWorld world, LsBody body, uint32_t *out);
+
+/**
  * Sets which degrees of freedom are taken away.
  *
  * @param world  the world; any value is safe
@@ -1414,6 +1479,17 @@ LsResult ls_body_gravity_scale_set(LsWorld world, LsBody body, float scale);
 LsResult ls_body_locked_axes_set(LsWorld world, LsBody body, uint32_t axes);
 
 /**
+ * Whether a body is swept through the step.
+ *
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param out    1 if it is, else 0; filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_fast_get(LsWorld world, LsBody body, uint32_t *out);
+
+/**
  * Sets whether a body is swept through the step, so that it cannot tunnel through anything thin.
  *
  * @param world  the world; any value is safe
@@ -1423,6 +1499,17 @@ LsResult ls_body_locked_axes_set(LsWorld world, LsBody body, uint32_t axes);
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_body_fast_set(LsWorld world, LsBody body, uint32_t fast);
+
+/**
+ * Whether a body may fall asleep.
+ *
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param out    1 if it may, else 0; filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_can_sleep_get(LsWorld world, LsBody body, uint32_t *out);
 
 /**
  * Sets whether a body may fall asleep; one that may not is woken.
@@ -1540,6 +1627,28 @@ LsResult ls_shape_body_get(LsWorld world, LsShape shape, LsBody *out);
 LsResult ls_shape_user_word_get(LsWorld world, LsShape shape, uint64_t *out);
 
 /**
+ * Sets the host's own word of a shape.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param word   any value
+ * @return LS_OK, a world error, a handle error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_shape_user_word_set(LsWorld world, LsShape shape, uint64_t word);
+
+/**
+ * Surface of a shape.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param out    filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_shape_material_get(LsWorld world, LsShape shape, LsMaterial *out);
+
+/**
  * Sets the surface of a shape.
  *
  * @param world     the world; any value is safe
@@ -1552,6 +1661,17 @@ LsResult ls_shape_user_word_get(LsWorld world, LsShape shape, uint64_t *out);
 LsResult ls_shape_material_set(LsWorld world, LsShape shape, const LsMaterial *material);
 
 /**
+ * Which other shapes a shape collides with.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param out    filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_shape_filter_get(LsWorld world, LsShape shape, LsCollisionFilter *out);
+
+/**
  * Sets which other shapes a shape collides with.
  *
  * @param world   the world; any value is safe
@@ -1561,6 +1681,49 @@ LsResult ls_shape_material_set(LsWorld world, LsShape shape, const LsMaterial *m
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_shape_filter_set(LsWorld world, LsShape shape, const LsCollisionFilter *filter);
+
+/**
+ * The definition that a shape has now. It may be changed and given to ls_shape_def_set or ls_shape_attach.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param out    filled on LS_OK; fields that the kind does not name have their defaults. Its arrays are owned by the shape and
+ *               may be read until the shape is destroyed or given another definition. A compound has its part_count, and
+ *               NULL for parts: see ls_shape_part_get
+ * @param size   sizeof *out as the host knows it
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_shape_def_get(LsWorld world, LsShape shape, LsShapeDef *out, size_t size);
+
+/**
+ * One part of a compound shape.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param index  number of the part, from 0
+ * @param out    filled on LS_OK with the part's geometry, local_position and local_rotation; the rest has its defaults. Its
+ *               arrays are owned by the shape, as those of ls_shape_def_get
+ * @param size   sizeof *out as the host knows it
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_NOT_APPLICABLE (not a
+ *         compound), LS_ERROR_INDEX_OUT_OF_RANGE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_shape_part_get(LsWorld world, LsShape shape, size_t index, LsShapeDef *out, size_t size);
+
+/**
+ * Gives a shape another definition: form, place, surface, density, filter and word. Its handle stays; a body whose mass comes
+ * from its shapes is weighed again; what touched the shape wakes.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param def    filled by ls_shape_def_init or ls_shape_def_get and changed as wanted; read during the call
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE,
+ *         LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE,
+ *         LS_ERROR_INDEX_OUT_OF_RANGE, LS_ERROR_NOT_APPLICABLE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_shape_def_set(LsWorld world, LsShape shape, const LsShapeDef *def);
 
 /* Joints ---------------------------------------------------------------------------------------------------------- */
 
@@ -1652,6 +1815,41 @@ LsResult ls_joint_softness_set(LsWorld world,
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_joint_break_set(LsWorld world, LsJoint joint, float break_force, float break_torque);
+
+/**
+ * Sets where a joint is on its bodies and wakes them; the joint carries nothing over, as after a teleport.
+ *
+ * @param world    the world; any value is safe
+ * @param joint    a joint of that world; any value is safe
+ * @param frame_a  joint frame on body A, in its frame (in world coordinates if A is the world); positions (m)
+ * @param frame_b  joint frame on body B, likewise
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE,
+ *         LS_ERROR_NOT_UNIT
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_joint_frames_set(LsWorld world, LsJoint joint, const LsPose *frame_a, const LsPose *frame_b);
+
+/**
+ * The host's own word of a joint.
+ *
+ * @param world  the world; any value is safe
+ * @param joint  a joint of that world; any value is safe
+ * @param out    filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_joint_user_word_get(LsWorld world, LsJoint joint, uint64_t *out);
+
+/**
+ * Sets the host's own word of a joint.
+ *
+ * @param world  the world; any value is safe
+ * @param joint  a joint of that world; any value is safe
+ * @param word   any value
+ * @return LS_OK, a world error, a handle error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_joint_user_word_set(LsWorld world, LsJoint joint, uint64_t word);
 
 #ifdef __cplusplus
 }  // extern "C"
