@@ -300,6 +300,48 @@ static void shape_definitions(LsWorld world)
     expect(LS_ERROR_STRUCT_SIZE, ls_shape_def_get(world, shape, &part, 1), "definition of a shape to one byte");
 }
 
+static void queries(LsWorld world)
+{
+    LsRay ray = {{0, 0, 0}, {1, 0, 0}, 1};
+    LsQueryFilter filter;
+    LsRayHit hit;
+    LsShapeDef shape;
+    LsPose pose = {{0, 0, 0}, {0, 0, 0, 1}};
+    LsNearestPoint nearest;
+    const double corners[6] = {1, 1, 1, 0, 0, 0};
+    float path[3] = {1, 0, 0};
+    size_t count;
+
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast_ray(world, NULL, NULL, &hit), "ray is NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast_ray(world, &ray, NULL, NULL), "hit to NULL");
+    ray.direction[0] = 2.0f;
+    expect(LS_ERROR_NOT_UNIT, ls_world_cast_ray(world, &ray, NULL, &hit), "direction of a ray is not a unit vector");
+    ray.direction[0] = 1.0f;
+    ray.length = -1.0f;
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_cast_rays(world, &ray, 1, NULL, &hit), "ray of negative length");
+    ray.length = (float)NAN;
+    expect(LS_ERROR_NOT_FINITE, ls_world_cast_ray_all(world, &ray, NULL, NULL, 0, &count), "ray of no known length");
+    ray.length = 1.0f;
+    memset(&filter, 0, sizeof filter);
+    expect(LS_ERROR_STRUCT_SIZE, ls_world_cast_ray(world, &ray, &filter, &hit), "filter filled with zeros");
+    ls_query_filter_init(&filter, sizeof filter);
+    filter.kinds = 8;
+    expect(LS_ERROR_INVALID_ENUM, ls_world_cast_ray(world, &ray, &filter, &hit), "unknown kind of body in a filter");
+    filter.kinds = LS_QUERY_STATIC;
+    filter.ignored_count = 2;
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast_ray(world, &ray, &filter, &hit), "two ignored bodies at NULL");
+    ls_shape_def_init(&shape, sizeof shape);
+    shape.kind = LS_SHAPE_HALF_SPACE;
+    expect(LS_ERROR_NOT_APPLICABLE, ls_world_cast_shape(world, &shape, &pose, path, NULL, &hit), "sweep of a half-space");
+    shape.kind = LS_SHAPE_BALL;
+    path[0] = 1.0e8f;
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_cast_shape(world, &shape, &pose, path, NULL, &hit), "sweep too long");
+    pose.rotation[3] = 0.0f;
+    expect(LS_ERROR_NOT_UNIT, ls_world_overlap_shape(world, &shape, &pose, NULL, NULL, 0, &count), "overlap without a rotation");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_overlap_box(world, corners, corners + 3, NULL, NULL, 0, &count), "box inside out");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_nearest_point(world, corners, -1.0f, NULL, &nearest), "negative distance");
+}
+
 static void sizes(LsWorld world)
 {
     LsBodyDef def;
@@ -373,6 +415,7 @@ int main(void)
     shapes_and_joints(world, other);
     numbers(world);
     shape_definitions(world);
+    queries(world);
     sizes(world);
     callbacks();
     expect(LS_OK, ls_world_step(world, 1.0f / 60.0f), "after all that the world still steps");

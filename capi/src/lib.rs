@@ -29,6 +29,10 @@ mod world;
 mod world_events;
 mod world_settings;
 
+mod query_def;
+
+mod query;
+
 mod body;
 mod body_motion;
 mod body_state;

@@ -202,6 +202,15 @@
 /** Solver: direct solve of articulations; LS_ERROR_UNSUPPORTED in this version. */
 #define LS_SOLVER_DIRECT 2
 
+/** Query kinds: shapes of static bodies count. */
+#define LS_QUERY_STATIC 1
+
+/** Query kinds: shapes of kinematic bodies count. */
+#define LS_QUERY_KINEMATIC 2
+
+/** Query kinds: shapes of dynamic bodies count. */
+#define LS_QUERY_DYNAMIC 4
+
 /**
  * What a call returns: LS_OK, or one of the LS_ERROR_ constants. Unless a function says otherwise, a call that fails has
  * changed nothing and has written nothing through its pointers. New codes may be added: treat an unknown one as a failure.
@@ -666,6 +675,76 @@ typedef struct LsMoved {
     /** Not used; 0. */
     uint32_t reserved;
 } LsMoved;
+
+/**
+ * Has the last word on a shape whose box a query meets.
+ *
+ * Called during the query under the host's floating-point settings, in any order, in ls_world_cast_rays on any thread of the
+ * world. It must return normally (no exception, no longjmp). Inside it, reads of the world work; edits return
+ * LS_ERROR_WORLD_BUSY.
+ * @param shape  the shape
+ * @param user   as given in the filter
+ * @return not 0 if the shape counts
+ */
+typedef uint32_t (*LsQueryCallback)(struct LsShape shape, void *user);
+
+/** Which shapes a query is about. Fill it with ls_query_filter_init first; where a filter is asked for, NULL means everything. */
+typedef struct LsQueryFilter {
+    /** Size of this struct in the host, set by ls_query_filter_init. */
+    uint32_t struct_size;
+    /** Bit set of groups the query belongs to, as if it were a shape; default all. */
+    uint32_t member_of;
+    /** Bit set of groups the query meets; default all. */
+    uint32_t collides_with;
+    /** Bit set of LS_QUERY_ constants: which kinds of body count; default all. */
+    uint32_t kinds;
+    /** Bodies that do not count; any handles are allowed. Default none. */
+    const struct LsBody *ignored;
+    /** Number of bodies that do not count. */
+    size_t ignored_count;
+    /** Has the last word on each shape; default NULL. */
+    LsQueryCallback accept;
+    /** Handed back to the callback. */
+    void *user;
+} LsQueryFilter;
+
+/** A half-line of some length. The layout of this struct never changes. */
+typedef struct LsRay {
+    /** Where it begins (m). */
+    double origin[3];
+    /** Unit direction; up to 1 % off unit length is normalised, more is refused. */
+    float direction[3];
+    /** How far it goes (m), 0 to 1e7. */
+    float length;
+} LsRay;
+
+/** Where a ray or a swept shape first meets a shape. The layout of this struct never changes. */
+typedef struct LsRayHit {
+    /** The shape that is met; null if nothing is. */
+    struct LsShape shape;
+    /** Its body. */
+    struct LsBody body;
+    /** Where (m), on the surface of the shape that is met. */
+    double point[3];
+    /** Outward unit normal of that surface; against the motion where the two overlap from the start. */
+    float normal[3];
+    /** How far along the ray or sweep (m); 0 where the two overlap from the start. */
+    float distance;
+} LsRayHit;
+
+/** The nearest point of a shape to a point. The layout of this struct never changes. */
+typedef struct LsNearestPoint {
+    /** The shape; null if there is none. */
+    struct LsShape shape;
+    /** Its body. */
+    struct LsBody body;
+    /** Its nearest point (m): the point asked about, if that lies inside. */
+    double point[3];
+    /** How far that is (m); 0 inside. */
+    float distance;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsNearestPoint;
 
 /** What a joint does at the end of the last step. Later versions append fields. */
 typedef struct LsJointState {
@@ -1133,6 +1212,176 @@ LsResult ls_world_sleep_settings_set(LsWorld world, const LsSleepSettings *setti
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_world_restitution_threshold_set(LsWorld world, float speed);
+
+/**
+ * Fills a query filter with defaults: every shape counts.
+ *
+ * @param filter  filled on LS_OK
+ * @param size    sizeof *filter as the host knows it
+ * @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_query_filter_init(LsQueryFilter *filter, size_t size);
+
+/* Queries --------------------------------------------------------------------------------------------------------- */
+
+/**
+ * The first shape that a ray meets. A ray that begins inside a solid meets it at once.
+ *
+ * @param world   the world; any value is safe
+ * @param ray     read during the call; lengths (m)
+ * @param filter  which shapes count; NULL for all
+ * @param out     filled on LS_OK; its shape is null if nothing is met
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_ray(LsWorld world, const LsRay *ray, const LsQueryFilter *filter, LsRayHit *out);
+
+/**
+ * Every shape that a ray meets, nearest first, where the ray first meets it.
+ *
+ * @param world     the world; any value is safe
+ * @param ray       read during the call; lengths (m)
+ * @param filter    which shapes count; NULL for all
+ * @param out       room for capacity hits, filled on LS_OK, nearest first; may be NULL if capacity is 0
+ * @param capacity  number that fit
+ * @param count     number of them, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_ray_all(LsWorld world,
+                               const LsRay *ray,
+                               const LsQueryFilter *filter,
+                               LsRayHit *out,
+                               size_t capacity,
+                               size_t *count);
+
+/**
+ * The first shape that each of many rays meets; on the threads of the world, if it has more than one and the rays are many.
+ *
+ * @param world   the world; any value is safe
+ * @param rays    count rays, read during the call; lengths (m)
+ * @param count   number of rays; 0 is allowed
+ * @param filter  which shapes count; NULL for all
+ * @param out     room for count hits, filled on LS_OK; the shape of a hit is null if nothing is met
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_rays(LsWorld world,
+                            const LsRay *rays,
+                            size_t count,
+                            const LsQueryFilter *filter,
+                            LsRayHit *out);
+
+/**
+ * The first shape that a solid meets on a straight path, without turning.
+ *
+ * @param world   the world; any value is safe
+ * @param shape   filled by ls_shape_def_init and changed as wanted; its geometry is read during the call; a solid, so no
+ *                half-space, mesh or height field
+ * @param pose    where it starts; local_position and local_rotation of the shape do not count
+ * @param path    three floats: how far it goes (m), together at most 1e7
+ * @param filter  which shapes count; NULL for all
+ * @param out     filled on LS_OK; its shape is null if nothing is met
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_shape(LsWorld world,
+                             const LsShapeDef *shape,
+                             const LsPose *pose,
+                             const float path[3],
+                             const LsQueryFilter *filter,
+                             LsRayHit *out);
+
+/**
+ * Every shape that a solid meets on a straight path, without turning, nearest first.
+ *
+ * @param world     the world; any value is safe
+ * @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+ * @param pose      where it starts
+ * @param path      three floats: how far it goes (m), together at most 1e7
+ * @param filter    which shapes count; NULL for all
+ * @param out       room for capacity hits, filled on LS_OK, nearest first; may be NULL if capacity is 0
+ * @param capacity  number that fit
+ * @param count     number of them, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_shape_all(LsWorld world,
+                                 const LsShapeDef *shape,
+                                 const LsPose *pose,
+                                 const float path[3],
+                                 const LsQueryFilter *filter,
+                                 LsRayHit *out,
+                                 size_t capacity,
+                                 size_t *count);
+
+/**
+ * Every shape that a solid overlaps or touches, in a fixed order.
+ *
+ * @param world     the world; any value is safe
+ * @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+ * @param pose      where it is; positions (m)
+ * @param filter    which shapes count; NULL for all
+ * @param out       room for capacity shapes, filled on LS_OK, in a fixed order; may be NULL if capacity is 0
+ * @param capacity  number that fit
+ * @param count     number of them, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_overlap_shape(LsWorld world,
+                                const LsShapeDef *shape,
+                                const LsPose *pose,
+                                const LsQueryFilter *filter,
+                                LsShape *out,
+                                size_t capacity,
+                                size_t *count);
+
+/**
+ * Every shape whose world box meets a box, in a fixed order; cheaper than ls_world_overlap_shape and less exact.
+ *
+ * @param world     the world; any value is safe
+ * @param min       three doubles: the least corner (m)
+ * @param max       three doubles: the greatest corner (m)
+ * @param filter    which shapes count; NULL for all
+ * @param out       room for capacity shapes, filled on LS_OK, in a fixed order; may be NULL if capacity is 0
+ * @param capacity  number that fit
+ * @param count     number of them, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_overlap_box(LsWorld world,
+                              const double *min,
+                              const double *max,
+                              const LsQueryFilter *filter,
+                              LsShape *out,
+                              size_t capacity,
+                              size_t *count);
+
+/**
+ * The shape nearest to a point.
+ *
+ * @param world         the world; any value is safe
+ * @param point         three doubles (m)
+ * @param max_distance  how far to look (m), 0 to 1e7
+ * @param filter        which shapes count; NULL for all
+ * @param out           filled on LS_OK; its shape is null if there is none
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_nearest_point(LsWorld world,
+                                const double point[3],
+                                float max_distance,
+                                const LsQueryFilter *filter,
+                                LsNearestPoint *out);
 
 /* Bodies ---------------------------------------------------------------------------------------------------------- */
 
