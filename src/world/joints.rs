@@ -134,7 +134,7 @@ impl World {
         self.bodies.find(body).map(Some).map_err(|error| Error { argument, ..error })
     }
 
-    pub(super) fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
+    fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
         edit(&mut self.joints[slot].def);
         for index in self.joints[slot].bodies.into_iter().flatten() {
             self.wake_body(index);

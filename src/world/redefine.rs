@@ -69,7 +69,10 @@ impl World {
         let slot = self.joints.find(joint)?;
         let def = JointDef { frame_a, frame_b, ..self.joints[slot].def }.checked()?;
         self.joints[slot].forget_impulses();
-        self.change_joint(slot, |old| *old = def);
+        self.joints[slot].def = def;
+        for index in self.joints[slot].bodies.into_iter().flatten() {
+            self.wake_body(index);
+        }
         Ok(())
     }
 
