@@ -25,7 +25,9 @@ mod group;
 mod joints;
 mod load;
 mod pairs;
+mod query;
 mod read;
+mod redefine;
 mod shapes;
 mod sleep;
 mod store;
@@ -38,6 +40,7 @@ pub struct World {
     joints: Pool<Joint, JointId>,
 
     broad: BroadPhase,
+    escaped: query::Escaped,
     pairs: PairCache,
     /// Bodies that a step may move, sorted by slot.
     movers: Vec<u32>,
@@ -93,6 +96,7 @@ impl World {
             colliders: Pool::new(&tag),
             joints: Pool::new(&tag),
             broad: BroadPhase::default(),
+            escaped: query::Escaped::default(),
             pairs: PairCache::default(),
             movers: Vec::new(),
             movers_sorted: true,
@@ -143,6 +147,7 @@ impl World {
 
     fn begin_step(&mut self, dt: f32) {
         self.events.begin_step();
+        self.forget_escaped();
         let (step, time) = (self.report.step + 1, self.report.time + f64::from(dt));
         self.report = StepReport { step, time, ..StepReport::default() };
         self.drive_kinematic_bodies(dt);
