@@ -13,7 +13,7 @@ pub enum Solver {
     Auto,
     /// Sweeps over all rows.
     GaussSeidel,
-    /// One sparse direct solve for each group of joints; not available in this version.
+    /// One sparse direct solve for each group of joints.
     Direct,
 }
 
@@ -107,9 +107,6 @@ impl WorldDef {
         check::not_negative("sleep.angular_speed", self.sleep.angular_speed)?;
         check::not_negative("sleep.time", self.sleep.time)?;
         check::not_negative("restitution_threshold", self.restitution_threshold)?;
-        if self.solver == Solver::Direct {
-            return Err(Error::new(ErrorKind::Unsupported, "solver", "the direct joint solver is not in this version"));
-        }
         Ok(())
     }
 }

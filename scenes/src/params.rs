@@ -139,7 +139,7 @@ impl Params {
         if self.given("solver").is_some() {
             world.solver = match self.word("solver", &["auto", "gs", "direct"])? {
                 "gs" => Solver::GaussSeidel,
-                "direct" => return Err(SceneError::Unavailable { key: "solver".into(), value: "direct".into() }),
+                "direct" => Solver::Direct,
                 _ => Solver::Auto,
             };
         }

@@ -110,17 +110,20 @@ impl World {
         let joint = &self.joints[self.joints.find(joint)?];
         let ([a, b], [velocity_a, velocity_b]) =
             ([self.end(joint, 0), self.end(joint, 1)], [self.velocity(joint, 0), self.velocity(joint, 1)]);
-        let offset = (b.origin - a.origin).as_vec3();
-        let placement = placement_of(offset, [a.lever, b.lever], [a.frame, b.frame]);
+        let levers = [a.lever, b.lever].map(|lever| lever.as_dvec3());
+        let frames = [a.frame, b.frame].map(|frame| frame.as_dquat().normalize());
+        let placement = placement_of(b.origin - a.origin, levers, frames);
         let (position, axis) = coordinate(&joint.def.kind, &placement);
+        let axis = axis.as_vec3();
         let angular_rate = (velocity_b.1 - velocity_a.1).dot(axis);
-        let point_rate = velocity_b.0 + velocity_b.1.cross(b.lever) - velocity_a.0 - velocity_a.1.cross(a.lever + placement.gap);
+        let point_rate =
+            velocity_b.0 + velocity_b.1.cross(b.lever) - velocity_a.0 - velocity_a.1.cross(a.lever + placement.gap.as_vec3());
         Ok(JointState {
-            position,
+            position: position as f32,
             velocity: if matches!(joint.def.kind, JointKind::Hinge { .. }) { angular_rate } else { point_rate.dot(axis) },
             force: joint.force,
             torque: joint.torque,
-            gap: gap_of(&joint.def.kind, &placement),
+            gap: gap_of(&joint.def.kind, &placement) as f32,
         })
     }
 

@@ -95,7 +95,7 @@ impl World {
 
     fn store_joints(&mut self, number: usize, dt: f32) {
         let Self { batches, joints, events, .. } = self;
-        for entry in &batches[number].joints.entries {
+        for entry in batches[number].joints.entries.iter().chain(batches[number].direct.entries()) {
             let handle = joints.handle_of(entry.joint);
             let joint = &mut joints[entry.joint];
             joint.impulses = entry.impulses;
