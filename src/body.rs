@@ -168,6 +168,10 @@ pub(crate) struct Body {
     pub shapes: Vec<ShapeId>,
     pub joints: Vec<JointId>,
     pub sleep: SleepState,
+    /// Number of steps for which it has been calm, at most 255.
+    pub calm_for: u8,
+    /// Whether it keeps its pose in this step because nothing could move it.
+    pub held: bool,
     /// Taken out of the simulation because a step gave it a non-finite state.
     pub quarantined: bool,
 }
@@ -209,6 +213,8 @@ impl Body {
             shapes: Vec::new(),
             joints: Vec::new(),
             sleep: SleepState::Awake { quiet_for: 0.0 },
+            calm_for: 0,
+            held: false,
             quarantined: false,
         }
     }

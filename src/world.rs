@@ -22,6 +22,7 @@ mod bodies;
 mod contacts;
 mod forces;
 mod group;
+mod hold;
 mod joints;
 mod load;
 mod pairs;
@@ -49,6 +50,7 @@ pub struct World {
     sleeping: SleepingIslands,
 
     groups: group::Groups,
+    hold: hold::Hold,
     batches: Vec<Batch>,
     batch_count: usize,
     events: Events,
@@ -105,6 +107,7 @@ impl World {
             movers_sorted: true,
             sleeping: SleepingIslands::default(),
             groups: group::Groups::default(),
+            hold: hold::Hold::default(),
             batches: Vec::new(),
             batch_count: 0,
             events: Events::default(),
@@ -192,6 +195,7 @@ impl World {
     pub fn set_gravity(&mut self, gravity: glam::Vec3) -> Result<()> {
         self.def.gravity = check::finite_vec("gravity", gravity)?;
         self.wake_all();
+        self.release_all();
         Ok(())
     }
 }

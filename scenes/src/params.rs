@@ -145,7 +145,8 @@ impl Params {
         }
         for kind in LONG_RANGE_KINDS {
             if kind == "support" && self.given(kind).is_some() {
-                world.support = self.switch(kind, false)?;
+                let on = self.switch(kind, false)?;
+                (world.support, world.hold) = (on, on);
             } else if self.given(kind).is_some() && self.switch(kind, false)? {
                 return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() });
             }
