@@ -93,6 +93,8 @@ pub(crate) struct Articulation {
     changes: Vec<Rate>,
     tried: Vec<Stance>,
     saved: Vec<Saved>,
+    /// Whether a joint ties it to something that it does not move.
+    hangs: bool,
     /// Length by which errors are judged (m).
     size: f64,
     mode: Mode,
@@ -149,6 +151,7 @@ impl Articulation {
         if !unchanged {
             self.links.clear();
             self.links.extend(entries.iter().map(link));
+            self.hangs = self.links.iter().any(|link| link.moves != [true; 2]);
             self.topology = derive_topology(&self.links, bodies.len()).unwrap_or_default();
         }
         let levers = entries.iter().flat_map(|entry| entry.local_lever).map(DVec3::length).filter(|&length| length > 0.0);
@@ -270,7 +273,7 @@ impl Articulation {
         for ((body, stance), rate) in self.bodies.iter().zip(&self.stances).zip(&mut self.rates) {
             body.apply_forces(stance, rate, h);
         }
-        let momentum = Momentum::of(&self.bodies, &self.origins, &self.stances, &self.rates).map(|momentum| momentum.angular);
+        let momentum = self.momentum().map(|momentum| momentum.angular);
         self.predict(h, mode);
         self.find_stiffness(h, mode);
         for (i, body) in self.bodies.iter_mut().enumerate() {
@@ -295,10 +298,15 @@ impl Articulation {
     }
 
     fn keep_momentum(&mut self, expected: Option<DVec3>) {
-        let Self { bodies, origins, stances, rates, .. } = self;
-        if let (Some(expected), Some(now)) = (expected, Momentum::of(bodies, origins, stances, rates)) {
-            now.give_back(expected - now.angular, bodies, origins, stances, rates);
+        if let (Some(expected), Some(now)) = (expected, self.momentum()) {
+            now.give_back(expected - now.angular, &self.bodies, &self.origins, &self.stances, &mut self.rates);
         }
+    }
+
+    /// Momentum of an articulation that hangs on nothing.
+    fn momentum(&self) -> Option<Momentum> {
+        let Self { bodies, origins, stances, rates, .. } = self;
+        if self.hangs { None } else { Momentum::of(bodies, origins, stances, rates) }
     }
 
     /// Where the bodies would be at the end of the substep without any joint.
