@@ -7,6 +7,7 @@ use super::pairs::contact_pair;
 use crate::body::BodyKind;
 use crate::collide::sweep::{self, PathStart};
 use crate::report::{JointOverload, Moved};
+use crate::solve::direct::history::History;
 
 /// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
 const ROTATION_TOLERANCE: f32 = 1.0e-3;
@@ -62,11 +63,15 @@ impl World {
             body.rotation = motion.rotation;
             body.linear_velocity = velocity.linear;
             body.angular_velocity = velocity.angular;
+            body.history = History::NONE;
             for &id in &body.shapes {
                 if let Ok(shape) = self.colliders.find(id) {
                     self.colliders[shape].follow(body);
                 }
             }
+        }
+        for (slot, history) in batch.direct.histories() {
+            self.bodies[batch.bodies[slot as usize]].history = *history;
         }
         self.broken.append(&mut broken);
         self.scratch.slots = broken;
