@@ -179,7 +179,8 @@ impl Records<'_> {
         if self.solver != Solver::GaussSeidel {
             let contacts = ends.iter().map(|ends| [ends.a, ends.b]);
             direct.take(&mut joints.entries, self.joints, velocities, motions, contacts, |slot| {
-                self.bodies[bodies[slot as usize]].center
+                let body = &self.bodies[bodies[slot as usize]];
+                (body.center, body.history)
             });
         }
         joints.sort_by_color(coloring, motions);

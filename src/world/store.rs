@@ -7,6 +7,7 @@ use super::pairs::contact_pair;
 use crate::body::BodyKind;
 use crate::collide::sweep::{self, PathStart};
 use crate::report::{JointOverload, Moved};
+use crate::solve::direct::history::History;
 
 /// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
 const ROTATION_TOLERANCE: f32 = 1.0e-3;
@@ -64,6 +65,7 @@ impl World {
             body.linear_velocity = velocity.linear;
             body.angular_velocity = velocity.angular;
             let mut reach = 0.0_f32;
+            body.history = History::NONE;
             for &id in &body.shapes {
                 if let Ok(shape) = self.colliders.find(id) {
                     self.colliders[shape].follow(body);
@@ -72,6 +74,9 @@ impl World {
             }
             let is_calm = velocity.linear.length() + velocity.angular.length() * reach < calm_speed;
             body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
+        }
+        for (slot, history) in batch.direct.histories() {
+            self.bodies[batch.bodies[slot as usize]].history = *history;
         }
         self.broken.append(&mut broken);
         self.scratch.slots = broken;
