@@ -63,6 +63,60 @@ pub(crate) fn balance(points: &mut [LoadedPoint], demand: DVec3) {
     }
 }
 
+/// A point whose force may change, but not below a bound.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BoundedPoint {
+    column: DVec3,
+    /// Least change.
+    least: f64,
+    pub change: f64,
+    is_free: bool,
+}
+
+impl BoundedPoint {
+    pub(crate) fn new(column: DVec3, least: f64) -> Self {
+        Self { column, least, change: 0.0, is_free: true }
+    }
+}
+
+/// Sets the points' changes so that their columns add up to `demand`, as nearly as their bounds let them, of least norm.
+pub(crate) fn adjust(points: &mut [BoundedPoint], demand: DVec3) {
+    let mut left = demand;
+    for _ in 0..ACTIVE_SET_PASSES {
+        let mut matrix = DMat3::ZERO;
+        let (mut count, mut reach) = (0.0, 0.0);
+        for point in points.iter().filter(|point| point.is_free) {
+            let c = point.column;
+            matrix += DMat3::from_cols(c * c.x, c * c.y, c * c.z);
+            count += 1.0;
+            reach += c.y * c.y + c.z * c.z;
+        }
+        if count == 0.0 {
+            return;
+        }
+        let moment = MOMENT_REGULARISATION * reach.max(f64::MIN_POSITIVE);
+        matrix += DMat3::from_diagonal(DVec3::new(FORCE_REGULARISATION * count, moment, moment));
+        let multiplier = matrix.inverse() * left;
+        if !multiplier.is_finite() {
+            points.iter_mut().for_each(|point| point.change = 0.0);
+            return;
+        }
+        let mut is_bound = false;
+        for point in points.iter_mut().filter(|point| point.is_free) {
+            point.change = point.column.dot(multiplier);
+            if point.change < point.least {
+                point.change = point.least;
+                point.is_free = false;
+                left -= point.column * point.least;
+                is_bound = true;
+            }
+        }
+        if !is_bound {
+            return;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

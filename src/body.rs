@@ -169,6 +169,10 @@ pub(crate) struct Body {
     pub shapes: Vec<ShapeId>,
     pub joints: Vec<JointId>,
     pub sleep: SleepState,
+    /// Number of steps, at most 255, since it was made or put somewhere.
+    pub age: u8,
+    /// Number of steps, at most 255, for which nothing in its island has moved fast across gravity.
+    pub steady_for: u8,
     /// Number of steps for which it has been calm, at most 255.
     pub calm_for: u8,
     /// Whether it keeps its pose in this step because nothing could move it.
@@ -216,6 +220,8 @@ impl Body {
             shapes: Vec::new(),
             joints: Vec::new(),
             sleep: SleepState::Awake { quiet_for: 0.0 },
+            age: 0,
+            steady_for: u8::MAX,
             calm_for: 0,
             held: false,
             history: History::NONE,

@@ -5,6 +5,7 @@ use super::color::{Coloring, MAX_COLORS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
 use super::direct::Direct;
 use super::joint::BatchJoints;
+use super::load_pass::LoadPass;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 
 /// Slot that stands for a body of the world in this batch.
@@ -31,6 +32,8 @@ const ALONE: usize = 2 * MAX_COLORS;
 pub(crate) struct Batch {
     /// Body of each slot; the first is the world slot and has none.
     pub bodies: Vec<u32>,
+    /// First slot of each island.
+    pub islands: Vec<u32>,
     /// Manifolds as (pair, manifold of the pair), in the order they were added.
     pub manifolds: Vec<(u32, u32)>,
     /// Joints, by slot in the world's pool.
@@ -47,6 +50,7 @@ pub(crate) struct Batch {
     /// Kinematic bodies that have a slot here, sorted by body.
     replicas: Vec<Replica>,
     pub birth: Birth,
+    pub load_pass: LoadPass,
     pub coloring: Coloring,
     /// Colour of each manifold, twice, plus one if it has a single point.
     groups: Vec<u32>,
@@ -64,6 +68,7 @@ impl Batch {
     pub(crate) fn clear(&mut self) {
         self.bodies.clear();
         self.bodies.push(u32::MAX);
+        self.islands.clear();
         self.manifolds.clear();
         self.joint_slots.clear();
         self.velocities.clear();
@@ -78,6 +83,11 @@ impl Batch {
         self.color_count = 0;
         self.joint_gap = 0.0;
         self.penetration = 0.0;
+    }
+
+    /// Says that the bodies enlisted from here on are those of another island.
+    pub(crate) fn begin_island(&mut self) {
+        self.islands.push(self.bodies.len() as u32);
     }
 
     /// Gives a body the next slot; its state is loaded later, by [`load_bodies`](Self::load_bodies).

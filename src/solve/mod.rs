@@ -14,6 +14,7 @@ mod contact_kernels;
 pub(crate) mod direct;
 pub(crate) mod integrate;
 pub(crate) mod joint;
+pub(crate) mod load_pass;
 mod rotation;
 pub(crate) mod state;
 
@@ -46,11 +47,13 @@ impl Batch {
         let h = settings.dt / settings.substeps as f32;
         self.direct.step(joints, &mut self.velocities, &mut self.motions, settings);
         self.start_contacts(settings.gravity, h);
+        self.prepare_load_pass(settings.gravity, h);
         for _ in 0..settings.substeps {
             self.apply_forces(joints, h);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
             self.joints.warm_start(&mut self.velocities);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
+            self.pass_loads();
             for iteration in 0..settings.iterations {
                 if iteration > 0 && iteration + 1 == settings.iterations {
                     self.joints.keep_impulses();
@@ -83,6 +86,19 @@ impl Batch {
         let mut birth = std::mem::take(&mut self.birth);
         birth.start_contacts(self, gravity, h);
         self.birth = birth;
+    }
+
+    fn prepare_load_pass(&mut self, gravity: glam::Vec3, h: f32) {
+        let mut pass = std::mem::take(&mut self.load_pass);
+        pass.prepare(self, gravity, h);
+        self.load_pass = pass;
+    }
+
+    /// Hands what the substep has left unbalanced in stacks down to the ground.
+    fn pass_loads(&mut self) {
+        let mut pass = std::mem::take(&mut self.load_pass);
+        pass.apply(self);
+        self.load_pass = pass;
     }
 
     fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, h: f32) {

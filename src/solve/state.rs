@@ -98,6 +98,10 @@ pub(crate) struct BodyMotion {
     pub jointed: bool,
     /// Whether its articulation moves this body through the whole step.
     pub direct: bool,
+    /// Whether its island has not been thrown about of late.
+    pub steady: bool,
+    /// Whether it was made, or put where it is, a short while ago.
+    pub young: bool,
     /// Whether any row acts on this body.
     pub constrained: bool,
     /// Whether the world inertia was formed anew in this substep.
@@ -133,6 +137,8 @@ impl BodyMotion {
         kind: MotionKind::Fixed,
         jointed: false,
         direct: false,
+        steady: true,
+        young: false,
         constrained: false,
         refreshed: false,
     };
@@ -156,6 +162,12 @@ impl BodyMotion {
             free: self.free_rotation.as_dvec3(),
             round: self.kind == MotionKind::Round,
         }
+    }
+
+    /// Angular momentum at this angular velocity (kg·m²/s).
+    pub(crate) fn angular_momentum(&self, angular: Vec3) -> Vec3 {
+        let frame = self.rotation * self.inertia_frame;
+        frame * (self.inertia * (frame.conjugate() * angular))
     }
 
     pub(crate) fn is_dynamic(&self) -> bool {

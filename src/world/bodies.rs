@@ -65,6 +65,7 @@ impl World {
         let record = &mut self.bodies[index];
         record.set_pose(pose);
         record.target = None;
+        record.age = 0;
         if std::mem::take(&mut record.quarantined) {
             self.topology_changed();
         }

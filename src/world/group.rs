@@ -145,6 +145,7 @@ impl World {
                 filled = 0;
             }
             let batch = *batch_count - 1;
+            batches[batch].begin_island();
             for member in groups.starts[island]..groups.starts[island + 1] {
                 let body = groups.members[member as usize];
                 groups.place[body as usize] = (batch as u32, batches[batch].enlist(body));

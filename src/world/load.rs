@@ -105,6 +105,8 @@ impl Records<'_> {
                 BodyKind::Dynamic if round => MotionKind::Round,
                 BodyKind::Dynamic => MotionKind::Tumbling,
             },
+            steady: body.steady_for >= crate::solve::load_pass::STEADY_STEPS,
+            young: body.age < crate::solve::load_pass::YOUNG_STEPS,
             jointed: !body.joints.is_empty(),
             constrained: !body.joints.is_empty(),
             ..BodyMotion::FIXED

@@ -72,6 +72,8 @@ impl World {
                     reach = reach.max(self.colliders[shape].reach);
                 }
             }
+            body.age = body.age.saturating_add(1);
+            body.steady_for = if batch.load_pass.is_slow(slot) { body.steady_for.saturating_add(1) } else { 0 };
             let is_calm = velocity.linear.length() + velocity.angular.length() * reach < calm_speed;
             body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
         }

@@ -9,6 +9,7 @@ mod overlap;
 mod plane;
 mod reading;
 mod rigid;
+mod settling;
 mod solid;
 mod trajectory;
 
@@ -21,6 +22,7 @@ pub use overlap::Overlap;
 pub use plane::{HingePlane, PlaneMember, smallest_axis};
 pub use reading::Reading;
 pub use rigid::RigidDeviation;
+pub use settling::Settling;
 pub use solid::{Solid, overlap_depth};
 pub use trajectory::TrajectoryError;
 

@@ -84,18 +84,19 @@ impl Metric for Stood {
     }
 }
 
-/// `blocks_displaced`: how many of the first bodies lie more than half a metre from where they were after a number of steps.
+/// `blocks_displaced` and `blocks_moved`: how many of some bodies lie more than half a metre, and more than two centimetres, from
+/// where they were after a number of steps.
 pub struct Displaced {
     since: u32,
     bodies: Vec<usize>,
     before: Vec<DVec3>,
-    count: Option<usize>,
+    counts: Option<[usize; 2]>,
 }
 
 impl Displaced {
     /// Compares the end with the state after `since` steps.
     pub fn since(since: u32, bodies: Vec<usize>) -> Self {
-        Self { since, bodies, before: Vec::new(), count: None }
+        Self { since, bodies, before: Vec::new(), counts: None }
     }
 }
 
@@ -104,15 +105,16 @@ impl Metric for Displaced {
         if view.step == self.since {
             self.before = self.bodies.iter().map(|&body| view.center(body)).collect();
         } else if view.step > self.since && view.at_end() {
-            let stayed = |body: usize, before: DVec3| view.center(body).distance(before) <= 0.5;
-            let present = self.bodies.iter().zip(&self.before).filter(|(body, _)| view.alive[**body]);
-            self.count = Some(present.filter(|(body, before)| !stayed(**body, **before)).count());
+            let present = || self.bodies.iter().zip(&self.before).filter(|(body, _)| view.alive[**body]);
+            let farther =
+                |reach: f64| present().filter(|&(&body, before)| !(view.center(body).distance(*before) <= reach)).count();
+            self.counts = Some([farther(0.5), farther(0.02)]);
         }
     }
 
     fn report(&self, errors: &mut Errors) {
-        if let Some(count) = self.count {
-            errors.push(("blocks_displaced", count as f64));
+        if let Some([displaced, moved]) = self.counts {
+            errors.extend([("blocks_displaced", displaced as f64), ("blocks_moved", moved as f64)]);
         }
     }
 }
