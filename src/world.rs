@@ -24,6 +24,7 @@ mod forces;
 mod group;
 mod joints;
 mod load;
+mod long_range;
 mod pairs;
 mod read;
 mod shapes;
@@ -44,6 +45,7 @@ pub struct World {
     movers_sorted: bool,
     sleeping: SleepingIslands,
 
+    long_range: long_range::LongRange,
     groups: group::Groups,
     batches: Vec<Batch>,
     batch_count: usize,
@@ -97,6 +99,7 @@ impl World {
             movers: Vec::new(),
             movers_sorted: true,
             sleeping: SleepingIslands::default(),
+            long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
             batches: Vec::new(),
             batch_count: 0,
@@ -128,6 +131,8 @@ impl World {
         self.report.timings.narrow_phase = clock.lap();
         self.wake_what_is_touched();
         self.group_islands();
+        self.derive_long_range();
+        self.hand_out_bounds();
         self.report.timings.islands = clock.lap();
         self.solve_batches(dt);
         self.report.timings.solve = clock.lap();

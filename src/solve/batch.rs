@@ -1,6 +1,7 @@
 //! One batch of islands: slots for its bodies, blocks for its contacts, entries for its joints.
 
 use super::birth::Birth;
+use super::bound::BatchBounds;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
 use super::joint::BatchJoints;
@@ -38,6 +39,9 @@ pub(crate) struct Batch {
     pub motions: Vec<BodyMotion>,
     pub contacts: Vec<ContactBlock>,
     pub joints: BatchJoints,
+    /// Long-range bounds, by slot in the world's list and as rows.
+    pub bound_slots: Vec<u32>,
+    pub bounds: BatchBounds,
     /// Slots of each manifold's bodies, and its number of points.
     pub ends: Vec<ManifoldEnds>,
     /// Block and lane of each manifold.
@@ -70,6 +74,8 @@ impl Batch {
         self.motions.push(BodyMotion::FIXED);
         self.contacts.clear();
         self.joints.clear();
+        self.bound_slots.clear();
+        self.bounds.clear();
         self.lanes.clear();
         self.replicas.clear();
         self.color_count = 0;

@@ -8,6 +8,7 @@
 
 pub(crate) mod batch;
 mod birth;
+pub(crate) mod bound;
 mod color;
 pub(crate) mod contact;
 mod contact_kernels;
@@ -46,24 +47,33 @@ impl Batch {
         for _ in 0..settings.substeps {
             self.apply_forces(h);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
+            self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, false);
             self.joints.warm_start(&mut self.velocities);
+            self.bounds.warm_start(&mut self.velocities);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
             for iteration in 0..settings.iterations {
                 if iteration > 0 && iteration + 1 == settings.iterations {
                     self.joints.keep_impulses();
                     self.joints.prepare(joints, &self.velocities, &self.motions, h);
+                    self.bounds.keep_impulses();
+                    self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, true);
                 }
                 if iteration % 2 == 0 {
+                    self.bounds.sweep(&mut self.velocities, false);
                     self.joints.sweep(&mut self.velocities, false);
                     contact_kernels::sweep(&mut self.contacts, &mut self.velocities, false);
                 } else {
                     contact_kernels::sweep(&mut self.contacts, &mut self.velocities, true);
                     self.joints.sweep(&mut self.velocities, true);
+                    self.bounds.sweep(&mut self.velocities, true);
                 }
             }
             self.joints.keep_impulses();
             self.joints.add_loads();
+            self.bounds.keep_impulses();
+            self.bounds.add_loads();
             self.advance(h);
+            self.bounds.project(&self.velocities, &mut self.motions, h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
         }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);

@@ -25,6 +25,7 @@ impl World {
         }
         let joint = Joint { def, bodies, impulses: JointImpulses::ZERO, force: Vec3::ZERO, torque: Vec3::ZERO };
         let (_, id) = self.joints.insert(joint)?;
+        self.long_range.graph_changed();
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.push(id);
             self.wake_body(index);
@@ -43,6 +44,7 @@ impl World {
         let slot = self.joints.find_to_destroy(joint)?;
         let bodies = self.joints[slot].bodies;
         self.joints.remove(slot);
+        self.long_range.graph_changed();
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.retain(|&other| other != joint);
             self.wake_body(index);
@@ -136,6 +138,7 @@ impl World {
 
     fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
         edit(&mut self.joints[slot].def);
+        self.long_range.graph_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {
             self.wake_body(index);
         }

@@ -4,13 +4,16 @@ use glam::{DVec3, Quat, Vec3};
 use rayon::prelude::*;
 
 use super::World;
+use super::long_range::BoundRecord;
 use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::{PairCache, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::{Joint, JointImpulses};
 use crate::solve::StepSettings;
+use crate::long_range::LongRangeDef;
 use crate::solve::batch::{Batch, ManifoldEnds};
+use crate::solve::bound::BoundEntry;
 use crate::solve::contact::{ContactImpulses, ContactInput};
 use crate::solve::joint::JointEntry;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
@@ -24,6 +27,8 @@ struct Records<'a> {
     colliders: &'a Pool<Collider, ShapeId>,
     pairs: &'a PairCache,
     joints: &'a Pool<Joint, JointId>,
+    bounds: &'a [BoundRecord],
+    long_range: &'a LongRangeDef,
     place: &'a [(u32, u32)],
     gravity: Vec3,
     /// Gap that gravity closes within a substep (m).
@@ -48,6 +53,8 @@ impl World {
             colliders: &self.colliders,
             pairs: &self.pairs,
             joints: &self.joints,
+            bounds: &self.long_range.records,
+            long_range: &self.def.long_range,
             place: &self.groups.place,
             gravity: self.def.gravity,
             reach: self.def.gravity.length() * substep * substep,
@@ -72,6 +79,7 @@ impl Records<'_> {
         batch.load_bodies(|index| self.body_state(index));
         self.fill_contacts(batch);
         self.fill_joints(batch);
+        self.fill_bounds(batch);
     }
 
     fn body_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
@@ -172,6 +180,30 @@ impl Records<'_> {
         }
         let Batch { joints, coloring, motions, .. } = batch;
         joints.sort_by_color(coloring, motions);
+    }
+
+    fn fill_bounds(&self, batch: &mut Batch) {
+        for number in 0..batch.bound_slots.len() {
+            let slot = batch.bound_slots[number];
+            let record = &self.bounds[slot as usize];
+            let [near, far] =
+                record.ends.map(|(joint, side)| self.joint_end(batch, &self.joints[joint], side as usize));
+            let [upper_give, lower_give] = World::bound_give(self.long_range, record.bound.kind);
+            batch.bounds.entries.push(BoundEntry {
+                bound: slot,
+                near: near.slot,
+                far: far.slot,
+                offset: (far.origin - near.origin).as_vec3(),
+                local_lever: [near.lever, far.lever],
+                upper: record.bound.upper,
+                lower: record.bound.lower,
+                upper_give,
+                lower_give,
+                impulses: record.impulses.map(|impulse| impulse * self.impulse_scale),
+                far_sum: Vec3::ZERO,
+                acted: false,
+            });
+        }
     }
 
     fn joint_end(&self, batch: &mut Batch, joint: &Joint, side: usize) -> JointEnd {

@@ -15,7 +15,7 @@ mod geometry;
 mod hinge;
 mod kinds;
 mod prismatic;
-mod rows;
+pub(super) mod rows;
 mod spherical;
 
 use geometry::{JointGeometry, Placement, Side};
@@ -29,7 +29,7 @@ use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind};
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
-const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
+pub(super) const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
 
 /// Passes over the rows of a joint that has scalar ones: they are solved one by one, and see each other only so.
 const SCALAR_PASSES: usize = 3;
@@ -117,7 +117,8 @@ pub(crate) struct BatchJoints {
     pub entries: Vec<JointEntry>,
     rows: Vec<JointRows>,
     scalars: Vec<ScalarRow>,
-    predicted: Vec<(Vec3, Quat)>,
+    /// Displacement and rotation of each jointed body at the end of the substep, as predicted when rows were last built.
+    pub predicted: Vec<(Vec3, Quat)>,
     keys: Vec<(u32, u32)>,
     sorted: Vec<JointEntry>,
 }
@@ -351,7 +352,7 @@ impl JointEntry {
 }
 
 /// How readily a transverse force at `lever` turns a body, over the lever's length: |r| tr(I⁻¹ across r) (1/(kg·m)).
-fn turning_ease(body: &BodyVelocity, lever: Vec3) -> f32 {
+pub(super) fn turning_ease(body: &BodyVelocity, lever: Vec3) -> f32 {
     let length = lever.length();
     if length == 0.0 {
         return 0.0;
