@@ -4,7 +4,9 @@ use longspan::glam::DVec3;
 
 use crate::params::{Params, SceneError};
 use crate::scene::Scene;
-use crate::{chain, closed_form, free, friction, idle, impact, masonry, pile, stack, stress, violent};
+use crate::{
+    bridge, cable_car, chain, closed_form, free, friction, hinge_loop, idle, impact, masonry, pile, stack, stress, violent,
+};
 
 /// A scene that can be built.
 pub struct Entry {
@@ -19,6 +21,9 @@ pub struct Entry {
 pub const CATALOGUE: &[Entry] = &[
     entry("hanging_chain", "a heavy box at the end of a chain of light links", chain::hanging_chain),
     entry("swinging_weight", "the same chain let go horizontally, against its exact motion", chain::swinging_weight),
+    entry("rope_bridge", "a bridge of planks on ropes, with rails, at rest or walked over", bridge::rope_bridge),
+    entry("cable_car", "a cable over two drums with two or three cars", cable_car::cable_car),
+    entry("hinge_loop", "a free closed loop of parallel hinges, struck sideways", hinge_loop::hinge_loop),
     entry("heavy_on_light", "nine boxes of 100 kg carry a tenth that is far heavier", stack::heavy_on_light),
     entry("tower", "a ring-shaped tower of stone blocks stands, then is hit", stack::tower),
     entry("column", "equal boxes on one another for a minute", stack::column),

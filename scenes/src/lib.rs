@@ -12,12 +12,16 @@
 //! assert_eq!(measurement.steps, 6);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod assemble;
+mod bridge;
+mod cable_car;
 mod catalogue;
 mod chain;
 mod closed_form;
 mod engine;
 mod free;
 mod friction;
+mod hinge_loop;
 mod idle;
 mod impact;
 mod longspan_engine;

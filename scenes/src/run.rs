@@ -208,6 +208,11 @@ impl Stage {
             }
             Action::SetLinearVelocity(body, velocity) => engine.set_linear_velocity(*body, *velocity),
             Action::Push(body, impulse) => engine.apply_impulse(*body, *impulse),
+            &Action::PushTo { body, along, speed, most } => {
+                let longspan::Mass::Properties(mass) = self.bodies[body].mass else { return Ok(()) };
+                let missing = mass.mass * (speed - engine.linear_velocity(body).dot(along));
+                engine.apply_impulse(body, along * missing.clamp(-most * self.dt, most * self.dt));
+            }
             Action::SetStep(dt) => self.dt = *dt,
             Action::SetGravity(gravity) => {
                 if !engine.set_gravity(*gravity) {

@@ -68,6 +68,17 @@ pub enum Action {
     SetLinearVelocity(usize, Vec3),
     /// Applies an impulse at a body's centre of mass (N·s).
     Push(usize, Vec3),
+    /// Pushes a body towards a speed (m/s) along a unit vector, with the impulse that takes within a step up to a force (N).
+    PushTo {
+        /// The body.
+        body: usize,
+        /// Direction, unit.
+        along: Vec3,
+        /// Speed to reach (m/s).
+        speed: f32,
+        /// Greatest force (N).
+        most: f32,
+    },
     /// Changes the step size (s).
     SetStep(f32),
     /// Changes gravity (m/s²).

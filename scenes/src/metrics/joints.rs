@@ -72,12 +72,13 @@ impl Metric for JointGap {
     }
 }
 
-/// `stretch_pct`: length of the path through a series of joints, gaps included, over its rest length, the worst of the last steps.
+/// `stretch_pct`: length of the path through a series of joints, gaps included, over its rest length, the worst of the last steps
+/// and of all paths.
 ///
 /// Inside a rigid body the path keeps its length, so what it gains is the sum of the gaps.
 pub struct Stretch {
-    joints: Vec<usize>,
-    rest_length: f64,
+    /// Joints of each path and its length at rest (m).
+    paths: Vec<(Vec<usize>, f64)>,
     last: u32,
     worst: Worst,
 }
@@ -85,15 +86,22 @@ pub struct Stretch {
 impl Stretch {
     /// The path through `joints`, of `rest_length` (m), over the last `last` steps.
     pub fn new(joints: Vec<usize>, rest_length: f64, last: u32) -> Self {
-        Self { joints, rest_length, last, worst: Worst::ZERO }
+        Self::worst_of(vec![(joints, rest_length)], last)
+    }
+
+    /// Several paths, each its joints and its length at rest (m), over the last `last` steps.
+    pub fn worst_of(paths: Vec<(Vec<usize>, f64)>, last: u32) -> Self {
+        Self { paths, last, worst: Worst::ZERO }
     }
 }
 
 impl Metric for Stretch {
     fn observe(&mut self, view: &View) {
         if view.step > 0 && view.in_last(self.last) {
-            let gained: f64 = self.joints.iter().map(|&joint| gap_of(&view.joints[joint], view.engine)).sum();
-            self.worst.note(100.0 * gained / self.rest_length);
+            for (joints, rest_length) in &self.paths {
+                let gained: f64 = joints.iter().map(|&joint| gap_of(&view.joints[joint], view.engine)).sum();
+                self.worst.note(100.0 * gained / rest_length);
+            }
         }
     }
 

@@ -6,6 +6,8 @@ mod hinge;
 mod joints;
 mod motion;
 mod overlap;
+mod plane;
+mod reading;
 mod solid;
 mod trajectory;
 
@@ -15,6 +17,8 @@ pub use hinge::{HingeError, HingeOvershoot, hinge_angle};
 pub use joints::{JointGap, LoadError, Stretch, gap_of};
 pub use motion::{Awake, Displaced, EndSpeeds, Escaped, LockedDrift, Moved, NotFinite, PeakSpeed, PoseSpeed, Stood};
 pub use overlap::Overlap;
+pub use plane::{HingePlane, PlaneMember, smallest_axis};
+pub use reading::Reading;
 pub use solid::{Solid, overlap_depth};
 pub use trajectory::TrajectoryError;
 
