@@ -42,6 +42,7 @@ pub(crate) struct Batch {
     /// Long-range bounds, by slot in the world's list and as rows.
     pub bound_slots: Vec<u32>,
     pub bounds: BatchBounds,
+    pub taut: super::taut::TautRows,
     /// Slots of each manifold's bodies, and its number of points.
     pub ends: Vec<ManifoldEnds>,
     /// Block and lane of each manifold.
@@ -76,6 +77,7 @@ impl Batch {
         self.joints.clear();
         self.bound_slots.clear();
         self.bounds.clear();
+        self.taut.clear();
         self.lanes.clear();
         self.replicas.clear();
         self.color_count = 0;

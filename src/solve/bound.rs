@@ -41,7 +41,8 @@ pub(crate) struct BoundEntry {
     pub impulses: [f32; 2],
     /// Sum over the substeps of the impulses on the far body (N·s).
     pub far_sum: Vec3,
-    /// Whether it had a row in any substep.
+    /// Whether its upper row is there in this substep, and whether any was in any.
+    pub taut: bool,
     pub acted: bool,
 }
 
@@ -94,6 +95,7 @@ impl BatchBounds {
             let holds = |side: usize| applied && entry.impulses[side] > 0.0;
             let upper_slack = length < ready * ready && !holds(UPPER);
             let lower_slack = (entry.lower <= 0.0 || length > entry.lower * entry.lower) && !holds(LOWER);
+            entry.taut = !upper_slack;
             if upper_slack && lower_slack {
                 entry.impulses = [0.0; 2];
                 continue;

@@ -15,6 +15,7 @@ mod contact_kernels;
 pub(crate) mod integrate;
 pub(crate) mod joint;
 pub(crate) mod state;
+pub(crate) mod taut;
 
 use batch::Batch;
 use contact::POINTS;
@@ -48,6 +49,7 @@ impl Batch {
             self.apply_forces(h);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
             self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, false);
+            self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.predicted, h);
             self.joints.warm_start(&mut self.velocities);
             self.bounds.warm_start(&mut self.velocities);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
@@ -57,14 +59,17 @@ impl Batch {
                     self.joints.prepare(joints, &self.velocities, &self.motions, h);
                     self.bounds.keep_impulses();
                     self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, true);
+                    self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.predicted, h);
                 }
                 if iteration % 2 == 0 {
                     self.bounds.sweep(&mut self.velocities, false);
+                    self.taut.sweep(&mut self.velocities, false);
                     self.joints.sweep(&mut self.velocities, false);
                     contact_kernels::sweep(&mut self.contacts, &mut self.velocities, false);
                 } else {
                     contact_kernels::sweep(&mut self.contacts, &mut self.velocities, true);
                     self.joints.sweep(&mut self.velocities, true);
+                    self.taut.sweep(&mut self.velocities, true);
                     self.bounds.sweep(&mut self.velocities, true);
                 }
             }
@@ -72,8 +77,10 @@ impl Batch {
             self.joints.add_loads();
             self.bounds.keep_impulses();
             self.bounds.add_loads();
+            self.taut.add_loads();
             self.advance(h);
             self.bounds.project(&self.velocities, &mut self.motions, h);
+            self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
         }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);

@@ -61,6 +61,18 @@ pub(crate) struct Bound {
     pub lower: f32,
     /// Where its load goes.
     pub path: NodeId,
+    /// Its joints in between, as a range of [`Derived::inner`].
+    pub inner: (u32, u32),
+}
+
+/// A joint on the path of a bound, and how far along segments it is from both ends (m).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct InnerJoint {
+    pub end: JointSide,
+    pub before: f32,
+    pub after: f32,
+    /// Where its load goes.
+    pub path: NodeId,
 }
 
 /// What is derived, and how far.
@@ -74,6 +86,8 @@ pub(crate) struct Choice {
 pub(crate) struct Derived {
     pub graph: Graph,
     pub bounds: Vec<Bound>,
+    /// Joints on the paths of bounds.
+    pub inner: Vec<InnerJoint>,
     pub paths: LoadPaths,
 }
 
@@ -81,10 +95,11 @@ impl Derived {
     /// Derives all bounds anew; `graph` holds the joints as they are.
     pub(crate) fn rebuild(&mut self, choice: Choice) {
         self.bounds.clear();
+        self.inner.clear();
         self.paths.clear();
         self.graph.connect();
         if choice.attachment {
-            attachment::derive(&self.graph, &mut self.paths, &mut self.bounds);
+            attachment::derive(self);
         }
     }
 }

@@ -17,6 +17,8 @@ use crate::solve::bound::BoundEntry;
 use crate::solve::contact::{ContactImpulses, ContactInput};
 use crate::solve::joint::JointEntry;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
+use crate::solve::taut::TautEntry;
+use crate::span::Derived;
 
 /// Relative difference of principal moments below which a body is taken as round.
 const ROUND: f32 = 1.0e-5;
@@ -29,6 +31,7 @@ struct Records<'a> {
     joints: &'a Pool<Joint, JointId>,
     bounds: &'a [BoundRecord],
     long_range: &'a LongRangeDef,
+    span: &'a Derived,
     place: &'a [(u32, u32)],
     gravity: Vec3,
     /// Gap that gravity closes within a substep (m).
@@ -55,6 +58,7 @@ impl World {
             joints: &self.joints,
             bounds: &self.long_range.records,
             long_range: &self.def.long_range,
+            span: &self.long_range.derived,
             place: &self.groups.place,
             gravity: self.def.gravity,
             reach: self.def.gravity.length() * substep * substep,
@@ -189,6 +193,23 @@ impl Records<'_> {
             let [near, far] =
                 record.ends.map(|(joint, side)| self.joint_end(batch, &self.joints[joint], side as usize));
             let [upper_give, lower_give] = World::bound_give(self.long_range, record.bound.kind);
+            let number = batch.bounds.entries.len() as u32;
+            for inner in record.bound.inner.0..record.bound.inner.1 {
+                let at = &self.span.inner[inner as usize];
+                let joint = &self.joints[self.span.graph.links[at.end.link as usize].joint];
+                let own = self.joint_end(batch, joint, at.end.side as usize);
+                batch.taut.entries.push(TautEntry {
+                    inner,
+                    bound: number,
+                    slot: own.slot,
+                    offset: (own.origin - near.origin).as_vec3(),
+                    local_lever: own.lever,
+                    before: at.before,
+                    after: at.after,
+                    own_sum: Vec3::ZERO,
+                    far_sum: Vec3::ZERO,
+                });
+            }
             batch.bounds.entries.push(BoundEntry {
                 bound: slot,
                 near: near.slot,
@@ -201,6 +222,7 @@ impl Records<'_> {
                 lower_give,
                 impulses: record.impulses.map(|impulse| impulse * self.impulse_scale),
                 far_sum: Vec3::ZERO,
+                taut: false,
                 acted: false,
             });
         }

@@ -33,7 +33,7 @@ impl BoundRecord {
 pub(super) struct LongRange {
     /// Whether joints, limits, joint frames or masses have changed since bounds were derived.
     stale: bool,
-    derived: Derived,
+    pub derived: Derived,
     pub records: Vec<BoundRecord>,
     previous: Vec<BoundRecord>,
     /// Bounds by the slot of their far body, as ranges in `of_body`.
@@ -119,6 +119,16 @@ impl World {
                 } else {
                     record.impulses = [0.0; 2];
                     record.far_force = Vec3::ZERO;
+                }
+            }
+        }
+        for batch in &batches[..*batch_count] {
+            for entry in batch.taut.entries.iter().filter(|entry| entry.own_sum != Vec3::ZERO) {
+                let (own, far) = (entry.own_sum / dt, entry.far_sum / dt);
+                if own.is_finite() && far.is_finite() {
+                    let bound = batch.bounds.entries[entry.bound as usize].bound;
+                    derived.paths.load(derived.inner[entry.inner as usize].path, own);
+                    derived.paths.load(records[bound as usize].bound.path, far);
                 }
             }
         }

@@ -129,7 +129,7 @@ pub(crate) enum Held {
 }
 
 impl Held {
-    fn project(self, v: Vec3) -> Vec3 {
+    pub(crate) fn project(self, v: Vec3) -> Vec3 {
         match self {
             Self::All => v,
             Self::Across(axis) => v - axis * axis.dot(v),
@@ -137,7 +137,7 @@ impl Held {
     }
 
     /// Inverse of `k` on the held directions.
-    fn inverse(self, k: Mat3) -> Mat3 {
+    pub(crate) fn inverse(self, k: Mat3) -> Mat3 {
         match self {
             Self::All => inverse_or_zero(k),
             Self::Across(axis) => {
