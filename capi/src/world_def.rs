@@ -101,6 +101,7 @@ impl TryFrom<LsWorldDef> for WorldDef {
             restitution_threshold: def.restitution_threshold,
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
+            ..Self::default()
         })
     }
 }
