@@ -162,6 +162,9 @@ static void shapes_and_joints(LsWorld world, LsWorld other)
     def.body_b = def.body_a;
     expect(LS_ERROR_NOT_APPLICABLE, ls_joint_create(world, &def, &any_joint), "joint of a body to itself");
 
+    expect(LS_ERROR_NULL_ARGUMENT, ls_joint_frames_set(world, joint, NULL, NULL), "frames of a joint are NULL");
+    expect(LS_ERROR_NULL_HANDLE, ls_joint_user_word_set(world, no_joint, 1), "word of a null joint");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_joint_user_word_get(world, joint, NULL), "word of a joint to NULL");
     expect(LS_OK, ls_joint_destroy(world, joint), "destroy joint");
     expect(LS_ERROR_STALE_HANDLE, ls_joint_break_set(world, joint, 1.0f, 1.0f), "stale joint");
     expect(LS_ERROR_ALREADY_DESTROYED, ls_joint_destroy(world, joint), "joint destroyed twice");
@@ -207,6 +210,10 @@ static void numbers(LsWorld world)
     expect(LS_ERROR_NOT_APPLICABLE, ls_body_move_to(world, body, &pose), "target for a dynamic body");
     expect(LS_ERROR_INVALID_ENUM, ls_body_locked_axes_set(world, body, 64), "unknown locked axis");
     expect(LS_ERROR_OUT_OF_RANGE, ls_body_damping_set(world, body, -1.0f, 0.0f), "damping is negative");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_body_damping_get(world, body, vector, NULL), "damping to NULL");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_effort_set(world, 4, 257), "too many sweeps");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_sleep_settings_set(world, NULL), "sleep settings are NULL");
+    expect(LS_ERROR_NOT_FINITE, ls_world_restitution_threshold_set(world, (float)NAN), "restitution threshold is NaN");
     expect(LS_ERROR_OUT_OF_RANGE, ls_world_step(world, 0.0f), "step of no time");
     expect(LS_ERROR_OUT_OF_RANGE, ls_world_step(world, -0.01f), "step backwards");
     expect(LS_ERROR_NOT_FINITE, ls_world_step(world, (float)NAN), "step of NaN");
@@ -283,6 +290,56 @@ static void shape_definitions(LsWorld world)
     def.material.friction_rule = 5;
     expect(LS_ERROR_INVALID_ENUM, ls_shape_attach(world, body, &def, &shape), "unknown combine rule");
     expect(LS_OK, shape.id == 0 ? LS_OK : LS_ERROR_OTHER, "no shape was made");
+    expect(LS_ERROR_NULL_HANDLE, ls_shape_def_set(world, shape, &part), "definition for a null shape");
+    shape = attach_ball(world, heavy);
+    expect(LS_ERROR_NOT_UNIT, ls_shape_def_set(world, shape, &part), "new definition without a rotation");
+    expect(LS_ERROR_NOT_APPLICABLE, ls_shape_part_get(world, shape, 0, &part, sizeof part), "part of a ball");
+    ls_shape_def_init(&part, sizeof part);
+    part.kind = LS_SHAPE_HALF_SPACE;
+    expect(LS_ERROR_NOT_APPLICABLE, ls_shape_def_set(world, shape, &part), "a dynamic body's ball becomes a half-space");
+    expect(LS_ERROR_STRUCT_SIZE, ls_shape_def_get(world, shape, &part, 1), "definition of a shape to one byte");
+}
+
+static void queries(LsWorld world)
+{
+    LsRay ray = {{0, 0, 0}, {1, 0, 0}, 1};
+    LsQueryFilter filter;
+    LsRayHit hit;
+    LsShapeDef shape;
+    LsPose pose = {{0, 0, 0}, {0, 0, 0, 1}};
+    LsNearestPoint nearest;
+    const double corners[6] = {1, 1, 1, 0, 0, 0};
+    float path[3] = {1, 0, 0};
+    size_t count;
+
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast_ray(world, NULL, NULL, &hit), "ray is NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast_ray(world, &ray, NULL, NULL), "hit to NULL");
+    ray.direction[0] = 2.0f;
+    expect(LS_ERROR_NOT_UNIT, ls_world_cast_ray(world, &ray, NULL, &hit), "direction of a ray is not a unit vector");
+    ray.direction[0] = 1.0f;
+    ray.length = -1.0f;
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_cast_rays(world, &ray, 1, NULL, &hit), "ray of negative length");
+    ray.length = (float)NAN;
+    expect(LS_ERROR_NOT_FINITE, ls_world_cast_ray_all(world, &ray, NULL, NULL, 0, &count), "ray of no known length");
+    ray.length = 1.0f;
+    memset(&filter, 0, sizeof filter);
+    expect(LS_ERROR_STRUCT_SIZE, ls_world_cast_ray(world, &ray, &filter, &hit), "filter filled with zeros");
+    ls_query_filter_init(&filter, sizeof filter);
+    filter.kinds = 8;
+    expect(LS_ERROR_INVALID_ENUM, ls_world_cast_ray(world, &ray, &filter, &hit), "unknown kind of body in a filter");
+    filter.kinds = LS_QUERY_STATIC;
+    filter.ignored_count = 2;
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast_ray(world, &ray, &filter, &hit), "two ignored bodies at NULL");
+    ls_shape_def_init(&shape, sizeof shape);
+    shape.kind = LS_SHAPE_HALF_SPACE;
+    expect(LS_ERROR_NOT_APPLICABLE, ls_world_cast_shape(world, &shape, &pose, path, NULL, &hit), "sweep of a half-space");
+    shape.kind = LS_SHAPE_BALL;
+    path[0] = 1.0e8f;
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_cast_shape(world, &shape, &pose, path, NULL, &hit), "sweep too long");
+    pose.rotation[3] = 0.0f;
+    expect(LS_ERROR_NOT_UNIT, ls_world_overlap_shape(world, &shape, &pose, NULL, NULL, 0, &count), "overlap without a rotation");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_overlap_box(world, corners, corners + 3, NULL, NULL, 0, &count), "box inside out");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_nearest_point(world, corners, -1.0f, NULL, &nearest), "negative distance");
 }
 
 static void sizes(LsWorld world)
@@ -358,6 +415,7 @@ int main(void)
     shapes_and_joints(world, other);
     numbers(world);
     shape_definitions(world);
+    queries(world);
     sizes(world);
     callbacks();
     expect(LS_OK, ls_world_step(world, 1.0f / 60.0f), "after all that the world still steps");

@@ -38,6 +38,7 @@ mod long_range;
 mod mass;
 mod material;
 mod pose;
+mod query;
 mod report;
 mod settings;
 mod shape;
@@ -55,6 +56,7 @@ pub use long_range::{BoundKind, BoundKindDef, BoundState, LongRangeDef, MAX_LEVE
 pub use mass::{MASS_RANGE, Mass, MassProperties};
 pub use material::{CombineRule, Material};
 pub use pose::Pose;
+pub use query::{MAX_QUERY_LENGTH, NearestPoint, QueryFilter, Ray, RayHit};
 pub use report::{Contact, ContactPair, ContactPoint, JointOverload, Moved, Residuals, StepCounts, StepReport, StepTimings};
 pub use settings::{MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};

@@ -26,7 +26,9 @@ mod joints;
 mod load;
 mod long_range;
 mod pairs;
+mod query;
 mod read;
+mod redefine;
 mod shapes;
 mod sleep;
 mod store;
@@ -39,6 +41,7 @@ pub struct World {
     joints: Pool<Joint, JointId>,
 
     broad: BroadPhase,
+    escaped: query::Escaped,
     pairs: PairCache,
     /// Bodies that a step may move, sorted by slot.
     movers: Vec<u32>,
@@ -95,6 +98,7 @@ impl World {
             colliders: Pool::new(&tag),
             joints: Pool::new(&tag),
             broad: BroadPhase::default(),
+            escaped: query::Escaped::default(),
             pairs: PairCache::default(),
             movers: Vec::new(),
             movers_sorted: true,
@@ -148,6 +152,7 @@ impl World {
 
     fn begin_step(&mut self, dt: f32) {
         self.events.begin_step();
+        self.forget_escaped();
         let (step, time) = (self.report.step + 1, self.report.time + f64::from(dt));
         self.report = StepReport { step, time, ..StepReport::default() };
         self.drive_kinematic_bodies(dt);

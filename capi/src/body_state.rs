@@ -42,6 +42,26 @@ pub unsafe extern "C" fn ls_body_mass_set(world: LsWorld, body: LsBody, mass: *c
     })
 }
 
+/// Rates at which velocities decay.
+///
+/// @param world    the world; any value is safe
+/// @param body     a body of that world; any value is safe
+/// @param linear   rate for the linear velocity (1/s), filled on LS_OK
+/// @param angular  rate for the angular velocity (1/s), filled on LS_OK
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_body_damping_get(world: LsWorld, body: LsBody, linear: *mut f32, angular: *mut f32) -> LsResult {
+    call("ls_body_damping_get", || {
+        let (linear, angular) = (host!(Out::new, linear), host!(Out::new, angular));
+        read(world, |world| {
+            let rates = world.damping(body.into())?;
+            linear.write(rates.0)?;
+            angular.write(rates.1)
+        })
+    })
+}
+
 /// Sets the rates at which velocities decay.
 ///
 /// @param world    the world; any value is safe
@@ -55,6 +75,21 @@ pub extern "C" fn ls_body_damping_set(world: LsWorld, body: LsBody, linear: f32,
     call("ls_body_damping_set", || edit(world, |world| world.set_damping(body.into(), linear, angular)))
 }
 
+/// Factor on the world's gravity.
+///
+/// @param world  the world; any value is safe
+/// @param body   a body of that world; any value is safe
+/// @param out    filled on LS_OK
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_body_gravity_scale_get(world: LsWorld, body: LsBody, out: *mut f32) -> LsResult {
+    call("ls_body_gravity_scale_get", || {
+        let out = host!(Out::new, out);
+        read(world, |world| out.write(world.gravity_scale(body.into())?))
+    })
+}
+
 /// Sets the factor on the world's gravity.
 ///
 /// @param world  the world; any value is safe
@@ -65,6 +100,21 @@ pub extern "C" fn ls_body_damping_set(world: LsWorld, body: LsBody, linear: f32,
 #[unsafe(no_mangle)]
 pub extern "C" fn ls_body_gravity_scale_set(world: LsWorld, body: LsBody, scale: f32) -> LsResult {
     call("ls_body_gravity_scale_set", || edit(world, |world| world.set_gravity_scale(body.into(), scale)))
+}
+
+/// Degrees of freedom taken away.
+///
+/// @param world  the world; any value is safe
+/// @param body   a body of that world; any value is safe
+/// @param out    bit set of LS_LOCK_ constants, filled on LS_OK
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_body_locked_axes_get(world: LsWorld, body: LsBody, out: *mut u32) -> LsResult {
+    call("ls_body_locked_axes_get", || {
+        let out = host!(Out::new, out);
+        read(world, |world| out.write(enums::from_locked_axes(world.locked_axes(body.into())?)))
+    })
 }
 
 /// Sets which degrees of freedom are taken away.
@@ -82,6 +132,21 @@ pub extern "C" fn ls_body_locked_axes_set(world: LsWorld, body: LsBody, axes: u3
     })
 }
 
+/// Whether a body is swept through the step.
+///
+/// @param world  the world; any value is safe
+/// @param body   a body of that world; any value is safe
+/// @param out    1 if it is, else 0; filled on LS_OK
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_body_fast_get(world: LsWorld, body: LsBody, out: *mut u32) -> LsResult {
+    call("ls_body_fast_get", || {
+        let out = host!(Out::new, out);
+        read(world, |world| out.write(world.is_fast(body.into())?.into()))
+    })
+}
+
 /// Sets whether a body is swept through the step, so that it cannot tunnel through anything thin.
 ///
 /// @param world  the world; any value is safe
@@ -92,6 +157,21 @@ pub extern "C" fn ls_body_locked_axes_set(world: LsWorld, body: LsBody, axes: u3
 #[unsafe(no_mangle)]
 pub extern "C" fn ls_body_fast_set(world: LsWorld, body: LsBody, fast: u32) -> LsResult {
     call("ls_body_fast_set", || edit(world, |world| world.set_fast(body.into(), fast != 0)))
+}
+
+/// Whether a body may fall asleep.
+///
+/// @param world  the world; any value is safe
+/// @param body   a body of that world; any value is safe
+/// @param out    1 if it may, else 0; filled on LS_OK
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_body_can_sleep_get(world: LsWorld, body: LsBody, out: *mut u32) -> LsResult {
+    call("ls_body_can_sleep_get", || {
+        let out = host!(Out::new, out);
+        read(world, |world| out.write(world.can_sleep(body.into())?.into()))
+    })
 }
 
 /// Sets whether a body may fall asleep; one that may not is woken.

@@ -66,6 +66,11 @@ pub(crate) fn locked_axes(bits: u32) -> Outcome<LockedAxes> {
     })
 }
 
+pub(crate) fn from_locked_axes(axes: LockedAxes) -> u32 {
+    let bits = |first: u32, locked: [bool; 3]| (0..3).filter(|&axis| locked[axis]).map(|axis| first << axis).sum::<u32>();
+    bits(LS_LOCK_TRANSLATION_X, axes.translation) | bits(LS_LOCK_ROTATION_X, axes.rotation)
+}
+
 pub(crate) fn combine_rule(rule: i32, argument: &'static str) -> Outcome<CombineRule> {
     match rule {
         LS_COMBINE_GEOMETRIC_MEAN => Ok(CombineRule::GeometricMean),

@@ -6,6 +6,7 @@ use crate::access::{edit, read};
 use crate::boundary::call;
 use crate::handle::{LsJoint, LsWorld};
 use crate::joint_def::{LsJointDef, LsSoftness};
+use crate::math::LsPose;
 use crate::pointer::{self, Out, host};
 use crate::result::LsResult;
 use crate::sized::{self, SizedOut, Versioned};
@@ -157,4 +158,53 @@ pub unsafe extern "C" fn ls_joint_softness_set(
 #[unsafe(no_mangle)]
 pub extern "C" fn ls_joint_break_set(world: LsWorld, joint: LsJoint, break_force: f32, break_torque: f32) -> LsResult {
     call("ls_joint_break_set", || edit(world, |world| world.set_joint_break(joint.into(), break_force, break_torque)))
+}
+
+/// Sets where a joint is on its bodies and wakes them; the joint carries nothing over, as after a teleport.
+///
+/// @param world    the world; any value is safe
+/// @param joint    a joint of that world; any value is safe
+/// @param frame_a  joint frame on body A, in its frame (in world coordinates if A is the world); positions (m)
+/// @param frame_b  joint frame on body B, likewise
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE,
+///         LS_ERROR_NOT_UNIT
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_joint_frames_set(
+    world: LsWorld,
+    joint: LsJoint,
+    frame_a: *const LsPose,
+    frame_b: *const LsPose,
+) -> LsResult {
+    call("ls_joint_frames_set", || {
+        let (frame_a, frame_b) = (host!(pointer::read, frame_a), host!(pointer::read, frame_b));
+        edit(world, |world| world.set_joint_frames(joint.into(), frame_a.into(), frame_b.into()))
+    })
+}
+
+/// The host's own word of a joint.
+///
+/// @param world  the world; any value is safe
+/// @param joint  a joint of that world; any value is safe
+/// @param out    filled on LS_OK
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_joint_user_word_get(world: LsWorld, joint: LsJoint, out: *mut u64) -> LsResult {
+    call("ls_joint_user_word_get", || {
+        let out = host!(Out::new, out);
+        read(world, |world| out.write(world.joint_def(joint.into())?.user_word))
+    })
+}
+
+/// Sets the host's own word of a joint.
+///
+/// @param world  the world; any value is safe
+/// @param joint  a joint of that world; any value is safe
+/// @param word   any value
+/// @return LS_OK, a world error, a handle error
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_joint_user_word_set(world: LsWorld, joint: LsJoint, word: u64) -> LsResult {
+    call("ls_joint_user_word_set", || edit(world, |world| world.set_joint_user_word(joint.into(), word)))
 }

@@ -46,9 +46,9 @@ pub struct LsSoftness {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct LsLimits {
-    /// Least value.
+    /// Least value (m or rad).
     pub min: f32,
-    /// Greatest value.
+    /// Greatest value (m or rad).
     pub max: f32,
 }
 

@@ -27,6 +27,11 @@ mod world_def;
 
 mod world;
 mod world_events;
+mod world_settings;
+
+mod query_def;
+
+mod query;
 
 mod body;
 mod body_motion;

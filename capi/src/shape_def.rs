@@ -218,6 +218,56 @@ impl From<LsCollisionFilter> for CollisionFilter {
     }
 }
 
+impl From<&ShapeDef> for LsShapeDef {
+    fn from(def: &ShapeDef) -> Self {
+        Self {
+            density: def.density,
+            material: def.material.into(),
+            filter: def.filter.into(),
+            user_word: def.user_word,
+            ..Self::of_geometry(def.shape.geometry(), def.local_pose)
+        }
+    }
+}
+
+impl LsShapeDef {
+    /// A form and its place; its arrays are those of `geometry`.
+    pub(crate) fn of_geometry(geometry: &Geometry, pose: LocalPose) -> Self {
+        let mut def =
+            Self { local_position: pose.position.to_array(), local_rotation: pose.rotation.to_array(), ..Self::default() };
+        match geometry {
+            &Geometry::Ball { radius } => (def.kind, def.radius) = (LS_SHAPE_BALL, radius),
+            Geometry::Box { half_extents } => (def.kind, def.half_extents) = (LS_SHAPE_BOX, half_extents.to_array()),
+            &Geometry::Capsule { half_height, radius } => {
+                (def.kind, def.half_height, def.radius) = (LS_SHAPE_CAPSULE, half_height, radius);
+            }
+            &Geometry::Cylinder { half_height, radius } => {
+                (def.kind, def.half_height, def.radius) = (LS_SHAPE_CYLINDER, half_height, radius);
+            }
+            &Geometry::Cone { half_height, radius } => {
+                (def.kind, def.half_height, def.radius) = (LS_SHAPE_CONE, half_height, radius);
+            }
+            Geometry::ConvexHull { points } => {
+                (def.kind, def.points, def.point_count) = (LS_SHAPE_CONVEX_HULL, points.as_ptr().cast(), points.len());
+            }
+            Geometry::TriangleMesh { vertices, triangles } => {
+                (def.kind, def.points, def.point_count) = (LS_SHAPE_TRIANGLE_MESH, vertices.as_ptr().cast(), vertices.len());
+                (def.triangles, def.triangle_count) = (triangles.as_ptr().cast(), triangles.len());
+            }
+            Geometry::HeightField { rows, columns, heights, size_x, size_z } => {
+                (def.kind, def.heights, def.height_count) = (LS_SHAPE_HEIGHT_FIELD, heights.as_ptr(), heights.len());
+                // A field has as many heights as rows times columns, each at least 2, and was made from 32-bit numbers of them.
+                (def.rows, def.columns) = (*rows as u32, *columns as u32);
+                (def.size_x, def.size_z) = (*size_x, *size_z);
+            }
+            Geometry::HalfSpace { normal } => (def.kind, def.normal) = (LS_SHAPE_HALF_SPACE, normal.to_array()),
+            Geometry::Compound { parts } => (def.kind, def.part_count) = (LS_SHAPE_COMPOUND, parts.len()),
+            _ => {}
+        }
+        def
+    }
+}
+
 impl LsShapeDef {
     /// # Safety
     /// The pointers that the kind names are null or valid for reading as many elements as their counts say.

@@ -83,6 +83,17 @@ pub unsafe extern "C" fn ls_world_def_init(def: *mut LsWorldDef, size: usize) ->
     call("ls_world_def_init", || host!(SizedOut::new, def, size).write_definition(&LsWorldDef::default()))
 }
 
+impl From<LsSleepSettings> for SleepSettings {
+    fn from(settings: LsSleepSettings) -> Self {
+        Self {
+            enabled: settings.enabled != 0,
+            linear_speed: settings.linear_speed,
+            angular_speed: settings.angular_speed,
+            time: settings.time,
+        }
+    }
+}
+
 impl TryFrom<LsWorldDef> for WorldDef {
     type Error = Failure;
     fn try_from(def: LsWorldDef) -> Outcome<Self> {
@@ -92,12 +103,7 @@ impl TryFrom<LsWorldDef> for WorldDef {
             iterations: def.iterations,
             solver: enums::solver(def.solver)?,
             threads: def.threads,
-            sleep: SleepSettings {
-                enabled: def.sleep.enabled != 0,
-                linear_speed: def.sleep.linear_speed,
-                angular_speed: def.sleep.angular_speed,
-                time: def.sleep.time,
-            },
+            sleep: def.sleep.into(),
             restitution_threshold: def.restitution_threshold,
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,

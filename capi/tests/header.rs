@@ -4,10 +4,11 @@ use std::fs;
 use std::path::Path;
 
 /// Where a new part of the header begins: its first function, and its name.
-const PARTS: [(&str, &str); 6] = [
+const PARTS: [(&str, &str); 7] = [
     ("ls_result_name", "The library"),
     ("ls_shape_def_init", "Definitions"),
     ("ls_world_create", "Worlds"),
+    ("ls_world_cast_ray", "Queries"),
     ("ls_body_create", "Bodies"),
     ("ls_shape_attach", "Shapes"),
     ("ls_joint_create", "Joints"),
@@ -100,6 +101,61 @@ fn every_function_says_what_it_returns_and_where_it_may_be_called() {
         .collect();
     assert!(functions.len() > 70, "only {} functions were recognised", functions.len());
     assert!(silent.is_empty(), "{silent:#?}");
+}
+
+#[test]
+fn every_float_has_a_unit_or_says_that_it_is_a_plain_number() {
+    /// What a comment may say instead of a unit in brackets.
+    const PLAIN: [&str; 5] = ["unit", "coefficient", "factor", "fraction", "speed over approach speed"];
+    let header = generate();
+    let lines: Vec<&str> = header.lines().collect();
+    let has_float = |line: &str| line.contains("float ") || line.contains("double ");
+    let units = ["(m", "(s", "(kg", "(N", "(rad", "(1/"];
+    let says = |text: &str| units.iter().chain(&PLAIN).any(|word| text.contains(word));
+    let field = |line: &str| line.starts_with("    ") && line.ends_with(';');
+    let (mut floats, mut bare) = (0, Vec::new());
+    for (i, line) in lines.iter().enumerate() {
+        if !(field(line) || function(line)) || !has_float(&statement(&lines, i)) {
+            continue;
+        }
+        floats += 1;
+        if !comment(&lines, i).is_some_and(|text| says(&text.concat().to_lowercase().replace("(n", "(N"))) {
+            bare.push(*line);
+        }
+    }
+    assert!(floats > 80, "only {floats} fields and functions with floats were recognised");
+    assert!(bare.is_empty(), "without a unit: {bare:#?}");
+}
+
+#[test]
+fn every_function_names_the_errors_that_its_arguments_can_have() {
+    let header = generate();
+    let lines: Vec<&str> = header.lines().collect();
+    let mut silent = Vec::new();
+    for (i, line) in lines.iter().enumerate().filter(|(_, line)| line.starts_with("LsResult ls_")) {
+        let (text, arguments) = (comment(&lines, i).unwrap_or_default().concat(), statement(&lines, i));
+        let arguments = arguments.split_once('(').map_or("", |(_, rest)| rest).to_owned();
+        let mut expect = |present: bool, error: &str| {
+            if present && !text.contains(error) {
+                silent.push(format!("{line}: {error}"));
+            }
+        };
+        // A callback's own user pointer may be anything.
+        expect(arguments.contains('*') && !arguments.contains("void *user"), "LS_ERROR_NULL_ARGUMENT");
+        let ends_a_world = line.contains("ls_world_destroy");
+        expect(arguments.contains("LsWorld world") && !ends_a_world, "a world error");
+        for object in ["LsBody body", "LsShape shape", "LsJoint joint"] {
+            expect(arguments.contains(object), "a handle error");
+        }
+        expect(arguments.contains("size_t size"), "LS_ERROR_STRUCT_SIZE");
+    }
+    assert!(silent.is_empty(), "{silent:#?}");
+}
+
+/// The statement that begins at line `i`, on one line.
+fn statement(lines: &[&str], i: usize) -> String {
+    let end = lines[i..].iter().position(|line| line.contains(';')).map_or(i, |length| i + length);
+    lines[i..=end].iter().map(|line| line.trim()).collect::<Vec<_>>().join(" ")
 }
 
 fn function(line: &str) -> bool {

@@ -4,7 +4,7 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 4] = ["hello", "chain", "bulk", "misuse"];
+const SAMPLES: [&str; 6] = ["hello", "chain", "bulk", "misuse", "edit", "queries"];
 
 fn sample(name: &str) -> std::path::PathBuf {
     common::repository().join("examples_c").join(format!("{name}.c"))
@@ -88,6 +88,19 @@ fn chain_prints_its_measures_and_writes_a_picture_of_every_body() {
 fn bulk_draws_a_thousand_bodies_where_they_are() {
     let output = run(&mut LIBRARY.compile(&sample("bulk"), Language::C99, Linkage::Static));
     assert!(output.starts_with("1000 bodies"), "{output}");
+}
+
+#[test]
+fn what_is_changed_in_a_live_world_comes_back_as_it_was_set() {
+    let output = run(&mut LIBRARY.compile(&sample("edit"), Language::C99, Linkage::Static));
+    let changes: u32 = output.split_whitespace().next().and_then(|count| count.parse().ok()).expect("a number is printed");
+    assert!(changes >= 16, "{output}");
+}
+
+#[test]
+fn questions_are_answered_and_filtered_as_the_host_says() {
+    let output = run(&mut LIBRARY.compile(&sample("queries"), Language::C99, Linkage::Static));
+    assert!(output.contains("asked about 10 shapes, the host accepted 5"), "{output}");
 }
 
 #[test]

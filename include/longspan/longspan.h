@@ -202,6 +202,15 @@
 /** Solver: direct solve of articulations; LS_ERROR_UNSUPPORTED in this version. */
 #define LS_SOLVER_DIRECT 2
 
+/** Query kinds: shapes of static bodies count. */
+#define LS_QUERY_STATIC 1
+
+/** Query kinds: shapes of kinematic bodies count. */
+#define LS_QUERY_KINEMATIC 2
+
+/** Query kinds: shapes of dynamic bodies count. */
+#define LS_QUERY_DYNAMIC 4
+
 /**
  * What a call returns: LS_OK, or one of the LS_ERROR_ constants. Unless a function says otherwise, a call that fails has
  * changed nothing and has written nothing through its pointers. New codes may be added: treat an unknown one as a failure.
@@ -393,9 +402,9 @@ typedef struct LsSoftness {
 
 /** Least and greatest value of a coordinate (m or rad); -INFINITY and INFINITY for none. Equal values lock it there. */
 typedef struct LsLimits {
-    /** Least value. */
+    /** Least value (m or rad). */
     float min;
-    /** Greatest value. */
+    /** Greatest value (m or rad). */
     float max;
 } LsLimits;
 
@@ -666,6 +675,76 @@ typedef struct LsMoved {
     /** Not used; 0. */
     uint32_t reserved;
 } LsMoved;
+
+/**
+ * Has the last word on a shape whose box a query meets.
+ *
+ * Called during the query under the host's floating-point settings, in any order, in ls_world_cast_rays on any thread of the
+ * world. It must return normally (no exception, no longjmp). Inside it, reads of the world work; edits return
+ * LS_ERROR_WORLD_BUSY.
+ * @param shape  the shape
+ * @param user   as given in the filter
+ * @return not 0 if the shape counts
+ */
+typedef uint32_t (*LsQueryCallback)(struct LsShape shape, void *user);
+
+/** Which shapes a query is about. Fill it with ls_query_filter_init first; where a filter is asked for, NULL means everything. */
+typedef struct LsQueryFilter {
+    /** Size of this struct in the host, set by ls_query_filter_init. */
+    uint32_t struct_size;
+    /** Bit set of groups the query belongs to, as if it were a shape; default all. */
+    uint32_t member_of;
+    /** Bit set of groups the query meets; default all. */
+    uint32_t collides_with;
+    /** Bit set of LS_QUERY_ constants: which kinds of body count; default all. */
+    uint32_t kinds;
+    /** Bodies that do not count; any handles are allowed. Default none. */
+    const struct LsBody *ignored;
+    /** Number of bodies that do not count. */
+    size_t ignored_count;
+    /** Has the last word on each shape; default NULL. */
+    LsQueryCallback accept;
+    /** Handed back to the callback. */
+    void *user;
+} LsQueryFilter;
+
+/** A half-line of some length. The layout of this struct never changes. */
+typedef struct LsRay {
+    /** Where it begins (m). */
+    double origin[3];
+    /** Unit direction; up to 1 % off unit length is normalised, more is refused. */
+    float direction[3];
+    /** How far it goes (m), 0 to 1e7. */
+    float length;
+} LsRay;
+
+/** Where a ray or a swept shape first meets a shape. The layout of this struct never changes. */
+typedef struct LsRayHit {
+    /** The shape that is met; null if nothing is. */
+    struct LsShape shape;
+    /** Its body. */
+    struct LsBody body;
+    /** Where (m), on the surface of the shape that is met. */
+    double point[3];
+    /** Outward unit normal of that surface; against the motion where the two overlap from the start. */
+    float normal[3];
+    /** How far along the ray or sweep (m); 0 where the two overlap from the start. */
+    float distance;
+} LsRayHit;
+
+/** The nearest point of a shape to a point. The layout of this struct never changes. */
+typedef struct LsNearestPoint {
+    /** The shape; null if there is none. */
+    struct LsShape shape;
+    /** Its body. */
+    struct LsBody body;
+    /** Its nearest point (m): the point asked about, if that lies inside. */
+    double point[3];
+    /** How far that is (m); 0 inside. */
+    float distance;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsNearestPoint;
 
 /** What a joint does at the end of the last step. Later versions append fields. */
 typedef struct LsJointState {
@@ -1103,6 +1182,207 @@ LsResult ls_world_overloaded(LsWorld world, const LsJointOverload **out, size_t 
  */
 LsResult ls_world_quarantined(LsWorld world, const LsBody **out, size_t *count);
 
+/**
+ * Sets how much work a step does, from the next step on.
+ *
+ * @param world       the world; any value is safe
+ * @param substeps    substeps a step, 1 to 256
+ * @param iterations  sweeps a substep, 1 to 256
+ * @return LS_OK, a world error, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_effort_set(LsWorld world, uint32_t substeps, uint32_t iterations);
+
+/**
+ * Sets when bodies fall asleep; if they no longer may, all wake.
+ *
+ * @param world     the world; any value is safe
+ * @param settings  read during the call; speeds (m/s, rad/s) and time (s), each >= 0
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_sleep_settings_set(LsWorld world, const LsSleepSettings *settings);
+
+/**
+ * Sets the approach speed below which nothing bounces.
+ *
+ * @param world  the world; any value is safe
+ * @param speed  (m/s), >= 0
+ * @return LS_OK, a world error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_restitution_threshold_set(LsWorld world, float speed);
+
+/**
+ * Fills a query filter with defaults: every shape counts.
+ *
+ * @param filter  filled on LS_OK
+ * @param size    sizeof *filter as the host knows it
+ * @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_query_filter_init(LsQueryFilter *filter, size_t size);
+
+/* Queries --------------------------------------------------------------------------------------------------------- */
+
+/**
+ * The first shape that a ray meets. A ray that begins inside a solid meets it at once.
+ *
+ * @param world   the world; any value is safe
+ * @param ray     read during the call; lengths (m)
+ * @param filter  which shapes count; NULL for all
+ * @param out     filled on LS_OK; its shape is null if nothing is met
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_ray(LsWorld world, const LsRay *ray, const LsQueryFilter *filter, LsRayHit *out);
+
+/**
+ * Every shape that a ray meets, nearest first, where the ray first meets it.
+ *
+ * @param world     the world; any value is safe
+ * @param ray       read during the call; lengths (m)
+ * @param filter    which shapes count; NULL for all
+ * @param out       room for capacity hits, filled on LS_OK, nearest first; may be NULL if capacity is 0
+ * @param capacity  number that fit
+ * @param count     number of them, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_ray_all(LsWorld world,
+                               const LsRay *ray,
+                               const LsQueryFilter *filter,
+                               LsRayHit *out,
+                               size_t capacity,
+                               size_t *count);
+
+/**
+ * The first shape that each of many rays meets; on the threads of the world, if it has more than one and the rays are many.
+ *
+ * @param world   the world; any value is safe
+ * @param rays    count rays, read during the call; lengths (m)
+ * @param count   number of rays; 0 is allowed
+ * @param filter  which shapes count; NULL for all
+ * @param out     room for count hits, filled on LS_OK; the shape of a hit is null if nothing is met
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_rays(LsWorld world,
+                            const LsRay *rays,
+                            size_t count,
+                            const LsQueryFilter *filter,
+                            LsRayHit *out);
+
+/**
+ * The first shape that a solid meets on a straight path, without turning.
+ *
+ * @param world   the world; any value is safe
+ * @param shape   filled by ls_shape_def_init and changed as wanted; its geometry is read during the call; a solid, so no
+ *                half-space, mesh or height field
+ * @param pose    where it starts; local_position and local_rotation of the shape do not count
+ * @param path    three floats: how far it goes (m), together at most 1e7
+ * @param filter  which shapes count; NULL for all
+ * @param out     filled on LS_OK; its shape is null if nothing is met
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_shape(LsWorld world,
+                             const LsShapeDef *shape,
+                             const LsPose *pose,
+                             const float path[3],
+                             const LsQueryFilter *filter,
+                             LsRayHit *out);
+
+/**
+ * Every shape that a solid meets on a straight path, without turning, nearest first.
+ *
+ * @param world     the world; any value is safe
+ * @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+ * @param pose      where it starts
+ * @param path      three floats: how far it goes (m), together at most 1e7
+ * @param filter    which shapes count; NULL for all
+ * @param out       room for capacity hits, filled on LS_OK, nearest first; may be NULL if capacity is 0
+ * @param capacity  number that fit
+ * @param count     number of them, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_shape_all(LsWorld world,
+                                 const LsShapeDef *shape,
+                                 const LsPose *pose,
+                                 const float path[3],
+                                 const LsQueryFilter *filter,
+                                 LsRayHit *out,
+                                 size_t capacity,
+                                 size_t *count);
+
+/**
+ * Every shape that a solid overlaps or touches, in a fixed order.
+ *
+ * @param world     the world; any value is safe
+ * @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+ * @param pose      where it is; positions (m)
+ * @param filter    which shapes count; NULL for all
+ * @param out       room for capacity shapes, filled on LS_OK, in a fixed order; may be NULL if capacity is 0
+ * @param capacity  number that fit
+ * @param count     number of them, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_overlap_shape(LsWorld world,
+                                const LsShapeDef *shape,
+                                const LsPose *pose,
+                                const LsQueryFilter *filter,
+                                LsShape *out,
+                                size_t capacity,
+                                size_t *count);
+
+/**
+ * Every shape whose world box meets a box, in a fixed order; cheaper than ls_world_overlap_shape and less exact.
+ *
+ * @param world     the world; any value is safe
+ * @param min       three doubles: the least corner (m)
+ * @param max       three doubles: the greatest corner (m)
+ * @param filter    which shapes count; NULL for all
+ * @param out       room for capacity shapes, filled on LS_OK, in a fixed order; may be NULL if capacity is 0
+ * @param capacity  number that fit
+ * @param count     number of them, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_overlap_box(LsWorld world,
+                              const double *min,
+                              const double *max,
+                              const LsQueryFilter *filter,
+                              LsShape *out,
+                              size_t capacity,
+                              size_t *count);
+
+/**
+ * The shape nearest to a point.
+ *
+ * @param world         the world; any value is safe
+ * @param point         three doubles (m)
+ * @param max_distance  how far to look (m), 0 to 1e7
+ * @param filter        which shapes count; NULL for all
+ * @param out           filled on LS_OK; its shape is null if there is none
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_nearest_point(LsWorld world,
+                                const double point[3],
+                                float max_distance,
+                                const LsQueryFilter *filter,
+                                LsNearestPoint *out);
+
 /* Bodies ---------------------------------------------------------------------------------------------------------- */
 
 /**
@@ -1380,6 +1660,18 @@ LsResult ls_body_mass_get(LsWorld world, LsBody body, LsMassProperties *out);
 LsResult ls_body_mass_set(LsWorld world, LsBody body, const LsMass *mass);
 
 /**
+ * Rates at which velocities decay.
+ *
+ * @param world    the world; any value is safe
+ * @param body     a body of that world; any value is safe
+ * @param linear   rate for the linear velocity (1/s), filled on LS_OK
+ * @param angular  rate for the angular velocity (1/s), filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_damping_get(LsWorld world, LsBody body, float *linear, float *angular);
+
+/**
  * Sets the rates at which velocities decay.
  *
  * @param world    the world; any value is safe
@@ -1390,6 +1682,17 @@ LsResult ls_body_mass_set(LsWorld world, LsBody body, const LsMass *mass);
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_body_damping_set(LsWorld world, LsBody body, float linear, float angular);
+
+/**
+ * Factor on the world's gravity.
+ *
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param out    filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_gravity_scale_get(LsWorld world, LsBody body, float *out);
 
 /**
  * Sets the factor on the world's gravity.
@@ -1403,6 +1706,17 @@ LsResult ls_body_damping_set(LsWorld world, LsBody body, float linear, float ang
 LsResult ls_body_gravity_scale_set(LsWorld world, LsBody body, float scale);
 
 /**
+ * Degrees of freedom taken away.
+ *
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param out    bit set of LS_LOCK_ constants, filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_locked_axes_get(LsWorld world, LsBody body, uint32_t *out);
+
+/**
  * Sets which degrees of freedom are taken away.
  *
  * @param world  the world; any value is safe
@@ -1414,6 +1728,17 @@ LsResult ls_body_gravity_scale_set(LsWorld world, LsBody body, float scale);
 LsResult ls_body_locked_axes_set(LsWorld world, LsBody body, uint32_t axes);
 
 /**
+ * Whether a body is swept through the step.
+ *
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param out    1 if it is, else 0; filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_fast_get(LsWorld world, LsBody body, uint32_t *out);
+
+/**
  * Sets whether a body is swept through the step, so that it cannot tunnel through anything thin.
  *
  * @param world  the world; any value is safe
@@ -1423,6 +1748,17 @@ LsResult ls_body_locked_axes_set(LsWorld world, LsBody body, uint32_t axes);
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_body_fast_set(LsWorld world, LsBody body, uint32_t fast);
+
+/**
+ * Whether a body may fall asleep.
+ *
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param out    1 if it may, else 0; filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_can_sleep_get(LsWorld world, LsBody body, uint32_t *out);
 
 /**
  * Sets whether a body may fall asleep; one that may not is woken.
@@ -1540,6 +1876,28 @@ LsResult ls_shape_body_get(LsWorld world, LsShape shape, LsBody *out);
 LsResult ls_shape_user_word_get(LsWorld world, LsShape shape, uint64_t *out);
 
 /**
+ * Sets the host's own word of a shape.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param word   any value
+ * @return LS_OK, a world error, a handle error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_shape_user_word_set(LsWorld world, LsShape shape, uint64_t word);
+
+/**
+ * Surface of a shape.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param out    filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_shape_material_get(LsWorld world, LsShape shape, LsMaterial *out);
+
+/**
  * Sets the surface of a shape.
  *
  * @param world     the world; any value is safe
@@ -1552,6 +1910,17 @@ LsResult ls_shape_user_word_get(LsWorld world, LsShape shape, uint64_t *out);
 LsResult ls_shape_material_set(LsWorld world, LsShape shape, const LsMaterial *material);
 
 /**
+ * Which other shapes a shape collides with.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param out    filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_shape_filter_get(LsWorld world, LsShape shape, LsCollisionFilter *out);
+
+/**
  * Sets which other shapes a shape collides with.
  *
  * @param world   the world; any value is safe
@@ -1561,6 +1930,49 @@ LsResult ls_shape_material_set(LsWorld world, LsShape shape, const LsMaterial *m
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_shape_filter_set(LsWorld world, LsShape shape, const LsCollisionFilter *filter);
+
+/**
+ * The definition that a shape has now. It may be changed and given to ls_shape_def_set or ls_shape_attach.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param out    filled on LS_OK; fields that the kind does not name have their defaults. Its arrays are owned by the shape and
+ *               may be read until the shape is destroyed or given another definition. A compound has its part_count, and
+ *               NULL for parts: see ls_shape_part_get
+ * @param size   sizeof *out as the host knows it
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_shape_def_get(LsWorld world, LsShape shape, LsShapeDef *out, size_t size);
+
+/**
+ * One part of a compound shape.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param index  number of the part, from 0
+ * @param out    filled on LS_OK with the part's geometry, local_position and local_rotation; the rest has its defaults. Its
+ *               arrays are owned by the shape, as those of ls_shape_def_get
+ * @param size   sizeof *out as the host knows it
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_NOT_APPLICABLE (not a
+ *         compound), LS_ERROR_INDEX_OUT_OF_RANGE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_shape_part_get(LsWorld world, LsShape shape, size_t index, LsShapeDef *out, size_t size);
+
+/**
+ * Gives a shape another definition: form, place, surface, density, filter and word. Its handle stays; a body whose mass comes
+ * from its shapes is weighed again; what touched the shape wakes.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param def    filled by ls_shape_def_init or ls_shape_def_get and changed as wanted; read during the call
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE,
+ *         LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE,
+ *         LS_ERROR_INDEX_OUT_OF_RANGE, LS_ERROR_NOT_APPLICABLE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_shape_def_set(LsWorld world, LsShape shape, const LsShapeDef *def);
 
 /* Joints ---------------------------------------------------------------------------------------------------------- */
 
@@ -1652,6 +2064,41 @@ LsResult ls_joint_softness_set(LsWorld world,
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_joint_break_set(LsWorld world, LsJoint joint, float break_force, float break_torque);
+
+/**
+ * Sets where a joint is on its bodies and wakes them; the joint carries nothing over, as after a teleport.
+ *
+ * @param world    the world; any value is safe
+ * @param joint    a joint of that world; any value is safe
+ * @param frame_a  joint frame on body A, in its frame (in world coordinates if A is the world); positions (m)
+ * @param frame_b  joint frame on body B, likewise
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE,
+ *         LS_ERROR_NOT_UNIT
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_joint_frames_set(LsWorld world, LsJoint joint, const LsPose *frame_a, const LsPose *frame_b);
+
+/**
+ * The host's own word of a joint.
+ *
+ * @param world  the world; any value is safe
+ * @param joint  a joint of that world; any value is safe
+ * @param out    filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_joint_user_word_get(LsWorld world, LsJoint joint, uint64_t *out);
+
+/**
+ * Sets the host's own word of a joint.
+ *
+ * @param world  the world; any value is safe
+ * @param joint  a joint of that world; any value is safe
+ * @param word   any value
+ * @return LS_OK, a world error, a handle error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_joint_user_word_set(LsWorld world, LsJoint joint, uint64_t word);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -3,8 +3,9 @@
 //! A shape's kept box changes only when the shape leaves it; only then are new neighbours looked for. The tree's form depends
 //! on history, but what it reports does not: it only ever adds candidates, and those too far apart are dropped exactly.
 
+use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
-use parry3d::partitioning::{Bvh, BvhWorkspace};
+use parry3d::partitioning::{Bvh, BvhWorkspace, TraversalAction};
 
 /// Boxes of all shapes, by slot.
 #[derive(Default)]
@@ -16,9 +17,15 @@ pub(crate) struct BroadPhase {
 }
 
 impl BroadPhase {
-    /// Keeps `kept` for a shape and looks for its neighbours at the next refresh.
+    /// Keeps `kept` for a shape, whose neighbours are looked for at the next refresh; until then the tree is out of date.
     pub(crate) fn set(&mut self, shape: u32, kept: Aabb) {
         self.tree.insert_or_update_partially(kept, shape, 0.0);
+        self.changed.push(shape);
+    }
+
+    /// As [`set`](Self::set), for edits between steps: the tree stays fit to be asked.
+    pub(crate) fn place(&mut self, shape: u32, kept: Aabb) {
+        self.tree.insert(kept, shape);
         self.changed.push(shape);
     }
 
@@ -47,6 +54,19 @@ impl BroadPhase {
             }
         }
         self.changed.clear();
+    }
+
+    /// Appends the shapes whose kept box a path enters (`enters` says where, of the box's corners), in no particular order.
+    pub(crate) fn along(&self, enters: impl Fn(Vec3, Vec3) -> Option<f64>, found: &mut Vec<(f64, u32)>) {
+        self.tree.traverse(|node| match enters(node.mins(), node.maxs()) {
+            None => TraversalAction::Prune,
+            Some(entry) => {
+                if let Some(shape) = node.leaf_data() {
+                    found.push((entry, shape));
+                }
+                TraversalAction::Continue
+            }
+        });
     }
 
     /// Shapes whose kept box meets `region`, in no particular order.

@@ -62,6 +62,23 @@ impl Collider {
         collider
     }
 
+    /// The definition that the shape has now.
+    pub(crate) fn def(&self) -> ShapeDef {
+        ShapeDef {
+            shape: self.shape.clone(),
+            local_pose: self.local_pose,
+            material: self.material,
+            density: self.density,
+            filter: self.filter,
+            user_word: self.user_word,
+        }
+    }
+
+    /// Gives the shape another definition; its boxes are no longer right.
+    pub(crate) fn redefine(&mut self, def: &ShapeDef, local_center: Vec3) {
+        *self = Self::new(self.body, def, local_center);
+    }
+
     /// Tells the shape where its body's centre of mass is now.
     pub(crate) fn center_moved(&mut self, local_center: Vec3) {
         let sphere = self.shape.parry().compute_local_bounding_sphere();

@@ -255,17 +255,8 @@ impl World {
 
     /// The shapes of a body as they were defined.
     pub(super) fn shape_defs(&self, index: u32) -> Vec<ShapeDef> {
-        let colliders = self.bodies[index].shapes.iter().filter_map(|&id| Some(&self.colliders[self.colliders.find(id).ok()?]));
-        colliders
-            .map(|collider| ShapeDef {
-                shape: collider.shape.clone(),
-                local_pose: collider.local_pose,
-                material: collider.material,
-                density: collider.density,
-                filter: collider.filter,
-                user_word: collider.user_word,
-            })
-            .collect()
+        let live = self.bodies[index].shapes.iter().filter_map(|&id| self.colliders.find(id).ok());
+        live.map(|slot| self.colliders[slot].def()).collect()
     }
 
     /// Gives a body mass properties and tells its shapes where the centre of mass is now.

@@ -149,6 +149,6 @@ impl World {
         collider.tight_box = collider.world_box(own_margin(collider));
         let kept = collider.tight_box.loosened(collider.fat_margin());
         collider.fat_box = Some(kept);
-        self.broad.set(slot, kept);
+        self.broad.place(slot, kept);
     }
 }

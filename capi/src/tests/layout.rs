@@ -11,6 +11,7 @@ use crate::handle::*;
 use crate::joint::*;
 use crate::joint_def::*;
 use crate::math::*;
+use crate::query_def::*;
 use crate::report::*;
 use crate::shape_def::*;
 use crate::version::*;
@@ -94,6 +95,10 @@ fn layouts() -> Vec<Layout> {
         LsContactPoint { position, separation, normal_force }
         LsContact { pair, normal, friction_force, point_count, reserved, points }
         LsJointOverload { joint, user_word, force, torque }
+        LsQueryFilter { struct_size, member_of, collides_with, kinds, ignored, ignored_count, accept, user }
+        LsRay { origin, direction, length }
+        LsRayHit { shape, body, point, normal, distance }
+        LsNearestPoint { shape, body, point, distance, reserved }
     }
 }
 
@@ -129,6 +134,10 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsContactPair", 32),
         ("LsContact", 192),
         ("LsJointOverload", 24),
+        ("LsQueryFilter", 48),
+        ("LsRay", 40),
+        ("LsRayHit", 56),
+        ("LsNearestPoint", 48),
     ];
     for (name, size) in promised {
         let layout = layouts().into_iter().find(|layout| layout.name == name).expect("the list of layouts is complete");

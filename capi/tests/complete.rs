@@ -1,0 +1,81 @@
+//! Whatever a host in Rust can do with a world, one in C can do too.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+/// Methods whose function in C is named by another rule than the usual one.
+const OTHERWISE: &[(&str, &str)] = &[
+    ("new", "ls_world_create"),
+    ("poses_into", "ls_world_poses_get"),
+    ("mass_properties", "ls_body_mass_get"),
+    ("contacts_of", "ls_body_contacts_get"),
+    ("bodies", "ls_world_bodies_get"),
+    ("joints", "ls_world_joints_get"),
+    ("contacts", "ls_world_contacts_get"),
+];
+
+const NOUNS: [&str; 4] = ["world", "body", "shape", "joint"];
+
+/// Every public method of `World`, from the files that hold its `impl` blocks.
+fn methods() -> BTreeSet<String> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../src");
+    let mut methods = BTreeSet::new();
+    let mut folders = vec![source];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).expect("the source is there") {
+            let path = entry.expect("the source can be listed").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let text = fs::read_to_string(&path).expect("the source is text");
+                for block in text.split("\nimpl World {").skip(1) {
+                    let block = block.split("\n}\n").next().unwrap_or_default();
+                    let names = block.split("\n    pub fn ").skip(1).filter_map(|rest| rest.split(['(', '<']).next());
+                    methods.extend(names.map(str::to_owned));
+                }
+            }
+        }
+    }
+    methods
+}
+
+fn functions() -> BTreeSet<String> {
+    let header = Path::new(env!("CARGO_MANIFEST_DIR")).join("../include/longspan/longspan.h");
+    let header = fs::read_to_string(header).expect("the header is there");
+    let names = header.lines().filter(|line| line.starts_with("LsResult ls_")).filter_map(|line| line.split([' ', '(']).nth(1));
+    names.map(str::to_owned).collect()
+}
+
+/// The names that a method may have in C: `ls_<noun>_<what>`, with `_get` or `_set` where it is a value.
+fn candidates(method: &str) -> Vec<String> {
+    let (what, verb) = match method.strip_prefix("set_") {
+        Some(what) => (what, "_set"),
+        None => (method.strip_prefix("is_").unwrap_or(method), "_get"),
+    };
+    let mut names = Vec::new();
+    for noun in NOUNS {
+        let bare = what.strip_prefix(noun).and_then(|rest| rest.strip_prefix('_')).or(what.strip_suffix(noun));
+        for what in [Some(what), bare].into_iter().flatten() {
+            let what = what.trim_end_matches('_');
+            names.extend([format!("ls_{noun}_{what}"), format!("ls_{noun}_{what}{verb}")]);
+        }
+    }
+    names
+}
+
+#[test]
+fn every_public_method_of_a_world_has_a_function_in_c() {
+    let (methods, functions) = (methods(), functions());
+    let known = |method: &str| {
+        let otherwise = OTHERWISE.iter().find(|(name, _)| *name == method);
+        otherwise.map_or_else(
+            || candidates(method).iter().any(|name| functions.contains(name)),
+            |(_, function)| functions.contains(*function),
+        )
+    };
+    let missing: Vec<&String> = methods.iter().filter(|method| !known(method)).collect();
+    println!("{} methods, {} functions", methods.len(), functions.len());
+    assert!(methods.len() > 80, "only {} methods were found", methods.len());
+    assert!(missing.is_empty(), "without a function in C, or one that this test does not find: {missing:?}");
+}
