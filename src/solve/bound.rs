@@ -108,7 +108,8 @@ impl BatchBounds {
             if !upper_slack {
                 let error = Error1 { start: entry.upper - from, predicted: entry.upper - to };
                 let give = Give::new(entry.upper_give, Phase::Velocity { h });
-                let row = ScalarRow::new(bodies, along.reversed(), Demand::AtLeast(error), give, UPPER as u8, entry.impulses[UPPER]);
+                let row =
+                    ScalarRow::new(bodies, along.reversed(), Demand::AtLeast(error), give, UPPER as u8, entry.impulses[UPPER]);
                 self.rows.push(BoundRow { entry: number as u32, near: entry.near, far: entry.far, row });
             }
             if !lower_slack {
@@ -167,8 +168,7 @@ impl BatchBounds {
                 continue;
             }
             let along = span.along();
-            let (jacobian, softness) =
-                if is_upper { (along.reversed(), entry.upper_give) } else { (along, entry.lower_give) };
+            let (jacobian, softness) = if is_upper { (along.reversed(), entry.upper_give) } else { (along, entry.lower_give) };
             let [mut near, mut far] = [entry.near, entry.far].map(|slot| velocities[slot as usize].at_rest());
             let error = Error1 { start: error, predicted: error };
             let give = Give::new(softness, Phase::Position { h });

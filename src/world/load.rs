@@ -10,8 +10,8 @@ use crate::collide::collider::Collider;
 use crate::collide::pairs::{PairCache, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::{Joint, JointImpulses};
-use crate::solve::StepSettings;
 use crate::long_range::LongRangeDef;
+use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, ManifoldEnds};
 use crate::solve::bound::BoundEntry;
 use crate::solve::contact::{ContactImpulses, ContactInput};
@@ -190,8 +190,7 @@ impl Records<'_> {
         for number in 0..batch.bound_slots.len() {
             let slot = batch.bound_slots[number];
             let record = &self.bounds[slot as usize];
-            let [near, far] =
-                record.ends.map(|(joint, side)| self.joint_end(batch, &self.joints[joint], side as usize));
+            let [near, far] = record.ends.map(|(joint, side)| self.joint_end(batch, &self.joints[joint], side as usize));
             let [upper_give, lower_give] = World::bound_give(self.long_range, record.bound.kind);
             let number = batch.bounds.entries.len() as u32;
             for inner in record.bound.inner.0..record.bound.inner.1 {
