@@ -14,7 +14,7 @@ pub enum Solver {
     Auto,
     /// Sweeps over all rows.
     GaussSeidel,
-    /// One sparse direct solve for each group of joints; not available in this version.
+    /// One sparse direct solve for each group of joints.
     Direct,
 }
 
@@ -62,6 +62,8 @@ pub struct WorldDef {
     pub long_range: LongRangeDef,
     /// Approach speed above which contacts rebound (m/s), ≥ 0.
     pub restitution_threshold: f32,
+    /// Whether every step ends with the support analysis: which bodies are held up, and by what. Costs nothing if not.
+    pub support: bool,
     /// Bodies to reserve memory for.
     pub body_capacity: u32,
     /// Joints to reserve memory for.
@@ -79,6 +81,7 @@ impl Default for WorldDef {
             sleep: SleepSettings::default(),
             long_range: LongRangeDef::default(),
             restitution_threshold: 1.0,
+            support: false,
             body_capacity: 0,
             joint_capacity: 0,
         }
@@ -109,9 +112,6 @@ impl WorldDef {
         check::not_negative("sleep.time", self.sleep.time)?;
         self.long_range.check()?;
         check::not_negative("restitution_threshold", self.restitution_threshold)?;
-        if self.solver == Solver::Direct {
-            return Err(Error::new(ErrorKind::Unsupported, "solver", "the direct joint solver is not in this version"));
-        }
         Ok(())
     }
 }

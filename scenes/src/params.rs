@@ -139,7 +139,7 @@ impl Params {
         if self.given("solver").is_some() {
             world.solver = match self.word("solver", &["auto", "gs", "direct"])? {
                 "gs" => Solver::GaussSeidel,
-                "direct" => return Err(SceneError::Unavailable { key: "solver".into(), value: "direct".into() }),
+                "direct" => Solver::Direct,
                 _ => Solver::Auto,
             };
         }
@@ -149,6 +149,7 @@ impl Params {
                 match kind {
                     "long_range" => world.long_range.enabled = on,
                     "attachment" => world.long_range.attachment.enabled = on,
+                    "support" => world.support = on,
                     "hierarchy" => world.long_range.hierarchy.enabled = on,
                     _ if on => return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() }),
                     _ => {}

@@ -13,10 +13,12 @@
 
 use glam::{Quat, Vec3};
 
-use super::joint::rows::{Demand, Error1, Give, Jacobian, Phase, ScalarRow};
-use super::joint::{IMPLICIT_RANGE, turning_ease};
+use super::joint::{IMPLICIT_RANGE, Stance, turning_ease};
 use super::state::{BodyMotion, BodyVelocity};
 use crate::joint::Softness;
+
+/// Greatest displacement of a point by one position row in one substep, as a speed (m/s).
+const MAX_RECOVERY_SPEED: f32 = 10.0;
 
 /// Gap at a share of the bound's length below it that already makes a row: others may close it within the sweeps.
 const READY_SHARE: f32 = 1.0e-4;
@@ -46,16 +48,86 @@ pub(crate) struct BoundEntry {
     pub acted: bool,
 }
 
+/// One side of a bound in this substep.
 #[derive(Debug, Clone, Copy)]
 struct BoundRow {
     entry: u32,
     near: u32,
     far: u32,
-    row: ScalarRow,
+    side: usize,
+    /// C = bound − distance for [`UPPER`], its negative for [`LOWER`]; the gradient below is of C.
+    gradient: Gradient,
+    response_near: Vec3,
+    response_far: Vec3,
+    mass: f32,
+    bias: f32,
+    gamma: f32,
+    impulse: f32,
 }
 
 const UPPER: usize = 0;
 const LOWER: usize = 1;
+
+/// Gradient of a coordinate of two points: [−linear, −angular_near, linear, angular_far].
+#[derive(Debug, Clone, Copy)]
+struct Gradient {
+    linear: Vec3,
+    angular_near: Vec3,
+    angular_far: Vec3,
+}
+
+impl Gradient {
+    fn reversed(self) -> Self {
+        Self { linear: -self.linear, angular_near: -self.angular_near, angular_far: -self.angular_far }
+    }
+
+    fn rate(&self, near: &BodyVelocity, far: &BodyVelocity) -> f32 {
+        self.linear.dot(far.linear - near.linear) + self.angular_far.dot(far.angular) - self.angular_near.dot(near.angular)
+    }
+}
+
+impl BoundRow {
+    fn new(entry: u32, side: usize, ends: (u32, u32), gradient: Gradient, [near, far]: [&BodyVelocity; 2]) -> Self {
+        let response_near = near.inverse_inertia.mul(gradient.angular_near);
+        let response_far = far.inverse_inertia.mul(gradient.angular_far);
+        let w = gradient.linear.dot((near.inverse_mass + far.inverse_mass) * gradient.linear)
+            + gradient.angular_near.dot(response_near)
+            + gradient.angular_far.dot(response_far);
+        let mass = if w > 0.0 { 1.0 / w } else { 0.0 };
+        let (near, far) = ends;
+        Self { entry, near, far, side, gradient, response_near, response_far, mass, bias: 0.0, gamma: 0.0, impulse: 0.0 }
+    }
+
+    /// A velocity row over a substep of length `h`, in which C goes from `start` to `predicted` at the rate `rate`.
+    fn moving(mut self, start: f32, predicted: f32, rate: f32, give: Softness, h: f32, impulse: f32) -> Self {
+        let damped = 1.0 / (1.0 + give.damping * give.compliance / h);
+        self.gamma = give.compliance / (h * h) * damped;
+        self.mass = if self.mass > 0.0 { 1.0 / (1.0 / self.mass + self.gamma) } else { 0.0 };
+        self.bias = if give.compliance == 0.0 {
+            (start.max(0.0) + predicted - start) / h - rate
+        } else {
+            (predicted / h - rate) * damped
+        };
+        self.impulse = impulse;
+        self
+    }
+
+    fn solve(&mut self, near: &mut BodyVelocity, far: &mut BodyVelocity) {
+        let rate = self.gradient.rate(near, far);
+        let new = (self.impulse - self.mass * (rate + self.bias + self.gamma * self.impulse)).max(0.0);
+        let change = new - self.impulse;
+        self.impulse = new;
+        self.push(change, near, far);
+    }
+
+    fn push(&self, impulse: f32, near: &mut BodyVelocity, far: &mut BodyVelocity) {
+        let linear = self.gradient.linear * impulse;
+        near.linear -= near.inverse_mass * linear;
+        near.angular -= self.response_near * impulse;
+        far.linear += far.inverse_mass * linear;
+        far.angular += self.response_far * impulse;
+    }
+}
 
 /// Where the two points are: levers in world axes and the gap between them (m).
 #[derive(Debug, Clone, Copy)]
@@ -82,13 +154,13 @@ impl BatchBounds {
         &mut self,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
-        predicted: &[(Vec3, Quat)],
+        predicted: &[Stance],
         h: f32,
         applied: bool,
     ) {
         self.rows.clear();
         for (number, entry) in self.entries.iter_mut().enumerate() {
-            let end = entry.span(predicted[entry.near as usize], predicted[entry.far as usize]);
+            let end = entry.span(rounded(predicted[entry.near as usize]), rounded(predicted[entry.far as usize]));
             let length = end.gap.length_squared();
             let ready = entry.upper * (1.0 - READY_SHARE);
             // A multiplier that has been applied stays in its row, where it can be taken back.
@@ -104,19 +176,18 @@ impl BatchBounds {
             let start = entry.span(now(motions, entry.near), now(motions, entry.far));
             let along = entry.gradient(&start, &end, velocities, h);
             let bodies = [&velocities[entry.near as usize], &velocities[entry.far as usize]];
+            let ends = (entry.near, entry.far);
             let (from, to) = (start.gap.length(), end.gap.length());
+            let rate = along.rate(bodies[0], bodies[1]);
             if !upper_slack {
-                let error = Error1 { start: entry.upper - from, predicted: entry.upper - to };
-                let give = Give::new(entry.upper_give, Phase::Velocity { h });
-                let row =
-                    ScalarRow::new(bodies, along.reversed(), Demand::AtLeast(error), give, UPPER as u8, entry.impulses[UPPER]);
-                self.rows.push(BoundRow { entry: number as u32, near: entry.near, far: entry.far, row });
+                let row = BoundRow::new(number as u32, UPPER, ends, along.reversed(), bodies);
+                let (from, to) = (entry.upper - from, entry.upper - to);
+                self.rows.push(row.moving(from, to, -rate, entry.upper_give, h, entry.impulses[UPPER]));
             }
             if !lower_slack {
-                let error = Error1 { start: from - entry.lower, predicted: to - entry.lower };
-                let give = Give::new(entry.lower_give, Phase::Velocity { h });
-                let row = ScalarRow::new(bodies, along, Demand::AtLeast(error), give, LOWER as u8, entry.impulses[LOWER]);
-                self.rows.push(BoundRow { entry: number as u32, near: entry.near, far: entry.far, row });
+                let row = BoundRow::new(number as u32, LOWER, ends, along, bodies);
+                let (from, to) = (from - entry.lower, to - entry.lower);
+                self.rows.push(row.moving(from, to, rate, entry.lower_give, h, entry.impulses[LOWER]));
             }
         }
     }
@@ -124,16 +195,16 @@ impl BatchBounds {
     /// Applies the carried multipliers.
     pub(crate) fn warm_start(&self, velocities: &mut [BodyVelocity]) {
         for bound in &self.rows {
-            on_pair(velocities, bound, |near, far| bound.row.push(bound.row.impulse, near, far));
+            on_pair(velocities, bound, |near, far| bound.push(bound.impulse, near, far));
         }
     }
 
     /// One sweep over all rows, from the longest bounds to the shortest or back.
     pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity], backwards: bool) {
         let mut visit = |bound: &mut BoundRow| {
-            let mut row = bound.row;
+            let mut row = *bound;
             on_pair(velocities, bound, |near, far| row.solve(near, far));
-            bound.row = row;
+            *bound = row;
         };
         if backwards {
             self.rows.iter_mut().rev().for_each(&mut visit);
@@ -145,37 +216,35 @@ impl BatchBounds {
     /// Keeps the multipliers for rows that are built anew.
     pub(crate) fn keep_impulses(&mut self) {
         for bound in &self.rows {
-            self.entries[bound.entry as usize].impulses[bound.row.id as usize] = bound.row.impulse;
+            self.entries[bound.entry as usize].impulses[bound.side] = bound.impulse;
         }
     }
 
     /// Adds the substep's multipliers to the bounds' loads.
     pub(crate) fn add_loads(&mut self) {
         for bound in &self.rows {
-            self.entries[bound.entry as usize].far_sum += bound.row.jacobian.linear * bound.row.impulse;
+            self.entries[bound.entry as usize].far_sum += bound.gradient.linear * bound.impulse;
         }
     }
 
-    /// One sweep of position rows over the bounds that acted in this substep, at the poses of now.
-    pub(crate) fn project(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
-        for bound in &self.rows {
-            let entry = &self.entries[bound.entry as usize];
-            let span = entry.span(now(motions, entry.near), now(motions, entry.far));
+    /// One sweep of position rows over the rigid bounds that acted in this substep, at the poses of now.
+    pub(crate) fn project(&self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
+        for row in self.rows.iter().filter(|row| row.gamma == 0.0) {
+            let entry = &self.entries[row.entry as usize];
+            let span = entry.span(now(motions, row.near), now(motions, row.far));
             let length = span.gap.length();
-            let is_upper = bound.row.id as usize == UPPER;
-            let error = if is_upper { entry.upper - length } else { length - entry.lower };
+            let (error, gradient) = match row.side {
+                UPPER => (entry.upper - length, span.along().reversed()),
+                _ => (length - entry.lower, span.along()),
+            };
             if error >= 0.0 {
                 continue;
             }
-            let along = span.along();
-            let (jacobian, softness) = if is_upper { (along.reversed(), entry.upper_give) } else { (along, entry.lower_give) };
-            let [mut near, mut far] = [entry.near, entry.far].map(|slot| velocities[slot as usize].at_rest());
-            let error = Error1 { start: error, predicted: error };
-            let give = Give::new(softness, Phase::Position { h });
-            let mut row = ScalarRow::new([&near, &far], jacobian, Demand::AtLeast(error), give, bound.row.id, 0.0);
-            row.solve(&mut near, &mut far);
-            motions[entry.near as usize].displace(near.linear, near.angular);
-            motions[entry.far as usize].displace(far.linear, far.angular);
+            let [mut near, mut far] = [row.near, row.far].map(|slot| velocities[slot as usize].at_rest());
+            let row = BoundRow::new(row.entry, row.side, (row.near, row.far), gradient, [&near, &far]);
+            row.push(-row.mass * error.max(-MAX_RECOVERY_SPEED * h), &mut near, &mut far);
+            motions[row.near as usize].displace(near.linear, near.angular);
+            motions[row.far as usize].displace(far.linear, far.angular);
         }
     }
 }
@@ -187,19 +256,26 @@ fn on_pair(velocities: &mut [BodyVelocity], bound: &BoundRow, act: impl FnOnce(&
     velocities[bound.far as usize] = far;
 }
 
-fn now(motions: &[BodyMotion], slot: u32) -> (Vec3, Quat) {
+/// Where a body is: its displacement since the start of the step (m) and its rotation.
+pub(crate) type Place = (Vec3, Quat);
+
+pub(crate) fn now(motions: &[BodyMotion], slot: u32) -> Place {
     (motions[slot as usize].displacement, motions[slot as usize].rotation)
 }
 
+pub(crate) fn rounded((displacement, rotation): Stance) -> Place {
+    (displacement.as_vec3(), rotation.as_quat())
+}
+
 impl BoundEntry {
-    fn span(&self, near: (Vec3, Quat), far: (Vec3, Quat)) -> Span {
+    fn span(&self, near: Place, far: Place) -> Span {
         let levers = [near.1 * self.local_lever[0], far.1 * self.local_lever[1]];
         Span { levers, gap: self.offset + (far.0 - near.0) + (levers[1] - levers[0]) }
     }
 
     /// Gradient of the distance, taken between start and predicted end by how stiff the tension makes the turning of the bodies,
     /// as joints do.
-    fn gradient(&self, start: &Span, end: &Span, velocities: &[BodyVelocity], h: f32) -> Jacobian {
+    fn gradient(&self, start: &Span, end: &Span, velocities: &[BodyVelocity], h: f32) -> Gradient {
         let tension = self.impulses[UPPER].max(self.impulses[LOWER]);
         let ease = |slot: u32, lever: Vec3| turning_ease(&velocities[slot as usize], lever);
         let stiffness = h * tension * (ease(self.near, start.levers[0]) + ease(self.far, start.levers[1]));
@@ -212,8 +288,8 @@ impl BoundEntry {
 
 impl Span {
     /// Gradient of the distance. Both levers may reach anywhere along the line: the two impulses are on it.
-    fn along(&self) -> Jacobian {
+    fn along(&self) -> Gradient {
         let n = self.gap.normalize_or(Vec3::X);
-        Jacobian { linear: n, angular_a: self.levers[0].cross(n), angular_b: self.levers[1].cross(n) }
+        Gradient { linear: n, angular_near: self.levers[0].cross(n), angular_far: self.levers[1].cross(n) }
     }
 }

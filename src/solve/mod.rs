@@ -12,8 +12,10 @@ pub(crate) mod bound;
 mod color;
 pub(crate) mod contact;
 mod contact_kernels;
+pub(crate) mod direct;
 pub(crate) mod integrate;
 pub(crate) mod joint;
+mod rotation;
 pub(crate) mod state;
 pub(crate) mod taut;
 
@@ -44,9 +46,10 @@ impl Batch {
     /// Moves all bodies of the batch through the step.
     pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
         let h = settings.dt / settings.substeps as f32;
+        self.direct.step(joints, &mut self.velocities, &mut self.motions, settings);
         self.start_contacts(settings.gravity, h);
         for _ in 0..settings.substeps {
-            self.apply_forces(h);
+            self.apply_forces(joints, h);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
             self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, false);
             self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.predicted, h);
@@ -64,16 +67,19 @@ impl Batch {
                 if iteration % 2 == 0 {
                     self.bounds.sweep(&mut self.velocities, false);
                     self.taut.sweep(&mut self.velocities, false);
+                    self.direct.sweep(&mut self.velocities);
                     self.joints.sweep(&mut self.velocities, false);
                     contact_kernels::sweep(&mut self.contacts, &mut self.velocities, false);
                 } else {
                     contact_kernels::sweep(&mut self.contacts, &mut self.velocities, true);
                     self.joints.sweep(&mut self.velocities, true);
+                    self.direct.sweep(&mut self.velocities);
                     self.taut.sweep(&mut self.velocities, true);
                     self.bounds.sweep(&mut self.velocities, true);
                 }
             }
             self.joints.keep_impulses();
+            self.direct.keep_impulses();
             self.joints.add_loads();
             self.bounds.keep_impulses();
             self.bounds.add_loads();
@@ -82,10 +88,11 @@ impl Batch {
             self.bounds.project(&self.velocities, &mut self.motions, h);
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
+            self.direct.settle(joints, &self.velocities, &mut self.motions);
         }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.recover_positions(settings.dt);
-        self.joint_gap = self.joints.worst_gap(joints, &self.motions);
+        self.joint_gap = joint::worst_gap(self.joints.entries.iter().chain(self.direct.entries()), joints, &self.motions);
     }
 
     /// Gives contacts that are born under load their static multipliers.
@@ -95,13 +102,12 @@ impl Batch {
         self.birth = birth;
     }
 
-    fn apply_forces(&mut self, h: f32) {
-        let mut refreshed = false;
+    fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, h: f32) {
         for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
             integrate::apply_forces(velocity, motion, h);
-            refreshed |= motion.refreshed;
         }
-        if refreshed {
+        self.direct.couple(joints, &mut self.velocities, &mut self.motions, h);
+        if self.motions.iter().any(|motion| motion.refreshed) {
             for block in &mut self.contacts {
                 block.refresh_masses(&self.velocities, &self.motions);
             }

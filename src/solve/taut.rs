@@ -20,11 +20,11 @@
 //!
 //! Nothing is carried from substep to substep: what acts across a taut line is small beside what acts along it.
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Vec3};
 
-use super::bound::{BatchBounds, BoundEntry};
+use super::bound::{BatchBounds, BoundEntry, Place, now, rounded};
 use super::integrate::skew;
-use super::joint::rows::Held;
+use super::joint::Stance;
 use super::state::{BodyMotion, BodyVelocity};
 
 /// Lens beyond which a joint is left alone, as a share of the bound: rows are for what is all but straight.
@@ -78,8 +78,6 @@ pub(crate) struct TautRows {
     rows: Vec<TautRow>,
 }
 
-type Place = (Vec3, Quat);
-
 /// Where a joint is, seen from the line between a bound's ends.
 struct Sight {
     levers: [Vec3; 3],
@@ -102,7 +100,7 @@ impl TautRows {
         bounds: &BatchBounds,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
-        predicted: &[Place],
+        predicted: &[Stance],
         h: f32,
     ) {
         let Self { entries, rows } = self;
@@ -112,17 +110,16 @@ impl TautRows {
             if !bound.taut {
                 continue;
             }
-            let Some(end) = entry.sight(bound, |slot| predicted[slot as usize]) else { continue };
-            let start = entry.off_line(bound, |slot| place(motions, slot));
+            let Some(end) = entry.sight(bound, |slot| rounded(predicted[slot as usize])) else { continue };
+            let start = entry.off_line(bound, |slot| now(motions, slot));
             // An error that was there before is left to the position rows.
             let excess = end.off - end.off.clamp_length_max(end.lens.max(start));
             if excess == Vec3::ZERO || excess.length() > NEARLY_STRAIGHT * entry.before {
                 continue;
             }
             let slots = [entry.slot, bound.near, bound.far];
-            let held = Held::Across(end.along);
-            let mass = held.inverse(end.inverse_effective_mass(slots, velocities));
-            let bias = excess / h - held.project(end.rate(slots, velocities));
+            let mass = inverse_across(end.along, end.inverse_effective_mass(slots, velocities));
+            let bias = excess / h - across(end.along, end.rate(slots, velocities));
             let Sight { levers, shares, .. } = end;
             rows.push(TautRow { entry: number as u32, slots, levers, shares, mass, bias, impulse: Vec3::ZERO });
         }
@@ -153,14 +150,14 @@ impl TautRows {
             if !bound.taut {
                 continue;
             }
-            let Some(sight) = entry.sight(bound, |slot| place(motions, slot)) else { continue };
+            let Some(sight) = entry.sight(bound, |slot| now(motions, slot)) else { continue };
             let excess = sight.off - sight.off.clamp_length_max(sight.lens);
             if excess == Vec3::ZERO {
                 continue;
             }
             let slots = [entry.slot, bound.near, bound.far];
             let inverse = sight.inverse_effective_mass(slots, velocities);
-            let change = Held::Across(sight.along).inverse(inverse) * -excess.clamp_length_max(MAX_RECOVERY_SPEED * h);
+            let change = inverse_across(sight.along, inverse) * -excess.clamp_length_max(MAX_RECOVERY_SPEED * h);
             for i in 0..3 {
                 let mut push = velocities[slots[i] as usize].at_rest();
                 let own = change * sight.shares[i];
@@ -171,8 +168,21 @@ impl TautRows {
     }
 }
 
-fn place(motions: &[BodyMotion], slot: u32) -> Place {
-    (motions[slot as usize].displacement, motions[slot as usize].rotation)
+/// The part of `v` across a unit vector.
+fn across(axis: Vec3, v: Vec3) -> Vec3 {
+    v - axis * axis.dot(v)
+}
+
+/// Inverse of `k` on the directions across a unit vector, zero along it.
+fn inverse_across(axis: Vec3, k: Mat3) -> Mat3 {
+    let (u, v) = super::contact::tangents(axis);
+    let (a, b, c) = (u.dot(k * u), u.dot(k * v), v.dot(k * v));
+    let determinant = a * c - b * b;
+    if determinant <= f32::EPSILON * a * c {
+        return Mat3::ZERO;
+    }
+    let outer = |x: Vec3, y: Vec3| Mat3::from_cols(x * y.x, x * y.y, x * y.z);
+    (outer(u, u) * c - (outer(u, v) + outer(v, u)) * b + outer(v, v) * a) * (1.0 / determinant)
 }
 
 impl TautRow {

@@ -14,11 +14,13 @@
 //! | `attachment.rs` | from attachments to what hangs on them (§3.1) |
 //! | `hierarchy.rs` | between bodies that are free (§3.2) |
 //! | `load.rs` | which joints a bound carries load past |
+//! | `support.rs` | which bodies stand on the ground (§3.6) |
 
 pub(crate) mod attachment;
 pub(crate) mod bounds;
 pub(crate) mod graph;
 pub(crate) mod load;
+pub(crate) mod support;
 
 use graph::Graph;
 use load::{LoadPaths, NodeId};

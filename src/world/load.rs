@@ -11,6 +11,7 @@ use crate::collide::pairs::{PairCache, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::{Joint, JointImpulses};
 use crate::long_range::LongRangeDef;
+use crate::settings::Solver;
 use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, ManifoldEnds};
 use crate::solve::bound::BoundEntry;
@@ -34,6 +35,7 @@ struct Records<'a> {
     span: &'a Derived,
     place: &'a [(u32, u32)],
     gravity: Vec3,
+    solver: Solver,
     /// Gap that gravity closes within a substep (m).
     reach: f32,
     /// Ratio of this step's substep to the last one's, by which carried multipliers grow.
@@ -61,6 +63,7 @@ impl World {
             span: &self.long_range.derived,
             place: &self.groups.place,
             gravity: self.def.gravity,
+            solver: self.def.solver,
             reach: self.def.gravity.length() * substep * substep,
             impulse_scale: if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 },
         };
@@ -174,23 +177,36 @@ impl Records<'_> {
                 joint: slot,
                 a: a.slot,
                 b: b.slot,
-                offset: (b.origin - a.origin).as_vec3(),
-                local_lever: [a.lever, b.lever],
-                local_frame: [a.frame, b.frame],
+                offset: b.origin - a.origin,
+                local_lever: [a.lever, b.lever].map(|lever| lever.as_dvec3()),
+                local_frame: [a.frame, b.frame].map(|frame| frame.as_dquat().normalize()),
                 impulses: scaled_joint(&joint.impulses, self.impulse_scale),
                 linear_sum: Vec3::ZERO,
                 angular_sum: Vec3::ZERO,
             });
         }
-        let Batch { joints, coloring, motions, .. } = batch;
+        let Batch { joints, direct, coloring, bodies, velocities, motions, ends, .. } = batch;
+        if self.solver != Solver::GaussSeidel {
+            let contacts = ends.iter().map(|ends| [ends.a, ends.b]);
+            direct.take(&mut joints.entries, self.joints, velocities, motions, contacts, |slot| {
+                self.bodies[bodies[slot as usize]].center
+            });
+        }
         joints.sort_by_color(coloring, motions);
     }
 
     fn fill_bounds(&self, batch: &mut Batch) {
+        if batch.bound_slots.is_empty() {
+            return;
+        }
+        batch.mark_swept();
         for number in 0..batch.bound_slots.len() {
             let slot = batch.bound_slots[number];
             let record = &self.bounds[slot as usize];
             let [near, far] = record.ends.map(|(joint, side)| self.joint_end(batch, &self.joints[joint], side as usize));
+            if !batch.swept[far.slot as usize] {
+                continue;
+            }
             let [upper_give, lower_give] = World::bound_give(self.long_range, record.bound.kind);
             let number = batch.bounds.entries.len() as u32;
             for inner in record.bound.inner.0..record.bound.inner.1 {

@@ -96,7 +96,7 @@ impl World {
 
     fn store_joints(&mut self, number: usize, dt: f32) {
         let Self { batches, joints, events, .. } = self;
-        for entry in &batches[number].joints.entries {
+        for entry in batches[number].joints.entries.iter().chain(batches[number].direct.entries()) {
             let handle = joints.handle_of(entry.joint);
             let joint = &mut joints[entry.joint];
             joint.impulses = entry.impulses;
@@ -119,6 +119,7 @@ impl World {
         body.linear_velocity = Vec3::ZERO;
         body.angular_velocity = Vec3::ZERO;
         body.quarantined = true;
+        self.topology_changed();
         self.events.quarantined.push(self.bodies.handle_of(index));
         self.forget_contacts_of(index);
         self.events.take_edits();
