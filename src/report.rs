@@ -53,6 +53,8 @@ pub struct StepCounts {
     pub colors: u32,
     /// Bodies whose pose changed.
     pub moved: u32,
+    /// Dynamic bodies awake that were held where they are, not solved.
+    pub bodies_held: u32,
 }
 
 /// Errors left at the end of a step.

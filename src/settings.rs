@@ -62,6 +62,8 @@ pub struct WorldDef {
     pub long_range: LongRangeDef,
     /// Approach speed above which contacts rebound (m/s), ≥ 0.
     pub restitution_threshold: f32,
+    /// Whether islands that stand still on supporting contacts are held where they are, until anything touches them.
+    pub hold: bool,
     /// Whether every step ends with the support analysis: which bodies are held up, and by what. Costs nothing if not.
     pub support: bool,
     /// Bodies to reserve memory for.
@@ -81,6 +83,7 @@ impl Default for WorldDef {
             sleep: SleepSettings::default(),
             long_range: LongRangeDef::default(),
             restitution_threshold: 1.0,
+            hold: true,
             support: false,
             body_capacity: 0,
             joint_capacity: 0,

@@ -22,6 +22,7 @@ mod bodies;
 mod contacts;
 mod forces;
 mod group;
+mod hold;
 mod joints;
 mod load;
 mod long_range;
@@ -51,6 +52,7 @@ pub struct World {
 
     long_range: long_range::LongRange,
     groups: group::Groups,
+    hold: hold::Hold,
     batches: Vec<Batch>,
     batch_count: usize,
     events: Events,
@@ -108,6 +110,7 @@ impl World {
             sleeping: SleepingIslands::default(),
             long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
+            hold: hold::Hold::default(),
             batches: Vec::new(),
             batch_count: 0,
             events: Events::default(),
@@ -197,6 +200,7 @@ impl World {
     pub fn set_gravity(&mut self, gravity: glam::Vec3) -> Result<()> {
         self.def.gravity = check::finite_vec("gravity", gravity)?;
         self.wake_all();
+        self.release_all();
         Ok(())
     }
 }

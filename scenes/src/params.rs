@@ -149,7 +149,7 @@ impl Params {
                 match kind {
                     "long_range" => world.long_range.enabled = on,
                     "attachment" => world.long_range.attachment.enabled = on,
-                    "support" => world.support = on,
+                    "support" => (world.support, world.hold) = (on, on),
                     "hierarchy" => world.long_range.hierarchy.enabled = on,
                     _ if on => return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() }),
                     _ => {}

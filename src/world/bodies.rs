@@ -70,6 +70,7 @@ impl World {
         }
         self.forget_contacts_of(index);
         self.forget_joints_of(index);
+        self.bodies[index].history = crate::solve::direct::history::History::NONE;
         self.refresh_boxes(index);
         self.wake_around(index);
         self.note_mover(index);

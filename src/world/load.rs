@@ -15,7 +15,7 @@ use crate::settings::Solver;
 use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, ManifoldEnds};
 use crate::solve::bound::BoundEntry;
-use crate::solve::contact::{ContactImpulses, ContactInput};
+use crate::solve::contact::ContactInput;
 use crate::solve::joint::JointEntry;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::taut::TautEntry;
@@ -53,6 +53,8 @@ impl World {
             restitution_threshold: self.def.restitution_threshold,
         };
         let substep = dt / self.def.substeps as f32;
+        let impulse_scale = if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 };
+        self.scale_held(impulse_scale);
         let records = Records {
             bodies: &self.bodies,
             colliders: &self.colliders,
@@ -65,7 +67,7 @@ impl World {
             gravity: self.def.gravity,
             solver: self.def.solver,
             reach: self.def.gravity.length() * substep * substep,
-            impulse_scale: if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 },
+            impulse_scale,
         };
         let work = |batch: &mut Batch| {
             records.fill(batch);
@@ -161,7 +163,7 @@ impl Records<'_> {
                 separation: carried.geometry.points.map(|point| point.separation),
                 count: carried.geometry.count as usize,
                 material: pair.material,
-                impulses: scaled(&carried.impulses, self.impulse_scale),
+                impulses: carried.impulses.scaled(self.impulse_scale),
             };
             batch.set_contact(number, &input, self.reach);
         }
@@ -189,7 +191,8 @@ impl Records<'_> {
         if self.solver != Solver::GaussSeidel {
             let contacts = ends.iter().map(|ends| [ends.a, ends.b]);
             direct.take(&mut joints.entries, self.joints, velocities, motions, contacts, |slot| {
-                self.bodies[bodies[slot as usize]].center
+                let body = &self.bodies[bodies[slot as usize]];
+                (body.center, body.history)
             });
         }
         joints.sort_by_color(coloring, motions);
@@ -267,15 +270,6 @@ struct JointEnd {
     /// Joint point from there, in the body's frame (m).
     lever: Vec3,
     frame: Quat,
-}
-
-fn scaled(impulses: &ContactImpulses, factor: f32) -> ContactImpulses {
-    ContactImpulses {
-        normal: impulses.normal.map(|lambda| lambda * factor),
-        friction: impulses.friction * factor,
-        twist: impulses.twist * factor,
-        rolling: impulses.rolling * factor,
-    }
 }
 
 fn scaled_joint(impulses: &JointImpulses, factor: f32) -> JointImpulses {

@@ -88,7 +88,7 @@ impl World {
         if long_range.records.is_empty() {
             return;
         }
-        for &body in movers.iter().filter(|&&body| bodies[body].is_dynamic()) {
+        for &body in movers.iter().filter(|&&body| bodies[body].is_dynamic() && !bodies[body].held) {
             let batch = &mut batches[groups.place[body as usize].0 as usize];
             batch.bound_slots.extend_from_slice(long_range.bounds_of(body));
         }

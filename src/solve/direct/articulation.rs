@@ -20,6 +20,7 @@ use glam::{DMat3, DVec3};
 
 use super::body::DirectBody;
 use super::factor::Plan;
+use super::history::{EULER_SHARE, History};
 use super::momentum::Momentum;
 use super::stiffness;
 use super::system::{Coupling, Origin, System, Topology};
@@ -29,6 +30,7 @@ use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
 use crate::solve::joint::rows::{self, Phase, Rate};
 use crate::solve::joint::{JointEntry, Stance};
+use crate::solve::rotation;
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 
 /// Transverse stiffness κ of a joint below which a smooth substep takes its Jacobian at the start, and above which at the predicted
@@ -74,6 +76,23 @@ pub(super) enum Mode {
     Safe,
 }
 
+/// Where joints take their Jacobians.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Taken {
+    /// At the start of the substep, with all the stiffness there is.
+    AtStart,
+    /// At the start or at the predicted end, as the tension of each joint asks.
+    Between,
+    /// At the predicted end.
+    AtEnd,
+}
+
+impl Taken {
+    fn of(mode: Mode) -> Self {
+        if mode == Mode::Safe { Self::AtStart } else { Self::Between }
+    }
+}
+
 /// Bodies and joints that are solved together.
 #[derive(Debug, Default)]
 pub(crate) struct Articulation {
@@ -88,6 +107,9 @@ pub(crate) struct Articulation {
     pub(super) system: System,
     asked: Vec<rows::ScalarRow>,
     pub(super) stiffness: Vec<DMat3>,
+    /// State at the start of the substep.
+    began: Vec<(Stance, Rate)>,
+    pub(super) histories: Vec<History>,
     predicted: Vec<Stance>,
     implicit: Vec<f64>,
     changes: Vec<Rate>,
@@ -128,12 +150,21 @@ impl Articulation {
         self.entries.clear();
         self.bodies.clear();
         self.origins.clear();
+        self.histories.clear();
         self.outcome = Outcome::default();
     }
 
     /// Takes in a body, whose number is returned; the first must be the world.
-    pub(crate) fn enlist(&mut self, slot: u32, origin: DVec3, velocity: &BodyVelocity, motion: &BodyMotion) -> u32 {
+    pub(crate) fn enlist(
+        &mut self,
+        slot: u32,
+        origin: DVec3,
+        history: History,
+        velocity: &BodyVelocity,
+        motion: &BodyMotion,
+    ) -> u32 {
         self.origins.push(origin);
+        self.histories.push(history);
         self.bodies.push(DirectBody::new(slot, velocity, motion));
         self.bodies.len() as u32 - 1
     }
@@ -149,6 +180,7 @@ impl Articulation {
         let unchanged =
             self.links.len() == entries.len() && self.links.iter().zip(&*entries).all(|(old, entry)| *old == link(entry));
         if !unchanged {
+            self.histories.fill(History::NONE);
             self.links.clear();
             self.links.extend(entries.iter().map(link));
             self.hangs = self.links.iter().any(|link| link.moves != [true; 2]);
@@ -158,6 +190,11 @@ impl Articulation {
         let (sum, count) = levers.fold((0.0, 0.0), |(sum, count), length| (sum + length, count + 1.0));
         self.size = if count > 0.0 { sum / count } else { 1.0 };
         self.topology.plan.work > 0
+    }
+
+    /// The last substep of each body that it moves, by slot.
+    pub(crate) fn histories(&self) -> impl Iterator<Item = (u32, &History)> {
+        self.bodies.iter().zip(&self.histories).filter(|(body, _)| body.is_dynamic()).map(|(body, history)| (body.slot, history))
     }
 
     /// Slots of the bodies that it moves.
@@ -215,9 +252,11 @@ impl Articulation {
             if drift <= (TOLERANCE * self.size).max(before) {
                 let error = self.project(joints, drift);
                 self.keep_momentum(momentum);
+                self.note_history(h);
                 return error;
             }
             self.mode = Mode::Safe;
+            self.forget_history();
             self.restore(depth);
         }
         let momentum = self.substep(joints, h, Mode::Safe);
@@ -269,13 +308,15 @@ impl Articulation {
     }
 
     /// Moves the bodies; returns the angular momentum that they should have, where joints alone act on them.
-    fn substep(&mut self, joints: &Pool<Joint, JointId>, h: f64, mode: Mode) -> Option<DVec3> {
-        for ((body, stance), rate) in self.bodies.iter().zip(&self.stances).zip(&mut self.rates) {
-            body.apply_forces(stance, rate, h);
-        }
-        let momentum = self.momentum().map(|momentum| momentum.angular);
+    fn substep(&mut self, joints: &Pool<Joint, JointId>, full: f64, mode: Mode) -> Option<DVec3> {
+        self.began.clear();
+        self.began.extend(self.stances.iter().copied().zip(self.rates.iter().copied()));
+        let second_order = mode == Mode::Smooth && self.has_history(full);
+        let momentum = self.expected_momentum(full);
+        let h = if second_order { self.extrapolate(full) } else { full };
+        self.apply_forces(h);
         self.predict(h, mode);
-        self.find_stiffness(h, mode);
+        self.find_stiffness(h, if second_order { Taken::AtEnd } else { Taken::of(mode) }, h / full);
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let damped = body.respond(&self.stances[i], self.stiffness[i], &self.rates[i]);
             if mode == Mode::Safe {
@@ -286,7 +327,7 @@ impl Articulation {
         self.build_rows(joints, phase);
         self.system.begin(&self.bodies);
         self.system.solve(&self.topology, &self.bodies, &mut self.rates);
-        self.keep_impulses();
+        self.keep_impulses(full / h);
         for ((body, stance), rate) in self.bodies.iter().zip(&mut self.stances).zip(&mut self.rates) {
             body.limit_speed(rate, h);
             let turn = body.turn(stance, rate, h);
@@ -295,6 +336,57 @@ impl Articulation {
             rate.angular = turn.angular;
         }
         momentum
+    }
+
+    fn apply_forces(&mut self, h: f64) {
+        for ((body, stance), rate) in self.bodies.iter().zip(&self.stances).zip(&mut self.rates) {
+            body.apply_forces(stance, rate, h);
+        }
+    }
+
+    /// Whether all bodies came here by a substep of this length.
+    fn has_history(&self, h: f64) -> bool {
+        let mut bodies = self.bodies.iter().zip(&self.histories).zip(&self.rates);
+        bodies.all(|((body, history), rate)| !body.is_dynamic() || history.leads_to(rate, h))
+    }
+
+    /// Puts all bodies where a second-order substep starts; returns the length of its Euler part.
+    fn extrapolate(&mut self, h: f64) -> f64 {
+        for (i, body) in self.bodies.iter().enumerate() {
+            if body.is_dynamic() {
+                (self.stances[i], self.rates[i]) = self.histories[i].extrapolate(&self.stances[i], &self.rates[i]);
+            } else {
+                // A body that is moved by others arrives where a whole substep takes it.
+                self.stances[i].0 += self.rates[i].linear * (h * (1.0 - EULER_SHARE));
+                let turn = self.rates[i].angular * (h * (1.0 - EULER_SHARE));
+                self.stances[i].1 = rotation::rotated(self.stances[i].1, turn);
+            }
+        }
+        h * EULER_SHARE
+    }
+
+    /// Angular momentum at the end of a substep of an articulation that hangs on nothing.
+    fn expected_momentum(&mut self, h: f64) -> Option<DVec3> {
+        if self.hangs {
+            return None;
+        }
+        self.apply_forces(h);
+        let momentum = self.momentum().map(|momentum| momentum.angular);
+        for (rate, (_, began)) in self.rates.iter_mut().zip(&self.began) {
+            *rate = *began;
+        }
+        momentum
+    }
+
+    /// Notes the substep that ends here for the next one.
+    fn note_history(&mut self, h: f64) {
+        for (i, (stance, rate)) in self.began.iter().enumerate() {
+            self.histories[i] = History::of(h, (stance, rate), (&self.stances[i], &self.rates[i]));
+        }
+    }
+
+    fn forget_history(&mut self) {
+        self.histories.fill(History::NONE);
     }
 
     fn keep_momentum(&mut self, expected: Option<DVec3>) {
@@ -322,21 +414,23 @@ impl Articulation {
     }
 
     /// Stiffness of each body from the carried impulses, and with it where each joint takes its Jacobian.
-    pub(super) fn find_stiffness(&mut self, h: f64, mode: Mode) {
+    ///
+    /// `share` is what a substep of this length has of the impulses of a whole one.
+    pub(super) fn find_stiffness(&mut self, h: f64, taken: Taken, share: f64) {
         self.stiffness.clear();
         self.stiffness.resize(self.bodies.len(), DMat3::ZERO);
         self.implicit.clear();
         for (link, entry) in self.links.iter().zip(&self.entries) {
-            let impulse = entry.impulses.point.as_dvec3();
+            let impulse = entry.impulses.point.as_dvec3() * share;
             let levers = [0, 1].map(|side| self.stances[link.bodies[side] as usize].1 * entry.local_lever[side]);
-            let implicit = if mode == Mode::Safe {
+            let implicit = if taken == Taken::AtStart {
                 1.0
             } else {
                 let ease: f64 =
                     [0, 1].map(|side| self.bodies[link.bodies[side] as usize].turning_ease(levers[side])).iter().sum();
                 ((h * impulse.length() * ease - IMPLICIT_RANGE.0) / (IMPLICIT_RANGE.1 - IMPLICIT_RANGE.0)).clamp(0.0, 1.0)
             };
-            self.implicit.push(implicit);
+            self.implicit.push(if taken == Taken::AtEnd { 1.0 } else { implicit });
             if impulse == DVec3::ZERO || implicit == 0.0 {
                 continue;
             }
@@ -348,16 +442,16 @@ impl Articulation {
     }
 
     pub(super) fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
-        let Self { entries, links, rates, stances, predicted, implicit, system, asked, .. } = self;
+        let Self { entries, links, rates, stances, began, predicted, implicit, system, asked, .. } = self;
         let in_place = matches!(phase, Phase::Position { .. });
         system.clear();
         for (number, (link, entry)) in links.iter().zip(&*entries).enumerate() {
             let [a, b] = link.bodies.map(|body| body as usize);
-            let start = entry.placement(stances[a], stances[b]);
             let geometry = if matches!(phase, Phase::Velocity { .. }) {
+                let (stances, start) = (|body: usize| began[body].0, entry.placement(began[a].0, began[b].0));
                 let end = entry.placement(predicted[a], predicted[b]);
                 let between = |body: usize| {
-                    let (from, to) = (stances[body], predicted[body]);
+                    let (from, to) = (stances(body), predicted[body]);
                     (from.0.lerp(to.0, implicit[number]), from.1.lerp(to.1, implicit[number]))
                 };
                 let gradient = match implicit[number] {
@@ -367,7 +461,7 @@ impl Articulation {
                 };
                 JointGeometry { start, predicted: end, gradient }
             } else {
-                JointGeometry::at(start)
+                JointGeometry::at(entry.placement(stances[a], stances[b]))
             };
             asked.clear();
             let mut sink = RowSink {
@@ -387,20 +481,23 @@ impl Articulation {
     }
 
     /// Hands the multipliers back to the joints and adds them to their loads.
-    pub(super) fn keep_impulses(&mut self) {
+    ///
+    /// `scale` is the length of the whole substep over that of the one they were found for.
+    pub(super) fn keep_impulses(&mut self, scale: f64) {
         let Self { entries, system, links, stances, .. } = self;
         for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {
             let (mut point, mut angular) = (DVec3::ZERO, DVec3::ZERO);
             let (mut linear_load, mut angular_load) = (DVec3::ZERO, DVec3::ZERO);
             let lever = stances[link.bodies[1] as usize].1 * entry.local_lever[1];
             for row in &system.rows[node.first as usize..node.last as usize] {
+                let impulse = row.impulse * scale;
                 match row.origin {
-                    Origin::Point(axis) => point += axis * row.impulse,
-                    Origin::Direction(axis) => angular += axis * row.impulse,
+                    Origin::Point(axis) => point += axis * impulse,
+                    Origin::Direction(axis) => angular += axis * impulse,
                     Origin::Scalar(id) => {
-                        entry.impulses.scalar[id as usize] = row.impulse as f32;
-                        linear_load += row.jacobian.linear * row.impulse;
-                        angular_load += (row.jacobian.angular_b - lever.cross(row.jacobian.linear)) * row.impulse;
+                        entry.impulses.scalar[id as usize] = impulse as f32;
+                        linear_load += row.jacobian.linear * impulse;
+                        angular_load += (row.jacobian.angular_b - lever.cross(row.jacobian.linear)) * impulse;
                     }
                 }
             }

@@ -19,12 +19,14 @@ mod articulation;
 mod body;
 mod coupled;
 mod factor;
+pub(crate) mod history;
 mod momentum;
 mod order;
 mod stiffness;
 mod system;
 
 use articulation::Articulation;
+use history::History;
 
 /// Halvings that an articulation may spend in a step.
 const HALVING_BUDGET: u32 = 60;
@@ -58,8 +60,13 @@ impl Direct {
         self.articulations().iter().flat_map(|articulation| &articulation.entries)
     }
 
+    /// The last substep of each body that an articulation moves by itself, by slot.
+    pub(crate) fn histories(&self) -> impl Iterator<Item = (u32, &History)> {
+        self.articulations().iter().filter(|articulation| !articulation.coupled).flat_map(Articulation::histories)
+    }
+
     /// Takes the joints that are solved directly out of `entries`; `contacts` are pairs of slots that touch,
-    /// `origin` is where a slot's body stands (m).
+    /// `record` says where a slot's body stands (m), and its last substep.
     pub(crate) fn take(
         &mut self,
         entries: &mut Vec<JointEntry>,
@@ -67,7 +74,7 @@ impl Direct {
         velocities: &[BodyVelocity],
         motions: &mut [BodyMotion],
         contacts: impl Iterator<Item = [u32; 2]>,
-        origin: impl Fn(u32) -> DVec3,
+        record: impl Fn(u32) -> (DVec3, History),
     ) {
         if entries.is_empty() {
             return;
@@ -95,7 +102,7 @@ impl Direct {
             let group = group_of(&self.group, &entries[start]);
             let end = start + entries[start..].iter().take_while(|entry| group_of(&self.group, entry) == group).count();
             let coupled = group.is_some_and(|group| self.touched[group as usize]);
-            if group.is_none() || !self.admit(&entries[start..end], coupled, joints, velocities, motions, &origin) {
+            if group.is_none() || !self.admit(&entries[start..end], coupled, joints, velocities, motions, &record) {
                 self.left.extend_from_slice(&entries[start..end]);
             }
             start = end;
@@ -138,7 +145,7 @@ impl Direct {
         joints: &Pool<Joint, JointId>,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
-        origin: impl Fn(u32) -> DVec3,
+        record: impl Fn(u32) -> (DVec3, History),
     ) -> bool {
         if self.articulations.len() == self.count {
             self.articulations.push(Articulation::default());
@@ -146,11 +153,18 @@ impl Direct {
         let articulation = &mut self.articulations[self.count];
         articulation.clear();
         articulation.coupled = coupled;
-        articulation.enlist(WORLD_SLOT, DVec3::ZERO, &velocities[WORLD_SLOT as usize], &motions[WORLD_SLOT as usize]);
+        articulation.enlist(
+            WORLD_SLOT,
+            DVec3::ZERO,
+            History::NONE,
+            &velocities[WORLD_SLOT as usize],
+            &motions[WORLD_SLOT as usize],
+        );
         for slot in entries.iter().flat_map(|entry| [entry.a, entry.b]).filter(|&slot| slot != WORLD_SLOT) {
             let local = &mut self.local[slot as usize];
             if local.0 != self.count as u32 {
-                let number = articulation.enlist(slot, origin(slot), &velocities[slot as usize], &motions[slot as usize]);
+                let (origin, history) = record(slot);
+                let number = articulation.enlist(slot, origin, history, &velocities[slot as usize], &motions[slot as usize]);
                 *local = (self.count as u32, number);
             }
         }
@@ -182,7 +196,7 @@ impl Direct {
 
     /// Hands the multipliers of a substep back to the joints.
     pub(crate) fn keep_impulses(&mut self) {
-        self.coupled().for_each(Articulation::keep_impulses);
+        self.coupled().for_each(|articulation| articulation.keep_impulses(1.0));
     }
 
     /// Mends the positions of the articulations that touch what moves.
