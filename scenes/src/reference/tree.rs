@@ -100,7 +100,7 @@ impl BallTree {
             for (index, turning) in self.state.iter_mut().enumerate() {
                 let stages = [k1[index], k2[index], k3[index], k4[index]];
                 for (stage, weight) in stages.into_iter().zip([1.0, 2.0, 2.0, 1.0]) {
-                    turning.rotation = turning.rotation + stage.rotation * (weight * h / 6.0);
+                    turning.rotation += stage.rotation * (weight * h / 6.0);
                     turning.spin += weight * h / 6.0 * stage.spin;
                 }
                 turning.rotation = turning.rotation.normalize();
