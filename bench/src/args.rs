@@ -32,6 +32,9 @@ pub enum Command {
         file: PathBuf,
         /// Folder for the pictures, made if need be
         out_dir: PathBuf,
+        /// Name of the error to show instead of each scene's first
+        #[arg(long)]
+        error: Option<String>,
     },
     /// Runs every row of the stress scene on our engine and prints the table of what held (Markdown)
     StressTable {
