@@ -96,6 +96,10 @@ pub struct Run {
     /// Runs each this many times and prints the one with the smallest median time
     #[arg(long, default_value_t = 1, value_parser = at_least_one)]
     pub repeat: usize,
+    /// Runs each with seeds 1 to this and prints the worst of every error, the number of runs that did not hold, the median of
+    /// the median times and the greatest 99th percentile
+    #[arg(long, value_parser = at_least_one, conflicts_with = "repeat")]
+    pub seeds: Option<usize>,
 }
 
 impl Run {
