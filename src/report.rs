@@ -41,6 +41,12 @@ pub struct StepCounts {
     pub contact_points: u32,
     /// Joints solved.
     pub joints: u32,
+    /// Long-range bounds derived in this step; 0 where no graph of joints has changed.
+    pub bounds_derived: u32,
+    /// Long-range bounds of bodies awake.
+    pub bounds: u32,
+    /// Of those, how many were taut or nearly so.
+    pub bounds_active: u32,
     /// Batches of islands solved independently.
     pub batches: u32,
     /// Greatest number of contact colours in a batch.

@@ -25,6 +25,7 @@ mod group;
 mod hold;
 mod joints;
 mod load;
+mod long_range;
 mod pairs;
 mod query;
 mod read;
@@ -49,6 +50,7 @@ pub struct World {
     movers_sorted: bool,
     sleeping: SleepingIslands,
 
+    long_range: long_range::LongRange,
     groups: group::Groups,
     hold: hold::Hold,
     batches: Vec<Batch>,
@@ -106,6 +108,7 @@ impl World {
             movers: Vec::new(),
             movers_sorted: true,
             sleeping: SleepingIslands::default(),
+            long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
             hold: hold::Hold::default(),
             batches: Vec::new(),
@@ -140,6 +143,8 @@ impl World {
         self.report.timings.narrow_phase = clock.lap();
         self.wake_what_is_touched();
         self.group_islands();
+        self.derive_long_range();
+        self.hand_out_bounds();
         self.report.timings.islands = clock.lap();
         self.solve_batches(dt);
         self.report.timings.solve = clock.lap();

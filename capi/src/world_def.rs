@@ -109,6 +109,7 @@ impl TryFrom<LsWorldDef> for WorldDef {
             support: false,
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
+            ..Self::default()
         })
     }
 }

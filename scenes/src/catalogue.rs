@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn features_of_later_versions_are_refused_by_name() {
-        assert!(problem("pile", &set("long_range", "on")).contains("not available"));
+        assert!(problem("pile", &set("union", "on")).contains("not available"));
         assert_eq!(problem("pile", &set("solver", "direct")), "");
         assert_eq!(problem("pile", &set("long_range", "off")), "");
         assert_eq!(problem("pile", &set("solver", "gs")), "");

@@ -1,12 +1,14 @@
 //! One batch of islands: slots for its bodies, blocks for its contacts, entries for its joints.
 
 use super::birth::Birth;
+use super::bound::BatchBounds;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
 use super::direct::Direct;
 use super::joint::BatchJoints;
 use super::load_pass::LoadPass;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
+use super::taut::TautRows;
 
 /// Slot that stands for a body of the world in this batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -15,17 +17,12 @@ struct Replica {
     slot: u32,
 }
 
-/// Slots of a manifold's bodies, and its number of points.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ManifoldEnds {
-    pub a: u32,
-    pub b: u32,
-    pub points: u8,
-}
-
 /// Groups of manifolds: two for each colour, two for what found none; and the first of those.
 const GROUPS: usize = 2 * MAX_COLORS + 2;
 const ALONE: usize = 2 * MAX_COLORS;
+
+/// Group, and block, of a manifold that an articulation holds.
+const HELD: u32 = u32::MAX;
 
 /// Bodies, contacts and joints solved together.
 #[derive(Debug, Default)]
@@ -42,9 +39,15 @@ pub(crate) struct Batch {
     pub motions: Vec<BodyMotion>,
     pub contacts: Vec<ContactBlock>,
     pub joints: BatchJoints,
+    /// Long-range bounds, by slot in the world's list and as rows.
+    pub bound_slots: Vec<u32>,
+    pub bounds: BatchBounds,
+    pub taut: TautRows,
+    /// Whether a joint of the slot's body is solved by sweeps.
+    pub swept: Vec<bool>,
     pub direct: Direct,
-    /// Slots of each manifold's bodies, and its number of points.
-    pub ends: Vec<ManifoldEnds>,
+    /// All manifolds.
+    pub inputs: Vec<ContactInput>,
     /// Block and lane of each manifold.
     lanes: Vec<(u32, u32)>,
     /// Kinematic bodies that have a slot here, sorted by body.
@@ -75,8 +78,12 @@ impl Batch {
         self.velocities.push(BodyVelocity::FIXED);
         self.motions.clear();
         self.motions.push(BodyMotion::FIXED);
+        self.inputs.clear();
         self.contacts.clear();
         self.joints.clear();
+        self.bound_slots.clear();
+        self.bounds.clear();
+        self.taut.clear();
         self.direct.clear();
         self.lanes.clear();
         self.replicas.clear();
@@ -105,6 +112,16 @@ impl Batch {
         }
     }
 
+    /// Notes whose joints are left to sweeps: bounds are for those.
+    pub(crate) fn mark_swept(&mut self) {
+        self.swept.clear();
+        self.swept.resize(self.velocities.len(), false);
+        for entry in &self.joints.entries {
+            self.swept[entry.a as usize] = true;
+            self.swept[entry.b as usize] = true;
+        }
+    }
+
     /// Slot of a kinematic body, which `state` makes on first use.
     pub(crate) fn replica(&mut self, body: u32, state: impl FnOnce() -> (BodyVelocity, BodyMotion)) -> u32 {
         match self.replicas.binary_search_by_key(&body, |replica| replica.body) {
@@ -120,14 +137,18 @@ impl Batch {
         }
     }
 
-    /// Lays out a block and a lane for every manifold; `ends` gives the slots of each and its number of points.
+    /// Lays out a block and a lane for every manifold that no articulation holds.
     ///
     /// Within a colour, manifolds of one point have blocks of their own, which cost a fraction of those of four.
-    pub(crate) fn color_contacts(&mut self, ends: &[ManifoldEnds]) {
+    pub(crate) fn color_contacts(&mut self) {
         self.coloring.reset(self.velocities.len());
         self.groups.clear();
         let mut counts = [0_u32; GROUPS];
-        for &ManifoldEnds { a, b, points } in ends {
+        for (number, &ContactInput { a, b, count: points, .. }) in self.inputs.iter().enumerate() {
+            if self.direct.holds(number) {
+                self.groups.push(HELD);
+                continue;
+            }
             self.motions[a as usize].constrained = true;
             self.motions[b as usize].constrained = true;
             let end = |slot: u32| (slot, slot != WORLD_SLOT && self.motions[slot as usize].is_dynamic());
@@ -146,27 +167,34 @@ impl Batch {
         self.color_count = counts.chunks(2).filter(|counts| counts.iter().any(|&count| count > 0)).count() as u32;
         self.contacts.resize(blocks as usize, ContactBlock::EMPTY);
         for &group in &self.groups {
+            if group == HELD {
+                self.lanes.push((HELD, 0));
+                continue;
+            }
             let place = &mut next[group as usize];
             self.lanes.push((*place / LANES as u32, *place % LANES as u32));
             *place += if (group as usize) < ALONE { 1 } else { LANES as u32 };
         }
     }
 
-    /// Prepares the rows of the manifold with this number; points closer than `reach` (m) count as touching.
-    pub(crate) fn set_contact(&mut self, number: usize, input: &ContactInput, reach: f32) {
-        let (block, lane) = self.lanes[number];
-        self.contacts[block as usize].set_lane(lane as usize, input, &self.velocities, reach);
+    /// Prepares the rows of all manifolds that have a lane; points closer than `reach` (m) count as touching.
+    pub(crate) fn set_contacts(&mut self, reach: f32) {
+        for (input, &(block, lane)) in self.inputs.iter().zip(&self.lanes).filter(|(_, (block, _))| *block != HELD) {
+            self.contacts[block as usize].set_lane(lane as usize, input, &self.velocities, reach);
+        }
     }
 
     /// Multipliers of the manifold with this number.
     pub(crate) fn contact_impulses(&self, number: usize) -> ContactImpulses {
         let (block, lane) = self.lanes[number];
+        if block == HELD {
+            return self.direct.impulses_of(number);
+        }
         self.contacts[block as usize].impulses(lane as usize)
     }
 
     /// Normal of the manifold with this number.
     pub(crate) fn contact_normal(&self, number: usize) -> glam::Vec3 {
-        let (block, lane) = self.lanes[number];
-        self.contacts[block as usize].normal_of(lane as usize)
+        self.inputs[number].normal
     }
 }

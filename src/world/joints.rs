@@ -33,6 +33,7 @@ impl World {
             }
         }
         self.topology_changed();
+        self.long_range.graph_changed();
         Ok(id)
     }
 
@@ -45,6 +46,7 @@ impl World {
         let bodies = self.joints[slot].bodies;
         self.joints.remove(slot);
         self.topology_changed();
+        self.long_range.graph_changed();
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.retain(|&other| other != joint);
             self.wake_body(index);
@@ -142,6 +144,7 @@ impl World {
     fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
         edit(&mut self.joints[slot].def);
         self.topology_changed();
+        self.long_range.graph_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {
             self.wake_body(index);
         }

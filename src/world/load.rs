@@ -4,17 +4,22 @@ use glam::{DVec3, Quat, Vec3};
 use rayon::prelude::*;
 
 use super::World;
+use super::long_range::BoundRecord;
 use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::{PairCache, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::{Joint, JointImpulses};
+use crate::long_range::LongRangeDef;
 use crate::settings::Solver;
 use crate::solve::StepSettings;
-use crate::solve::batch::{Batch, ManifoldEnds};
+use crate::solve::batch::Batch;
+use crate::solve::bound::BoundEntry;
 use crate::solve::contact::ContactInput;
 use crate::solve::joint::JointEntry;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
+use crate::solve::taut::TautEntry;
+use crate::span::Derived;
 
 /// Relative difference of principal moments below which a body is taken as round.
 const ROUND: f32 = 1.0e-5;
@@ -25,6 +30,9 @@ struct Records<'a> {
     colliders: &'a Pool<Collider, ShapeId>,
     pairs: &'a PairCache,
     joints: &'a Pool<Joint, JointId>,
+    bounds: &'a [BoundRecord],
+    long_range: &'a LongRangeDef,
+    span: &'a Derived,
     place: &'a [(u32, u32)],
     gravity: Vec3,
     solver: Solver,
@@ -52,6 +60,9 @@ impl World {
             colliders: &self.colliders,
             pairs: &self.pairs,
             joints: &self.joints,
+            bounds: &self.long_range.records,
+            long_range: &self.def.long_range,
+            span: &self.long_range.derived,
             place: &self.groups.place,
             gravity: self.def.gravity,
             solver: self.def.solver,
@@ -59,7 +70,7 @@ impl World {
             impulse_scale,
         };
         let work = |batch: &mut Batch| {
-            records.fill(batch);
+            records.fill(batch, &settings);
             batch.solve(records.joints, &settings);
         };
         let batches = &mut self.batches[..self.batch_count];
@@ -73,10 +84,12 @@ impl World {
 }
 
 impl Records<'_> {
-    fn fill(&self, batch: &mut Batch) {
+    fn fill(&self, batch: &mut Batch, settings: &StepSettings) {
         batch.load_bodies(|index| self.body_state(index));
-        self.fill_contacts(batch);
-        self.fill_joints(batch);
+        self.list_contacts(batch);
+        self.list_joints(batch);
+        self.lay_out(batch, settings);
+        self.fill_bounds(batch);
     }
 
     fn body_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
@@ -124,19 +137,9 @@ impl Records<'_> {
         }
     }
 
-    fn fill_contacts(&self, batch: &mut Batch) {
-        let mut ends = std::mem::take(&mut batch.ends);
-        ends.clear();
+    fn list_contacts(&self, batch: &mut Batch) {
+        let mut inputs = std::mem::take(&mut batch.inputs);
         for number in 0..batch.manifolds.len() {
-            let (slot, manifold) = batch.manifolds[number];
-            let pair = self.pairs.get(slot);
-            let (a, b) = pair.key.shapes();
-            let points = pair.manifolds[manifold as usize].geometry.count;
-            let (a, b) = (self.slot(batch, self.colliders[a].body), self.slot(batch, self.colliders[b].body));
-            ends.push(ManifoldEnds { a, b, points });
-        }
-        batch.color_contacts(&ends);
-        for (number, ends) in ends.iter().enumerate() {
             let (slot, manifold) = batch.manifolds[number];
             let pair = self.pairs.get(slot);
             let carried = &pair.manifolds[manifold as usize];
@@ -144,9 +147,9 @@ impl Records<'_> {
             let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
             let bodies = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
             let world = WorldManifold::new(&carried.geometry, (shape_a, bodies.0), (shape_b, bodies.1));
-            let input = ContactInput {
-                a: ends.a,
-                b: ends.b,
+            inputs.push(ContactInput {
+                a: self.slot(batch, shape_a.body),
+                b: self.slot(batch, shape_b.body),
                 normal: world.normal,
                 lever_a: world.lever_a,
                 lever_b: world.lever_b,
@@ -154,13 +157,12 @@ impl Records<'_> {
                 count: carried.geometry.count as usize,
                 material: pair.material,
                 impulses: carried.impulses.scaled(self.impulse_scale),
-            };
-            batch.set_contact(number, &input, self.reach);
+            });
         }
-        batch.ends = ends;
+        batch.inputs = inputs;
     }
 
-    fn fill_joints(&self, batch: &mut Batch) {
+    fn list_joints(&self, batch: &mut Batch) {
         for number in 0..batch.joint_slots.len() {
             let slot = batch.joint_slots[number];
             let joint = &self.joints[slot];
@@ -177,15 +179,72 @@ impl Records<'_> {
                 angular_sum: Vec3::ZERO,
             });
         }
-        let Batch { joints, direct, coloring, bodies, velocities, motions, ends, .. } = batch;
-        if self.solver != Solver::GaussSeidel {
-            let contacts = ends.iter().map(|ends| [ends.a, ends.b]);
-            direct.take(&mut joints.entries, self.joints, velocities, motions, contacts, |slot| {
+    }
+
+    /// Moves what the direct solver can move by itself, and lays out rows for the rest.
+    fn lay_out(&self, batch: &mut Batch, settings: &StepSettings) {
+        let Batch { joints, direct, bodies, velocities, motions, inputs, .. } = batch;
+        if self.solver == Solver::GaussSeidel {
+            direct.clear();
+        } else {
+            direct.take(&mut joints.entries, self.joints, velocities, motions, inputs, |slot| {
                 let body = &self.bodies[bodies[slot as usize]];
                 (body.center, body.history)
             });
+            direct.step(self.joints, velocities, motions, inputs, settings);
         }
+        batch.color_contacts();
+        batch.set_contacts(self.reach);
+        let Batch { joints, coloring, motions, .. } = batch;
         joints.sort_by_color(coloring, motions);
+    }
+
+    fn fill_bounds(&self, batch: &mut Batch) {
+        if batch.bound_slots.is_empty() {
+            return;
+        }
+        batch.mark_swept();
+        for number in 0..batch.bound_slots.len() {
+            let slot = batch.bound_slots[number];
+            let record = &self.bounds[slot as usize];
+            let [near, far] = record.ends.map(|(joint, side)| self.joint_end(batch, &self.joints[joint], side as usize));
+            if !batch.swept[far.slot as usize] {
+                continue;
+            }
+            let [upper_give, lower_give] = World::bound_give(self.long_range, record.bound.kind);
+            let number = batch.bounds.entries.len() as u32;
+            for inner in record.bound.inner.0..record.bound.inner.1 {
+                let at = &self.span.inner[inner as usize];
+                let joint = &self.joints[self.span.graph.links[at.end.link as usize].joint];
+                let own = self.joint_end(batch, joint, at.end.side as usize);
+                batch.taut.entries.push(TautEntry {
+                    inner,
+                    bound: number,
+                    slot: own.slot,
+                    offset: (own.origin - near.origin).as_vec3(),
+                    local_lever: own.lever,
+                    before: at.before,
+                    after: at.after,
+                    own_sum: Vec3::ZERO,
+                    far_sum: Vec3::ZERO,
+                });
+            }
+            batch.bounds.entries.push(BoundEntry {
+                bound: slot,
+                near: near.slot,
+                far: far.slot,
+                offset: (far.origin - near.origin).as_vec3(),
+                local_lever: [near.lever, far.lever],
+                upper: record.bound.upper,
+                lower: record.bound.lower,
+                upper_give,
+                lower_give,
+                impulses: record.impulses.map(|impulse| impulse * self.impulse_scale),
+                far_sum: Vec3::ZERO,
+                taut: false,
+                acted: false,
+            });
+        }
     }
 
     fn joint_end(&self, batch: &mut Batch, joint: &Joint, side: usize) -> JointEnd {

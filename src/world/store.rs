@@ -26,6 +26,7 @@ impl World {
             residuals.joint_gap = residuals.joint_gap.max(batch.joint_gap);
             residuals.penetration = residuals.penetration.max(batch.penetration);
         }
+        self.store_bounds(dt);
         for index in std::mem::take(&mut self.broken) {
             self.quarantine(index);
         }

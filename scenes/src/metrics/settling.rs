@@ -29,7 +29,7 @@ impl Metric for Settling {
         if view.step > self.until {
             return;
         }
-        if view.dynamic().any(|body| !(view.engine.linear_velocity(body).length() < Self::SPEED)) {
+        if !view.dynamic().all(|body| view.engine.linear_velocity(body).length() < Self::SPEED) {
             self.settled = view.time;
         }
         if view.step == self.due {
