@@ -106,8 +106,8 @@ impl Metric for Displaced {
             self.before = self.bodies.iter().map(|&body| view.center(body)).collect();
         } else if view.step > self.since && view.at_end() {
             let present = || self.bodies.iter().zip(&self.before).filter(|(body, _)| view.alive[**body]);
-            let farther =
-                |reach: f64| present().filter(|&(&body, before)| !(view.center(body).distance(*before) <= reach)).count();
+            let stayed = |body: usize, before: DVec3, reach: f64| view.center(body).distance(before) <= reach;
+            let farther = |reach: f64| present().filter(|&(&body, before)| !stayed(body, *before, reach)).count();
             self.counts = Some([farther(0.5), farther(0.02)]);
         }
     }
