@@ -41,6 +41,7 @@ mod query;
 mod report;
 mod settings;
 mod shape;
+mod snapshot;
 mod solve;
 mod world;
 

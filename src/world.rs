@@ -30,6 +30,7 @@ mod read;
 mod redefine;
 mod shapes;
 mod sleep;
+mod snapshot;
 mod store;
 
 /// Bodies, shapes and joints that act on each other, and nothing else.
