@@ -8,6 +8,7 @@ use crate::id::{JointId, ShapeId};
 use crate::mass::{Mass, MassProperties};
 use crate::pose::Pose;
 use crate::shape::ShapeDef;
+use crate::solve::direct::history::History;
 
 /// Greatest linear speed of a body (m/s); faster input is refused, faster motion is clamped.
 pub const MAX_LINEAR_SPEED: f32 = 1.0e4;
@@ -168,6 +169,8 @@ pub(crate) struct Body {
     pub shapes: Vec<ShapeId>,
     pub joints: Vec<JointId>,
     pub sleep: SleepState,
+    /// Last substep, for stepping to second order.
+    pub history: History,
     /// Taken out of the simulation because a step gave it a non-finite state.
     pub quarantined: bool,
 }
@@ -209,6 +212,7 @@ impl Body {
             shapes: Vec::new(),
             joints: Vec::new(),
             sleep: SleepState::Awake { quiet_for: 0.0 },
+            history: History::NONE,
             quarantined: false,
         }
     }

@@ -43,6 +43,7 @@ mod settings;
 mod shape;
 mod snapshot;
 mod solve;
+mod span;
 mod world;
 
 pub use body::{BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
@@ -58,4 +59,5 @@ pub use query::{MAX_QUERY_LENGTH, NearestPoint, QueryFilter, Ray, RayHit};
 pub use report::{Contact, ContactPair, ContactPoint, JointOverload, Moved, Residuals, StepCounts, StepReport, StepTimings};
 pub use settings::{MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};
+pub use span::support::verdict::{BodySupport, SupportChange, Verdict};
 pub use world::World;

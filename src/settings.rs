@@ -13,7 +13,7 @@ pub enum Solver {
     Auto,
     /// Sweeps over all rows.
     GaussSeidel,
-    /// One sparse direct solve for each group of joints; not available in this version.
+    /// One sparse direct solve for each group of joints.
     Direct,
 }
 
@@ -59,6 +59,8 @@ pub struct WorldDef {
     pub sleep: SleepSettings,
     /// Approach speed above which contacts rebound (m/s), ≥ 0.
     pub restitution_threshold: f32,
+    /// Whether every step ends with the support analysis: which bodies are held up, and by what. Costs nothing if not.
+    pub support: bool,
     /// Bodies to reserve memory for.
     pub body_capacity: u32,
     /// Joints to reserve memory for.
@@ -75,6 +77,7 @@ impl Default for WorldDef {
             threads: 1,
             sleep: SleepSettings::default(),
             restitution_threshold: 1.0,
+            support: false,
             body_capacity: 0,
             joint_capacity: 0,
         }
@@ -104,9 +107,6 @@ impl WorldDef {
         check::not_negative("sleep.angular_speed", self.sleep.angular_speed)?;
         check::not_negative("sleep.time", self.sleep.time)?;
         check::not_negative("restitution_threshold", self.restitution_threshold)?;
-        if self.solver == Solver::Direct {
-            return Err(Error::new(ErrorKind::Unsupported, "solver", "the direct joint solver is not in this version"));
-        }
         Ok(())
     }
 }

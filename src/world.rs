@@ -32,6 +32,7 @@ mod shapes;
 mod sleep;
 mod snapshot;
 mod store;
+mod support;
 
 /// Bodies, shapes and joints that act on each other, and nothing else.
 pub struct World {
@@ -54,6 +55,8 @@ pub struct World {
     events: Events,
     /// Bodies that this step gave a non-finite state.
     broken: Vec<u32>,
+    /// The support analysis, where the host wants it.
+    support: Option<Box<support::SupportState>>,
     report: StepReport,
     /// Length of the last substep (s), for rescaling multipliers.
     last_substep: f32,
@@ -107,6 +110,7 @@ impl World {
             batch_count: 0,
             events: Events::default(),
             broken: Vec::new(),
+            support: None,
             report: StepReport::default(),
             last_substep: 0.0,
             last_dt: 0.0,
@@ -116,6 +120,7 @@ impl World {
         };
         world.bodies.reserve(def.body_capacity as usize);
         world.joints.reserve(def.joint_capacity as usize);
+        world.set_support(def.support);
         Ok(world)
     }
 
@@ -140,6 +145,7 @@ impl World {
         self.stop_fast_bodies();
         self.report_contacts();
         self.put_quiet_islands_to_sleep(dt);
+        self.judge_support();
         self.list_moved();
         self.report.timings.finish = clock.lap();
         self.report.timings.total = clock.total();

@@ -409,3 +409,43 @@ fn what_an_engine_lacks_is_refused_by_name() {
         assert_eq!(*message, format!("not supported by {name}: a joint with compliance"));
     }
 }
+
+#[test]
+fn a_speed_motor_turns_a_hinge_at_its_speed_with_no_more_than_its_torque() {
+    for name in peers() {
+        for (torque, expected) in [(f32::INFINITY, 1.0), (0.25, 0.5)] {
+            let mut engine = weightless(name, Effort::Default);
+            let inertia = MassProperties {
+                mass: 1.0,
+                center_of_mass: Vec3::ZERO,
+                principal_inertia: Vec3::splat(0.5),
+                inertia_frame: Quat::IDENTITY,
+            };
+            let wheel = dynamic_at(0.0, 0.0, 0.0, ball(0.2)).with_mass(Mass::Properties(inertia));
+            let wheel = engine.add_body(&wheel);
+            let motor = longspan::Motor::Velocity { target: 1.0, max_force: torque };
+            engine.add_joint(&joint(JointKind::Hinge { limits: Limits::NONE, motor }, None, Some(wheel)));
+            // 0.25 N·m on 0.5 kg·m² give half a radian per second in a second.
+            steps(engine.as_mut(), 60);
+            let spin = f64::from(engine.angular_velocity(wheel).x);
+            assert!((spin - expected).abs() <= 0.01, "{name}: {spin:.4} rad/s after 1 s at {torque} N·m, expected {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_swing_limit_is_a_cone_about_the_joint_axis() {
+    for name in peers().filter(|name| *name != "rapier") {
+        for swing_limit in [0.3, 1.0] {
+            let mut engine = scene(name, FINE);
+            let rod = engine.add_body(&dynamic_at(0.5, 0.0, 0.0, cuboid(0.5, 0.05, 0.05)));
+            let kind = JointKind::Spherical { swing_limit, twist_limits: Limits::NONE, motor: Default::default() };
+            let mut ball = joint(kind, None, Some(rod));
+            ball.def.frame_b = Pose::at_xyz(-0.5, 0.0, 0.0);
+            engine.add_joint(&ball);
+            steps(engine.as_mut(), 600);
+            let sunk = (-engine.pose(rod).rotation.mul_vec3(Vec3::X).y).asin();
+            assert!((sunk - swing_limit).abs() <= 0.02, "{name}: rests {sunk:.4} rad below the level, limit {swing_limit} rad");
+        }
+    }
+}

@@ -105,6 +105,7 @@ impl TryFrom<LsWorldDef> for WorldDef {
             threads: def.threads,
             sleep: def.sleep.into(),
             restitution_threshold: def.restitution_threshold,
+            support: false,
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
         })

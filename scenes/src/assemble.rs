@@ -55,6 +55,11 @@ impl Scene {
         def.frame_b = Pose::at(local(&self.bodies[b].pose, &Pose::at(point)).position);
         self.joint(Some(a), Some(b), def)
     }
+
+    /// Joins two bodies by a hinge about `axis` at a point of the world.
+    pub(crate) fn hinge(&mut self, a: usize, b: usize, kind: JointKind, point: DVec3, axis: DVec3) -> usize {
+        self.join(a, b, kind, &Pose::at(point).rotated(x_to(axis)))
+    }
 }
 
 /// `place` in the frame of `body`, carried out in `f64` so that the joint starts closed to the last bit of its own frame.
@@ -89,6 +94,17 @@ mod tests {
     }
 
     #[test]
+    fn a_loop_closer_is_one_body_and_two_joints_more() {
+        for seed in ["1", "2", "3"] {
+            let tree = build("branched_tree", &[("seed".into(), seed.into())]).unwrap();
+            let moving = tree.bodies.len() - 1;
+            assert!((130..170).contains(&moving), "{moving} bodies: 100 rods and their leaves");
+            check("branched_tree", &[("seed", seed)], moving, moving);
+            check("loop_graph", &[("seed", seed)], moving + 25, moving + 50);
+        }
+    }
+
+    #[test]
     fn jointed_scenes_start_closed_with_the_bodies_they_promise() {
         check("rope_bridge", &[], 792, 1132);
         check("rope_bridge", &[("planks", "29"), ("walk", "on")], 7 * 29 + 8 + 1, 302);
@@ -99,5 +115,11 @@ mod tests {
         check("cable_car", &[("cars", "3")], 103, 102);
         check("hinge_loop", &[], 132, 132);
         check("hinge_loop", &[("offset", "off"), ("n", "20")], 20, 20);
+        check("mobile", &[], 126, 126);
+        check("mobile", &[("levels", "2")], 3 * 2 + 4 * 2, 14);
+        check("cantilever", &[], 31, 31);
+        check("arm", &[], 7, 7);
+        check("violent", &[], 101, 101);
+        check("violent", &[("what", "mobile")], 126, 126);
     }
 }

@@ -5,7 +5,8 @@ use longspan::glam::DVec3;
 use crate::params::{Params, SceneError};
 use crate::scene::Scene;
 use crate::{
-    bridge, cable_car, chain, closed_form, free, friction, hinge_loop, idle, impact, masonry, pile, stack, stress, violent,
+    arm, branching, bridge, cable_car, cantilever, chain, closed_form, free, friction, hinge_loop, idle, impact, masonry, pile,
+    stack, stress, violent,
 };
 
 /// A scene that can be built.
@@ -24,6 +25,11 @@ pub const CATALOGUE: &[Entry] = &[
     entry("rope_bridge", "a bridge of planks on ropes, with rails, at rest or walked over", bridge::rope_bridge),
     entry("cable_car", "a cable over two drums with two or three cars", cable_car::cable_car),
     entry("hinge_loop", "a free closed loop of parallel hinges, struck sideways", hinge_loop::hinge_loop),
+    entry("mobile", "bars on bars with heavy boxes at every end", branching::mobile),
+    entry("branched_tree", "a random tree of rods with heavy boxes at its ends, let fall", branching::branched_tree),
+    entry("loop_graph", "a random tree of rods closed to loops, with heavy boxes, let fall", branching::loop_graph),
+    entry("cantilever", "a chain with limited swing and a heavy box, let go from the level", cantilever::cantilever),
+    entry("arm", "an arm of seven servo hinges with a payload", arm::arm),
     entry("heavy_on_light", "nine boxes of 100 kg carry a tenth that is far heavier", stack::heavy_on_light),
     entry("tower", "a ring-shaped tower of stone blocks stands, then is hit", stack::tower),
     entry("column", "equal boxes on one another for a minute", stack::column),
@@ -51,7 +57,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry("resting", "boxes, balls and capsules that lie still, and a hung weight", idle::resting),
     entry("far_origin", "another scene, far from the origin", far_origin),
     entry("idle", "bodies asleep, scenes without joints, scenes without anything static", idle::idle),
-    entry("violent", "thrown chains, random joint graphs, violated limits, deep overlap", violent::violent),
+    entry("violent", "thrown chains, mobiles, trees and joint graphs, violated limits, deep overlap", violent::violent),
     entry("stress", "one kind of abuse and what is promised for it", stress::stress),
 ];
 

@@ -1,11 +1,10 @@
-//! Chains with a weight: hanging, swinging, thrown about.
+//! Chains with a weight: hanging and swinging.
 
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, Geometry, Mass, Pose};
 
-use crate::metrics::{EnergyError, EnergyGrowth, JointGap, LoadError, NotFinite, PeakSpeed, Stretch, TrajectoryError};
+use crate::metrics::{EnergyError, JointGap, LoadError, Stretch, TrajectoryError};
 use crate::params::{Params, SceneError};
-use crate::random::Random;
 use crate::reference::{Link, PlanarChain, SUBSTEPS};
 use crate::scene::{DT, GRAVITY, Scene, cuboid, shape, spherical, start};
 
@@ -106,23 +105,4 @@ fn reference_chain(scene: &Scene, chain: &Chain) -> PlanarChain {
     };
     let links = chain.links.iter().map(|&body| link_of(body, PITCH / 2.0)).chain([link_of(chain.weight, WEIGHT_HALF)]);
     PlanarChain::horizontal(links.collect(), f64::from(GRAVITY))
-}
-
-/// The chain with every link thrown at random: what `violent` starts from.
-pub(crate) fn thrown_chain(scene: &mut Scene, n: usize, ratio: f32, random: &mut Random) -> Result<(), SceneError> {
-    let chain = add_chain(scene, n, ratio, Quat::IDENTITY)?;
-    for &body in &chain.links {
-        scene.bodies[body].linear_velocity = random.vector(10.0);
-        scene.bodies[body].angular_velocity = random.vector(20.0);
-    }
-    Ok(())
-}
-
-/// What every violent scene is judged by: nothing may grow, nothing may stop being a number.
-pub(crate) fn judge_violence(scene: &mut Scene) {
-    scene.judge(EnergyGrowth::default());
-    scene.judge(NotFinite::default());
-    scene.judge(PeakSpeed::default());
-    let after = scene.steps.saturating_sub(300).max(1);
-    scene.judge(JointGap::over_last(after));
 }

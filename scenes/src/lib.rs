@@ -12,9 +12,12 @@
 //! assert_eq!(measurement.steps, 6);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod arm;
 mod assemble;
+mod branching;
 mod bridge;
 mod cable_car;
+mod cantilever;
 mod catalogue;
 mod chain;
 mod closed_form;

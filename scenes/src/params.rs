@@ -139,12 +139,14 @@ impl Params {
         if self.given("solver").is_some() {
             world.solver = match self.word("solver", &["auto", "gs", "direct"])? {
                 "gs" => Solver::GaussSeidel,
-                "direct" => return Err(SceneError::Unavailable { key: "solver".into(), value: "direct".into() }),
+                "direct" => Solver::Direct,
                 _ => Solver::Auto,
             };
         }
         for kind in LONG_RANGE_KINDS {
-            if self.given(kind).is_some() && self.switch(kind, false)? {
+            if kind == "support" && self.given(kind).is_some() {
+                world.support = self.switch(kind, false)?;
+            } else if self.given(kind).is_some() && self.switch(kind, false)? {
                 return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() });
             }
         }

@@ -1,27 +1,55 @@
-//! Starts that no careful user would choose: thrown chains, random joint graphs, limits violated, deep overlap.
+//! Starts that no careful user would choose.
+//!
+//! `chain` (n links of the hanging chain), `mobile` (five levels), `tree` (n rods) and `graph` (n rods and a quarter as many that
+//! close loops), all with heavy boxes of `ratio` kg and,
+//! but for a chain with `touching=on`, without contacts: every body thrown with up to ±10 m/s along each axis and spun with up to
+//! ±20 rad/s about each. Energy may never grow, and all joints must be closed at the end: after five seconds, or at the last step of
+//! a shorter run. `joints`: boxes in joints of every kind, tied at random. `limits`: hinges past their stops. `overlap`: boxes
+//! inside one another.
 
 use longspan::glam::{Quat, Vec3};
-use longspan::{BodyDef, BodyId, JointDef, JointKind, Limits, Mass, Motor, Pose};
+use longspan::{BodyDef, BodyId, BodyKind, JointDef, JointKind, Limits, Mass, Motor, Pose};
 
+use crate::assemble::INTANGIBLE;
+use crate::branching::{add_mobile, add_tree};
 use crate::chain;
-use crate::metrics::HingeOvershoot;
+use crate::metrics::{EnergyGrowth, HingeOvershoot, JointGap, NotFinite, PeakSpeed};
 use crate::params::{Params, SceneError};
 use crate::random::Random;
 use crate::scene::{Scene, about_z, cuboid, floor, spherical, start};
 
+/// Greatest speed along each axis (m/s).
+const SPEED: f32 = 10.0;
+/// Greatest spin about each axis (rad/s).
+const SPIN: f32 = 20.0;
+const MOBILE_LEVELS: usize = 5;
+
 pub(crate) fn violent(params: &mut Params) -> Result<Scene, SceneError> {
-    let what = params.word("what", &["chain", "graph", "limits", "overlap"])?;
-    let n = params.count("n", 10, 2..=1000)?;
+    let what = params.word("what", &["chain", "mobile", "tree", "graph", "joints", "limits", "overlap"])?;
+    let n = match what {
+        "mobile" => 0,
+        "tree" => params.count("n", 500, 2..=10_000)?,
+        "chain" | "graph" => params.count("n", 100, 10..=10_000)?,
+        _ => params.count("n", 10, 2..=1000)?,
+    };
+    let touching = what == "chain" && params.switch("touching", false)?;
     let ratio = params.number("ratio", 100.0, 1.0..=1.0e6)? as f32;
     let mut random = Random::new(params.seed()?);
     let mut scene = start(params, 6.0)?;
+    scene.window = 0..scene.steps;
     match what {
-        "chain" => chain::thrown_chain(&mut scene, n, ratio, &mut random)?,
-        "graph" => random_graph(&mut scene, n, ratio, &mut random)?,
+        "chain" => thrown_chain(&mut scene, n, ratio, touching)?,
+        "mobile" => drop(add_mobile(&mut scene, MOBILE_LEVELS, ratio)?),
+        "tree" => drop(add_tree(&mut scene, n, 0, ratio, &mut random)?),
+        "graph" => drop(add_tree(&mut scene, n, n / 4, ratio, &mut random)?),
+        "joints" => tied_boxes(&mut scene, n, ratio, &mut random)?,
         "limits" => violated_limits(&mut scene, n, &mut random)?,
         _ => deep_overlap(&mut scene, n, &mut random)?,
     }
-    chain::judge_violence(&mut scene);
+    if ["chain", "mobile", "tree", "graph"].contains(&what) {
+        throw(&mut scene, &mut random);
+    }
+    judge(&mut scene);
     if what == "limits" {
         let after = scene.steps / 2;
         scene.judge(HingeOvershoot::since(after));
@@ -29,8 +57,36 @@ pub(crate) fn violent(params: &mut Params) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
+/// The hanging chain; without `touching` its links pass through one another, as those of the trees do.
+fn thrown_chain(scene: &mut Scene, n: usize, ratio: f32, touching: bool) -> Result<(), SceneError> {
+    chain::add_chain(scene, n, ratio, Quat::IDENTITY)?;
+    if !touching {
+        for shape in scene.bodies.iter_mut().flat_map(|body| &mut body.shapes) {
+            shape.filter = INTANGIBLE;
+        }
+    }
+    Ok(())
+}
+
+/// Throws and spins every body that can move.
+fn throw(scene: &mut Scene, random: &mut Random) {
+    for body in scene.bodies.iter_mut().filter(|body| body.kind == BodyKind::Dynamic) {
+        body.linear_velocity = random.vector(SPEED);
+        body.angular_velocity = random.vector(SPIN);
+    }
+}
+
+/// Nothing may grow, nothing may stop being a number, and what was torn must close.
+fn judge(scene: &mut Scene) {
+    scene.judge(EnergyGrowth::default());
+    scene.judge(NotFinite::default());
+    scene.judge(PeakSpeed::default());
+    let after = scene.steps.saturating_sub(300).max(1);
+    scene.judge(JointGap::over_last(after));
+}
+
 /// Boxes thrown about, tied by a random tree and half as many joints more, of every kind; one body hangs from the world.
-fn random_graph(scene: &mut Scene, n: usize, ratio: f32, random: &mut Random) -> Result<(), SceneError> {
+fn tied_boxes(scene: &mut Scene, n: usize, ratio: f32, random: &mut Random) -> Result<(), SceneError> {
     for _ in 0..n {
         let half = Vec3::new(random.between(0.05, 0.3), random.between(0.05, 0.3), random.between(0.05, 0.3));
         let pose = Pose::at(random.vector(2.0).as_dvec3()).rotated(random.rotation());
@@ -39,8 +95,8 @@ fn random_graph(scene: &mut Scene, n: usize, ratio: f32, random: &mut Random) ->
         shape.filter.collides_with = 0;
         let mass = Mass::Total(random.log_between(1.0, ratio.max(1.1)));
         let mut def = BodyDef::dynamic(pose).with_shape(shape).with_mass(mass);
-        def.linear_velocity = random.vector(10.0);
-        def.angular_velocity = random.vector(20.0);
+        def.linear_velocity = random.vector(SPEED);
+        def.angular_velocity = random.vector(SPIN);
         scene.body(def);
     }
     let mut pairs: Vec<(usize, usize)> = (1..n).map(|body| (random.index(body), body)).collect();

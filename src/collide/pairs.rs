@@ -43,6 +43,8 @@ pub(crate) struct Pair {
     pub made_for: Option<(Pose3, f32)>,
     /// Whether the narrow phase made new manifolds in the last step.
     pub updated: bool,
+    /// Counts the manifolds that the slot has had.
+    pub version: u32,
     /// Whether a point may close its separation within the step.
     pub may_touch: bool,
     /// Whether a normal impulse acted in the last step.
@@ -68,6 +70,7 @@ impl Pair {
             manifolds: Vec::with_capacity(1),
             made_for: None,
             updated: false,
+            version: 0,
             may_touch: false,
             in_contact: false,
             active: false,
@@ -82,6 +85,7 @@ impl Pair {
         let relative = Pose3::from_parts(inverse_a * (position_b - position_a).as_vec3(), inverse_a * rotation_b);
         self.updated = !self.still_good(&relative, still + motion, a.least_extent.min(b.least_extent));
         if self.updated {
+            self.version = self.version.wrapping_add(1);
             let margin = still + motion * MARGIN_RESERVE;
             narrow::collide(&a.shape, &b.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
             self.carry_over(&scratch.manifolds);
@@ -95,6 +99,7 @@ impl Pair {
 
     /// Takes note that the two cannot touch in this step.
     pub(crate) fn part(&mut self) {
+        self.version = self.version.wrapping_add(1);
         self.manifolds.clear();
         self.made_for = None;
         self.may_touch = false;
@@ -209,6 +214,8 @@ pub(crate) struct PairCache {
     /// Active pairs in key order.
     active: Vec<(PairKey, u32)>,
     merged: Vec<(PairKey, u32)>,
+    /// Pairs given up so far.
+    releases: u64,
 }
 
 impl PairCache {
@@ -304,13 +311,26 @@ impl PairCache {
         pair.manifolds.clear();
         pair.active = false;
         self.free.push(slot);
+        self.releases += 1;
+    }
+
+    /// Number of pairs given up so far.
+    pub(crate) fn releases(&self) -> u64 {
+        self.releases
+    }
+
+    /// Whether a slot still is that of a pair, active or asleep, that has contacts.
+    pub(crate) fn holds(&self, slot: u32, key: PairKey) -> bool {
+        let pair = &self.pairs[slot as usize];
+        pair.key == key && !pair.manifolds.is_empty()
     }
 
     fn allocate(&mut self, key: PairKey, material: PairMaterial) -> u32 {
         match self.free.pop() {
             Some(slot) => {
-                let manifolds = std::mem::take(&mut self.pairs[slot as usize].manifolds);
-                self.pairs[slot as usize] = Pair { manifolds, ..Pair::new(key, material) };
+                let old = &mut self.pairs[slot as usize];
+                let manifolds = std::mem::take(&mut old.manifolds);
+                self.pairs[slot as usize] = Pair { manifolds, version: old.version.wrapping_add(1), ..Pair::new(key, material) };
                 slot
             }
             None => {

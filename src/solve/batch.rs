@@ -3,6 +3,7 @@
 use super::birth::Birth;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
+use super::direct::Direct;
 use super::joint::BatchJoints;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 
@@ -38,6 +39,7 @@ pub(crate) struct Batch {
     pub motions: Vec<BodyMotion>,
     pub contacts: Vec<ContactBlock>,
     pub joints: BatchJoints,
+    pub direct: Direct,
     /// Slots of each manifold's bodies, and its number of points.
     pub ends: Vec<ManifoldEnds>,
     /// Block and lane of each manifold.
@@ -70,6 +72,7 @@ impl Batch {
         self.motions.push(BodyMotion::FIXED);
         self.contacts.clear();
         self.joints.clear();
+        self.direct.clear();
         self.lanes.clear();
         self.replicas.clear();
         self.color_count = 0;

@@ -11,8 +11,10 @@ mod birth;
 mod color;
 pub(crate) mod contact;
 mod contact_kernels;
+pub(crate) mod direct;
 pub(crate) mod integrate;
 pub(crate) mod joint;
+mod rotation;
 pub(crate) mod state;
 
 use batch::Batch;
@@ -42,9 +44,10 @@ impl Batch {
     /// Moves all bodies of the batch through the step.
     pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
         let h = settings.dt / settings.substeps as f32;
+        self.direct.step(joints, &mut self.velocities, &mut self.motions, settings);
         self.start_contacts(settings.gravity, h);
         for _ in 0..settings.substeps {
-            self.apply_forces(h);
+            self.apply_forces(joints, h);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
             self.joints.warm_start(&mut self.velocities);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
@@ -54,21 +57,25 @@ impl Batch {
                     self.joints.prepare(joints, &self.velocities, &self.motions, h);
                 }
                 if iteration % 2 == 0 {
+                    self.direct.sweep(&mut self.velocities);
                     self.joints.sweep(&mut self.velocities, false);
                     contact_kernels::sweep(&mut self.contacts, &mut self.velocities, false);
                 } else {
                     contact_kernels::sweep(&mut self.contacts, &mut self.velocities, true);
                     self.joints.sweep(&mut self.velocities, true);
+                    self.direct.sweep(&mut self.velocities);
                 }
             }
             self.joints.keep_impulses();
+            self.direct.keep_impulses();
             self.joints.add_loads();
             self.advance(h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
+            self.direct.settle(joints, &self.velocities, &mut self.motions);
         }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.recover_positions(settings.dt);
-        self.joint_gap = self.joints.worst_gap(joints, &self.motions);
+        self.joint_gap = joint::worst_gap(self.joints.entries.iter().chain(self.direct.entries()), joints, &self.motions);
     }
 
     /// Gives contacts that are born under load their static multipliers.
@@ -78,13 +85,12 @@ impl Batch {
         self.birth = birth;
     }
 
-    fn apply_forces(&mut self, h: f32) {
-        let mut refreshed = false;
+    fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, h: f32) {
         for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
             integrate::apply_forces(velocity, motion, h);
-            refreshed |= motion.refreshed;
         }
-        if refreshed {
+        self.direct.couple(joints, &mut self.velocities, &mut self.motions, h);
+        if self.motions.iter().any(|motion| motion.refreshed) {
             for block in &mut self.contacts {
                 block.refresh_masses(&self.velocities, &self.motions);
             }

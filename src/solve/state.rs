@@ -4,6 +4,8 @@
 
 use glam::{Mat3, Quat, Vec3};
 
+use super::rotation::Top;
+
 /// Slot of everything static.
 pub(crate) const WORLD_SLOT: u32 = 0;
 
@@ -94,6 +96,8 @@ pub(crate) struct BodyMotion {
     pub kind: MotionKind,
     /// Whether joint rows need the predicted pose of this body.
     pub jointed: bool,
+    /// Whether its articulation moves this body through the whole step.
+    pub direct: bool,
     /// Whether any row acts on this body.
     pub constrained: bool,
     /// Whether the world inertia was formed anew in this substep.
@@ -128,6 +132,7 @@ impl BodyMotion {
         turn_at_refresh: Vec3::ZERO,
         kind: MotionKind::Fixed,
         jointed: false,
+        direct: false,
         constrained: false,
         refreshed: false,
     };
@@ -141,6 +146,16 @@ impl BodyMotion {
         self.displacement += displacement;
         self.turn += turn;
         self.rotation = super::integrate::rotated(self.rotation, turn);
+    }
+
+    /// What decides how the body tumbles.
+    pub(crate) fn top(&self) -> Top {
+        Top {
+            inertia: self.inertia.as_dvec3(),
+            frame: self.inertia_frame.as_dquat().normalize(),
+            free: self.free_rotation.as_dvec3(),
+            round: self.kind == MotionKind::Round,
+        }
     }
 
     pub(crate) fn is_dynamic(&self) -> bool {

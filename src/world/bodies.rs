@@ -27,6 +27,7 @@ impl World {
             self.add_collider(index, shape)?;
         }
         self.note_mover(index);
+        self.topology_changed();
         Ok(id)
     }
 
@@ -45,6 +46,7 @@ impl World {
             let slot = self.colliders.find(shape)?;
             self.remove_collider(slot);
         }
+        self.forget_support(index);
         self.bodies.remove(index);
         self.movers_sorted = false;
         self.settle_movers();
@@ -63,9 +65,12 @@ impl World {
         let record = &mut self.bodies[index];
         record.set_pose(pose);
         record.target = None;
-        record.quarantined = false;
+        if std::mem::take(&mut record.quarantined) {
+            self.topology_changed();
+        }
         self.forget_contacts_of(index);
         self.forget_joints_of(index);
+        self.bodies[index].history = crate::solve::direct::history::History::NONE;
         self.refresh_boxes(index);
         self.wake_around(index);
         self.note_mover(index);
@@ -205,7 +210,9 @@ impl World {
         let index = self.bodies.find(body)?;
         let record = &mut self.bodies[index];
         record.driven = false;
-        record.quarantined = false;
+        if std::mem::take(&mut record.quarantined) {
+            self.topology_changed();
+        }
         self.wake_body(index);
         self.note_mover(index);
         Ok(())
@@ -268,6 +275,7 @@ impl World {
                 self.colliders[shape].center_moved(center);
             }
         }
+        self.center_changed(index);
         self.wake_body(index);
     }
 }

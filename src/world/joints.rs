@@ -32,6 +32,7 @@ impl World {
                 self.forget_contacts_of(index);
             }
         }
+        self.topology_changed();
         Ok(id)
     }
 
@@ -43,6 +44,7 @@ impl World {
         let slot = self.joints.find_to_destroy(joint)?;
         let bodies = self.joints[slot].bodies;
         self.joints.remove(slot);
+        self.topology_changed();
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.retain(|&other| other != joint);
             self.wake_body(index);
@@ -108,17 +110,20 @@ impl World {
         let joint = &self.joints[self.joints.find(joint)?];
         let ([a, b], [velocity_a, velocity_b]) =
             ([self.end(joint, 0), self.end(joint, 1)], [self.velocity(joint, 0), self.velocity(joint, 1)]);
-        let offset = (b.origin - a.origin).as_vec3();
-        let placement = placement_of(offset, [a.lever, b.lever], [a.frame, b.frame]);
+        let levers = [a.lever, b.lever].map(|lever| lever.as_dvec3());
+        let frames = [a.frame, b.frame].map(|frame| frame.as_dquat().normalize());
+        let placement = placement_of(b.origin - a.origin, levers, frames);
         let (position, axis) = coordinate(&joint.def.kind, &placement);
+        let axis = axis.as_vec3();
         let angular_rate = (velocity_b.1 - velocity_a.1).dot(axis);
-        let point_rate = velocity_b.0 + velocity_b.1.cross(b.lever) - velocity_a.0 - velocity_a.1.cross(a.lever + placement.gap);
+        let point_rate =
+            velocity_b.0 + velocity_b.1.cross(b.lever) - velocity_a.0 - velocity_a.1.cross(a.lever + placement.gap.as_vec3());
         Ok(JointState {
-            position,
+            position: position as f32,
             velocity: if matches!(joint.def.kind, JointKind::Hinge { .. }) { angular_rate } else { point_rate.dot(axis) },
             force: joint.force,
             torque: joint.torque,
-            gap: gap_of(&joint.def.kind, &placement),
+            gap: gap_of(&joint.def.kind, &placement) as f32,
         })
     }
 
@@ -136,6 +141,7 @@ impl World {
 
     fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
         edit(&mut self.joints[slot].def);
+        self.topology_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {
             self.wake_body(index);
         }

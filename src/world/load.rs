@@ -9,6 +9,7 @@ use crate::collide::collider::Collider;
 use crate::collide::pairs::{PairCache, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::{Joint, JointImpulses};
+use crate::settings::Solver;
 use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, ManifoldEnds};
 use crate::solve::contact::{ContactImpulses, ContactInput};
@@ -26,6 +27,7 @@ struct Records<'a> {
     joints: &'a Pool<Joint, JointId>,
     place: &'a [(u32, u32)],
     gravity: Vec3,
+    solver: Solver,
     /// Gap that gravity closes within a substep (m).
     reach: f32,
     /// Ratio of this step's substep to the last one's, by which carried multipliers grow.
@@ -50,6 +52,7 @@ impl World {
             joints: &self.joints,
             place: &self.groups.place,
             gravity: self.def.gravity,
+            solver: self.def.solver,
             reach: self.def.gravity.length() * substep * substep,
             impulse_scale: if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 },
         };
@@ -162,15 +165,22 @@ impl Records<'_> {
                 joint: slot,
                 a: a.slot,
                 b: b.slot,
-                offset: (b.origin - a.origin).as_vec3(),
-                local_lever: [a.lever, b.lever],
-                local_frame: [a.frame, b.frame],
+                offset: b.origin - a.origin,
+                local_lever: [a.lever, b.lever].map(|lever| lever.as_dvec3()),
+                local_frame: [a.frame, b.frame].map(|frame| frame.as_dquat().normalize()),
                 impulses: scaled_joint(&joint.impulses, self.impulse_scale),
                 linear_sum: Vec3::ZERO,
                 angular_sum: Vec3::ZERO,
             });
         }
-        let Batch { joints, coloring, motions, .. } = batch;
+        let Batch { joints, direct, coloring, bodies, velocities, motions, ends, .. } = batch;
+        if self.solver != Solver::GaussSeidel {
+            let contacts = ends.iter().map(|ends| [ends.a, ends.b]);
+            direct.take(&mut joints.entries, self.joints, velocities, motions, contacts, |slot| {
+                let body = &self.bodies[bodies[slot as usize]];
+                (body.center, body.history)
+            });
+        }
         joints.sort_by_color(coloring, motions);
     }
 

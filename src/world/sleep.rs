@@ -182,6 +182,9 @@ impl World {
             // Between two sleeping islands: found again when either wakes.
             Fate::Drop
         });
+        if let Some(support) = &mut self.support {
+            support.fell_asleep.extend_from_slice(&kept);
+        }
         self.sleeping.set_pairs(number, kept);
         self.movers_sorted = false;
     }

@@ -7,6 +7,7 @@ use super::pairs::contact_pair;
 use crate::body::BodyKind;
 use crate::collide::sweep::{self, PathStart};
 use crate::report::{JointOverload, Moved};
+use crate::solve::direct::history::History;
 
 /// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
 const ROTATION_TOLERANCE: f32 = 1.0e-3;
@@ -62,11 +63,15 @@ impl World {
             body.rotation = motion.rotation;
             body.linear_velocity = velocity.linear;
             body.angular_velocity = velocity.angular;
+            body.history = History::NONE;
             for &id in &body.shapes {
                 if let Ok(shape) = self.colliders.find(id) {
                     self.colliders[shape].follow(body);
                 }
             }
+        }
+        for (slot, history) in batch.direct.histories() {
+            self.bodies[batch.bodies[slot as usize]].history = *history;
         }
         self.broken.append(&mut broken);
         self.scratch.slots = broken;
@@ -95,7 +100,7 @@ impl World {
 
     fn store_joints(&mut self, number: usize, dt: f32) {
         let Self { batches, joints, events, .. } = self;
-        for entry in &batches[number].joints.entries {
+        for entry in batches[number].joints.entries.iter().chain(batches[number].direct.entries()) {
             let handle = joints.handle_of(entry.joint);
             let joint = &mut joints[entry.joint];
             joint.impulses = entry.impulses;
@@ -118,6 +123,7 @@ impl World {
         body.linear_velocity = Vec3::ZERO;
         body.angular_velocity = Vec3::ZERO;
         body.quarantined = true;
+        self.topology_changed();
         self.events.quarantined.push(self.bodies.handle_of(index));
         self.forget_contacts_of(index);
         self.events.take_edits();

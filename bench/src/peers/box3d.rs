@@ -304,17 +304,23 @@ fn create_joint(world: ffi::b3WorldId, a: ffi::b3BodyId, b: ffi::b3BodyId, def: 
                 set_base(&mut joint.base, a, b, def, Quat::IDENTITY);
                 ffi::b3CreateWeldJoint(world, &joint)
             }
-            JointKind::Hinge { limits, .. } => {
+            JointKind::Hinge { limits, motor } => {
                 let mut joint = ffi::b3DefaultRevoluteJointDef();
                 set_base(&mut joint.base, a, b, def, z_to_x());
                 if let Some([lower, upper]) = checks::finite_limits(limits, MAX_STOP) {
                     (joint.enableLimit, joint.lowerAngle, joint.upperAngle) = (true, lower, upper);
                 }
+                if let Some([speed, most]) = checks::speed_motor(motor) {
+                    (joint.enableMotor, joint.motorSpeed, joint.maxMotorTorque) = (true, speed, most);
+                }
                 ffi::b3CreateRevoluteJoint(world, &joint)
             }
-            JointKind::Spherical { .. } => {
+            JointKind::Spherical { swing_limit, .. } => {
                 let mut joint = ffi::b3DefaultSphericalJointDef();
-                set_base(&mut joint.base, a, b, def, Quat::IDENTITY);
+                set_base(&mut joint.base, a, b, def, z_to_x());
+                if let Some(swing) = checks::swing(swing_limit) {
+                    (joint.enableConeLimit, joint.coneAngle) = (true, swing);
+                }
                 ffi::b3CreateSphericalJoint(world, &joint)
             }
             JointKind::Prismatic { limits, .. } => {
@@ -342,7 +348,7 @@ fn create_joint(world: ffi::b3WorldId, a: ffi::b3BodyId, b: ffi::b3BodyId, def: 
     }
 }
 
-/// The rotation that takes z, the axis of Box3D's hinge, to x, that of ours.
+/// The rotation that takes z, the axis of Box3D's hinges and cones, to x, that of ours.
 fn z_to_x() -> Quat {
     Quat::from_rotation_arc(Vec3::Z, Vec3::X)
 }

@@ -1,4 +1,4 @@
-//! What no peer adapter translates: refused here, by name, once for all of them.
+//! What no peer adapter translates, refused here by name, once for all of them; and how what they do translate is read.
 
 use longspan::{CombineRule, JointDef, JointKind, Limits, Material, Motor, Softness, SphericalMotor};
 
@@ -14,7 +14,7 @@ pub fn material(engine: &str, material: &Material) {
     }
 }
 
-/// Refuses joints that give, drive or break: no two engines mean the same by them.
+/// Refuses joints that give, pull towards a position or break: no two engines mean the same by them.
 pub fn joint(engine: &str, def: &JointDef) {
     if [def.linear, def.angular, def.limit].iter().any(|softness| *softness != Softness::RIGID) {
         unsupported(engine, "a joint with compliance");
@@ -23,18 +23,17 @@ pub fn joint(engine: &str, def: &JointDef) {
         unsupported(engine, "a joint that reports an overload");
     }
     match def.kind {
-        JointKind::Hinge { motor, .. } | JointKind::Prismatic { motor, .. } | JointKind::Distance { motor, .. }
-            if motor != Motor::Off =>
-        {
-            unsupported(engine, "a joint motor")
+        JointKind::Prismatic { motor, .. } | JointKind::Distance { motor, .. } if motor != Motor::Off => {
+            unsupported(engine, "a motor of a joint other than a hinge")
         }
+        JointKind::Hinge { motor: Motor::Position { .. }, .. } => unsupported(engine, "a position motor"),
         JointKind::Distance { spring_length: Some(_), .. } => unsupported(engine, "a distance joint with a spring"),
-        JointKind::Spherical { swing_limit, twist_limits, motor } => {
+        JointKind::Spherical { twist_limits, motor, .. } => {
             if motor != SphericalMotor::Off {
-                unsupported(engine, "a joint motor");
+                unsupported(engine, "a motor of a joint other than a hinge");
             }
-            if swing_limit < std::f32::consts::PI || twist_limits != Limits::NONE {
-                unsupported(engine, "a spherical joint with limits");
+            if twist_limits != Limits::NONE {
+                unsupported(engine, "a spherical joint with a twist limit");
             }
         }
         JointKind::Generic { .. } => unsupported(engine, "a generic joint"),
@@ -45,4 +44,17 @@ pub fn joint(engine: &str, def: &JointDef) {
 /// Limits with both bounds finite, those that were open moved to `±reach`; `None` if both were open.
 pub fn finite_limits(limits: Limits, reach: f32) -> Option<[f32; 2]> {
     (limits != Limits::NONE).then(|| [limits.min.max(-reach), limits.max.min(reach)])
+}
+
+/// Speed (rad/s) and greatest torque (N·m, finite) of a motor, if there is one.
+pub fn speed_motor(motor: Motor) -> Option<[f32; 2]> {
+    match motor {
+        Motor::Velocity { target, max_force } => Some([target, max_force.min(f32::MAX)]),
+        _ => None,
+    }
+}
+
+/// The greatest swing (rad), if there is one.
+pub fn swing(limit: f32) -> Option<f32> {
+    (limit < std::f32::consts::PI).then_some(limit)
 }

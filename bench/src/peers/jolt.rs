@@ -263,10 +263,18 @@ fn part_shape(place: LocalPose, geometry: &Geometry) -> OwnedShape {
 
 fn joint_def(a: u32, b: u32, def: &JointDef) -> JoltJointDef {
     checks::joint(NAME, def);
+    let drive = match def.kind {
+        JointKind::Hinge { motor, .. } => checks::speed_motor(motor),
+        _ => None,
+    };
+    let [motor_speed, motor_torque] = drive.unwrap_or_default();
     let (kind, limits) = match def.kind {
         JointKind::Fixed => (ffi::JOLT_FIXED, None),
         JointKind::Hinge { limits, .. } => (ffi::JOLT_HINGE, checks::finite_limits(limits, MAX_STOP)),
-        JointKind::Spherical { .. } => (ffi::JOLT_POINT, None),
+        JointKind::Spherical { swing_limit, .. } => match checks::swing(swing_limit) {
+            Some(swing) => (ffi::JOLT_CONE, Some([0.0, swing])),
+            None => (ffi::JOLT_POINT, None),
+        },
         JointKind::Prismatic { limits, .. } => (ffi::JOLT_SLIDER, checks::finite_limits(limits, FAR)),
         JointKind::Distance { limits, .. } => {
             let [min, max] = checks::finite_limits(limits, FAR).unwrap_or([0.0, FAR]);
@@ -287,6 +295,9 @@ fn joint_def(a: u32, b: u32, def: &JointDef) -> JoltJointDef {
         limited: limits.is_some(),
         min,
         max,
+        driven: drive.is_some(),
+        motor_speed,
+        motor_torque,
         collide_connected: def.collide_connected,
     }
 }

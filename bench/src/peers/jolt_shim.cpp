@@ -22,6 +22,7 @@
 #include <Jolt/Physics/Constraints/HingeConstraint.h>
 #include <Jolt/Physics/Constraints/PointConstraint.h>
 #include <Jolt/Physics/Constraints/SliderConstraint.h>
+#include <Jolt/Physics/Constraints/SwingTwistConstraint.h>
 #include <Jolt/Physics/PhysicsSystem.h>
 #include <Jolt/RegisterTypes.h>
 
@@ -196,7 +197,27 @@ TwoBodyConstraint *CreateConstraint(const JoltJointDef &inDef, Body &inA, Body &
 				settings.mLimitsMin = inDef.min;
 				settings.mLimitsMax = inDef.max;
 			}
-			return create(settings);
+			settings.mMotorSettings.SetTorqueLimit(inDef.motor_torque);
+			TwoBodyConstraint *hinge = create(settings);
+			if (inDef.driven)
+			{
+				static_cast<HingeConstraint *>(hinge)->SetTargetAngularVelocity(inDef.motor_speed);
+				static_cast<HingeConstraint *>(hinge)->SetMotorState(EMotorState::Velocity);
+			}
+			return hinge;
+		}
+	case JOLT_CONE:
+		{
+			SwingTwistConstraintSettings settings;
+			using S = SwingTwistConstraintSettings;
+			SetAxes(settings, inDef, &S::mTwistAxis1, &S::mPlaneAxis1, &S::mTwistAxis2, &S::mPlaneAxis2);
+			settings.mSpace = EConstraintSpace::LocalToBodyCOM;
+			settings.mPosition1 = RVec3(point_a);
+			settings.mPosition2 = RVec3(point_b);
+			settings.mNormalHalfConeAngle = settings.mPlaneHalfConeAngle = inDef.max;
+			settings.mTwistMinAngle = -JPH_PI;
+			settings.mTwistMaxAngle = JPH_PI;
+			return settings.Create(inA, inB);
 		}
 	case JOLT_DISTANCE:
 		{

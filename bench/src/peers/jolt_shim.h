@@ -66,7 +66,8 @@ typedef enum JoltJointKind {
 	JOLT_HINGE = 1,     // about x
 	JOLT_POINT = 2,
 	JOLT_DISTANCE = 3,
-	JOLT_SLIDER = 4     // along x
+	JOLT_SLIDER = 4,    // along x
+	JOLT_CONE = 5       // a point whose x axes stay within `max` of each other
 } JoltJointKind;
 
 #define JOLT_GROUND UINT32_MAX // in place of a body: the world itself
@@ -77,6 +78,8 @@ typedef struct JoltJointDef {
 	JoltFrame frame_a, frame_b; // in the frames of the bodies
 	bool limited;
 	float min, max;
+	bool driven; // a hinge at `motor_speed` (rad/s) with at most `motor_torque` (N·m)
+	float motor_speed, motor_torque;
 	bool collide_connected;
 } JoltJointDef;
 

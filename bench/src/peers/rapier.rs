@@ -17,6 +17,8 @@ const NAME: &str = "rapier";
 
 /// Bound (m) that stands for an open one where the other is finite.
 const FAR: f32 = 1.0e6;
+/// Gain (1/s) of a speed motor: so high that its torque limit alone makes it give.
+const SERVO_FACTOR: f32 = 1.0e8;
 
 /// A scene in Rapier.
 pub struct Rapier {
@@ -213,11 +215,16 @@ fn collider(geometry: &Geometry) -> ColliderBuilder {
 
 fn joint_to_rapier(def: &JointDef) -> GenericJoint {
     checks::joint(NAME, def);
+    let mut drive = None;
     let (locked, free) = match def.kind {
         JointKind::Fixed => (JointAxesMask::LOCKED_FIXED_AXES, None),
-        JointKind::Hinge { limits, .. } => {
+        JointKind::Hinge { limits, motor } => {
+            drive = checks::speed_motor(motor);
             let limits = checks::finite_limits(limits, std::f32::consts::PI);
             (JointAxesMask::LOCKED_REVOLUTE_AXES, limits.map(|limits| (JointAxis::AngX, limits)))
+        }
+        JointKind::Spherical { swing_limit, .. } if checks::swing(swing_limit).is_some() => {
+            unsupported(NAME, "a spherical joint with a swing limit")
         }
         JointKind::Spherical { .. } => (JointAxesMask::LOCKED_SPHERICAL_AXES, None),
         JointKind::Prismatic { limits, .. } => {
@@ -239,6 +246,10 @@ fn joint_to_rapier(def: &JointDef) -> GenericJoint {
     }
     if let Some((axis, limits)) = free {
         builder = builder.limits(axis, limits);
+    }
+    if let Some([speed, most]) = drive {
+        let axis = JointAxis::AngX;
+        builder = builder.motor_velocity(axis, speed, SERVO_FACTOR).motor_max_force(axis, most);
     }
     builder.build()
 }

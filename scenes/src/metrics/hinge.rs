@@ -1,11 +1,11 @@
-//! How far hinges turn past their stops.
+//! How far hinges turn and ball joints swing past their stops.
 
 use std::f64::consts::{PI, TAU};
 
-use longspan::JointKind;
-use longspan::glam::DQuat;
+use longspan::glam::{DQuat, DVec3};
+use longspan::{JointKind, Pose};
 
-use super::{Errors, Metric, View, Worst};
+use super::{Errors, Metric, View, Worst, or_infinite};
 
 /// Angle of a hinge in (−π, π], from poses: rotation of B's joint frame against A's about the joint axis (rad).
 pub fn hinge_angle(view: &View, joint: usize) -> f64 {
@@ -56,6 +56,31 @@ impl Metric for HingeOvershoot {
 
     fn report(&self, errors: &mut Errors) {
         errors.extend([("overshoot_deg", self.peak.value()), ("limit_err_deg", self.end.value())]);
+    }
+}
+
+/// `limit_err_deg`: how far any ball joint with a swing limit swings past it, the worst of the run.
+#[derive(Default)]
+pub struct SwingOvershoot {
+    worst: f64,
+}
+
+impl Metric for SwingOvershoot {
+    fn observe(&mut self, view: &View) {
+        for joint in view.joints {
+            let JointKind::Spherical { swing_limit, .. } = joint.def.kind else { continue };
+            let axis = |side: Option<usize>, frame: &Pose| {
+                let turn = side.map_or(DQuat::IDENTITY, |body| view.engine.pose(body).rotation.as_dquat().normalize());
+                turn * (frame.rotation.as_dquat().normalize() * DVec3::X)
+            };
+            let (a, b) = (axis(joint.a, &joint.def.frame_a), axis(joint.b, &joint.def.frame_b));
+            let swing = a.cross(b).length().atan2(a.dot(b));
+            self.worst = self.worst.max(or_infinite((swing - f64::from(swing_limit)).to_degrees()));
+        }
+    }
+
+    fn report(&self, errors: &mut Errors) {
+        errors.push(("limit_err_deg", self.worst));
     }
 }
 

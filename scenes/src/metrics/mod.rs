@@ -13,7 +13,7 @@ mod trajectory;
 
 pub use energy::{AngularMomentumError, EnergyError, EnergyGrowth, LinearMomentumError, energy_of};
 pub use held::Held;
-pub use hinge::{HingeError, HingeOvershoot, hinge_angle};
+pub use hinge::{HingeError, HingeOvershoot, SwingOvershoot, hinge_angle};
 pub use joints::{JointGap, LoadError, Stretch, gap_of};
 pub use motion::{Awake, Displaced, EndSpeeds, Escaped, LockedDrift, Moved, NotFinite, PeakSpeed, PoseSpeed, Stood};
 pub use overlap::Overlap;

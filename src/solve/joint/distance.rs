@@ -1,7 +1,7 @@
 //! Distance joint: C = |p_b − p_a| against a least and a greatest distance, a spring length and a motor.
 //! ∇C = [−u, −r_a×u, u, r_b×u] with u the direction of the gap.
 
-use glam::Vec3;
+use glam::DVec3;
 
 use super::geometry::Placement;
 use super::kinds::{Coordinate, RowSink};
@@ -9,18 +9,18 @@ use super::rows::{Demand, Error1, Give, Jacobian};
 use crate::joint::{Limits, Motor};
 
 /// Gap below which the direction has no meaning and A's joint axis stands in for it (m).
-const MIN_GAP: f32 = 1.0e-6;
+const MIN_GAP: f64 = 1.0e-6;
 
 pub(crate) fn rows(sink: &mut RowSink, limits: Limits, spring_length: Option<f32>, motor: Motor) {
     let g = &sink.geometry.gradient;
     let length = g.gap.length();
-    let direction = if length > MIN_GAP { g.gap / length } else { g.a.frame * Vec3::X };
+    let direction = if length > MIN_GAP { g.gap / length } else { g.a.frame * DVec3::X };
     let jacobian = Jacobian { linear: direction, angular_a: g.a.lever.cross(direction), angular_b: g.b.lever.cross(direction) };
     let distance = Coordinate { jacobian, value: |p: &Placement| p.gap.length(), is_angle: false };
     // No distance is negative: a least distance of zero needs no row.
     let limits = if limits.min <= 0.0 && limits.max > 0.0 { Limits::new(f32::NEG_INFINITY, limits.max) } else { limits };
     sink.limit_and_drive(&distance, limits, motor, 0);
-    if let Some(rest) = spring_length {
+    if let Some(rest) = spring_length.map(f64::from) {
         let error =
             Error1 { start: sink.geometry.start.gap.length() - rest, predicted: sink.geometry.predicted.gap.length() - rest };
         let give = Give::new(sink.def.linear, sink.phase);

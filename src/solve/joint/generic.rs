@@ -4,7 +4,7 @@
 //! A's x axis, ψ about B's z axis, θ about their common normal. The gradient of each angle is the vector of the dual basis, so
 //! that the angles are exact away from θ = ±π/2.
 
-use glam::{Mat3, Vec3};
+use glam::{DMat3, DVec3};
 
 use super::geometry::Placement;
 use super::kinds::{Coordinate, RowSink};
@@ -12,7 +12,7 @@ use super::rows::{Held, Jacobian};
 use crate::joint::{Axis, Limits};
 
 /// Least volume of the basis (cosine of θ) at which the dual basis is formed.
-const MIN_BASIS_VOLUME: f32 = 0.05;
+const MIN_BASIS_VOLUME: f64 = 0.05;
 
 pub(crate) fn rows(sink: &mut RowSink, linear: &[Axis; 3], angular: &[Axis; 3]) {
     let locked = |axes: &[Axis; 3]| axes.iter().all(|axis| axis.limits == Limits::new(0.0, 0.0));
@@ -42,24 +42,24 @@ pub(crate) fn rows(sink: &mut RowSink, linear: &[Axis; 3], angular: &[Axis; 3]) 
 }
 
 /// φ, θ, ψ of R_aᵀ R_b = R_x(φ) R_y(θ) R_z(ψ) (rad).
-pub(crate) fn euler_angles(placement: &Placement) -> Vec3 {
-    let r = Mat3::from_quat(placement.relative_rotation());
-    Vec3::new(
-        libm::atan2f(-r.z_axis.y, r.z_axis.z),
-        libm::asinf(r.z_axis.x.clamp(-1.0, 1.0)),
-        libm::atan2f(-r.y_axis.x, r.x_axis.x),
+pub(crate) fn euler_angles(placement: &Placement) -> DVec3 {
+    let r = DMat3::from_quat(placement.relative_rotation());
+    DVec3::new(
+        libm::atan2(-r.z_axis.y, r.z_axis.z),
+        libm::asin(r.z_axis.x.clamp(-1.0, 1.0)),
+        libm::atan2(-r.y_axis.x, r.x_axis.x),
     )
 }
 
 /// The vectors that pick φ', θ' and ψ' out of the relative angular velocity (world axes).
-fn dual_axes(placement: &Placement) -> Mat3 {
-    let x = placement.a.frame * Vec3::X;
-    let z = placement.b.frame * Vec3::Z;
+fn dual_axes(placement: &Placement) -> DMat3 {
+    let x = placement.a.frame * DVec3::X;
+    let z = placement.b.frame * DVec3::Z;
     let normal = z.cross(x);
     let cosine = normal.length();
     if cosine < MIN_BASIS_VOLUME {
         return placement.axes_a();
     }
     let y = normal / cosine;
-    Mat3::from_cols(y.cross(z) / cosine, y, x.cross(y) / cosine)
+    DMat3::from_cols(y.cross(z) / cosine, y, x.cross(y) / cosine)
 }

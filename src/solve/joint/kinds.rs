@@ -1,15 +1,14 @@
 //! Which rows each kind of joint has; one function a kind, in its own file.
 
-use glam::Vec3;
+use glam::DVec3;
 
 use super::geometry::{JointGeometry, Placement};
-use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, Phase, ScalarRow};
-use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor};
-use crate::solve::state::BodyVelocity;
+use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, Phase, Rate, ScalarRow};
+use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor, SphericalMotor};
 
 /// Rows of one joint for one substep, as its kind asks for them.
 pub(crate) struct RowSink<'a> {
-    pub bodies: [&'a BodyVelocity; 2],
+    pub rates: [Rate; 2],
     pub geometry: &'a JointGeometry,
     pub def: &'a JointDef,
     pub impulses: &'a JointImpulses,
@@ -33,9 +32,31 @@ pub(crate) fn add_rows(sink: &mut RowSink) {
     }
 }
 
+/// Most rows that a joint of this kind, with these limits and motors, can have at once.
+pub(crate) fn most_rows(kind: &JointKind) -> u32 {
+    let stops = |limits: &Limits| {
+        if limits.min == limits.max { 1 } else { u32::from(limits.min.is_finite()) + u32::from(limits.max.is_finite()) }
+    };
+    let driven = |motor: &Motor| u32::from(*motor != Motor::Off);
+    match kind {
+        JointKind::Fixed => 6,
+        JointKind::Hinge { limits, motor } | JointKind::Prismatic { limits, motor } => 5 + stops(limits) + driven(motor),
+        JointKind::Spherical { swing_limit, twist_limits, motor } => {
+            let drive = if *motor == SphericalMotor::Off { 0 } else { 3 };
+            3 + u32::from(*swing_limit < std::f32::consts::PI) + stops(twist_limits) + drive
+        }
+        JointKind::Distance { limits, spring_length, motor } => {
+            stops(limits) + u32::from(spring_length.is_some()) + driven(motor)
+        }
+        JointKind::Generic { linear, angular } => {
+            linear.iter().chain(angular).map(|axis| stops(&axis.limits) + driven(&axis.motor)).sum()
+        }
+    }
+}
+
 /// A coordinate of a joint: its gradient and how to read it off a placement.
 #[derive(Clone, Copy)]
-pub(crate) struct Coordinate<F: Fn(&Placement) -> f32> {
+pub(crate) struct Coordinate<F: Fn(&Placement) -> f64> {
     pub jacobian: Jacobian,
     pub value: F,
     /// Angles wrap at ±π; lengths do not.
@@ -60,20 +81,20 @@ impl RowSink<'_> {
         let error = Error3 { start: seen(&g.start), predicted: seen(&g.predicted) };
         let give = Give::new(self.def.linear, self.phase);
         let levers = [lever_a, lever_b];
-        self.point = Some(BlockRow::point(self.bodies, levers, error, held, give, self.impulses.point));
+        self.point = Some(BlockRow::point(&self.rates, levers, error, held, give, self.impulses.point));
     }
 
     /// Holds the joint frames together about the axes `held`; `error` reads the rotation vector in A's frame.
-    pub(crate) fn hold_directions(&mut self, held: Held, error: impl Fn(&Placement) -> Vec3) {
+    pub(crate) fn hold_directions(&mut self, held: Held, error: impl Fn(&Placement) -> DVec3) {
         let g = self.geometry;
         let in_world = |placement: &Placement| g.gradient.a.frame * error(placement);
         let error = Error3 { start: in_world(&g.start), predicted: in_world(&g.predicted) };
         let give = Give::new(self.def.angular, self.phase);
-        self.direction = Some(BlockRow::direction(self.bodies, error, held, give, self.impulses.angular));
+        self.direction = Some(BlockRow::direction(&self.rates, error, held, give, self.impulses.angular));
     }
 
     /// Adds the stops and the motor of a coordinate; their multipliers are `id`, `id + 1` and `id + 2`.
-    pub(crate) fn limit_and_drive<F: Fn(&Placement) -> f32>(
+    pub(crate) fn limit_and_drive<F: Fn(&Placement) -> f64>(
         &mut self,
         coordinate: &Coordinate<F>,
         limits: Limits,
@@ -87,36 +108,39 @@ impl RowSink<'_> {
         }
         let give = Give::new(self.def.limit, self.phase);
         let jacobian = coordinate.jacobian;
-        if limits.min == limits.max {
-            let error = Error1 { start: start - limits.min, predicted: predicted - limits.min };
+        let (min, max) = (f64::from(limits.min), f64::from(limits.max));
+        if min == max {
+            let error = Error1 { start: start - min, predicted: predicted - min };
             self.scalar(jacobian, Demand::Equal(error), give, id);
         } else {
-            if limits.min.is_finite() {
-                let error = Error1 { start: start - limits.min, predicted: predicted - limits.min };
+            if min.is_finite() {
+                let error = Error1 { start: start - min, predicted: predicted - min };
                 self.scalar(jacobian, Demand::AtLeast(error), give, id);
             }
-            if limits.max.is_finite() {
-                let error = Error1 { start: limits.max - start, predicted: limits.max - predicted };
+            if max.is_finite() {
+                let error = Error1 { start: max - start, predicted: max - predicted };
                 self.scalar(jacobian.reversed(), Demand::AtLeast(error), give, id + 1);
             }
         }
         self.drive(jacobian, start, predicted, limits, motor, id + 2);
     }
 
-    fn drive(&mut self, jacobian: Jacobian, start: f32, predicted: f32, limits: Limits, motor: Motor, id: u8) {
+    fn drive(&mut self, jacobian: Jacobian, start: f64, predicted: f64, limits: Limits, motor: Motor, id: u8) {
         match motor {
             Motor::Off => {}
             Motor::Velocity { target, max_force } => {
                 // A motor that pushed on past the joint's own stop would fight it, without end if its force has none.
                 let h = self.phase.h();
-                let (least, most) = ((limits.min - start).min(0.0) / h, (limits.max - start).max(0.0) / h);
-                let demand = Demand::Speed { target: target.clamp(least, most), max_impulse: max_force * h };
+                let (min, max) = (f64::from(limits.min), f64::from(limits.max));
+                let (least, most) = ((min - start).min(0.0) / h, (max - start).max(0.0) / h);
+                let demand =
+                    Demand::Speed { target: f64::from(target).clamp(least, most), max_impulse: f64::from(max_force) * h };
                 self.scalar(jacobian, demand, Give::rigid(self.phase), id);
             }
             Motor::Position { target, softness, max_force } => {
-                let target = target.clamp(limits.min, limits.max);
+                let target = f64::from(target.clamp(limits.min, limits.max));
                 let error = Error1 { start: start - target, predicted: predicted - target };
-                let demand = Demand::Drive { error, max_impulse: max_force * self.phase.h() };
+                let demand = Demand::Drive { error, max_impulse: f64::from(max_force) * self.phase.h() };
                 self.scalar(jacobian, demand, Give::new(softness, self.phase), id);
             }
         }
@@ -125,11 +149,11 @@ impl RowSink<'_> {
     /// Adds one scalar row whose multiplier is `id`.
     pub(crate) fn scalar(&mut self, jacobian: Jacobian, demand: Demand, give: Give, id: u8) {
         let impulse = self.impulses.scalar[id as usize];
-        self.scalars.push(ScalarRow::new(self.bodies, jacobian, demand, give, id, impulse));
+        self.scalars.push(ScalarRow::new(&self.rates, jacobian, demand, give, id, impulse));
     }
 
     /// Gradient of the component of the gap along `axis`, which is fixed in A's frame.
-    pub(crate) fn along(&self, axis: Vec3) -> Jacobian {
+    pub(crate) fn along(&self, axis: DVec3) -> Jacobian {
         let g = &self.geometry.gradient;
         Jacobian { linear: axis, angular_a: (g.a.lever + g.gap).cross(axis), angular_b: g.b.lever.cross(axis) }
     }

@@ -6,21 +6,23 @@
 //! the predicted pose the same spring is implicit: stable at any tension, at the price of some damping. Each joint blends
 //! between the two by its own κ.
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{DQuat, DVec3, Mat3, Vec3};
 
 mod distance;
 mod fixed;
 mod generic;
-mod geometry;
+pub(crate) mod geometry;
 mod hinge;
-mod kinds;
+pub(crate) mod kinds;
 mod prismatic;
-mod rows;
+pub(crate) mod rows;
 mod spherical;
+mod sweep;
 
 use geometry::{JointGeometry, Placement, Side};
 use kinds::RowSink;
-use rows::{BlockRow, Phase, ScalarRow};
+use rows::{Phase, Rate};
+use sweep::{BlockRow, ScalarRow};
 
 use super::color::{Coloring, MAX_COLORS};
 use super::integrate;
@@ -37,6 +39,9 @@ const SCALAR_PASSES: usize = 3;
 /// Greatest change of angular velocity, over the sum of both bodies', by which angular momentum is given back.
 const MOMENTUM_RETURN_LIMIT: f32 = 0.2;
 
+/// Where a body is: its displacement since the start of the step (m) and its rotation.
+pub(crate) type Stance = (DVec3, DQuat);
+
 /// One joint as its batch holds it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct JointEntry {
@@ -45,11 +50,11 @@ pub(crate) struct JointEntry {
     pub a: u32,
     pub b: u32,
     /// From A's origin to B's at the start of the step (m); the origin is the centre of mass, or the joint point of a fixed side.
-    pub offset: Vec3,
+    pub offset: DVec3,
     /// Joint point from the origin, in the body's frame (m).
-    pub local_lever: [Vec3; 2],
+    pub local_lever: [DVec3; 2],
     /// Joint frame in the body's frame.
-    pub local_frame: [Quat; 2],
+    pub local_frame: [DQuat; 2],
     pub impulses: JointImpulses,
     /// Sums over the substeps of the impulses on B (N·s, N·m·s).
     pub linear_sum: Vec3,
@@ -117,7 +122,9 @@ pub(crate) struct BatchJoints {
     pub entries: Vec<JointEntry>,
     rows: Vec<JointRows>,
     scalars: Vec<ScalarRow>,
-    predicted: Vec<(Vec3, Quat)>,
+    /// What the joint at hand asks in scalar rows.
+    asked: Vec<rows::ScalarRow>,
+    predicted: Vec<Stance>,
     keys: Vec<(u32, u32)>,
     sorted: Vec<JointEntry>,
 }
@@ -149,25 +156,29 @@ impl BatchJoints {
     pub(crate) fn prepare(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
         self.predicted.clear();
         self.predicted.extend(velocities.iter().zip(motions).map(|(velocity, motion)| {
-            if motion.jointed { integrate::predict(velocity, motion, h) } else { (motion.displacement, motion.rotation) }
+            if motion.jointed { stance(integrate::predict(velocity, motion, h)) } else { motion.stance() }
         }));
         self.rows.clear();
         self.scalars.clear();
         for entry in &self.entries {
             let geometry = entry.geometry(velocities, motions, &self.predicted, h);
             let first = self.scalars.len() as u32;
+            let bodies = [&velocities[entry.a as usize], &velocities[entry.b as usize]];
+            self.asked.clear();
             let mut sink = RowSink {
-                bodies: [&velocities[entry.a as usize], &velocities[entry.b as usize]],
+                rates: bodies.map(Rate::of),
                 geometry: &geometry,
                 def: &joints[entry.joint].def,
                 impulses: &entry.impulses,
-                phase: Phase::Velocity { h },
+                phase: Phase::Velocity { h: f64::from(h) },
                 point: None,
                 direction: None,
-                scalars: &mut self.scalars,
+                scalars: &mut self.asked,
             };
             kinds::add_rows(&mut sink);
-            let (point, direction) = (sink.point, sink.direction);
+            let point = sink.point.map(|row| BlockRow::point(&row, bodies));
+            let direction = sink.direction.map(|row| BlockRow::direction(&row, bodies));
+            self.scalars.extend(self.asked.iter().map(|row| ScalarRow::new(row, bodies)));
             self.rows.push(JointRows { a: entry.a, b: entry.b, point, direction, scalars: (first, self.scalars.len() as u32) });
         }
     }
@@ -218,9 +229,8 @@ impl BatchJoints {
             }
             let lever_b = rows.point.as_ref().map(|row| row.lever_b);
             for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
-                let jacobian = &row.jacobian;
-                linear += jacobian.linear * row.impulse;
-                let about_point = jacobian.angular_b - lever_b.map_or(jacobian.angular_b, |lever| lever.cross(jacobian.linear));
+                linear += row.linear * row.impulse;
+                let about_point = row.angular_b - lever_b.map_or(row.angular_b, |lever| lever.cross(row.linear));
                 angular += about_point * row.impulse;
             }
             entry.linear_sum += linear;
@@ -250,44 +260,35 @@ impl BatchJoints {
         h: f32,
     ) {
         for entry in &self.entries {
-            let now = |slot: u32| (motions[slot as usize].displacement, motions[slot as usize].rotation);
+            let now = |slot: u32| motions[slot as usize].stance();
             let placement = entry.placement(now(entry.a), now(entry.b));
             let [mut a, mut b] = [entry.a, entry.b].map(|slot| velocities[slot as usize].at_rest());
-            self.scalars.clear();
+            self.asked.clear();
             let mut sink = RowSink {
-                bodies: [&a, &b],
-                geometry: &JointGeometry { start: placement, predicted: placement, gradient: placement },
+                rates: [Rate::of(&a), Rate::of(&b)],
+                geometry: &JointGeometry::at(placement),
                 def: &joints[entry.joint].def,
                 impulses: &JointImpulses::ZERO,
-                phase: Phase::Position { h },
+                phase: Phase::Position { most: rows::MAX_RECOVERY_SPEED * f64::from(h) },
                 point: None,
                 direction: None,
-                scalars: &mut self.scalars,
+                scalars: &mut self.asked,
             };
             kinds::add_rows(&mut sink);
             let (point, direction) = (sink.point, sink.direction);
-            if let Some(mut row) = direction {
-                row.solve_direction(&mut a, &mut b);
+            if let Some(row) = direction {
+                BlockRow::direction(&row, [&a, &b]).solve_direction(&mut a, &mut b);
             }
-            for row in &mut self.scalars {
-                row.solve(&mut a, &mut b);
+            for row in &self.asked {
+                ScalarRow::new(row, [&a, &b]).solve(&mut a, &mut b);
             }
-            if let Some(mut row) = point {
-                row.solve_point(&mut a, &mut b);
+            if let Some(row) = point {
+                BlockRow::point(&row, [&a, &b]).solve_point(&mut a, &mut b);
             }
             keep_angular_momentum(velocities, motions, [(entry.a as usize, &a), (entry.b as usize, &b)]);
             motions[entry.a as usize].displace(a.linear, a.angular);
             motions[entry.b as usize].displace(b.linear, b.angular);
         }
-    }
-
-    /// Worst distance between joint points beyond what the joints allow (m).
-    pub(crate) fn worst_gap(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion]) -> f32 {
-        let gap = |entry: &JointEntry| {
-            let at = |slot: u32| (motions[slot as usize].displacement, motions[slot as usize].rotation);
-            gap_of(&joints[entry.joint].def.kind, &entry.placement(at(entry.a), at(entry.b)))
-        };
-        self.entries.iter().map(gap).fold(0.0, f32::max)
     }
 }
 
@@ -318,22 +319,34 @@ fn keep_angular_momentum(velocities: &mut [BodyVelocity], motions: &[BodyMotion]
     }
 }
 
+/// A stance in the precision that joint rows are formed in.
+fn stance((displacement, rotation): (Vec3, glam::Quat)) -> Stance {
+    (displacement.as_dvec3(), rotation.as_dquat().normalize())
+}
+
+impl BodyMotion {
+    /// Where the body is, for joint rows.
+    pub(crate) fn stance(&self) -> Stance {
+        stance((self.displacement, self.rotation))
+    }
+}
+
 impl JointEntry {
-    fn placement(&self, a: (Vec3, Quat), b: (Vec3, Quat)) -> Placement {
+    pub(crate) fn placement(&self, a: Stance, b: Stance) -> Placement {
         let side =
-            |rotation: Quat, i: usize| Side { lever: rotation * self.local_lever[i], frame: rotation * self.local_frame[i] };
+            |rotation: DQuat, i: usize| Side { lever: rotation * self.local_lever[i], frame: rotation * self.local_frame[i] };
         let (side_a, side_b) = (side(a.1, 0), side(b.1, 1));
         Placement { a: side_a, b: side_b, gap: self.offset + (b.0 - a.0) + (side_b.lever - side_a.lever) }
     }
 
-    fn geometry(&self, velocities: &[BodyVelocity], motions: &[BodyMotion], predicted: &[(Vec3, Quat)], h: f32) -> JointGeometry {
+    fn geometry(&self, velocities: &[BodyVelocity], motions: &[BodyMotion], predicted: &[Stance], h: f32) -> JointGeometry {
         let (a, b) = (self.a as usize, self.b as usize);
-        let now = |slot: usize| (motions[slot].displacement, motions[slot].rotation);
+        let now = |slot: usize| motions[slot].stance();
         let start = self.placement(now(a), now(b));
         let end = self.placement(predicted[a], predicted[b]);
         let stiffness = h
             * self.impulses.point.length()
-            * (turning_ease(&velocities[a], start.a.lever) + turning_ease(&velocities[b], start.b.lever));
+            * (turning_ease(&velocities[a], start.a.lever.as_vec3()) + turning_ease(&velocities[b], start.b.lever.as_vec3()));
         let implicit = ((stiffness - IMPLICIT_RANGE.0) / (IMPLICIT_RANGE.1 - IMPLICIT_RANGE.0)).clamp(0.0, 1.0);
         let gradient = if implicit == 0.0 {
             start
@@ -342,7 +355,7 @@ impl JointEntry {
         } else {
             let blend = |slot: usize| {
                 let (from, to) = (now(slot), predicted[slot]);
-                (from.0.lerp(to.0, implicit), from.1.lerp(to.1, implicit))
+                (from.0.lerp(to.0, f64::from(implicit)), from.1.lerp(to.1, f64::from(implicit)))
             };
             self.placement(blend(a), blend(b))
         };
@@ -361,36 +374,49 @@ fn turning_ease(body: &BodyVelocity, lever: Vec3) -> f32 {
     length * (xx + yy + zz - axis.dot(body.inverse_inertia.mul(axis)))
 }
 
+/// Worst distance between joint points beyond what the joints allow (m).
+pub(crate) fn worst_gap<'a>(
+    entries: impl Iterator<Item = &'a JointEntry>,
+    joints: &Pool<Joint, JointId>,
+    motions: &[BodyMotion],
+) -> f32 {
+    let gap = |entry: &JointEntry| {
+        let at = |slot: u32| motions[slot as usize].stance();
+        gap_of(&joints[entry.joint].def.kind, &entry.placement(at(entry.a), at(entry.b)))
+    };
+    entries.map(gap).fold(0.0, f64::max) as f32
+}
+
 /// Distance between the joint points beyond what the kind of joint allows (m).
-pub(crate) fn gap_of(kind: &JointKind, placement: &Placement) -> f32 {
-    let beyond = |value: f32, min: f32, max: f32| (min - value).max(value - max).max(0.0);
+pub(crate) fn gap_of(kind: &JointKind, placement: &Placement) -> f64 {
+    let beyond = |value: f64, min: f32, max: f32| (f64::from(min) - value).max(value - f64::from(max)).max(0.0);
     match kind {
         JointKind::Fixed | JointKind::Hinge { .. } | JointKind::Spherical { .. } => placement.gap.length(),
         JointKind::Distance { limits, .. } => beyond(placement.gap.length(), limits.min, limits.max),
         JointKind::Prismatic { limits, .. } => {
             let gap = placement.local_gap();
-            Vec3::new(beyond(gap.x, limits.min, limits.max), gap.y, gap.z).length()
+            DVec3::new(beyond(gap.x, limits.min, limits.max), gap.y, gap.z).length()
         }
         JointKind::Generic { linear, .. } => {
             let gap = placement.local_gap();
-            Vec3::from_array(std::array::from_fn(|i| beyond(gap[i], linear[i].limits.min, linear[i].limits.max))).length()
+            DVec3::from_array(std::array::from_fn(|i| beyond(gap[i], linear[i].limits.min, linear[i].limits.max))).length()
         }
     }
 }
 
 /// Coordinate of the free axis of a joint (rad or m) and its gradient, for read-out.
-pub(crate) fn coordinate(kind: &JointKind, placement: &Placement) -> (f32, Vec3) {
-    let axis = placement.a.frame * Vec3::X;
+pub(crate) fn coordinate(kind: &JointKind, placement: &Placement) -> (f64, DVec3) {
+    let axis = placement.a.frame * DVec3::X;
     match kind {
         JointKind::Hinge { .. } => (placement.twist(), axis),
         JointKind::Prismatic { .. } => (placement.local_gap().x, axis),
         JointKind::Distance { .. } => (placement.gap.length(), placement.gap.normalize_or(axis)),
-        _ => (0.0, Vec3::ZERO),
+        _ => (0.0, DVec3::ZERO),
     }
 }
 
 /// Both joint frames of a joint outside a step.
-pub(crate) fn placement_of(offset: Vec3, levers: [Vec3; 2], frames: [Quat; 2]) -> Placement {
+pub(crate) fn placement_of(offset: DVec3, levers: [DVec3; 2], frames: [DQuat; 2]) -> Placement {
     let [a, b] = [0, 1].map(|i| Side { lever: levers[i], frame: frames[i] });
     Placement { a, b, gap: offset + (levers[1] - levers[0]) }
 }

@@ -4,7 +4,7 @@
 //! Swing: C = limit − acos(a_a·a_b), gradient the unit vector a_a × a_b. Twist: the x part of the swing–twist split of
 //! R_aᵀ R_b; its gradient is (a_a + a_b)/(1 + a_a·a_b), the axis about which twist changes and swing does not.
 
-use glam::Vec3;
+use glam::DVec3;
 
 use super::geometry::Placement;
 use super::kinds::{Coordinate, RowSink};
@@ -12,22 +12,20 @@ use super::rows::{Demand, Error1, Give, Held, Jacobian};
 use crate::joint::{Limits, Motor, SphericalMotor};
 
 /// Swing below which its axis has no meaning; no limit that small is ever reached from there in one substep (rad).
-const MIN_SWING: f32 = 1.0e-4;
+const MIN_SWING: f64 = 1.0e-4;
 
 /// 1 + cos(swing) below which twist has no meaning: the axes are all but opposite.
-const MIN_TWIST_DENOMINATOR: f32 = 1.0e-2;
+const MIN_TWIST_DENOMINATOR: f64 = 1.0e-2;
 
 pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, motor: SphericalMotor) {
     let g = &sink.geometry.gradient;
-    let (axis_a, axis_b) = (g.a.frame * Vec3::X, g.b.frame * Vec3::X);
+    let (axis_a, axis_b) = (g.a.frame * DVec3::X, g.b.frame * DVec3::X);
     if swing_limit < std::f32::consts::PI {
         let across = axis_a.cross(axis_b);
         let sine = across.length();
         if sine > MIN_SWING {
-            let error = Error1 {
-                start: swing_limit - swing(&sink.geometry.start),
-                predicted: swing_limit - swing(&sink.geometry.predicted),
-            };
+            let limit = f64::from(swing_limit);
+            let error = Error1 { start: limit - swing(&sink.geometry.start), predicted: limit - swing(&sink.geometry.predicted) };
             let give = Give::new(sink.def.limit, sink.phase);
             sink.scalar(Jacobian::angular(-across / sine), Demand::AtLeast(error), give, 0);
         }
@@ -42,9 +40,9 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
     sink.hold_points(Held::All);
 }
 
-fn swing(placement: &Placement) -> f32 {
-    let b = placement.relative_rotation() * Vec3::X;
-    libm::atan2f((b.y * b.y + b.z * b.z).sqrt(), b.x)
+fn swing(placement: &Placement) -> f64 {
+    let b = placement.relative_rotation() * DVec3::X;
+    libm::atan2((b.y * b.y + b.z * b.z).sqrt(), b.x)
 }
 
 /// Three rows along the axes of A's joint frame, each with the full torque.
@@ -53,12 +51,15 @@ fn drive(sink: &mut RowSink, motor: SphericalMotor) {
     match motor {
         SphericalMotor::Off => {}
         SphericalMotor::Velocity { target, max_torque } => {
+            let max_impulse = f64::from(max_torque) * sink.phase.h();
             for i in 0..3 {
-                let demand = Demand::Speed { target: target[i], max_impulse: max_torque * sink.phase.h() };
+                let demand = Demand::Speed { target: f64::from(target[i]), max_impulse };
                 sink.scalar(Jacobian::angular(axes.col(i)), demand, Give::rigid(sink.phase), 4 + i as u8);
             }
         }
         SphericalMotor::Position { target, softness, max_torque } => {
+            let max_impulse = f64::from(max_torque) * sink.phase.h();
+            let target = target.as_dquat().normalize();
             let error = |placement: &Placement| {
                 let mut turned = *placement;
                 turned.a.frame = placement.a.frame * target;
@@ -67,7 +68,7 @@ fn drive(sink: &mut RowSink, motor: SphericalMotor) {
             let (start, predicted) = (error(&sink.geometry.start), error(&sink.geometry.predicted));
             for i in 0..3 {
                 let error = Error1 { start: start[i], predicted: predicted[i] };
-                let demand = Demand::Drive { error, max_impulse: max_torque * sink.phase.h() };
+                let demand = Demand::Drive { error, max_impulse };
                 sink.scalar(Jacobian::angular(axes.col(i)), demand, Give::new(softness, sink.phase), 4 + i as u8);
             }
         }

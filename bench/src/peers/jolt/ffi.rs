@@ -105,6 +105,7 @@ pub const JOLT_HINGE: u32 = 1;
 pub const JOLT_POINT: u32 = 2;
 pub const JOLT_DISTANCE: u32 = 3;
 pub const JOLT_SLIDER: u32 = 4;
+pub const JOLT_CONE: u32 = 5;
 
 pub const JOLT_GROUND: u32 = u32::MAX;
 
@@ -118,6 +119,9 @@ pub struct JoltJointDef {
     pub limited: bool,
     pub min: f32,
     pub max: f32,
+    pub driven: bool,
+    pub motor_speed: f32,
+    pub motor_torque: f32,
     pub collide_connected: bool,
 }
 

@@ -1,0 +1,67 @@
+//! An articulation that touches what moves: its joints are one block of the sweeps over contacts.
+//!
+//! Sweep to: joints, contacts; sweep back: contacts, joints. Each solve of the joints is exact, so a substep ends with joints that
+//! hold; contacts see the bodies with their geometric stiffness, I + G, in place of I. Rows are those of a safe substep.
+
+use super::articulation::{Articulation, Taken};
+use crate::id::{JointId, Pool};
+use crate::joint::Joint;
+use crate::solve::joint::rows::{Phase, Rate};
+use crate::solve::state::{BodyMotion, BodyVelocity, Symmetric};
+
+impl Articulation {
+    /// Begins a substep: forces are in the velocities already. Bodies answer with I + G from here on.
+    pub(crate) fn couple(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        velocities: &mut [BodyVelocity],
+        motions: &mut [BodyMotion],
+        h: f64,
+    ) {
+        self.load(velocities, motions);
+        self.find_stiffness(h, Taken::AtStart, 1.0);
+        for (i, body) in self.bodies.iter_mut().enumerate() {
+            self.rates[i].angular = body.respond(&self.stances[i], self.stiffness[i], &self.rates[i]);
+            if body.is_dynamic() {
+                let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
+                velocity.angular = self.rates[i].angular.as_vec3();
+                velocity.inverse_inertia = Symmetric::from_mat3(body.inverse_inertia.as_mat3());
+                motion.refreshed = true;
+            }
+        }
+        self.build_rows(joints, Phase::Tangent { h });
+        self.system.begin(&self.bodies);
+    }
+
+    /// Solves all joints for the velocities of now.
+    pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity]) {
+        for (rate, body) in self.rates.iter_mut().zip(&self.bodies) {
+            *rate = Rate::of(&velocities[body.slot as usize]);
+        }
+        self.system.withdraw(&self.bodies, &mut self.rates);
+        self.system.solve(&self.topology, &self.bodies, &mut self.rates);
+        for (rate, body) in self.rates.iter().zip(&self.bodies) {
+            if body.is_dynamic() {
+                let velocity = &mut velocities[body.slot as usize];
+                velocity.linear = rate.linear.as_vec3();
+                velocity.angular = rate.angular.as_vec3();
+            }
+        }
+    }
+
+    /// Ends a substep, after the bodies have moved: positions are mended, velocities stay.
+    pub(crate) fn settle(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &mut [BodyMotion]) {
+        self.load(velocities, motions);
+        let drift = self.find_errors(joints);
+        self.outcome.worst_error = self.project(joints, drift);
+        for (body, stance) in self.bodies.iter().zip(&self.stances) {
+            if body.is_dynamic() {
+                let motion = &mut motions[body.slot as usize];
+                let turn = stance.1 * motion.rotation.as_dquat().normalize().conjugate();
+                motion.displacement = stance.0.as_vec3();
+                motion.turn += (2.0 * glam::DVec3::new(turn.x, turn.y, turn.z) * turn.w.signum()).as_vec3();
+                motion.rotation = stance.1.as_quat();
+            }
+        }
+    }
+}

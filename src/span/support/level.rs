@@ -1,0 +1,82 @@
+//! Levels of units along lower → upper, by the longest path from below (Kahn 1962).
+//!
+//! Levels depend on the graph alone, not on the order of its lists. Where units stand on each other in a circle, the lowest of
+//! those that wait is taken first; what points down or sideways then is cut.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use super::{Link, Node, NodeKind};
+
+/// Buffers of the numbering.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Scratch {
+    /// Links of each unit from units that have no level yet.
+    waiting: Vec<u32>,
+    done: Vec<bool>,
+    ready: BinaryHeap<Reverse<u32>>,
+}
+
+/// Numbers the levels anew; says whether there are circles.
+pub(super) fn assign(nodes: &mut [Node], links: &[Option<Link>], scratch: &mut Scratch) -> bool {
+    let Scratch { waiting, done, ready } = scratch;
+    waiting.clear();
+    waiting.resize(nodes.len(), 0);
+    done.clear();
+    done.resize(nodes.len(), false);
+    ready.clear();
+    let mut has_circles = false;
+    for link in links.iter().flatten() {
+        let (lower, upper) = (nodes[link.lower as usize].unit, nodes[link.upper as usize].unit);
+        // Within a unit nothing stands on anything.
+        if nodes[link.lower as usize].kind == NodeKind::Body && lower != upper {
+            waiting[upper as usize] += 1;
+        }
+    }
+    let mut left = 0;
+    for (body, node) in nodes.iter_mut().enumerate() {
+        if node.kind == NodeKind::Body && node.unit == body as u32 {
+            node.level = 1;
+            left += 1;
+            if waiting[body] == 0 {
+                ready.push(Reverse(body as u32));
+            }
+        }
+    }
+    let mut next_stuck = 0;
+    while left > 0 {
+        let unit = match ready.pop() {
+            Some(Reverse(unit)) => unit,
+            None => {
+                has_circles = true;
+                let is_stuck =
+                    |body: &usize| nodes[*body].kind == NodeKind::Body && nodes[*body].unit == *body as u32 && !done[*body];
+                let Some(stuck) = (next_stuck..nodes.len()).find(is_stuck) else { break };
+                next_stuck = stuck;
+                stuck as u32
+            }
+        };
+        if std::mem::replace(&mut done[unit as usize], true) {
+            continue;
+        }
+        left -= 1;
+        let level = nodes[unit as usize].level;
+        let count = nodes[unit as usize].members.len();
+        for i in 0..count.max(1) {
+            let body = if count == 0 { unit } else { nodes[unit as usize].members[i] };
+            for number in 0..nodes[body as usize].above.len() {
+                let link = links[nodes[body as usize].above[number] as usize].as_ref();
+                let Some(upper) = link.map(|link| nodes[link.upper as usize].unit) else { continue };
+                if upper == unit || done[upper as usize] {
+                    continue;
+                }
+                nodes[upper as usize].level = nodes[upper as usize].level.max(level + 1);
+                waiting[upper as usize] -= 1;
+                if waiting[upper as usize] == 0 {
+                    ready.push(Reverse(upper));
+                }
+            }
+        }
+    }
+    has_circles
+}

@@ -1,0 +1,61 @@
+//! Whether a contact holds or slides, judged by what the solver left: its friction multiplier, its limit, and the slip.
+//!
+//! The paper asks for |f_t| < μ f_n. A multiplier at its limit is not enough to tell: internal stress saturates contacts that do
+//! not move at all. So a contact slides if its friction is at the limit *and* it slips; it holds again when the slip is gone.
+
+/// Slip above which a contact at its limit slides (m/s): what one per cent more than friction holds gives in one step of 1/60 s.
+const SLIDING_SPEED: f32 = 5.0e-4;
+
+/// Slip below which a contact that slid holds again (m/s).
+const HOLDING_SPEED: f32 = 1.0e-4;
+
+/// Relative speed above which two bodies do not rest on each other, whatever friction does (m/s), and below which they may again.
+const LEAVING_SPEED: f32 = 0.1;
+const RESTING_SPEED: f32 = 0.05;
+
+/// Share of its limit at which friction counts as exhausted.
+const EXHAUSTED_SHARE: f32 = 0.99;
+
+/// The solver's word on a manifold.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slip {
+    /// Speed of the surfaces across each other at the manifold's centre (m/s).
+    pub slip: f32,
+    /// Speed along the normal (m/s), of either sign.
+    pub approach: f32,
+    /// Friction, and the most that it could be (N·s).
+    pub friction: f32,
+    pub limit: f32,
+}
+
+impl Slip {
+    /// Whether the manifold holds, given whether it held before.
+    pub(crate) fn holds(&self, held: bool) -> bool {
+        let speed = self.slip.max(self.approach.abs());
+        if held {
+            let is_exhausted = self.friction >= EXHAUSTED_SHARE * self.limit;
+            speed <= LEAVING_SPEED && !(is_exhausted && self.slip > SLIDING_SPEED)
+        } else {
+            self.slip <= HOLDING_SPEED && speed <= RESTING_SPEED
+        }
+    }
+
+    /// Speed up to which a manifold is found to hold whatever it did before and whatever its friction is (m/s).
+    pub(crate) const ALWAYS_HOLDS: f32 = HOLDING_SPEED;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sliding_has_hysteresis() {
+        let at = |slip: f32, friction: f32| Slip { slip, approach: 0.0, friction, limit: 1.0 };
+        assert!(at(1e-2, 0.5).holds(true), "friction below its limit holds, whatever the solver left of slip");
+        assert!(at(1e-5, 1.0).holds(true), "at its limit without slip");
+        assert!(!at(1e-3, 1.0).holds(true));
+        assert!(!at(3e-4, 1.0).holds(false) && at(3e-4, 1.0).holds(true), "between the two speeds the last word stays");
+        assert!(at(5e-5, 1.0).holds(false));
+        assert!(!Slip { approach: -1.0, ..at(0.0, 0.0) }.holds(true), "an impact is not a rest");
+    }
+}

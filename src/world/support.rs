@@ -1,0 +1,336 @@
+//! Stage that keeps the support analysis up with the contacts: what changed in the step goes into the graph, and no more.
+//!
+//! A link is made anew when its manifold was, when a body has turned under it, or when it begins or ends to be pressed or to
+//! slide; everything else of the graph stays. What sleeps is not looked at.
+
+mod query;
+mod site;
+
+use glam::{Quat, Vec3};
+
+use super::World;
+use crate::body::{Body, BodyKind};
+use crate::collide::pairs::PairKey;
+use crate::joint::{Axis, Joint, JointKind, Motor};
+use crate::span::support::verdict::SupportChange;
+use crate::span::support::{Graph, Node, NodeKind};
+pub(super) use site::{Frame, Site};
+
+/// Rotation of a body after which its links are made anew (rad).
+const TURN: f32 = 5.0e-4;
+
+/// Steps for which a body must be supported before that is an event: contacts come and go while something settles.
+const GAIN_STEPS: u8 = 6;
+
+/// The analysis of a world, and what it was made from.
+#[derive(Debug, Default)]
+pub(super) struct SupportState {
+    pub graph: Graph,
+    pub frame: Option<Frame>,
+    gravity: Vec3,
+    /// What the links of each pair were made from, by pair slot.
+    records: Vec<Record>,
+    /// Rotation of each body that its links were made for, and whether it has turned since.
+    turns: Vec<(Quat, bool)>,
+    kinematic: Vec<u32>,
+    releases: u64,
+    /// Pairs that have fallen asleep since the last update: they are at rest now, and looked at once more.
+    pub fell_asleep: Vec<u32>,
+    /// Whether everything must be looked at, also what sleeps.
+    is_new: bool,
+    pub bodies_changed: bool,
+    pub joints_changed: bool,
+    /// Bodies whose verdict is not what was last said of them, and for how many steps.
+    watched: Vec<(u32, u8)>,
+    said: Vec<bool>,
+    pub supported_count: u32,
+    pub events: Vec<SupportChange>,
+}
+
+#[derive(Debug, Default)]
+struct Record {
+    key: Option<PairKey>,
+    version: u32,
+    /// Of each manifold: which points are pressed or touch, and whether it holds.
+    states: Vec<(u8, bool)>,
+    links: Vec<u32>,
+}
+
+impl SupportState {
+    fn new(slots: usize) -> Self {
+        let graph = Graph::default();
+        Self { graph, bodies_changed: true, joints_changed: true, is_new: true, said: vec![false; slots], ..Self::default() }
+    }
+
+    /// Starts anew under another gravity; what was said of bodies stays.
+    fn turn_to(&mut self, gravity: Vec3) {
+        self.gravity = gravity;
+        let frame = Frame::new(gravity);
+        if frame == self.frame {
+            return;
+        }
+        self.frame = frame;
+        self.graph.clear();
+        self.records.iter_mut().for_each(Record::clear);
+        (self.bodies_changed, self.joints_changed, self.is_new) = (true, true, true);
+        self.watched.extend((0..self.said.len() as u32).filter(|&body| self.said[body as usize]).map(|body| (body, 0)));
+    }
+
+    fn forget_body(&mut self, index: u32) {
+        let Some(node) = self.graph.node(index) else { return };
+        let links: Vec<u32> = node.below.iter().chain(&node.above).copied().collect();
+        for link in links {
+            self.forget_pair(self.graph.link(link).pair);
+        }
+        self.graph.set_kind(index, NodeKind::Absent);
+        if std::mem::take(&mut self.said[index as usize]) {
+            self.supported_count -= 1;
+        }
+    }
+
+    fn forget_pair(&mut self, slot: u32) {
+        let record = &mut self.records[slot as usize];
+        for link in record.links.drain(..) {
+            self.graph.remove(link);
+        }
+        record.clear();
+    }
+
+    /// Makes the links of a pair anew if they are not what they were.
+    fn sync_pair(&mut self, site: &Site, frame: &Frame) {
+        let Self { records, graph, turns, .. } = self;
+        if records.len() <= site.slot as usize {
+            records.resize_with(site.slot as usize + 1, Record::default);
+        }
+        let record = &mut records[site.slot as usize];
+        let pair = site.pair;
+        if pair.manifolds.is_empty() && record.links.is_empty() {
+            return;
+        }
+        let mut is_same = record.key == Some(pair.key) && record.version == pair.version;
+        record.states.resize(pair.manifolds.len(), (0, true));
+        for (manifold, state) in pair.manifolds.iter().zip(&mut record.states) {
+            let now = site.state(manifold, state.1);
+            is_same &= now == *state;
+            *state = now;
+        }
+        let turned = |body: u32| turns[body as usize].1;
+        if is_same && !turned(site.shapes.0.body) && !turned(site.shapes.1.body) {
+            return;
+        }
+        (record.key, record.version) = (Some(pair.key), pair.version);
+        for link in record.links.drain(..) {
+            graph.remove(link);
+        }
+        for (manifold, &(points, holds)) in pair.manifolds.iter().zip(&record.states) {
+            if points != 0
+                && let Some(link) = site.link(manifold, points, holds, frame)
+            {
+                record.links.push(graph.insert(link));
+            }
+        }
+    }
+}
+
+impl Record {
+    fn clear(&mut self) {
+        self.key = None;
+        self.states.clear();
+        self.links.clear();
+    }
+}
+
+/// What a body is to the graph.
+pub(super) fn kind_of(body: &Body) -> NodeKind {
+    match body.kind {
+        BodyKind::Static => NodeKind::Ground,
+        BodyKind::Kinematic if body.is_mover() => NodeKind::Moving,
+        BodyKind::Kinematic => NodeKind::Ground,
+        BodyKind::Dynamic if body.quarantined => NodeKind::Absent,
+        BodyKind::Dynamic => NodeKind::Body,
+    }
+}
+
+impl World {
+    /// Keeps the support analysis up after each step from now on, or no longer; see [`support`](Self::support).
+    pub fn set_support(&mut self, on: bool) {
+        if on == self.support.is_some() {
+            return;
+        }
+        self.def.support = on;
+        self.support = on.then(|| Box::new(SupportState::new(self.bodies.slot_count())));
+        self.judge_support();
+    }
+
+    /// Brings the support analysis up to date with the step.
+    pub(super) fn judge_support(&mut self) {
+        let Some(mut state) = self.support.take() else { return };
+        state.events.clear();
+        if state.gravity != self.def.gravity || state.frame.is_none() {
+            state.turn_to(self.def.gravity);
+        }
+        self.sync_bodies(&mut state);
+        if let Some(frame) = state.frame {
+            self.sync_contacts(&mut state, &frame);
+            if std::mem::take(&mut state.joints_changed) {
+                let (ties, anchors) = self.ties(|_| true);
+                state.graph.set_joints(&ties, &anchors);
+            }
+            state.graph.update();
+        }
+        self.list_changes(&mut state);
+        self.support = Some(state);
+    }
+
+    /// Tells the analysis that bodies or joints were made, changed or destroyed.
+    pub(super) fn topology_changed(&mut self) {
+        if let Some(state) = &mut self.support {
+            state.bodies_changed = true;
+            state.joints_changed = true;
+        }
+    }
+
+    /// Tells the analysis that a body is about to be destroyed.
+    pub(super) fn forget_support(&mut self, index: u32) {
+        if let Some(state) = &mut self.support {
+            state.forget_body(index);
+        }
+        self.topology_changed();
+    }
+
+    /// Tells the analysis that the centre of mass of a body has moved in it.
+    pub(super) fn center_changed(&mut self, index: u32) {
+        if let Some((rotation, _)) = self.support.as_mut().and_then(|state| state.turns.get_mut(index as usize)) {
+            *rotation = Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0);
+        }
+    }
+
+    fn sync_bodies(&self, state: &mut SupportState) {
+        if std::mem::take(&mut state.bodies_changed) {
+            let count = self.bodies.slot_count();
+            state.turns.resize(count, (Quat::IDENTITY, false));
+            state.said.resize(count, false);
+            state.kinematic.clear();
+            for index in 0..count as u32 {
+                let kind = self.bodies.get(index).map_or(NodeKind::Absent, kind_of);
+                if kind == NodeKind::Absent {
+                    state.forget_body(index);
+                } else {
+                    state.graph.set_kind(index, kind);
+                }
+                if self.bodies.get(index).is_some_and(|body| body.kind == BodyKind::Kinematic) {
+                    state.kinematic.push(index);
+                }
+            }
+        }
+        for number in 0..state.kinematic.len() {
+            let index = state.kinematic[number];
+            let kind = kind_of(&self.bodies[index]);
+            if state.graph.node(index).is_some_and(|node| node.kind != kind) {
+                state.graph.set_kind(index, kind);
+                state.joints_changed = true;
+            }
+        }
+    }
+
+    fn sync_contacts(&self, state: &mut SupportState, frame: &Frame) {
+        let Self { pairs, colliders, bodies, movers, .. } = self;
+        if state.releases != pairs.releases() {
+            state.releases = pairs.releases();
+            for slot in 0..state.records.len() as u32 {
+                let record = &state.records[slot as usize];
+                if record.key.is_some_and(|key| !pairs.holds(slot, key)) {
+                    state.forget_pair(slot);
+                }
+            }
+        }
+        for &index in movers {
+            if let Some(body) = bodies.get(index) {
+                let (made_for, turned) = &mut state.turns[index as usize];
+                // Not-a-number counts as turned.
+                let is_near = ((body.rotation - *made_for).length() * 2.0) <= TURN;
+                if !is_near {
+                    (*made_for, *turned) = (body.rotation, true);
+                }
+            }
+        }
+        let (is_new, mut fell_asleep) = (std::mem::take(&mut state.is_new), std::mem::take(&mut state.fell_asleep));
+        let mut sync = |slot: u32| state.sync_pair(&Site::new(pairs.get(slot), slot, colliders, bodies), frame);
+        pairs.active().iter().for_each(|&(_, slot)| sync(slot));
+        // What was dropped meanwhile has no contacts any more.
+        fell_asleep.drain(..).filter(|&slot| pairs.get(slot).has_points()).for_each(&mut sync);
+        if is_new {
+            self.sleeping.pairs().for_each(&mut sync);
+        }
+        state.fell_asleep = fell_asleep;
+        for &index in movers {
+            if let Some((_, turned)) = state.turns.get_mut(index as usize) {
+                *turned = false;
+            }
+        }
+    }
+
+    /// Pairs of dynamic bodies that joints tie together, and bodies that a joint holds to what is at rest, of bodies that `keep`.
+    pub(super) fn ties(&self, keep: impl Fn(u32) -> bool) -> (Vec<(u32, u32)>, Vec<u32>) {
+        let (mut ties, mut anchors) = (Vec::new(), Vec::new());
+        let kind = |side: Option<u32>| side.map_or(NodeKind::Ground, |index| kind_of(&self.bodies[index]));
+        for (_, joint) in self.joints.iter() {
+            if !joint.bodies.into_iter().flatten().all(&keep) || !self.holds_up(joint) {
+                continue;
+            }
+            match (joint.bodies, joint.bodies.map(kind)) {
+                ([Some(a), Some(b)], [NodeKind::Body, NodeKind::Body]) => ties.push((a, b)),
+                ([Some(a), _], [NodeKind::Body, NodeKind::Ground]) => anchors.push(a),
+                ([_, Some(b)], [NodeKind::Ground, NodeKind::Body]) => anchors.push(b),
+                _ => {}
+            }
+        }
+        (ties, anchors)
+    }
+
+    /// Whether a joint can carry weight.
+    fn holds_up(&self, joint: &Joint) -> bool {
+        let is_held = |axis: &Axis| axis.limits.min.is_finite() || axis.limits.max.is_finite() || axis.motor != Motor::Off;
+        match &joint.def.kind {
+            JointKind::Fixed | JointKind::Hinge { .. } | JointKind::Spherical { .. } => true,
+            JointKind::Distance { limits, spring_length, motor } => {
+                limits.max.is_finite() || spring_length.is_some() || *motor != Motor::Off
+            }
+            JointKind::Prismatic { limits, motor } => {
+                let rotation = joint.bodies[0].map_or(Quat::IDENTITY, |index| self.bodies[index].rotation);
+                let axis = rotation * (joint.def.frame_a.rotation * Vec3::X);
+                let slides_down = axis.dot(self.def.gravity).abs() > 0.5 * self.def.gravity.length();
+                !slides_down || is_held(&Axis { limits: *limits, motor: *motor })
+            }
+            JointKind::Generic { linear, .. } => linear.iter().any(is_held),
+        }
+    }
+
+    fn list_changes(&self, state: &mut SupportState) {
+        let SupportState { graph, watched, said, events, supported_count, frame, .. } = state;
+        let has_frame = frame.is_some();
+        let is_supported = |index: u32| has_frame && graph.node(index).is_some_and(Node::is_supported);
+        watched.extend(graph.changed().iter().map(|&index| (index, 0)));
+        // Of a body that is watched already, the number of steps stays.
+        watched.sort_unstable_by_key(|&(index, steps)| (index, std::cmp::Reverse(steps)));
+        watched.dedup_by_key(|&mut (index, _)| index);
+        watched.retain_mut(|(index, steps)| {
+            let now = is_supported(*index);
+            if now == said[*index as usize] || self.bodies.get(*index).is_none() {
+                return false;
+            }
+            *steps += 1;
+            if now && *steps < GAIN_STEPS {
+                return true;
+            }
+            said[*index as usize] = now;
+            *supported_count = supported_count.wrapping_add_signed(if now { 1 } else { -1 });
+            let body = self.bodies.handle_of(*index);
+            events.push(SupportChange { body, user_word: self.bodies[*index].user_word, supported: now });
+            false
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests;

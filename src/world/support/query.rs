@@ -1,0 +1,286 @@
+//! What the support analysis says: of bodies, of what carries them, and of what would fall.
+
+use glam::DVec3;
+
+use super::{Frame, SupportState};
+use crate::body::BodyKind;
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::BodyId;
+use crate::span::support::verdict::{BodySupport, SupportChange, Verdict};
+use crate::span::support::{Link, Node, NodeKind};
+use crate::world::World;
+
+/// Answers are those of the end of the last step. Every call fails if the analysis is off ([`set_support`](Self::set_support)),
+/// or if a handle is not a body of this world.
+impl World {
+    /// Whether a body is held up, or why not, and by what margin.
+    ///
+    /// # Errors
+    /// As said above.
+    pub fn support(&self, body: BodyId) -> Result<BodySupport> {
+        let index = self.bodies.find(body)?;
+        Ok(self.verdict(self.analysis()?, index))
+    }
+
+    /// The same of many bodies at once.
+    ///
+    /// # Errors
+    /// As said above, or `out` is not as long as `bodies`; nothing is written then.
+    pub fn support_into(&self, bodies: &[BodyId], out: &mut [BodySupport]) -> Result<()> {
+        if bodies.len() != out.len() {
+            return Err(Error::new(ErrorKind::OutOfRange, "out", "is not as long as the list of bodies"));
+        }
+        let state = self.analysis()?;
+        for &body in bodies {
+            self.bodies.find(body)?;
+        }
+        for (&body, out) in bodies.iter().zip(out) {
+            *out = self.verdict(state, self.bodies.find(body)?);
+        }
+        Ok(())
+    }
+
+    /// Number of dynamic bodies that have support, by the events so far.
+    ///
+    /// # Errors
+    /// As said above.
+    pub fn supported_count(&self) -> Result<usize> {
+        Ok(self.analysis()?.supported_count as usize)
+    }
+
+    /// Dynamic bodies that gained or lost support in the last step, by slot. A loss is told at once, a gain when it has lasted
+    /// for six steps.
+    ///
+    /// # Errors
+    /// As said above.
+    pub fn support_changes(&self) -> Result<&[SupportChange]> {
+        Ok(&self.analysis()?.events)
+    }
+
+    /// Corners of the hull of a body's supporting contacts, seen along gravity: in the plane through its centre of mass across
+    /// gravity (m), anticlockwise from above; none, a point or an edge where there is no more.
+    ///
+    /// # Errors
+    /// As said above.
+    pub fn support_hull(&self, body: BodyId) -> Result<Vec<DVec3>> {
+        let index = self.bodies.find(body)?;
+        let state = self.analysis()?;
+        let (Some(Frame { across: (u, v), .. }), Some(node)) = (state.frame, state.graph.node(index)) else {
+            return Ok(Vec::new());
+        };
+        let center = self.bodies[index].center;
+        Ok(node.hull().iter().map(|point| center + (u * point.x + v * point.y).as_dvec3()).collect())
+    }
+
+    /// Bodies that carry a body through supporting contacts or joints, by slot.
+    ///
+    /// # Errors
+    /// As said above.
+    pub fn supporters(&self, body: BodyId) -> Result<Vec<BodyId>> {
+        let index = self.bodies.find(body)?;
+        let state = self.analysis()?;
+        let Some(node) = state.graph.node(index) else { return Ok(Vec::new()) };
+        let below = node.below.iter().filter(|&&link| state.graph.is_supporting(link)).map(|&link| state.graph.link(link).lower);
+        let tied = self.tied_to(index).filter(|&other| self.verdict(state, other).verdict.is_supported());
+        Ok(self.handles(below.chain(tied)))
+    }
+
+    /// Bodies that a body carries through supporting contacts, or that hang on it by joints, by slot.
+    ///
+    /// # Errors
+    /// As said above.
+    pub fn supported_by(&self, body: BodyId) -> Result<Vec<BodyId>> {
+        let index = self.bodies.find(body)?;
+        let state = self.analysis()?;
+        let Some(node) = state.graph.node(index) else { return Ok(Vec::new()) };
+        let above = node.above.iter().filter(|&&link| state.graph.is_supporting(link)).map(|&link| state.graph.link(link).upper);
+        let carries = node.kind == NodeKind::Ground || node.stands();
+        let hangs = |&other: &u32| carries && self.verdict(state, other).verdict == Verdict::HeldByJoints;
+        Ok(self.handles(above.chain(self.tied_to(index).filter(hangs))))
+    }
+
+    /// Force with which everything that stands on a body presses it down, along gravity, in the last substep (N).
+    ///
+    /// # Errors
+    /// As said above.
+    pub fn load_on(&self, body: BodyId) -> Result<f32> {
+        let index = self.bodies.find(body)?;
+        let state = self.analysis()?;
+        let (Some(frame), Some(node)) = (&state.frame, state.graph.node(index)) else { return Ok(0.0) };
+        Ok(self.load_of(state, frame, node.above.iter().copied()))
+    }
+
+    /// Force with which `upper` presses `lower` down through their contacts, along gravity, in the last substep (N).
+    ///
+    /// # Errors
+    /// As said above.
+    pub fn load_between(&self, upper: BodyId, lower: BodyId) -> Result<f32> {
+        let (upper, lower) = (self.bodies.find(upper)?, self.bodies.find(lower)?);
+        let state = self.analysis()?;
+        let (Some(frame), Some(node)) = (&state.frame, state.graph.node(upper)) else { return Ok(0.0) };
+        let between = node.below.iter().copied().filter(|&link| state.graph.link(link).lower == lower);
+        Ok(self.load_of(state, frame, between))
+    }
+
+    /// The way that a body's weight takes to the ground: from the body itself to one that needs no support, each carrying the one
+    /// before it, by the most loaded contact of each. Empty for a body without support; a joint to the world itself ends the way.
+    ///
+    /// # Errors
+    /// As said above.
+    pub fn path_to_ground(&self, body: BodyId) -> Result<Vec<BodyId>> {
+        let start = self.bodies.find(body)?;
+        let state = self.analysis()?;
+        let Some(frame) = &state.frame else { return Ok(Vec::new()) };
+        let mut path = Vec::new();
+        if !self.verdict(state, start).verdict.is_supported() {
+            return Ok(path);
+        }
+        let mut seen = vec![false; self.bodies.slot_count()];
+        let mut next = Some(start);
+        while let Some(index) = next {
+            if std::mem::replace(&mut seen[index as usize], true) {
+                break;
+            }
+            path.push(self.bodies.handle_of(index));
+            let Some(node) = state.graph.node(index) else { break };
+            if node.kind == NodeKind::Ground {
+                break;
+            }
+            if node.stands() {
+                let load = |link: u32| self.load_of(state, frame, std::iter::once(link));
+                let supporting = node.below.iter().copied().filter(|&link| state.graph.is_supporting(link));
+                let heaviest = supporting.max_by(|&a, &b| load(a).total_cmp(&load(b)));
+                next = heaviest.map(|link| state.graph.link(link).lower);
+            } else {
+                let way = self.way_along_joints(state, index);
+                for &body in way.iter().take(way.len().saturating_sub(1)) {
+                    seen[body as usize] = true;
+                    path.push(self.bodies.handle_of(body));
+                }
+                next = way.last().copied();
+            }
+        }
+        Ok(path)
+    }
+
+    /// Bodies that are supported now and would not be without `removed`, by slot; the world stays as it is.
+    ///
+    /// This is a question to the graph of contacts, joints and hulls, not a simulation: it knows what no longer reaches the
+    /// ground or has its centre of mass over nothing, but neither what a fall would knock over, nor that what is left might slide,
+    /// nor arches, whose stones the analysis does not take for supported in the first place.
+    ///
+    /// # Errors
+    /// As said above.
+    pub fn would_lose_support(&self, removed: &[BodyId]) -> Result<Vec<BodyId>> {
+        let state = self.analysis()?;
+        let mut gone = removed.iter().map(|&body| self.bodies.find(body)).collect::<Result<Vec<u32>>>()?;
+        gone.sort_unstable();
+        let is_gone = |index: u32| gone.binary_search(&index).is_ok();
+        let mut graph = state.graph.clone();
+        for &index in &gone {
+            let Some(node) = graph.node(index) else { continue };
+            for link in node.below.iter().chain(&node.above).copied().collect::<Vec<_>>() {
+                graph.remove(link);
+            }
+        }
+        let (ties, anchors) = self.ties(|index| !is_gone(index));
+        graph.set_joints(&ties, &anchors);
+        graph.update();
+        let is_supported = |node: Option<&Node>| node.is_some_and(Node::is_supported);
+        let lost = (0..self.bodies.slot_count() as u32)
+            .filter(|&index| is_supported(state.graph.node(index)) && !is_supported(graph.node(index)) && !is_gone(index));
+        Ok(self.handles(lost))
+    }
+
+    fn analysis(&self) -> Result<&SupportState> {
+        let off = || Error::new(ErrorKind::NotApplicable, "world", "the support analysis is off");
+        self.support.as_deref().ok_or_else(off)
+    }
+
+    fn verdict(&self, state: &SupportState, index: u32) -> BodySupport {
+        let nothing = |verdict| BodySupport { verdict, margin: f32::NEG_INFINITY };
+        match self.bodies[index].kind {
+            BodyKind::Static => return nothing(Verdict::Ground),
+            BodyKind::Kinematic if self.bodies[index].is_mover() => return nothing(Verdict::Moving),
+            BodyKind::Kinematic => return nothing(Verdict::Ground),
+            BodyKind::Dynamic => {}
+        }
+        if state.frame.is_none() {
+            return nothing(Verdict::NoGravity);
+        }
+        let Some(node) = state.graph.node(index) else { return nothing(Verdict::NoContact) };
+        let links = || node.below.iter().map(|&link| state.graph.link(link));
+        let verdict = if node.stands() {
+            Verdict::Supported
+        } else if node.held_by_joints {
+            Verdict::HeldByJoints
+        } else if !node.hull().is_empty() {
+            Verdict::OutsideHull
+        } else if links().any(|link: &Link| link.holds) {
+            Verdict::OnUnsupported
+        } else if links().next().is_some() {
+            Verdict::Sliding
+        } else if self.tied_to(index).next().is_some() {
+            Verdict::HangingLoose
+        } else {
+            Verdict::NoContact
+        };
+        BodySupport { verdict, margin: node.margin }
+    }
+
+    /// Bodies at the other ends of a body's joints.
+    fn tied_to(&self, index: u32) -> impl Iterator<Item = u32> + '_ {
+        let joints = self.bodies[index].joints.iter().filter_map(|&joint| self.joints.find(joint).ok());
+        joints.flat_map(|slot| self.joints[slot].bodies).flatten().filter(move |&other| other != index)
+    }
+
+    /// The shortest way along joints from a body to one that stands by itself or is ground; the body itself is left out.
+    fn way_along_joints(&self, state: &SupportState, start: u32) -> Vec<u32> {
+        let mut came_from = vec![u32::MAX; self.bodies.slot_count()];
+        let mut queue = vec![start];
+        came_from[start as usize] = start;
+        let mut next = 0;
+        while next < queue.len() {
+            let body = queue[next];
+            next += 1;
+            let is_end = |node: &Node| node.kind == NodeKind::Ground || node.stands();
+            if body != start && state.graph.node(body).is_some_and(is_end) {
+                let mut way = vec![body];
+                while came_from[way[way.len() - 1] as usize] != start {
+                    way.push(came_from[way[way.len() - 1] as usize]);
+                }
+                way.reverse();
+                return way;
+            }
+            for other in self.tied_to(body) {
+                if came_from[other as usize] == u32::MAX {
+                    came_from[other as usize] = body;
+                    queue.push(other);
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    /// Weight that links pass on from above to below (N).
+    fn load_of(&self, state: &SupportState, frame: &Frame, links: impl Iterator<Item = u32>) -> f32 {
+        let per_substep = if self.last_substep > 0.0 { 1.0 / self.last_substep } else { 0.0 };
+        let mut pairs: Vec<(u32, u32)> = links.map(|link| (state.graph.link(link).pair, state.graph.link(link).lower)).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let load = |&(slot, lower): &(u32, u32)| {
+            let pair = self.pairs.get(slot);
+            let site = super::Site::new(pair, slot, &self.colliders, &self.bodies);
+            let on_b = site.force(frame);
+            if site.shapes.1.body == lower { -on_b } else { on_b }
+        };
+        pairs.iter().map(load).sum::<f32>() * per_substep
+    }
+
+    fn handles(&self, bodies: impl Iterator<Item = u32>) -> Vec<BodyId> {
+        let mut slots: Vec<u32> = bodies.collect();
+        slots.sort_unstable();
+        slots.dedup();
+        slots.into_iter().map(|slot| self.bodies.handle_of(slot)).collect()
+    }
+}
