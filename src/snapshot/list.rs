@@ -19,6 +19,7 @@ use crate::report::ContactPair;
 use crate::settings::{SleepSettings, Solver, WorldDef};
 use crate::shape::CollisionFilter;
 use crate::solve::contact::ContactImpulses;
+use crate::solve::direct::history::History;
 
 /// What a world has besides its tables.
 #[derive(Debug)]
@@ -33,6 +34,9 @@ pub(crate) struct WorldRow {
     /// Shapes whose neighbours are to be looked for.
     pub changed: Runs,
     pub ended_by_edits: Vec<ContactPair>,
+    /// Bodies of which it was said that they are supported, and those of which something else may be said soon.
+    pub said_supported: Runs,
+    pub watched: Vec<(u32, u8)>,
     pub free_bodies: Runs,
     pub free_shapes: Runs,
     pub free_joints: Runs,
@@ -63,12 +67,25 @@ stored!(WorldRow {
     movers_sorted,
     changed,
     ended_by_edits,
+    said_supported,
+    watched,
     free_bodies,
     free_shapes,
     free_joints,
     free_islands,
 });
-stored!(WorldDef { gravity, substeps, iterations, solver, threads, sleep, restitution_threshold, body_capacity, joint_capacity });
+stored!(WorldDef {
+    gravity,
+    substeps,
+    iterations,
+    solver,
+    threads,
+    sleep,
+    restitution_threshold,
+    body_capacity,
+    joint_capacity,
+    support,
+});
 stored!(SleepSettings { enabled, linear_speed, angular_speed, time });
 stored!(ContactPair { shape_a, shape_b, body_a, body_b });
 stored!(Displaced { shape, place });
@@ -99,6 +116,7 @@ stored!(Body {
     joints,
     sleep,
     quarantined,
+    history,
 });
 stored!(LockedAxes { translation, rotation });
 stored!(MassProperties { mass, center_of_mass, principal_inertia, inertia_frame });
@@ -136,6 +154,8 @@ stored!(Axis { limits, motor });
 stored!(Pair { key, material, manifolds, made_for, may_touch, in_contact } anew {
     // Of the last step's count.
     updated: false,
+    // The support analysis is made anew.
+    version: 0,
     // Follows from the table that the pair is in.
     active: false,
 });
@@ -175,6 +195,7 @@ pub(crate) const LISTED: &[&str] = &[
     Displaced::FIELDS,
     IslandRow::FIELDS,
     Body::FIELDS,
+    History::FIELDS,
     MassProperties::FIELDS,
     Collider::FIELDS,
     Material::FIELDS,

@@ -46,6 +46,7 @@ impl World {
             report,
             last_substep,
             last_dt,
+            support,
             // Made anew from the rest by whoever needs them next.
             escaped: _,
             groups: _,
@@ -59,6 +60,7 @@ impl World {
         } = self;
         // The last step's events are gone after a restore; what edits have ended since will be told by the next step.
         let Events { moved: _, contact_began: _, contact_ended: _, overloaded: _, quarantined: _, ended_by_edits } = events;
+        let (said_supported, watched) = support.as_ref().map_or_else(Default::default, |support| support.said());
         let forms = NumberedForms::of(colliders.iter().map(|(_, collider)| &collider.shape));
         seal::open(out);
         forms.write(out);
@@ -73,6 +75,8 @@ impl World {
             movers_sorted: *movers_sorted,
             changed: Runs(broad.changed().to_vec()),
             ended_by_edits: ended_by_edits.clone(),
+            said_supported: Runs(said_supported),
+            watched,
             free_bodies: Runs(bodies.free().to_vec()),
             free_shapes: Runs(colliders.free().to_vec()),
             free_joints: Runs(joints.free().to_vec()),
@@ -130,6 +134,7 @@ impl World {
         self.sleeping = sleeping;
         self.broken.clear();
         self.forget_escaped();
+        self.restart_support(&row.said_supported.0, row.watched);
         Ok(())
     }
 }

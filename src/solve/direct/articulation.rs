@@ -180,7 +180,6 @@ impl Articulation {
         let unchanged =
             self.links.len() == entries.len() && self.links.iter().zip(&*entries).all(|(old, entry)| *old == link(entry));
         if !unchanged {
-            self.histories.fill(History::NONE);
             self.links.clear();
             self.links.extend(entries.iter().map(link));
             self.hangs = self.links.iter().any(|link| link.moves != [true; 2]);
