@@ -15,7 +15,7 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "cargo xtask COMMAND
 
     demo      builds the library and the C samples, hangs ten tonnes on a chain, and draws it (also: cargo demo)
-    header    writes include/longspan/longspan.h anew
+    header    writes include/longspan/longspan.h and capi/abi/baseline.txt anew
     samples   compiles every C sample as C99 and as C++11 without a warning, and runs it
     readme    compiles and runs the C example of README.md by the compiler lines given there";
 
