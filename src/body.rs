@@ -169,6 +169,10 @@ pub(crate) struct Body {
     pub shapes: Vec<ShapeId>,
     pub joints: Vec<JointId>,
     pub sleep: SleepState,
+    /// Number of steps for which it has been calm, at most 255.
+    pub calm_for: u8,
+    /// Whether it keeps its pose in this step because nothing could move it.
+    pub held: bool,
     /// Last substep, for stepping to second order.
     pub history: History,
     /// Taken out of the simulation because a step gave it a non-finite state.
@@ -212,6 +216,8 @@ impl Body {
             shapes: Vec::new(),
             joints: Vec::new(),
             sleep: SleepState::Awake { quiet_for: 0.0 },
+            calm_for: 0,
+            held: false,
             history: History::NONE,
             quarantined: false,
         }

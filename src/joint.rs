@@ -29,7 +29,7 @@ impl Softness {
     /// No give at all.
     pub const RIGID: Self = Self { compliance: 0.0, damping: 0.0 };
 
-    fn check(&self, compliance: &'static str, damping: &'static str) -> Result<()> {
+    pub(crate) fn check(&self, compliance: &'static str, damping: &'static str) -> Result<()> {
         check::not_negative(compliance, self.compliance)?;
         check::not_negative(damping, self.damping)?;
         Ok(())

@@ -41,12 +41,20 @@ pub struct StepCounts {
     pub contact_points: u32,
     /// Joints solved.
     pub joints: u32,
+    /// Long-range bounds derived in this step; 0 where no graph of joints has changed.
+    pub bounds_derived: u32,
+    /// Long-range bounds of bodies awake.
+    pub bounds: u32,
+    /// Of those, how many were taut or nearly so.
+    pub bounds_active: u32,
     /// Batches of islands solved independently.
     pub batches: u32,
     /// Greatest number of contact colours in a batch.
     pub colors: u32,
     /// Bodies whose pose changed.
     pub moved: u32,
+    /// Dynamic bodies awake that were held where they are, not solved.
+    pub bodies_held: u32,
 }
 
 /// Errors left at the end of a step.

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
+use crate::long_range::LongRangeDef;
 
 /// How joints are solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -57,8 +58,12 @@ pub struct WorldDef {
     pub threads: u32,
     /// When bodies fall asleep.
     pub sleep: SleepSettings,
+    /// What is derived from the joints.
+    pub long_range: LongRangeDef,
     /// Approach speed above which contacts rebound (m/s), ≥ 0.
     pub restitution_threshold: f32,
+    /// Whether islands that stand still on supporting contacts are held where they are, until anything touches them.
+    pub hold: bool,
     /// Whether every step ends with the support analysis: which bodies are held up, and by what. Costs nothing if not.
     pub support: bool,
     /// Bodies to reserve memory for.
@@ -76,7 +81,9 @@ impl Default for WorldDef {
             solver: Solver::Auto,
             threads: 1,
             sleep: SleepSettings::default(),
+            long_range: LongRangeDef::default(),
             restitution_threshold: 1.0,
+            hold: true,
             support: false,
             body_capacity: 0,
             joint_capacity: 0,
@@ -106,6 +113,7 @@ impl WorldDef {
         check::not_negative("sleep.linear_speed", self.sleep.linear_speed)?;
         check::not_negative("sleep.angular_speed", self.sleep.angular_speed)?;
         check::not_negative("sleep.time", self.sleep.time)?;
+        self.long_range.check()?;
         check::not_negative("restitution_threshold", self.restitution_threshold)?;
         Ok(())
     }

@@ -22,8 +22,10 @@ mod bodies;
 mod contacts;
 mod forces;
 mod group;
+mod hold;
 mod joints;
 mod load;
+mod long_range;
 mod pairs;
 mod query;
 mod read;
@@ -49,7 +51,9 @@ pub struct World {
     movers_sorted: bool,
     sleeping: SleepingIslands,
 
+    long_range: long_range::LongRange,
     groups: group::Groups,
+    hold: hold::Hold,
     batches: Vec<Batch>,
     batch_count: usize,
     events: Events,
@@ -105,7 +109,9 @@ impl World {
             movers: Vec::new(),
             movers_sorted: true,
             sleeping: SleepingIslands::default(),
+            long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
+            hold: hold::Hold::default(),
             batches: Vec::new(),
             batch_count: 0,
             events: Events::default(),
@@ -138,6 +144,8 @@ impl World {
         self.report.timings.narrow_phase = clock.lap();
         self.wake_what_is_touched();
         self.group_islands();
+        self.derive_long_range();
+        self.hand_out_bounds();
         self.report.timings.islands = clock.lap();
         self.solve_batches(dt);
         self.report.timings.solve = clock.lap();
@@ -193,6 +201,7 @@ impl World {
     pub fn set_gravity(&mut self, gravity: glam::Vec3) -> Result<()> {
         self.def.gravity = check::finite_vec("gravity", gravity)?;
         self.wake_all();
+        self.release_all();
         Ok(())
     }
 }

@@ -43,6 +43,8 @@ mod shape;
 
 mod joint;
 
+mod long_range;
+
 // What the header does not show.
 mod access;
 mod boundary;

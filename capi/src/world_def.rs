@@ -105,9 +105,11 @@ impl TryFrom<LsWorldDef> for WorldDef {
             threads: def.threads,
             sleep: def.sleep.into(),
             restitution_threshold: def.restitution_threshold,
+            hold: true,
             support: false,
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
+            ..Self::default()
         })
     }
 }

@@ -211,6 +211,15 @@
 /** Query kinds: shapes of dynamic bodies count. */
 #define LS_QUERY_DYNAMIC 4
 
+/** Bound: from a static or kinematic attachment to what hangs on it. */
+#define LS_BOUND_ATTACHMENT 0
+
+/** Bound: between two bodies that are free. */
+#define LS_BOUND_HIERARCHY 1
+
+/** Bound: asked for by the host between two joints. */
+#define LS_BOUND_SOFT 2
+
 /**
  * What a call returns: LS_OK, or one of the LS_ERROR_ constants. Unless a function says otherwise, a call that fails has
  * changed nothing and has written nothing through its pointers. New codes may be added: treat an unknown one as a failure.
@@ -759,6 +768,58 @@ typedef struct LsJointState {
     /** Distance between the two joint points beyond what the joint allows (m). */
     float gap;
 } LsJointState;
+
+/** Whether a kind of bound is derived, and its give. The layout of this struct never changes. */
+typedef struct LsBoundKindDef {
+    /** Not 0: such bounds are derived; default 1. */
+    uint32_t enabled;
+    /** Give where the distance would exceed the upper bound; default none. */
+    struct LsSoftness upper;
+    /** Give where the distance would fall below the lower bound; default none. */
+    struct LsSoftness lower;
+} LsBoundKindDef;
+
+/** What a world derives from its joints. Fill it with ls_long_range_def_init first. */
+typedef struct LsLongRangeDef {
+    /** Size of this struct in the host, set by ls_long_range_def_init. */
+    uint32_t struct_size;
+    /** Not 0: bounds are derived; default 1. */
+    uint32_t enabled;
+    /** Bounds from static and kinematic attachments to what hangs on them. */
+    struct LsBoundKindDef attachment;
+    /** Bounds between bodies that are free. */
+    struct LsBoundKindDef hierarchy;
+    /** Levels of the hierarchy, 1 to 16; 0 (the default) for as many as the joints ask for. */
+    uint32_t levels;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsLongRangeDef;
+
+/** A bound on the distance of two joints, as the last step left it. The layout of this struct never changes. */
+typedef struct LsBound {
+    /** Joint at its near end: that of the attachment, where it has one. */
+    struct LsJoint near_joint;
+    /** Joint at its far end. */
+    struct LsJoint far_joint;
+    /** Its near and its far point, world coordinates (m). */
+    double points[2][3];
+    /** LS_BOUND_ constant. */
+    int32_t kind;
+    /** Level in the hierarchy; 0 for other kinds. */
+    uint32_t level;
+    /** Distance of the two points (m). */
+    float distance;
+    /** Greatest distance (m). */
+    float upper;
+    /** Least distance (m), 0 for none. */
+    float lower;
+    /** Tension, mean over the last step (N); negative where the lower bound pushes. */
+    float tension;
+    /** 1 if it had anything to do in the last step, else 0. */
+    uint32_t active;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsBound;
 
 /** The call did what it says. */
 #define LS_OK 0
@@ -2132,6 +2193,49 @@ LsResult ls_joint_user_word_get(LsWorld world, LsJoint joint, uint64_t *out);
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_joint_user_word_set(LsWorld world, LsJoint joint, uint64_t word);
+
+/**
+ * Fills a definition of long-range constraints with defaults.
+ *
+ * @param def   filled on LS_OK
+ * @param size  sizeof *def as the host knows it
+ * @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_long_range_def_init(LsLongRangeDef *def, size_t size);
+
+/**
+ * Changes what a world derives from its joints, and wakes everything.
+ *
+ * @param world  the world; any value is safe
+ * @param def    filled by ls_long_range_def_init and changed as wanted; read during the call
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_long_range_set(LsWorld world, const LsLongRangeDef *def);
+
+/**
+ * What a world derives from its joints.
+ *
+ * @param world  the world; any value is safe
+ * @param out    filled on LS_OK
+ * @param size   sizeof *out as the host knows it
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_long_range_get(LsWorld world, LsLongRangeDef *out, size_t size);
+
+/**
+ * Every bound that was derived for the last step, with what it did.
+ *
+ * @param world     the world; any value is safe
+ * @param out       room for `capacity` bounds, may be NULL if that is 0
+ * @param capacity  how many fit
+ * @param count     set to how many there are on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL (nothing is written to `out` then)
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_bounds_get(LsWorld world, LsBound *out, size_t capacity, size_t *count);
 
 #ifdef __cplusplus
 }  // extern "C"

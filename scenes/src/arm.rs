@@ -9,7 +9,8 @@ use longspan::glam::DVec3;
 use longspan::{BodyDef, JointKind, Limits, Motor, Pose};
 
 use crate::assemble::{INTANGIBLE, filtered, solid};
-use crate::metrics::{JointGap, Reading, hinge_angle, or_infinite};
+use crate::machines::servo_error;
+use crate::metrics::JointGap;
 use crate::params::{Params, SceneError};
 use crate::scene::{Scene, cuboid, start};
 
@@ -48,15 +49,12 @@ pub(crate) fn arm(params: &mut Params) -> Result<Scene, SceneError> {
         let body = scene.body(filtered(def, INTANGIBLE));
         let motor = Motor::Velocity { target: rate(index) as f32, max_force: torque as f32 };
         let kind = JointKind::Hinge { limits: Limits::NONE, motor };
-        joints.push(scene.hinge(held, body, kind, foot, axis));
+        joints.push((scene.hinge(held, body, kind, foot, axis), rate(index)));
         held = body;
     }
 
     let steps = scene.steps;
-    scene.judge(Reading::worst_of_last(steps, "servo_err_deg", move |view| {
-        let error = |(index, &joint): (usize, &usize)| (hinge_angle(view, joint) - rate(index) * view.time).abs();
-        joints.iter().enumerate().map(error).map(or_infinite).fold(0.0, f64::max).to_degrees()
-    }));
+    scene.judge(servo_error(steps, joints));
     scene.judge(JointGap::over_last(steps));
     Ok(scene)
 }

@@ -119,6 +119,13 @@ mod tests {
         check("mobile", &[("levels", "2")], 3 * 2 + 4 * 2, 14);
         check("cantilever", &[], 31, 31);
         check("arm", &[], 7, 7);
+        check("crane", &[], 22, 22);
+        check("excavator", &[], 3 + 4, 3);
+        check("ragdoll_pile", &[("n", "3")], 33, 30);
+        check("track", &[], 132 + 2 + 5 + 1, 132 + 7);
+        check("crossbow", &[], 2 * 8 + 2 * 10 + 2, 2 * 8 + 2 * 11);
+        check("vase", &[], 60, 60 + 50);
+        check("vase", &[("pieces", "500")], 493, 493 + 16 * 29);
         check("violent", &[], 101, 101);
         check("violent", &[("what", "mobile")], 126, 126);
     }

@@ -12,6 +12,7 @@
 //! assert_eq!(measurement.steps, 6);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod against;
 mod arm;
 mod assemble;
 mod branching;
@@ -21,6 +22,7 @@ mod cantilever;
 mod catalogue;
 mod chain;
 mod closed_form;
+mod crossbow;
 mod engine;
 mod free;
 mod friction;
@@ -28,12 +30,14 @@ mod hinge_loop;
 mod idle;
 mod impact;
 mod longspan_engine;
+mod machines;
 mod masonry;
 pub mod metrics;
 mod outcome;
 mod params;
 pub mod picture;
 mod pile;
+mod ragdoll;
 mod random;
 pub mod reference;
 mod run;
@@ -41,6 +45,8 @@ mod scene;
 mod shifted;
 mod stack;
 pub mod stress;
+mod track;
+mod vase;
 mod violent;
 
 pub use catalogue::{CATALOGUE, Entry, build};

@@ -144,10 +144,16 @@ impl Params {
             };
         }
         for kind in LONG_RANGE_KINDS {
-            if kind == "support" && self.given(kind).is_some() {
-                world.support = self.switch(kind, false)?;
-            } else if self.given(kind).is_some() && self.switch(kind, false)? {
-                return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() });
+            if self.given(kind).is_some() {
+                let on = self.switch(kind, false)?;
+                match kind {
+                    "long_range" => world.long_range.enabled = on,
+                    "attachment" => world.long_range.attachment.enabled = on,
+                    "support" => (world.support, world.hold) = (on, on),
+                    "hierarchy" => world.long_range.hierarchy.enabled = on,
+                    _ if on => return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() }),
+                    _ => {}
+                }
             }
         }
         if self.given("substeps").is_some() {

@@ -148,6 +148,13 @@ impl Pair {
         self.manifolds.drain(..old_count);
     }
 
+    /// Multiplies all multipliers.
+    pub(crate) fn scale_impulses(&mut self, scale: f32) {
+        for manifold in &mut self.manifolds {
+            manifold.impulses = manifold.impulses.scaled(scale);
+        }
+    }
+
     /// Forgets all multipliers.
     pub(crate) fn forget_impulses(&mut self) {
         for manifold in &mut self.manifolds {

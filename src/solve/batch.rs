@@ -1,11 +1,13 @@
 //! One batch of islands: slots for its bodies, blocks for its contacts, entries for its joints.
 
 use super::birth::Birth;
+use super::bound::BatchBounds;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
 use super::direct::Direct;
 use super::joint::BatchJoints;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
+use super::taut::TautRows;
 
 /// Slot that stands for a body of the world in this batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -39,6 +41,12 @@ pub(crate) struct Batch {
     pub motions: Vec<BodyMotion>,
     pub contacts: Vec<ContactBlock>,
     pub joints: BatchJoints,
+    /// Long-range bounds, by slot in the world's list and as rows.
+    pub bound_slots: Vec<u32>,
+    pub bounds: BatchBounds,
+    pub taut: TautRows,
+    /// Whether a joint of the slot's body is solved by sweeps.
+    pub swept: Vec<bool>,
     pub direct: Direct,
     /// Slots of each manifold's bodies, and its number of points.
     pub ends: Vec<ManifoldEnds>,
@@ -72,6 +80,9 @@ impl Batch {
         self.motions.push(BodyMotion::FIXED);
         self.contacts.clear();
         self.joints.clear();
+        self.bound_slots.clear();
+        self.bounds.clear();
+        self.taut.clear();
         self.direct.clear();
         self.lanes.clear();
         self.replicas.clear();
@@ -92,6 +103,16 @@ impl Batch {
             let (velocity, motion) = state(body);
             self.velocities.push(velocity);
             self.motions.push(motion);
+        }
+    }
+
+    /// Notes whose joints are left to sweeps: bounds are for those.
+    pub(crate) fn mark_swept(&mut self) {
+        self.swept.clear();
+        self.swept.resize(self.velocities.len(), false);
+        for entry in &self.joints.entries {
+            self.swept[entry.a as usize] = true;
+            self.swept[entry.b as usize] = true;
         }
     }
 

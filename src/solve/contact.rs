@@ -44,6 +44,17 @@ pub(crate) struct ContactImpulses {
     pub rolling: Vec3,
 }
 
+impl ContactImpulses {
+    pub(crate) fn scaled(&self, factor: f32) -> Self {
+        Self {
+            normal: self.normal.map(|lambda| lambda * factor),
+            friction: self.friction * factor,
+            twist: self.twist * factor,
+            rolling: self.rolling * factor,
+        }
+    }
+}
+
 /// A manifold as the solver takes it: world axes, levers from the centres of mass.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ContactInput {

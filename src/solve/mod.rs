@@ -8,6 +8,7 @@
 
 pub(crate) mod batch;
 mod birth;
+pub(crate) mod bound;
 mod color;
 pub(crate) mod contact;
 mod contact_kernels;
@@ -16,6 +17,7 @@ pub(crate) mod integrate;
 pub(crate) mod joint;
 mod rotation;
 pub(crate) mod state;
+pub(crate) mod taut;
 
 use batch::Batch;
 use contact::POINTS;
@@ -49,14 +51,22 @@ impl Batch {
         for _ in 0..settings.substeps {
             self.apply_forces(joints, h);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
+            self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, false);
+            self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.predicted, h);
             self.joints.warm_start(&mut self.velocities);
+            self.bounds.warm_start(&mut self.velocities);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
             for iteration in 0..settings.iterations {
                 if iteration > 0 && iteration + 1 == settings.iterations {
                     self.joints.keep_impulses();
                     self.joints.prepare(joints, &self.velocities, &self.motions, h);
+                    self.bounds.keep_impulses();
+                    self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, true);
+                    self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.predicted, h);
                 }
                 if iteration % 2 == 0 {
+                    self.bounds.sweep(&mut self.velocities, false);
+                    self.taut.sweep(&mut self.velocities, false);
                     self.direct.sweep(&mut self.velocities);
                     self.joints.sweep(&mut self.velocities, false);
                     contact_kernels::sweep(&mut self.contacts, &mut self.velocities, false);
@@ -64,12 +74,19 @@ impl Batch {
                     contact_kernels::sweep(&mut self.contacts, &mut self.velocities, true);
                     self.joints.sweep(&mut self.velocities, true);
                     self.direct.sweep(&mut self.velocities);
+                    self.taut.sweep(&mut self.velocities, true);
+                    self.bounds.sweep(&mut self.velocities, true);
                 }
             }
             self.joints.keep_impulses();
             self.direct.keep_impulses();
             self.joints.add_loads();
+            self.bounds.keep_impulses();
+            self.bounds.add_loads();
+            self.taut.add_loads();
             self.advance(h);
+            self.bounds.project(&self.velocities, &mut self.motions, h);
+            self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
             self.direct.settle(joints, &self.velocities, &mut self.motions);
         }

@@ -1,3 +1,107 @@
-//! Constraints and analyses that span many bodies at once (Müller et al. 2017).
+//! Long-range constraints from the graph of joints (Müller et al. 2017, §3.1–3.3): which distances can no pose exceed?
+//!
+//! A joint that holds two points together makes one node. Two joints on one body are a fixed distance apart: a *segment*. Any
+//! path of segments is at least as long as the straight line between its ends, so its length is an upper bound of a distance; with
+//! limits on the angles between segments it is a tighter one, and there is a lower bound too.
+//!
+//! Everything here is pure: arrays of joints and masses in, a list of bounds out. It runs when topology, limits, masses or joint
+//! frames have changed, and not otherwise.
+//!
+//! | file | what |
+//! |---|---|
+//! | `graph.rs` | joints as nodes, segments inside bodies, the range of the angle between two segments |
+//! | `bounds.rs` | bounds along a chain of segments that hold in every pose |
+//! | `attachment.rs` | from attachments to what hangs on them (§3.1) |
+//! | `hierarchy.rs` | between bodies that are free (§3.2) |
+//! | `load.rs` | which joints a bound carries load past |
+//! | `support.rs` | which bodies stand on the ground (§3.6) |
 
+pub(crate) mod attachment;
+pub(crate) mod bounds;
+pub(crate) mod graph;
+pub(crate) mod load;
 pub(crate) mod support;
+
+use graph::Graph;
+use load::{LoadPaths, NodeId};
+
+/// Why a bound is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum BoundKind {
+    /// From a static or kinematic attachment to what hangs on it.
+    Attachment,
+    /// Between two bodies that are free.
+    Hierarchy,
+    /// Asked for by the host between two joints, with give.
+    Soft,
+}
+
+/// One side of a joint, by the joint's place in the graph.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct JointSide {
+    pub link: u32,
+    pub side: u8,
+}
+
+impl JointSide {
+    pub(crate) fn other(self) -> Self {
+        Self { side: 1 - self.side, ..self }
+    }
+}
+
+/// A distance that no pose exceeds, or falls below.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bound {
+    pub kind: BoundKind,
+    /// 0 for attachments and for neighbours; each level spans twice as much.
+    pub level: u8,
+    pub near: JointSide,
+    pub far: JointSide,
+    /// Greatest and least distance (m).
+    pub upper: f32,
+    pub lower: f32,
+    /// Where its load goes.
+    pub path: NodeId,
+    /// Its joints in between, as a range of [`Derived::inner`].
+    pub inner: (u32, u32),
+}
+
+/// A joint on the path of a bound, and how far along segments it is from both ends (m).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct InnerJoint {
+    pub end: JointSide,
+    pub before: f32,
+    pub after: f32,
+    /// Where its load goes.
+    pub path: NodeId,
+}
+
+/// What is derived, and how far.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Choice {
+    pub attachment: bool,
+}
+
+/// Everything derived from a graph.
+#[derive(Debug, Default)]
+pub(crate) struct Derived {
+    pub graph: Graph,
+    pub bounds: Vec<Bound>,
+    /// Joints on the paths of bounds.
+    pub inner: Vec<InnerJoint>,
+    pub paths: LoadPaths,
+}
+
+impl Derived {
+    /// Derives all bounds anew; `graph` holds the joints as they are.
+    pub(crate) fn rebuild(&mut self, choice: Choice) {
+        self.bounds.clear();
+        self.inner.clear();
+        self.paths.clear();
+        self.graph.connect();
+        if choice.attachment {
+            attachment::derive(self);
+        }
+    }
+}

@@ -269,6 +269,9 @@ impl World {
     /// Gives a body mass properties and tells its shapes where the centre of mass is now.
     pub(super) fn apply_mass(&mut self, index: u32, mass: Option<crate::mass::MassProperties>) {
         self.bodies[index].set_mass(mass);
+        if !self.bodies[index].joints.is_empty() {
+            self.long_range.graph_changed();
+        }
         let center = self.bodies[index].local_center;
         for id in self.bodies[index].shapes.clone() {
             if let Ok(shape) = self.colliders.find(id) {

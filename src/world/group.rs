@@ -13,7 +13,6 @@ pub(super) struct Groups {
     /// Island of each mover, by body slot.
     pub island: Vec<u32>,
     sizes: Vec<u32>,
-    batch_of_island: Vec<u32>,
     /// First member of each island in `members`.
     starts: Vec<u32>,
     /// Movers that are dynamic, sorted by island.
@@ -52,8 +51,10 @@ impl World {
 
     /// Sorts everything awake into islands and batches.
     pub(super) fn group_islands(&mut self) {
+        self.release_what_is_driven();
         self.join_islands();
         self.number_islands();
+        self.hold_islands();
         self.make_batches();
         self.hand_out_contacts();
         self.hand_out_joints();
@@ -128,11 +129,13 @@ impl World {
     }
 
     fn make_batches(&mut self) {
-        let Self { groups, batches, batch_count, report, .. } = self;
-        groups.batch_of_island.clear();
+        let Self { groups, batches, batch_count, report, hold, .. } = self;
         *batch_count = 0;
         let mut filled = BATCH_BODIES;
         for island in 0..groups.sizes.len() {
+            if hold.islands[island] {
+                continue;
+            }
             if filled >= BATCH_BODIES {
                 if batches.len() == *batch_count {
                     batches.push(Default::default());
@@ -142,7 +145,6 @@ impl World {
                 filled = 0;
             }
             let batch = *batch_count - 1;
-            groups.batch_of_island.push(batch as u32);
             for member in groups.starts[island]..groups.starts[island + 1] {
                 let body = groups.members[member as usize];
                 groups.place[body as usize] = (batch as u32, batches[batch].enlist(body));
@@ -163,7 +165,7 @@ impl World {
             let moved = [colliders[a].body, colliders[b].body]
                 .into_iter()
                 .find(|&body| bodies[body].is_dynamic() && bodies[body].is_mover());
-            let Some(body) = moved else { continue };
+            let Some(body) = moved.filter(|&body| !bodies[body].held) else { continue };
             let batch = &mut batches[groups.place[body as usize].0 as usize];
             for (number, manifold) in pair.manifolds.iter().enumerate() {
                 batch.manifolds.push((slot, number as u32));
@@ -176,7 +178,7 @@ impl World {
     fn hand_out_joints(&mut self) {
         let Self { groups, batches, joints, bodies, movers, scratch, report, .. } = self;
         scratch.slots.clear();
-        for &body in movers.iter().filter(|&&body| bodies[body].is_dynamic()) {
+        for &body in movers.iter().filter(|&&body| bodies[body].is_dynamic() && !bodies[body].held) {
             scratch.slots.extend(bodies[body].joints.iter().filter_map(|&id| joints.find(id).ok()));
         }
         scratch.slots.sort_unstable();

@@ -36,6 +36,7 @@ impl World {
             }
         }
         self.topology_changed();
+        self.long_range.graph_changed();
         Ok(id)
     }
 
@@ -48,6 +49,7 @@ impl World {
         let bodies = self.joints[slot].bodies;
         self.joints.remove(slot);
         self.topology_changed();
+        self.long_range.graph_changed();
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.retain(|&other| other != joint);
             self.bodies[index].history = History::NONE;
@@ -146,6 +148,7 @@ impl World {
     fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
         edit(&mut self.joints[slot].def);
         self.topology_changed();
+        self.long_range.graph_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {
             self.wake_body(index);
         }

@@ -4,17 +4,22 @@ use glam::{DVec3, Quat, Vec3};
 use rayon::prelude::*;
 
 use super::World;
+use super::long_range::BoundRecord;
 use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::{PairCache, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::{Joint, JointImpulses};
+use crate::long_range::LongRangeDef;
 use crate::settings::Solver;
 use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, ManifoldEnds};
-use crate::solve::contact::{ContactImpulses, ContactInput};
+use crate::solve::bound::BoundEntry;
+use crate::solve::contact::ContactInput;
 use crate::solve::joint::JointEntry;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
+use crate::solve::taut::TautEntry;
+use crate::span::Derived;
 
 /// Relative difference of principal moments below which a body is taken as round.
 const ROUND: f32 = 1.0e-5;
@@ -25,6 +30,9 @@ struct Records<'a> {
     colliders: &'a Pool<Collider, ShapeId>,
     pairs: &'a PairCache,
     joints: &'a Pool<Joint, JointId>,
+    bounds: &'a [BoundRecord],
+    long_range: &'a LongRangeDef,
+    span: &'a Derived,
     place: &'a [(u32, u32)],
     gravity: Vec3,
     solver: Solver,
@@ -45,16 +53,21 @@ impl World {
             restitution_threshold: self.def.restitution_threshold,
         };
         let substep = dt / self.def.substeps as f32;
+        let impulse_scale = if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 };
+        self.scale_held(impulse_scale);
         let records = Records {
             bodies: &self.bodies,
             colliders: &self.colliders,
             pairs: &self.pairs,
             joints: &self.joints,
+            bounds: &self.long_range.records,
+            long_range: &self.def.long_range,
+            span: &self.long_range.derived,
             place: &self.groups.place,
             gravity: self.def.gravity,
             solver: self.def.solver,
             reach: self.def.gravity.length() * substep * substep,
-            impulse_scale: if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 },
+            impulse_scale,
         };
         let work = |batch: &mut Batch| {
             records.fill(batch);
@@ -75,6 +88,7 @@ impl Records<'_> {
         batch.load_bodies(|index| self.body_state(index));
         self.fill_contacts(batch);
         self.fill_joints(batch);
+        self.fill_bounds(batch);
     }
 
     fn body_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
@@ -149,7 +163,7 @@ impl Records<'_> {
                 separation: carried.geometry.points.map(|point| point.separation),
                 count: carried.geometry.count as usize,
                 material: pair.material,
-                impulses: scaled(&carried.impulses, self.impulse_scale),
+                impulses: carried.impulses.scaled(self.impulse_scale),
             };
             batch.set_contact(number, &input, self.reach);
         }
@@ -184,6 +198,54 @@ impl Records<'_> {
         joints.sort_by_color(coloring, motions);
     }
 
+    fn fill_bounds(&self, batch: &mut Batch) {
+        if batch.bound_slots.is_empty() {
+            return;
+        }
+        batch.mark_swept();
+        for number in 0..batch.bound_slots.len() {
+            let slot = batch.bound_slots[number];
+            let record = &self.bounds[slot as usize];
+            let [near, far] = record.ends.map(|(joint, side)| self.joint_end(batch, &self.joints[joint], side as usize));
+            if !batch.swept[far.slot as usize] {
+                continue;
+            }
+            let [upper_give, lower_give] = World::bound_give(self.long_range, record.bound.kind);
+            let number = batch.bounds.entries.len() as u32;
+            for inner in record.bound.inner.0..record.bound.inner.1 {
+                let at = &self.span.inner[inner as usize];
+                let joint = &self.joints[self.span.graph.links[at.end.link as usize].joint];
+                let own = self.joint_end(batch, joint, at.end.side as usize);
+                batch.taut.entries.push(TautEntry {
+                    inner,
+                    bound: number,
+                    slot: own.slot,
+                    offset: (own.origin - near.origin).as_vec3(),
+                    local_lever: own.lever,
+                    before: at.before,
+                    after: at.after,
+                    own_sum: Vec3::ZERO,
+                    far_sum: Vec3::ZERO,
+                });
+            }
+            batch.bounds.entries.push(BoundEntry {
+                bound: slot,
+                near: near.slot,
+                far: far.slot,
+                offset: (far.origin - near.origin).as_vec3(),
+                local_lever: [near.lever, far.lever],
+                upper: record.bound.upper,
+                lower: record.bound.lower,
+                upper_give,
+                lower_give,
+                impulses: record.impulses.map(|impulse| impulse * self.impulse_scale),
+                far_sum: Vec3::ZERO,
+                taut: false,
+                acted: false,
+            });
+        }
+    }
+
     fn joint_end(&self, batch: &mut Batch, joint: &Joint, side: usize) -> JointEnd {
         let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
         let Some(index) = joint.bodies[side] else {
@@ -208,15 +270,6 @@ struct JointEnd {
     /// Joint point from there, in the body's frame (m).
     lever: Vec3,
     frame: Quat,
-}
-
-fn scaled(impulses: &ContactImpulses, factor: f32) -> ContactImpulses {
-    ContactImpulses {
-        normal: impulses.normal.map(|lambda| lambda * factor),
-        friction: impulses.friction * factor,
-        twist: impulses.twist * factor,
-        rolling: impulses.rolling * factor,
-    }
 }
 
 fn scaled_joint(impulses: &JointImpulses, factor: f32) -> JointImpulses {

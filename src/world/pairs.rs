@@ -21,6 +21,9 @@ impl World {
         let gravity = self.def.gravity.length();
         for &index in &self.movers {
             let body = &self.bodies[index];
+            if body.held {
+                continue;
+            }
             for &id in &body.shapes {
                 let Ok(shape) = self.colliders.find(id) else { continue };
                 let collider = &mut self.colliders[shape];
@@ -78,10 +81,15 @@ impl World {
         let update = |pair: &mut Pair, scratch: &mut PairScratch| {
             let (a, b) = pair.key.shapes();
             let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
+            let (body_a, body_b) = (&bodies[shape_a.body], &bodies[shape_b.body]);
+            // What is held has not moved since its contacts were made.
+            if (body_a.held || !body_a.is_mover()) && (body_b.held || !body_b.is_mover()) {
+                pair.updated = false;
+                return;
+            }
             if !shape_a.tight_box.intersects(&shape_b.tight_box) {
                 return pair.part();
             }
-            let (body_a, body_b) = (&bodies[shape_a.body], &bodies[shape_b.body]);
             let motion = relative_motion((shape_a, body_a), (shape_b, body_b), def.gravity, dt);
             pair.update(shape_a, shape_b, motion, scratch);
         };

@@ -70,6 +70,7 @@ impl World {
         let def = JointDef { frame_a, frame_b, ..self.joints[slot].def }.checked()?;
         self.joints[slot].forget_impulses();
         self.joints[slot].def = def;
+        self.long_range.graph_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {
             self.wake_body(index);
         }

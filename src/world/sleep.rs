@@ -49,12 +49,16 @@ impl World {
     /// Wakes the island of a body, or starts its time of quiet anew.
     pub(super) fn wake_body(&mut self, index: u32) {
         match self.bodies[index].sleep {
-            SleepState::Awake { .. } => self.bodies[index].sleep = SleepState::Awake { quiet_for: 0.0 },
+            SleepState::Awake { .. } => {
+                self.bodies[index].sleep = SleepState::Awake { quiet_for: 0.0 };
+                self.release(index);
+            }
             SleepState::Asleep { island } => {
                 let island = self.sleeping.take(island);
                 for &member in &island.bodies {
                     let body = &mut self.bodies[member];
                     body.sleep = SleepState::Awake { quiet_for: 0.0 };
+                    (body.held, body.calm_for) = (false, 0);
                     for &id in &body.shapes {
                         if let Ok(shape) = self.colliders.find(id) {
                             self.broad.revisit(shape);
@@ -79,7 +83,7 @@ impl World {
         }
     }
 
-    /// Wakes everything whose box meets that of a shape of this body.
+    /// Wakes, or no longer holds, everything whose box meets that of a shape of this body.
     pub(super) fn wake_around(&mut self, index: u32) {
         let mut near = Vec::new();
         for &id in &self.bodies[index].shapes {
@@ -92,7 +96,9 @@ impl World {
         near.sort_unstable();
         near.dedup();
         for other in near {
-            if !self.bodies[other].is_awake() {
+            if self.bodies[other].is_awake() {
+                self.release(other);
+            } else {
                 self.wake_body(other);
             }
         }

@@ -17,7 +17,7 @@ impl World {
     pub(super) fn store_results(&mut self, dt: f32) {
         self.scratch.paths.clear();
         for number in 0..self.batch_count {
-            self.store_bodies(number);
+            self.store_bodies(number, dt);
             self.store_contacts(number, dt);
             self.store_joints(number, dt);
             let batch = &self.batches[number];
@@ -26,6 +26,7 @@ impl World {
             residuals.joint_gap = residuals.joint_gap.max(batch.joint_gap);
             residuals.penetration = residuals.penetration.max(batch.penetration);
         }
+        self.store_bounds(dt);
         for index in std::mem::take(&mut self.broken) {
             self.quarantine(index);
         }
@@ -33,9 +34,10 @@ impl World {
         self.report.counts.bodies_asleep = self.sleeping.body_count() as u32;
     }
 
-    fn store_bodies(&mut self, number: usize) {
+    fn store_bodies(&mut self, number: usize, dt: f32) {
         let mut broken = std::mem::take(&mut self.scratch.slots);
         broken.clear();
+        let calm_speed = self.calm_speed(dt);
         let batch = &self.batches[number];
         for slot in 1..batch.bodies.len() {
             let index = batch.bodies[slot];
@@ -63,12 +65,16 @@ impl World {
             body.rotation = motion.rotation;
             body.linear_velocity = velocity.linear;
             body.angular_velocity = velocity.angular;
+            let mut reach = 0.0_f32;
             body.history = History::NONE;
             for &id in &body.shapes {
                 if let Ok(shape) = self.colliders.find(id) {
                     self.colliders[shape].follow(body);
+                    reach = reach.max(self.colliders[shape].reach);
                 }
             }
+            let is_calm = velocity.linear.length() + velocity.angular.length() * reach < calm_speed;
+            body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
         }
         for (slot, history) in batch.direct.histories() {
             self.bodies[batch.bodies[slot as usize]].history = *history;
@@ -214,7 +220,7 @@ impl World {
         let Self { movers, bodies, events, report, .. } = self;
         for &index in movers.iter() {
             let body = &bodies[index];
-            if body.quarantined {
+            if body.quarantined || (body.held && body.is_awake()) {
                 continue;
             }
             events.moved.push(Moved {

@@ -281,7 +281,13 @@ impl World {
         }
         let (is_new, mut fell_asleep) = (std::mem::take(&mut state.is_new), std::mem::take(&mut state.fell_asleep));
         let mut sync = |slot: u32| state.sync_pair(&Site::new(pairs.get(slot), slot, colliders, bodies), frame);
-        pairs.active().iter().for_each(|&(_, slot)| sync(slot));
+        for &(key, slot) in pairs.active() {
+            let (a, b) = key.shapes();
+            // What is held was judged when it came to rest.
+            if is_new || !(bodies[colliders[a].body].held || bodies[colliders[b].body].held) {
+                sync(slot);
+            }
+        }
         // What was dropped meanwhile has no contacts any more.
         fell_asleep.drain(..).filter(|&slot| pairs.get(slot).has_points()).for_each(&mut sync);
         if is_new {

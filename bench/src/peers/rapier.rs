@@ -215,7 +215,7 @@ fn collider(geometry: &Geometry) -> ColliderBuilder {
 
 fn joint_to_rapier(def: &JointDef) -> GenericJoint {
     checks::joint(NAME, def);
-    let mut drive = None;
+    let (mut drive, mut swing) = (None, None);
     let (locked, free) = match def.kind {
         JointKind::Fixed => (JointAxesMask::LOCKED_FIXED_AXES, None),
         JointKind::Hinge { limits, motor } => {
@@ -223,10 +223,10 @@ fn joint_to_rapier(def: &JointDef) -> GenericJoint {
             let limits = checks::finite_limits(limits, std::f32::consts::PI);
             (JointAxesMask::LOCKED_REVOLUTE_AXES, limits.map(|limits| (JointAxis::AngX, limits)))
         }
-        JointKind::Spherical { swing_limit, .. } if checks::swing(swing_limit).is_some() => {
-            unsupported(NAME, "a spherical joint with a swing limit")
+        JointKind::Spherical { swing_limit, .. } => {
+            swing = checks::swing(swing_limit);
+            (JointAxesMask::LOCKED_SPHERICAL_AXES, None)
         }
-        JointKind::Spherical { .. } => (JointAxesMask::LOCKED_SPHERICAL_AXES, None),
         JointKind::Prismatic { limits, .. } => {
             let limits = checks::finite_limits(limits, FAR);
             (JointAxesMask::LOCKED_PRISMATIC_AXES, limits.map(|limits| (JointAxis::LinX, limits)))
@@ -246,6 +246,10 @@ fn joint_to_rapier(def: &JointDef) -> GenericJoint {
     }
     if let Some((axis, limits)) = free {
         builder = builder.limits(axis, limits);
+    }
+    if let Some(swing) = swing {
+        // Rapier limits each axis on its own: a pyramid about the cone that is asked for.
+        builder = builder.limits(JointAxis::AngY, [-swing, swing]).limits(JointAxis::AngZ, [-swing, swing]);
     }
     if let Some([speed, most]) = drive {
         let axis = JointAxis::AngX;

@@ -10,6 +10,7 @@ use crate::events::*;
 use crate::handle::*;
 use crate::joint::*;
 use crate::joint_def::*;
+use crate::long_range::*;
 use crate::math::*;
 use crate::query_def::*;
 use crate::report::*;
@@ -80,6 +81,9 @@ fn layouts() -> Vec<Layout> {
             angular_axes
         }
         LsJointState { position, velocity, force, torque, gap }
+        LsBoundKindDef { enabled, upper, lower }
+        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved }
+        LsBound { near_joint, far_joint, points, kind, level, distance, upper, lower, tension, active, reserved }
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
             struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_threshold, body_capacity,
@@ -128,6 +132,9 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsAxis", 28),
         ("LsJointDef", 400),
         ("LsJointState", 36),
+        ("LsBoundKindDef", 20),
+        ("LsLongRangeDef", 56),
+        ("LsBound", 96),
         ("LsWorldDef", 64),
         ("LsStepReport", 96),
         ("LsMoved", 88),

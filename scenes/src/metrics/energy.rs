@@ -2,7 +2,7 @@
 
 use longspan::glam::DVec3;
 
-use super::{Errors, Metric, View, Worst, world_inertia};
+use super::{Errors, Metric, View, Worst, or_infinite, world_inertia};
 
 /// Kinetic and potential energy of a body (J), heights taken from the scene's origin.
 pub fn energy_of(view: &View, body: usize) -> f64 {
@@ -52,6 +52,36 @@ impl Metric for EnergyError {
         if let Some(name) = self.rise_name {
             errors.push((name, self.rise.value()));
         }
+    }
+}
+
+/// The greatest rise of total energy above its start after the first step, in per cent of a scale; negative if it never rose.
+pub struct EnergyRise {
+    name: &'static str,
+    scale: f64,
+    start: f64,
+    greatest: f64,
+}
+
+impl EnergyRise {
+    /// In per cent of `scale` (J).
+    pub fn new(name: &'static str, scale: f64) -> Self {
+        Self { name, scale, start: 0.0, greatest: f64::NEG_INFINITY }
+    }
+}
+
+impl Metric for EnergyRise {
+    fn observe(&mut self, view: &View) {
+        let energy = total_energy(view);
+        if view.step == 0 {
+            self.start = energy;
+        } else {
+            self.greatest = self.greatest.max(or_infinite(100.0 * (energy - self.start) / self.scale));
+        }
+    }
+
+    fn report(&self, errors: &mut Errors) {
+        errors.push((self.name, self.greatest));
     }
 }
 

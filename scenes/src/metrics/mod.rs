@@ -8,10 +8,11 @@ mod motion;
 mod overlap;
 mod plane;
 mod reading;
+mod rigid;
 mod solid;
 mod trajectory;
 
-pub use energy::{AngularMomentumError, EnergyError, EnergyGrowth, LinearMomentumError, energy_of};
+pub use energy::{AngularMomentumError, EnergyError, EnergyGrowth, EnergyRise, LinearMomentumError, energy_of};
 pub use held::Held;
 pub use hinge::{HingeError, HingeOvershoot, SwingOvershoot, hinge_angle};
 pub use joints::{JointGap, LoadError, Stretch, gap_of};
@@ -19,8 +20,9 @@ pub use motion::{Awake, Displaced, EndSpeeds, Escaped, LockedDrift, Moved, NotFi
 pub use overlap::Overlap;
 pub use plane::{HingePlane, PlaneMember, smallest_axis};
 pub use reading::Reading;
+pub use rigid::RigidDeviation;
 pub use solid::{Solid, overlap_depth};
-pub use trajectory::TrajectoryError;
+pub use trajectory::{MotionError, TrajectoryError};
 
 use longspan::glam::{DMat3, DVec3, Vec3};
 use longspan::{BodyDef, BodyKind, Mass, MassProperties, Pose};

@@ -31,7 +31,7 @@ use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind};
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
-const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
+pub(super) const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
 
 /// Passes over the rows of a joint that has scalar ones: they are solved one by one, and see each other only so.
 const SCALAR_PASSES: usize = 3;
@@ -124,7 +124,8 @@ pub(crate) struct BatchJoints {
     scalars: Vec<ScalarRow>,
     /// What the joint at hand asks in scalar rows.
     asked: Vec<rows::ScalarRow>,
-    predicted: Vec<Stance>,
+    /// Where each jointed body will be at the end of the substep, as predicted when rows were last built.
+    pub predicted: Vec<Stance>,
     keys: Vec<(u32, u32)>,
     sorted: Vec<JointEntry>,
 }
@@ -364,7 +365,7 @@ impl JointEntry {
 }
 
 /// How readily a transverse force at `lever` turns a body, over the lever's length: |r| tr(I⁻¹ across r) (1/(kg·m)).
-fn turning_ease(body: &BodyVelocity, lever: Vec3) -> f32 {
+pub(super) fn turning_ease(body: &BodyVelocity, lever: Vec3) -> f32 {
     let length = lever.length();
     if length == 0.0 {
         return 0.0;

@@ -1,0 +1,206 @@
+//! Long-range constraints: what a world derives from its joints, and what became of it.
+
+use ls_core::{BoundKind, BoundKindDef, BoundState, LongRangeDef, Softness};
+
+use crate::access::{edit, read};
+use crate::boundary::call;
+use crate::handle::{LsJoint, LsWorld};
+use crate::joint_def::LsSoftness;
+use crate::pointer::{Buffer, host};
+use crate::result::LsResult;
+use crate::sized::{self, Definition, SizedOut, Versioned};
+
+/// Bound: from a static or kinematic attachment to what hangs on it.
+pub const LS_BOUND_ATTACHMENT: i32 = 0;
+/// Bound: between two bodies that are free.
+pub const LS_BOUND_HIERARCHY: i32 = 1;
+/// Bound: asked for by the host between two joints.
+pub const LS_BOUND_SOFT: i32 = 2;
+
+/// Whether a kind of bound is derived, and its give. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsBoundKindDef {
+    /// Not 0: such bounds are derived; default 1.
+    pub enabled: u32,
+    /// Give where the distance would exceed the upper bound; default none.
+    pub upper: LsSoftness,
+    /// Give where the distance would fall below the lower bound; default none.
+    pub lower: LsSoftness,
+}
+
+/// What a world derives from its joints. Fill it with ls_long_range_def_init first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsLongRangeDef {
+    /// Size of this struct in the host, set by ls_long_range_def_init.
+    pub struct_size: u32,
+    /// Not 0: bounds are derived; default 1.
+    pub enabled: u32,
+    /// Bounds from static and kinematic attachments to what hangs on them.
+    pub attachment: LsBoundKindDef,
+    /// Bounds between bodies that are free.
+    pub hierarchy: LsBoundKindDef,
+    /// Levels of the hierarchy, 1 to 16; 0 (the default) for as many as the joints ask for.
+    pub levels: u32,
+    /// Not used; 0.
+    pub reserved: u32,
+}
+
+// SAFETY: numbers without padding.
+unsafe impl Versioned for LsLongRangeDef {
+    const SIZES: &'static [usize] = &[56];
+}
+
+// SAFETY: begins with struct_size.
+unsafe impl Definition for LsLongRangeDef {}
+
+impl Default for LsLongRangeDef {
+    fn default() -> Self {
+        (&LongRangeDef::default()).into()
+    }
+}
+
+/// A bound on the distance of two joints, as the last step left it. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsBound {
+    /// Joint at its near end: that of the attachment, where it has one.
+    pub near_joint: LsJoint,
+    /// Joint at its far end.
+    pub far_joint: LsJoint,
+    /// Its near and its far point, world coordinates (m).
+    pub points: [[f64; 3]; 2],
+    /// LS_BOUND_ constant.
+    pub kind: i32,
+    /// Level in the hierarchy; 0 for other kinds.
+    pub level: u32,
+    /// Distance of the two points (m).
+    pub distance: f32,
+    /// Greatest distance (m).
+    pub upper: f32,
+    /// Least distance (m), 0 for none.
+    pub lower: f32,
+    /// Tension, mean over the last step (N); negative where the lower bound pushes.
+    pub tension: f32,
+    /// 1 if it had anything to do in the last step, else 0.
+    pub active: u32,
+    /// Not used; 0.
+    pub reserved: u32,
+}
+
+/// Fills a definition of long-range constraints with defaults.
+///
+/// @param def   filled on LS_OK
+/// @param size  sizeof *def as the host knows it
+/// @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+/// Threads: any thread at any time. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_long_range_def_init(def: *mut LsLongRangeDef, size: usize) -> LsResult {
+    call("ls_long_range_def_init", || host!(SizedOut::new, def, size).write_definition(&LsLongRangeDef::default()))
+}
+
+/// Changes what a world derives from its joints, and wakes everything.
+///
+/// @param world  the world; any value is safe
+/// @param def    filled by ls_long_range_def_init and changed as wanted; read during the call
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_long_range_set(world: LsWorld, def: *const LsLongRangeDef) -> LsResult {
+    call("ls_world_long_range_set", || {
+        let def = LongRangeDef::from(&host!(sized::read, def));
+        edit(world, |world| world.set_long_range(&def))
+    })
+}
+
+/// What a world derives from its joints.
+///
+/// @param world  the world; any value is safe
+/// @param out    filled on LS_OK
+/// @param size   sizeof *out as the host knows it
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_long_range_get(world: LsWorld, out: *mut LsLongRangeDef, size: usize) -> LsResult {
+    call("ls_world_long_range_get", || {
+        let out = host!(SizedOut::new, out, size);
+        read(world, |world| out.write_definition(&(&world.def().long_range).into()))
+    })
+}
+
+/// Every bound that was derived for the last step, with what it did.
+///
+/// @param world     the world; any value is safe
+/// @param out       room for `capacity` bounds, may be NULL if that is 0
+/// @param capacity  how many fit
+/// @param count     set to how many there are on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL (nothing is written to `out` then)
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_bounds_get(world: LsWorld, out: *mut LsBound, capacity: usize, count: *mut usize) -> LsResult {
+    call("ls_world_bounds_get", || {
+        let buffer = host!(Buffer::new, out, capacity, count);
+        read(world, |world| buffer.fill(|| world.bounds().map(|bound| LsBound::from(&bound))))
+    })
+}
+
+impl From<&LsBoundKindDef> for BoundKindDef {
+    fn from(def: &LsBoundKindDef) -> Self {
+        let give = |softness: LsSoftness| Softness { compliance: softness.compliance, damping: softness.damping };
+        Self { enabled: def.enabled != 0, upper: give(def.upper), lower: give(def.lower) }
+    }
+}
+
+impl From<&BoundKindDef> for LsBoundKindDef {
+    fn from(def: &BoundKindDef) -> Self {
+        let give = |softness: Softness| LsSoftness { compliance: softness.compliance, damping: softness.damping };
+        Self { enabled: def.enabled.into(), upper: give(def.upper), lower: give(def.lower) }
+    }
+}
+
+impl From<&LsLongRangeDef> for LongRangeDef {
+    fn from(def: &LsLongRangeDef) -> Self {
+        Self {
+            enabled: def.enabled != 0,
+            attachment: (&def.attachment).into(),
+            hierarchy: (&def.hierarchy).into(),
+            levels: (def.levels != 0).then_some(def.levels),
+        }
+    }
+}
+
+impl From<&LongRangeDef> for LsLongRangeDef {
+    fn from(def: &LongRangeDef) -> Self {
+        Self {
+            struct_size: size_of::<Self>() as u32,
+            enabled: def.enabled.into(),
+            attachment: (&def.attachment).into(),
+            hierarchy: (&def.hierarchy).into(),
+            levels: def.levels.unwrap_or(0),
+            reserved: 0,
+        }
+    }
+}
+
+impl From<&BoundState> for LsBound {
+    fn from(bound: &BoundState) -> Self {
+        Self {
+            near_joint: bound.near.into(),
+            far_joint: bound.far.into(),
+            points: bound.points.map(|point| point.to_array()),
+            kind: match bound.kind {
+                BoundKind::Attachment => LS_BOUND_ATTACHMENT,
+                BoundKind::Hierarchy => LS_BOUND_HIERARCHY,
+                _ => LS_BOUND_SOFT,
+            },
+            level: bound.level,
+            distance: bound.distance,
+            upper: bound.upper,
+            lower: bound.lower,
+            tension: bound.tension,
+            active: bound.active.into(),
+            reserved: 0,
+        }
+    }
+}

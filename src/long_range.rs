@@ -1,0 +1,94 @@
+//! Long-range constraints as a user sees them: what a world derives, and what can be read of it.
+
+use glam::DVec3;
+
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::JointId;
+use crate::joint::Softness;
+pub use crate::span::BoundKind;
+
+/// Most levels of the hierarchy of bounds.
+pub const MAX_LEVELS: u32 = 16;
+
+/// Whether a kind of bound is derived, and its give.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoundKindDef {
+    /// Whether such bounds are derived.
+    pub enabled: bool,
+    /// Give where the distance would exceed the upper bound.
+    pub upper: Softness,
+    /// Give where the distance would fall below the lower bound.
+    pub lower: Softness,
+}
+
+impl BoundKindDef {
+    /// Derived, without give.
+    pub const RIGID: Self = Self { enabled: true, upper: Softness::RIGID, lower: Softness::RIGID };
+}
+
+/// What a world derives from its joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LongRangeDef {
+    /// Whether anything is derived at all.
+    pub enabled: bool,
+    /// Bounds from static and kinematic attachments to what hangs on them.
+    pub attachment: BoundKindDef,
+    /// Bounds between bodies that are free, over ever longer stretches.
+    pub hierarchy: BoundKindDef,
+    /// Levels of the hierarchy, 1 to 16; `None` for as many as the graph of joints asks for.
+    pub levels: Option<u32>,
+}
+
+impl Default for LongRangeDef {
+    fn default() -> Self {
+        Self { enabled: true, attachment: BoundKindDef::RIGID, hierarchy: BoundKindDef::RIGID, levels: None }
+    }
+}
+
+impl LongRangeDef {
+    pub(crate) fn check(&self) -> Result<()> {
+        for kind in [&self.attachment, &self.hierarchy] {
+            kind.upper.check("long_range.upper.compliance", "long_range.upper.damping")?;
+            kind.lower.check("long_range.lower.compliance", "long_range.lower.damping")?;
+        }
+        match self.levels {
+            Some(levels) if !(1..=MAX_LEVELS).contains(&levels) => {
+                Err(Error::new(ErrorKind::OutOfRange, "long_range.levels", "must be 1 to 16"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A bound as the last step left it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoundState {
+    /// Why it is there.
+    pub kind: BoundKind,
+    /// Level in the hierarchy; 0 for other kinds.
+    pub level: u32,
+    /// Joint at its near end: that of the attachment, where it has one.
+    pub near: JointId,
+    /// Joint at its far end.
+    pub far: JointId,
+    /// The two points it holds (m).
+    pub points: [DVec3; 2],
+    /// Distance of the two points (m).
+    pub distance: f32,
+    /// Greatest distance (m).
+    pub upper: f32,
+    /// Least distance (m), 0 for none.
+    pub lower: f32,
+    /// Tension, mean over the last step (N); negative where the lower bound pushes.
+    pub tension: f32,
+    /// Whether it had anything to do in the last step.
+    pub active: bool,
+}
+
+impl BoundState {
+    /// What is left until the nearer of the two bounds is reached (m); negative when it is passed.
+    pub fn slack(&self) -> f32 {
+        let above = self.upper - self.distance;
+        if self.lower > 0.0 { above.min(self.distance - self.lower) } else { above }
+    }
+}

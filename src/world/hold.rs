@@ -1,0 +1,176 @@
+//! Holding what stands still: an island that is supported and quiet keeps its poses and multipliers, and is not solved.
+//!
+//! This is the long-range constraint of the paper's §3.6, from every supported body to the ground, for whole islands. The solver
+//! has found multipliers under which nothing moves, so solving again would find them again. What makes it safe is when it ends:
+//!
+//! * **Engaged** only if for [`CALM_STEPS`] steps no body has kept more speed than [`CALM_SHARE`] of what gravity adds in a step, the
+//!   support analysis finds every body standing on contacts that hold, by a margin, and nothing overlaps noticeably. Joints and
+//!   their springs and motors are never held.
+//! * **Released** whole, before the step is solved, by anything that could change the answer: an edit of a body or of what it
+//!   touches, a force, gravity, or a contact point with anything that is not held.
+//!
+//! Neither poses nor velocities are changed but for setting speeds below the limit to zero, so that energy can only fall, and a
+//! released island goes on from the very multipliers that held it.
+
+use glam::Vec3;
+
+use super::World;
+use super::support::{Frame, Site, kind_of};
+use crate::body::BodyKind;
+use crate::span::support::{Graph, hull};
+
+/// Steps for which all bodies of an island must be calm.
+const CALM_STEPS: u8 = 30;
+
+/// Speed below which a body is calm, as a share of what gravity adds in a step.
+const CALM_SHARE: f32 = 2.0e-3;
+
+/// Share of its hull's reach by which a body's centre of mass must lie inside it.
+const MARGIN_SHARE: f32 = 1.0e-2;
+
+/// Overlap of two shapes, over the smaller one's least extent, with which neither is held: it must be recovered first.
+const OVERLAP_SHARE: f32 = 1.0e-3;
+
+/// Buffers of the stage.
+#[derive(Debug, Default)]
+pub(super) struct Hold {
+    /// Whether each island is held.
+    pub islands: Vec<bool>,
+    candidates: Vec<bool>,
+    /// The support analysis of the candidates.
+    graph: Graph,
+}
+
+impl World {
+    /// Speed below which a body is calm (m/s).
+    pub(super) fn calm_speed(&self, dt: f32) -> f32 {
+        if self.def.hold { CALM_SHARE * self.def.gravity.length() * dt } else { 0.0 }
+    }
+
+    /// Lets go of a body that is held; its island follows in the next step.
+    pub(super) fn release(&mut self, index: u32) {
+        let body = &mut self.bodies[index];
+        (body.held, body.calm_for) = (false, 0);
+    }
+
+    pub(super) fn release_all(&mut self) {
+        for number in 0..self.movers.len() {
+            if self.bodies.get(self.movers[number]).is_some() {
+                self.release(self.movers[number]);
+            }
+        }
+    }
+
+    /// Lets go of what a moving kinematic body touches.
+    pub(super) fn release_what_is_driven(&mut self) {
+        let drives = |body: &crate::body::Body| body.kind == BodyKind::Kinematic && body.is_mover();
+        if !self.movers.iter().any(|&index| drives(&self.bodies[index])) {
+            return;
+        }
+        let Self { pairs, colliders, bodies, .. } = self;
+        for &(key, slot) in pairs.active() {
+            let (a, b) = key.shapes();
+            let ends = [colliders[a].body, colliders[b].body];
+            if pairs.get(slot).has_points() && ends.iter().any(|&index| drives(&bodies[index])) {
+                for index in ends {
+                    (bodies[index].held, bodies[index].calm_for) = (false, 0);
+                }
+            }
+        }
+    }
+
+    /// Says which islands are held in this step: those that were and that nothing has touched, and those that have become calm.
+    pub(super) fn hold_islands(&mut self) {
+        let mut hold = std::mem::take(&mut self.hold);
+        hold.islands.clear();
+        hold.candidates.clear();
+        let mut any = false;
+        for members in self.groups.islands() {
+            let all = |test: fn(&crate::body::Body) -> bool| members.iter().all(|&index| test(&self.bodies[index]));
+            let is_held = all(|body| body.held);
+            let is_candidate = !is_held && all(|body| body.calm_for >= CALM_STEPS && body.joints.is_empty());
+            hold.islands.push(is_held);
+            hold.candidates.push(is_candidate);
+            any |= is_candidate;
+        }
+        if any {
+            self.judge_candidates(&mut hold);
+        }
+        let Self { groups, bodies, report, .. } = self;
+        for (members, &is_held) in groups.islands().zip(&hold.islands) {
+            for &index in members {
+                let body = &mut bodies[index];
+                body.held = is_held;
+                if is_held {
+                    (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+                    report.counts.bodies_held += 1;
+                }
+            }
+        }
+        self.hold = hold;
+    }
+
+    /// Holds the candidates of which every body stands.
+    fn judge_candidates(&mut self, hold: &mut Hold) {
+        let Some(frame) = Frame::new(self.def.gravity) else { return };
+        self.graph_candidates(hold, &frame);
+        let Self { groups, bodies, .. } = self;
+        for (number, members) in groups.islands().enumerate().filter(|&(number, _)| hold.candidates[number]) {
+            let stands = |&index: &u32| {
+                hold.graph.node(index).is_some_and(|node| {
+                    node.margin > MARGIN_SHARE * hull::reach(node.hull())
+                        && node.below.iter().all(|&link| hold.graph.link(link).holds)
+                })
+            };
+            hold.islands[number] = members.iter().all(stands);
+            if !hold.islands[number] {
+                members.iter().for_each(|&index| bodies[index].calm_for = 0);
+            }
+        }
+    }
+
+    /// The support graph of all candidates; those with a noticeable overlap are candidates no longer.
+    fn graph_candidates(&self, hold: &mut Hold, frame: &Frame) {
+        let Self { pairs, colliders, bodies, groups, .. } = self;
+        let Hold { candidates, graph, .. } = hold;
+        graph.clear();
+        let island = |index: u32| groups.island[index as usize] as usize;
+        let moves = |index: u32| bodies[index].is_dynamic() && bodies[index].is_mover();
+        for &(_, slot) in pairs.active() {
+            let pair = pairs.get(slot);
+            let site = Site::new(pair, slot, colliders, bodies);
+            let ends = [site.shapes.0.body, site.shapes.1.body];
+            let Some(number) = ends.into_iter().find(|&index| moves(index)).map(island) else { continue };
+            if !candidates[number] {
+                continue;
+            }
+            let extent = site.shapes.0.least_extent.min(site.shapes.1.least_extent);
+            for manifold in &pair.manifolds {
+                let points = &manifold.geometry.points[..manifold.geometry.count as usize];
+                candidates[number] &= points.iter().all(|point| point.separation >= -OVERLAP_SHARE * extent);
+                let (points, holds) = site.state(manifold, true);
+                if points != 0
+                    && let Some(link) = site.link(manifold, points, holds, frame)
+                {
+                    ends.into_iter().for_each(|index| graph.set_kind(index, kind_of(&bodies[index])));
+                    graph.insert(link);
+                }
+            }
+        }
+        graph.update();
+    }
+
+    /// Multipliers that are not solved for follow the length of the substep.
+    pub(super) fn scale_held(&mut self, scale: f32) {
+        if scale == 1.0 || self.report.counts.bodies_held == 0 {
+            return;
+        }
+        let Self { pairs, colliders, bodies, .. } = self;
+        pairs.for_each_active(|pair| {
+            let (a, b) = pair.key.shapes();
+            if bodies[colliders[a].body].held || bodies[colliders[b].body].held {
+                pair.scale_impulses(scale);
+            }
+        });
+    }
+}
