@@ -36,6 +36,8 @@ mod snapshot;
 mod store;
 mod support;
 
+pub(crate) use long_range::CarriedBound;
+
 /// Bodies, shapes and joints that act on each other, and nothing else.
 pub struct World {
     def: WorldDef,

@@ -12,6 +12,7 @@ use crate::collide::narrow::{Manifold, ManifoldPoint};
 use crate::collide::pairs::{CarriedManifold, Pair, PairKey};
 use crate::id::Slot;
 use crate::joint::{Axis, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
+use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef};
 use crate::mass::{Mass, MassProperties};
 use crate::material::{CombineRule, Material, PairMaterial};
 use crate::pose::Pose;
@@ -20,6 +21,7 @@ use crate::settings::{SleepSettings, Solver, WorldDef};
 use crate::shape::CollisionFilter;
 use crate::solve::contact::ContactImpulses;
 use crate::solve::direct::history::History;
+use crate::world::CarriedBound;
 
 /// What a world has besides its tables.
 #[derive(Debug)]
@@ -37,6 +39,8 @@ pub(crate) struct WorldRow {
     /// Bodies of which it was said that they are supported, and those of which something else may be said soon.
     pub said_supported: Runs,
     pub watched: Vec<(u32, u8)>,
+    /// Whether long-range bounds are to be derived anew.
+    pub bounds_stale: bool,
     pub free_bodies: Runs,
     pub free_shapes: Runs,
     pub free_joints: Runs,
@@ -69,6 +73,7 @@ stored!(WorldRow {
     ended_by_edits,
     said_supported,
     watched,
+    bounds_stale,
     free_bodies,
     free_shapes,
     free_joints,
@@ -85,7 +90,12 @@ stored!(WorldDef {
     body_capacity,
     joint_capacity,
     support,
+    hold,
+    long_range,
 });
+stored!(LongRangeDef { enabled, attachment, hierarchy, levels });
+stored!(BoundKindDef { enabled, upper, lower });
+stored!(CarriedBound { kind, level, upper, lower, ends, impulses, far_force, active });
 stored!(SleepSettings { enabled, linear_speed, angular_speed, time });
 stored!(ContactPair { shape_a, shape_b, body_a, body_b });
 stored!(Displaced { shape, place });
@@ -117,6 +127,8 @@ stored!(Body {
     sleep,
     quarantined,
     history,
+    calm_for,
+    held,
 });
 stored!(LockedAxes { translation, rotation });
 stored!(MassProperties { mass, center_of_mass, principal_inertia, inertia_frame });
@@ -163,6 +175,7 @@ stored!(PairMaterial { friction, restitution, rolling, spinning });
 stored!(CarriedManifold { geometry, impulses });
 stored!(ContactImpulses { normal, friction, twist, rolling });
 
+stored_enum!(BoundKind { 0 => Attachment {}, 1 => Hierarchy {}, 2 => Soft {} });
 stored_enum!(Solver { 0 => Auto {}, 1 => GaussSeidel {}, 2 => Direct {} });
 stored_enum!(BodyKind { 0 => Static {}, 1 => Kinematic {}, 2 => Dynamic {} });
 stored_enum!(Mass { 0 => FromShapes {}, 1 => Total { 0: mass }, 2 => Properties { 0: properties } });
@@ -191,6 +204,9 @@ stored_enum!(JointKind {
 pub(crate) const LISTED: &[&str] = &[
     WorldRow::FIELDS,
     WorldDef::FIELDS,
+    LongRangeDef::FIELDS,
+    BoundKindDef::FIELDS,
+    CarriedBound::FIELDS,
     SleepSettings::FIELDS,
     Displaced::FIELDS,
     IslandRow::FIELDS,

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Quat};
 
-use super::World;
+use super::{CarriedBound, World};
 use crate::body::{Body, SleepState};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::{Pair, PairCache};
@@ -24,6 +24,7 @@ struct Image {
     joints: Pool<Joint, JointId>,
     pairs: PairCache,
     sleeping: SleepingIslands,
+    bounds: Vec<CarriedBound>,
 }
 
 impl World {
@@ -47,8 +48,11 @@ impl World {
             last_substep,
             last_dt,
             support,
+            // Carried bounds are stored, and derived bounds made anew.
+            long_range: _,
             // Made anew from the rest by whoever needs them next.
             escaped: _,
+            hold: _,
             groups: _,
             batches: _,
             batch_count: _,
@@ -60,6 +64,7 @@ impl World {
         } = self;
         // The last step's events are gone after a restore; what edits have ended since will be told by the next step.
         let Events { moved: _, contact_began: _, contact_ended: _, overloaded: _, quarantined: _, ended_by_edits } = events;
+        let (bounds_stale, carried_bounds) = self.carried_bounds();
         let (said_supported, watched) = support.as_ref().map_or_else(Default::default, |support| support.said());
         let forms = NumberedForms::of(colliders.iter().map(|(_, collider)| &collider.shape));
         seal::open(out);
@@ -77,6 +82,7 @@ impl World {
             ended_by_edits: ended_by_edits.clone(),
             said_supported: Runs(said_supported),
             watched,
+            bounds_stale,
             free_bodies: Runs(bodies.free().to_vec()),
             free_shapes: Runs(colliders.free().to_vec()),
             free_joints: Runs(joints.free().to_vec()),
@@ -103,6 +109,7 @@ impl World {
         };
         let islands: Vec<Option<IslandRow>> = sleeping.islands().iter().map(island).collect();
         tables.table(islands.iter());
+        tables.table(carried_bounds.iter());
         seal::close(out, seal::form(LISTED));
     }
 
@@ -118,10 +125,10 @@ impl World {
         let (forms, content) = KnownForms::read(content, present)?;
         let mut input = Input::new(content, &forms, self._tag.number());
         let image = Image::read(&mut input, self._tag.number()).ok_or(refused("holds what makes no sense"))?;
-        let Image { row, bodies, colliders, joints, pairs, sleeping } = image;
+        let Image { row, bodies, colliders, joints, pairs, sleeping, bounds } = image;
         self.broad.rebuild(colliders.slot_count(), |slot| colliders.get(slot)?.fat_box, row.changed.0);
         self.def = WorldDef { threads: self.def.threads, ..row.def };
-        self.report = StepReport { step: row.step, time: row.time, ..StepReport::default() };
+        let report = StepReport { step: row.step, time: row.time, ..StepReport::default() };
         self.events = Events { ended_by_edits: row.ended_by_edits, ..Events::default() };
         self.movers = row.movers.0;
         self.movers_sorted = row.movers_sorted;
@@ -132,6 +139,8 @@ impl World {
         self.joints = joints;
         self.pairs = pairs;
         self.sleeping = sleeping;
+        self.restart_long_range(row.bounds_stale, &bounds);
+        self.report = report;
         self.broken.clear();
         self.forget_escaped();
         self.restart_support(&row.said_supported.0, row.watched);
@@ -175,12 +184,13 @@ impl Image {
                 }
             });
         }
+        let bounds = input.table()?;
         if next as usize != active.len() + asleep.len() || !input.is_done() {
             return None;
         }
         let sleeping = SleepingIslands::from_parts(islands, row.free_islands.0.clone())?;
         let pairs = PairCache::from_parts(active, asleep)?;
-        let image = Self { row, bodies, colliders, joints, pairs, sleeping };
+        let image = Self { row, bodies, colliders, joints, pairs, sleeping, bounds };
         image.makes_sense().then_some(image)
     }
 
