@@ -37,8 +37,7 @@ impl Interface {
             let fields: Vec<String> =
                 body.split(';').map(spaced).filter(|field| !field.is_empty()).map(|field| field.replace("struct ", "")).collect();
             let says_so = |comment: &&str| comment.contains("Later versions append fields") && precedes(header, comment, &name);
-            let grows =
-                fields.first().is_some_and(|field| field == "uint32_t struct_size") || comments.iter().any(|c| says_so(&c));
+            let grows = fields.first().is_some_and(|field| field == "uint32_t struct_size") || comments.iter().any(says_so);
             interface.structs.insert(name, Struct { grows, fields });
         }
         for statement in code.split(';').map(spaced) {

@@ -35,7 +35,7 @@ pub(crate) struct History {
     angular: Vec3,
 }
 
-crate::snapshot::stored::stored!(History { h, displacement, turn, linear_before, angular_before, linear, angular });
+crate::snapshot::stored::stored!(History { h, displacement, turn, linear_before, momentum_before, linear, angular });
 
 impl History {
     pub(crate) const NONE: Self = Self {
