@@ -42,7 +42,7 @@ const MOST_HALVINGS: u32 = 4;
 const MUST_FALL: f64 = 0.5;
 
 /// Multiplications of a factorisation above which sweeps are the better choice, for each row of the articulation.
-const MOST_WORK_PER_ROW: u64 = 4000;
+const MOST_WORK_PER_ROW: u64 = 100_000;
 
 /// What a joint holds on to: two local bodies, and how many rows it may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
