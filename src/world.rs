@@ -33,8 +33,11 @@ mod read;
 mod redefine;
 mod shapes;
 mod sleep;
+mod snapshot;
 mod store;
 mod support;
+
+pub(crate) use long_range::CarriedBound;
 
 /// Bodies, shapes and joints that act on each other, and nothing else.
 pub struct World {
