@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::joint::{Joint, JointDef, JointKind, Softness};
 use crate::long_range::{BoundKind, BoundState, LongRangeDef};
 use crate::span::graph::{Link, Turn};
+use crate::span::load::NodeId;
 use crate::span::{Bound, Choice, Derived, JointSide};
 
 /// A bound, and what steps leave in it.
@@ -23,9 +24,30 @@ pub(super) struct BoundRecord {
 }
 
 impl BoundRecord {
+    /// A record before its bound is derived anew.
+    fn carried(carried: &CarriedBound) -> Self {
+        let &CarriedBound { kind, level, upper, lower, ends, impulses, far_force, active } = carried;
+        let [near, far] = [JointSide { link: 0, side: 0 }; 2];
+        let bound = Bound { kind, level, near, far, upper, lower, path: NodeId::NONE, inner: (0, 0) };
+        Self { bound, ends, impulses, far_force, active }
+    }
+
     fn key(&self) -> (BoundKind, [(u32, u8); 2]) {
         (self.bound.kind, self.ends)
     }
+}
+
+/// What a bound carries from step to step, as a snapshot keeps it: the rest is derived.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CarriedBound {
+    pub kind: BoundKind,
+    pub level: u8,
+    pub upper: f32,
+    pub lower: f32,
+    pub ends: [(u32, u8); 2],
+    pub impulses: [f32; 2],
+    pub far_force: Vec3,
+    pub active: bool,
 }
 
 /// Everything long-range of a world.
@@ -149,6 +171,30 @@ impl World {
         self.long_range.graph_changed();
         self.wake_all();
         Ok(())
+    }
+
+    /// What bounds carry from step to step, and whether they are to be derived anew.
+    pub(super) fn carried_bounds(&self) -> (bool, Vec<CarriedBound>) {
+        let carried = |&BoundRecord { bound, ends, impulses, far_force, active }: &BoundRecord| {
+            let Bound { kind, level, near: _, far: _, upper, lower, path: _, inner: _ } = bound;
+            CarriedBound { kind, level, upper, lower, ends, impulses, far_force, active }
+        };
+        (self.long_range.stale, self.long_range.records.iter().map(carried).collect())
+    }
+
+    /// Derives all bounds anew after a restore, with what they carried; not if the next step would do so anyway.
+    pub(super) fn restart_long_range(&mut self, stale: bool, carried: &[CarriedBound]) {
+        let records: Vec<BoundRecord> = carried.iter().map(BoundRecord::carried).collect();
+        self.long_range = LongRange { stale: !records.is_empty(), records: records.clone(), ..LongRange::default() };
+        if !stale {
+            self.derive_long_range();
+            let Self { long_range: LongRange { records: derived, .. }, .. } = self;
+            // The same joints give the same bounds in the same order.
+            for (record, old) in derived.iter_mut().zip(&records).filter(|(record, old)| record.key() == old.key()) {
+                (record.impulses, record.far_force, record.active) = (old.impulses, old.far_force, old.active);
+            }
+        }
+        self.long_range.stale = stale;
     }
 
     /// Every bound that was derived for the last step, with what it did.
