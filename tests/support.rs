@@ -222,3 +222,11 @@ fn gains_are_told_when_they_last_and_losses_at_once() {
     let lost = world.support_changes().unwrap();
     assert!(lost.len() == 1 && !lost[0].supported, "{lost:?}");
 }
+
+#[test]
+fn every_stone_of_the_gallery_is_judged_rightly() {
+    let scene = longspan_scenes::build("support_gallery", &[]).unwrap();
+    let mut engine = longspan_scenes::LongspanEngine::new(&scene.world, longspan_scenes::Effort::Default, 1).unwrap();
+    let run = longspan_scenes::run(scene, &mut engine, longspan_scenes::Effort::Default, 1).unwrap();
+    assert_eq!(run.errors, [("wrong_verdicts", 0.0)]);
+}

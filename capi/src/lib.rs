@@ -43,6 +43,8 @@ mod shape;
 
 mod joint;
 
+mod support;
+
 mod long_range;
 
 // What the header does not show.

@@ -211,6 +211,36 @@
 /** Query kinds: shapes of dynamic bodies count. */
 #define LS_QUERY_DYNAMIC 4
 
+/** The body stands: its centre of mass lies over the hull of the supporting contacts below it. */
+#define LS_SUPPORT_SUPPORTED 0
+
+/** Joints hold the body to the ground, or to a body that is supported. */
+#define LS_SUPPORT_HELD_BY_JOINTS 1
+
+/** The body is static, or kinematic and at rest: it needs no support. */
+#define LS_SUPPORT_GROUND 2
+
+/** Nothing presses against the body from below. */
+#define LS_SUPPORT_NO_CONTACT 3
+
+/** Every contact below the body slides. */
+#define LS_SUPPORT_SLIDING 4
+
+/** What the body stands on carries no load there: it is unsupported itself, moves, or ends before there. */
+#define LS_SUPPORT_ON_UNSUPPORTED 5
+
+/** The body's centre of mass lies outside the hull of its supporting contacts, or on its edge. */
+#define LS_SUPPORT_OUTSIDE_HULL 6
+
+/** Joints tie the body to others, none of which is supported. */
+#define LS_SUPPORT_HANGING_LOOSE 7
+
+/** The body is kinematic and on the move. */
+#define LS_SUPPORT_MOVING 8
+
+/** There is no gravity. */
+#define LS_SUPPORT_NO_GRAVITY 9
+
 /** Bound: from a static or kinematic attachment to what hangs on it. */
 #define LS_BOUND_ATTACHMENT 0
 
@@ -768,6 +798,29 @@ typedef struct LsJointState {
     /** Distance between the two joint points beyond what the joint allows (m). */
     float gap;
 } LsJointState;
+
+/** The verdict on a body at the end of the last step. The layout of this struct never changes. */
+typedef struct LsSupport {
+    /** LS_SUPPORT_ constant; the first three mean that the body is held up. */
+    int32_t verdict;
+    /**
+     * How far its centre of mass lies inside the hull of its supporting contacts, seen along gravity (m): negative outside,
+     * minus infinity without supporting contacts.
+     */
+    float margin;
+} LsSupport;
+
+/** A body that gained or lost its support in a step. The layout of this struct never changes. */
+typedef struct LsSupportChange {
+    /** The body. */
+    struct LsBody body;
+    /** The word its host gave it. */
+    uint64_t user_word;
+    /** 1 if it is supported now, else 0. */
+    uint32_t supported;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsSupportChange;
 
 /** Whether a kind of bound is derived, and its give. The layout of this struct never changes. */
 typedef struct LsBoundKindDef {
@@ -2193,6 +2246,154 @@ LsResult ls_joint_user_word_get(LsWorld world, LsJoint joint, uint64_t *out);
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_joint_user_word_set(LsWorld world, LsJoint joint, uint64_t word);
+
+/**
+ * Switches the support analysis on or off; at the start it is off and costs nothing.
+ *
+ * While it is on, every step ends with it, and the other ls_support_ functions answer.
+ * @param world  the world; any value is safe
+ * @param on     0 for off, anything else for on
+ * @return LS_OK, a world error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_support_enable(LsWorld world, uint32_t on);
+
+/**
+ * Whether bodies are held up, or why not.
+ *
+ * @param world   the world; any value is safe
+ * @param bodies  bodies of that world; any values are safe; may be NULL if count is 0
+ * @param count   number of bodies
+ * @param out     room for as many verdicts, filled on LS_OK; may be NULL if count is 0
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_support_of(LsWorld world, const LsBody *bodies, size_t count, LsSupport *out);
+
+/**
+ * Number of dynamic bodies that have support, by the changes told so far.
+ *
+ * @param world  the world; any value is safe
+ * @param out    filled on LS_OK
+ * @return LS_OK, a world error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_support_count(LsWorld world, size_t *out);
+
+/**
+ * Dynamic bodies that gained or lost support in the last step. A loss is told at once, a gain when it has lasted for six steps.
+ *
+ * @param world     the world; any value is safe
+ * @param out       room for capacity changes; may be NULL if capacity is 0
+ * @param capacity  number of changes that fit
+ * @param count     number of changes there are, written whenever it is not NULL and the world can be read
+ * @return LS_OK, a world error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT,
+ *         LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_support_changes(LsWorld world, LsSupportChange *out, size_t capacity, size_t *count);
+
+/**
+ * Corners of the hull of a body's supporting contacts, seen along gravity: in the plane through its centre of mass across gravity.
+ *
+ * @param world     the world; any value is safe
+ * @param body      a body of that world; any value is safe
+ * @param out       room for capacity points of three numbers (m); may be NULL if capacity is 0
+ * @param capacity  number of points that fit
+ * @param count     number of corners, written whenever it is not NULL and the body can be read
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT,
+ *         LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_support_hull(LsWorld world, LsBody body, double (*out)[3], size_t capacity, size_t *count);
+
+/**
+ * Bodies that carry a body, through supporting contacts or joints.
+ *
+ * @param world     the world; any value is safe
+ * @param body      a body of that world; any value is safe
+ * @param out       room for capacity bodies; may be NULL if capacity is 0
+ * @param capacity  number of bodies that fit
+ * @param count     number of bodies there are, written whenever it is not NULL and the body can be read
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT,
+ *         LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_support_from(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
+
+/**
+ * Bodies that a body carries through supporting contacts, or that hang on it by joints.
+ *
+ * @param world     the world; any value is safe
+ * @param body      a body of that world; any value is safe
+ * @param out       room for capacity bodies; may be NULL if capacity is 0
+ * @param capacity  number of bodies that fit
+ * @param count     number of bodies there are, written whenever it is not NULL and the body can be read
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT,
+ *         LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_support_to(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
+
+/**
+ * The way that a body's weight takes to the ground: the body itself, then always what carries most of the one before, to a body
+ * that needs no support. Empty for a body without support; a joint to the world itself ends the way.
+ *
+ * @param world     the world; any value is safe
+ * @param body      a body of that world; any value is safe
+ * @param out       room for capacity bodies; may be NULL if capacity is 0
+ * @param capacity  number of bodies that fit
+ * @param count     number of bodies there are, written whenever it is not NULL and the body can be read
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT,
+ *         LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_support_path(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
+
+/**
+ * Force with which everything that stands on a body presses it down, along gravity, in the last substep.
+ *
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param out    force (N), filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_support_load(LsWorld world, LsBody body, float *out);
+
+/**
+ * Force with which one body presses another down through their contacts, along gravity, in the last substep.
+ *
+ * @param world  the world; any value is safe
+ * @param upper  a body of that world; any value is safe
+ * @param lower  a body of that world; any value is safe
+ * @param out    force (N), filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_support_load_between(LsWorld world, LsBody upper, LsBody lower, float *out);
+
+/**
+ * Bodies that are supported now and would not be without some others. The world stays as it is.
+ *
+ * This asks the graph of contacts, joints and hulls; it is not a simulation. It knows what no longer reaches the ground or has its
+ * centre of mass over nothing, but not what a fall would knock over, nor that what is left might slide.
+ * @param world          the world; any value is safe
+ * @param removed        bodies of that world; any values are safe; may be NULL if removed_count is 0
+ * @param removed_count  number of them
+ * @param out            room for capacity bodies; may be NULL if capacity is 0
+ * @param capacity       number of bodies that fit
+ * @param count          number of bodies there are, written whenever it is not NULL and the bodies can be read
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT,
+ *         LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_support_lost_without(LsWorld world,
+                                 const LsBody *removed,
+                                 size_t removed_count,
+                                 LsBody *out,
+                                 size_t capacity,
+                                 size_t *count);
 
 /**
  * Fills a definition of long-range constraints with defaults.

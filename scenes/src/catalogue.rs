@@ -5,8 +5,8 @@ use longspan::glam::DVec3;
 use crate::params::{Params, SceneError};
 use crate::scene::Scene;
 use crate::{
-    arm, branching, bridge, cable_car, cantilever, chain, closed_form, crossbow, free, friction, hinge_loop, idle, impact,
-    machines, masonry, pile, ragdoll, stack, stress, track, vase, violent,
+    arm, branching, bridge, cable_car, cantilever, chain, closed_form, crossbow, free, friction, gallery, hinge_loop, idle,
+    impact, machines, masonry, pile, ragdoll, stack, stress, track, vase, violent,
 };
 
 /// A scene that can be built.
@@ -41,6 +41,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry("column", "equal boxes on one another for a minute", stack::column),
     entry("pile", "boxes and balls dropped into a pit", pile::pile),
     entry("arch", "a semicircular arch of wedges without mortar", masonry::arch),
+    entry("support_gallery", "the stacks of the paper's figures, and whether each stone is supported", gallery::support_gallery),
     entry("card_house", "a house of cards", masonry::card_house),
     entry("free_gyro", "a free body spinning about its middle axis", free::free_gyro),
     entry("free_cluster", "eight bodies in joints of every kind, tumbling freely", free::free_cluster),

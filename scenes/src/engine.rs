@@ -49,6 +49,11 @@ pub trait Engine {
     fn refusal(&self) -> Option<String> {
         None
     }
+    /// Whether something holds the body up, of an engine that says so.
+    fn is_supported(&self, body: usize) -> Option<bool> {
+        let _ = body;
+        None
+    }
     /// Whether the body is simulated at present.
     fn is_awake(&self, body: usize) -> bool {
         let _ = body;

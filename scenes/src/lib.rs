@@ -26,6 +26,7 @@ mod crossbow;
 mod engine;
 mod free;
 mod friction;
+mod gallery;
 mod hinge_loop;
 mod idle;
 mod impact;

@@ -137,6 +137,10 @@ impl Engine for LongspanEngine {
         self.refusal.map(|error| error.to_string())
     }
 
+    fn is_supported(&self, body: usize) -> Option<bool> {
+        self.world.support(self.bodies[body]).ok().map(|support| support.verdict.is_supported())
+    }
+
     fn is_awake(&self, body: usize) -> bool {
         self.world.is_awake(self.bodies[body]).unwrap_or(false)
     }

@@ -89,6 +89,10 @@ impl Engine for Shifted<'_> {
         self.engine.refusal()
     }
 
+    fn is_supported(&self, body: usize) -> Option<bool> {
+        self.engine.is_supported(body)
+    }
+
     fn is_awake(&self, body: usize) -> bool {
         self.engine.is_awake(body)
     }

@@ -127,6 +127,8 @@ stored!(Body {
     sleep,
     quarantined,
     history,
+    age,
+    steady_for,
     calm_for,
     held,
 });

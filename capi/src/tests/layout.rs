@@ -15,6 +15,7 @@ use crate::math::*;
 use crate::query_def::*;
 use crate::report::*;
 use crate::shape_def::*;
+use crate::support::*;
 use crate::version::*;
 use crate::world_def::*;
 
@@ -57,6 +58,8 @@ fn layouts() -> Vec<Layout> {
         LsShape { id }
         LsJoint { id }
         LsPose { position, rotation }
+        LsSupport { verdict, margin }
+        LsSupportChange { body, user_word, supported, reserved }
         LsMaterial { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule }
         LsCollisionFilter { member_of, collides_with }
         LsShapeDef {
@@ -141,6 +144,8 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsContactPair", 32),
         ("LsContact", 192),
         ("LsJointOverload", 24),
+        ("LsSupport", 8),
+        ("LsSupportChange", 24),
         ("LsQueryFilter", 48),
         ("LsRay", 40),
         ("LsRayHit", 56),
