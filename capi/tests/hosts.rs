@@ -4,7 +4,7 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 7] = ["hello", "chain", "bulk", "misuse", "edit", "queries", "rollback"];
+const SAMPLES: [&str; 8] = ["hello", "chain", "bulk", "misuse", "edit", "queries", "rollback", "fixed_step"];
 
 fn sample(name: &str) -> std::path::PathBuf {
     common::repository().join("examples_c").join(format!("{name}.c"))
@@ -107,6 +107,23 @@ fn questions_are_answered_and_filtered_as_the_host_says() {
 fn a_host_that_goes_back_gets_the_same_bits_again() {
     let output = run(&mut LIBRARY.compile(&sample("rollback"), Language::C99, Linkage::Static));
     assert!(output.contains("120 steps, the same bits twice") && output.contains("snapshot: is corrupted"), "{output}");
+}
+
+#[test]
+fn frames_between_steps_are_drawn_evenly() {
+    let output = run(&mut LIBRARY.compile(&sample("fixed_step"), Language::C99, Linkage::Static));
+    assert!(output.contains("steps in 288 frames"), "{output}");
+}
+
+#[test]
+fn the_chain_of_the_guide_hangs_as_the_guide_says() {
+    let guide = std::fs::read_to_string(common::repository().join("docs/guide/hello.md")).expect("the guide is there");
+    let code = guide.split("```c\n").nth(1).and_then(|rest| rest.split("```").next()).expect("the guide has a program");
+    let source = common::output_folder().join("hang.c");
+    std::fs::write(&source, code).expect("a source can be written");
+    let output = run(&mut LIBRARY.compile(&source, Language::C99, Linkage::Static));
+    assert_eq!(output, "the weight hangs 1.900 m below the ceiling, which carries 1069 N\n");
+    assert!(guide.contains("the weight hangs 1.900 m below the ceiling, which carries 1069 N"), "the guide says so");
 }
 
 #[test]
