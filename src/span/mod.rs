@@ -13,14 +13,17 @@
 //! | `bounds.rs` | bounds along a chain of segments that hold in every pose |
 //! | `attachment.rs` | from attachments to what hangs on them (§3.1) |
 //! | `hierarchy.rs` | between bodies that are free (§3.2) |
+//! | `weight.rs` | which bodies bounds are for |
 //! | `load.rs` | which joints a bound carries load past |
 //! | `support.rs` | which bodies stand on the ground (§3.6) |
 
 pub(crate) mod attachment;
 pub(crate) mod bounds;
 pub(crate) mod graph;
+pub(crate) mod hierarchy;
 pub(crate) mod load;
 pub(crate) mod support;
+pub(crate) mod weight;
 
 use graph::Graph;
 use load::{LoadPaths, NodeId};
@@ -81,6 +84,8 @@ pub(crate) struct InnerJoint {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Choice {
     pub attachment: bool,
+    pub hierarchy: bool,
+    pub levels: Option<u32>,
 }
 
 /// Everything derived from a graph.
@@ -100,8 +105,12 @@ impl Derived {
         self.inner.clear();
         self.paths.clear();
         self.graph.connect();
+        let weights = weight::weigh(&self.graph);
+        if choice.hierarchy {
+            hierarchy::derive(self, &weights, choice.levels);
+        }
         if choice.attachment {
-            attachment::derive(self);
+            attachment::derive(self, &weights);
         }
     }
 }

@@ -77,7 +77,11 @@ impl World {
                 }
             }
         }
-        long_range.derived.rebuild(Choice { attachment: settings.attachment.enabled });
+        long_range.derived.rebuild(Choice {
+            attachment: settings.attachment.enabled,
+            hierarchy: settings.hierarchy.enabled,
+            levels: settings.levels,
+        });
         long_range.take_over();
         self.report.counts.bounds_derived = self.long_range.records.len() as u32;
     }
