@@ -74,6 +74,7 @@ pub(super) fn derive(derived: &mut Derived, weights: &[Weight]) {
             lower: label.reach.lower as f32,
             path: label.path,
             inner: (first, derived.inner.len() as u32),
+            request: None,
         });
     }
 }

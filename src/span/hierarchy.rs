@@ -98,6 +98,7 @@ fn add_levels(derived: &mut Derived, edges: Vec<Edge>, crossed: &mut Vec<JointSi
                 lower: reach.map_or(0.0, |reach| reach.lower) as f32,
                 path: edge.path,
                 inner: (first, derived.inner.len() as u32),
+                request: None,
             });
         }
     }

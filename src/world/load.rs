@@ -32,6 +32,8 @@ struct Records<'a> {
     joints: &'a Pool<Joint, JointId>,
     bounds: &'a [BoundRecord],
     long_range: &'a LongRangeDef,
+    /// Bodies whose joints are left to sweeps.
+    swept: &'a [bool],
     span: &'a Derived,
     place: &'a [(u32, u32)],
     gravity: Vec3,
@@ -62,6 +64,7 @@ impl World {
             joints: &self.joints,
             bounds: &self.long_range.records,
             long_range: &self.def.long_range,
+            swept: &self.long_range.swept,
             span: &self.long_range.derived,
             place: &self.groups.place,
             gravity: self.def.gravity,
@@ -187,13 +190,20 @@ impl Records<'_> {
                 angular_sum: Vec3::ZERO,
             });
         }
-        let Batch { joints, direct, coloring, bodies, velocities, motions, ends, .. } = batch;
+        let Batch { joints, direct, withheld, coloring, bodies, velocities, motions, ends, .. } = batch;
         if self.solver != Solver::GaussSeidel {
+            let is_swept = |slot: u32| {
+                let body = bodies[slot as usize];
+                slot != WORLD_SLOT && self.swept.get(body as usize).is_some_and(|&swept| swept)
+            };
+            withheld.clear();
+            withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
             let contacts = ends.iter().map(|ends| [ends.a, ends.b]);
             direct.take(&mut joints.entries, self.joints, velocities, motions, contacts, |slot| {
                 let body = &self.bodies[bodies[slot as usize]];
                 (body.center, body.history)
             });
+            joints.entries.append(withheld);
         }
         joints.sort_by_color(coloring, motions);
     }
@@ -210,7 +220,7 @@ impl Records<'_> {
             if !batch.swept[far.slot as usize] {
                 continue;
             }
-            let [upper_give, lower_give] = World::bound_give(self.long_range, record.bound.kind);
+            let [upper_give, lower_give] = World::bound_give(self.long_range, record);
             let number = batch.bounds.entries.len() as u32;
             for inner in record.bound.inner.0..record.bound.inner.1 {
                 let at = &self.span.inner[inner as usize];

@@ -82,7 +82,8 @@ fn layouts() -> Vec<Layout> {
         }
         LsJointState { position, velocity, force, torque, gap }
         LsBoundKindDef { enabled, upper, lower }
-        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved }
+        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, soft }
+        LsSoftBound { share, softness }
         LsBound { near_joint, far_joint, points, kind, level, distance, upper, lower, tension, active, reserved }
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
@@ -135,6 +136,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsBoundKindDef", 20),
         ("LsLongRangeDef", 56),
         ("LsBound", 96),
+        ("LsSoftBound", 12),
         ("LsWorldDef", 64),
         ("LsStepReport", 96),
         ("LsMoved", 88),
