@@ -66,7 +66,7 @@ impl Default for LsLongRangeDef {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct LsSoftBound {
-    /// Share of the greatest distance at which the spring is at rest, above 0 and up to 1.
+    /// Factor on the greatest distance at which the spring is at rest, above 0 and up to 1.
     pub share: f32,
     /// Spring and damper; its compliance must not be 0.
     pub softness: LsSoftness,
@@ -140,13 +140,13 @@ pub unsafe extern "C" fn ls_world_long_range_get(world: LsWorld, out: *mut LsLon
     })
 }
 
-/// Asks for a soft bound between two joints, or takes it back, and wakes their bodies. It ends with either joint.
+/// Asks for a soft bound between two joints, or changes it, and wakes their bodies. It ends with either joint.
 ///
 /// @param world    the world; any value is safe
 /// @param joint_a  a joint of that world; any value is safe
 /// @param joint_b  another one, connected to it by bodies and joints; any value is safe
-/// @param bound    read during the call; NULL takes the bound back
-/// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_APPLICABLE
+/// @param bound    read during the call
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_APPLICABLE
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ls_world_soft_bound_set(
@@ -156,8 +156,22 @@ pub unsafe extern "C" fn ls_world_soft_bound_set(
     bound: *const LsSoftBound,
 ) -> LsResult {
     call("ls_world_soft_bound_set", || {
-        let bound = if bound.is_null() { None } else { Some(SoftBound::from(&host!(pointer::read, bound))) };
-        edit(world, |world| world.set_soft_bound(joint_a.into(), joint_b.into(), bound))
+        let bound = SoftBound::from(&host!(pointer::read, bound));
+        edit(world, |world| world.set_soft_bound(joint_a.into(), joint_b.into(), Some(bound)))
+    })
+}
+
+/// Takes a soft bound back and wakes the bodies of its joints; where there is none, nothing changes.
+///
+/// @param world    the world; any value is safe
+/// @param joint_a  a joint of that world; any value is safe
+/// @param joint_b  another one; any value is safe
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_world_soft_bound_remove(world: LsWorld, joint_a: LsJoint, joint_b: LsJoint) -> LsResult {
+    call("ls_world_soft_bound_remove", || {
+        edit(world, |world| world.set_soft_bound(joint_a.into(), joint_b.into(), None))
     })
 }
 

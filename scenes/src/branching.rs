@@ -9,12 +9,15 @@
 //! direction that leans downwards; a box (half-extent 0.1 m, `ratio` kg) at every tip that nothing else hangs from. It falls from
 //! rest. *Loop graph*: the same with `loops` rods more, between random tips 0.1 m to 1 m apart.
 //!
+//! With `reference=on` the mobile is compared with its exact motion, over 2 s unless set otherwise.
+//!
 //! No two bodies touch: rods that grow at random start inside one another.
 
 use longspan::Pose;
 use longspan::glam::{DVec3, Vec3};
 use longspan::{BodyDef, BodyKind};
 
+use crate::against::judge_ball_tree;
 use crate::assemble::{INTANGIBLE, filtered, rod, solid};
 use crate::metrics::{EnergyError, JointGap, Stretch};
 use crate::params::{Params, SceneError};
@@ -159,12 +162,16 @@ fn ratio(params: &mut Params) -> Result<f32, SceneError> {
 pub(crate) fn mobile(params: &mut Params) -> Result<Scene, SceneError> {
     let levels = params.count("levels", 5, 1..=12)?;
     let ratio = ratio(params)?;
-    let mut scene = start(params, 10.0)?;
+    let with_reference = params.switch("reference", false)?;
+    let mut scene = start(params, if with_reference { 2.0 } else { 10.0 })?;
     let paths = add_mobile(&mut scene, levels, ratio)?;
     for body in scene.bodies.iter_mut().filter(|body| body.kind == BodyKind::Dynamic) {
         body.linear_velocity = Vec3::Z * 0.2;
     }
     judge(&mut scene, paths);
+    if with_reference {
+        judge_ball_tree(&mut scene);
+    }
     Ok(scene)
 }
 

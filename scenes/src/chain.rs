@@ -3,9 +3,10 @@
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, Geometry, Mass, Pose};
 
-use crate::metrics::{EnergyError, JointGap, LoadError, Stretch, TrajectoryError};
+use crate::against::{judge_ball_tree, planar_link};
+use crate::metrics::{EnergyError, JointGap, LoadError, MotionError, Stretch};
 use crate::params::{Params, SceneError};
-use crate::reference::{Link, PlanarChain, SUBSTEPS};
+use crate::reference::{PlanarChain, SUBSTEPS};
 use crate::scene::{DT, GRAVITY, Scene, cuboid, shape, spherical, start};
 
 /// Distance between the joints of a chain (m).
@@ -52,6 +53,7 @@ fn n_and_ratio(params: &mut Params) -> Result<(usize, f32), SceneError> {
 
 pub(crate) fn hanging_chain(params: &mut Params) -> Result<Scene, SceneError> {
     let (n, ratio) = n_and_ratio(params)?;
+    let with_reference = params.switch("reference", false)?;
     let mut scene = start(params, 10.0)?;
     let chain = add_chain(&mut scene, n, ratio, Quat::IDENTITY)?;
     for &body in chain.links.iter().chain([&chain.weight]) {
@@ -61,6 +63,9 @@ pub(crate) fn hanging_chain(params: &mut Params) -> Result<Scene, SceneError> {
     scene.judge(Stretch::new(chain.joints.clone(), n as f64 * f64::from(PITCH), LAST));
     scene.judge(JointGap::over_last(LAST));
     scene.judge(LoadError::new(chain.joints[0], weight, LAST));
+    if with_reference {
+        judge_ball_tree(&mut scene);
+    }
     Ok(scene)
 }
 
@@ -75,15 +80,19 @@ pub(crate) fn swinging_weight(params: &mut Params) -> Result<Scene, SceneError> 
     let weight_length = f64::from(WEIGHT_HALF);
     let greatest_fall = f64::from(GRAVITY) * (f64::from(ratio) * (length + weight_length) + 0.5 * n as f64 * length);
 
-    let mut reference = reference_chain(&scene, &chain);
-    let mut done = 0;
-    scene.judge(TrajectoryError::new(chain.weight, "traj_err_max_m", Some("traj_err_rms_m"), move |step, _| {
-        while done < step {
-            reference.advance(f64::from(DT), SUBSTEPS);
-            done += 1;
+    let reference = reference_chain(&scene, &chain);
+    let motion = |mut reference: PlanarChain, substeps: u32| {
+        let mut done = 0;
+        move |step: u32| {
+            while done < step {
+                reference.advance(f64::from(DT), substeps);
+                done += 1;
+            }
+            vec![reference.last_center().extend(0.0)]
         }
-        reference.last_center().extend(0.0)
-    }));
+    };
+    let (exact, coarser) = (motion(reference.clone(), SUBSTEPS), motion(reference, SUBSTEPS / 2));
+    scene.judge(MotionError::new(vec![chain.weight], exact, coarser));
     scene.judge(Stretch::new(chain.joints.clone(), length, steps));
     scene.judge(JointGap::over_last(steps));
     scene.judge(EnergyError::new("energy_drift_pct", Some("energy_rise_pct"), Some(greatest_fall)));
@@ -92,17 +101,6 @@ pub(crate) fn swinging_weight(params: &mut Params) -> Result<Scene, SceneError> 
 
 /// The same chain in minimal coordinates, with the masses that the engines get.
 fn reference_chain(scene: &Scene, chain: &Chain) -> PlanarChain {
-    let link_of = |body: usize, half: f32| {
-        let mass = match scene.bodies[body].mass {
-            Mass::Properties(properties) => properties,
-            other => unreachable!("the scene computed the mass of each body: {other:?}"),
-        };
-        // The plane is x–y: what turns the link is the moment about z.
-        let axes = longspan::glam::Mat3::from_quat(mass.inertia_frame);
-        let about_z = (axes * longspan::glam::Mat3::from_diagonal(mass.principal_inertia) * axes.transpose()).z_axis.z;
-        let half = f64::from(half);
-        Link { mass: f64::from(mass.mass), inertia: f64::from(about_z), to_center: half, to_bottom: half }
-    };
-    let links = chain.links.iter().map(|&body| link_of(body, PITCH / 2.0)).chain([link_of(chain.weight, WEIGHT_HALF)]);
-    PlanarChain::horizontal(links.collect(), f64::from(GRAVITY))
+    let links = chain.links.iter().map(|&body| planar_link(scene, body, PITCH / 2.0));
+    PlanarChain::horizontal(links.chain([planar_link(scene, chain.weight, WEIGHT_HALF)]).collect(), f64::from(GRAVITY))
 }

@@ -12,6 +12,7 @@
 //! assert_eq!(measurement.steps, 6);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+mod against;
 mod arm;
 mod assemble;
 mod branching;

@@ -16,17 +16,12 @@ struct Replica {
     slot: u32,
 }
 
-/// Slots of a manifold's bodies, and its number of points.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ManifoldEnds {
-    pub a: u32,
-    pub b: u32,
-    pub points: u8,
-}
-
 /// Groups of manifolds: two for each colour, two for what found none; and the first of those.
 const GROUPS: usize = 2 * MAX_COLORS + 2;
 const ALONE: usize = 2 * MAX_COLORS;
+
+/// Group, and block, of a manifold that an articulation holds.
+const HELD: u32 = u32::MAX;
 
 /// Bodies, contacts and joints solved together.
 #[derive(Debug, Default)]
@@ -50,8 +45,8 @@ pub(crate) struct Batch {
     pub direct: Direct,
     /// Joints that a direct solve may not take.
     pub withheld: Vec<JointEntry>,
-    /// Slots of each manifold's bodies, and its number of points.
-    pub ends: Vec<ManifoldEnds>,
+    /// All manifolds.
+    pub inputs: Vec<ContactInput>,
     /// Block and lane of each manifold.
     lanes: Vec<(u32, u32)>,
     /// Kinematic bodies that have a slot here, sorted by body.
@@ -80,6 +75,7 @@ impl Batch {
         self.velocities.push(BodyVelocity::FIXED);
         self.motions.clear();
         self.motions.push(BodyMotion::FIXED);
+        self.inputs.clear();
         self.contacts.clear();
         self.joints.clear();
         self.bound_slots.clear();
@@ -133,14 +129,18 @@ impl Batch {
         }
     }
 
-    /// Lays out a block and a lane for every manifold; `ends` gives the slots of each and its number of points.
+    /// Lays out a block and a lane for every manifold that no articulation holds.
     ///
     /// Within a colour, manifolds of one point have blocks of their own, which cost a fraction of those of four.
-    pub(crate) fn color_contacts(&mut self, ends: &[ManifoldEnds]) {
+    pub(crate) fn color_contacts(&mut self) {
         self.coloring.reset(self.velocities.len());
         self.groups.clear();
         let mut counts = [0_u32; GROUPS];
-        for &ManifoldEnds { a, b, points } in ends {
+        for (number, &ContactInput { a, b, count: points, .. }) in self.inputs.iter().enumerate() {
+            if self.direct.holds(number) {
+                self.groups.push(HELD);
+                continue;
+            }
             self.motions[a as usize].constrained = true;
             self.motions[b as usize].constrained = true;
             let end = |slot: u32| (slot, slot != WORLD_SLOT && self.motions[slot as usize].is_dynamic());
@@ -159,27 +159,34 @@ impl Batch {
         self.color_count = counts.chunks(2).filter(|counts| counts.iter().any(|&count| count > 0)).count() as u32;
         self.contacts.resize(blocks as usize, ContactBlock::EMPTY);
         for &group in &self.groups {
+            if group == HELD {
+                self.lanes.push((HELD, 0));
+                continue;
+            }
             let place = &mut next[group as usize];
             self.lanes.push((*place / LANES as u32, *place % LANES as u32));
             *place += if (group as usize) < ALONE { 1 } else { LANES as u32 };
         }
     }
 
-    /// Prepares the rows of the manifold with this number; points closer than `reach` (m) count as touching.
-    pub(crate) fn set_contact(&mut self, number: usize, input: &ContactInput, reach: f32) {
-        let (block, lane) = self.lanes[number];
-        self.contacts[block as usize].set_lane(lane as usize, input, &self.velocities, reach);
+    /// Prepares the rows of all manifolds that have a lane; points closer than `reach` (m) count as touching.
+    pub(crate) fn set_contacts(&mut self, reach: f32) {
+        for (input, &(block, lane)) in self.inputs.iter().zip(&self.lanes).filter(|(_, (block, _))| *block != HELD) {
+            self.contacts[block as usize].set_lane(lane as usize, input, &self.velocities, reach);
+        }
     }
 
     /// Multipliers of the manifold with this number.
     pub(crate) fn contact_impulses(&self, number: usize) -> ContactImpulses {
         let (block, lane) = self.lanes[number];
+        if block == HELD {
+            return self.direct.impulses_of(number);
+        }
         self.contacts[block as usize].impulses(lane as usize)
     }
 
     /// Normal of the manifold with this number.
     pub(crate) fn contact_normal(&self, number: usize) -> glam::Vec3 {
-        let (block, lane) = self.lanes[number];
-        self.contacts[block as usize].normal_of(lane as usize)
+        self.inputs[number].normal
     }
 }

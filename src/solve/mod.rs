@@ -46,7 +46,6 @@ impl Batch {
     /// Moves all bodies of the batch through the step.
     pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
         let h = settings.dt / settings.substeps as f32;
-        self.direct.step(joints, &mut self.velocities, &mut self.motions, settings);
         self.start_contacts(settings.gravity, h);
         for _ in 0..settings.substeps {
             self.apply_forces(joints, h);
@@ -122,7 +121,9 @@ impl Batch {
 
     fn recover_positions(&mut self, dt: f32) {
         contact_kernels::find_worst_overlap(&self.contacts, &self.motions, &mut self.penetration);
-        if self.penetration <= NEGLIGIBLE_OVERLAP {
+        let overlaps = self.penetration > NEGLIGIBLE_OVERLAP;
+        self.penetration = self.penetration.max(self.direct.penetration() as f32);
+        if !overlaps {
             return;
         }
         self.pushes.clear();

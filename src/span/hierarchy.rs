@@ -118,7 +118,8 @@ fn neighbours(graph: &Graph, heavy: &[bool], paths: &mut LoadPaths, crossed: &mu
     let mut edges = Vec::new();
     let mut seen = vec![0_u32; graph.links.len()];
     let mut mark = 0;
-    let (mut queue, mut steps): (BinaryHeap<Reverse<Candidate>>, Vec<(JointSide, Option<u32>)>) = Default::default();
+    let mut queue: BinaryHeap<Reverse<Candidate>> = BinaryHeap::new();
+    let mut steps: Vec<(JointSide, Option<u32>)> = Vec::new();
     for body in (0..heavy.len() as u32).filter(|&body| heavy[body as usize]) {
         for &start in graph.ends_on(body) {
             mark += 1;

@@ -13,7 +13,7 @@ use crate::joint::{Joint, JointImpulses};
 use crate::long_range::LongRangeDef;
 use crate::settings::Solver;
 use crate::solve::StepSettings;
-use crate::solve::batch::{Batch, ManifoldEnds};
+use crate::solve::batch::Batch;
 use crate::solve::bound::BoundEntry;
 use crate::solve::contact::ContactInput;
 use crate::solve::joint::JointEntry;
@@ -73,7 +73,7 @@ impl World {
             impulse_scale,
         };
         let work = |batch: &mut Batch| {
-            records.fill(batch);
+            records.fill(batch, &settings);
             batch.solve(records.joints, &settings);
         };
         let batches = &mut self.batches[..self.batch_count];
@@ -87,10 +87,11 @@ impl World {
 }
 
 impl Records<'_> {
-    fn fill(&self, batch: &mut Batch) {
+    fn fill(&self, batch: &mut Batch, settings: &StepSettings) {
         batch.load_bodies(|index| self.body_state(index));
-        self.fill_contacts(batch);
-        self.fill_joints(batch);
+        self.list_contacts(batch);
+        self.list_joints(batch);
+        self.lay_out(batch, settings);
         self.fill_bounds(batch);
     }
 
@@ -137,19 +138,9 @@ impl Records<'_> {
         }
     }
 
-    fn fill_contacts(&self, batch: &mut Batch) {
-        let mut ends = std::mem::take(&mut batch.ends);
-        ends.clear();
+    fn list_contacts(&self, batch: &mut Batch) {
+        let mut inputs = std::mem::take(&mut batch.inputs);
         for number in 0..batch.manifolds.len() {
-            let (slot, manifold) = batch.manifolds[number];
-            let pair = self.pairs.get(slot);
-            let (a, b) = pair.key.shapes();
-            let points = pair.manifolds[manifold as usize].geometry.count;
-            let (a, b) = (self.slot(batch, self.colliders[a].body), self.slot(batch, self.colliders[b].body));
-            ends.push(ManifoldEnds { a, b, points });
-        }
-        batch.color_contacts(&ends);
-        for (number, ends) in ends.iter().enumerate() {
             let (slot, manifold) = batch.manifolds[number];
             let pair = self.pairs.get(slot);
             let carried = &pair.manifolds[manifold as usize];
@@ -157,9 +148,9 @@ impl Records<'_> {
             let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
             let bodies = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
             let world = WorldManifold::new(&carried.geometry, (shape_a, bodies.0), (shape_b, bodies.1));
-            let input = ContactInput {
-                a: ends.a,
-                b: ends.b,
+            inputs.push(ContactInput {
+                a: self.slot(batch, shape_a.body),
+                b: self.slot(batch, shape_b.body),
                 normal: world.normal,
                 lever_a: world.lever_a,
                 lever_b: world.lever_b,
@@ -167,13 +158,12 @@ impl Records<'_> {
                 count: carried.geometry.count as usize,
                 material: pair.material,
                 impulses: carried.impulses.scaled(self.impulse_scale),
-            };
-            batch.set_contact(number, &input, self.reach);
+            });
         }
-        batch.ends = ends;
+        batch.inputs = inputs;
     }
 
-    fn fill_joints(&self, batch: &mut Batch) {
+    fn list_joints(&self, batch: &mut Batch) {
         for number in 0..batch.joint_slots.len() {
             let slot = batch.joint_slots[number];
             let joint = &self.joints[slot];
@@ -190,21 +180,30 @@ impl Records<'_> {
                 angular_sum: Vec3::ZERO,
             });
         }
-        let Batch { joints, direct, withheld, coloring, bodies, velocities, motions, ends, .. } = batch;
-        if self.solver != Solver::GaussSeidel {
+    }
+
+    /// Moves what the direct solver can move by itself, and lays out rows for the rest.
+    fn lay_out(&self, batch: &mut Batch, settings: &StepSettings) {
+        let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, .. } = batch;
+        if self.solver == Solver::GaussSeidel {
+            direct.clear();
+        } else {
             let is_swept = |slot: u32| {
                 let body = bodies[slot as usize];
                 slot != WORLD_SLOT && self.swept.get(body as usize).is_some_and(|&swept| swept)
             };
             withheld.clear();
             withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
-            let contacts = ends.iter().map(|ends| [ends.a, ends.b]);
-            direct.take(&mut joints.entries, self.joints, velocities, motions, contacts, |slot| {
+            direct.take(&mut joints.entries, self.joints, velocities, motions, inputs, |slot| {
                 let body = &self.bodies[bodies[slot as usize]];
                 (body.center, body.history)
             });
             joints.entries.append(withheld);
+            direct.step(self.joints, velocities, motions, inputs, settings);
         }
+        batch.color_contacts();
+        batch.set_contacts(self.reach);
+        let Batch { joints, coloring, motions, .. } = batch;
         joints.sort_by_color(coloring, motions);
     }
 

@@ -22,7 +22,7 @@ pub use plane::{HingePlane, PlaneMember, smallest_axis};
 pub use reading::Reading;
 pub use rigid::RigidDeviation;
 pub use solid::{Solid, overlap_depth};
-pub use trajectory::TrajectoryError;
+pub use trajectory::{MotionError, TrajectoryError};
 
 use longspan::glam::{DMat3, DVec3, Vec3};
 use longspan::{BodyDef, BodyKind, Mass, MassProperties, Pose};

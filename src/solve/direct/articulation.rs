@@ -16,38 +16,24 @@
 //!
 //! A substep that ends with an error beyond the tolerance, and not well below what it began with, is undone and taken as two halves.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use super::body::DirectBody;
-use super::factor::Plan;
-use super::history::{EULER_SHARE, History};
-use super::momentum::Momentum;
-use super::stiffness;
-use super::system::{Coupling, Origin, System, Topology};
+use super::contacts::Touch;
+use super::factor::{MAX_ROWS, Plan};
+use super::history::History;
+use super::system::{Coupling, System, Topology};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
-use crate::solve::joint::geometry::JointGeometry;
-use crate::solve::joint::kinds::{self, RowSink};
-use crate::solve::joint::rows::{self, Phase, Rate};
+use crate::solve::contact::ContactInput;
+use crate::solve::joint::kinds;
+use crate::solve::joint::rows::{self, Rate};
 use crate::solve::joint::{JointEntry, Stance};
 use crate::solve::rotation;
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 
-/// Transverse stiffness κ of a joint below which a smooth substep takes its Jacobian at the start, and above which at the predicted
-/// pose, with the geometric stiffness of its force.
-const IMPLICIT_RANGE: (f64, f64) = (0.5, 2.0);
-
 /// Error that a substep may leave, over the mean distance of joint points from centres of mass.
-const TOLERANCE: f64 = 2.0e-3;
-
-/// Share of the tolerance below which positions are left as they are.
-const GOOD_ENOUGH: f64 = 0.25;
-
-/// Most projections of a substep.
-const PROJECTIONS: usize = 3;
-
-/// Shares of a projection's step that are tried, one after the other.
-const BACKTRACKING: [f64; 3] = [1.0, 0.3, 0.09];
+pub(super) const TOLERANCE: f64 = 2.0e-3;
 
 /// How often a substep may be halved.
 const MOST_HALVINGS: u32 = 4;
@@ -60,37 +46,25 @@ const MOST_WORK_PER_ROW: u64 = 4000;
 
 /// What a joint holds on to: two local bodies, and how many rows it may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Link {
-    bodies: [u32; 2],
+pub(super) struct Link {
+    pub bodies: [u32; 2],
     moves: [bool; 2],
     capacity: u32,
 }
 
+/// A body has more contacts than the nodes of its joints hold.
+struct NoRoom;
+
 /// How a substep treats the path of its bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Mode {
-    /// Rows hold at the end of the substep to second order.
+    /// Rows hold at the end of the substep, whose start is extrapolated from the one before.
+    SecondOrder,
+    /// Rows hold at the end of the substep.
     #[default]
     Smooth,
-    /// Rows hold to first order: kinetic energy cannot grow.
+    /// Rows hold to first order at the start: kinetic energy cannot grow.
     Safe,
-}
-
-/// Where joints take their Jacobians.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Taken {
-    /// At the start of the substep, with all the stiffness there is.
-    AtStart,
-    /// At the start or at the predicted end, as the tension of each joint asks.
-    Between,
-    /// At the predicted end.
-    AtEnd,
-}
-
-impl Taken {
-    fn of(mode: Mode) -> Self {
-        if mode == Mode::Safe { Self::AtStart } else { Self::Between }
-    }
 }
 
 /// Bodies and joints that are solved together.
@@ -99,26 +73,39 @@ pub(crate) struct Articulation {
     pub entries: Vec<JointEntry>,
     pub(super) bodies: Vec<DirectBody>,
     /// Where the bodies stood at the start of the step (m).
-    origins: Vec<DVec3>,
+    pub(super) origins: Vec<DVec3>,
     pub(super) rates: Vec<Rate>,
     pub(super) stances: Vec<Stance>,
-    links: Vec<Link>,
+    pub(super) links: Vec<Link>,
+    /// Room for rows of contacts in the node of each joint; it never shrinks while the joints stay the same.
+    room: Vec<u32>,
+    needed: Vec<u32>,
+    /// Whether the topology is that of other joints or less room.
+    stale: bool,
+    /// Contacts with what it does not move, sorted by node.
+    pub touches: Vec<Touch>,
+    /// Contacts with what moves, by number, that have not pressed yet.
+    pub watched: Vec<u32>,
+    /// Where the bodies were at the start of the step.
+    pub(super) step_start: Vec<Stance>,
     pub(super) topology: Topology,
     pub(super) system: System,
-    asked: Vec<rows::ScalarRow>,
+    pub(super) asked: Vec<rows::ScalarRow>,
     pub(super) stiffness: Vec<DMat3>,
     /// State at the start of the substep.
-    began: Vec<(Stance, Rate)>,
+    pub(super) began: Vec<(Stance, Rate)>,
     pub(super) histories: Vec<History>,
-    predicted: Vec<Stance>,
-    implicit: Vec<f64>,
-    changes: Vec<Rate>,
-    tried: Vec<Stance>,
+    pub(super) predicted: Vec<Stance>,
+    pub(super) implicit: Vec<f64>,
+    pub(super) changes: Vec<Rate>,
+    pub(super) tried: Vec<Stance>,
     saved: Vec<Saved>,
+    /// Joints at the start of the step.
+    untouched: Vec<JointEntry>,
     /// Whether a joint ties it to something that it does not move.
-    hangs: bool,
+    pub(super) hangs: bool,
     /// Length by which errors are judged (m).
-    size: f64,
+    pub(super) size: f64,
     mode: Mode,
     /// Whether it touches what moves, so that its joints are swept with the contacts.
     pub coupled: bool,
@@ -130,10 +117,15 @@ pub(crate) struct Articulation {
 /// How a step of an articulation went.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Outcome {
-    /// Substeps taken as two halves.
+    /// Substeps taken: to second order, smooth ones of first order, safe ones, and those undone and taken as two halves.
+    pub second_order: u32,
+    pub first_order: u32,
+    pub safe: u32,
     pub halvings: u32,
     /// Worst error left (m).
     pub worst_error: f64,
+    /// Worst overlap with what it does not move (m).
+    pub penetration: f64,
 }
 
 /// State before a substep.
@@ -142,12 +134,16 @@ struct Saved {
     rates: Vec<Rate>,
     stances: Vec<Stance>,
     entries: Vec<JointEntry>,
+    touches: Vec<Touch>,
 }
 
 impl Articulation {
     /// Empties it but keeps its memory, and the structure of its matrix in case it stays the same.
     pub(crate) fn clear(&mut self) {
         self.entries.clear();
+        self.touches.clear();
+        self.watched.clear();
+        self.coupled = false;
         self.bodies.clear();
         self.origins.clear();
         self.histories.clear();
@@ -183,13 +179,50 @@ impl Articulation {
             self.histories.fill(History::NONE);
             self.links.clear();
             self.links.extend(entries.iter().map(link));
-            self.hangs = self.links.iter().any(|link| link.moves != [true; 2]);
-            self.topology = derive_topology(&self.links, bodies.len()).unwrap_or_default();
+            self.room.clear();
+            self.room.resize(self.links.len(), 0);
+            self.stale = true;
         }
+        self.hangs = !self.touches.is_empty() || self.links.iter().any(|link| link.moves != [true; 2]);
+        match self.place_touches() {
+            Ok(grew) => self.stale |= grew,
+            Err(NoRoom) => return false,
+        }
+        if std::mem::take(&mut self.stale) {
+            self.topology = derive_topology(&self.links, &self.room, self.bodies.len()).unwrap_or_default();
+        }
+        let Self { entries, .. } = self;
         let levers = entries.iter().flat_map(|entry| entry.local_lever).map(DVec3::length).filter(|&length| length > 0.0);
         let (sum, count) = levers.fold((0.0, 0.0), |(sum, count), length| (sum + length, count + 1.0));
         self.size = if count > 0.0 { sum / count } else { 1.0 };
         self.topology.plan.work > 0
+    }
+
+    /// Gives every contact a joint of its body whose node has its rows; says whether any node needs more room than it had.
+    fn place_touches(&mut self) -> Result<bool, NoRoom> {
+        let Self { touches, links, room, needed, .. } = self;
+        if touches.is_empty() {
+            return Ok(false);
+        }
+        needed.clear();
+        needed.resize(links.len(), 0);
+        for touch in touches.iter_mut() {
+            let hosts = links.iter().enumerate().filter(|(_, link)| link.bodies.contains(&touch.body));
+            let (node, link) = hosts.min_by_key(|&(node, link)| (link.capacity + needed[node], node)).ok_or(NoRoom)?;
+            touch.node = node as u32;
+            touch.side = u8::from(link.bodies[1] == touch.body);
+            needed[node] += touch.rows();
+            if (link.capacity + needed[node]) as usize > MAX_ROWS {
+                return Err(NoRoom);
+            }
+        }
+        touches.sort_unstable_by_key(|touch| (touch.node, touch.number));
+        let mut grew = false;
+        for (room, &needed) in room.iter_mut().zip(&*needed) {
+            grew |= needed > *room;
+            *room = needed.max(*room);
+        }
+        Ok(grew)
     }
 
     /// The last substep of each body that it moves, by slot.
@@ -202,25 +235,28 @@ impl Articulation {
         self.bodies.iter().filter(|body| body.is_dynamic()).map(|body| body.slot)
     }
 
-    /// Moves the bodies through a step by `substeps` substeps of length `h` (s), and writes their state back.
+    /// Moves the bodies through a step by `substeps` substeps of length `h` (s).
     pub(crate) fn step(
         &mut self,
         joints: &Pool<Joint, JointId>,
-        velocities: &mut [BodyVelocity],
-        motions: &mut [BodyMotion],
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
         substeps: u32,
         h: f64,
         budget: u32,
     ) {
         self.load(velocities, motions);
+        self.step_start.clone_from(&self.stances);
+        if !self.watched.is_empty() {
+            self.untouched.clone_from(&self.entries);
+        }
         self.budget = budget;
-        self.mode = Mode::Smooth;
-        let mut error = self.find_errors(joints);
+        self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
+        let mut error = self.find_errors(joints).worst;
         for _ in 0..substeps {
             error = self.advance(joints, h, 0, error);
         }
         self.outcome.worst_error = error;
-        self.store(velocities, motions);
     }
 
     pub(super) fn load(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
@@ -231,7 +267,43 @@ impl Articulation {
         self.stances.extend(slots().map(|slot| motions[slot].stance()));
     }
 
-    fn store(&self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
+    /// Whether a contact that it should not feel is closed at the end of its step; bodies of others fly on by themselves.
+    pub(crate) fn meets(
+        &self,
+        contact: &ContactInput,
+        local: &[(u32, u32)],
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+        dt: f32,
+    ) -> bool {
+        let path = |slot: u32| {
+            let number = local[slot as usize].1 as usize;
+            if self.bodies.get(number).is_some_and(|body| body.slot == slot) {
+                let (now, start) = (&self.stances[number], &self.step_start[number]);
+                return (now.0 - start.0, now.1 * start.1.conjugate());
+            }
+            let (velocity, motion) = (&velocities[slot as usize], &motions[slot as usize]);
+            let flight = velocity.linear * dt + motion.acceleration * (dt * dt);
+            (flight.as_dvec3(), rotation::rotated(DQuat::IDENTITY, (velocity.angular * dt).as_dvec3()))
+        };
+        let (a, b) = (path(contact.a), path(contact.b));
+        let moved = |path: &Stance, lever: Vec3| path.0 + path.1 * lever.as_dvec3() - lever.as_dvec3();
+        (0..contact.count).any(|i| {
+            let apart = moved(&b, contact.lever_b[i]) - moved(&a, contact.lever_a[i]);
+            f64::from(contact.separation[i]) + contact.normal.as_dvec3().dot(apart) < 0.0
+        })
+    }
+
+    /// Leaves the step to the sweeps, as if it had not been taken.
+    pub(crate) fn give_up(&mut self) {
+        self.entries.clone_from(&self.untouched);
+        self.touches.clear();
+        self.coupled = true;
+        self.outcome = Outcome::default();
+    }
+
+    /// Writes the state of the bodies back.
+    pub(crate) fn store(&self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
         for ((body, rate), stance) in self.bodies.iter().zip(&self.rates).zip(&self.stances) {
             if body.is_dynamic() {
                 let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
@@ -247,12 +319,15 @@ impl Articulation {
     fn advance(&mut self, joints: &Pool<Joint, JointId>, h: f64, depth: u32, before: f64) -> f64 {
         self.save(depth);
         if self.mode == Mode::Smooth {
-            let momentum = self.substep(joints, h, Mode::Smooth);
-            let drift = self.find_errors(joints);
-            if drift <= (TOLERANCE * self.size).max(before) {
-                let error = self.project(joints, drift);
+            let second_order = self.has_history(h);
+            let momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
+            let errors = self.find_errors(joints);
+            if errors.worst <= (TOLERANCE * self.size).max(before) && !self.touches.iter().any(Touch::presses) {
+                let error = self.project(joints, errors);
                 self.keep_momentum(momentum);
                 self.note_history(h);
+                let order = if second_order { &mut self.outcome.second_order } else { &mut self.outcome.first_order };
+                *order += 1;
                 return error;
             }
             self.mode = Mode::Safe;
@@ -260,8 +335,8 @@ impl Articulation {
             self.restore(depth);
         }
         let momentum = self.substep(joints, h, Mode::Safe);
-        let drift = self.find_errors(joints);
-        let error = self.project(joints, drift);
+        let errors = self.find_errors(joints);
+        let error = self.project(joints, errors);
         self.keep_momentum(momentum);
         let good = error <= (TOLERANCE * self.size).max(MUST_FALL * before);
         if good || depth >= MOST_HALVINGS || self.budget == 0 {
@@ -269,6 +344,7 @@ impl Articulation {
                 self.restore(depth);
                 return before;
             }
+            self.outcome.safe += 1;
             return error;
         }
         self.budget -= 1;
@@ -289,6 +365,7 @@ impl Articulation {
         saved.rates.clone_from(&self.rates);
         saved.stances.clone_from(&self.stances);
         saved.entries.clone_from(&self.entries);
+        saved.touches.clone_from(&self.touches);
     }
 
     fn restore(&mut self, depth: u32) {
@@ -296,6 +373,7 @@ impl Articulation {
         self.rates.clone_from(&saved.rates);
         self.stances.clone_from(&saved.stances);
         self.entries.clone_from(&saved.entries);
+        self.touches.clone_from(&saved.touches);
     }
 
     fn scale_impulses(&mut self, factor: f32) {
@@ -305,249 +383,12 @@ impl Articulation {
             *angular *= factor;
             scalar.iter_mut().for_each(|impulse| *impulse *= factor);
         }
-    }
-
-    /// Moves the bodies; returns the angular momentum that they should have, where joints alone act on them.
-    fn substep(&mut self, joints: &Pool<Joint, JointId>, full: f64, mode: Mode) -> Option<DVec3> {
-        self.began.clear();
-        self.began.extend(self.stances.iter().copied().zip(self.rates.iter().copied()));
-        let second_order = mode == Mode::Smooth && self.has_history(full);
-        let momentum = self.expected_momentum(full);
-        let h = if second_order { self.extrapolate(full) } else { full };
-        self.apply_forces(h);
-        self.predict(h, mode);
-        self.find_stiffness(h, if second_order { Taken::AtEnd } else { Taken::of(mode) }, h / full);
-        for (i, body) in self.bodies.iter_mut().enumerate() {
-            let damped = body.respond(&self.stances[i], self.stiffness[i], &self.rates[i]);
-            if mode == Mode::Safe {
-                self.rates[i].angular = damped;
-            }
-        }
-        let phase = if mode == Mode::Smooth { Phase::Velocity { h } } else { Phase::Tangent { h } };
-        self.build_rows(joints, phase);
-        self.system.begin(&self.bodies);
-        self.system.solve(&self.topology, &self.bodies, &mut self.rates);
-        self.keep_impulses(full / h);
-        for ((body, stance), rate) in self.bodies.iter().zip(&mut self.stances).zip(&mut self.rates) {
-            body.limit_speed(rate, h);
-            let turn = body.turn(stance, rate, h);
-            stance.0 += rate.linear * h;
-            stance.1 = turn.rotation;
-            rate.angular = turn.angular;
-        }
-        momentum
-    }
-
-    fn apply_forces(&mut self, h: f64) {
-        for ((body, stance), rate) in self.bodies.iter().zip(&self.stances).zip(&mut self.rates) {
-            body.apply_forces(stance, rate, h);
-        }
-    }
-
-    /// Whether all bodies came here by a substep of this length.
-    fn has_history(&self, h: f64) -> bool {
-        let mut bodies = self.bodies.iter().zip(&self.histories).zip(&self.rates);
-        bodies.all(|((body, history), rate)| !body.is_dynamic() || history.leads_to(rate, h))
-    }
-
-    /// Puts all bodies where a second-order substep starts; returns the length of its Euler part.
-    fn extrapolate(&mut self, h: f64) -> f64 {
-        for (i, body) in self.bodies.iter().enumerate() {
-            if body.is_dynamic() {
-                (self.stances[i], self.rates[i]) = self.histories[i].extrapolate(&self.stances[i], &self.rates[i]);
-            } else {
-                // A body that is moved by others arrives where a whole substep takes it.
-                self.stances[i].0 += self.rates[i].linear * (h * (1.0 - EULER_SHARE));
-                let turn = self.rates[i].angular * (h * (1.0 - EULER_SHARE));
-                self.stances[i].1 = rotation::rotated(self.stances[i].1, turn);
-            }
-        }
-        h * EULER_SHARE
-    }
-
-    /// Angular momentum at the end of a substep of an articulation that hangs on nothing.
-    fn expected_momentum(&mut self, h: f64) -> Option<DVec3> {
-        if self.hangs {
-            return None;
-        }
-        self.apply_forces(h);
-        let momentum = self.momentum().map(|momentum| momentum.angular);
-        for (rate, (_, began)) in self.rates.iter_mut().zip(&self.began) {
-            *rate = *began;
-        }
-        momentum
-    }
-
-    /// Notes the substep that ends here for the next one.
-    fn note_history(&mut self, h: f64) {
-        for (i, (stance, rate)) in self.began.iter().enumerate() {
-            self.histories[i] = History::of(h, (stance, rate), (&self.stances[i], &self.rates[i]));
-        }
-    }
-
-    fn forget_history(&mut self) {
-        self.histories.fill(History::NONE);
-    }
-
-    fn keep_momentum(&mut self, expected: Option<DVec3>) {
-        if let (Some(expected), Some(now)) = (expected, self.momentum()) {
-            now.give_back(expected - now.angular, &self.bodies, &self.origins, &self.stances, &mut self.rates);
-        }
-    }
-
-    /// Momentum of an articulation that hangs on nothing.
-    fn momentum(&self) -> Option<Momentum> {
-        let Self { bodies, origins, stances, rates, .. } = self;
-        if self.hangs { None } else { Momentum::of(bodies, origins, stances, rates) }
-    }
-
-    /// Where the bodies would be at the end of the substep without any joint.
-    fn predict(&mut self, h: f64, mode: Mode) {
-        self.predicted.clear();
-        if mode == Mode::Smooth {
-            let bodies = self.bodies.iter().zip(&self.rates).zip(&self.stances);
-            self.predicted
-                .extend(bodies.map(|((body, rate), stance)| (stance.0 + rate.linear * h, body.turn(stance, rate, h).rotation)));
-        } else {
-            self.predicted.extend_from_slice(&self.stances);
-        }
-    }
-
-    /// Stiffness of each body from the carried impulses, and with it where each joint takes its Jacobian.
-    ///
-    /// `share` is what a substep of this length has of the impulses of a whole one.
-    pub(super) fn find_stiffness(&mut self, h: f64, taken: Taken, share: f64) {
-        self.stiffness.clear();
-        self.stiffness.resize(self.bodies.len(), DMat3::ZERO);
-        self.implicit.clear();
-        for (link, entry) in self.links.iter().zip(&self.entries) {
-            let impulse = entry.impulses.point.as_dvec3() * share;
-            let levers = [0, 1].map(|side| self.stances[link.bodies[side] as usize].1 * entry.local_lever[side]);
-            let implicit = if taken == Taken::AtStart {
-                1.0
-            } else {
-                let ease: f64 =
-                    [0, 1].map(|side| self.bodies[link.bodies[side] as usize].turning_ease(levers[side])).iter().sum();
-                ((h * impulse.length() * ease - IMPLICIT_RANGE.0) / (IMPLICIT_RANGE.1 - IMPLICIT_RANGE.0)).clamp(0.0, 1.0)
-            };
-            self.implicit.push(if taken == Taken::AtEnd { 1.0 } else { implicit });
-            if impulse == DVec3::ZERO || implicit == 0.0 {
-                continue;
-            }
-            for (side, sign) in [(0, -1.0), (1, 1.0)] {
-                self.stiffness[link.bodies[side] as usize] +=
-                    stiffness::of_impulse(impulse * sign, levers[side]) * (h * implicit);
-            }
-        }
-    }
-
-    pub(super) fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
-        let Self { entries, links, rates, stances, began, predicted, implicit, system, asked, .. } = self;
-        let in_place = matches!(phase, Phase::Position { .. });
-        system.clear();
-        for (number, (link, entry)) in links.iter().zip(&*entries).enumerate() {
-            let [a, b] = link.bodies.map(|body| body as usize);
-            let geometry = if matches!(phase, Phase::Velocity { .. }) {
-                let (stances, start) = (|body: usize| began[body].0, entry.placement(began[a].0, began[b].0));
-                let end = entry.placement(predicted[a], predicted[b]);
-                let between = |body: usize| {
-                    let (from, to) = (stances(body), predicted[body]);
-                    (from.0.lerp(to.0, implicit[number]), from.1.lerp(to.1, implicit[number]))
-                };
-                let gradient = match implicit[number] {
-                    0.0 => start,
-                    1.0 => end,
-                    _ => entry.placement(between(a), between(b)),
-                };
-                JointGeometry { start, predicted: end, gradient }
-            } else {
-                JointGeometry::at(entry.placement(stances[a], stances[b]))
-            };
-            asked.clear();
-            let mut sink = RowSink {
-                rates: [rates[a], rates[b]],
-                geometry: &geometry,
-                def: &joints[entry.joint].def,
-                impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
-                phase,
-                point: None,
-                direction: None,
-                scalars: asked,
-            };
-            kinds::add_rows(&mut sink);
-            let (point, direction) = (sink.point, sink.direction);
-            system.add(link.bodies, point.as_ref(), direction.as_ref(), asked);
-        }
-    }
-
-    /// Hands the multipliers back to the joints and adds them to their loads.
-    ///
-    /// `scale` is the length of the whole substep over that of the one they were found for.
-    pub(super) fn keep_impulses(&mut self, scale: f64) {
-        let Self { entries, system, links, stances, .. } = self;
-        for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {
-            let (mut point, mut angular) = (DVec3::ZERO, DVec3::ZERO);
-            let (mut linear_load, mut angular_load) = (DVec3::ZERO, DVec3::ZERO);
-            let lever = stances[link.bodies[1] as usize].1 * entry.local_lever[1];
-            for row in &system.rows[node.first as usize..node.last as usize] {
-                let impulse = row.impulse * scale;
-                match row.origin {
-                    Origin::Point(axis) => point += axis * impulse,
-                    Origin::Direction(axis) => angular += axis * impulse,
-                    Origin::Scalar(id) => {
-                        entry.impulses.scalar[id as usize] = impulse as f32;
-                        linear_load += row.jacobian.linear * impulse;
-                        angular_load += (row.jacobian.angular_b - lever.cross(row.jacobian.linear)) * impulse;
-                    }
-                }
-            }
-            entry.impulses.point = point.as_vec3();
-            entry.impulses.angular = angular.as_vec3();
-            entry.linear_sum += (point + linear_load).as_vec3();
-            entry.angular_sum += (angular + angular_load).as_vec3();
-        }
-    }
-
-    /// Worst error at the present poses, whose position rows are left in the system.
-    pub(super) fn find_errors(&mut self, joints: &Pool<Joint, JointId>) -> f64 {
-        self.build_rows(joints, Phase::Position { most: f64::INFINITY });
-        self.system.worst_error(self.size)
-    }
-
-    /// Takes errors out of the positions, whose rows are in the system; returns the worst that is left.
-    pub(super) fn project(&mut self, joints: &Pool<Joint, JointId>, mut error: f64) -> f64 {
-        for _ in 0..PROJECTIONS {
-            if error <= GOOD_ENOUGH * TOLERANCE * self.size || !error.is_finite() {
-                break;
-            }
-            self.changes.clear();
-            self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
-            self.system.begin(&self.bodies);
-            self.system.solve(&self.topology, &self.bodies, &mut self.changes);
-            self.tried.clone_from(&self.stances);
-            let mut accepted = false;
-            for factor in BACKTRACKING {
-                for ((body, stance), change) in self.bodies.iter().zip(&mut self.stances).zip(&self.changes) {
-                    body.displace(stance, change, factor);
-                }
-                let left = self.find_errors(joints);
-                if left < error {
-                    error = left;
-                    accepted = true;
-                    break;
-                }
-                self.stances.clone_from(&self.tried);
-            }
-            if !accepted {
-                break;
-            }
-        }
-        error
+        self.touches.iter_mut().for_each(|touch| touch.scale_impulses(f64::from(factor)));
     }
 }
 
-/// Couples all joints that share a moving body.
-fn derive_topology(links: &[Link], bodies: usize) -> Option<Topology> {
+/// Couples all joints that share a moving body; `room` is that for rows of contacts.
+fn derive_topology(links: &[Link], room: &[u32], bodies: usize) -> Option<Topology> {
     let mut at_body: Vec<Vec<(u32, u8)>> = vec![Vec::new(); bodies];
     for (node, link) in links.iter().enumerate() {
         for side in [0, 1] {
@@ -556,22 +397,28 @@ fn derive_topology(links: &[Link], bodies: usize) -> Option<Topology> {
             }
         }
     }
-    let rows: u64 = links.iter().map(|link| u64::from(link.capacity)).sum();
-    let mut couplings = Vec::new();
+    let capacity: Vec<u32> = links.iter().zip(room).map(|(link, room)| link.capacity + room).collect();
+    let most_work = MOST_WORK_PER_ROW * capacity.iter().map(|&rows| u64::from(rows)).sum::<u64>();
+    let mut shared = Vec::new();
     for (body, joints) in at_body.iter().enumerate() {
-        for (i, &(a, side_a)) in joints.iter().enumerate() {
-            for &(b, side_b) in &joints[i + 1..] {
-                couplings.push(Coupling { nodes: [a, b], sides: [side_a, side_b], body: body as u32 });
-            }
+        for (i, &a) in joints.iter().enumerate() {
+            shared.extend(joints[i + 1..].iter().map(|&b| (a, b, body as u32)));
         }
         // Each pair costs more than the rows of its joints do.
-        if couplings.len() as u64 > MOST_WORK_PER_ROW * rows {
+        if shared.len() as u64 > most_work {
             return None;
         }
     }
-    let mut pairs: Vec<(u32, u32)> = couplings.iter().map(|coupling| coupling.nodes.into()).collect();
+    let mut pairs: Vec<(u32, u32)> = shared.iter().map(|((a, _), (b, _), _)| (*a, *b)).collect();
     pairs.sort_unstable();
     pairs.dedup();
-    let capacity: Vec<u32> = links.iter().map(|link| link.capacity).collect();
-    Some(Topology { plan: Plan::new(&capacity, &pairs, MOST_WORK_PER_ROW * rows)?, couplings })
+    let plan = Plan::new(&capacity, &pairs, most_work)?;
+    let coupling = |&((a, side_a), (b, side_b), body): &((u32, u8), (u32, u8), u32)| {
+        let (start, b_is_late) = plan.block(a, b)?;
+        let ((late, late_side), (early, early_side)) =
+            if b_is_late { ((b, side_b), (a, side_a)) } else { ((a, side_a), (b, side_b)) };
+        Some(Coupling { late, early, late_side, early_side, body, start })
+    };
+    let couplings = shared.iter().map(coupling).collect::<Option<Vec<_>>>()?;
+    Some(Topology { plan, couplings })
 }

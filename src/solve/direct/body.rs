@@ -1,6 +1,6 @@
 //! Bodies of an articulation, in the precision that its solve needs: `f64`.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use super::super::joint::Stance;
 use super::super::joint::rows::Rate;
@@ -10,6 +10,12 @@ use super::stiffness;
 
 /// Largest rotation by which a projection turns a body at once (rad); beyond it a lever's direction has no meaning.
 const MAX_PROJECTED_TURN: f64 = 0.5;
+
+/// Passes in which the angular velocity at the end of a substep is found from an angular momentum.
+const MOMENTUM_PASSES: usize = 2;
+
+/// Relative gain of rotational energy beyond which a body's angular momentum is not carried into its new pose.
+const MOST_GAIN: f64 = 1.0e-3;
 
 /// One body: what stays as it is for a substep.
 #[derive(Debug, Clone, Copy)]
@@ -79,14 +85,56 @@ impl DirectBody {
         if !self.is_dynamic() {
             return;
         }
-        let free = self.inverse_mass.cmpgt(DVec3::ZERO);
-        rate.linear += DVec3::select(free, self.acceleration * h, DVec3::ZERO);
         if self.torque != DVec3::ZERO {
             rate.angular += masked(self.inertia(stance).inverse(), self.top.free) * self.torque * h;
         }
-        rate.linear /= 1.0 + h * self.linear_damping;
         rate.angular /= 1.0 + h * self.angular_damping;
+        self.apply_linear_forces(rate, h);
+    }
+
+    fn apply_linear_forces(&self, rate: &mut Rate, h: f64) {
+        let free = self.inverse_mass.cmpgt(DVec3::ZERO);
+        rate.linear += DVec3::select(free, self.acceleration * h, DVec3::ZERO);
+        rate.linear /= 1.0 + h * self.linear_damping;
         self.limit_speed(rate, h);
+    }
+
+    /// State at the end of a second-order substep without joints, from its extrapolated start, with the Euler part `h` long (s).
+    pub(crate) fn predict_second_order(&self, start: &Stance, mut rate: Rate, momentum: DVec3, h: f64) -> (Stance, Rate) {
+        let momentum = momentum + self.torque * h;
+        let mut rotation = start.1;
+        for _ in 0..MOMENTUM_PASSES {
+            rotation = self.turned(start.1, rate.angular, h);
+            rate.angular = self.spin_of(rotation, momentum) / (1.0 + h * self.angular_damping);
+        }
+        self.apply_linear_forces(&mut rate, h);
+        ((start.0 + rate.linear * h, rotation), rate)
+    }
+
+    /// Moves from the extrapolated start of a second-order substep to its end, at a rate found with the inertia of `predicted`.
+    pub(crate) fn advance_second_order(&self, stance: &mut Stance, predicted: &Stance, rate: &mut Rate, h: f64) {
+        self.limit_speed(rate, h);
+        stance.0 += rate.linear * h;
+        stance.1 = self.turned(stance.1, rate.angular, h);
+        if !self.is_dynamic() || self.top.round {
+            return;
+        }
+        // The momentum is what the joints left; on a thin rod it can be a far higher speed in another pose, which is refused.
+        let momentum = self.inertia(predicted) * rate.angular;
+        let angular = self.spin_of(stance.1, momentum);
+        if momentum.dot(angular) <= momentum.dot(rate.angular) * (1.0 + MOST_GAIN) {
+            rate.angular = angular;
+        }
+    }
+
+    fn turned(&self, rotation: DQuat, angular: DVec3, h: f64) -> DQuat {
+        rotation::rotated(rotation, (angular * h).clamp_length_max(f64::from(rotation::MAX_TURN)))
+    }
+
+    /// Angular velocity of an angular momentum in this rotation.
+    fn spin_of(&self, rotation: DQuat, momentum: DVec3) -> DVec3 {
+        let axes = rotation * self.top.frame;
+        axes * ((axes.conjugate() * momentum) / self.top.inertia) * self.top.free
     }
 
     /// No speed is beyond what the world allows.

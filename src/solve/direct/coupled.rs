@@ -3,7 +3,7 @@
 //! Sweep to: joints, contacts; sweep back: contacts, joints. Each solve of the joints is exact, so a substep ends with joints that
 //! hold; contacts see the bodies with their geometric stiffness, I + G, in place of I. Rows are those of a safe substep.
 
-use super::articulation::{Articulation, Taken};
+use super::articulation::{Articulation, Mode};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::joint::rows::{Phase, Rate};
@@ -19,7 +19,7 @@ impl Articulation {
         h: f64,
     ) {
         self.load(velocities, motions);
-        self.find_stiffness(h, Taken::AtStart, 1.0);
+        self.find_stiffness(h, Mode::Safe, 1.0);
         for (i, body) in self.bodies.iter_mut().enumerate() {
             self.rates[i].angular = body.respond(&self.stances[i], self.stiffness[i], &self.rates[i]);
             if body.is_dynamic() {
@@ -52,8 +52,8 @@ impl Articulation {
     /// Ends a substep, after the bodies have moved: positions are mended, velocities stay.
     pub(crate) fn settle(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &mut [BodyMotion]) {
         self.load(velocities, motions);
-        let drift = self.find_errors(joints);
-        self.outcome.worst_error = self.project(joints, drift);
+        let errors = self.find_errors(joints);
+        self.outcome.worst_error = self.project(joints, errors);
         for (body, stance) in self.bodies.iter().zip(&self.stances) {
             if body.is_dynamic() {
                 let motion = &mut motions[body.slot as usize];

@@ -77,6 +77,11 @@ impl Plan {
         &self.couplings[self.first[place] as usize..self.first[place + 1] as usize]
     }
 
+    /// Start of a node's diagonal block.
+    pub(crate) fn diagonal(&self, node: usize) -> u32 {
+        self.diagonal[node]
+    }
+
     /// Start of the block that couples two nodes, and whether its rows are those of `b` instead of `a`.
     pub(crate) fn block(&self, a: u32, b: u32) -> Option<(u32, bool)> {
         if a == b {

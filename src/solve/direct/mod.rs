@@ -5,11 +5,13 @@
 //!
 //! [`Direct`] sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
-//! `system` holds the rows and their active set; `articulation` is the substep, `coupled` that of an articulation with contacts.
+//! `system` holds the rows and their active set; `articulation` takes a step, `substep` and `project` one part of it each; `contacts`
+//! are those with what it cannot move, `coupled` is the substep of an articulation that touches what moves.
 
-use super::StepSettings;
 use glam::DVec3;
 
+use super::StepSettings;
+use super::contact::{ContactImpulses, ContactInput};
 use super::joint::JointEntry;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
@@ -17,15 +19,19 @@ use crate::joint::Joint;
 
 mod articulation;
 mod body;
+mod contacts;
 mod coupled;
 mod factor;
 pub(crate) mod history;
 mod momentum;
 mod order;
+mod project;
 mod stiffness;
+mod substep;
 mod system;
 
 use articulation::Articulation;
+use contacts::Touch;
 use history::History;
 
 /// Halvings that an articulation may spend in a step.
@@ -40,8 +46,12 @@ pub(crate) struct Direct {
     local: Vec<(u32, u32)>,
     /// Articulation of each slot, as a union–find forest, then as a number.
     group: Vec<u32>,
-    touched: Vec<bool>,
+    /// Group and number of each contact of a jointed body, sorted.
+    touching: Vec<(u32, u32)>,
     left: Vec<JointEntry>,
+    /// Contacts that need no other rows, by number, and the multipliers of those that press.
+    held: Vec<bool>,
+    impulses: Vec<(u32, ContactImpulses)>,
 }
 
 impl Direct {
@@ -65,54 +75,53 @@ impl Direct {
         self.articulations().iter().filter(|articulation| !articulation.coupled).flat_map(Articulation::histories)
     }
 
-    /// Takes the joints that are solved directly out of `entries`; `contacts` are pairs of slots that touch,
-    /// `record` says where a slot's body stands (m), and its last substep.
+    /// Takes the joints that are solved directly out of `entries`; `contacts` are all of the batch, `record` says where a slot's
+    /// body stands (m), and its last substep.
     pub(crate) fn take(
         &mut self,
         entries: &mut Vec<JointEntry>,
         joints: &Pool<Joint, JointId>,
         velocities: &[BodyVelocity],
-        motions: &mut [BodyMotion],
-        contacts: impl Iterator<Item = [u32; 2]>,
+        motions: &[BodyMotion],
+        contacts: &[ContactInput],
         record: impl Fn(u32) -> (DVec3, History),
     ) {
+        self.held.clear();
+        self.held.resize(contacts.len(), false);
+        self.impulses.clear();
         if entries.is_empty() {
             return;
         }
         self.group_slots(entries, motions);
-        self.touched.clear();
-        self.touched.resize(motions.len(), false);
-        for slot in contacts.flatten().filter(|&slot| motions[slot as usize].is_dynamic()) {
-            self.touched[self.group[slot as usize] as usize] = true;
+        self.touching.clear();
+        for (number, contact) in contacts.iter().enumerate() {
+            let jointed = |slot: &u32| motions[*slot as usize].is_dynamic() && motions[*slot as usize].jointed;
+            let groups = [contact.a, contact.b].into_iter().filter(jointed).map(|slot| self.group[slot as usize]);
+            self.touching.extend(groups.map(|group| (group, number as u32)));
         }
+        self.touching.sort_unstable();
+        self.touching.dedup();
         self.local.clear();
         self.local.resize(motions.len(), (u32::MAX, 0));
         self.left.clear();
         // Groups are numbered by their lowest slot; joints keep their order within each.
         let group_of = |group: &[u32], entry: &JointEntry| {
-            [entry.a, entry.b]
-                .into_iter()
-                .filter(|&slot| motions[slot as usize].is_dynamic())
-                .map(|slot| group[slot as usize])
-                .min()
+            let moving = [entry.a, entry.b].into_iter().filter(|&slot| motions[slot as usize].is_dynamic());
+            moving.map(|slot| group[slot as usize]).min()
         };
         entries.sort_unstable_by_key(|entry| (group_of(&self.group, entry), entry.joint));
         let mut start = 0;
         while start < entries.len() {
             let group = group_of(&self.group, &entries[start]);
             let end = start + entries[start..].iter().take_while(|entry| group_of(&self.group, entry) == group).count();
-            let coupled = group.is_some_and(|group| self.touched[group as usize]);
-            if group.is_none() || !self.admit(&entries[start..end], coupled, joints, velocities, motions, &record) {
+            let admitted = group
+                .is_some_and(|group| self.admit(&entries[start..end], group, joints, velocities, motions, contacts, &record));
+            if !admitted {
                 self.left.extend_from_slice(&entries[start..end]);
             }
             start = end;
         }
         std::mem::swap(entries, &mut self.left);
-        for articulation in self.articulations[..self.count].iter().filter(|articulation| !articulation.coupled) {
-            for slot in articulation.moved_slots() {
-                motions[slot as usize].direct = true;
-            }
-        }
     }
 
     /// Joins the slots that joints connect; each then has the lowest slot of its articulation as its group.
@@ -138,40 +147,80 @@ impl Direct {
     }
 
     /// Lays out an articulation of these joints; false where sweeps are the better choice.
+    #[expect(clippy::too_many_arguments, reason = "a batch's arrays, each on its own")]
     fn admit(
         &mut self,
         entries: &[JointEntry],
-        coupled: bool,
+        group: u32,
         joints: &Pool<Joint, JointId>,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
+        contacts: &[ContactInput],
         record: impl Fn(u32) -> (DVec3, History),
     ) -> bool {
         if self.articulations.len() == self.count {
             self.articulations.push(Articulation::default());
         }
-        let articulation = &mut self.articulations[self.count];
+        let Self { articulations, local, count, .. } = self;
+        let articulation = &mut articulations[*count];
         articulation.clear();
-        articulation.coupled = coupled;
-        articulation.enlist(
-            WORLD_SLOT,
-            DVec3::ZERO,
-            History::NONE,
-            &velocities[WORLD_SLOT as usize],
-            &motions[WORLD_SLOT as usize],
-        );
-        for slot in entries.iter().flat_map(|entry| [entry.a, entry.b]).filter(|&slot| slot != WORLD_SLOT) {
-            let local = &mut self.local[slot as usize];
-            if local.0 != self.count as u32 {
+        articulation.enlist(WORLD_SLOT, DVec3::ZERO, History::NONE, &velocities[WORLD_SLOT as usize], &BodyMotion::FIXED);
+        let mut enlist = |slot: u32, articulation: &mut Articulation| {
+            let local = &mut local[slot as usize];
+            if slot != WORLD_SLOT && local.0 != *count as u32 {
                 let (origin, history) = record(slot);
                 let number = articulation.enlist(slot, origin, history, &velocities[slot as usize], &motions[slot as usize]);
-                *local = (self.count as u32, number);
+                *local = (*count as u32, number);
             }
+            if slot == WORLD_SLOT { 0 } else { local.1 }
+        };
+        for slot in entries.iter().flat_map(|entry| [entry.a, entry.b]) {
+            enlist(slot, articulation);
         }
         articulation.entries.extend_from_slice(entries);
-        let admitted = articulation.lay_out(joints, &self.local);
+        let first = self.touching.partition_point(|&(other, _)| other < group);
+        for &(_, number) in self.touching[first..].iter().take_while(|&&(other, _)| other == group) {
+            let contact = &contacts[number as usize];
+            let moves = [contact.a, contact.b].map(|slot| motions[slot as usize].is_dynamic());
+            let plain = contact.material.restitution == 0.0 && contact.material.rolling == 0.0;
+            if moves != [true; 2] && plain {
+                let (own, other) = if moves[1] { (contact.b, contact.a) } else { (contact.a, contact.b) };
+                let (own, other) = (enlist(own, articulation), enlist(other, articulation));
+                articulation.touches.push(Touch::new(number, contact, moves[1], own, other));
+            } else if contact.impulses.normal.iter().any(|&lambda| lambda > 0.0) {
+                articulation.coupled = true;
+            } else {
+                articulation.watched.push(number);
+            }
+        }
+        if articulation.coupled {
+            articulation.touches.clear();
+        }
+        let mut admitted = articulation.lay_out(joints, local);
+        if !admitted && !articulation.touches.is_empty() {
+            // Too many contacts for its matrix: they are swept.
+            articulation.touches.clear();
+            articulation.coupled = true;
+            admitted = articulation.lay_out(joints, local);
+        }
         self.count += usize::from(admitted);
         admitted
+    }
+
+    /// Whether the contact of this number needs no rows of its own.
+    pub(crate) fn holds(&self, number: usize) -> bool {
+        self.held.get(number).copied().unwrap_or(false)
+    }
+
+    /// Multipliers of a contact that it holds.
+    pub(crate) fn impulses_of(&self, number: usize) -> ContactImpulses {
+        let found = self.impulses.binary_search_by_key(&(number as u32), |&(number, _)| number);
+        found.map_or(ContactImpulses::default(), |found| self.impulses[found].1)
+    }
+
+    /// Worst overlap of the contacts that it holds (m).
+    pub(crate) fn penetration(&self) -> f64 {
+        self.articulations().iter().map(|articulation| articulation.outcome.penetration).fold(0.0, f64::max)
     }
 
     fn coupled(&mut self) -> impl Iterator<Item = &mut Articulation> {
@@ -204,17 +253,36 @@ impl Direct {
         self.coupled().for_each(|articulation| articulation.settle(joints, velocities, motions));
     }
 
-    /// Moves the other articulations through the step.
+    /// Moves the articulations through the step that touch nothing which moves; one that comes to touch is left for the sweeps.
     pub(crate) fn step(
         &mut self,
         joints: &Pool<Joint, JointId>,
         velocities: &mut [BodyVelocity],
         motions: &mut [BodyMotion],
+        contacts: &[ContactInput],
         settings: &StepSettings,
     ) {
         let h = f64::from(settings.dt) / f64::from(settings.substeps);
         for articulation in self.articulations[..self.count].iter_mut().filter(|articulation| !articulation.coupled) {
             articulation.step(joints, velocities, motions, settings.substeps, h, HALVING_BUDGET);
+            let meets =
+                |&number: &u32| articulation.meets(&contacts[number as usize], &self.local, velocities, motions, settings.dt);
+            if articulation.watched.iter().any(meets) {
+                articulation.give_up();
+                continue;
+            }
+            articulation.store(velocities, motions);
+            for slot in articulation.moved_slots() {
+                motions[slot as usize].direct = true;
+            }
+            for &number in &articulation.watched {
+                self.held[number as usize] = true;
+            }
+            for touch in &articulation.touches {
+                self.held[touch.number as usize] = true;
+                self.impulses.push((touch.number, touch.impulses()));
+            }
         }
+        self.impulses.sort_unstable_by_key(|&(number, _)| number);
     }
 }

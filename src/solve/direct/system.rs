@@ -29,6 +29,12 @@ const MAX_PASSES: usize = 8;
 /// Error below which a fixed row stays fixed (m/s, rad/s, or m and rad in a projection).
 const FREE_BELOW: f64 = 1.0e-10;
 
+/// Share of its limit below which a carried friction multiplier starts as one that holds.
+const STICKS: f64 = 0.999;
+
+/// Change of sliding friction, over its size, that asks for another pass.
+const CONE_TOLERANCE: f64 = 1.0e-2;
+
 /// Whether a row with bounds is part of the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
@@ -48,14 +54,17 @@ pub(crate) enum Origin {
     Direction(DVec3),
     /// A scalar row, by number.
     Scalar(u8),
+    /// A row of a contact.
+    Contact,
 }
 
-/// One row.
+/// One row: J v = Σ linear·v + angular·ω over the two bodies of its node.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Row {
     pub origin: Origin,
-    pub jacobian: rows::Jacobian,
-    /// I⁻¹ times the angular parts of the Jacobian.
+    pub linear: [DVec3; 2],
+    pub angular: [DVec3; 2],
+    /// I⁻¹ times the angular parts.
     response: [DVec3; 2],
     pub bias: f64,
     gamma: f64,
@@ -63,6 +72,54 @@ pub(crate) struct Row {
     max: f64,
     pub impulse: f64,
     state: State,
+}
+
+impl Row {
+    fn of(jacobian: &rows::Jacobian, origin: Origin) -> Self {
+        Self {
+            origin,
+            linear: [-jacobian.linear, jacobian.linear],
+            angular: [-jacobian.angular_a, jacobian.angular_b],
+            ..Self::EMPTY
+        }
+    }
+
+    const EMPTY: Self = Self {
+        origin: Origin::Contact,
+        linear: [DVec3::ZERO; 2],
+        angular: [DVec3::ZERO; 2],
+        response: [DVec3::ZERO; 2],
+        bias: 0.0,
+        gamma: 0.0,
+        min: f64::NEG_INFINITY,
+        max: f64::INFINITY,
+        impulse: 0.0,
+        state: State::Free,
+    };
+
+    fn rate(&self, [a, b]: &[Rate; 2]) -> f64 {
+        self.linear[0].dot(a.linear)
+            + self.angular[0].dot(a.angular)
+            + self.linear[1].dot(b.linear)
+            + self.angular[1].dot(b.angular)
+    }
+
+    fn fix(&mut self, impulse: f64) {
+        self.impulse = impulse;
+        self.state = State::High;
+    }
+}
+
+/// Rows of one manifold, by number: normals, then two of friction and one about the normal where there is friction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactRows {
+    pub node: u32,
+    pub first: u32,
+    pub normals: u32,
+    pub has_friction: bool,
+    /// Coefficient of friction, and torque limit per normal force (m).
+    pub friction: f64,
+    pub twist_arm: f64,
 }
 
 /// A joint's rows and bodies.
@@ -73,13 +130,16 @@ pub(crate) struct Node {
     pub last: u32,
 }
 
-/// Two joints on one moving body.
+/// Two joints on one moving body, and the block that they share: its rows are those of the joint eliminated later.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Coupling {
-    pub nodes: [u32; 2],
+    pub late: u32,
+    pub early: u32,
     /// Side of each joint that is the body.
-    pub sides: [u8; 2],
+    pub late_side: u8,
+    pub early_side: u8,
     pub body: u32,
+    pub start: u32,
 }
 
 /// What does not change while the joints and their bodies stay the same.
@@ -94,6 +154,7 @@ pub(crate) struct Topology {
 pub(crate) struct System {
     pub nodes: Vec<Node>,
     pub rows: Vec<Row>,
+    pub contacts: Vec<ContactRows>,
     factor: Factor,
     /// Rows in the system now, by node.
     active: Vec<u32>,
@@ -109,9 +170,10 @@ impl System {
     pub(crate) fn clear(&mut self) {
         self.nodes.clear();
         self.rows.clear();
+        self.contacts.clear();
     }
 
-    /// Adds a joint's rows as the next node; blocks and scalars are its rows in any phase.
+    /// Adds a joint's rows as the next node, to which rows of contacts may be added.
     pub(crate) fn add(
         &mut self,
         bodies: [u32; 2],
@@ -137,17 +199,8 @@ impl System {
                 (true, _) if impulse <= row.min => State::Low,
                 _ => State::High,
             };
-            self.rows.push(Row {
-                origin: Origin::Scalar(row.id),
-                jacobian: row.jacobian,
-                response: [DVec3::ZERO; 2],
-                bias: row.bias,
-                gamma: row.gamma,
-                min: row.min,
-                max: row.max,
-                impulse,
-                state,
-            });
+            let (bias, gamma, min, max) = (row.bias, row.gamma, row.min, row.max);
+            self.rows.push(Row { bias, gamma, min, max, impulse, state, ..Row::of(&row.jacobian, Origin::Scalar(row.id)) });
         }
         self.nodes.push(Node { bodies, first, last: self.rows.len() as u32 });
     }
@@ -163,17 +216,70 @@ impl System {
         for &axis in &axes[..count] {
             let (jacobian, origin) = row_along(axis);
             self.rows.push(Row {
-                origin,
-                jacobian,
-                response: [DVec3::ZERO; 2],
                 bias: block.bias.dot(axis),
                 gamma: block.gamma,
-                min: f64::NEG_INFINITY,
-                max: f64::INFINITY,
                 impulse: block.impulse.as_dvec3().dot(axis),
                 state: if block.acts { State::Free } else { State::Absent },
+                ..Row::of(&jacobian, origin)
             });
         }
+    }
+
+    /// Begins a manifold in the last node; its rows follow.
+    pub(crate) fn begin_contact(&mut self, friction: f64, twist_arm: f64) {
+        let (node, first) = (self.nodes.len() as u32 - 1, self.rows.len() as u32);
+        self.contacts.push(ContactRows { node, first, normals: 0, has_friction: false, friction, twist_arm });
+    }
+
+    /// Adds a normal row of the last manifold, J v + bias ≥ 0, on one side of its node.
+    pub(crate) fn add_normal(&mut self, side: usize, normal: DVec3, lever: DVec3, bias: f64, impulse: f64) {
+        let state = if impulse > 0.0 { State::Free } else { State::Low };
+        let row = Row { bias, min: 0.0, impulse, state, ..Row::EMPTY };
+        self.add_contact_row(side, normal, lever.cross(normal), row);
+        if let Some(contact) = self.contacts.last_mut() {
+            contact.normals += 1;
+        }
+    }
+
+    /// Adds the friction of the last manifold: two rows along tangents at its centre and one about its normal, each with the speed
+    /// of the other body and the carried multiplier.
+    pub(crate) fn add_friction(
+        &mut self,
+        side: usize,
+        center: DVec3,
+        tangents: [(DVec3, f64, f64); 2],
+        twist: (DVec3, f64, f64),
+    ) {
+        let Some(&contact) = self.contacts.last() else { return };
+        let pressed = self.pressed(&contact);
+        let [u, v] = tangents.map(|(_, _, impulse)| impulse);
+        let state = |impulse: f64, limit: f64| if impulse < limit * STICKS { State::Free } else { State::High };
+        let sticks = state(u.hypot(v), contact.friction * pressed);
+        for (tangent, bias, impulse) in tangents {
+            let row = Row { bias, impulse, state: sticks, ..Row::EMPTY };
+            self.add_contact_row(side, tangent, center.cross(tangent), row);
+        }
+        let (axis, bias, impulse) = twist;
+        let state = state(impulse.abs(), contact.twist_arm * pressed);
+        self.add_contact_row(side, DVec3::ZERO, axis, Row { bias, impulse, state, ..Row::EMPTY });
+        if let Some(contact) = self.contacts.last_mut() {
+            contact.has_friction = true;
+        }
+    }
+
+    fn add_contact_row(&mut self, side: usize, linear: DVec3, angular: DVec3, mut row: Row) {
+        row.linear[side] = linear;
+        row.angular[side] = angular;
+        self.rows.push(row);
+        if let Some(node) = self.nodes.last_mut() {
+            node.last = self.rows.len() as u32;
+        }
+    }
+
+    /// Sum of the normal multipliers of a manifold (N·s).
+    pub(crate) fn pressed(&self, contact: &ContactRows) -> f64 {
+        let normals = contact.first as usize..(contact.first + contact.normals) as usize;
+        self.rows[normals].iter().map(|row| row.impulse.max(0.0)).sum()
     }
 
     /// Forms the responses of all rows, none of which has pushed yet.
@@ -198,7 +304,7 @@ impl System {
         for node in &self.nodes {
             let [a, b] = node.bodies.map(|body| bodies[body as usize].inverse_inertia);
             for row in &mut self.rows[node.first as usize..node.last as usize] {
-                row.response = [a * row.jacobian.angular_a, b * row.jacobian.angular_b];
+                row.response = [a * row.angular[0], b * row.angular[1]];
             }
         }
     }
@@ -212,7 +318,8 @@ impl System {
             rates.copy_from_slice(&self.base);
             self.push_fixed(bodies, rates);
             self.solve_active(topology, bodies, rates);
-            if self.revise(rates, pass < MAX_PASSES / 2) == 0 {
+            let may_free = pass < MAX_PASSES / 2;
+            if self.revise(rates, may_free) + self.revise_friction(rates, may_free) == 0 {
                 break;
             }
         }
@@ -243,7 +350,7 @@ impl System {
             let pair = node.bodies.map(|body| rates[body as usize]);
             for &row in &active[factor.start_of(number)..factor.start_of(number + 1)] {
                 let row = &rows[row as usize];
-                unknowns.push(-(row.jacobian.rate(&pair) + row.bias));
+                unknowns.push(-(row.rate(&pair) + row.bias));
             }
         }
         factor.factorize(&topology.plan);
@@ -269,11 +376,12 @@ impl System {
                     State::Free if row.impulse > row.max => State::High,
                     State::Free => continue,
                     State::Low | State::High => {
-                        if !may_free || row.min == row.max {
+                        // Friction has no bounds of its own.
+                        if !may_free || row.min == row.max || row.min == f64::NEG_INFINITY {
                             continue;
                         }
                         let pair = node.bodies.map(|body| rates[body as usize]);
-                        let error = row.jacobian.rate(&pair) + row.bias + row.gamma * row.impulse;
+                        let error = row.rate(&pair) + row.bias + row.gamma * row.impulse;
                         let wants_more = row.state == State::Low && error < -FREE_BELOW;
                         let wants_less = row.state == State::High && error > FREE_BELOW;
                         if !(wants_more || wants_less) {
@@ -294,14 +402,35 @@ impl System {
         changes
     }
 
+    /// Lets friction slide or stick: inside the cone |λ| ≤ μ Σλ_n it holds; outside it is a push of that size against the slip.
+    fn revise_friction(&mut self, rates: &[Rate], may_free: bool) -> usize {
+        let mut changes = 0;
+        for number in 0..self.contacts.len() {
+            let contact = self.contacts[number];
+            if !contact.has_friction {
+                continue;
+            }
+            let (pressed, first) = (self.pressed(&contact), (contact.first + contact.normals) as usize);
+            let pair = self.nodes[contact.node as usize].bodies.map(|body| rates[body as usize]);
+            let [u, v, w] = &mut self.rows[first..first + 3] else { continue };
+            let slip = |row: &Row| row.rate(&pair) + row.bias;
+            let (along, about) = ([slip(u), slip(v)], [slip(w), 0.0]);
+            changes += usize::from(revise_cone([u, v], along, contact.friction * pressed, may_free));
+            // About the normal alone, the cone is an interval.
+            let mut none = Row { state: w.state, ..Row::EMPTY };
+            changes += usize::from(revise_cone([w, &mut none], about, contact.twist_arm * pressed, may_free));
+        }
+        changes
+    }
+
     /// Greatest error of the rows that must hold, where the rows were made for a projection; `size` (m) turns angles into lengths.
     pub(crate) fn worst_error(&self, size: f64) -> f64 {
         let error = |row: &Row| match (row.state, row.origin) {
-            (State::Absent, _) => 0.0,
+            (State::Absent, _) | (_, Origin::Contact) => 0.0,
             (_, Origin::Point(_)) => row.bias.abs(),
             (_, Origin::Direction(_)) => row.bias.abs() * size,
             (_, Origin::Scalar(_)) => {
-                let length = if row.jacobian.linear == DVec3::ZERO { size } else { 1.0 };
+                let length = if row.linear[1] == DVec3::ZERO { size } else { 1.0 };
                 let error = if row.min == 0.0 { (-row.bias).max(0.0) } else { row.bias.abs() };
                 error * length
             }
@@ -310,13 +439,44 @@ impl System {
     }
 }
 
+/// Revises a pair of friction rows against the radius of their cone; true if anything changed.
+fn revise_cone([u, v]: [&mut Row; 2], slip: [f64; 2], limit: f64, may_free: bool) -> bool {
+    let size = u.impulse.hypot(v.impulse);
+    if u.state == State::Free {
+        if size <= limit {
+            return false;
+        }
+        let share = limit / size;
+        u.fix(u.impulse * share);
+        v.fix(v.impulse * share);
+        return true;
+    }
+    let speed = slip[0].hypot(slip[1]);
+    let drives = u.impulse * slip[0] + v.impulse * slip[1] > FREE_BELOW * size;
+    let starts = size == 0.0 && limit > 0.0 && speed > FREE_BELOW;
+    if may_free && (drives || starts) {
+        (u.state, v.state) = (State::Free, State::Free);
+        return true;
+    }
+    let direction = if speed > FREE_BELOW {
+        [-slip[0] / speed, -slip[1] / speed]
+    } else if size > 0.0 {
+        [u.impulse / size, v.impulse / size]
+    } else {
+        [0.0; 2]
+    };
+    let new = direction.map(|share| share * limit);
+    let changed = (new[0] - u.impulse).hypot(new[1] - v.impulse) > CONE_TOLERANCE * limit.max(size);
+    u.fix(new[0]);
+    v.fix(new[1]);
+    changed
+}
+
 fn push(row: &Row, node: &Node, impulse: f64, bodies: &[DirectBody], rates: &mut [Rate]) {
-    let [a, b] = node.bodies.map(|body| body as usize);
-    let linear = row.jacobian.linear * impulse;
-    rates[a].linear -= bodies[a].inverse_mass * linear;
-    rates[a].angular -= row.response[0] * impulse;
-    rates[b].linear += bodies[b].inverse_mass * linear;
-    rates[b].angular += row.response[1] * impulse;
+    for (side, body) in node.bodies.map(|body| body as usize).into_iter().enumerate() {
+        rates[body].linear += bodies[body].inverse_mass * row.linear[side] * impulse;
+        rates[body].angular += row.response[side] * impulse;
+    }
 }
 
 /// Two unit vectors orthogonal to `axis` and to each other.
@@ -328,16 +488,17 @@ fn across(axis: DVec3) -> (DVec3, DVec3) {
 fn assemble(nodes: &[Node], rows: &[Row], active: &[u32], factor: &mut Factor, topology: &Topology, bodies: &[DirectBody]) {
     for (number, node) in nodes.iter().enumerate() {
         let own = &active[factor.start_of(number)..factor.start_of(number + 1)];
-        let masses = bodies[node.bodies[0] as usize].inverse_mass + bodies[node.bodies[1] as usize].inverse_mass;
-        let (start, _) = topology.plan.block(number as u32, number as u32).unwrap_or_default();
-        let block = factor.block_mut(start);
+        let masses = node.bodies.map(|body| bodies[body as usize].inverse_mass);
+        let block = factor.block_mut(topology.plan.diagonal(number));
         for (i, &row) in own.iter().enumerate() {
             let row = &rows[row as usize];
-            let linear = masses * row.jacobian.linear;
+            let linear = [masses[0] * row.linear[0], masses[1] * row.linear[1]];
             for (j, &other) in own[..=i].iter().enumerate() {
-                let other = &rows[other as usize].jacobian;
-                let value =
-                    linear.dot(other.linear) + row.response[0].dot(other.angular_a) + row.response[1].dot(other.angular_b);
+                let other = &rows[other as usize];
+                let value = linear[0].dot(other.linear[0])
+                    + linear[1].dot(other.linear[1])
+                    + row.response[0].dot(other.angular[0])
+                    + row.response[1].dot(other.angular[1]);
                 block[i * own.len() + j] = value;
                 block[j * own.len() + i] = value;
             }
@@ -346,29 +507,22 @@ fn assemble(nodes: &[Node], rows: &[Row], active: &[u32], factor: &mut Factor, t
         }
     }
     for coupling in &topology.couplings {
-        let [a, b] = coupling.nodes;
-        let Some((start, rows_of_b)) = topology.plan.block(a, b) else { continue };
-        // Rows of a block belong to the node eliminated later.
-        let ((late, late_side), (early, early_side)) = if rows_of_b {
-            ((b, coupling.sides[1]), (a, coupling.sides[0]))
-        } else {
-            ((a, coupling.sides[0]), (b, coupling.sides[1]))
-        };
         let range = |node: u32| factor.start_of(node as usize)..factor.start_of(node as usize + 1);
-        let (late_rows, early_rows) = (&active[range(late)], &active[range(early)]);
-        let sign = if late_side == early_side { 1.0 } else { -1.0 };
-        let mass = bodies[coupling.body as usize].inverse_mass * sign;
+        let (late_rows, early_rows) = (&active[range(coupling.late)], &active[range(coupling.early)]);
+        let (late_side, early_side) = (coupling.late_side as usize, coupling.early_side as usize);
+        let mass = bodies[coupling.body as usize].inverse_mass;
         let mut columns = [(DVec3::ZERO, DVec3::ZERO); MAX_ROWS];
         for (column, &row) in columns.iter_mut().zip(early_rows) {
             let row = &rows[row as usize];
-            *column = (mass * row.jacobian.linear, row.response[early_side as usize] * sign);
+            *column = (mass * row.linear[early_side], row.response[early_side]);
         }
-        let block = factor.block_mut(start);
+        let columns = &columns[..early_rows.len()];
+        let block = factor.block_mut(coupling.start);
         for (i, &row) in late_rows.iter().enumerate() {
-            let jacobian = &rows[row as usize].jacobian;
-            let angular = if late_side == 0 { jacobian.angular_a } else { jacobian.angular_b };
-            for (value, (linear, response)) in block[i * early_rows.len()..].iter_mut().zip(&columns[..early_rows.len()]) {
-                *value += jacobian.linear.dot(*linear) + angular.dot(*response);
+            let row = &rows[row as usize];
+            let (linear, angular) = (row.linear[late_side], row.angular[late_side]);
+            for (value, column) in block[i * columns.len()..].iter_mut().zip(columns) {
+                *value += linear.dot(column.0) + angular.dot(column.1);
             }
         }
     }

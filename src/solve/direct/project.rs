@@ -1,0 +1,128 @@
+//! Rows of an articulation at the poses of now, the errors that they show, and how those are taken out.
+
+use glam::DVec3;
+
+use super::articulation::{Articulation, TOLERANCE};
+use super::contacts::Touch;
+use crate::id::{JointId, Pool};
+use crate::joint::{Joint, JointImpulses};
+use crate::solve::joint::geometry::JointGeometry;
+use crate::solve::joint::kinds::{self, RowSink};
+use crate::solve::joint::rows::{Phase, Rate};
+
+/// Share of the tolerance below which positions are left as they are.
+const GOOD_ENOUGH: f64 = 0.25;
+
+/// Overlap with what the articulation does not move below which positions are left as they are (m).
+const NEGLIGIBLE_OVERLAP: f64 = 1.0e-5;
+
+/// Most projections of a substep.
+const PROJECTIONS: usize = 3;
+
+/// Shares of a projection's step that are tried, one after the other.
+const BACKTRACKING: [f64; 3] = [1.0, 0.3, 0.09];
+
+/// Errors of the positions.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Errors {
+    /// Worst of the joints (m).
+    pub worst: f64,
+    /// Worst overlap (m).
+    pub overlap: f64,
+}
+
+impl Articulation {
+    /// Makes the rows of all joints and contacts; those of a velocity phase need the predicted poses.
+    pub(super) fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
+        let Self { entries, links, rates, stances, began, predicted, implicit, system, asked, touches, step_start, .. } = self;
+        let mut next_touch = 0;
+        let in_place = matches!(phase, Phase::Position { .. });
+        system.clear();
+        for (number, (link, entry)) in links.iter().zip(&*entries).enumerate() {
+            let [a, b] = link.bodies.map(|body| body as usize);
+            let geometry = if matches!(phase, Phase::Velocity { .. }) {
+                let (stances, start) = (|body: usize| began[body].0, entry.placement(began[a].0, began[b].0));
+                let end = entry.placement(predicted[a], predicted[b]);
+                let between = |body: usize| {
+                    let (from, to) = (stances(body), predicted[body]);
+                    (from.0.lerp(to.0, implicit[number]), from.1.lerp(to.1, implicit[number]))
+                };
+                let gradient = match implicit[number] {
+                    0.0 => start,
+                    1.0 => end,
+                    _ => entry.placement(between(a), between(b)),
+                };
+                JointGeometry { start, predicted: end, gradient }
+            } else {
+                JointGeometry::at(entry.placement(stances[a], stances[b]))
+            };
+            asked.clear();
+            let mut sink = RowSink {
+                rates: [rates[a], rates[b]],
+                geometry: &geometry,
+                def: &joints[entry.joint].def,
+                impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
+                phase,
+                point: None,
+                direction: None,
+                scalars: asked,
+            };
+            kinds::add_rows(&mut sink);
+            let (point, direction) = (sink.point, sink.direction);
+            system.add(link.bodies, point.as_ref(), direction.as_ref(), asked);
+            while let Some(touch) = touches.get(next_touch).filter(|touch| touch.node as usize == number) {
+                let separations = touch.separations(stances, step_start);
+                match phase {
+                    Phase::Velocity { h } | Phase::Tangent { h } => {
+                        touch.add_rows(system, &separations, &rates[touch.other as usize], h);
+                    }
+                    Phase::Position { .. } => touch.add_position_rows(system, &separations),
+                }
+                next_touch += 1;
+            }
+        }
+    }
+
+    /// Errors at the present poses, whose position rows are left in the system.
+    pub(super) fn find_errors(&mut self, joints: &Pool<Joint, JointId>) -> Errors {
+        self.build_rows(joints, Phase::Position { most: f64::INFINITY });
+        let overlap = |touch: &Touch| -touch.separations(&self.stances, &self.step_start).into_iter().fold(0.0, f64::min);
+        Errors { worst: self.system.worst_error(self.size), overlap: self.touches.iter().map(overlap).fold(0.0, f64::max) }
+    }
+
+    /// Takes errors out of the positions, whose rows are in the system; returns the worst of the joints that is left.
+    pub(super) fn project(&mut self, joints: &Pool<Joint, JointId>, mut errors: Errors) -> f64 {
+        self.outcome.penetration = self.outcome.penetration.max(errors.overlap);
+        let good = GOOD_ENOUGH * TOLERANCE * self.size;
+        let mut overlaps = errors.overlap > NEGLIGIBLE_OVERLAP;
+        for _ in 0..PROJECTIONS {
+            if (errors.worst <= good && !overlaps) || !errors.worst.is_finite() {
+                break;
+            }
+            self.changes.clear();
+            self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
+            self.system.begin(&self.bodies);
+            self.system.solve(&self.topology, &self.bodies, &mut self.changes);
+            self.tried.clone_from(&self.stances);
+            let mut accepted = false;
+            for factor in BACKTRACKING {
+                for ((body, stance), change) in self.bodies.iter().zip(&mut self.stances).zip(&self.changes) {
+                    body.displace(stance, change, factor);
+                }
+                let left = self.find_errors(joints);
+                if left.worst < errors.worst || (overlaps && left.worst <= good) {
+                    errors = left;
+                    accepted = true;
+                    break;
+                }
+                self.stances.clone_from(&self.tried);
+            }
+            if !accepted {
+                break;
+            }
+            // Overlaps are taken out bit by bit, once a substep.
+            overlaps = false;
+        }
+        errors.worst
+    }
+}

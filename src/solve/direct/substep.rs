@@ -1,0 +1,202 @@
+//! One substep of an articulation: forces, rows, the solve, and new poses.
+
+use glam::{DMat3, DVec3};
+
+use super::articulation::{Articulation, Mode};
+use super::history::{EULER_SHARE, History};
+use super::momentum::Momentum;
+use super::stiffness;
+use super::system::Origin;
+use crate::id::{JointId, Pool};
+use crate::joint::Joint;
+use crate::solve::joint::Stance;
+use crate::solve::joint::rows::{Phase, Rate};
+use crate::solve::rotation;
+
+/// Transverse stiffness κ of a joint below which a smooth substep takes its Jacobian at the start, and above which at the predicted
+/// pose, with the geometric stiffness of its force.
+const IMPLICIT_RANGE: (f64, f64) = (0.5, 2.0);
+
+impl Articulation {
+    /// Moves the bodies; returns the angular momentum that they should have, where joints alone act on them.
+    pub(super) fn substep(&mut self, joints: &Pool<Joint, JointId>, full: f64, mode: Mode) -> Option<DVec3> {
+        self.began.clear();
+        self.began.extend(self.stances.iter().copied().zip(self.rates.iter().copied()));
+        let momentum = self.expected_momentum(full);
+        let h = if mode == Mode::SecondOrder { full * EULER_SHARE } else { full };
+        self.predict(h, mode);
+        self.find_stiffness(h, mode, h / full);
+        for (i, body) in self.bodies.iter_mut().enumerate() {
+            let stance = if mode == Mode::SecondOrder { &self.predicted[i] } else { &self.stances[i] };
+            let damped = body.respond(stance, self.stiffness[i], &self.rates[i]);
+            if mode == Mode::Safe {
+                self.rates[i].angular = damped;
+            }
+        }
+        self.build_rows(joints, if mode == Mode::Safe { Phase::Tangent { h } } else { Phase::Velocity { h } });
+        self.system.begin(&self.bodies);
+        self.system.solve(&self.topology, &self.bodies, &mut self.rates);
+        self.keep_impulses(full / h);
+        for (i, body) in self.bodies.iter().enumerate() {
+            let (stance, rate) = (&mut self.stances[i], &mut self.rates[i]);
+            if mode == Mode::SecondOrder {
+                body.advance_second_order(stance, &self.predicted[i], rate, h);
+            } else {
+                body.limit_speed(rate, h);
+                let turn = body.turn(stance, rate, h);
+                stance.0 += rate.linear * h;
+                stance.1 = turn.rotation;
+                rate.angular = turn.angular;
+            }
+        }
+        momentum
+    }
+
+    fn apply_forces(&mut self, h: f64) {
+        for ((body, stance), rate) in self.bodies.iter().zip(&self.stances).zip(&mut self.rates) {
+            body.apply_forces(stance, rate, h);
+        }
+    }
+
+    /// Whether all bodies came here by a substep of this length.
+    pub(super) fn has_history(&self, h: f64) -> bool {
+        let mut bodies = self.bodies.iter().zip(&self.histories).zip(&self.rates);
+        bodies.all(|((body, history), rate)| !body.is_dynamic() || history.leads_to(rate, h))
+    }
+
+    /// Angular momentum at the end of a substep of an articulation that hangs on nothing.
+    fn expected_momentum(&mut self, h: f64) -> Option<DVec3> {
+        if self.hangs {
+            return None;
+        }
+        self.apply_forces(h);
+        let momentum = self.momentum().map(|momentum| momentum.angular);
+        for (rate, (_, began)) in self.rates.iter_mut().zip(&self.began) {
+            *rate = *began;
+        }
+        momentum
+    }
+
+    /// Notes the substep that ends here for the next one.
+    pub(super) fn note_history(&mut self, h: f64) {
+        for (i, (stance, rate)) in self.began.iter().enumerate() {
+            let (momentum, _) = self.bodies[i].spin_momentum(stance, rate);
+            self.histories[i] = History::of(h, (stance, rate), momentum, (&self.stances[i], &self.rates[i]));
+        }
+    }
+
+    /// Lets the next substep be of first order.
+    pub(super) fn forget_history(&mut self) {
+        self.histories.fill(History::NONE);
+    }
+
+    /// Gives back what the substep took of the angular momentum.
+    pub(super) fn keep_momentum(&mut self, expected: Option<DVec3>) {
+        if let (Some(expected), Some(now)) = (expected, self.momentum()) {
+            now.give_back(expected - now.angular, &self.bodies, &self.origins, &self.stances, &mut self.rates);
+        }
+    }
+
+    /// Momentum of an articulation that hangs on nothing.
+    fn momentum(&self) -> Option<Momentum> {
+        let Self { bodies, origins, stances, rates, .. } = self;
+        if self.hangs { None } else { Momentum::of(bodies, origins, stances, rates) }
+    }
+
+    /// Adds the forces, and finds where the bodies would be at the end of the substep without any joint.
+    fn predict(&mut self, h: f64, mode: Mode) {
+        self.predicted.clear();
+        if mode == Mode::SecondOrder {
+            for i in 0..self.bodies.len() {
+                let end = self.predict_second_order(i, h);
+                self.predicted.push(end);
+            }
+            return;
+        }
+        self.apply_forces(h);
+        let bodies = self.bodies.iter().zip(&self.rates).zip(&self.stances);
+        match mode {
+            Mode::Smooth => self
+                .predicted
+                .extend(bodies.map(|((body, rate), stance)| (stance.0 + rate.linear * h, body.turn(stance, rate, h).rotation))),
+            _ => self.predicted.extend_from_slice(&self.stances),
+        }
+    }
+
+    /// Puts a body where its second-order substep starts, whose Euler part is `h` long; returns where that ends.
+    fn predict_second_order(&mut self, i: usize, h: f64) -> Stance {
+        let (body, stance, rate) = (&self.bodies[i], &mut self.stances[i], &mut self.rates[i]);
+        if body.is_dynamic() {
+            let (momentum, _) = body.spin_momentum(stance, rate);
+            let (start, linear, momentum) = self.histories[i].extrapolate(stance, rate, momentum);
+            let (end, predicted) = body.predict_second_order(&start, Rate { linear, ..*rate }, momentum, h);
+            (*stance, *rate) = (start, predicted);
+            return end;
+        }
+        // A body that is moved by others arrives where a whole substep takes it.
+        let rest = h * (1.0 / EULER_SHARE - 1.0);
+        stance.0 += rate.linear * rest;
+        stance.1 = rotation::rotated(stance.1, rate.angular * rest);
+        (stance.0 + rate.linear * h, rotation::rotated(stance.1, rate.angular * h))
+    }
+
+    /// Stiffness of each body from the carried impulses, and with it where each joint takes its Jacobian.
+    ///
+    /// `share` is what a substep of this length has of the impulses of a whole one.
+    pub(super) fn find_stiffness(&mut self, h: f64, mode: Mode, share: f64) {
+        self.stiffness.clear();
+        self.stiffness.resize(self.bodies.len(), DMat3::ZERO);
+        self.implicit.clear();
+        for (link, entry) in self.links.iter().zip(&self.entries) {
+            let impulse = entry.impulses.point.as_dvec3() * share;
+            let levers = [0, 1].map(|side| self.stances[link.bodies[side] as usize].1 * entry.local_lever[side]);
+            let implicit = if mode == Mode::Safe {
+                1.0
+            } else {
+                let ease: f64 =
+                    [0, 1].map(|side| self.bodies[link.bodies[side] as usize].turning_ease(levers[side])).iter().sum();
+                ((h * impulse.length() * ease - IMPLICIT_RANGE.0) / (IMPLICIT_RANGE.1 - IMPLICIT_RANGE.0)).clamp(0.0, 1.0)
+            };
+            self.implicit.push(if mode == Mode::SecondOrder { 1.0 } else { implicit });
+            if impulse == DVec3::ZERO || implicit == 0.0 {
+                continue;
+            }
+            for (side, sign) in [(0, -1.0), (1, 1.0)] {
+                self.stiffness[link.bodies[side] as usize] +=
+                    stiffness::of_impulse(impulse * sign, levers[side]) * (h * implicit);
+            }
+        }
+    }
+
+    /// Hands the multipliers back to the joints and adds them to their loads.
+    ///
+    /// `scale` is the length of the whole substep over that of the one they were found for.
+    pub(super) fn keep_impulses(&mut self, scale: f64) {
+        let Self { entries, system, links, stances, touches, .. } = self;
+        for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {
+            let (mut point, mut angular) = (DVec3::ZERO, DVec3::ZERO);
+            let (mut linear_load, mut angular_load) = (DVec3::ZERO, DVec3::ZERO);
+            let lever = stances[link.bodies[1] as usize].1 * entry.local_lever[1];
+            for row in &system.rows[node.first as usize..node.last as usize] {
+                let impulse = row.impulse * scale;
+                match row.origin {
+                    Origin::Point(axis) => point += axis * impulse,
+                    Origin::Direction(axis) => angular += axis * impulse,
+                    Origin::Scalar(id) => {
+                        entry.impulses.scalar[id as usize] = impulse as f32;
+                        linear_load += row.linear[1] * impulse;
+                        angular_load += (row.angular[1] - lever.cross(row.linear[1])) * impulse;
+                    }
+                    Origin::Contact => {}
+                }
+            }
+            entry.impulses.point = point.as_vec3();
+            entry.impulses.angular = angular.as_vec3();
+            entry.linear_sum += (point + linear_load).as_vec3();
+            entry.angular_sum += (angular + angular_load).as_vec3();
+        }
+        for (index, touch) in touches.iter_mut().enumerate() {
+            touch.keep_impulses(system, index);
+        }
+    }
+}
