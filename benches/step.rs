@@ -35,5 +35,18 @@ fn step(criterion: &mut Criterion) {
     measure("10000 sleeping bodies", asleep);
 }
 
-criterion_group!(benches, step);
+/// Saving and restoring against a step of the same world.
+fn snapshot(criterion: &mut Criterion) {
+    let (mut tower, dt) = after(10, "tower", &[]);
+    let mut bytes = Vec::new();
+    tower.world().save(&mut bytes);
+    criterion.bench_function("save a tower of 1000", |bencher| {
+        let mut out = Vec::new();
+        bencher.iter(|| tower.world().save(&mut out));
+    });
+    criterion.bench_function("restore a tower of 1000", |bencher| bencher.iter(|| tower.world_mut().restore(&bytes)));
+    criterion.bench_function("step a tower of 1000", |bencher| bencher.iter(|| tower.step(dt)));
+}
+
+criterion_group!(benches, step, snapshot);
 criterion_main!(benches);

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Installs what building longspan and its C samples takes besides Rust, on Debian and Ubuntu: a C and a C++ compiler.
-# With --ci also what the full set of checks uses: valgrind.
+# With --ci also what the full set of checks uses: valgrind, pkg-config, cmake and make.
 set -euo pipefail
 
 packages=(gcc g++ libc6-dev)
 case "${1:-}" in
     "") ;;
-    --ci) packages+=(valgrind) ;;
+    --ci) packages+=(valgrind pkg-config cmake make) ;;
     *) echo "usage: setup/install.sh [--ci]" >&2; exit 2 ;;
 esac
 

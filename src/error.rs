@@ -34,6 +34,8 @@ pub enum ErrorKind {
     Unsupported,
     /// A fixed capacity (worlds alive, bodies in a world) is used up.
     CapacityExceeded,
+    /// Bytes that are no snapshot, of another version of the library, cut short or corrupted.
+    InvalidSnapshot,
 }
 
 /// A refused call: the rule broken, the argument that broke it, and what is wrong with it.

@@ -70,6 +70,17 @@ handle!(
     JointId, 3, "joint"
 );
 
+/// A handle's bits but for the number of its world.
+pub(crate) fn without_world(handle: impl Handle) -> u64 {
+    handle.to_bits() & ((1 << TAG_SHIFT) - 1)
+}
+
+/// The same handle in another world; null stays null.
+pub(crate) fn in_world<H: Handle>(handle: H, tag: u16) -> H {
+    let bits = without_world(handle);
+    H::from_bits(if bits == 0 { 0 } else { bits | u64::from(tag) << TAG_SHIFT })
+}
+
 /// The number of a world, part of every handle it gives out; unique among the worlds alive.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct WorldTag(u16);
@@ -82,6 +93,11 @@ struct Tags {
 static TAGS_IN_USE: Mutex<Tags> = Mutex::new(Tags { used: [false; TAGS], last: 0 });
 
 impl WorldTag {
+    /// The number itself.
+    pub(crate) fn number(&self) -> u16 {
+        self.0
+    }
+
     /// Takes the next free tag, round robin, so that a dead world's handles stay foreign for as long as possible.
     pub(crate) fn acquire() -> Result<Self> {
         let mut tags = TAGS_IN_USE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -104,10 +120,11 @@ impl Drop for WorldTag {
     }
 }
 
+/// A place in a pool, and how often it has been given out.
 #[derive(Debug, Clone)]
-struct Slot<T> {
-    generation: u32,
-    value: Option<T>,
+pub(crate) struct Slot<T> {
+    pub generation: u32,
+    pub value: Option<T>,
 }
 
 /// Objects of one kind, found by handle or by slot index.
@@ -123,6 +140,31 @@ pub(crate) struct Pool<T, H> {
 impl<T, H: Handle> Pool<T, H> {
     pub(crate) fn new(tag: &WorldTag) -> Self {
         Self { slots: Vec::new(), free: Vec::new(), len: 0, tag: tag.0, handle: std::marker::PhantomData }
+    }
+
+    /// A pool with these places, of which these are free; `None` if that cannot be.
+    pub(crate) fn from_parts(tag: u16, slots: Vec<Slot<T>>, free: Vec<u32>) -> Option<Self> {
+        let empty = slots.iter().filter(|slot| slot.value.is_none() && u64::from(slot.generation) < GENERATION_MASK).count();
+        let mut sorted = free.clone();
+        sorted.sort_unstable();
+        let distinct = sorted.windows(2).all(|two| two[0] < two[1]);
+        let usable = |&index: &u32| slots.get(index as usize).is_some_and(|slot| slot.value.is_none());
+        let in_range = slots.len() <= MAX_OBJECTS && slots.iter().all(|slot| u64::from(slot.generation) <= GENERATION_MASK);
+        if !(distinct && in_range && free.len() == empty && free.iter().all(usable)) {
+            return None;
+        }
+        let len = slots.iter().filter(|slot| slot.value.is_some()).count();
+        Some(Self { slots, free, len, tag, handle: std::marker::PhantomData })
+    }
+
+    /// Every place, in order.
+    pub(crate) fn slots(&self) -> &[Slot<T>] {
+        &self.slots
+    }
+
+    /// Free places; the last one is given out next.
+    pub(crate) fn free(&self) -> &[u32] {
+        &self.free
     }
 
     pub(crate) fn len(&self) -> usize {

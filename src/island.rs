@@ -46,6 +46,26 @@ pub(crate) struct SleepingIslands {
 }
 
 impl SleepingIslands {
+    /// These islands, of which these numbers are free; `None` if that cannot be.
+    pub(crate) fn from_parts(islands: Vec<Option<SleepingIsland>>, free: Vec<u32>) -> Option<Self> {
+        let mut sorted = free.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        let empty: Vec<u32> = (0..islands.len() as u32).filter(|&number| islands[number as usize].is_none()).collect();
+        let bodies = islands.iter().flatten().map(|island| island.bodies.len()).sum();
+        (sorted == empty && sorted.len() == free.len()).then_some(Self { islands, free, bodies })
+    }
+
+    /// Every island by number.
+    pub(crate) fn islands(&self) -> &[Option<SleepingIsland>] {
+        &self.islands
+    }
+
+    /// Numbers that are free; the last one is used next.
+    pub(crate) fn free(&self) -> &[u32] {
+        &self.free
+    }
+
     pub(crate) fn body_count(&self) -> usize {
         self.bodies
     }

@@ -42,6 +42,7 @@ mod query;
 mod report;
 mod settings;
 mod shape;
+mod snapshot;
 mod solve;
 mod span;
 mod world;

@@ -20,6 +20,7 @@ use crate::solve::batch::Batch;
 
 mod bodies;
 mod contacts;
+mod fast;
 mod forces;
 mod group;
 mod hold;
@@ -32,8 +33,11 @@ mod read;
 mod redefine;
 mod shapes;
 mod sleep;
+mod snapshot;
 mod store;
 mod support;
+
+pub(crate) use long_range::{AskedBound, CarriedBound};
 
 /// Bodies, shapes and joints that act on each other, and nothing else.
 pub struct World {
@@ -76,7 +80,7 @@ struct Scratch {
     candidates: Vec<(u32, u32)>,
     keys: Vec<PairKey>,
     pair: PairScratch,
-    paths: Vec<(u32, crate::collide::sweep::PathStart)>,
+    paths: Vec<fast::Path>,
     slots: Vec<u32>,
     islands: UnionFind,
 }

@@ -32,6 +32,9 @@ pub enum Command {
         file: PathBuf,
         /// Folder for the pictures, made if need be
         out_dir: PathBuf,
+        /// Name of the error to show instead of each scene's first
+        #[arg(long)]
+        error: Option<String>,
     },
     /// Runs every row of the stress scene on our engine and prints the table of what held (Markdown)
     StressTable {
@@ -93,6 +96,10 @@ pub struct Run {
     /// Runs each this many times and prints the one with the smallest median time
     #[arg(long, default_value_t = 1, value_parser = at_least_one)]
     pub repeat: usize,
+    /// Runs each with seeds 1 to this and prints the worst of every error, the number of runs that did not hold, the median of
+    /// the median times and the greatest 99th percentile
+    #[arg(long, value_parser = at_least_one, conflicts_with = "repeat")]
+    pub seeds: Option<usize>,
 }
 
 impl Run {

@@ -17,7 +17,7 @@ fn main() -> ExitCode {
     let outcome = match Options::parse().command {
         Command::Run(run) => session::run(&run),
         Command::List => session::list(),
-        Command::Plot { file, out_dir } => plot::plot(&file, &out_dir),
+        Command::Plot { file, out_dir, error } => plot::plot(&file, &out_dir, error.as_deref()),
         Command::StressTable { seeds } => stress_table::print(seeds as u64),
         Command::Picture(picture) => draw::picture(&picture),
         Command::Draw { file, out, size } => draw::draw_file(&file, &out, size),

@@ -1,11 +1,15 @@
-//! Run time against error: one picture for each scene and its keys, one line for each engine, one point for each effort.
+//! Run time against error: one picture for each scene and its keys, one line for each engine and each of our modes, one point for
+//! each effort.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use longspan_scenes::LONG_RANGE_KINDS;
 use plotters::prelude::*;
-use serde_json::{Map, Value};
+use serde_json::Value;
+
+use crate::args::OURS;
 
 type Problem = Box<dyn std::error::Error>;
 
@@ -28,9 +32,9 @@ struct Point {
     effort: String,
 }
 
-/// Reads JSON lines and writes a picture for each scene.
-pub fn plot(file: &Path, out_dir: &Path) -> Result<(), Problem> {
-    let charts = read(&fs::read_to_string(file)?)?;
+/// Reads JSON lines and writes a picture of the error of this name, or of the first, for each scene.
+pub fn plot(file: &Path, out_dir: &Path, error: Option<&str>) -> Result<(), Problem> {
+    let charts = read(&fs::read_to_string(file)?, error)?;
     fs::create_dir_all(out_dir)?;
     for (title, chart) in &charts {
         let name: String = title.chars().map(|c| if c.is_alphanumeric() || "_=.-".contains(c) { c } else { '_' }).collect();
@@ -41,7 +45,7 @@ pub fn plot(file: &Path, out_dir: &Path) -> Result<(), Problem> {
     Ok(())
 }
 
-fn read(text: &str) -> Result<BTreeMap<String, Chart>, Problem> {
+fn read(text: &str, wanted: Option<&str>) -> Result<BTreeMap<String, Chart>, Problem> {
     let mut charts: BTreeMap<String, Chart> = BTreeMap::new();
     for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
         let refuse = |what: &str| format!("line {}: {what}", number + 1);
@@ -50,16 +54,21 @@ fn read(text: &str) -> Result<BTreeMap<String, Chart>, Problem> {
         let object = |name: &str| field(name)?.as_object().ok_or_else(|| refuse(&format!("{name} is not an object")));
         let word = |name: &str| field(name).map(text_of);
         let ms = field("ms_median")?.as_f64().ok_or_else(|| refuse("ms_median is not a number"))?;
-        // A scene without errors has only its time to show.
-        let Some((error_name, error)) = object("errors")?.iter().next() else { continue };
+        // A scene without that error has only its time to show.
+        let is_wanted = |name: &str| wanted.is_none_or(|wanted| name == wanted);
+        let Some((error_name, error)) = object("errors")?.iter().find(|(name, _)| is_wanted(name)) else { continue };
         let error = error.as_f64().ok_or_else(|| refuse("an error is not a number"))?;
 
-        let chart = charts.entry(title(&word("scene")?, object("params")?)).or_default();
+        let (mode, keys): (Vec<_>, Vec<_>) = object("params")?.iter().partition(|(key, _)| is_mode(key));
+        let chart = charts.entry(title(&word("scene")?, &keys)).or_default();
         chart.error.clone_from(error_name);
-        let engine = match field("threads")?.as_u64() {
-            Some(threads) if threads > 1 => format!("{} ({threads} threads)", word("engine")?),
-            _ => word("engine")?,
-        };
+        let mut engine = word("engine")?;
+        if engine == OURS {
+            engine = title(&engine, &mode);
+        }
+        if let Some(threads) = field("threads")?.as_u64().filter(|threads| *threads > 1) {
+            engine = format!("{engine} ({threads} threads)");
+        }
         chart.engines.entry(engine).or_default().push(Point { ms, error, effort: word("effort")? });
     }
     for points in charts.values_mut().flat_map(|chart| chart.engines.values_mut()) {
@@ -68,9 +77,14 @@ fn read(text: &str) -> Result<BTreeMap<String, Chart>, Problem> {
     Ok(charts)
 }
 
-fn title(scene: &str, params: &Map<String, Value>) -> String {
+/// Whether a key changes how our engine works and not what the scene is.
+fn is_mode(key: &str) -> bool {
+    ["solver", "substeps", "iterations"].contains(&key) || LONG_RANGE_KINDS.contains(&key)
+}
+
+fn title(name: &str, params: &[(&String, &Value)]) -> String {
     let keys = params.iter().map(|(key, value)| format!("{key}={}", text_of(value)));
-    [scene.to_owned()].into_iter().chain(keys).collect::<Vec<_>>().join(" ")
+    [name.to_owned()].into_iter().chain(keys).collect::<Vec<_>>().join(" ")
 }
 
 fn text_of(value: &Value) -> String {
@@ -137,7 +151,7 @@ mod tests {
     #[test]
     fn lines_become_one_picture_a_scene_with_all_engines_and_efforts() {
         let text = [line("a", "\"default\"", 0.5, 0.0), line("a", "16", 0.1, 1e30), line("b", "4", 2.0, 3.0)].join("\n");
-        let charts = read(&text).unwrap();
+        let charts = read(&text, None).unwrap();
         let (title, chart) = charts.first_key_value().unwrap();
         assert_eq!((charts.len(), title.as_str(), chart.error.as_str()), (1, "hanging_chain n=30", "stretch_pct"));
         assert_eq!(chart.engines["a"].iter().map(|point| point.effort.as_str()).collect::<Vec<_>>(), ["16", "default"]);
@@ -152,6 +166,17 @@ mod tests {
     }
 
     #[test]
+    fn a_mode_is_a_line_of_its_own_in_the_picture_of_the_scene() {
+        let swept = line(OURS, "4", 1.0, 2.0).replace(r#"{"n":30}"#, r#"{"n":30,"solver":"gs"}"#);
+        let text = [line(OURS, "4", 1.0, 1.0), swept, line("a", "4", 1.0, 1.0)].join("\n");
+        let charts = read(&text, Some("joint_gap_m")).unwrap();
+        let chart = &charts["hanging_chain n=30"];
+        assert_eq!((charts.len(), chart.error.as_str()), (1, "joint_gap_m"));
+        assert_eq!(chart.engines.keys().collect::<Vec<_>>(), ["a", "longspan", "longspan solver=gs"]);
+        assert!(read(&text, Some("no_such_error")).unwrap().is_empty());
+    }
+
+    #[test]
     fn labels_are_short() {
         assert_eq!(
             [0.1 + 0.2, 0.07, 1000.0, 1.1 * 1.1].map(|value| three_digits(value).to_string()),
@@ -161,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_line_that_is_no_run_is_refused_by_number() {
-        let problem = read(&format!("{}\n{{}}", line("a", "1", 1.0, 1.0))).err().map(|error| error.to_string());
+        let problem = read(&format!("{}\n{{}}", line("a", "1", 1.0, 1.0)), None).err().map(|error| error.to_string());
         assert_eq!(problem.as_deref(), Some("line 2: has no ms_median"));
     }
 }

@@ -28,7 +28,11 @@ pub fn run(options: &Run) -> Result<(), Problem> {
     build(&options.chosen.scene, &options.chosen.keys())?;
     for engine in options.engines() {
         for &effort in &options.effort {
-            match fastest(options, &engine, effort) {
+            let measured = match options.seeds {
+                Some(seeds) => worst(options, &engine, effort, seeds),
+                None => fastest(options, &engine, effort),
+            };
+            match measured {
                 Ok(measurement) if options.json => println!("{}", to_json(&measurement)),
                 Ok(measurement) => println!("{}", to_text(&measurement)),
                 Err(problem) => {
@@ -51,6 +55,29 @@ fn fastest(options: &Run, engine: &str, effort: Effort) -> Result<Measurement, P
         }
     }
     best.ok_or_else(|| "nothing was run".into())
+}
+
+/// Every seed from 1 to `seeds` as one measurement: the worst of each error, and how many did not hold.
+fn worst(options: &Run, engine: &str, effort: Effort, seeds: usize) -> Result<Measurement, Problem> {
+    let mut runs = Vec::with_capacity(seeds);
+    for seed in 1..=seeds {
+        let keys = [options.chosen.keys(), vec![("seed".to_owned(), seed.to_string())]].concat();
+        runs.push(run_on(build(&options.chosen.scene, &keys)?, engine, effort, options.threads)?);
+    }
+    let mut medians: Vec<f64> = runs.iter().map(|run| run.ms_median).collect();
+    medians.sort_by(f64::total_cmp);
+    let mut all = runs.first().ok_or("nothing was run")?.clone();
+    all.params.retain(|(key, _)| key != "seed");
+    all.params.push(("seeds".to_owned(), seeds.to_string()));
+    all.ms_median = medians[medians.len() / 2];
+    all.ms_p99 = runs.iter().map(|run| run.ms_p99).fold(0.0, f64::max);
+    for (name, value) in &mut all.errors {
+        let found = runs.iter().flat_map(|run| &run.errors).filter(|(found, _)| found == name).map(|(_, found)| *found);
+        *value = if *name == "held" { found.fold(1.0, f64::min) } else { found.fold(*value, f64::max) };
+    }
+    let fell = |run: &&Measurement| run.errors.iter().any(|(name, value)| *name == "held" && *value == 0.0);
+    all.errors.push(("failures", runs.iter().filter(fell).count() as f64));
+    Ok(all)
 }
 
 fn run_on(scene: Scene, engine: &str, effort: Effort, threads: usize) -> Result<Measurement, Problem> {
@@ -83,4 +110,29 @@ fn in_silence<T>(work: impl FnOnce() -> T) -> std::thread::Result<T> {
     let outcome = catch_unwind(AssertUnwindSafe(work));
     std::panic::set_hook(hook);
     outcome
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::args::{Command, Options};
+
+    #[test]
+    fn many_seeds_become_one_measurement_of_the_worst() {
+        let line = "longspan-bench run violent --set n=10 --set ratio=1 --seconds 0.1 --engines longspan --seeds 3";
+        let Command::Run(options) = Options::try_parse_from(line.split(' ')).unwrap().command else { panic!("not a run") };
+        let all = worst(&options, OURS, Effort::Default, 3).unwrap();
+        let of = |all: &Measurement, name: &str| all.errors.iter().find(|(found, _)| *found == name).unwrap().1;
+        let gap_of_seed = |seed: usize| {
+            let keys = [options.chosen.keys(), vec![("seed".to_owned(), seed.to_string())]].concat();
+            let run = run_on(build("violent", &keys).unwrap(), OURS, Effort::Default, 1).unwrap();
+            of(&run, "joint_gap_m")
+        };
+        let gaps = [1, 2, 3].map(gap_of_seed);
+        assert_eq!(of(&all, "joint_gap_m"), gaps.into_iter().fold(0.0, f64::max), "seeds with gaps of {gaps:?} m");
+        assert_eq!(of(&all, "failures") > 0.0, of(&all, "held") == 0.0);
+        assert!(all.params.contains(&("seeds".to_owned(), "3".to_owned())), "{:?}", all.params);
+    }
 }

@@ -33,6 +33,8 @@ mod query_def;
 
 mod query;
 
+mod snapshot;
+
 mod body;
 mod body_motion;
 mod body_state;

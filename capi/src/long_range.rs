@@ -43,13 +43,15 @@ pub struct LsLongRangeDef {
     pub hierarchy: LsBoundKindDef,
     /// Levels of the hierarchy, 1 to 16; 0 (the default) for as many as the joints ask for.
     pub levels: u32,
+    /// Not used; 0.
+    pub reserved: u32,
     /// Not 0: bounds asked for with ls_world_soft_bound_set act; default 1.
     pub soft: u32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsLongRangeDef {
-    const SIZES: &'static [usize] = &[56];
+    const SIZES: &'static [usize] = &[56, 60];
 }
 
 // SAFETY: begins with struct_size.
@@ -170,9 +172,7 @@ pub unsafe extern "C" fn ls_world_soft_bound_set(
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]
 pub extern "C" fn ls_world_soft_bound_remove(world: LsWorld, joint_a: LsJoint, joint_b: LsJoint) -> LsResult {
-    call("ls_world_soft_bound_remove", || {
-        edit(world, |world| world.set_soft_bound(joint_a.into(), joint_b.into(), None))
-    })
+    call("ls_world_soft_bound_remove", || edit(world, |world| world.set_soft_bound(joint_a.into(), joint_b.into(), None)))
 }
 
 /// Every bound that was derived for the last step, with what it did.
@@ -232,6 +232,7 @@ impl From<&LongRangeDef> for LsLongRangeDef {
             attachment: (&def.attachment).into(),
             hierarchy: (&def.hierarchy).into(),
             levels: def.levels.unwrap_or(0),
+            reserved: 0,
             soft: def.soft.into(),
         }
     }

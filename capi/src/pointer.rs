@@ -70,6 +70,14 @@ impl<T> Buffer<T> {
         unsafe { Ok(Self { elements: OutArray::new(elements, capacity, name)?, count: Out::new(count, "count")? }) }
     }
 
+    /// Writes all bytes and their number, or only their number if they do not fit.
+    pub(crate) fn fill_bytes(&self, bytes: &[u8]) -> Outcome<()>
+    where
+        T: From<u8>,
+    {
+        self.fill(|| bytes.iter().map(|&byte| T::from(byte)))
+    }
+
     /// Writes all values and their number, or only their number if they do not fit.
     pub(crate) fn fill<I: Iterator<Item = T>>(&self, values: impl Fn() -> I) -> Outcome<()> {
         let needed = values().count();

@@ -54,6 +54,8 @@ pub const LS_ERROR_WORLD_POISONED: LsResult = 20;
 pub const LS_ERROR_PANIC: LsResult = 21;
 /// A failure that has no code of its own.
 pub const LS_ERROR_OTHER: LsResult = 22;
+/// Bytes that are no snapshot, of another version of the library, cut short or corrupted.
+pub const LS_ERROR_INVALID_SNAPSHOT: LsResult = 23;
 
 /// A call that did not succeed.
 #[derive(Debug)]
@@ -96,6 +98,7 @@ fn code_of(kind: ErrorKind) -> LsResult {
         ErrorKind::NotApplicable => LS_ERROR_NOT_APPLICABLE,
         ErrorKind::Unsupported => LS_ERROR_UNSUPPORTED,
         ErrorKind::CapacityExceeded => LS_ERROR_CAPACITY_EXCEEDED,
+        ErrorKind::InvalidSnapshot => LS_ERROR_INVALID_SNAPSHOT,
         _ => LS_ERROR_OTHER,
     }
 }
@@ -131,6 +134,7 @@ pub extern "C" fn ls_result_name(result: LsResult) -> *const c_char {
         LS_ERROR_WORLD_POISONED => c"LS_ERROR_WORLD_POISONED",
         LS_ERROR_PANIC => c"LS_ERROR_PANIC",
         LS_ERROR_OTHER => c"LS_ERROR_OTHER",
+        LS_ERROR_INVALID_SNAPSHOT => c"LS_ERROR_INVALID_SNAPSHOT",
         _ => c"unknown result",
     };
     name.as_ptr()

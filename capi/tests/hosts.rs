@@ -4,7 +4,7 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 6] = ["hello", "chain", "bulk", "misuse", "edit", "queries"];
+const SAMPLES: [&str; 7] = ["hello", "chain", "bulk", "misuse", "edit", "queries", "rollback"];
 
 fn sample(name: &str) -> std::path::PathBuf {
     common::repository().join("examples_c").join(format!("{name}.c"))
@@ -101,6 +101,12 @@ fn what_is_changed_in_a_live_world_comes_back_as_it_was_set() {
 fn questions_are_answered_and_filtered_as_the_host_says() {
     let output = run(&mut LIBRARY.compile(&sample("queries"), Language::C99, Linkage::Static));
     assert!(output.contains("asked about 10 shapes, the host accepted 5"), "{output}");
+}
+
+#[test]
+fn a_host_that_goes_back_gets_the_same_bits_again() {
+    let output = run(&mut LIBRARY.compile(&sample("rollback"), Language::C99, Linkage::Static));
+    assert!(output.contains("120 steps, the same bits twice") && output.contains("snapshot: is corrupted"), "{output}");
 }
 
 #[test]

@@ -800,7 +800,7 @@ typedef struct LsLongRangeDef {
  * layout of this struct never changes.
  */
 typedef struct LsSoftBound {
-    /** Share of the greatest distance at which the spring is at rest, above 0 and up to 1. */
+    /** Factor on the greatest distance at which the spring is at rest, above 0 and up to 1. */
     float share;
     /** Spring and damper; its compliance must not be 0. */
     struct LsSoftness softness;
@@ -900,6 +900,9 @@ typedef struct LsBound {
 
 /** A failure that has no code of its own. */
 #define LS_ERROR_OTHER 22
+
+/** Bytes that are no snapshot, of another version of the library, cut short or corrupted. */
+#define LS_ERROR_INVALID_SNAPSHOT 23
 
 #ifdef __cplusplus
 extern "C" {
@@ -1454,6 +1457,36 @@ LsResult ls_world_nearest_point(LsWorld world,
                                 float max_distance,
                                 const LsQueryFilter *filter,
                                 LsNearestPoint *out);
+
+/* Snapshots ------------------------------------------------------------------------------------------------------- */
+
+/**
+ * Writes a whole world into a buffer: bodies, shapes, joints, contacts, sleep, and what the solver carries from step to step.
+ *
+ * About 160 bytes a body, 48 a pair of shapes near each other and 40 a contact point, beside joints and one copy of each
+ * distinct geometry. Arrays of the last step and callbacks are not part of it.
+ * @param world     the world; any value is safe
+ * @param buffer    room for capacity bytes, filled on LS_OK; may be NULL if capacity is 0
+ * @param capacity  number of bytes that fit
+ * @param size      number of bytes of the snapshot, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_save(LsWorld world, void *buffer, size_t capacity, size_t *size);
+
+/**
+ * Makes a world what it was when the snapshot was written: every later step gives the same bits.
+ *
+ * Handles of what existed then are valid again; those of what came later are not. Into another world a snapshot can be restored
+ * too: handles then have that world's number in them (ls_world_bodies_get lists them). Arrays of the last step end here;
+ * callbacks, threads and what the host's words mean stay as they are.
+ * @param world          the world; any value is safe
+ * @param snapshot       as ls_world_save wrote it, by the same version of the library
+ * @param snapshot_size  its number of bytes
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_INVALID_SNAPSHOT
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_restore(LsWorld world, const void *snapshot, size_t snapshot_size);
 
 /* Bodies ---------------------------------------------------------------------------------------------------------- */
 
@@ -2204,16 +2237,27 @@ LsResult ls_world_long_range_set(LsWorld world, const LsLongRangeDef *def);
 LsResult ls_world_long_range_get(LsWorld world, LsLongRangeDef *out, size_t size);
 
 /**
- * Asks for a soft bound between two joints, or takes it back, and wakes their bodies. It ends with either joint.
+ * Asks for a soft bound between two joints, or changes it, and wakes their bodies. It ends with either joint.
  *
  * @param world    the world; any value is safe
  * @param joint_a  a joint of that world; any value is safe
  * @param joint_b  another one, connected to it by bodies and joints; any value is safe
- * @param bound    read during the call; NULL takes the bound back
- * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_APPLICABLE
+ * @param bound    read during the call
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_APPLICABLE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_world_soft_bound_set(LsWorld world, LsJoint joint_a, LsJoint joint_b, const LsSoftBound *bound);
+
+/**
+ * Takes a soft bound back and wakes the bodies of its joints; where there is none, nothing changes.
+ *
+ * @param world    the world; any value is safe
+ * @param joint_a  a joint of that world; any value is safe
+ * @param joint_b  another one; any value is safe
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_soft_bound_remove(LsWorld world, LsJoint joint_a, LsJoint joint_b);
 
 /**
  * Every bound that was derived for the last step, with what it did.

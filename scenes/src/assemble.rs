@@ -70,7 +70,8 @@ fn local(body: &Pose, place: &Pose) -> Pose {
 
 #[cfg(test)]
 mod tests {
-    use longspan::BodyKind;
+    use longspan::glam::Quat;
+    use longspan::{BodyKind, JointKind};
 
     use crate::catalogue::build;
     use crate::engine::{Effort, Engine};
@@ -89,6 +90,13 @@ mod tests {
             engine.add_body(body);
         }
         let gap = scene.joints.iter().map(|joint| gap_of(joint, &engine)).fold(0.0, f64::max);
+        // Where a joint holds directions, both frames agree too.
+        let turn = |side: Option<usize>| side.map_or(Quat::IDENTITY, |body| scene.bodies[body].pose.rotation);
+        for joint in scene.joints.iter().filter(|joint| matches!(joint.def.kind, JointKind::Hinge { .. } | JointKind::Fixed)) {
+            let [a, b] = [turn(joint.a) * joint.def.frame_a.rotation, turn(joint.b) * joint.def.frame_b.rotation];
+            let off = (a.conjugate() * b).normalize().to_scaled_axis().length();
+            assert!(off < 2e-6, "{name} {keys:?} starts with frames {off:e} rad apart, bound 2e-6 rad");
+        }
         // Rotations and frames are stored in single precision: 6e-8 of a metre-sized lever.
         assert!(gap < 1e-6, "{name} {keys:?} starts with a gap of {gap:e} m, bound 1e-6 m");
     }

@@ -61,7 +61,8 @@ pub(crate) fn rope_bridge(params: &mut Params) -> Result<Scene, SceneError> {
     let sag = params.number("sag", 2.0, 0.01..=1000.0)?;
     let walk = params.switch("walk", false)?;
     let curve = Curve { span: PITCH * (count + 1) as f64, sag };
-    let across = curve.span / f64::from(WALKER_SPEED);
+    // Up to the last planks: beyond them is nothing to walk on.
+    let across = (curve.span - 3.0).max(0.5) / f64::from(WALKER_SPEED);
     let mut scene = start(params, if walk { across } else { 8.0 })?;
 
     let anchor = cuboid(0.1, 0.1, 1.0)?;
@@ -155,7 +156,9 @@ fn add_walker(scene: &mut Scene, curve: Curve) -> Result<(), SceneError> {
     let up = DVec3::new(-curve.along(x).y, curve.along(x).x, 0.0);
     let pose = Pose::at(curve.at(x) + up * f64::from(PLANK_HALF.y + WALKER_HALF + 0.01)).rotated(x_to(curve.along(x)));
     let walker = scene.body(filtered(solid(pose, shape, WALKER_MASS), WALKER));
-    for step in 0..scene.steps {
+    let steps = scene.steps;
+    scene.judge(Reading::after(steps, "walked_m", move |view| view.center(walker).x - x));
+    for step in 0..steps {
         let push = Action::PushTo { body: walker, along: Vec3::X, speed: WALKER_SPEED, most: WALKER_PUSH };
         scene.at(step, push);
     }

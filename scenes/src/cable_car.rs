@@ -6,8 +6,9 @@
 //! half-extent 0.5 m and `ratio` kg, the second of `second` times that, jointed at the middle of their tops.
 //!
 //! Two cars of m and m′ with a cable of mass c run as an Atwood machine: |a| = g·|m − m′|/(m + m′ + c) while the parts of the cable
-//! that hang differ little. With three equal cars the middle one starts 3 m below the drums, where the cable stands steeper than
-//! the 30° at which two of them hold a third, and is pulled up.
+//! that hang differ little. With three equal cars the middle one starts 1.5 m below the drums' axes, where the cable stands steeper
+//! than the 30° at which two of them hold a third, and is pulled up, by about 1.5 m before it swings back: by then height plus twice
+//! the length to a drum is what it was at the start.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -29,7 +30,7 @@ const DRUM_SIDES: usize = 32;
 const PATH_RADIUS: f64 = 1.03;
 const CAR_HALF: f32 = 0.5;
 /// Depth at which a third car starts (m).
-const MIDDLE_DEPTH: f64 = 3.0;
+const MIDDLE_DEPTH: f64 = 1.5;
 /// Errors count over the last two seconds.
 const LAST: u32 = 120;
 /// When the speed of the cars is read (s).

@@ -29,6 +29,30 @@ impl BroadPhase {
         self.changed.push(shape);
     }
 
+    /// Shapes whose neighbours are to be looked for at the next refresh.
+    pub(crate) fn changed(&self) -> &[u32] {
+        &self.changed
+    }
+
+    /// Holds these boxes and no others.
+    pub(crate) fn rebuild(&mut self, slots: usize, box_of: impl Fn(u32) -> Option<Aabb>, changed: Vec<u32>) {
+        let known = self.tree.leaf_count() as usize;
+        let mut held = Vec::with_capacity(known);
+        held.extend(self.tree.leaves(|_| true));
+        for shape in held {
+            if box_of(shape).is_none() {
+                self.tree.remove(shape);
+            }
+        }
+        for shape in 0..slots as u32 {
+            if let Some(kept) = box_of(shape) {
+                self.tree.insert_or_update_partially(kept, shape, 0.0);
+            }
+        }
+        self.tree.refit(&mut self.workspace);
+        self.changed = changed;
+    }
+
     pub(crate) fn remove(&mut self, shape: u32) {
         self.tree.remove(shape);
         self.changed.retain(|&changed| changed != shape);

@@ -40,7 +40,7 @@ pub(crate) struct Pair {
     pub material: PairMaterial,
     pub manifolds: Vec<CarriedManifold>,
     /// Pose of B's shape in A's, and margin, that the manifolds were made for.
-    made_for: Option<(Pose3, f32)>,
+    pub made_for: Option<(Pose3, f32)>,
     /// Whether the narrow phase made new manifolds in the last step.
     pub updated: bool,
     /// Counts the manifolds that the slot has had.
@@ -49,7 +49,7 @@ pub(crate) struct Pair {
     pub may_touch: bool,
     /// Whether a normal impulse acted in the last step.
     pub in_contact: bool,
-    active: bool,
+    pub active: bool,
 }
 
 /// Relative motion below which manifolds are kept: translation over the smaller shape's least extent, and rotation (rad).
@@ -226,6 +226,23 @@ pub(crate) struct PairCache {
 }
 
 impl PairCache {
+    /// A cache of active pairs, sorted by key, and of pairs that sleep, which take the slots after them; `None` if not sorted.
+    pub(crate) fn from_parts(active: Vec<Pair>, asleep: Vec<Pair>) -> Option<Self> {
+        if !active.windows(2).all(|two| two[0].key < two[1].key) {
+            return None;
+        }
+        let keys = active.iter().enumerate().map(|(slot, pair)| (pair.key, slot as u32)).collect();
+        let mut pairs = active;
+        pairs.iter_mut().for_each(|pair| pair.active = true);
+        pairs.extend(asleep);
+        Some(Self { pairs, active: keys, ..Self::default() })
+    }
+
+    /// Every slot of the cache, also those not in use.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Pair> {
+        self.pairs.iter()
+    }
+
     pub(crate) fn active(&self) -> &[(PairKey, u32)] {
         &self.active
     }

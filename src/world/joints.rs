@@ -6,6 +6,7 @@ use super::World;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId};
 use crate::joint::{Joint, JointDef, JointImpulses, JointKind, JointState, Softness};
+use crate::solve::direct::history::History;
 use crate::solve::joint::{coordinate, gap_of, placement_of};
 
 impl World {
@@ -27,6 +28,8 @@ impl World {
         let (_, id) = self.joints.insert(joint)?;
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.push(id);
+            // What moved without the joint says nothing about how it will move with it.
+            self.bodies[index].history = History::NONE;
             self.wake_body(index);
             if !def.collide_connected {
                 self.forget_contacts_of(index);
@@ -49,6 +52,7 @@ impl World {
         self.long_range.graph_changed();
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.retain(|&other| other != joint);
+            self.bodies[index].history = History::NONE;
             self.wake_body(index);
             // The two may collide from now on.
             for &id in &self.bodies[index].shapes {

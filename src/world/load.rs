@@ -185,6 +185,7 @@ impl Records<'_> {
     /// Moves what the direct solver can move by itself, and lays out rows for the rest.
     fn lay_out(&self, batch: &mut Batch, settings: &StepSettings) {
         let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, .. } = batch;
+        direct.group_slots(&joints.entries, motions);
         if self.solver == Solver::GaussSeidel {
             direct.clear();
         } else {

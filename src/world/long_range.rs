@@ -8,6 +8,7 @@ use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointDef, JointKind, Softness};
 use crate::long_range::{BoundKind, BoundState, LongRangeDef, SoftBound};
 use crate::span::graph::{Link, Turn};
+use crate::span::load::NodeId;
 use crate::span::soft::Request;
 use crate::span::{Bound, Choice, Derived, JointSide};
 
@@ -27,9 +28,37 @@ pub(super) struct BoundRecord {
 }
 
 impl BoundRecord {
+    /// A record before its bound is derived anew.
+    fn carried(carried: &CarriedBound) -> Self {
+        let &CarriedBound { kind, level, upper, lower, ends, impulses, far_force, active } = carried;
+        let [near, far] = [JointSide { link: 0, side: 0 }; 2];
+        let bound = Bound { kind, level, near, far, upper, lower, path: NodeId::NONE, inner: (0, 0), request: None };
+        Self { bound, ends, softness: Softness::RIGID, impulses, far_force, active }
+    }
+
     fn key(&self) -> (BoundKind, [(u32, u8); 2]) {
         (self.bound.kind, self.ends)
     }
+}
+
+/// What the host asked for between two joints, the lower handle first.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AskedBound {
+    pub joints: [JointId; 2],
+    pub bound: SoftBound,
+}
+
+/// What a bound carries from step to step, as a snapshot keeps it: the rest is derived.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CarriedBound {
+    pub kind: BoundKind,
+    pub level: u8,
+    pub upper: f32,
+    pub lower: f32,
+    pub ends: [(u32, u8); 2],
+    pub impulses: [f32; 2],
+    pub far_force: Vec3,
+    pub active: bool,
 }
 
 /// Everything long-range of a world.
@@ -41,7 +70,7 @@ pub(super) struct LongRange {
     pub records: Vec<BoundRecord>,
     previous: Vec<BoundRecord>,
     /// What the host asked for, by its joints.
-    soft: Vec<([JointId; 2], SoftBound)>,
+    pub soft: Vec<AskedBound>,
     /// Which of those each request to the derivation stands for.
     asked: Vec<usize>,
     /// Bodies connected to a joint that the host asked for a bound between: their joints are left to sweeps, which know bounds.
@@ -179,8 +208,8 @@ impl World {
             bound.check()?;
         }
         let ends = if joint_a < joint_b { [joint_a, joint_b] } else { [joint_b, joint_a] };
-        self.long_range.soft.retain(|(other, _)| *other != ends);
-        self.long_range.soft.extend(bound.map(|bound| (ends, bound)));
+        self.long_range.soft.retain(|asked| asked.joints != ends);
+        self.long_range.soft.extend(bound.map(|bound| AskedBound { joints: ends, bound }));
         self.long_range.graph_changed();
         for slot in slots {
             for body in self.joints[slot].bodies.into_iter().flatten() {
@@ -188,6 +217,31 @@ impl World {
             }
         }
         Ok(())
+    }
+
+    /// What bounds carry from step to step, and whether they are to be derived anew.
+    pub(super) fn carried_bounds(&self) -> (bool, Vec<CarriedBound>) {
+        // The give of what was asked for comes from the request.
+        let carried = |&BoundRecord { bound, ends, softness: _, impulses, far_force, active }: &BoundRecord| {
+            let Bound { kind, level, near: _, far: _, upper, lower, path: _, inner: _, request: _ } = bound;
+            CarriedBound { kind, level, upper, lower, ends, impulses, far_force, active }
+        };
+        (self.long_range.stale, self.long_range.records.iter().map(carried).collect())
+    }
+
+    /// Derives all bounds anew after a restore, with what they carried; not if the next step would do so anyway.
+    pub(super) fn restart_long_range(&mut self, stale: bool, carried: &[CarriedBound], asked: Vec<AskedBound>) {
+        let records: Vec<BoundRecord> = carried.iter().map(BoundRecord::carried).collect();
+        self.long_range = LongRange { stale: !records.is_empty(), records: records.clone(), soft: asked, ..LongRange::default() };
+        if !stale {
+            self.derive_long_range();
+            let Self { long_range: LongRange { records: derived, .. }, .. } = self;
+            // The same joints give the same bounds in the same order.
+            for (record, old) in derived.iter_mut().zip(&records).filter(|(record, old)| record.key() == old.key()) {
+                (record.impulses, record.far_force, record.active) = (old.impulses, old.far_force, old.active);
+            }
+        }
+        self.long_range.stale = stale;
     }
 
     /// Every bound that was derived for the last step, with what it did.
@@ -235,7 +289,7 @@ impl World {
 impl LongRange {
     /// What the host asked for, as the derivation wants it; what named a joint that is gone is dropped.
     fn requests(&mut self, joints: &Pool<Joint, JointId>, settings: &LongRangeDef) -> Vec<Request> {
-        self.soft.retain(|(ends, _)| ends.iter().all(|&joint| joints.find(joint).is_ok()));
+        self.soft.retain(|asked| asked.joints.iter().all(|&joint| joints.find(joint).is_ok()));
         self.asked.clear();
         let Self { derived, soft, asked, .. } = self;
         let links = &derived.graph.links;
@@ -244,7 +298,8 @@ impl LongRange {
             links.binary_search_by_key(&slot, |link| link.joint).ok().map(|link| link as u32)
         };
         let mut requests = Vec::new();
-        for (number, (ends, bound)) in soft.iter().enumerate().filter(|_| settings.enabled && settings.soft) {
+        for (number, AskedBound { joints: ends, bound }) in soft.iter().enumerate().filter(|_| settings.enabled && settings.soft)
+        {
             if let [Some(a), Some(b)] = ends.map(place) {
                 asked.push(number);
                 requests.push(Request { links: [a, b], share: bound.share });
@@ -282,7 +337,7 @@ impl LongRange {
         records.extend(derived.bounds.iter().map(|&bound| {
             let ends = [place(bound.near), place(bound.far)];
             let asked_for = bound.request.and_then(|request| soft.get(asked[request as usize]));
-            let softness = asked_for.map_or(Softness::RIGID, |(_, bound)| bound.softness);
+            let softness = asked_for.map_or(Softness::RIGID, |asked| asked.bound.softness);
             let mut record = BoundRecord { bound, ends, softness, impulses: [0.0; 2], far_force: Vec3::ZERO, active: false };
             if let Ok(found) = previous.binary_search_by_key(&record.key(), BoundRecord::key) {
                 record.impulses = previous[found].impulses;

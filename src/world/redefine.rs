@@ -9,6 +9,7 @@ use crate::mass;
 use crate::pose::Pose;
 use crate::settings::{SleepSettings, WorldDef};
 use crate::shape::ShapeDef;
+use crate::solve::direct::history::History;
 
 impl World {
     /// The shape's definition as it is now.
@@ -70,8 +71,10 @@ impl World {
         let def = JointDef { frame_a, frame_b, ..self.joints[slot].def }.checked()?;
         self.joints[slot].forget_impulses();
         self.joints[slot].def = def;
+        self.topology_changed();
         self.long_range.graph_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {
+            self.bodies[index].history = History::NONE;
             self.wake_body(index);
         }
         Ok(())

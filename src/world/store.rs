@@ -3,9 +3,10 @@
 use glam::Vec3;
 
 use super::World;
+use super::fast::Path;
 use super::pairs::contact_pair;
 use crate::body::BodyKind;
-use crate::collide::sweep::{self, PathStart};
+use crate::collide::sweep::PathStart;
 use crate::report::{JointOverload, Moved};
 use crate::solve::direct::history::History;
 
@@ -58,8 +59,10 @@ impl World {
                 broken.push(index);
                 continue;
             }
-            if body.fast {
-                self.scratch.paths.push((index, PathStart { center: body.center, rotation: body.rotation }));
+            if body.fast || batch.direct.is_jointed(slot as u32) {
+                let start = PathStart { center: body.center, rotation: body.rotation };
+                let group = (number as u32, batch.direct.group_of(slot as u32));
+                self.scratch.paths.push(Path { group, body: index, start });
             }
             body.center += motion.displacement.as_dvec3();
             body.rotation = motion.rotation;
@@ -156,48 +159,6 @@ impl World {
                 }
             }
         }
-    }
-
-    fn shapes_follow(&mut self, index: u32) {
-        let body = &self.bodies[index];
-        for &id in &body.shapes {
-            if let Ok(shape) = self.colliders.find(id) {
-                self.colliders[shape].follow(body);
-            }
-        }
-    }
-
-    /// Sweeps bodies flagged fast along the path of the step and stops them at what they would have passed through.
-    pub(super) fn stop_fast_bodies(&mut self) {
-        for number in 0..self.scratch.paths.len() {
-            let (index, start) = self.scratch.paths[number];
-            if let Some(fraction) = self.first_touch(index, &start) {
-                let body = &mut self.bodies[index];
-                body.center = start.center.lerp(body.center, f64::from(fraction));
-                self.shapes_follow(index);
-            }
-        }
-    }
-
-    fn first_touch(&self, index: u32, start: &PathStart) -> Option<f32> {
-        let body = &self.bodies[index];
-        let mut first: Option<f32> = None;
-        for &id in &body.shapes {
-            let collider = &self.colliders[self.colliders.find(id).ok()?];
-            if !sweep::is_long(collider, body, start) {
-                continue;
-            }
-            let path = sweep::path_box(collider, body, start);
-            for other in self.broad.overlapping(&path) {
-                let other_shape = &self.colliders[other];
-                if self.may_meet(collider, other_shape)
-                    && let Some(fraction) = sweep::first_touch(collider, body, start, other_shape)
-                {
-                    first = Some(first.map_or(fraction, |least| least.min(fraction)));
-                }
-            }
-        }
-        first
     }
 
     /// Lists pairs whose contact began or ended.

@@ -62,6 +62,12 @@ impl SupportState {
         Self { graph, bodies_changed: true, joints_changed: true, is_new: true, said: vec![false; slots], ..Self::default() }
     }
 
+    /// Bodies that were said to be supported, and those whose verdict is watched: what a snapshot keeps.
+    pub(super) fn said(&self) -> (Vec<u32>, Vec<(u32, u8)>) {
+        let supported = (0..self.said.len() as u32).filter(|&body| self.said[body as usize]);
+        (supported.collect(), self.watched.clone())
+    }
+
     /// Starts anew under another gravity; what was said of bodies stays.
     fn turn_to(&mut self, gravity: Vec3) {
         self.gravity = gravity;
@@ -160,6 +166,25 @@ impl World {
         self.def.support = on;
         self.support = on.then(|| Box::new(SupportState::new(self.bodies.slot_count())));
         self.judge_support();
+    }
+
+    /// Makes the analysis anew after a restore, with what was said of bodies before.
+    pub(super) fn restart_support(&mut self, said: &[u32], watched: Vec<(u32, u8)>) {
+        let on = self.def.support;
+        (self.def.support, self.support) = (false, None);
+        self.set_support(on);
+        if let Some(state) = &mut self.support {
+            state.events.clear();
+            state.said.fill(false);
+            for &body in said {
+                if let Some(is_said) = state.said.get_mut(body as usize) {
+                    *is_said = true;
+                }
+            }
+            state.supported_count = state.said.iter().filter(|&&is_said| is_said).count() as u32;
+            state.watched = watched;
+            state.watched.retain(|&(body, _)| (body as usize) < state.said.len());
+        }
     }
 
     /// Brings the support analysis up to date with the step.

@@ -4,7 +4,9 @@
 //! must not: anything that a user of the library needs, and any check that a plain test can make.
 
 mod compiler;
+mod consumers;
 mod demo;
+mod install;
 mod library;
 mod readme;
 mod samples;
@@ -15,8 +17,10 @@ use std::process::{Command, ExitCode};
 const USAGE: &str = "cargo xtask COMMAND
 
     demo      builds the library and the C samples, hangs ten tonnes on a chain, and draws it (also: cargo demo)
-    header    writes include/longspan/longspan.h anew
+    header    writes include/longspan/longspan.h and capi/abi/baseline.txt anew
     samples   compiles every C sample as C99 and as C++11 without a warning, and runs it
+    install PREFIX   installs shared and static library, header, pkg-config file and CMake package (DESTDIR is honoured)
+    consumers builds and runs a program for each way to take the installed library
     readme    compiles and runs the C example of README.md by the compiler lines given there";
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -28,6 +32,8 @@ fn main() -> ExitCode {
         ["header"] => write_header(),
         ["samples"] => samples::run(),
         ["readme"] => readme::run(),
+        ["install", prefix] => install::run(prefix),
+        ["consumers"] => consumers::run(),
         _ => Err(USAGE.into()),
     };
     match outcome {

@@ -71,6 +71,7 @@ fn every_kind_of_refusal_has_a_code_of_its_own() {
         NotApplicable,
         Unsupported,
         CapacityExceeded,
+        InvalidSnapshot,
     ];
     let mut codes: Vec<LsResult> = kinds.iter().map(|&kind| Failure::from(ls_core::Error::new(kind, "x", "y")).code()).collect();
     codes.sort_unstable();

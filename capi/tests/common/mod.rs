@@ -1,4 +1,5 @@
 //! Builds the library once and compiles hosts against it.
+#![allow(dead_code, reason = "each test program uses a part of this")]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -42,7 +42,7 @@ const MOST_HALVINGS: u32 = 4;
 const MUST_FALL: f64 = 0.5;
 
 /// Multiplications of a factorisation above which sweeps are the better choice, for each row of the articulation.
-const MOST_WORK_PER_ROW: u64 = 4000;
+const MOST_WORK_PER_ROW: u64 = 100_000;
 
 /// What a joint holds on to: two local bodies, and how many rows it may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -176,7 +176,6 @@ impl Articulation {
         let unchanged =
             self.links.len() == entries.len() && self.links.iter().zip(&*entries).all(|(old, entry)| *old == link(entry));
         if !unchanged {
-            self.histories.fill(History::NONE);
             self.links.clear();
             self.links.extend(entries.iter().map(link));
             self.room.clear();
@@ -397,8 +396,9 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize) -> Option<Topolo
             }
         }
     }
-    let capacity: Vec<u32> = links.iter().zip(room).map(|(link, room)| link.capacity + room).collect();
-    let most_work = MOST_WORK_PER_ROW * capacity.iter().map(|&rows| u64::from(rows)).sum::<u64>();
+    let weights: Vec<u32> = links.iter().map(|link| link.capacity).collect();
+    let capacity: Vec<u32> = weights.iter().zip(room).map(|(weight, room)| weight + room).collect();
+    let most_work = MOST_WORK_PER_ROW * weights.iter().map(|&rows| u64::from(rows)).sum::<u64>();
     let mut shared = Vec::new();
     for (body, joints) in at_body.iter().enumerate() {
         for (i, &a) in joints.iter().enumerate() {
@@ -412,7 +412,7 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize) -> Option<Topolo
     let mut pairs: Vec<(u32, u32)> = shared.iter().map(|((a, _), (b, _), _)| (*a, *b)).collect();
     pairs.sort_unstable();
     pairs.dedup();
-    let plan = Plan::new(&capacity, &pairs, most_work)?;
+    let plan = Plan::new(&weights, &capacity, &pairs, most_work)?;
     let coupling = |&((a, side_a), (b, side_b), body): &((u32, u8), (u32, u8), u32)| {
         let (start, b_is_late) = plan.block(a, b)?;
         let ((late, late_side), (early, early_side)) =

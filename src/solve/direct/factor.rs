@@ -31,15 +31,16 @@ pub(crate) struct Plan {
 
 impl Plan {
     /// Lays out the factor of a matrix whose nodes have at most `capacity` rows and are coupled in these pairs (smaller number
-    /// first, sorted, none twice); `None` when a factorisation would take more than `most_work` multiplications.
-    pub(crate) fn new(capacity: &[u32], pairs: &[(u32, u32)], most_work: u64) -> Option<Self> {
+    /// first, sorted, none twice); `None` when a factorisation would take more than `most_work` multiplications. Order and work
+    /// follow from `weights`, rows that each node always may have: `capacity` may depend on what was there before.
+    pub(crate) fn new(weights: &[u32], capacity: &[u32], pairs: &[(u32, u32)], most_work: u64) -> Option<Self> {
         let mut neighbors = vec![Vec::new(); capacity.len()];
         for &(a, b) in pairs {
             neighbors[a as usize].push(b);
             neighbors[b as usize].push(a);
         }
         neighbors.iter_mut().for_each(|list| list.sort_unstable());
-        let Elimination { order, coupled, work } = minimum_degree(neighbors, capacity, most_work)?;
+        let Elimination { order, coupled, work } = minimum_degree(neighbors, weights, most_work)?;
         let mut plan = Self { place: vec![0; order.len()], work, ..Self::default() };
         for (place, &node) in order.iter().enumerate() {
             plan.place[node as usize] = place as u32;
@@ -315,7 +316,7 @@ mod tests {
         let rows = [3_u32, 5, 6, 2, 0, 7, 3, 3, 3, 6];
         let capacity = rows.map(|rows| rows + 2);
         let pairs: Vec<(u32, u32)> = vec![(0, 1), (0, 4), (1, 2), (1, 7), (2, 3), (3, 9), (4, 5), (5, 6), (6, 7), (7, 8), (8, 9)];
-        let plan = Plan::new(&capacity, &pairs, u64::MAX).expect("no limit is set");
+        let plan = Plan::new(&capacity, &capacity, &pairs, u64::MAX).expect("no limit is set");
         let mut factor = Factor::default();
         factor.start(&plan, rows.iter().copied());
         let total = rows.iter().sum::<u32>() as usize;

@@ -35,6 +35,8 @@ pub(crate) struct History {
     angular: Vec3,
 }
 
+crate::snapshot::stored::stored!(History { h, displacement, turn, linear_before, momentum_before, linear, angular });
+
 impl History {
     pub(crate) const NONE: Self = Self {
         h: 0.0,

@@ -46,6 +46,8 @@ pub(crate) struct Direct {
     local: Vec<(u32, u32)>,
     /// Articulation of each slot, as a union–find forest, then as a number.
     group: Vec<u32>,
+    /// Whether joints connect each slot to another that moves.
+    jointed: Vec<bool>,
     /// Group and number of each contact of a jointed body, sorted.
     touching: Vec<(u32, u32)>,
     left: Vec<JointEntry>,
@@ -92,7 +94,6 @@ impl Direct {
         if entries.is_empty() {
             return;
         }
-        self.group_slots(entries, motions);
         self.touching.clear();
         for (number, contact) in contacts.iter().enumerate() {
             let jointed = |slot: &u32| motions[*slot as usize].is_dynamic() && motions[*slot as usize].jointed;
@@ -124,8 +125,18 @@ impl Direct {
         std::mem::swap(entries, &mut self.left);
     }
 
+    /// Whether joints connect the body of this slot to another.
+    pub(crate) fn is_jointed(&self, slot: u32) -> bool {
+        self.jointed.get(slot as usize).copied().unwrap_or(false)
+    }
+
+    /// Lowest slot that joints connect to this one.
+    pub(crate) fn group_of(&self, slot: u32) -> u32 {
+        self.group.get(slot as usize).copied().unwrap_or(slot)
+    }
+
     /// Joins the slots that joints connect; each then has the lowest slot of its articulation as its group.
-    fn group_slots(&mut self, entries: &[JointEntry], motions: &[BodyMotion]) {
+    pub(crate) fn group_slots(&mut self, entries: &[JointEntry], motions: &[BodyMotion]) {
         fn root(group: &mut [u32], mut slot: u32) -> u32 {
             while group[slot as usize] != slot {
                 group[slot as usize] = group[group[slot as usize] as usize];
@@ -134,14 +145,21 @@ impl Direct {
             slot
         }
         self.group.clear();
+        self.jointed.clear();
+        if entries.is_empty() {
+            return;
+        }
         self.group.extend(0..motions.len() as u32);
+        self.jointed.resize(motions.len(), false);
         for entry in entries {
             if motions[entry.a as usize].is_dynamic() && motions[entry.b as usize].is_dynamic() {
                 let (a, b) = (root(&mut self.group, entry.a), root(&mut self.group, entry.b));
                 self.group[a.max(b) as usize] = a.min(b);
+                self.jointed[entry.a as usize] = true;
+                self.jointed[entry.b as usize] = true;
             }
         }
-        for slot in 0..motions.len() as u32 {
+        for slot in 0..self.group.len() as u32 {
             self.group[slot as usize] = root(&mut self.group, slot);
         }
     }

@@ -29,6 +29,10 @@ const MAX_PASSES: usize = 8;
 /// Error below which a fixed row stays fixed (m/s, rad/s, or m and rad in a projection).
 const FREE_BELOW: f64 = 1.0e-10;
 
+/// Most times that a solution is refined with the same factor, and the share of the first residual from which it is.
+const REFINEMENTS: usize = 2;
+const REFINE_ABOVE: f64 = 1.0e-7;
+
 /// Share of its limit below which a carried friction multiplier starts as one that holds.
 const STICKS: f64 = 0.999;
 
@@ -345,22 +349,23 @@ impl System {
         });
         factor.start(&topology.plan, counts);
         assemble(nodes, rows, active, factor, topology, bodies);
-        unknowns.clear();
-        for (number, node) in nodes.iter().enumerate() {
-            let pair = node.bodies.map(|body| rates[body as usize]);
-            for &row in &active[factor.start_of(number)..factor.start_of(number + 1)] {
-                let row = &rows[row as usize];
-                unknowns.push(-(row.rate(&pair) + row.bias));
-            }
-        }
         factor.factorize(&topology.plan);
-        factor.solve(&topology.plan, unknowns);
-        for (number, node) in nodes.iter().enumerate() {
-            let range = factor.start_of(number)..factor.start_of(number + 1);
-            for (&index, &impulse) in active[range.clone()].iter().zip(&unknowns[range]) {
-                let row = &mut rows[index as usize];
-                row.impulse = impulse;
-                push(row, node, impulse, bodies, rates);
+        active.iter().for_each(|&row| rows[row as usize].impulse = 0.0);
+        let mut first = 0.0;
+        for round in 0..=REFINEMENTS {
+            let worst = find_residuals(nodes, rows, active, factor, rates, unknowns);
+            first = if round == 0 { worst } else { first };
+            if (round > 0 && worst <= REFINE_ABOVE * first) || !worst.is_finite() {
+                break;
+            }
+            factor.solve(&topology.plan, unknowns);
+            for (number, node) in nodes.iter().enumerate() {
+                let range = factor.start_of(number)..factor.start_of(number + 1);
+                for (&index, &impulse) in active[range.clone()].iter().zip(&unknowns[range]) {
+                    let row = &mut rows[index as usize];
+                    row.impulse += impulse;
+                    push(row, node, impulse, bodies, rates);
+                }
             }
         }
     }
@@ -437,6 +442,29 @@ impl System {
         };
         self.rows.iter().map(error).fold(0.0, f64::max)
     }
+}
+
+/// Writes what the rows in the system still lack, −(J v + b + γ p); returns the greatest.
+fn find_residuals(
+    nodes: &[Node],
+    rows: &[Row],
+    active: &[u32],
+    factor: &Factor,
+    rates: &[Rate],
+    residuals: &mut Vec<f64>,
+) -> f64 {
+    residuals.clear();
+    let mut worst = 0.0_f64;
+    for (number, node) in nodes.iter().enumerate() {
+        let pair = node.bodies.map(|body| rates[body as usize]);
+        for &row in &active[factor.start_of(number)..factor.start_of(number + 1)] {
+            let row = &rows[row as usize];
+            let residual = -(row.rate(&pair) + row.bias + row.gamma * row.impulse);
+            worst = worst.max(residual.abs());
+            residuals.push(residual);
+        }
+    }
+    worst
 }
 
 /// Revises a pair of friction rows against the radius of their cone; true if anything changed.

@@ -1,0 +1,317 @@
+//! What a snapshot holds: the one place that lists it.
+//!
+//! Whoever adds a field to one of these types is stopped here by the compiler, and lists it: as stored, or as made anew with the
+//! value that it then gets. The fields of `World` itself are listed in the same way in `world/snapshot.rs`.
+
+use glam::{DVec3, Quat};
+
+use super::stored::{Reader, Stored, Writer, stored, stored_enum};
+use crate::body::{Body, BodyKind, LockedAxes, SleepState};
+use crate::collide::collider::Collider;
+use crate::collide::narrow::{Manifold, ManifoldPoint};
+use crate::collide::pairs::{CarriedManifold, Pair, PairKey};
+use crate::id::Slot;
+use crate::joint::{Axis, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
+use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
+use crate::mass::{Mass, MassProperties};
+use crate::material::{CombineRule, Material, PairMaterial};
+use crate::pose::Pose;
+use crate::report::ContactPair;
+use crate::settings::{SleepSettings, Solver, WorldDef};
+use crate::shape::CollisionFilter;
+use crate::solve::contact::ContactImpulses;
+use crate::solve::direct::history::History;
+use crate::world::{AskedBound, CarriedBound};
+
+/// What a world has besides its tables.
+#[derive(Debug)]
+pub(crate) struct WorldRow {
+    pub def: WorldDef,
+    pub step: u64,
+    pub time: f64,
+    pub last_substep: f32,
+    pub last_dt: f32,
+    pub movers: Runs,
+    pub movers_sorted: bool,
+    /// Shapes whose neighbours are to be looked for.
+    pub changed: Runs,
+    pub ended_by_edits: Vec<ContactPair>,
+    /// Bodies of which it was said that they are supported, and those of which something else may be said soon.
+    pub said_supported: Runs,
+    pub watched: Vec<(u32, u8)>,
+    /// Whether long-range bounds are to be derived anew.
+    pub bounds_stale: bool,
+    /// Soft bounds that the host asked for.
+    pub asked_bounds: Vec<AskedBound>,
+    pub free_bodies: Runs,
+    pub free_shapes: Runs,
+    pub free_joints: Runs,
+    pub free_islands: Runs,
+}
+
+/// A shape that is not quite where its body's pose of now would put it, as after its body's mass has changed.
+#[derive(Debug)]
+pub(crate) struct Displaced {
+    pub shape: u32,
+    pub place: (DVec3, Quat),
+}
+
+/// A sleeping island; its pairs are the next so many of the table of pairs that sleep.
+#[derive(Debug)]
+pub(crate) struct IslandRow {
+    pub bodies: Runs,
+    pub pairs: u32,
+}
+
+stored!(WorldRow {
+    def,
+    step,
+    time,
+    last_substep,
+    last_dt,
+    movers,
+    movers_sorted,
+    changed,
+    ended_by_edits,
+    said_supported,
+    watched,
+    bounds_stale,
+    asked_bounds,
+    free_bodies,
+    free_shapes,
+    free_joints,
+    free_islands,
+});
+stored!(WorldDef {
+    gravity,
+    substeps,
+    iterations,
+    solver,
+    threads,
+    sleep,
+    restitution_threshold,
+    body_capacity,
+    joint_capacity,
+    support,
+    hold,
+    long_range,
+});
+stored!(LongRangeDef { enabled, attachment, hierarchy, soft, levels });
+stored!(AskedBound { joints, bound });
+stored!(SoftBound { share, softness });
+stored!(BoundKindDef { enabled, upper, lower });
+stored!(CarriedBound { kind, level, upper, lower, ends, impulses, far_force, active });
+stored!(SleepSettings { enabled, linear_speed, angular_speed, time });
+stored!(ContactPair { shape_a, shape_b, body_a, body_b });
+stored!(Displaced { shape, place });
+stored!(IslandRow { bodies, pairs });
+
+stored!(Body {
+    kind,
+    center,
+    rotation,
+    linear_velocity,
+    angular_velocity,
+    force,
+    torque,
+    mass_source,
+    mass,
+    local_center,
+    locked_axes,
+    linear_damping,
+    angular_damping,
+    gravity_scale,
+    can_sleep,
+    fast,
+    user_word,
+    target,
+    driven,
+    contact_force,
+    shapes,
+    joints,
+    sleep,
+    quarantined,
+    history,
+    calm_for,
+    held,
+});
+stored!(LockedAxes { translation, rotation });
+stored!(MassProperties { mass, center_of_mass, principal_inertia, inertia_frame });
+stored!(Pose { position, rotation });
+
+stored!(Collider {
+    body, shape, local_pose, material, density, filter, user_word, reach, least_extent, tight_box, fat_box,
+} anew {
+    // Follows its body, but for what is displaced.
+    place: (DVec3::ZERO, Quat::IDENTITY),
+});
+stored!(Material { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule });
+stored!(CollisionFilter { member_of, collides_with });
+
+stored!(Joint { def, bodies, impulses, force, torque });
+stored!(JointDef {
+    kind,
+    body_a,
+    body_b,
+    frame_a,
+    frame_b,
+    linear,
+    angular,
+    limit,
+    break_force,
+    break_torque,
+    collide_connected,
+    user_word,
+});
+stored!(JointImpulses { point, angular, scalar });
+stored!(Softness { compliance, damping });
+stored!(Limits { min, max });
+stored!(Axis { limits, motor });
+
+stored!(Pair { key, material, manifolds, made_for, may_touch, in_contact } anew {
+    // Of the last step's count.
+    updated: false,
+    // The support analysis is made anew.
+    version: 0,
+    // Follows from the table that the pair is in.
+    active: false,
+});
+stored!(PairMaterial { friction, restitution, rolling, spinning });
+stored!(CarriedManifold { geometry, impulses });
+stored!(ContactImpulses { normal, friction, twist, rolling });
+
+stored_enum!(BoundKind { 0 => Attachment {}, 1 => Hierarchy {}, 2 => Soft {} });
+stored_enum!(Solver { 0 => Auto {}, 1 => GaussSeidel {}, 2 => Direct {} });
+stored_enum!(BodyKind { 0 => Static {}, 1 => Kinematic {}, 2 => Dynamic {} });
+stored_enum!(Mass { 0 => FromShapes {}, 1 => Total { 0: mass }, 2 => Properties { 0: properties } });
+stored_enum!(SleepState { 0 => Awake { quiet_for: quiet_for }, 1 => Asleep { island: island } });
+stored_enum!(CombineRule { 0 => GeometricMean {}, 1 => Average {}, 2 => Minimum {}, 3 => Multiply {}, 4 => Maximum {} });
+stored_enum!(Motor {
+    0 => Off {},
+    1 => Velocity { target: target, max_force: max_force },
+    2 => Position { target: target, softness: softness, max_force: max_force },
+});
+stored_enum!(SphericalMotor {
+    0 => Off {},
+    1 => Velocity { target: target, max_torque: max_torque },
+    2 => Position { target: target, softness: softness, max_torque: max_torque },
+});
+stored_enum!(JointKind {
+    0 => Fixed {},
+    1 => Hinge { limits: limits, motor: motor },
+    2 => Spherical { swing_limit: swing_limit, twist_limits: twist_limits, motor: motor },
+    3 => Distance { limits: limits, spring_length: spring_length, motor: motor },
+    4 => Prismatic { limits: limits, motor: motor },
+    5 => Generic { linear: linear, angular: angular },
+});
+
+/// Names of all that is stored: what a snapshot must agree on.
+pub(crate) const LISTED: &[&str] = &[
+    WorldRow::FIELDS,
+    WorldDef::FIELDS,
+    LongRangeDef::FIELDS,
+    AskedBound::FIELDS,
+    SoftBound::FIELDS,
+    BoundKindDef::FIELDS,
+    CarriedBound::FIELDS,
+    SleepSettings::FIELDS,
+    Displaced::FIELDS,
+    IslandRow::FIELDS,
+    Body::FIELDS,
+    History::FIELDS,
+    MassProperties::FIELDS,
+    Collider::FIELDS,
+    Material::FIELDS,
+    Joint::FIELDS,
+    JointDef::FIELDS,
+    JointImpulses::FIELDS,
+    Pair::FIELDS,
+    PairMaterial::FIELDS,
+    ContactImpulses::FIELDS,
+];
+
+impl Default for Axis {
+    fn default() -> Self {
+        Self::FREE
+    }
+}
+
+impl<T: Stored> Stored for Slot<T> {
+    fn put(&self, out: &mut Writer) {
+        let Self { generation, value } = self;
+        generation.put(out);
+        value.put(out);
+    }
+    fn take(input: &mut Reader) -> Option<Self> {
+        Some(Self { generation: Stored::take(input)?, value: Stored::take(input)? })
+    }
+}
+
+impl Stored for PairKey {
+    fn put(&self, out: &mut Writer) {
+        self.shapes().put(out);
+    }
+    fn take(input: &mut Reader) -> Option<Self> {
+        let (a, b) = Stored::take(input)?;
+        (a < b).then(|| Self::new(a, b))
+    }
+}
+
+/// Only the points that a manifold has.
+impl Stored for Manifold {
+    fn put(&self, out: &mut Writer) {
+        let Self { normal, points, count, part } = self;
+        count.put(out);
+        part.put(out);
+        normal.put(out);
+        for ManifoldPoint { on_a, on_b, separation, feature } in &points[..usize::from(*count)] {
+            on_a.put(out);
+            on_b.put(out);
+            separation.put(out);
+            feature.put(out);
+        }
+    }
+    fn take(input: &mut Reader) -> Option<Self> {
+        let mut manifold =
+            Self { count: Stored::take(input)?, part: Stored::take(input)?, normal: Stored::take(input)?, ..Self::default() };
+        for point in manifold.points.get_mut(..usize::from(manifold.count))? {
+            *point = ManifoldPoint {
+                on_a: Stored::take(input)?,
+                on_b: Stored::take(input)?,
+                separation: Stored::take(input)?,
+                feature: Stored::take(input)?,
+            };
+        }
+        (manifold.count > 0).then_some(manifold)
+    }
+}
+
+/// Numbers, most of which follow one another: stored as runs.
+#[derive(Debug, Default)]
+pub(crate) struct Runs(pub Vec<u32>);
+
+/// Most numbers in one list; a world holds far fewer.
+const MOST_NUMBERS: u32 = 1 << 26;
+
+impl Stored for Runs {
+    fn put(&self, out: &mut Writer) {
+        let mut runs: Vec<(u32, u32)> = Vec::new();
+        for &number in &self.0 {
+            match runs.last_mut() {
+                Some((first, len)) if first.checked_add(*len) == Some(number) => *len += 1,
+                _ => runs.push((number, 1)),
+            }
+        }
+        runs.put(out);
+    }
+    fn take(input: &mut Reader) -> Option<Self> {
+        let runs = Vec::<(u32, u32)>::take(input)?;
+        let total = runs.iter().try_fold(0_u32, |total, &(_, len)| total.checked_add(len));
+        total.filter(|&total| total <= MOST_NUMBERS)?;
+        let mut numbers = Vec::new();
+        for (first, len) in runs {
+            numbers.extend(first..first.checked_add(len)?);
+        }
+        Some(Self(numbers))
+    }
+}

@@ -1,0 +1,163 @@
+//! Tables of rows, each written as what differs from the row before.
+
+use super::forms::{KnownForms, NumberedForms};
+use super::stored::{Reader, Stored, Writer};
+
+/// Tables are written here, one after the other.
+pub(crate) struct Output<'a> {
+    bytes: &'a mut Vec<u8>,
+    row: Writer<'a>,
+    last: Vec<u32>,
+}
+
+impl<'a> Output<'a> {
+    pub(crate) fn new(bytes: &'a mut Vec<u8>, forms: &'a NumberedForms) -> Self {
+        Self { bytes, row: Writer { words: Vec::new(), forms }, last: Vec::new() }
+    }
+
+    /// Writes a table: its number of rows, then each row.
+    pub(crate) fn table<'b, T: Stored + 'b>(&mut self, rows: impl ExactSizeIterator<Item = &'b T>) {
+        self.last.clear();
+        self.number(rows.len() as u64);
+        for row in rows {
+            self.row.words.clear();
+            row.put(&mut self.row);
+            self.difference();
+            std::mem::swap(&mut self.row.words, &mut self.last);
+        }
+    }
+
+    /// Seven bits a byte, the lowest first; the highest bit says that more follow.
+    fn number(&mut self, mut value: u64) {
+        while value >= 0x80 {
+            self.bytes.push(value as u8 | 0x80);
+            value >>= 7;
+        }
+        self.bytes.push(value as u8);
+    }
+
+    /// Length of the row against that of the last one, then for each four words a byte of how long their differences are (two
+    /// bits each, the first lowest), and those differences.
+    fn difference(&mut self) {
+        let change = self.row.words.len() as i64 - self.last.len() as i64;
+        let zigzag = ((change << 1) ^ (change >> 63)) as u64;
+        self.number(zigzag);
+        let (words, last) = (&self.row.words, &self.last);
+        for (group, four) in words.chunks(4).enumerate() {
+            let at = self.bytes.len();
+            self.bytes.push(0);
+            for (i, &word) in four.iter().enumerate() {
+                let difference = word ^ last.get(group * 4 + i).copied().unwrap_or(0);
+                let code =
+                    LENGTHS.iter().rposition(|&length| u64::from(difference) >> (8 * length) != 0).map_or(0, |code| code + 1);
+                self.bytes[at] |= (code as u8) << (2 * i);
+                self.bytes.extend_from_slice(&difference.to_le_bytes()[..LENGTHS[code]]);
+            }
+        }
+    }
+}
+
+/// Bytes of a difference, by its two bits: floats of about the same size agree in their highest byte, numbers in their upper two.
+const LENGTHS: [usize; 4] = [0, 2, 3, 4];
+
+/// Tables are read from here, in the order in which they were written.
+pub(crate) struct Input<'a> {
+    bytes: &'a [u8],
+    forms: &'a KnownForms,
+    tag: u16,
+    row: Vec<u32>,
+}
+
+impl<'a> Input<'a> {
+    pub(crate) fn new(bytes: &'a [u8], forms: &'a KnownForms, tag: u16) -> Self {
+        Self { bytes, forms, tag, row: Vec::new() }
+    }
+
+    /// Reads a table; `None` if it makes no sense.
+    pub(crate) fn table<T: Stored>(&mut self) -> Option<Vec<T>> {
+        self.row.clear();
+        let rows = self.number()?;
+        // A row takes a byte or more.
+        if rows > self.bytes.len() as u64 {
+            return None;
+        }
+        (0..rows).map(|_| self.row()).collect()
+    }
+
+    /// Whether all has been read.
+    pub(crate) fn is_done(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
+    /// How many bytes have not been read yet.
+    pub(crate) fn remaining(&self) -> usize {
+        self.bytes.len()
+    }
+
+    fn byte(&mut self) -> Option<u8> {
+        let (&first, rest) = self.bytes.split_first()?;
+        self.bytes = rest;
+        Some(first)
+    }
+
+    fn number(&mut self) -> Option<u64> {
+        let mut value = 0;
+        for shift in (0..63).step_by(7) {
+            let byte = self.byte()?;
+            value |= u64::from(byte & 0x7f) << shift;
+            if byte < 0x80 {
+                return Some(value);
+            }
+        }
+        None
+    }
+
+    fn row<T: Stored>(&mut self) -> Option<T> {
+        let zigzag = self.number()?;
+        let change = (zigzag >> 1) as i64 ^ -((zigzag & 1) as i64);
+        let len = usize::try_from(change.checked_add(self.row.len() as i64)?).ok()?;
+        // Each four words take a byte or more.
+        if len / 4 > self.bytes.len() {
+            return None;
+        }
+        self.row.resize(len, 0);
+        for group in 0..len.div_ceil(4) {
+            let codes = self.byte()?;
+            for i in 0..4 {
+                let length = LENGTHS[usize::from(codes >> (2 * i) & 3)];
+                if length > 0 {
+                    let mut difference = [0; 4];
+                    difference[..length].copy_from_slice(self.bytes.get(..length)?);
+                    self.bytes = &self.bytes[length..];
+                    *self.row.get_mut(group * 4 + i)? ^= u32::from_le_bytes(difference);
+                }
+            }
+        }
+        let mut reader = Reader { words: &self.row, forms: self.forms, tag: self.tag, depth: 0 };
+        let value = T::take(&mut reader)?;
+        reader.words.is_empty().then_some(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_come_back_and_equal_ones_cost_next_to_nothing() {
+        let rows: Vec<Vec<u32>> =
+            (0..100).map(|i| (0..i % 7 * 9).map(|j| if j % 5 == 0 { i * j } else { 77 }).collect()).collect();
+        let (mut bytes, numbered, known) = (Vec::new(), NumberedForms::default(), KnownForms::default());
+        Output::new(&mut bytes, &numbered).table(rows.iter());
+        let mut input = Input::new(&bytes, &known, 1);
+        assert_eq!(input.table::<Vec<u32>>().as_ref(), Some(&rows));
+        assert!(input.is_done());
+        for length in 0..bytes.len() {
+            assert!(Input::new(&bytes[..length], &known, 1).table::<Vec<u32>>().is_none(), "cut to {length} bytes");
+        }
+        let equal = vec![vec![5_u32; 80]; 1000];
+        let mut bytes = Vec::new();
+        Output::new(&mut bytes, &numbered).table(equal.iter());
+        assert!(bytes.len() < 23_000, "{} bytes for 1000 equal rows of 81 words", bytes.len());
+    }
+}

@@ -1,0 +1,268 @@
+//! A whole world into bytes, and back.
+
+use glam::{DVec3, Quat};
+
+use super::{CarriedBound, World};
+use crate::body::{Body, SleepState};
+use crate::collide::collider::Collider;
+use crate::collide::pairs::{Pair, PairCache};
+use crate::error::Result;
+use crate::id::{BodyId, JointId, Pool, ShapeId};
+use crate::island::{SleepingIsland, SleepingIslands};
+use crate::joint::Joint;
+use crate::report::{Events, StepReport};
+use crate::settings::WorldDef;
+use crate::snapshot::forms::{KnownForms, NumberedForms};
+use crate::snapshot::table::{Input, Output};
+use crate::snapshot::{Displaced, IslandRow, LISTED, Runs, WorldRow, refused, seal};
+
+/// What a snapshot makes of a world, complete and checked.
+struct Image {
+    row: WorldRow,
+    bodies: Pool<Body, BodyId>,
+    colliders: Pool<Collider, ShapeId>,
+    joints: Pool<Joint, JointId>,
+    pairs: PairCache,
+    sleeping: SleepingIslands,
+    bounds: Vec<CarriedBound>,
+}
+
+impl World {
+    /// Writes the whole world into `out`, which is cleared.
+    ///
+    /// The bytes can be given to [`restore`](Self::restore) of this world or of another one, by the same version of the library
+    /// on any machine of the same byte order. Events of the last step and the report's counts are not among them.
+    pub fn save(&self, out: &mut Vec<u8>) {
+        let Self {
+            def,
+            bodies,
+            colliders,
+            joints,
+            broad,
+            pairs,
+            movers,
+            movers_sorted,
+            sleeping,
+            events,
+            report,
+            last_substep,
+            last_dt,
+            support,
+            // Carried bounds and what was asked for are stored, and derived bounds made anew.
+            long_range,
+            // Made anew from the rest by whoever needs them next.
+            escaped: _,
+            hold: _,
+            groups: _,
+            batches: _,
+            batch_count: _,
+            broken: _,
+            scratch: _,
+            // Belong to the world that is restored, whatever it holds.
+            threads: _,
+            _tag: _,
+        } = self;
+        // The last step's events are gone after a restore; what edits have ended since will be told by the next step.
+        let Events { moved: _, contact_began: _, contact_ended: _, overloaded: _, quarantined: _, ended_by_edits } = events;
+        let (bounds_stale, carried_bounds) = self.carried_bounds();
+        let (said_supported, watched) = support.as_ref().map_or_else(Default::default, |support| support.said());
+        let forms = NumberedForms::of(colliders.iter().map(|(_, collider)| &collider.shape));
+        seal::open(out);
+        forms.write(out);
+        let mut tables = Output::new(out, &forms);
+        let row = WorldRow {
+            def: *def,
+            step: report.step,
+            time: report.time,
+            last_substep: *last_substep,
+            last_dt: *last_dt,
+            movers: Runs(movers.clone()),
+            movers_sorted: *movers_sorted,
+            changed: Runs(broad.changed().to_vec()),
+            ended_by_edits: ended_by_edits.clone(),
+            said_supported: Runs(said_supported),
+            watched,
+            bounds_stale,
+            asked_bounds: long_range.soft.clone(),
+            free_bodies: Runs(bodies.free().to_vec()),
+            free_shapes: Runs(colliders.free().to_vec()),
+            free_joints: Runs(joints.free().to_vec()),
+            free_islands: Runs(sleeping.free().to_vec()),
+        };
+        tables.table(std::iter::once(&row));
+        tables.table(bodies.slots().iter());
+        tables.table(colliders.slots().iter());
+        tables.table(joints.slots().iter());
+        let displaced: Vec<Displaced> = colliders
+            .iter()
+            .filter(|(_, collider)| !same_place(collider.place, collider.world_pose(&bodies[collider.body])))
+            .map(|(shape, collider)| Displaced { shape, place: collider.place })
+            .collect();
+        tables.table(displaced.iter());
+        let active: Vec<&Pair> = pairs.active().iter().map(|&(_, slot)| pairs.get(slot)).collect();
+        tables.table(active.into_iter());
+        let asleep: Vec<&Pair> = sleeping.pairs().map(|slot| pairs.get(slot)).collect();
+        tables.table(asleep.into_iter());
+        let island = |island: &Option<SleepingIsland>| {
+            island
+                .as_ref()
+                .map(|SleepingIsland { bodies, pairs }| IslandRow { bodies: Runs(bodies.clone()), pairs: pairs.len() as u32 })
+        };
+        let islands: Vec<Option<IslandRow>> = sleeping.islands().iter().map(island).collect();
+        tables.table(islands.iter());
+        tables.table(carried_bounds.iter());
+        seal::close(out, seal::form(LISTED));
+    }
+
+    /// Makes the world what it was when `snapshot` was saved: every later step gives the same bits. Handles of what existed then
+    /// are valid again, with this world's number in them; the last step's events are gone.
+    ///
+    /// # Errors
+    /// [`ErrorKind::InvalidSnapshot`](crate::ErrorKind::InvalidSnapshot) if the bytes are not a snapshot, of another version of
+    /// the library, cut short or corrupted; the world is as it was then.
+    pub fn restore(&mut self, snapshot: &[u8]) -> Result<()> {
+        let content = seal::content(snapshot, seal::form(LISTED))?;
+        let present = self.colliders.iter().map(|(_, collider)| &collider.shape);
+        let (forms, content) = KnownForms::read(content, present)?;
+        let mut input = Input::new(content, &forms, self._tag.number());
+        let image = Image::read(&mut input, self._tag.number()).ok_or(refused("holds what makes no sense"))?;
+        let Image { row, bodies, colliders, joints, pairs, sleeping, bounds } = image;
+        self.broad.rebuild(colliders.slot_count(), |slot| colliders.get(slot)?.fat_box, row.changed.0);
+        self.def = WorldDef { threads: self.def.threads, ..row.def };
+        let report = StepReport { step: row.step, time: row.time, ..StepReport::default() };
+        self.events = Events { ended_by_edits: row.ended_by_edits, ..Events::default() };
+        self.movers = row.movers.0;
+        self.movers_sorted = row.movers_sorted;
+        self.last_substep = row.last_substep;
+        self.last_dt = row.last_dt;
+        self.bodies = bodies;
+        self.colliders = colliders;
+        self.joints = joints;
+        self.pairs = pairs;
+        self.sleeping = sleeping;
+        self.restart_long_range(row.bounds_stale, &bounds, row.asked_bounds);
+        self.report = report;
+        self.broken.clear();
+        self.forget_escaped();
+        self.restart_support(&row.said_supported.0, row.watched);
+        Ok(())
+    }
+}
+
+fn same_place(a: (DVec3, Quat), b: (DVec3, Quat)) -> bool {
+    a.0.to_array().map(f64::to_bits) == b.0.to_array().map(f64::to_bits)
+        && a.1.to_array().map(f32::to_bits) == b.1.to_array().map(f32::to_bits)
+}
+
+impl Image {
+    /// Reads all tables; `None` if anything in them makes no sense.
+    fn read(input: &mut Input, tag: u16) -> Option<Self> {
+        let [row] = <[WorldRow; 1]>::try_from(input.table::<WorldRow>()?).ok()?;
+        let bodies: Pool<Body, BodyId> = Pool::from_parts(tag, input.table()?, row.free_bodies.0.clone())?;
+        let mut colliders: Pool<Collider, ShapeId> = Pool::from_parts(tag, input.table()?, row.free_shapes.0.clone())?;
+        let joints: Pool<Joint, JointId> = Pool::from_parts(tag, input.table()?, row.free_joints.0.clone())?;
+        for slot in 0..colliders.slot_count() as u32 {
+            let body = match colliders.get(slot) {
+                Some(collider) => bodies.get(collider.body)?,
+                None => continue,
+            };
+            colliders[slot].follow(body);
+        }
+        for Displaced { shape, place } in input.table::<Displaced>()? {
+            colliders.get(shape)?;
+            colliders[shape].place = place;
+        }
+        let (active, asleep) = (input.table::<Pair>()?, input.table::<Pair>()?);
+        let mut next = active.len() as u32;
+        let mut islands = Vec::new();
+        for island in input.table::<Option<IslandRow>>()? {
+            islands.push(match island {
+                None => None,
+                Some(IslandRow { bodies, pairs }) => {
+                    let slots = next..next.checked_add(pairs)?;
+                    next = slots.end;
+                    Some(SleepingIsland { bodies: bodies.0, pairs: slots.collect() })
+                }
+            });
+        }
+        let bounds = input.table()?;
+        if next as usize != active.len() + asleep.len() || !input.is_done() {
+            return None;
+        }
+        let sleeping = SleepingIslands::from_parts(islands, row.free_islands.0.clone())?;
+        let pairs = PairCache::from_parts(active, asleep)?;
+        let image = Self { row, bodies, colliders, joints, pairs, sleeping, bounds };
+        image.makes_sense().then_some(image)
+    }
+
+    /// Whether everything that names something else names what is there, and numbers are such as a world can have.
+    fn makes_sense(&self) -> bool {
+        let Self { row, bodies, colliders, joints, pairs, .. } = self;
+        let pairs_ok = pairs.all().all(|pair| {
+            let (a, b) = pair.key.shapes();
+            colliders.get(a).is_some() && colliders.get(b).is_some()
+        });
+        let lengths_ok = row.last_substep >= 0.0 && row.last_dt >= 0.0 && row.last_dt.is_finite() && row.time.is_finite();
+        let bodies_ok = bodies.iter().all(|(slot, body)| self.body_makes_sense(slot, body));
+        let joints_ok = joints.iter().all(|(_, joint)| self.joint_makes_sense(joint));
+        let shapes_ok = colliders.iter().all(|(_, shape)| shape_makes_sense(shape));
+        // With as many places as there are things, and each place right, everything is where it is named.
+        let shapes_named: usize = bodies.iter().map(|(_, body)| body.shapes.len()).sum();
+        let joints_named: usize = bodies.iter().map(|(_, body)| body.joints.len()).sum();
+        let joint_sides = joints.iter().map(|(_, joint)| joint.bodies.iter().flatten().count()).sum();
+        let all_named = shapes_named == colliders.len() && joints_named == joint_sides;
+        bodies_ok
+            && joints_ok
+            && shapes_ok
+            && pairs_ok
+            && all_named
+            && self.sleepers_make_sense()
+            && lengths_ok
+            && row.def.check().is_ok()
+            && row.asked_bounds.iter().all(|asked| asked.bound.check().is_ok())
+    }
+
+    fn body_makes_sense(&self, slot: u32, body: &Body) -> bool {
+        let own_shape = |&id| self.colliders.find(id).is_ok_and(|shape| self.colliders[shape].body == slot);
+        let own_joint = |&id| self.joints.find(id).is_ok_and(|joint| self.joints[joint].bodies.contains(&Some(slot)));
+        body.center.abs().max_element() <= crate::check::MAX_COORDINATE
+            && (body.rotation.length_squared() - 1.0).abs() < 0.1
+            && body.linear_velocity.is_finite()
+            && body.angular_velocity.is_finite()
+            && body.local_center.is_finite()
+            && body.is_dynamic() == body.mass.is_some()
+            && body.shapes.iter().all(own_shape)
+            && body.joints.iter().all(own_joint)
+    }
+
+    fn joint_makes_sense(&self, joint: &Joint) -> bool {
+        let named = |(body, named): (Option<u32>, BodyId)| match body {
+            None => named == BodyId::NULL,
+            Some(body) => self.bodies.find(named) == Ok(body),
+        };
+        let ends = [(joint.bodies[0], joint.def.body_a), (joint.bodies[1], joint.def.body_b)];
+        ends.into_iter().all(named)
+            && joint.def.checked().is_ok()
+            && joint.bodies.iter().flatten().any(|&body| self.bodies[body].is_dynamic())
+    }
+
+    /// Whether islands and the bodies that sleep in them agree.
+    fn sleepers_make_sense(&self) -> bool {
+        let asleep = self.bodies.iter().filter(|(_, body)| !body.is_awake()).count();
+        let islands = self.sleeping.islands().iter().enumerate();
+        let members = islands
+            .flat_map(|(number, island)| island.iter().flat_map(|island| &island.bodies).map(move |&body| (number as u32, body)));
+        let (mut count, mut right) = (0, true);
+        for (island, body) in members {
+            count += 1;
+            right &= self.bodies.get(body).is_some_and(|body| body.sleep == SleepState::Asleep { island });
+        }
+        right && count == asleep
+    }
+}
+
+fn shape_makes_sense(shape: &Collider) -> bool {
+    shape.place.0.is_finite()
+        && shape.material.check().is_ok()
+        && shape.fat_box.is_some_and(|kept| kept.mins.cmple(kept.maxs).all())
+}

@@ -1,0 +1,308 @@
+//! A world that was saved and restored goes on as if nothing had been: the same bits, step for step.
+
+mod common;
+
+use std::collections::BTreeMap;
+
+use longspan::{BodyId, ErrorKind, Handle, JointDef, SleepSettings, World, WorldDef};
+use longspan_scenes::{Action, Random, Scene};
+
+/// A scene on a world of its own, stepped with its script.
+struct Play {
+    scene: Scene,
+    world: World,
+    bodies: Vec<BodyId>,
+    step: u32,
+    dt: f32,
+}
+
+/// Latest step of a script's first actions.
+const SOON: u32 = 20;
+
+/// Where a play was when it was saved: what a host keeps beside the snapshot.
+#[derive(Clone)]
+struct Saved {
+    bytes: Vec<u8>,
+    bodies: Vec<BodyId>,
+    step: u32,
+    dt: f32,
+}
+
+impl Play {
+    fn new(mut scene: Scene, threads: u32, sleep: bool) -> Self {
+        // What the script does after a long wait, it does soon.
+        scene.script.iter_mut().for_each(|scheduled| scheduled.step = scheduled.step.min(SOON));
+        let sleep = SleepSettings { enabled: sleep, ..scene.world.sleep };
+        let mut world = World::new(&WorldDef { threads, sleep, ..scene.world }).unwrap();
+        let bodies: Vec<BodyId> = scene.bodies.iter().map(|def| world.create_body(def).unwrap()).collect();
+        for joint in &scene.joints {
+            let id_of = |side: Option<usize>| side.map_or(BodyId::NULL, |body| bodies[body]);
+            world.create_joint(&JointDef { body_a: id_of(joint.a), body_b: id_of(joint.b), ..joint.def }).unwrap();
+        }
+        let dt = scene.dt;
+        Self { scene, world, bodies, step: 0, dt }
+    }
+
+    fn advance(&mut self) {
+        for scheduled in self.scene.script.iter().filter(|scheduled| scheduled.step == self.step) {
+            match &scheduled.action {
+                Action::Add(def) => self.bodies.push(self.world.create_body(def).unwrap()),
+                Action::Remove(body) => self.world.destroy_body(self.bodies[*body]).unwrap(),
+                Action::SetLinearVelocity(body, velocity) => {
+                    self.world.set_linear_velocity(self.bodies[*body], *velocity).unwrap();
+                }
+                Action::Push(body, impulse) => self.world.add_impulse(self.bodies[*body], *impulse).unwrap(),
+                &Action::PushTo { body, along, speed, most } => {
+                    let mass = self.world.mass_properties(self.bodies[body]).unwrap().map_or(0.0, |mass| mass.mass);
+                    let missing = mass * (speed - self.world.linear_velocity(self.bodies[body]).unwrap().dot(along));
+                    self.world.add_impulse(self.bodies[body], along * missing.clamp(-most * self.dt, most * self.dt)).unwrap();
+                }
+                Action::SetStep(dt) => self.dt = *dt,
+                Action::SetGravity(gravity) => self.world.set_gravity(*gravity).unwrap(),
+            }
+        }
+        self.world.step(self.dt).unwrap();
+        self.step += 1;
+    }
+
+    fn save(&self) -> Saved {
+        let mut bytes = Vec::new();
+        self.world.save(&mut bytes);
+        Saved { bytes, bodies: self.bodies.clone(), step: self.step, dt: self.dt }
+    }
+
+    fn restore(&mut self, saved: &Saved) {
+        self.world.restore(&saved.bytes).unwrap();
+        (self.step, self.dt) = (saved.step, saved.dt);
+        // A handle's highest ten bits are the number of its world.
+        const OBJECT: u64 = (1 << 54) - 1;
+        let number = self.world.bodies().next().map_or(0, |body| body.to_bits() & !OBJECT);
+        self.bodies = saved.bodies.iter().map(|body| BodyId::from_bits(number | (body.to_bits() & OBJECT))).collect();
+    }
+
+    /// Has a world that knows nothing of the scene: what is not in a snapshot cannot be at hand by chance.
+    fn forget_world(&mut self) {
+        self.world = World::new(&WorldDef { threads: self.world.def().threads, ..WorldDef::default() }).unwrap();
+    }
+}
+
+fn bytes_of(world: &World) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    world.save(&mut bytes);
+    bytes
+}
+
+/// Plays a scene through, saving as it goes, then jumps back to random points, up to 25 steps before a random one, and compares
+/// every step with that of the first time: the hash of the state, and at the end of each stretch the whole snapshot.
+fn rolls_back(name: &str, keys: &[(&str, &str)], steps: u32, jumps: u32, threads: u32) {
+    let mut play = Play::new(common::scene(name, keys), threads, true);
+    let (mut saved, mut hashes) = (BTreeMap::from([(0, play.save())]), vec![play.world.state_hash()]);
+    while play.step < steps {
+        play.advance();
+        hashes.push(play.world.state_hash());
+        saved.insert(play.step, play.save());
+    }
+    let asleep = play.world.report().counts.bodies_asleep;
+    let mut random = Random::new(11);
+    let mut compared = 0_u32;
+    for jump in 0..jumps {
+        let from = random.index(steps as usize) as u32;
+        if jump % 2 == 0 {
+            play.forget_world();
+        }
+        play.restore(&saved[&from]);
+        assert!(bytes_of(&play.world) == saved[&from].bytes, "{name}: what is saved after a restore is what was restored");
+        let to = (from + 1 + random.index(25) as u32).min(steps);
+        while play.step < to {
+            play.advance();
+            let hash = play.world.state_hash();
+            assert!(hash == hashes[play.step as usize], "{name}: restored at step {from}, another world at step {}", play.step);
+            compared += 1;
+        }
+        assert!(bytes_of(&play.world) == saved[&to].bytes, "{name}: restored at step {from}, another snapshot at step {to}");
+    }
+    let bodies = play.world.body_count();
+    let largest = saved.values().map(|saved| saved.bytes.len()).max().unwrap_or(0);
+    println!(
+        "{name} {keys:?}: {jumps} jumps, {compared} steps compared, {bodies} bodies, {asleep} asleep, {largest} bytes at most"
+    );
+    assert!(compared > jumps * 5);
+}
+
+#[test]
+fn a_falling_tower_rolls_back_to_any_step() {
+    rolls_back("tower", &[("bodies", "200")], 120, 400, 1);
+}
+
+#[test]
+fn a_rope_bridge_rolls_back_to_any_step() {
+    rolls_back("rope_bridge", &[("planks", "24")], 90, 300, 1);
+}
+
+#[test]
+fn long_range_bounds_roll_back_with_what_they_carry() {
+    for name in ["hanging_chain", "rope_bridge", "swinging_weight"] {
+        rolls_back(name, &[("solver", "gs")], 60, 50, 1);
+    }
+}
+
+#[test]
+fn a_pile_that_falls_asleep_rolls_back_to_any_step() {
+    rolls_back("pile", &[("n", "150")], 300, 300, 1);
+    rolls_back("resting", &[], 120, 200, 1);
+}
+
+#[test]
+fn every_kind_of_joint_rolls_back_to_any_step() {
+    rolls_back("free_cluster", &[], 120, 100, 1);
+    for name in ["hinge_motor", "hinge_servo", "hinge_limit", "spring", "swinging_weight", "cable_car"] {
+        rolls_back(name, &[], 60, 50, 1);
+    }
+}
+
+#[test]
+fn bodies_that_come_and_go_fast_or_driven_roll_back_to_any_step() {
+    for name in ["platform", "bullet", "card_house", "bounce", "locked_axes", "half_sunk"] {
+        rolls_back(name, &[], 90, 50, 1);
+    }
+}
+
+#[test]
+fn the_number_of_threads_does_not_matter_to_a_rollback() {
+    let single = Play::new(common::scene("pile", &[("n", "300")]), 1, true);
+    let mut threaded = Play::new(common::scene("pile", &[("n", "300")]), 4, true);
+    let (mut first, mut saved) = (single, None);
+    for step in 0..100 {
+        first.advance();
+        if step == 60 {
+            saved = Some(first.save());
+        }
+    }
+    threaded.restore(&saved.expect("saved on the way"));
+    while threaded.step < 100 {
+        threaded.advance();
+    }
+    assert_eq!(threaded.world.state_hash(), first.world.state_hash());
+}
+
+#[test]
+fn what_is_supported_is_known_after_a_restore_and_moves_nothing() {
+    let mut play = Play::new(common::scene("tower", &[("bodies", "100")]), 1, true);
+    play.world.set_support(true);
+    (0..15).for_each(|_| play.advance());
+    let saved = play.save();
+    let supported = |world: &World| {
+        world.bodies().filter(|&body| world.support(body).is_ok_and(|support| support.verdict.is_supported())).count()
+    };
+    let (before, mut hashes) = (supported(&play.world), Vec::new());
+    for _ in 0..10 {
+        play.advance();
+        hashes.push(play.world.state_hash());
+    }
+    play.forget_world();
+    play.restore(&saved);
+    let after = supported(&play.world);
+    println!("{before} bodies were supported, {after} are after a restore");
+    assert!(before > 50 && after == before, "{before} bodies were supported, {after} are after a restore");
+    for hash in hashes {
+        play.advance();
+        assert_eq!(play.world.state_hash(), hash);
+    }
+}
+
+#[test]
+fn another_world_goes_on_where_the_first_was_saved() {
+    let scenes = [
+        ("tower", vec![("bodies", "100")]),
+        ("rope_bridge", vec![("planks", "24")]),
+        ("free_cluster", vec![]),
+        ("hinge_loop", vec![]),
+    ];
+    for (name, keys) in scenes {
+        let mut first = Play::new(common::scene(name, &keys), 1, true);
+        first.scene.script.clear();
+        (0..40).for_each(|_| first.advance());
+        let saved = first.save();
+        let mut other = World::new(&WorldDef::default()).unwrap();
+        other.restore(&saved.bytes).unwrap();
+        assert!(bytes_of(&other) == saved.bytes, "{name}: the bytes do not depend on the world");
+        for (ours, theirs) in first.world.bodies().zip(other.bodies()) {
+            assert_eq!(first.world.pose(ours).unwrap(), other.pose(theirs).unwrap());
+            assert_ne!(ours, theirs, "a handle belongs to one world");
+        }
+        for step in 0..30 {
+            first.advance();
+            other.step(first.dt).unwrap();
+            assert_eq!(first.world.state_hash(), other.state_hash(), "{name}, {step} steps later");
+        }
+    }
+}
+
+#[test]
+fn handles_live_and_die_with_the_state_that_they_belong_to() {
+    let mut play = Play::new(common::scene("pile", &[("n", "300")]), 1, true);
+    (0..5).for_each(|_| play.advance());
+    let doomed = play.bodies[3];
+    let saved = play.save();
+    play.world.destroy_body(doomed).unwrap();
+    let def = longspan::BodyDef::dynamic(longspan::Pose::at_xyz(0.0, 90.0, 0.0));
+    let ball = longspan::ShapeDef::new(longspan::Shape::ball(0.3).unwrap());
+    let late = play.world.create_body(&def.with_shape(ball)).unwrap();
+    assert_eq!(play.world.pose(doomed).unwrap_err().kind, ErrorKind::StaleHandle);
+    play.restore(&saved);
+    assert!(play.world.pose(doomed).is_ok(), "what lived then lives again");
+    assert!(play.world.pose(late).is_err(), "what did not exist then is gone");
+}
+
+#[test]
+fn what_is_not_a_whole_snapshot_of_this_version_is_refused_and_changes_nothing() {
+    let mut play = Play::new(common::scene("pile", &[("n", "300")]), 1, true);
+    (0..30).for_each(|_| play.advance());
+    let good = play.save().bytes;
+    (0..3).for_each(|_| play.advance());
+    let before = bytes_of(&play.world);
+    let mut refuse = |bytes: &[u8], what: &str| {
+        let error = play.world.restore(bytes).expect_err(what);
+        assert_eq!((error.kind, error.argument), (ErrorKind::InvalidSnapshot, "snapshot"), "{what}");
+        assert!(bytes_of(&play.world) == before, "{what}: the world has changed");
+        error.problem
+    };
+    assert_eq!(refuse(&[], "nothing"), "is not a snapshot");
+    assert_eq!(refuse(b"something else altogether, long enough to have a header", "a text"), "is not a snapshot");
+    for length in [1, 39, 40, good.len() / 2, good.len() - 1] {
+        refuse(&good[..length], "cut short");
+    }
+    let mut longer = good.clone();
+    longer.push(0);
+    assert_eq!(refuse(&longer, "too long"), "is cut short or too long");
+    let mut foreign = good.clone();
+    foreign[8] += 1;
+    assert_eq!(refuse(&foreign, "another format"), "was made by another version of the library");
+    foreign = good.clone();
+    foreign[17] ^= 1;
+    assert_eq!(refuse(&foreign, "another form"), "was made by another version of the library");
+    let mut random = Random::new(5);
+    for _ in 0..500 {
+        let mut corrupted = good.clone();
+        corrupted[40 + random.index(good.len() - 40)] ^= 1 << random.index(8);
+        assert_eq!(refuse(&corrupted, "a bit turned"), "is corrupted");
+    }
+    assert!(play.world.restore(&good).is_ok());
+}
+
+#[test]
+fn a_snapshot_is_small() {
+    for (name, keys, step) in [("tower", vec![], 15), ("tower", vec![], 60), ("pile", vec![], 200), ("column", vec![], 60)] {
+        let mut play = Play::new(common::scene(name, &keys), 1, true);
+        (0..step).for_each(|_| play.advance());
+        let (bodies, bytes) = (play.world.body_count(), bytes_of(&play.world).len());
+        let points: usize = play.world.contacts().map(|contact| contact.points().len()).sum();
+        let pairs = play.world.report().counts.pairs as usize;
+        println!("{name}: {bytes} bytes, {bodies} bodies, {pairs} pairs, {points} points");
+        // Every pair of shapes near each other keeps the relative pose that its contacts were made for, also where there are none.
+        assert!(bytes <= 160 * bodies + 48 * pairs + 40 * points, "{name}: {bytes} bytes");
+        if name != "pile" {
+            assert!(bytes <= 160 * bodies + 64 * points, "{name}: {bytes} bytes for {bodies} bodies and {points} points");
+        }
+    }
+}
