@@ -791,6 +791,8 @@ typedef struct LsLongRangeDef {
     struct LsBoundKindDef hierarchy;
     /** Levels of the hierarchy, 1 to 16; 0 (the default) for as many as the joints ask for. */
     uint32_t levels;
+    /** Not used; 0. */
+    uint32_t reserved;
     /** Not 0: bounds asked for with ls_world_soft_bound_set act; default 1. */
     uint32_t soft;
 } LsLongRangeDef;

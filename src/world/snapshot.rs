@@ -216,6 +216,7 @@ impl Image {
             && shapes_ok
             && pairs_ok
             && all_named
+            && self.movers_make_sense()
             && self.sleepers_make_sense()
             && lengths_ok
             && row.def.check().is_ok()
@@ -244,6 +245,20 @@ impl Image {
         ends.into_iter().all(named)
             && joint.def.checked().is_ok()
             && joint.bodies.iter().flatten().any(|&body| self.bodies[body].is_dynamic())
+    }
+
+    /// Whether every dynamic body that moves is listed, and the list is in order where it says so.
+    fn movers_make_sense(&self) -> bool {
+        let listed = &self.row.movers.0;
+        let mut sorted = listed.clone();
+        sorted.sort_unstable();
+        let moves = |body: &Body| body.is_dynamic() && body.is_mover();
+        let all_listed = self.bodies.iter().all(|(slot, body)| !moves(body) || sorted.binary_search(&slot).is_ok());
+        let is_settled = || {
+            let known = |&slot: &u32| self.bodies.get(slot).is_some_and(Body::is_mover);
+            listed.is_sorted_by(|a, b| a < b) && listed.iter().all(known)
+        };
+        all_listed && (!self.row.movers_sorted || is_settled())
     }
 
     /// Whether islands and the bodies that sleep in them agree.
