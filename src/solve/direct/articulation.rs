@@ -21,7 +21,7 @@ use glam::{DMat3, DQuat, DVec3, Vec3};
 use super::body::DirectBody;
 use super::contacts::Touch;
 use super::factor::{MAX_ROWS, Plan};
-use super::history::History;
+use super::history::{History, SecondOrder};
 use super::system::{Coupling, System, Topology};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
@@ -40,6 +40,16 @@ const MOST_HALVINGS: u32 = 4;
 
 /// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
 const MUST_FALL: f64 = 0.5;
+
+/// Change of velocity beyond a steady one that a second-order substep of the default effort may have, over the articulation's
+/// extent (1/s); at another effort it goes with the square of the substep.
+const MOST_SURPRISE: f64 = 4.0e-4;
+
+/// Substeps of the default effort.
+const NOMINAL_SUBSTEPS: f64 = 4.0;
+
+/// Most substeps of a smooth articulation, over those of the world.
+const MOST_SUBSTEPS: u32 = 4;
 
 /// Multiplications of a factorisation above which sweeps are the better choice, for each row of the articulation.
 const MOST_WORK_PER_ROW: u64 = 100_000;
@@ -104,6 +114,9 @@ pub(crate) struct Articulation {
     untouched: Vec<JointEntry>,
     /// Whether a joint ties it to something that it does not move.
     pub(super) hangs: bool,
+    pub(super) order: SecondOrder,
+    /// Greatest change of velocity beyond a steady one in a substep of this step (m/s).
+    surprise: f64,
     /// Length by which errors are judged (m).
     pub(super) size: f64,
     mode: Mode,
@@ -234,14 +247,14 @@ impl Articulation {
         self.bodies.iter().filter(|body| body.is_dynamic()).map(|body| body.slot)
     }
 
-    /// Moves the bodies through a step by `substeps` substeps of length `h` (s).
+    /// Moves the bodies through a step of length `dt` (s): in `substeps` substeps, or in as many as it needs where it moves smoothly.
     pub(crate) fn step(
         &mut self,
         joints: &Pool<Joint, JointId>,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
         substeps: u32,
-        h: f64,
+        dt: f64,
         budget: u32,
     ) {
         self.load(velocities, motions);
@@ -252,10 +265,41 @@ impl Articulation {
         self.budget = budget;
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
         let mut error = self.find_errors(joints).worst;
-        for _ in 0..substeps {
-            error = self.advance(joints, h, 0, error);
+        let taken = if self.mode == Mode::Smooth { self.wanted_substeps(substeps, dt) } else { substeps };
+        // Carried multipliers are those of the world's substep.
+        let share = f64::from(substeps) / f64::from(taken);
+        self.scale_impulses(share as f32);
+        self.surprise = 0.0;
+        for _ in 0..taken {
+            error = self.advance(joints, dt / f64::from(taken), 0, error);
         }
+        self.scale_impulses((1.0 / share) as f32);
         self.outcome.worst_error = error;
+        self.note_wanted_substeps(substeps, taken);
+    }
+
+    /// Substeps that the last step found to be enough, or the world's where there is none to go by.
+    fn wanted_substeps(&self, substeps: u32, dt: f64) -> u32 {
+        let wanted = self.histories.iter().map(|history| history.substeps).max().unwrap_or(0);
+        if wanted > 0 && self.second_order(dt / f64::from(wanted)).is_some() { wanted } else { substeps }
+    }
+
+    /// Diagonal of the box around the bodies' centres at the start of the step, and at least the size by which errors are judged (m).
+    fn extent(&self) -> f64 {
+        let centers = || self.origins.iter().skip(1);
+        let low = centers().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = centers().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        (high - low).length().max(self.size)
+    }
+
+    /// Notes for the next step how many substeps would have kept the local error below its bound.
+    fn note_wanted_substeps(&mut self, substeps: u32, taken: u32) {
+        let bound = MOST_SURPRISE * self.extent() * (NOMINAL_SUBSTEPS / f64::from(substeps)).powi(2);
+        let smooth = self.outcome.first_order + self.outcome.safe + self.outcome.halvings == 0;
+        let wanted = if smooth { (f64::from(taken) * (self.surprise / bound).sqrt()).ceil() } else { f64::from(substeps) };
+        let (least, most) = (taken.div_ceil(2), (2 * taken).min(MOST_SUBSTEPS * substeps));
+        let wanted = (wanted as u32).clamp(least.max(1), most.max(1));
+        self.histories.iter_mut().for_each(|history| history.substeps = wanted);
     }
 
     pub(super) fn load(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
@@ -318,12 +362,17 @@ impl Articulation {
     fn advance(&mut self, joints: &Pool<Joint, JointId>, h: f64, depth: u32, before: f64) -> f64 {
         self.save(depth);
         if self.mode == Mode::Smooth {
-            let second_order = self.has_history(h);
+            let order = self.second_order(h);
+            let second_order = order.is_some();
+            self.order = order.unwrap_or_default();
             let momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
             let errors = self.find_errors(joints);
             if errors.worst <= (TOLERANCE * self.size).max(before) && !self.touches.iter().any(Touch::presses) {
                 let error = self.project(joints, errors);
                 self.keep_momentum(momentum);
+                if second_order {
+                    self.surprise = self.surprise.max(self.surprise());
+                }
                 self.note_history(h);
                 let order = if second_order { &mut self.outcome.second_order } else { &mut self.outcome.first_order };
                 *order += 1;

@@ -30,8 +30,8 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Lays out the factor of a matrix whose nodes have at most `capacity` rows and are coupled in these pairs (smaller number
-    /// first, sorted, none twice); `None` when a factorisation would take more than `most_work` multiplications. Order and work
+    /// Lays out the factor of a matrix whose nodes usually have `expected` and at most `capacity` rows, and are coupled in these pairs
+    /// (smaller number first, sorted, none twice); `None` when a factorisation would take more than `most_work` multiplications. Order and work
     /// follow from `weights`, rows that each node always may have: `capacity` may depend on what was there before.
     pub(crate) fn new(weights: &[u32], capacity: &[u32], pairs: &[(u32, u32)], most_work: u64) -> Option<Self> {
         let mut neighbors = vec![Vec::new(); capacity.len()];

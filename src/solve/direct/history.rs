@@ -1,14 +1,20 @@
-//! Second-order stepping: the backward differentiation formula of order two (Curtiss and Hirschfelder 1952), BDF2.
+//! Second-order stepping: the backward differentiation formula of order two (Curtiss and Hirschfelder 1952), BDF2, in substeps of
+//! any length.
 //!
-//! With Δ = x_n − x_{n−1} the last substep's displacement,
+//! With Δ = x_n − x_{n−1} the last substep's displacement and ω = h_{n+1}/h_n the ratio of their lengths,
 //!
 //! ```text
-//! x̂ = x_n + Δ/3,   v̂ = v_n + (v_n − v_{n−1})/3,   h' = 2h/3,      x_{n+1} = x̂ + h' v_{n+1},   v_{n+1} = v̂ + h' a_{n+1}:
+//! x̂ = x_n + s Δ,   v̂ = v_n + s (v_n − v_{n−1}),   s = ω²/(1 + 2ω),   h' = h (1 + ω)/(1 + 2ω),
+//! x_{n+1} = x̂ + h' v_{n+1},   v_{n+1} = v̂ + h' a_{n+1}:
 //! ```
 //!
-//! an implicit Euler substep of length h' from an extrapolated start, and as stable. Rotations follow with rotation vectors; what is
-//! extrapolated of them is the angular momentum L = I ω, as I turns with the body: extrapolating ω would leave an error of first
-//! order. It needs a substep of the same length before it; the first after an impact, an edit or a halving is of first order.
+//! an implicit Euler substep of length h' from an extrapolated start, and as stable for ω < 2.4. Rotations follow with rotation
+//! vectors; what is extrapolated of them is the angular momentum L = I ω, as I turns with the body: extrapolating ω would leave an
+//! error of first order. The first substep after an impact, an edit or a halving is of first order.
+//!
+//! **How many substeps.** The local error is (2/9) h³ x‴ ≈ (2/9) h |δ|, with δ = v_{n+1} − v_n − ω (v_n − v_{n−1}). An articulation
+//! takes as many substeps as keep (2/9) |δ|, as the root mean square over its mass, below a bound: one where it hangs still, more
+//! where it whips.
 
 use glam::{DQuat, DVec3, Vec3};
 
@@ -16,14 +22,40 @@ use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;
 use crate::solve::rotation;
 
-/// Share of a BDF2 substep that its Euler part is long.
-pub(crate) const EULER_SHARE: f64 = 2.0 / 3.0;
+/// Ratios of the lengths of two substeps at which the second may be of second order.
+const RATIOS: std::ops::RangeInclusive<f64> = 0.2..=2.2;
+
+/// Coefficients of a second-order substep.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct SecondOrder {
+    /// Ratio ω of its length to that of the one before.
+    pub ratio: f64,
+    /// Share s of the last change by which its start is extrapolated.
+    extrapolation: f64,
+    /// Length of its Euler part over its own.
+    pub euler_share: f64,
+}
+
+impl SecondOrder {
+    /// For a substep of length `h` (s) after one of length `before`; `None` where the ratio is too far from one.
+    pub(crate) fn new(h: f64, before: f64) -> Option<Self> {
+        let ratio = h / before;
+        let whole = 1.0 + 2.0 * ratio;
+        RATIOS.contains(&ratio).then_some(Self {
+            ratio,
+            extrapolation: ratio * ratio / whole,
+            euler_share: (1.0 + ratio) / whole,
+        })
+    }
+}
 
 /// A body's last substep, as its record keeps it from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct History {
     /// Length of the substep (s); zero where nothing is known.
     pub h: f32,
+    /// Substeps that the articulation should take in the next step.
+    pub substeps: u32,
     /// Displacement (m) and rotation vector (rad).
     displacement: Vec3,
     turn: Vec3,
@@ -35,11 +67,12 @@ pub(crate) struct History {
     angular: Vec3,
 }
 
-crate::snapshot::stored::stored!(History { h, displacement, turn, linear_before, momentum_before, linear, angular });
+crate::snapshot::stored::stored!(History { h, substeps, displacement, turn, linear_before, momentum_before, linear, angular });
 
 impl History {
     pub(crate) const NONE: Self = Self {
         h: 0.0,
+        substeps: 0,
         displacement: Vec3::ZERO,
         turn: Vec3::ZERO,
         linear_before: Vec3::ZERO,
@@ -54,6 +87,7 @@ impl History {
     pub(crate) fn of(h: f64, from: (&Stance, &Rate), momentum: DVec3, to: (&Stance, &Rate)) -> Self {
         Self {
             h: h as f32,
+            substeps: 0,
             displacement: (to.0.0 - from.0.0).as_vec3(),
             turn: rotation_vector(to.0.1 * from.0.1.conjugate()).as_vec3(),
             linear_before: from.1.linear.as_vec3(),
@@ -63,18 +97,29 @@ impl History {
         }
     }
 
-    /// Whether it is that of a substep as long as this one, after which the body has moved at this rate.
-    pub(crate) fn leads_to(&self, rate: &Rate, h: f64) -> bool {
-        self.h == h as f32 && self.linear == rate.linear.as_vec3() && self.angular == rate.angular.as_vec3()
+    /// Whether the body has moved at this rate ever since, and no other.
+    pub(crate) fn leads_to(&self, rate: &Rate) -> bool {
+        self.h > 0.0 && self.linear == rate.linear.as_vec3() && self.angular == rate.angular.as_vec3()
+    }
+
+    /// Change of velocity beyond a steady one, δ (m/s).
+    pub(crate) fn surprise(&self, now: DVec3, next: DVec3, order: &SecondOrder) -> DVec3 {
+        next - now - (now - self.linear_before.as_dvec3()) * order.ratio
     }
 
     /// Extrapolated start of the next substep: stance, velocity (m/s) and angular momentum (N·m·s); `momentum` is that of now.
-    pub(crate) fn extrapolate(&self, stance: &Stance, rate: &Rate, momentum: DVec3) -> (Stance, DVec3, DVec3) {
-        let third = 1.0 / 3.0;
-        let displacement = stance.0 + self.displacement.as_dvec3() * third;
-        let rotation = rotation::rotated(stance.1, self.turn.as_dvec3() * third);
-        let linear = rate.linear + (rate.linear - self.linear_before.as_dvec3()) * third;
-        ((displacement, rotation), linear, momentum + (momentum - self.momentum_before.as_dvec3()) * third)
+    pub(crate) fn extrapolate(
+        &self,
+        stance: &Stance,
+        rate: &Rate,
+        momentum: DVec3,
+        order: &SecondOrder,
+    ) -> (Stance, DVec3, DVec3) {
+        let share = order.extrapolation;
+        let displacement = stance.0 + self.displacement.as_dvec3() * share;
+        let rotation = rotation::rotated(stance.1, self.turn.as_dvec3() * share);
+        let linear = rate.linear + (rate.linear - self.linear_before.as_dvec3()) * share;
+        ((displacement, rotation), linear, momentum + (momentum - self.momentum_before.as_dvec3()) * share)
     }
 }
 

@@ -280,9 +280,8 @@ impl Direct {
         contacts: &[ContactInput],
         settings: &StepSettings,
     ) {
-        let h = f64::from(settings.dt) / f64::from(settings.substeps);
         for articulation in self.articulations[..self.count].iter_mut().filter(|articulation| !articulation.coupled) {
-            articulation.step(joints, velocities, motions, settings.substeps, h, HALVING_BUDGET);
+            articulation.step(joints, velocities, motions, settings.substeps, f64::from(settings.dt), HALVING_BUDGET);
             let meets =
                 |&number: &u32| articulation.meets(&contacts[number as usize], &self.local, velocities, motions, settings.dt);
             if articulation.watched.iter().any(meets) {

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::articulation::{Articulation, Mode};
-use super::history::{EULER_SHARE, History};
+use super::history::{History, SecondOrder};
 use super::momentum::Momentum;
 use super::stiffness;
 use super::system::Origin;
@@ -23,8 +23,8 @@ impl Articulation {
         self.began.clear();
         self.began.extend(self.stances.iter().copied().zip(self.rates.iter().copied()));
         let momentum = self.expected_momentum(full);
-        let h = if mode == Mode::SecondOrder { full * EULER_SHARE } else { full };
-        self.predict(h, mode);
+        let h = if mode == Mode::SecondOrder { full * self.order.euler_share } else { full };
+        self.predict(full, h, mode);
         self.find_stiffness(h, mode, h / full);
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let stance = if mode == Mode::SecondOrder { &self.predicted[i] } else { &self.stances[i] };
@@ -58,10 +58,25 @@ impl Articulation {
         }
     }
 
-    /// Whether all bodies came here by a substep of this length.
-    pub(super) fn has_history(&self, h: f64) -> bool {
-        let mut bodies = self.bodies.iter().zip(&self.histories).zip(&self.rates);
-        bodies.all(|((body, history), rate)| !body.is_dynamic() || history.leads_to(rate, h))
+    /// Coefficients of a second-order substep of this length, where all bodies came here by one substep.
+    pub(super) fn second_order(&self, h: f64) -> Option<SecondOrder> {
+        let mut moving = self.bodies.iter().zip(&self.histories).zip(&self.rates).filter(|((body, _), _)| body.is_dynamic());
+        let before = self.histories.iter().map(|history| history.h).fold(0.0, f32::max);
+        let together = moving.all(|((_, history), rate)| history.h == before && history.leads_to(rate));
+        if together { SecondOrder::new(h, f64::from(before)) } else { None }
+    }
+
+    /// Root mean square over the mass of the change of velocity beyond a steady one in this substep (m/s).
+    pub(super) fn surprise(&self) -> f64 {
+        let (mut sum, mut total) = (0.0, 0.0);
+        for (i, body) in self.bodies.iter().enumerate() {
+            if let Some(mass) = body.free_mass() {
+                let surprise = self.histories[i].surprise(self.began[i].1.linear, self.rates[i].linear, &self.order);
+                sum += mass * surprise.length_squared();
+                total += mass;
+            }
+        }
+        if total > 0.0 { (sum / total).sqrt() } else { 0.0 }
     }
 
     /// Angular momentum at the end of a substep of an articulation that hangs on nothing.
@@ -104,11 +119,11 @@ impl Articulation {
     }
 
     /// Adds the forces, and finds where the bodies would be at the end of the substep without any joint.
-    fn predict(&mut self, h: f64, mode: Mode) {
+    fn predict(&mut self, full: f64, h: f64, mode: Mode) {
         self.predicted.clear();
         if mode == Mode::SecondOrder {
             for i in 0..self.bodies.len() {
-                let end = self.predict_second_order(i, h);
+                let end = self.predict_second_order(i, full, h);
                 self.predicted.push(end);
             }
             return;
@@ -123,18 +138,18 @@ impl Articulation {
         }
     }
 
-    /// Puts a body where its second-order substep starts, whose Euler part is `h` long; returns where that ends.
-    fn predict_second_order(&mut self, i: usize, h: f64) -> Stance {
+    /// Puts a body where its second-order substep starts, `full` long with an Euler part of `h`; returns where that ends.
+    fn predict_second_order(&mut self, i: usize, full: f64, h: f64) -> Stance {
         let (body, stance, rate) = (&self.bodies[i], &mut self.stances[i], &mut self.rates[i]);
         if body.is_dynamic() {
             let (momentum, _) = body.spin_momentum(stance, rate);
-            let (start, linear, momentum) = self.histories[i].extrapolate(stance, rate, momentum);
+            let (start, linear, momentum) = self.histories[i].extrapolate(stance, rate, momentum, &self.order);
             let (end, predicted) = body.predict_second_order(&start, Rate { linear, ..*rate }, momentum, h);
             (*stance, *rate) = (start, predicted);
             return end;
         }
         // A body that is moved by others arrives where a whole substep takes it.
-        let rest = h * (1.0 / EULER_SHARE - 1.0);
+        let rest = full - h;
         stance.0 += rate.linear * rest;
         stance.1 = rotation::rotated(stance.1, rate.angular * rest);
         (stance.0 + rate.linear * h, rotation::rotated(stance.1, rate.angular * h))

@@ -155,12 +155,15 @@ impl BatchJoints {
     /// Done again before the last sweep, so that the rows hold to second order at the poses that the substep ends in: what the
     /// position rows would have to mend costs angular momentum.
     pub(crate) fn prepare(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
+        self.rows.clear();
+        self.scalars.clear();
+        if self.entries.is_empty() {
+            return;
+        }
         self.predicted.clear();
         self.predicted.extend(velocities.iter().zip(motions).map(|(velocity, motion)| {
             if motion.jointed { stance(integrate::predict(velocity, motion, h)) } else { motion.stance() }
         }));
-        self.rows.clear();
-        self.scalars.clear();
         for entry in &self.entries {
             let geometry = entry.geometry(velocities, motions, &self.predicted, h);
             let first = self.scalars.len() as u32;
