@@ -138,6 +138,24 @@ fn the_host_s_floating_point_settings_neither_matter_nor_change() {
 }
 
 #[test]
+fn the_host_s_job_system_gives_the_bits_of_the_library_s_own_threads() {
+    let mut compiled = LIBRARY.compile(&host("jobs"), Language::C99, Linkage::Static);
+    let output = run(&mut compiled);
+    let lines: Vec<Vec<&str>> = output.lines().map(|line| line.split(' ').collect()).collect();
+    assert_eq!(lines.len(), 7, "{output}");
+    assert!(lines.iter().all(|line| line[1..4] == lines[0][1..4]), "{output}");
+    let jobs = |name: &str| lines.iter().find(|line| line[0] == name).and_then(|line| line[4].parse::<u32>().ok());
+    assert!(["host-1", "host-2", "host-4", "inline", "idle"].iter().all(|name| jobs(name) >= Some(60)), "{output}");
+}
+
+#[test]
+fn the_wrapper_for_cpp_owns_throws_and_steps() {
+    let source = common::repository().join("capi/tests/hosts/wrapper.cpp");
+    let output = run(&mut LIBRARY.compile(&source, Language::Cpp17, Linkage::Dynamic));
+    assert_eq!(output.trim(), "ls_body_pose_get: body: object was destroyed");
+}
+
+#[test]
 fn only_functions_of_the_header_are_exported_and_all_of_them() {
     let symbols = run(std::process::Command::new("nm").args(["--dynamic", "--defined-only"]).arg(LIBRARY.shared()));
     let mut exported: Vec<&str> = symbols.lines().filter_map(|line| line.split_whitespace().nth(2)).collect();

@@ -686,6 +686,27 @@ typedef struct LsMoved {
 } LsMoved;
 
 /**
+ * Does the parts begin, begin + 1, ... end - 1 of a job; given to an LsParallelForCallback, which calls it on any threads.
+ * @param job    as given to the callback
+ * @param begin  first part
+ * @param end    one past the last part
+ */
+typedef void (*LsJobFunction)(void *job, size_t begin, size_t end);
+
+/**
+ * Has the parts 0, 1, ... count - 1 of a job done, by calls of run for ranges that do not overlap and leave nothing out, on any
+ * threads, and returns when all those calls have returned. A host without threads calls run(job, 0, count).
+ *
+ * Called on the thread that steps, a few times a step, under its own floating-point settings; parts take from 10 microseconds to
+ * milliseconds each. It must return normally (no exception, no longjmp). The world that steps cannot be used inside it.
+ * @param count  number of parts
+ * @param run    does parts; never NULL
+ * @param job    to be handed to run
+ * @param user   as given to ls_world_parallel_for_set
+ */
+typedef void (*LsParallelForCallback)(size_t count, LsJobFunction run, void *job, void *user);
+
+/**
  * Has the last word on a shape whose box a query meets.
  *
  * Called during the query under the host's floating-point settings, in any order, in ls_world_cast_rays on any thread of the
@@ -1289,6 +1310,18 @@ LsResult ls_world_sleep_settings_set(LsWorld world, const LsSleepSettings *setti
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_world_restitution_threshold_set(LsWorld world, float speed);
+
+/**
+ * Has the host's job system do the independent parts of a world's steps, in place of threads of its own. The bits of a step do not
+ * depend on who does them.
+ *
+ * @param world     the world; any value is safe
+ * @param callback  called by ls_world_step; NULL for the world's own threads, as many as it was created with
+ * @param user      handed back to the callback; must stay valid until another callback is set or the world is destroyed
+ * @return LS_OK, a world error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_parallel_for_set(LsWorld world, LsParallelForCallback callback, void *user);
 
 /**
  * Fills a query filter with defaults: every shape counts.

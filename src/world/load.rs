@@ -20,6 +20,7 @@ use crate::solve::joint::JointEntry;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::taut::TautEntry;
 use crate::span::Derived;
+use crate::workers::for_each_chunk;
 
 /// Relative difference of principal moments below which a body is taken as round.
 const ROUND: f32 = 1.0e-5;
@@ -77,8 +78,9 @@ impl World {
             batch.solve(records.joints, &settings);
         };
         let batches = &mut self.batches[..self.batch_count];
-        match &self.threads {
-            Some(pool) if batches.len() > 1 => pool.install(|| batches.par_iter_mut().for_each(work)),
+        match (self.threads.own(), self.threads.host()) {
+            (Some(pool), _) if batches.len() > 1 => pool.install(|| batches.par_iter_mut().for_each(work)),
+            (_, Some(host)) if batches.len() > 1 => for_each_chunk(host, batches, 1, |batch| batch.iter_mut().for_each(work)),
             _ => batches.iter_mut().for_each(work),
         }
         self.last_substep = substep;
