@@ -38,7 +38,7 @@ mod snapshot;
 mod store;
 mod support;
 
-pub(crate) use long_range::CarriedBound;
+pub(crate) use long_range::{AskedBound, CarriedBound};
 
 /// Bodies, shapes and joints that act on each other, and nothing else.
 pub struct World {

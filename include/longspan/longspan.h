@@ -814,7 +814,20 @@ typedef struct LsLongRangeDef {
     uint32_t levels;
     /** Not used; 0. */
     uint32_t reserved;
+    /** Not 0: bounds asked for with ls_world_soft_bound_set act; default 1. */
+    uint32_t soft;
 } LsLongRangeDef;
+
+/**
+ * The greatest distance that a chain of joints leaves its two ends, taken as a soft lower bound: a spring that stretches it. The
+ * layout of this struct never changes.
+ */
+typedef struct LsSoftBound {
+    /** Factor on the greatest distance at which the spring is at rest, above 0 and up to 1. */
+    float share;
+    /** Spring and damper; its compliance must not be 0. */
+    struct LsSoftness softness;
+} LsSoftBound;
 
 /** A bound on the distance of two joints, as the last step left it. The layout of this struct never changes. */
 typedef struct LsBound {
@@ -2257,6 +2270,29 @@ LsResult ls_world_long_range_set(LsWorld world, const LsLongRangeDef *def);
  * Threads: read. Callbacks: allowed.
  */
 LsResult ls_world_long_range_get(LsWorld world, LsLongRangeDef *out, size_t size);
+
+/**
+ * Asks for a soft bound between two joints, or changes it, and wakes their bodies. It ends with either joint.
+ *
+ * @param world    the world; any value is safe
+ * @param joint_a  a joint of that world; any value is safe
+ * @param joint_b  another one, connected to it by bodies and joints; any value is safe
+ * @param bound    read during the call
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_APPLICABLE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_soft_bound_set(LsWorld world, LsJoint joint_a, LsJoint joint_b, const LsSoftBound *bound);
+
+/**
+ * Takes a soft bound back and wakes the bodies of its joints; where there is none, nothing changes.
+ *
+ * @param world    the world; any value is safe
+ * @param joint_a  a joint of that world; any value is safe
+ * @param joint_b  another one; any value is safe
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_soft_bound_remove(LsWorld world, LsJoint joint_a, LsJoint joint_b);
 
 /**
  * Every bound that was derived for the last step, with what it did.
