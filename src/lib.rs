@@ -45,6 +45,7 @@ mod shape;
 mod snapshot;
 mod solve;
 mod span;
+mod workers;
 mod world;
 
 pub use body::{BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
@@ -53,7 +54,7 @@ pub use error::{Error, ErrorKind, Result};
 pub use glam;
 pub use id::{BodyId, Handle, JointId, MAX_OBJECTS, ShapeId};
 pub use joint::{Axis, JointDef, JointKind, JointState, Limits, Motor, Softness, SphericalMotor};
-pub use long_range::{BoundKind, BoundKindDef, BoundState, LongRangeDef, MAX_LEVELS};
+pub use long_range::{BoundKind, BoundKindDef, BoundState, LongRangeDef, MAX_LEVELS, SoftBound};
 pub use mass::{MASS_RANGE, Mass, MassProperties};
 pub use material::{CombineRule, Material};
 pub use pose::Pose;
@@ -62,4 +63,5 @@ pub use report::{Contact, ContactPair, ContactPoint, JointOverload, Moved, Resid
 pub use settings::{MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};
 pub use span::support::verdict::{BodySupport, SupportChange, Verdict};
+pub use workers::ParallelFor;
 pub use world::World;

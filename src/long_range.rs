@@ -35,13 +35,15 @@ pub struct LongRangeDef {
     pub attachment: BoundKindDef,
     /// Bounds between bodies that are free, over ever longer stretches.
     pub hierarchy: BoundKindDef,
+    /// Whether bounds that were asked for between two joints act.
+    pub soft: bool,
     /// Levels of the hierarchy, 1 to 16; `None` for as many as the graph of joints asks for.
     pub levels: Option<u32>,
 }
 
 impl Default for LongRangeDef {
     fn default() -> Self {
-        Self { enabled: true, attachment: BoundKindDef::RIGID, hierarchy: BoundKindDef::RIGID, levels: None }
+        Self { enabled: true, attachment: BoundKindDef::RIGID, hierarchy: BoundKindDef::RIGID, soft: true, levels: None }
     }
 }
 
@@ -57,6 +59,26 @@ impl LongRangeDef {
             }
             _ => Ok(()),
         }
+    }
+}
+
+/// The greatest distance that a chain of joints leaves its two ends, taken as a soft lower bound: a spring that stretches it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SoftBound {
+    /// Share of the greatest distance at which the spring is at rest, above 0 and up to 1.
+    pub share: f32,
+    /// Spring and damper; its compliance must not be zero.
+    pub softness: Softness,
+}
+
+impl SoftBound {
+    pub(crate) fn check(&self) -> Result<()> {
+        self.softness.check("bound.softness.compliance", "bound.softness.damping")?;
+        crate::check::positive("bound.softness.compliance", self.softness.compliance)?;
+        if crate::check::positive("bound.share", self.share)? > 1.0 {
+            return Err(Error::new(ErrorKind::OutOfRange, "bound.share", "must be above 0 and at most 1"));
+        }
+        Ok(())
     }
 }
 

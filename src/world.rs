@@ -10,13 +10,14 @@ use crate::check;
 use crate::collide::broad::BroadPhase;
 use crate::collide::collider::Collider;
 use crate::collide::pairs::{PairCache, PairKey, PairScratch};
-use crate::error::{Error, ErrorKind, Result};
+use crate::error::Result;
 use crate::id::{BodyId, JointId, Pool, ShapeId, WorldTag};
 use crate::island::{SleepingIslands, UnionFind};
 use crate::joint::Joint;
 use crate::report::{Events, StepReport};
 use crate::settings::WorldDef;
 use crate::solve::batch::Batch;
+use crate::workers::{ParallelFor, Workers};
 
 mod bodies;
 mod contacts;
@@ -37,7 +38,7 @@ mod snapshot;
 mod store;
 mod support;
 
-pub(crate) use long_range::CarriedBound;
+pub(crate) use long_range::{AskedBound, CarriedBound};
 
 /// Bodies, shapes and joints that act on each other, and nothing else.
 pub struct World {
@@ -69,7 +70,7 @@ pub struct World {
     last_substep: f32,
     last_dt: f32,
     scratch: Scratch,
-    threads: Option<rayon::ThreadPool>,
+    threads: Workers,
     /// Last, so that the world's number is free again only when everything else is gone.
     _tag: WorldTag,
 }
@@ -93,14 +94,7 @@ impl World {
     pub fn new(def: &WorldDef) -> Result<Self> {
         def.check()?;
         let tag = WorldTag::acquire()?;
-        let threads = match def.threads {
-            1 => None,
-            count => {
-                let pool =
-                    rayon::ThreadPoolBuilder::new().num_threads(count as usize).thread_name(|i| format!("longspan-{i}")).build();
-                Some(pool.map_err(|_| Error::new(ErrorKind::CapacityExceeded, "threads", "the system gave no more threads"))?)
-            }
-        };
+        let threads = Workers::new(def.threads)?;
         let mut world = Self {
             def: *def,
             bodies: Pool::new(&tag),
@@ -190,6 +184,12 @@ impl World {
     /// Steps taken.
     pub fn step_count(&self) -> u64 {
         self.report.step
+    }
+
+    /// Has a job system of the host do the independent parts of steps, or the world's own threads again. The bits of a step do
+    /// not depend on it.
+    pub fn set_parallel_for(&mut self, jobs: Option<std::sync::Arc<dyn ParallelFor>>) {
+        self.threads.set_host(jobs);
     }
 
     /// Acceleration of free fall (m/s²).

@@ -29,6 +29,8 @@ mod world;
 mod world_events;
 mod world_settings;
 
+mod jobs;
+
 mod query_def;
 
 mod query;

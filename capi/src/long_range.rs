@@ -1,12 +1,12 @@
 //! Long-range constraints: what a world derives from its joints, and what became of it.
 
-use ls_core::{BoundKind, BoundKindDef, BoundState, LongRangeDef, Softness};
+use ls_core::{BoundKind, BoundKindDef, BoundState, LongRangeDef, SoftBound, Softness};
 
 use crate::access::{edit, read};
 use crate::boundary::call;
 use crate::handle::{LsJoint, LsWorld};
 use crate::joint_def::LsSoftness;
-use crate::pointer::{Buffer, host};
+use crate::pointer::{self, Buffer, host};
 use crate::result::LsResult;
 use crate::sized::{self, Definition, SizedOut, Versioned};
 
@@ -45,11 +45,13 @@ pub struct LsLongRangeDef {
     pub levels: u32,
     /// Not used; 0.
     pub reserved: u32,
+    /// Not 0: bounds asked for with ls_world_soft_bound_set act; default 1.
+    pub soft: u32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsLongRangeDef {
-    const SIZES: &'static [usize] = &[56];
+    const SIZES: &'static [usize] = &[56, 60];
 }
 
 // SAFETY: begins with struct_size.
@@ -59,6 +61,17 @@ impl Default for LsLongRangeDef {
     fn default() -> Self {
         (&LongRangeDef::default()).into()
     }
+}
+
+/// The greatest distance that a chain of joints leaves its two ends, taken as a soft lower bound: a spring that stretches it. The
+/// layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsSoftBound {
+    /// Factor on the greatest distance at which the spring is at rest, above 0 and up to 1.
+    pub share: f32,
+    /// Spring and damper; its compliance must not be 0.
+    pub softness: LsSoftness,
 }
 
 /// A bound on the distance of two joints, as the last step left it. The layout of this struct never changes.
@@ -129,6 +142,39 @@ pub unsafe extern "C" fn ls_world_long_range_get(world: LsWorld, out: *mut LsLon
     })
 }
 
+/// Asks for a soft bound between two joints, or changes it, and wakes their bodies. It ends with either joint.
+///
+/// @param world    the world; any value is safe
+/// @param joint_a  a joint of that world; any value is safe
+/// @param joint_b  another one, connected to it by bodies and joints; any value is safe
+/// @param bound    read during the call
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_APPLICABLE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_soft_bound_set(
+    world: LsWorld,
+    joint_a: LsJoint,
+    joint_b: LsJoint,
+    bound: *const LsSoftBound,
+) -> LsResult {
+    call("ls_world_soft_bound_set", || {
+        let bound = SoftBound::from(&host!(pointer::read, bound));
+        edit(world, |world| world.set_soft_bound(joint_a.into(), joint_b.into(), Some(bound)))
+    })
+}
+
+/// Takes a soft bound back and wakes the bodies of its joints; where there is none, nothing changes.
+///
+/// @param world    the world; any value is safe
+/// @param joint_a  a joint of that world; any value is safe
+/// @param joint_b  another one; any value is safe
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_world_soft_bound_remove(world: LsWorld, joint_a: LsJoint, joint_b: LsJoint) -> LsResult {
+    call("ls_world_soft_bound_remove", || edit(world, |world| world.set_soft_bound(joint_a.into(), joint_b.into(), None)))
+}
+
 /// Every bound that was derived for the last step, with what it did.
 ///
 /// @param world     the world; any value is safe
@@ -143,6 +189,13 @@ pub unsafe extern "C" fn ls_world_bounds_get(world: LsWorld, out: *mut LsBound, 
         let buffer = host!(Buffer::new, out, capacity, count);
         read(world, |world| buffer.fill(|| world.bounds().map(|bound| LsBound::from(&bound))))
     })
+}
+
+impl From<&LsSoftBound> for SoftBound {
+    fn from(bound: &LsSoftBound) -> Self {
+        let LsSoftness { compliance, damping } = bound.softness;
+        Self { share: bound.share, softness: Softness { compliance, damping } }
+    }
 }
 
 impl From<&LsBoundKindDef> for BoundKindDef {
@@ -165,6 +218,7 @@ impl From<&LsLongRangeDef> for LongRangeDef {
             enabled: def.enabled != 0,
             attachment: (&def.attachment).into(),
             hierarchy: (&def.hierarchy).into(),
+            soft: def.soft != 0,
             levels: (def.levels != 0).then_some(def.levels),
         }
     }
@@ -179,6 +233,7 @@ impl From<&LongRangeDef> for LsLongRangeDef {
             hierarchy: (&def.hierarchy).into(),
             levels: def.levels.unwrap_or(0),
             reserved: 0,
+            soft: def.soft.into(),
         }
     }
 }

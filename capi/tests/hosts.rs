@@ -4,7 +4,7 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 7] = ["hello", "chain", "bulk", "misuse", "edit", "queries", "rollback"];
+const SAMPLES: [&str; 8] = ["hello", "chain", "bulk", "misuse", "edit", "queries", "rollback", "fixed_step"];
 
 fn sample(name: &str) -> std::path::PathBuf {
     common::repository().join("examples_c").join(format!("{name}.c"))
@@ -110,6 +110,23 @@ fn a_host_that_goes_back_gets_the_same_bits_again() {
 }
 
 #[test]
+fn frames_between_steps_are_drawn_evenly() {
+    let output = run(&mut LIBRARY.compile(&sample("fixed_step"), Language::C99, Linkage::Static));
+    assert!(output.contains("steps in 288 frames"), "{output}");
+}
+
+#[test]
+fn the_chain_of_the_guide_hangs_as_the_guide_says() {
+    let guide = std::fs::read_to_string(common::repository().join("docs/guide/hello.md")).expect("the guide is there");
+    let code = guide.split("```c\n").nth(1).and_then(|rest| rest.split("```").next()).expect("the guide has a program");
+    let source = common::output_folder().join("hang.c");
+    std::fs::write(&source, code).expect("a source can be written");
+    let output = run(&mut LIBRARY.compile(&source, Language::C99, Linkage::Static));
+    assert_eq!(output, "the weight hangs 1.900 m below the ceiling, which carries 1069 N\n");
+    assert!(guide.contains("the weight hangs 1.900 m below the ceiling, which carries 1069 N"), "the guide says so");
+}
+
+#[test]
 fn every_misuse_gets_its_own_error() {
     let output = run(&mut LIBRARY.compile(&sample("misuse"), Language::C99, Linkage::Static));
     let checks = output.lines().filter(|line| line.starts_with("ok")).count();
@@ -135,6 +152,24 @@ fn the_host_s_floating_point_settings_neither_matter_nor_change() {
     let output = run(&mut LIBRARY.compile(&host("float_environment"), Language::C99, Linkage::Static));
     let hashes: Vec<&str> = output.split([' ', ',']).take(3).collect();
     assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{output}");
+}
+
+#[test]
+fn the_host_s_job_system_gives_the_bits_of_the_library_s_own_threads() {
+    let mut compiled = LIBRARY.compile(&host("jobs"), Language::C99, Linkage::Static);
+    let output = run(&mut compiled);
+    let lines: Vec<Vec<&str>> = output.lines().map(|line| line.split(' ').collect()).collect();
+    assert_eq!(lines.len(), 7, "{output}");
+    assert!(lines.iter().all(|line| line[1..4] == lines[0][1..4]), "{output}");
+    let jobs = |name: &str| lines.iter().find(|line| line[0] == name).and_then(|line| line[4].parse::<u32>().ok());
+    assert!(["host-1", "host-2", "host-4", "inline", "idle"].iter().all(|name| jobs(name) >= Some(60)), "{output}");
+}
+
+#[test]
+fn the_wrapper_for_cpp_owns_throws_and_steps() {
+    let source = common::repository().join("capi/tests/hosts/wrapper.cpp");
+    let output = run(&mut LIBRARY.compile(&source, Language::Cpp17, Linkage::Dynamic));
+    assert_eq!(output.trim(), "ls_body_pose_get: body: object was destroyed");
 }
 
 #[test]

@@ -716,6 +716,27 @@ typedef struct LsMoved {
 } LsMoved;
 
 /**
+ * Does the parts begin, begin + 1, ... end - 1 of a job; given to an LsParallelForCallback, which calls it on any threads.
+ * @param job    as given to the callback
+ * @param begin  first part
+ * @param end    one past the last part
+ */
+typedef void (*LsJobFunction)(void *job, size_t begin, size_t end);
+
+/**
+ * Has the parts 0, 1, ... count - 1 of a job done, by calls of run for ranges that do not overlap and leave nothing out, on any
+ * threads, and returns when all those calls have returned. A host without threads calls run(job, 0, count).
+ *
+ * Called on the thread that steps, a few times a step, under its own floating-point settings; parts take from 10 microseconds to
+ * milliseconds each. It must return normally (no exception, no longjmp). The world that steps cannot be used inside it.
+ * @param count  number of parts
+ * @param run    does parts; never NULL
+ * @param job    to be handed to run
+ * @param user   as given to ls_world_parallel_for_set
+ */
+typedef void (*LsParallelForCallback)(size_t count, LsJobFunction run, void *job, void *user);
+
+/**
  * Has the last word on a shape whose box a query meets.
  *
  * Called during the query under the host's floating-point settings, in any order, in ls_world_cast_rays on any thread of the
@@ -846,7 +867,20 @@ typedef struct LsLongRangeDef {
     uint32_t levels;
     /** Not used; 0. */
     uint32_t reserved;
+    /** Not 0: bounds asked for with ls_world_soft_bound_set act; default 1. */
+    uint32_t soft;
 } LsLongRangeDef;
+
+/**
+ * The greatest distance that a chain of joints leaves its two ends, taken as a soft lower bound: a spring that stretches it. The
+ * layout of this struct never changes.
+ */
+typedef struct LsSoftBound {
+    /** Factor on the greatest distance at which the spring is at rest, above 0 and up to 1. */
+    float share;
+    /** Spring and damper; its compliance must not be 0. */
+    struct LsSoftness softness;
+} LsSoftBound;
 
 /** A bound on the distance of two joints, as the last step left it. The layout of this struct never changes. */
 typedef struct LsBound {
@@ -1329,6 +1363,18 @@ LsResult ls_world_sleep_settings_set(LsWorld world, const LsSleepSettings *setti
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_world_restitution_threshold_set(LsWorld world, float speed);
+
+/**
+ * Has the host's job system do the independent parts of a world's steps, in place of threads of its own. The bits of a step do not
+ * depend on who does them.
+ *
+ * @param world     the world; any value is safe
+ * @param callback  called by ls_world_step; NULL for the world's own threads, as many as it was created with
+ * @param user      handed back to the callback; must stay valid until another callback is set or the world is destroyed
+ * @return LS_OK, a world error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_parallel_for_set(LsWorld world, LsParallelForCallback callback, void *user);
 
 /**
  * Fills a query filter with defaults: every shape counts.
@@ -2425,6 +2471,29 @@ LsResult ls_world_long_range_set(LsWorld world, const LsLongRangeDef *def);
  * Threads: read. Callbacks: allowed.
  */
 LsResult ls_world_long_range_get(LsWorld world, LsLongRangeDef *out, size_t size);
+
+/**
+ * Asks for a soft bound between two joints, or changes it, and wakes their bodies. It ends with either joint.
+ *
+ * @param world    the world; any value is safe
+ * @param joint_a  a joint of that world; any value is safe
+ * @param joint_b  another one, connected to it by bodies and joints; any value is safe
+ * @param bound    read during the call
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_APPLICABLE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_soft_bound_set(LsWorld world, LsJoint joint_a, LsJoint joint_b, const LsSoftBound *bound);
+
+/**
+ * Takes a soft bound back and wakes the bodies of its joints; where there is none, nothing changes.
+ *
+ * @param world    the world; any value is safe
+ * @param joint_a  a joint of that world; any value is safe
+ * @param joint_b  another one; any value is safe
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_soft_bound_remove(LsWorld world, LsJoint joint_a, LsJoint joint_b);
 
 /**
  * Every bound that was derived for the last step, with what it did.

@@ -1,7 +1,7 @@
 //! The door every engine comes through: a scene knows this trait and nothing else of who runs it.
 
 use longspan::glam::Vec3;
-use longspan::{BodyDef, JointDef, MassProperties, Pose};
+use longspan::{BodyDef, JointDef, MassProperties, Pose, SoftBound};
 
 /// A physics engine that can run a scene: ours or a peer's.
 pub trait Engine {
@@ -13,6 +13,10 @@ pub trait Engine {
     fn remove_body(&mut self, body: usize);
     /// Creates a joint; returns the scene's joint index, counting from 0 in order of creation.
     fn add_joint(&mut self, joint: &SceneJoint) -> usize;
+    /// Stretches the chain between two joints towards its greatest length; nothing in an engine that cannot.
+    fn add_soft_bound(&mut self, bound: &SceneSoftBound) {
+        let _ = bound;
+    }
     /// Advances by `dt` (s).
     fn step(&mut self, dt: f32);
     /// The body's own frame (not its centre of mass).
@@ -70,6 +74,15 @@ pub struct SceneJoint {
     pub b: Option<usize>,
     /// Everything but the bodies.
     pub def: JointDef,
+}
+
+/// A soft bound between two joints of a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct SceneSoftBound {
+    /// The two joints.
+    pub joints: [usize; 2],
+    /// What is asked for.
+    pub bound: SoftBound,
 }
 
 /// How much work an engine does a step.

@@ -19,8 +19,8 @@ type Stone = ((f64, f64), (f32, f32), f32, bool);
 const STACKS: &[&[Stone]] = &[
     // Figure 11, top: over the hull below.
     &[((0.0, 0.5), (0.5, 0.5), 0.0, true), ((0.3, 1.5), (0.5, 0.5), 0.0, true)],
-    // Middle: the upper contact lies outside of what carries the plank.
-    &[((0.0, 0.5), (0.3, 0.5), 0.0, true), ((0.25, 1.1), (1.2, 0.1), 0.0, true), ((1.2, 1.5), (0.2, 0.3), 0.0, false)],
+    // Middle: the upper contact lies outside of what carries the plank. (It is light enough not to tip it.)
+    &[((0.0, 0.5), (0.3, 0.5), 0.0, true), ((0.0, 1.1), (1.2, 0.1), 0.0, true), ((1.1, 1.25), (0.05, 0.05), 0.0, false)],
     // Bottom: what lies below slides.
     &[((0.0, 0.25), (1.0, 0.25), 3.0, false), ((0.0, 0.75), (0.5, 0.25), 3.0, false)],
     // Figure 12, left: three boxes beyond the edge of one another; each stands on the last, the third over nothing.

@@ -3,7 +3,7 @@
 use longspan::glam::Vec3;
 use longspan::{BodyDef, BodyId, JointId, MassProperties, Pose, Result, World, WorldDef};
 
-use crate::engine::{Effort, Engine, SceneJoint};
+use crate::engine::{Effort, Engine, SceneJoint, SceneSoftBound};
 
 /// A [`World`], its handles in order of creation, and the first call that it refused.
 pub struct LongspanEngine {
@@ -86,6 +86,12 @@ impl Engine for LongspanEngine {
         let id = self.note(created).unwrap_or(JointId::NULL);
         self.joints.push(id);
         self.joints.len() - 1
+    }
+
+    fn add_soft_bound(&mut self, bound: &SceneSoftBound) {
+        let [a, b] = bound.joints.map(|joint| self.joints[joint]);
+        let set = self.world.set_soft_bound(a, b, Some(bound.bound));
+        self.note(set);
     }
 
     fn step(&mut self, dt: f32) {

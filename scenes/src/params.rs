@@ -150,6 +150,7 @@ impl Params {
                     "long_range" => world.long_range.enabled = on,
                     "attachment" => world.long_range.attachment.enabled = on,
                     "support" => (world.support, world.hold) = (on, on),
+                    "soft" => world.long_range.soft = on,
                     "hierarchy" => world.long_range.hierarchy.enabled = on,
                     _ if on => return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() }),
                     _ => {}

@@ -173,6 +173,9 @@ impl Stage {
         for joint in &scene.joints {
             engine.add_joint(joint);
         }
+        for bound in &scene.soft_bounds {
+            engine.add_soft_bound(bound);
+        }
         Self {
             bodies: scene.bodies.clone(),
             alive: vec![true; scene.bodies.len()],

@@ -8,7 +8,7 @@ use longspan::{
     SleepSettings, WorldDef,
 };
 
-use crate::engine::SceneJoint;
+use crate::engine::{SceneJoint, SceneSoftBound};
 use crate::metrics::Metric;
 use crate::params::{Params, SceneError};
 
@@ -40,6 +40,8 @@ pub struct Scene {
     pub bodies: Vec<BodyDef>,
     /// Joints at the start.
     pub joints: Vec<SceneJoint>,
+    /// Soft bounds between joints.
+    pub soft_bounds: Vec<SceneSoftBound>,
     /// What happens during the run, in order of time.
     pub script: Vec<Scheduled>,
     /// What judges the run; the first error named is the one that pictures show.
@@ -99,6 +101,7 @@ impl Scene {
             origin: DVec3::ZERO,
             bodies: Vec::new(),
             joints: Vec::new(),
+            soft_bounds: Vec::new(),
             script: Vec::new(),
             metrics: Vec::new(),
             expected_refusal: None,

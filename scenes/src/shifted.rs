@@ -3,7 +3,7 @@
 use longspan::glam::{DVec3, Vec3};
 use longspan::{BodyDef, MassProperties, Pose};
 
-use crate::engine::{Engine, SceneJoint};
+use crate::engine::{Engine, SceneJoint, SceneSoftBound};
 
 /// Wraps an engine so that everything in it lies `origin` (m) away from where the scene says.
 pub struct Shifted<'a> {
@@ -42,6 +42,10 @@ impl Engine for Shifted<'_> {
             shifted.def.frame_b = self.outwards(joint.def.frame_b);
         }
         self.engine.add_joint(&shifted)
+    }
+
+    fn add_soft_bound(&mut self, bound: &SceneSoftBound) {
+        self.engine.add_soft_bound(bound);
     }
 
     fn step(&mut self, dt: f32) {

@@ -12,7 +12,7 @@ use crate::collide::narrow::{Manifold, ManifoldPoint};
 use crate::collide::pairs::{CarriedManifold, Pair, PairKey};
 use crate::id::Slot;
 use crate::joint::{Axis, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
-use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef};
+use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
 use crate::material::{CombineRule, Material, PairMaterial};
 use crate::pose::Pose;
@@ -21,7 +21,7 @@ use crate::settings::{SleepSettings, Solver, WorldDef};
 use crate::shape::CollisionFilter;
 use crate::solve::contact::ContactImpulses;
 use crate::solve::direct::history::History;
-use crate::world::CarriedBound;
+use crate::world::{AskedBound, CarriedBound};
 
 /// What a world has besides its tables.
 #[derive(Debug)]
@@ -41,6 +41,8 @@ pub(crate) struct WorldRow {
     pub watched: Vec<(u32, u8)>,
     /// Whether long-range bounds are to be derived anew.
     pub bounds_stale: bool,
+    /// Soft bounds that the host asked for.
+    pub asked_bounds: Vec<AskedBound>,
     pub free_bodies: Runs,
     pub free_shapes: Runs,
     pub free_joints: Runs,
@@ -74,6 +76,7 @@ stored!(WorldRow {
     said_supported,
     watched,
     bounds_stale,
+    asked_bounds,
     free_bodies,
     free_shapes,
     free_joints,
@@ -93,7 +96,9 @@ stored!(WorldDef {
     hold,
     long_range,
 });
-stored!(LongRangeDef { enabled, attachment, hierarchy, levels });
+stored!(LongRangeDef { enabled, attachment, hierarchy, soft, levels });
+stored!(AskedBound { joints, bound });
+stored!(SoftBound { share, softness });
 stored!(BoundKindDef { enabled, upper, lower });
 stored!(CarriedBound { kind, level, upper, lower, ends, impulses, far_force, active });
 stored!(SleepSettings { enabled, linear_speed, angular_speed, time });
@@ -207,6 +212,8 @@ pub(crate) const LISTED: &[&str] = &[
     WorldRow::FIELDS,
     WorldDef::FIELDS,
     LongRangeDef::FIELDS,
+    AskedBound::FIELDS,
+    SoftBound::FIELDS,
     BoundKindDef::FIELDS,
     CarriedBound::FIELDS,
     SleepSettings::FIELDS,

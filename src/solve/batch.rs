@@ -5,7 +5,7 @@ use super::bound::BatchBounds;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
 use super::direct::Direct;
-use super::joint::BatchJoints;
+use super::joint::{BatchJoints, JointEntry};
 use super::load_pass::LoadPass;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::taut::TautRows;
@@ -46,6 +46,8 @@ pub(crate) struct Batch {
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
     pub direct: Direct,
+    /// Joints that a direct solve may not take.
+    pub withheld: Vec<JointEntry>,
     /// All manifolds.
     pub inputs: Vec<ContactInput>,
     /// Block and lane of each manifold.

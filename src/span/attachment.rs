@@ -14,6 +14,7 @@ use std::collections::BinaryHeap;
 use super::bounds::{AngleRange, Reach};
 use super::graph::Graph;
 use super::load::NodeId;
+use super::weight::Weight;
 use super::{Bound, BoundKind, Derived, InnerJoint, JointSide};
 
 /// Attachments that a joint keeps bounds to, the nearest.
@@ -44,14 +45,20 @@ struct Candidate {
 }
 
 /// Adds the bounds of all attachments.
-pub(super) fn derive(derived: &mut Derived) {
+pub(super) fn derive(derived: &mut Derived, weights: &[Weight]) {
     let labels = reach_out(derived);
-    let targets = targets(&derived.graph, &labels);
+    let targets = targets(&derived.graph, weights, &labels);
     let mut inner: Vec<(u32, u32)> = targets.iter().enumerate().map(|(label, &target)| (target, label as u32)).collect();
-    inner.retain(|&(target, label)| target != label && labels[label as usize].parent.is_some());
+    inner.retain(|&(target, label)| {
+        let has_bound = is_worth(&derived.graph, weights, &labels[target as usize]);
+        target != label && has_bound && labels[label as usize].parent.is_some()
+    });
     inner.sort_unstable();
     let mut inner = inner.into_iter().peekable();
     for (number, label) in labels.iter().enumerate().filter(|(_, label)| label.parent.is_some()) {
+        if !is_worth(&derived.graph, weights, label) {
+            continue;
+        }
         let first = derived.inner.len() as u32;
         while let Some((_, at)) = inner.next_if(|&(target, _)| target == number as u32) {
             let at = &labels[at as usize];
@@ -67,6 +74,7 @@ pub(super) fn derive(derived: &mut Derived) {
             lower: label.reach.lower as f32,
             path: label.path,
             inner: (first, derived.inner.len() as u32),
+            request: None,
         });
     }
 }
@@ -117,10 +125,18 @@ fn reached(graph: &Graph, labels: &[Label], candidate: &Candidate) -> (Reach, No
     (from.reach.extended(graph.segment(at, to), angle), from.path)
 }
 
-/// For each label, which of itself and those beyond it has the greatest moment.
-fn targets(graph: &Graph, labels: &[Label]) -> Vec<u32> {
+/// Whether a bound at this joint does anything that others do not do better.
+fn is_worth(graph: &Graph, weights: &[Weight], label: &Label) -> bool {
+    graph.dynamic_body(label.beyond).is_some_and(|body| weights[body as usize] != Weight::Light)
+}
+
+/// For each label, which of itself and those beyond it has the greatest moment, of those that have a bound.
+fn targets(graph: &Graph, weights: &[Weight], labels: &[Label]) -> Vec<u32> {
     let moment = |number: u32| {
         let label = &labels[number as usize];
+        if !is_worth(graph, weights, label) {
+            return -1.0;
+        }
         graph.dynamic_body(label.beyond).map_or(0.0, |body| f64::from(graph.masses[body as usize])) * label.length
     };
     let mut targets: Vec<u32> = (0..labels.len() as u32).collect();

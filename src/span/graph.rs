@@ -31,6 +31,17 @@ pub(crate) enum Turn {
     Swing { frames: [Quat; 2], limit: f32 },
 }
 
+impl Turn {
+    /// Whether it says anything about angles between segments.
+    pub(crate) fn limits(&self) -> bool {
+        match *self {
+            Self::Free => false,
+            Self::Fixed { .. } | Self::Hinge { .. } => true,
+            Self::Swing { limit, .. } => f64::from(limit) < PI - ANGLE_MARGIN,
+        }
+    }
+}
+
 /// A joint that holds two points together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Link {

@@ -42,6 +42,16 @@ impl LoadPaths {
         self.push(Node { parents: [(before, 1.0), (NodeId::NONE, 1.0)], crossed: Some(beyond) })
     }
 
+    /// Two paths, one after the other, each walked forwards (1) or backwards (−1).
+    pub(crate) fn joining(&mut self, first: (NodeId, f32), second: (NodeId, f32)) -> NodeId {
+        self.push(Node { parents: [first, second], crossed: None })
+    }
+
+    /// What [`crossing`](Self::crossing) went on from.
+    pub(crate) fn before(&self, path: NodeId) -> NodeId {
+        self.nodes[path.0 as usize].parents[0].0
+    }
+
     fn push(&mut self, node: Node) -> NodeId {
         self.nodes.push(node);
         NodeId(self.nodes.len() as u32 - 1)

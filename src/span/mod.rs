@@ -13,14 +13,19 @@
 //! | `bounds.rs` | bounds along a chain of segments that hold in every pose |
 //! | `attachment.rs` | from attachments to what hangs on them (§3.1) |
 //! | `hierarchy.rs` | between bodies that are free (§3.2) |
+//! | `soft.rs` | asked for between two joints, with give (§3.3) |
+//! | `weight.rs` | which bodies bounds are for |
 //! | `load.rs` | which joints a bound carries load past |
 //! | `support.rs` | which bodies stand on the ground (§3.6) |
 
 pub(crate) mod attachment;
 pub(crate) mod bounds;
 pub(crate) mod graph;
+pub(crate) mod hierarchy;
 pub(crate) mod load;
+pub(crate) mod soft;
 pub(crate) mod support;
+pub(crate) mod weight;
 
 use graph::Graph;
 use load::{LoadPaths, NodeId};
@@ -65,6 +70,8 @@ pub(crate) struct Bound {
     pub path: NodeId,
     /// Its joints in between, as a range of [`Derived::inner`].
     pub inner: (u32, u32),
+    /// What the host asked for, by its place among the requests.
+    pub request: Option<u32>,
 }
 
 /// A joint on the path of a bound, and how far along segments it is from both ends (m).
@@ -81,6 +88,8 @@ pub(crate) struct InnerJoint {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Choice {
     pub attachment: bool,
+    pub hierarchy: bool,
+    pub levels: Option<u32>,
 }
 
 /// Everything derived from a graph.
@@ -95,13 +104,18 @@ pub(crate) struct Derived {
 
 impl Derived {
     /// Derives all bounds anew; `graph` holds the joints as they are.
-    pub(crate) fn rebuild(&mut self, choice: Choice) {
+    pub(crate) fn rebuild(&mut self, choice: Choice, soft: &[soft::Request]) {
         self.bounds.clear();
         self.inner.clear();
         self.paths.clear();
         self.graph.connect();
+        soft::derive(self, soft);
+        let weights = weight::weigh(&self.graph);
+        if choice.hierarchy {
+            hierarchy::derive(self, &weights, choice.levels);
+        }
         if choice.attachment {
-            attachment::derive(self);
+            attachment::derive(self, &weights);
         }
     }
 }

@@ -20,6 +20,7 @@ use crate::solve::joint::JointEntry;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::taut::TautEntry;
 use crate::span::Derived;
+use crate::workers::for_each_chunk;
 
 /// Relative difference of principal moments below which a body is taken as round.
 const ROUND: f32 = 1.0e-5;
@@ -32,6 +33,8 @@ struct Records<'a> {
     joints: &'a Pool<Joint, JointId>,
     bounds: &'a [BoundRecord],
     long_range: &'a LongRangeDef,
+    /// Bodies whose joints are left to sweeps.
+    swept: &'a [bool],
     span: &'a Derived,
     place: &'a [(u32, u32)],
     gravity: Vec3,
@@ -62,6 +65,7 @@ impl World {
             joints: &self.joints,
             bounds: &self.long_range.records,
             long_range: &self.def.long_range,
+            swept: &self.long_range.swept,
             span: &self.long_range.derived,
             place: &self.groups.place,
             gravity: self.def.gravity,
@@ -74,8 +78,9 @@ impl World {
             batch.solve(records.joints, &settings);
         };
         let batches = &mut self.batches[..self.batch_count];
-        match &self.threads {
-            Some(pool) if batches.len() > 1 => pool.install(|| batches.par_iter_mut().for_each(work)),
+        match (self.threads.own(), self.threads.host()) {
+            (Some(pool), _) if batches.len() > 1 => pool.install(|| batches.par_iter_mut().for_each(work)),
+            (_, Some(host)) if batches.len() > 1 => for_each_chunk(host, batches, 1, |batch| batch.iter_mut().for_each(work)),
             _ => batches.iter_mut().for_each(work),
         }
         self.last_substep = substep;
@@ -183,15 +188,22 @@ impl Records<'_> {
 
     /// Moves what the direct solver can move by itself, and lays out rows for the rest.
     fn lay_out(&self, batch: &mut Batch, settings: &StepSettings) {
-        let Batch { joints, direct, bodies, velocities, motions, inputs, .. } = batch;
+        let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, .. } = batch;
         direct.group_slots(&joints.entries, motions);
         if self.solver == Solver::GaussSeidel {
             direct.clear();
         } else {
+            let is_swept = |slot: u32| {
+                let body = bodies[slot as usize];
+                slot != WORLD_SLOT && self.swept.get(body as usize).is_some_and(|&swept| swept)
+            };
+            withheld.clear();
+            withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
             direct.take(&mut joints.entries, self.joints, velocities, motions, inputs, |slot| {
                 let body = &self.bodies[bodies[slot as usize]];
                 (body.center, body.history)
             });
+            joints.entries.append(withheld);
             direct.step(self.joints, velocities, motions, inputs, settings);
         }
         batch.color_contacts();
@@ -212,7 +224,7 @@ impl Records<'_> {
             if !batch.swept[far.slot as usize] {
                 continue;
             }
-            let [upper_give, lower_give] = World::bound_give(self.long_range, record.bound.kind);
+            let [upper_give, lower_give] = World::bound_give(self.long_range, record);
             let number = batch.bounds.entries.len() as u32;
             for inner in record.bound.inner.0..record.bound.inner.1 {
                 let at = &self.span.inner[inner as usize];

@@ -3,11 +3,13 @@
 use glam::{DVec3, Vec3};
 
 use super::World;
-use crate::error::Result;
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointDef, JointKind, Softness};
-use crate::long_range::{BoundKind, BoundState, LongRangeDef};
+use crate::long_range::{BoundKind, BoundState, LongRangeDef, SoftBound};
 use crate::span::graph::{Link, Turn};
 use crate::span::load::NodeId;
+use crate::span::soft::Request;
 use crate::span::{Bound, Choice, Derived, JointSide};
 
 /// A bound, and what steps leave in it.
@@ -16,6 +18,8 @@ pub(super) struct BoundRecord {
     pub bound: Bound,
     /// Joint slot and side of its near and far end.
     pub ends: [(u32, u8); 2],
+    /// Give of the lower row of a bound that the host asked for.
+    pub softness: Softness,
     /// Multipliers of the upper and the lower row at the end of the last substep (N·s).
     pub impulses: [f32; 2],
     /// Force on the far body, mean over the last step (N).
@@ -28,13 +32,20 @@ impl BoundRecord {
     fn carried(carried: &CarriedBound) -> Self {
         let &CarriedBound { kind, level, upper, lower, ends, impulses, far_force, active } = carried;
         let [near, far] = [JointSide { link: 0, side: 0 }; 2];
-        let bound = Bound { kind, level, near, far, upper, lower, path: NodeId::NONE, inner: (0, 0) };
-        Self { bound, ends, impulses, far_force, active }
+        let bound = Bound { kind, level, near, far, upper, lower, path: NodeId::NONE, inner: (0, 0), request: None };
+        Self { bound, ends, softness: Softness::RIGID, impulses, far_force, active }
     }
 
     fn key(&self) -> (BoundKind, [(u32, u8); 2]) {
         (self.bound.kind, self.ends)
     }
+}
+
+/// What the host asked for between two joints, the lower handle first.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct AskedBound {
+    pub joints: [JointId; 2],
+    pub bound: SoftBound,
 }
 
 /// What a bound carries from step to step, as a snapshot keeps it: the rest is derived.
@@ -58,6 +69,12 @@ pub(super) struct LongRange {
     pub derived: Derived,
     pub records: Vec<BoundRecord>,
     previous: Vec<BoundRecord>,
+    /// What the host asked for, by its joints.
+    pub soft: Vec<AskedBound>,
+    /// Which of those each request to the derivation stands for.
+    asked: Vec<usize>,
+    /// Bodies connected to a joint that the host asked for a bound between: their joints are left to sweeps, which know bounds.
+    pub swept: Vec<bool>,
     /// Bounds by the slot of their far body, as ranges in `of_body`.
     starts: Vec<u32>,
     of_body: Vec<u32>,
@@ -99,7 +116,11 @@ impl World {
                 }
             }
         }
-        long_range.derived.rebuild(Choice { attachment: settings.attachment.enabled });
+        let requests = long_range.requests(joints, settings);
+        let choice =
+            Choice { attachment: settings.attachment.enabled, hierarchy: settings.hierarchy.enabled, levels: settings.levels };
+        long_range.derived.rebuild(choice, &requests);
+        long_range.mark_swept(&requests);
         long_range.take_over();
         self.report.counts.bounds_derived = self.long_range.records.len() as u32;
     }
@@ -173,19 +194,45 @@ impl World {
         Ok(())
     }
 
+    /// Asks for a soft bound between two joints, or takes it back, and wakes their bodies. It ends with either joint.
+    ///
+    /// # Errors
+    /// A handle is not a joint of this world; the two are the same; a number of `bound` is out of range.
+    pub fn set_soft_bound(&mut self, joint_a: JointId, joint_b: JointId, bound: Option<SoftBound>) -> Result<()> {
+        let named = |argument| move |error| Error { argument, ..error };
+        let slots = [self.joints.find(joint_a).map_err(named("joint_a"))?, self.joints.find(joint_b).map_err(named("joint_b"))?];
+        if joint_a == joint_b {
+            return Err(Error::new(ErrorKind::NotApplicable, "joint_b", "is the same as joint_a"));
+        }
+        if let Some(bound) = &bound {
+            bound.check()?;
+        }
+        let ends = if joint_a < joint_b { [joint_a, joint_b] } else { [joint_b, joint_a] };
+        self.long_range.soft.retain(|asked| asked.joints != ends);
+        self.long_range.soft.extend(bound.map(|bound| AskedBound { joints: ends, bound }));
+        self.long_range.graph_changed();
+        for slot in slots {
+            for body in self.joints[slot].bodies.into_iter().flatten() {
+                self.wake_body(body);
+            }
+        }
+        Ok(())
+    }
+
     /// What bounds carry from step to step, and whether they are to be derived anew.
     pub(super) fn carried_bounds(&self) -> (bool, Vec<CarriedBound>) {
-        let carried = |&BoundRecord { bound, ends, impulses, far_force, active }: &BoundRecord| {
-            let Bound { kind, level, near: _, far: _, upper, lower, path: _, inner: _ } = bound;
+        // The give of what was asked for comes from the request.
+        let carried = |&BoundRecord { bound, ends, softness: _, impulses, far_force, active }: &BoundRecord| {
+            let Bound { kind, level, near: _, far: _, upper, lower, path: _, inner: _, request: _ } = bound;
             CarriedBound { kind, level, upper, lower, ends, impulses, far_force, active }
         };
         (self.long_range.stale, self.long_range.records.iter().map(carried).collect())
     }
 
     /// Derives all bounds anew after a restore, with what they carried; not if the next step would do so anyway.
-    pub(super) fn restart_long_range(&mut self, stale: bool, carried: &[CarriedBound]) {
+    pub(super) fn restart_long_range(&mut self, stale: bool, carried: &[CarriedBound], asked: Vec<AskedBound>) {
         let records: Vec<BoundRecord> = carried.iter().map(BoundRecord::carried).collect();
-        self.long_range = LongRange { stale: !records.is_empty(), records: records.clone(), ..LongRange::default() };
+        self.long_range = LongRange { stale: !records.is_empty(), records: records.clone(), soft: asked, ..LongRange::default() };
         if !stale {
             self.derive_long_range();
             let Self { long_range: LongRange { records: derived, .. }, .. } = self;
@@ -230,8 +277,9 @@ impl World {
     }
 
     /// Give of a bound's upper and lower row.
-    pub(super) fn bound_give(def: &LongRangeDef, kind: BoundKind) -> [Softness; 2] {
-        match kind {
+    pub(super) fn bound_give(def: &LongRangeDef, record: &BoundRecord) -> [Softness; 2] {
+        match record.bound.kind {
+            BoundKind::Soft => [Softness::RIGID, record.softness],
             BoundKind::Attachment => [def.attachment.upper, def.attachment.lower],
             _ => [def.hierarchy.upper, def.hierarchy.lower],
         }
@@ -239,16 +287,58 @@ impl World {
 }
 
 impl LongRange {
+    /// What the host asked for, as the derivation wants it; what named a joint that is gone is dropped.
+    fn requests(&mut self, joints: &Pool<Joint, JointId>, settings: &LongRangeDef) -> Vec<Request> {
+        self.soft.retain(|asked| asked.joints.iter().all(|&joint| joints.find(joint).is_ok()));
+        self.asked.clear();
+        let Self { derived, soft, asked, .. } = self;
+        let links = &derived.graph.links;
+        let place = |joint: JointId| {
+            let slot = joints.find(joint).ok()?;
+            links.binary_search_by_key(&slot, |link| link.joint).ok().map(|link| link as u32)
+        };
+        let mut requests = Vec::new();
+        for (number, AskedBound { joints: ends, bound }) in soft.iter().enumerate().filter(|_| settings.enabled && settings.soft)
+        {
+            if let [Some(a), Some(b)] = ends.map(place) {
+                asked.push(number);
+                requests.push(Request { links: [a, b], share: bound.share });
+            }
+        }
+        requests
+    }
+
+    /// Notes all bodies connected to what the host asked a bound for.
+    fn mark_swept(&mut self, requests: &[Request]) {
+        let Self { derived, swept, .. } = self;
+        swept.clear();
+        if requests.is_empty() {
+            return;
+        }
+        let graph = &derived.graph;
+        swept.resize(graph.masses.len(), false);
+        let sides = |link: u32| [0, 1].map(|side| JointSide { link, side });
+        let mut open: Vec<u32> =
+            requests.iter().flat_map(|request| sides(request.links[0])).filter_map(|side| graph.dynamic_body(side)).collect();
+        while let Some(body) = open.pop() {
+            if !std::mem::replace(&mut swept[body as usize], true) {
+                open.extend(graph.ends_on(body).iter().filter_map(|end| graph.dynamic_body(end.other())));
+            }
+        }
+    }
+
     /// Makes records of the bounds just derived; those that were there before keep their multipliers.
     fn take_over(&mut self) {
         std::mem::swap(&mut self.records, &mut self.previous);
         self.previous.sort_unstable_by_key(BoundRecord::key);
-        let Self { derived, records, previous, starts, of_body, .. } = self;
+        let Self { derived, records, previous, starts, of_body, soft, asked, .. } = self;
         let place = |end: JointSide| (derived.graph.links[end.link as usize].joint, end.side);
         records.clear();
         records.extend(derived.bounds.iter().map(|&bound| {
             let ends = [place(bound.near), place(bound.far)];
-            let mut record = BoundRecord { bound, ends, impulses: [0.0; 2], far_force: Vec3::ZERO, active: false };
+            let asked_for = bound.request.and_then(|request| soft.get(asked[request as usize]));
+            let softness = asked_for.map_or(Softness::RIGID, |asked| asked.bound.softness);
+            let mut record = BoundRecord { bound, ends, softness, impulses: [0.0; 2], far_force: Vec3::ZERO, active: false };
             if let Ok(found) = previous.binary_search_by_key(&record.key(), BoundRecord::key) {
                 record.impulses = previous[found].impulses;
             }

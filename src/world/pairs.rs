@@ -11,9 +11,13 @@ use crate::collide::pairs::{Fate, Pair, PairKey, PairScratch};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
 use crate::material::PairMaterial;
+use crate::workers::for_each_chunk;
 
 /// Active pairs below which the narrow phase stays on one thread.
 const MIN_PARALLEL_PAIRS: usize = 256;
+
+/// Pairs of one part of a host's job.
+const HOST_PAIRS: usize = 64;
 
 impl World {
     /// Brings the boxes of what moves up to date and the list of active pairs with them.
@@ -93,14 +97,18 @@ impl World {
             let motion = relative_motion((shape_a, body_a), (shape_b, body_b), def.gravity, dt);
             pair.update(shape_a, shape_b, motion, scratch);
         };
-        match threads {
-            Some(pool) if active >= MIN_PARALLEL_PAIRS => pool.install(|| {
+        match (threads.own(), threads.host()) {
+            (Some(pool), _) if active >= MIN_PARALLEL_PAIRS => pool.install(|| {
                 pairs.slots_mut().par_iter_mut().with_min_len(32).filter(|pair| pair.is_active()).for_each_init(
                     PairScratch::default,
                     |scratch, pair| {
                         update(pair, scratch);
                     },
                 );
+            }),
+            (_, Some(host)) if active >= MIN_PARALLEL_PAIRS => for_each_chunk(host, pairs.slots_mut(), HOST_PAIRS, |chunk| {
+                let mut scratch = PairScratch::default();
+                chunk.iter_mut().filter(|pair| pair.is_active()).for_each(|pair| update(pair, &mut scratch));
             }),
             _ => pairs.for_each_active(|pair| update(pair, &mut scratch.pair)),
         }

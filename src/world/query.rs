@@ -54,7 +54,7 @@ impl World {
         }
         rays.iter().try_for_each(|ray| ray.checked().map(drop))?;
         let cast = |(ray, hit): (&Ray, &mut Option<RayHit>)| *hit = self.cast_ray(ray, filter).unwrap_or(None);
-        match &self.threads {
+        match self.threads.own() {
             Some(pool) if rays.len() >= MIN_PARALLEL_RAYS => {
                 pool.install(|| rays.par_iter().zip(out.par_iter_mut()).for_each(cast));
             }

@@ -48,8 +48,8 @@ impl World {
             last_substep,
             last_dt,
             support,
-            // Carried bounds are stored, and derived bounds made anew.
-            long_range: _,
+            // Carried bounds and what was asked for are stored, and derived bounds made anew.
+            long_range,
             // Made anew from the rest by whoever needs them next.
             escaped: _,
             hold: _,
@@ -83,6 +83,7 @@ impl World {
             said_supported: Runs(said_supported),
             watched,
             bounds_stale,
+            asked_bounds: long_range.soft.clone(),
             free_bodies: Runs(bodies.free().to_vec()),
             free_shapes: Runs(colliders.free().to_vec()),
             free_joints: Runs(joints.free().to_vec()),
@@ -139,7 +140,7 @@ impl World {
         self.joints = joints;
         self.pairs = pairs;
         self.sleeping = sleeping;
-        self.restart_long_range(row.bounds_stale, &bounds);
+        self.restart_long_range(row.bounds_stale, &bounds, row.asked_bounds);
         self.report = report;
         self.broken.clear();
         self.forget_escaped();
@@ -215,9 +216,11 @@ impl Image {
             && shapes_ok
             && pairs_ok
             && all_named
+            && self.movers_make_sense()
             && self.sleepers_make_sense()
             && lengths_ok
             && row.def.check().is_ok()
+            && row.asked_bounds.iter().all(|asked| asked.bound.check().is_ok())
     }
 
     fn body_makes_sense(&self, slot: u32, body: &Body) -> bool {
@@ -242,6 +245,20 @@ impl Image {
         ends.into_iter().all(named)
             && joint.def.checked().is_ok()
             && joint.bodies.iter().flatten().any(|&body| self.bodies[body].is_dynamic())
+    }
+
+    /// Whether every dynamic body that moves is listed, and the list is in order where it says so.
+    fn movers_make_sense(&self) -> bool {
+        let listed = &self.row.movers.0;
+        let mut sorted = listed.clone();
+        sorted.sort_unstable();
+        let moves = |body: &Body| body.is_dynamic() && body.is_mover();
+        let all_listed = self.bodies.iter().all(|(slot, body)| !moves(body) || sorted.binary_search(&slot).is_ok());
+        let is_settled = || {
+            let known = |&slot: &u32| self.bodies.get(slot).is_some_and(Body::is_mover);
+            listed.is_sorted_by(|a, b| a < b) && listed.iter().all(known)
+        };
+        all_listed && (!self.row.movers_sorted || is_settled())
     }
 
     /// Whether islands and the bodies that sleep in them agree.

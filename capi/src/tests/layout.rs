@@ -85,7 +85,8 @@ fn layouts() -> Vec<Layout> {
         }
         LsJointState { position, velocity, force, torque, gap }
         LsBoundKindDef { enabled, upper, lower }
-        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved }
+        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft }
+        LsSoftBound { share, softness }
         LsBound { near_joint, far_joint, points, kind, level, distance, upper, lower, tension, active, reserved }
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
@@ -136,8 +137,9 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsJointDef", 400),
         ("LsJointState", 36),
         ("LsBoundKindDef", 20),
-        ("LsLongRangeDef", 56),
+        ("LsLongRangeDef", 60),
         ("LsBound", 96),
+        ("LsSoftBound", 12),
         ("LsWorldDef", 64),
         ("LsStepReport", 96),
         ("LsMoved", 88),

@@ -14,6 +14,7 @@ pub static LIBRARY: LazyLock<Library> = LazyLock::new(Library::build);
 pub enum Language {
     C99,
     Cpp11,
+    Cpp17,
 }
 
 #[derive(Clone, Copy)]
@@ -79,6 +80,7 @@ impl Library {
         let (compiler, standard, kind) = match language {
             Language::C99 => ("cc", "-std=c99", "c"),
             Language::Cpp11 => ("g++", "-std=c++11", "c++"),
+            Language::Cpp17 => ("g++", "-std=c++17", "c++"),
         };
         // Tests run at the same time, and each needs its own program.
         static COUNT: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);

@@ -1,0 +1,57 @@
+//! Which bodies bounds are for: those whose weight stretches a structure.
+
+use super::graph::Graph;
+
+/// Share of the greatest mass of connected bodies from which on a body is heavy.
+const HEAVY_SHARE: f32 = 0.1;
+
+/// Connected bodies, by how they are held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Weight {
+    /// Held by one attachment: its bounds are for every body, and nothing else is needed.
+    Hung,
+    /// Of at least a tenth of the greatest mass around, and free or held in more than one place.
+    Heavy,
+    /// Lighter than that.
+    Light,
+}
+
+/// Says for each body what it counts as.
+pub(crate) fn weigh(graph: &Graph) -> Vec<Weight> {
+    let mut weights = vec![Weight::Light; graph.masses.len()];
+    let mut seen = vec![false; graph.masses.len()];
+    let mut members = Vec::new();
+    for start in 0..graph.masses.len() as u32 {
+        if seen[start as usize] || !graph.masses[start as usize].is_finite() || graph.ends_on(start).is_empty() {
+            continue;
+        }
+        members.clear();
+        members.push(start);
+        seen[start as usize] = true;
+        let (mut attachments, mut greatest, mut next) = (0, 0.0_f32, 0);
+        while let Some(&body) = members.get(next) {
+            next += 1;
+            greatest = greatest.max(graph.masses[body as usize]);
+            for end in graph.ends_on(body) {
+                match graph.dynamic_body(end.other()) {
+                    None => attachments += 1,
+                    Some(other) if !seen[other as usize] => {
+                        seen[other as usize] = true;
+                        members.push(other);
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+        for &body in &members {
+            weights[body as usize] = if attachments == 1 {
+                Weight::Hung
+            } else if graph.masses[body as usize] >= HEAVY_SHARE * greatest {
+                Weight::Heavy
+            } else {
+                Weight::Light
+            };
+        }
+    }
+    weights
+}
