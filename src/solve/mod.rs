@@ -94,6 +94,7 @@ impl Batch {
         }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.recover_positions(settings.dt);
+        self.direct.settle(joints, &self.velocities, &mut self.motions);
         self.joint_gap = joint::worst_gap(self.joints.entries.iter().chain(self.direct.entries()), joints, &self.motions);
     }
 

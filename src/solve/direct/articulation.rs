@@ -16,7 +16,7 @@
 //!
 //! A substep that ends with an error beyond the tolerance, and not well below what it began with, is undone and taken as two halves.
 
-use glam::{DMat3, DQuat, DVec3, Vec3};
+use glam::{DMat3, DVec3};
 
 use super::body::DirectBody;
 use super::contacts::Touch;
@@ -25,11 +25,9 @@ use super::history::{History, SecondOrder};
 use super::system::{Coupling, System, Topology};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
-use crate::solve::contact::ContactInput;
 use crate::solve::joint::kinds;
 use crate::solve::joint::rows::{self, Rate};
 use crate::solve::joint::{JointEntry, Stance};
-use crate::solve::rotation;
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 
 /// Error that a substep may leave, over the mean distance of joint points from centres of mass.
@@ -135,6 +133,8 @@ pub(crate) struct Outcome {
     pub first_order: u32,
     pub safe: u32,
     pub halvings: u32,
+    /// Whether the active set of a substep with contacts did not come to an end by itself.
+    pub unsettled: bool,
     /// Worst error left (m).
     pub worst_error: f64,
     /// Worst overlap with what it does not move (m).
@@ -196,6 +196,9 @@ impl Articulation {
             self.stale = true;
         }
         self.hangs = !self.touches.is_empty() || self.links.iter().any(|link| link.moves != [true; 2]);
+        if !self.touches.is_empty() && self.is_rigid() {
+            return false;
+        }
         match self.place_touches() {
             Ok(grew) => self.stale |= grew,
             Err(NoRoom) => return false,
@@ -208,6 +211,12 @@ impl Articulation {
         let (sum, count) = levers.fold((0.0, 0.0), |(sum, count), length| (sum + length, count + 1.0));
         self.size = if count > 0.0 { sum / count } else { 1.0 };
         self.topology.plan.work > 0
+    }
+
+    /// Whether joints leave no freedom: contacts then contradict one another, and no active set of theirs comes to an end.
+    fn is_rigid(&self) -> bool {
+        let rows: u32 = self.links.iter().map(|link| link.capacity).sum();
+        rows as usize >= 6 * self.bodies.iter().filter(|body| body.is_dynamic()).count()
     }
 
     /// Gives every contact a joint of its body whose node has its rows; says whether any node needs more room than it had.
@@ -259,7 +268,7 @@ impl Articulation {
     ) {
         self.load(velocities, motions);
         self.step_start.clone_from(&self.stances);
-        if !self.watched.is_empty() {
+        if !self.watched.is_empty() || !self.touches.is_empty() {
             self.untouched.clone_from(&self.entries);
         }
         self.budget = budget;
@@ -310,31 +319,12 @@ impl Articulation {
         self.stances.extend(slots().map(|slot| motions[slot].stance()));
     }
 
-    /// Whether a contact that it should not feel is closed at the end of its step; bodies of others fly on by themselves.
-    pub(crate) fn meets(
-        &self,
-        contact: &ContactInput,
-        local: &[(u32, u32)],
-        velocities: &[BodyVelocity],
-        motions: &[BodyMotion],
-        dt: f32,
-    ) -> bool {
-        let path = |slot: u32| {
-            let number = local[slot as usize].1 as usize;
-            if self.bodies.get(number).is_some_and(|body| body.slot == slot) {
-                let (now, start) = (&self.stances[number], &self.step_start[number]);
-                return (now.0 - start.0, now.1 * start.1.conjugate());
-            }
-            let (velocity, motion) = (&velocities[slot as usize], &motions[slot as usize]);
-            let flight = velocity.linear * dt + motion.acceleration * (dt * dt);
-            (flight.as_dvec3(), rotation::rotated(DQuat::IDENTITY, (velocity.angular * dt).as_dvec3()))
-        };
-        let (a, b) = (path(contact.a), path(contact.b));
-        let moved = |path: &Stance, lever: Vec3| path.0 + path.1 * lever.as_dvec3() - lever.as_dvec3();
-        (0..contact.count).any(|i| {
-            let apart = moved(&b, contact.lever_b[i]) - moved(&a, contact.lever_a[i]);
-            f64::from(contact.separation[i]) + contact.normal.as_dvec3().dot(apart) < 0.0
-        })
+    /// How far the body with this slot and number has moved and turned in the step.
+    pub(crate) fn path_of(&self, slot: u32, local: u32) -> Option<Stance> {
+        let number = local as usize;
+        self.bodies.get(number).filter(|body| body.slot == slot)?;
+        let (now, start) = (&self.stances[number], &self.step_start[number]);
+        Some((now.0 - start.0, now.1 * start.1.conjugate()))
     }
 
     /// Leaves the step to the sweeps, as if it had not been taken.

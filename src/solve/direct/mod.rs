@@ -29,6 +29,7 @@ mod project;
 mod stiffness;
 mod substep;
 mod system;
+mod watch;
 
 use articulation::Articulation;
 use contacts::Touch;
@@ -282,12 +283,11 @@ impl Direct {
     ) {
         for articulation in self.articulations[..self.count].iter_mut().filter(|articulation| !articulation.coupled) {
             articulation.step(joints, velocities, motions, settings.substeps, f64::from(settings.dt), HALVING_BUDGET);
-            let meets =
-                |&number: &u32| articulation.meets(&contacts[number as usize], &self.local, velocities, motions, settings.dt);
-            if articulation.watched.iter().any(meets) {
-                articulation.give_up();
-                continue;
-            }
+        }
+        while let Some(number) = self.first_to_meet(velocities, motions, contacts, settings.dt) {
+            self.articulations[number].give_up();
+        }
+        for articulation in self.articulations[..self.count].iter_mut().filter(|articulation| !articulation.coupled) {
             articulation.store(velocities, motions);
             for slot in articulation.moved_slots() {
                 motions[slot as usize].direct = true;
@@ -301,5 +301,31 @@ impl Direct {
             }
         }
         self.impulses.sort_unstable_by_key(|&(number, _)| number);
+    }
+
+    /// An articulation that has taken its step by itself although it comes to touch what moves, or found no end to it.
+    ///
+    /// Where one gives up, it no longer stands where it has gone, so the others are judged anew.
+    fn first_to_meet(
+        &self,
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+        contacts: &[ContactInput],
+        dt: f32,
+    ) -> Option<usize> {
+        let paths = |slot: u32| {
+            let (number, local) = self.local[slot as usize];
+            let own = self.articulations.get(number as usize).filter(|own| (number as usize) < self.count && !own.coupled);
+            match own.and_then(|own| own.path_of(slot, local)) {
+                Some(path) => [path; 2],
+                None => watch::free_paths(&velocities[slot as usize], &motions[slot as usize], dt),
+            }
+        };
+        self.articulations().iter().position(|articulation| {
+            let mut watched = articulation.watched.iter().map(|&number| &contacts[number as usize]);
+            !articulation.coupled
+                && (articulation.outcome.unsettled
+                    || watched.any(|contact| watch::meets(contact, paths(contact.a), paths(contact.b))))
+        })
     }
 }

@@ -35,7 +35,9 @@ impl Articulation {
         }
         self.build_rows(joints, if mode == Mode::Safe { Phase::Tangent { h } } else { Phase::Velocity { h } });
         self.system.begin(&self.bodies);
+        self.system.settled = true;
         self.system.solve(&self.topology, &self.bodies, &mut self.rates);
+        self.outcome.unsettled |= !self.system.settled && !self.touches.is_empty();
         self.keep_impulses(full / h);
         for (i, body) in self.bodies.iter().enumerate() {
             let (stance, rate) = (&mut self.stances[i], &mut self.rates[i]);

@@ -24,7 +24,7 @@ use crate::solve::joint::rows::{self, Held, Rate};
 const REGULARIZATION: f64 = 1.0e-9;
 
 /// Most passes of the active set; nearly all solves take one, and the last frees nothing any more.
-const MAX_PASSES: usize = 8;
+const MAX_PASSES: usize = 30;
 
 /// Error below which a fixed row stays fixed (m/s, rad/s, or m and rad in a projection).
 const FREE_BELOW: f64 = 1.0e-10;
@@ -32,6 +32,12 @@ const FREE_BELOW: f64 = 1.0e-10;
 /// Most times that a solution is refined with the same factor, and the share of the first residual from which it is.
 const REFINEMENTS: usize = 2;
 const REFINE_ABOVE: f64 = 1.0e-7;
+
+/// Share of the residual that a refinement must reach to be kept.
+const IMPROVES: f64 = 0.5;
+
+/// Compliance of a contact's row over its own response: of multipliers that hold equally, those of least norm are taken.
+const CONTACT_COMPLIANCE: f64 = 1.0e-6;
 
 /// Share of its limit below which a carried friction multiplier starts as one that holds.
 const STICKS: f64 = 0.999;
@@ -163,10 +169,11 @@ pub(crate) struct System {
     /// Rows in the system now, by node.
     active: Vec<u32>,
     unknowns: Vec<f64>,
+    increments: Vec<f64>,
     base: Vec<Rate>,
     has_pushed: bool,
-    /// Passes of the last solve.
-    pub passes: u32,
+    /// Whether every solve since this was set came to an end by itself.
+    pub settled: bool,
 }
 
 impl System {
@@ -307,8 +314,15 @@ impl System {
     fn respond(&mut self, bodies: &[DirectBody]) {
         for node in &self.nodes {
             let [a, b] = node.bodies.map(|body| bodies[body as usize].inverse_inertia);
+            let masses = node.bodies.map(|body| bodies[body as usize].inverse_mass);
             for row in &mut self.rows[node.first as usize..node.last as usize] {
                 row.response = [a * row.angular[0], b * row.angular[1]];
+                if row.origin == Origin::Contact {
+                    let own = |side: usize| {
+                        (masses[side] * row.linear[side]).dot(row.linear[side]) + row.response[side].dot(row.angular[side])
+                    };
+                    row.gamma = CONTACT_COMPLIANCE * (own(0) + own(1));
+                }
             }
         }
     }
@@ -318,15 +332,16 @@ impl System {
         self.base.clear();
         self.base.extend_from_slice(rates);
         for pass in 1..=MAX_PASSES {
-            self.passes = pass as u32;
             rates.copy_from_slice(&self.base);
             self.push_fixed(bodies, rates);
             self.solve_active(topology, bodies, rates);
-            let may_free = pass < MAX_PASSES / 2;
+            let may_free = pass < MAX_PASSES - MAX_PASSES / 3;
             if self.revise(rates, may_free) + self.revise_friction(rates, may_free) == 0 {
-                break;
+                self.settled &= may_free;
+                return;
             }
         }
+        self.settled = false;
     }
 
     fn push_fixed(&self, bodies: &[DirectBody], rates: &mut [Rate]) {
@@ -340,7 +355,7 @@ impl System {
     }
 
     fn solve_active(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
-        let Self { nodes, rows, factor, active, unknowns, .. } = self;
+        let Self { nodes, rows, factor, active, unknowns, increments, .. } = self;
         active.clear();
         let counts = nodes.iter().map(|node| {
             let before = active.len();
@@ -351,22 +366,23 @@ impl System {
         assemble(nodes, rows, active, factor, topology, bodies);
         factor.factorize(&topology.plan);
         active.iter().for_each(|&row| rows[row as usize].impulse = 0.0);
-        let mut first = 0.0;
+        let first = find_residuals(nodes, rows, active, factor, rates, unknowns);
+        let mut before = first;
         for round in 0..=REFINEMENTS {
-            let worst = find_residuals(nodes, rows, active, factor, rates, unknowns);
-            first = if round == 0 { worst } else { first };
-            if (round > 0 && worst <= REFINE_ABOVE * first) || !worst.is_finite() {
+            factor.solve(&topology.plan, unknowns);
+            std::mem::swap(unknowns, increments);
+            add_impulses(nodes, rows, active, factor, increments, 1.0, bodies, rates);
+            let left = find_residuals(nodes, rows, active, factor, rates, unknowns);
+            let improves = left < IMPROVES * before;
+            if round > 0 && !improves {
+                // Rows that contradict each other: more of the same would only raise multipliers that cancel.
+                add_impulses(nodes, rows, active, factor, increments, -1.0, bodies, rates);
                 break;
             }
-            factor.solve(&topology.plan, unknowns);
-            for (number, node) in nodes.iter().enumerate() {
-                let range = factor.start_of(number)..factor.start_of(number + 1);
-                for (&index, &impulse) in active[range.clone()].iter().zip(&unknowns[range]) {
-                    let row = &mut rows[index as usize];
-                    row.impulse += impulse;
-                    push(row, node, impulse, bodies, rates);
-                }
+            if left <= REFINE_ABOVE * first {
+                break;
             }
+            before = left;
         }
     }
 
@@ -440,7 +456,30 @@ impl System {
                 error * length
             }
         };
-        self.rows.iter().map(error).fold(0.0, f64::max)
+        // Unlike `max`, which passes over what is no number.
+        self.rows.iter().map(error).fold(0.0, |worst, error| if error <= worst { worst } else { error })
+    }
+}
+
+/// Adds a share of the increments to the multipliers of the rows in the system, and their push to the rates.
+#[expect(clippy::too_many_arguments, reason = "parts of a system that are borrowed one by one")]
+fn add_impulses(
+    nodes: &[Node],
+    rows: &mut [Row],
+    active: &[u32],
+    factor: &Factor,
+    increments: &[f64],
+    share: f64,
+    bodies: &[DirectBody],
+    rates: &mut [Rate],
+) {
+    for (number, node) in nodes.iter().enumerate() {
+        let range = factor.start_of(number)..factor.start_of(number + 1);
+        for (&index, &increment) in active[range.clone()].iter().zip(&increments[range]) {
+            let row = &mut rows[index as usize];
+            row.impulse += increment * share;
+            push(row, node, increment * share, bodies, rates);
+        }
     }
 }
 
