@@ -13,7 +13,7 @@ use crate::sized::{Definition, SizedOut, Versioned};
 pub const LS_SOLVER_AUTO: i32 = 0;
 /// Solver: sweeps over the constraints, with long-range constraints.
 pub const LS_SOLVER_GAUSS_SEIDEL: i32 = 1;
-/// Solver: direct solve of articulations; LS_ERROR_UNSUPPORTED in this version.
+/// Solver: direct solve of articulations; sweeps for what its matrix does not fit.
 pub const LS_SOLVER_DIRECT: i32 = 2;
 
 /// When bodies fall asleep.

@@ -36,6 +36,12 @@ pub(super) const TOLERANCE: f64 = 2.0e-3;
 /// How often a substep may be halved.
 const MOST_HALVINGS: u32 = 4;
 
+/// Multiplications of the factorisations that halved substeps may take in a step, one for each, and the least and the greatest
+/// number of halvings that this allows: a violent frame of some hundred bodies stays below ten milliseconds.
+const HALVING_WORK: u64 = 10_000_000;
+const LEAST_HALVINGS: u64 = 4;
+const MOST_BUDGET: u64 = 60;
+
 /// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
 const MUST_FALL: f64 = 0.5;
 
@@ -264,14 +270,13 @@ impl Articulation {
         motions: &[BodyMotion],
         substeps: u32,
         dt: f64,
-        budget: u32,
     ) {
         self.load(velocities, motions);
         self.step_start.clone_from(&self.stances);
         if !self.watched.is_empty() || !self.touches.is_empty() {
             self.untouched.clone_from(&self.entries);
         }
-        self.budget = budget;
+        self.budget = (HALVING_WORK / self.topology.plan.work).clamp(LEAST_HALVINGS, MOST_BUDGET) as u32;
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
         let mut error = self.find_errors(joints).worst;
         let taken = if self.mode == Mode::Smooth { self.wanted_substeps(substeps, dt) } else { substeps };

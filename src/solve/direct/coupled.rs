@@ -4,6 +4,7 @@
 //! hold; contacts see the bodies with their geometric stiffness, I + G, in place of I. Rows are those of a safe substep.
 
 use super::articulation::{Articulation, Mode};
+use super::system::PASSES;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::joint::rows::{Phase, Rate};
@@ -39,7 +40,7 @@ impl Articulation {
             *rate = Rate::of(&velocities[body.slot as usize]);
         }
         self.system.withdraw(&self.bodies, &mut self.rates);
-        self.system.solve(&self.topology, &self.bodies, &mut self.rates);
+        self.system.solve(&self.topology, &self.bodies, &mut self.rates, PASSES);
         for (rate, body) in self.rates.iter().zip(&self.bodies) {
             if body.is_dynamic() {
                 let velocity = &mut velocities[body.slot as usize];

@@ -35,9 +35,6 @@ use articulation::Articulation;
 use contacts::Touch;
 use history::History;
 
-/// Halvings that an articulation may spend in a step.
-const HALVING_BUDGET: u32 = 60;
-
 /// The articulations of a batch that are solved directly.
 #[derive(Debug, Default)]
 pub(crate) struct Direct {
@@ -282,7 +279,7 @@ impl Direct {
         settings: &StepSettings,
     ) {
         for articulation in self.articulations[..self.count].iter_mut().filter(|articulation| !articulation.coupled) {
-            articulation.step(joints, velocities, motions, settings.substeps, f64::from(settings.dt), HALVING_BUDGET);
+            articulation.step(joints, velocities, motions, settings.substeps, f64::from(settings.dt));
         }
         while let Some(number) = self.first_to_meet(velocities, motions, contacts, settings.dt) {
             self.articulations[number].give_up();

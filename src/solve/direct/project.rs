@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::articulation::{Articulation, TOLERANCE};
 use super::contacts::Touch;
+use super::system::PROJECTION_PASSES;
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
 use crate::solve::joint::geometry::JointGeometry;
@@ -102,7 +103,7 @@ impl Articulation {
             self.changes.clear();
             self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
             self.system.begin(&self.bodies);
-            self.system.solve(&self.topology, &self.bodies, &mut self.changes);
+            self.system.solve(&self.topology, &self.bodies, &mut self.changes, PROJECTION_PASSES);
             self.tried.clone_from(&self.stances);
             let mut accepted = false;
             for factor in BACKTRACKING {

@@ -6,7 +6,7 @@ use super::articulation::{Articulation, Mode};
 use super::history::{History, SecondOrder};
 use super::momentum::Momentum;
 use super::stiffness;
-use super::system::Origin;
+use super::system::{CONTACT_PASSES, Origin, PASSES};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::joint::Stance;
@@ -36,7 +36,8 @@ impl Articulation {
         self.build_rows(joints, if mode == Mode::Safe { Phase::Tangent { h } } else { Phase::Velocity { h } });
         self.system.begin(&self.bodies);
         self.system.settled = true;
-        self.system.solve(&self.topology, &self.bodies, &mut self.rates);
+        let most_passes = if self.touches.is_empty() { PASSES } else { CONTACT_PASSES };
+        self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
         self.outcome.unsettled |= !self.system.settled && !self.touches.is_empty();
         self.keep_impulses(full / h);
         for (i, body) in self.bodies.iter().enumerate() {
