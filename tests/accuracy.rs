@@ -145,7 +145,7 @@ fn a_free_cluster_whose_joints_hit_their_stops_keeps_its_angular_momentum() {
 #[test]
 fn a_free_jointed_cluster_stays_together() {
     for joints in ["spherical", "hinge", "fixed"] {
-        Run::of("free_cluster", &[("joints", joints), ("spin", "1")]).keeps("joint_gap_m", 1e-4, "m");
+        Run::of("free_cluster", &[("joints", joints), ("spin", "1")]).keeps("joint_gap_m", 5e-4, "m");
     }
 }
 

@@ -15,7 +15,7 @@ const MAX_PROJECTED_TURN: f64 = 0.5;
 const MOMENTUM_PASSES: usize = 2;
 
 /// Relative gain of rotational energy beyond which a body's angular momentum is not carried into its new pose.
-const MOST_GAIN: f64 = 1.0e-3;
+const MOST_GAIN: f64 = 1.0e-6;
 
 /// One body: what stays as it is for a substep.
 #[derive(Debug, Clone, Copy)]

@@ -17,6 +17,9 @@ const GOOD_ENOUGH: f64 = 0.25;
 /// Overlap with what the articulation does not move below which positions are left as they are (m).
 const NEGLIGIBLE_OVERLAP: f64 = 1.0e-5;
 
+/// Greatest angle that a projection takes out at once (rad), and over the articulation's size the greatest length.
+const MOST_ANGLE: f64 = 0.1;
+
 /// Most projections of a substep.
 const PROJECTIONS: usize = 3;
 
@@ -102,6 +105,7 @@ impl Articulation {
             }
             self.changes.clear();
             self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
+            self.system.begin_projection(MOST_ANGLE * self.size, MOST_ANGLE);
             self.system.begin(&self.bodies);
             self.system.solve(&self.topology, &self.bodies, &mut self.changes, PROJECTION_PASSES);
             self.tried.clone_from(&self.stances);

@@ -447,6 +447,22 @@ impl System {
         changes
     }
 
+    /// Prepares the rows of a projection: bounds the errors that it takes out at once to lengths (m) and angles (rad) for which rows
+    /// stay all but linear, and makes stops that are overrun hold as equalities, which no active set has to find.
+    pub(crate) fn begin_projection(&mut self, length: f64, angle: f64) {
+        for row in &mut self.rows {
+            let most = if row.linear == [DVec3::ZERO; 2] { angle } else { length };
+            let overrun = row.bias < 0.0 && row.min == 0.0 && row.origin != Origin::Contact && row.state != State::Absent;
+            if overrun {
+                (row.state, row.min) = (State::Free, f64::NEG_INFINITY);
+            }
+            row.bias = row.bias.max(-most);
+            if row.min == f64::NEG_INFINITY {
+                row.bias = row.bias.min(most);
+            }
+        }
+    }
+
     /// Greatest error of the rows that must hold, where the rows were made for a projection; `size` (m) turns angles into lengths.
     pub(crate) fn worst_error(&self, size: f64) -> f64 {
         let error = |row: &Row| match (row.state, row.origin) {
