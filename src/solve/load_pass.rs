@@ -162,7 +162,8 @@ impl LoadPass {
                     self.island[slot] = number as u32;
                     let sideways = batch.velocities[slot].linear.reject_from_normalized(self.axes[0]);
                     self.islands[number].is_slow &= sideways.length_squared() < limit * limit;
-                    self.islands[number].is_steady &= batch.motions[slot].steady;
+                    // The pass knows contacts alone: a load that a joint takes would be handed down a second time.
+                    self.islands[number].is_steady &= batch.motions[slot].steady && !batch.motions[slot].jointed;
                     let gained = f64::from(batch.motions[slot].acceleration.length() * h);
                     let mass = 1.0 / f64::from(batch.velocities[slot].inverse_mass.max_element());
                     self.islands[number].worthwhile += WORTHWHILE_SHARE * 0.5 * mass * gained * gained;

@@ -1,0 +1,119 @@
+//! What the direct joint solver promises, at default effort.
+
+use common::Run;
+
+mod common;
+
+#[test]
+fn ten_tonnes_do_not_stretch_a_chain() {
+    for (n, ratio) in [("10", "10000"), ("30", "10000"), ("100", "10000"), ("30", "1"), ("30", "1000000")] {
+        let run = Run::of("hanging_chain", &[("n", n), ("ratio", ratio)]);
+        run.keeps("stretch_pct", 0.01, "%");
+        run.keeps("joint_gap_m", 1e-4, "m");
+        run.keeps("load_err_pct", 1.0, "%");
+    }
+}
+
+#[test]
+fn a_weight_swings_on_its_chain_along_the_exact_path() {
+    // A thousandth of the length; the shortest chain whips hardest and needs more substeps for that.
+    for (n, bound) in [("10", 4e-3), ("30", 6e-3), ("100", 2e-2)] {
+        let run = Run::of("swinging_weight", &[("n", n)]);
+        run.keeps("traj_err_max_m", bound, "m");
+        run.keeps("joint_gap_m", 1e-4, "m");
+        run.keeps("energy_drift_pct", 0.1, "%");
+    }
+}
+
+#[test]
+fn halving_the_substep_quarters_the_error_of_the_path() {
+    let error = |substeps| Run::of("swinging_weight", &[("n", "30"), ("substeps", substeps)]).error("traj_err_rms_m");
+    let (coarse, fine) = (error("2"), error("4"));
+    assert!(fine < 0.4 * coarse, "the mean error falls from {coarse} to {fine} m");
+}
+
+#[test]
+fn a_bridge_of_1132_joints_keeps_its_sag() {
+    let run = Run::of("rope_bridge", &[("seconds", "5")]);
+    run.keeps("stretch_pct", 0.01, "%");
+    run.keeps("joint_gap_m", 1e-4, "m");
+    let sag = run.error("mid_sag_m");
+    assert!((1.99..2.01).contains(&sag), "the bridge sags {sag} m instead of 2.00");
+}
+
+#[test]
+fn a_bridge_holds_together_under_who_walks_over_it() {
+    Run::of("rope_bridge", &[("walk", "on"), ("seconds", "5")]).keeps("joint_gap_m", 1e-3, "m");
+}
+
+#[test]
+fn a_loop_of_hinges_stays_in_its_plane_and_keeps_its_momentum() {
+    let run = Run::of("hinge_loop", &[]);
+    run.keeps("plane_rms_m", 1e-4, "m");
+    run.keeps("axis_rms_deg", 0.05, "degrees");
+    run.keeps("joint_gap_m", 1e-4, "m");
+    run.keeps("lin_momentum_err_pct", 1e-3, "%");
+    run.keeps("ang_momentum_err_pct", 0.1, "%");
+}
+
+#[test]
+fn cars_hang_on_a_cable_over_two_drums() {
+    // 1 cm of it is the gap between cable and drum at the start.
+    let run = Run::of("cable_car", &[("seconds", "5")]);
+    run.keeps("car_drop_m", 0.025, "m");
+    run.keeps("joint_gap_m", 3e-4, "m");
+}
+
+#[test]
+fn a_curling_chain_keeps_its_swing_limits() {
+    for ratio in ["1", "10000"] {
+        Run::of("cantilever", &[("ratio", ratio), ("seconds", "4")]).keeps("limit_err_deg", 0.05, "degrees");
+    }
+}
+
+#[test]
+fn servos_hold_an_arm_with_any_payload() {
+    for payload in ["2", "200", "20000"] {
+        Run::of("arm", &[("payload", payload)]).keeps("servo_err_deg", 0.01, "degrees");
+    }
+}
+
+#[test]
+fn servos_lift_a_stack_on_a_fork() {
+    let run = Run::of("excavator", &[]);
+    run.keeps("servo_err_deg", 0.02, "degrees");
+    run.keeps("slip_m", 1e-3, "m");
+    run.keeps("joint_gap_m", 1e-3, "m");
+}
+
+#[test]
+fn ragdolls_in_a_heap_keep_their_joints_and_limits() {
+    let run = Run::of("ragdoll_pile", &[("n", "8"), ("seconds", "4")]);
+    run.keeps("joint_gap_m", 1e-3, "m");
+    run.keeps("overshoot_deg", 0.5, "degrees");
+}
+
+#[test]
+fn a_track_stays_on_its_sprockets() {
+    let run = Run::of("track", &[("seconds", "4")]);
+    run.keeps("links_off", 0.0, "links");
+    run.keeps("joint_gap_m", 5e-3, "m");
+}
+
+#[test]
+fn a_welded_vase_lands_in_one_piece() {
+    let run = Run::of("vase", &[("seconds", "2")]);
+    run.keeps("rigid_dev_max_m", 5e-4, "m");
+    run.keeps("energy_gain_pct", 0.1, "%");
+}
+
+#[test]
+fn thrown_articulations_gain_no_energy_and_close_again() {
+    for (what, ratio) in [("chain", "10000"), ("mobile", "10000"), ("graph", "1")] {
+        for seed in ["1", "2", "3"] {
+            let run = Run::of("violent", &[("what", what), ("ratio", ratio), ("seed", seed), ("seconds", "1")]);
+            run.keeps("energy_growth_pct", 100.0, "%");
+            run.keeps("joint_gap_m", 1e-3, "m");
+        }
+    }
+}
