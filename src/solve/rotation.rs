@@ -97,15 +97,26 @@ fn skew(v: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
 }
 
+/// 1/(n (n + 1)) and 1/(n (n − 1)) for n = 2, 4 … 16: the power series of sin x / x and cos x.
+const SERIES: [(f64, f64); 8] = {
+    let mut terms = [(0.0, 0.0); 8];
+    let mut k = 0;
+    while k < 8 {
+        let n = 2.0 * (k + 1) as f64;
+        terms[k] = (1.0 / (n * (n + 1.0)), 1.0 / (n * (n - 1.0)));
+        k += 1;
+    }
+    terms
+};
+
 /// `rotation` turned by a rotation vector in world axes (rad), by power series: the same bits on every platform.
 pub(crate) fn rotated(rotation: DQuat, vector: DVec3) -> DQuat {
     let half = vector * 0.5;
     let x = half.length_squared();
     let (mut sine_over_angle, mut cosine) = (1.0, 1.0);
-    for k in (1..=8).rev() {
-        let n = f64::from(2 * k);
-        sine_over_angle = 1.0 - x / (n * (n + 1.0)) * sine_over_angle;
-        cosine = 1.0 - x / (n * (n - 1.0)) * cosine;
+    for (sine_term, cosine_term) in SERIES.iter().rev() {
+        sine_over_angle = 1.0 - x * sine_term * sine_over_angle;
+        cosine = 1.0 - x * cosine_term * cosine;
     }
     let axis = half * sine_over_angle;
     (DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine) * rotation).normalize()

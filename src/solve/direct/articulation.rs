@@ -16,7 +16,7 @@
 //!
 //! A substep that ends with an error beyond the tolerance, and not well below what it began with, is undone and taken as two halves.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::body::DirectBody;
 use super::contacts::Touch;
@@ -152,7 +152,7 @@ pub(crate) struct Outcome {
 struct Saved {
     rates: Vec<Rate>,
     stances: Vec<Stance>,
-    entries: Vec<JointEntry>,
+    joints: Vec<(JointImpulses, Vec3, Vec3)>,
     touches: Vec<Touch>,
 }
 
@@ -278,17 +278,17 @@ impl Articulation {
         }
         self.budget = (HALVING_WORK / self.topology.plan.work).clamp(LEAST_HALVINGS, MOST_BUDGET) as u32;
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
-        let mut error = self.find_errors(joints).worst;
         let taken = if self.mode == Mode::Smooth { self.wanted_substeps(substeps, dt) } else { substeps };
         // Carried multipliers are those of the world's substep.
         let share = f64::from(substeps) / f64::from(taken);
         self.scale_impulses(share as f32);
         self.surprise = 0.0;
+        let mut error = None;
         for _ in 0..taken {
-            error = self.advance(joints, dt / f64::from(taken), 0, error);
+            error = Some(self.advance(joints, dt / f64::from(taken), 0, error));
         }
         self.scale_impulses((1.0 / share) as f32);
-        self.outcome.worst_error = error;
+        self.outcome.worst_error = error.unwrap_or_default();
         self.note_wanted_substeps(substeps, taken);
     }
 
@@ -353,8 +353,8 @@ impl Articulation {
         }
     }
 
-    /// One substep, in halves where it must be; takes and returns the worst error (m).
-    fn advance(&mut self, joints: &Pool<Joint, JointId>, h: f64, depth: u32, before: f64) -> f64 {
+    /// One substep, in halves where it must be; takes the worst error where it is known, and returns it (m).
+    fn advance(&mut self, joints: &Pool<Joint, JointId>, h: f64, depth: u32, before: Option<f64>) -> f64 {
         self.save(depth);
         if self.mode == Mode::Smooth {
             let order = self.second_order(h);
@@ -362,7 +362,8 @@ impl Articulation {
             self.order = order.unwrap_or_default();
             let momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
             let errors = self.find_errors(joints);
-            if errors.worst <= (TOLERANCE * self.size).max(before) && !self.touches.iter().any(Touch::presses) {
+            if errors.worst <= (TOLERANCE * self.size).max(before.unwrap_or_default()) && !self.touches.iter().any(Touch::presses)
+            {
                 let error = self.project(joints, errors);
                 self.keep_momentum(momentum);
                 if second_order {
@@ -377,6 +378,7 @@ impl Articulation {
             self.forget_history();
             self.restore(depth);
         }
+        let before = before.unwrap_or_else(|| self.find_errors(joints).worst);
         let momentum = self.substep(joints, h, Mode::Safe);
         let errors = self.find_errors(joints);
         let error = self.project(joints, errors);
@@ -394,8 +396,8 @@ impl Articulation {
         self.outcome.halvings += 1;
         self.restore(depth);
         self.scale_impulses(0.5);
-        let middle = self.advance(joints, 0.5 * h, depth + 1, before);
-        let error = self.advance(joints, 0.5 * h, depth + 1, middle);
+        let middle = self.advance(joints, 0.5 * h, depth + 1, Some(before));
+        let error = self.advance(joints, 0.5 * h, depth + 1, Some(middle));
         self.scale_impulses(2.0);
         error
     }
@@ -407,7 +409,8 @@ impl Articulation {
         let saved = &mut self.saved[depth as usize];
         saved.rates.clone_from(&self.rates);
         saved.stances.clone_from(&self.stances);
-        saved.entries.clone_from(&self.entries);
+        saved.joints.clear();
+        saved.joints.extend(self.entries.iter().map(|entry| (entry.impulses, entry.linear_sum, entry.angular_sum)));
         saved.touches.clone_from(&self.touches);
     }
 
@@ -415,7 +418,9 @@ impl Articulation {
         let saved = &self.saved[depth as usize];
         self.rates.clone_from(&saved.rates);
         self.stances.clone_from(&saved.stances);
-        self.entries.clone_from(&saved.entries);
+        for (entry, joint) in self.entries.iter_mut().zip(&saved.joints) {
+            (entry.impulses, entry.linear_sum, entry.angular_sum) = *joint;
+        }
         self.touches.clone_from(&saved.touches);
     }
 

@@ -265,9 +265,24 @@ fn add_product_of<const M: usize, const N: usize, const K: usize>(c: &mut [f64],
     }
 }
 
-/// Inverts a symmetric positive definite matrix of n × n in place, by Gauss–Jordan steps on its diagonal; a row that depends on
-/// those before it gets no multiplier.
+/// Inverts a symmetric positive definite matrix of n × n in place; a row that depends on those before it gets no multiplier.
 fn invert(a: &mut [f64], n: usize) {
+    match n {
+        3 => invert_of::<3>(a),
+        5 => invert_of::<5>(a),
+        6 => invert_of::<6>(a),
+        _ => invert_any(a, n),
+    }
+}
+
+fn invert_of<const N: usize>(a: &mut [f64]) {
+    invert_any(a, N);
+}
+
+/// Gauss–Jordan steps on the diagonal.
+#[inline(always)]
+fn invert_any(a: &mut [f64], n: usize) {
+    let a = &mut a[..n * n];
     let mut own = [0.0; MAX_ROWS];
     for (i, value) in own[..n].iter_mut().enumerate() {
         *value = a[i * n + i];
@@ -282,18 +297,20 @@ fn invert(a: &mut [f64], n: usize) {
             continue;
         }
         let inverse = 1.0 / pivot;
-        for i in (0..n).filter(|&i| i != k) {
-            let factor = a[i * n + k] * inverse;
-            for j in (0..n).filter(|&j| j != k) {
-                a[i * n + j] -= factor * a[k * n + j];
+        // The pivot's row and column are left out by making them those of a step that is already done.
+        a[k * n + k] = 1.0;
+        for j in 0..n {
+            a[k * n + j] *= inverse;
+        }
+        for i in 0..n {
+            if i != k {
+                let factor = a[i * n + k];
+                a[i * n + k] = 0.0;
+                for j in 0..n {
+                    a[i * n + j] -= factor * a[k * n + j];
+                }
             }
         }
-        for j in (0..n).filter(|&j| j != k) {
-            // Rows already done carry the inverse, with the other sign in columns still to be done.
-            a[k * n + j] *= inverse;
-            a[j * n + k] *= -inverse;
-        }
-        a[k * n + k] = inverse;
     }
 }
 

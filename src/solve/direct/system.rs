@@ -16,7 +16,7 @@
 use glam::DVec3;
 
 use super::body::DirectBody;
-use super::factor::{Factor, MAX_ROWS, Plan};
+use super::factor::{Factor, Plan};
 use crate::solve::joint::rows::{self, Held, Rate};
 
 /// Added to the diagonal, relative to it: rows that repeat others (a closed planar loop has three) share their multiplier instead
@@ -171,6 +171,8 @@ pub(crate) struct System {
     factor: Factor,
     /// Rows in the system now, by node.
     active: Vec<u32>,
+    /// What the rows of one node do to a body, for the blocks that couple them to another.
+    columns: Vec<(DVec3, DVec3)>,
     unknowns: Vec<f64>,
     increments: Vec<f64>,
     base: Vec<Rate>,
@@ -358,7 +360,7 @@ impl System {
     }
 
     fn solve_active(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
-        let Self { nodes, rows, factor, active, unknowns, increments, .. } = self;
+        let Self { nodes, rows, factor, active, columns, unknowns, increments, .. } = self;
         active.clear();
         let counts = nodes.iter().map(|node| {
             let before = active.len();
@@ -366,7 +368,7 @@ impl System {
             (active.len() - before) as u32
         });
         factor.start(&topology.plan, counts);
-        assemble(nodes, rows, active, factor, topology, bodies);
+        assemble(nodes, rows, active, columns, factor, topology, bodies);
         factor.factorize(&topology.plan);
         active.iter().for_each(|&row| rows[row as usize].impulse = 0.0);
         let first = find_residuals(nodes, rows, active, factor, rates, unknowns);
@@ -571,7 +573,15 @@ fn across(axis: DVec3) -> (DVec3, DVec3) {
     (u, axis.cross(u))
 }
 
-fn assemble(nodes: &[Node], rows: &[Row], active: &[u32], factor: &mut Factor, topology: &Topology, bodies: &[DirectBody]) {
+fn assemble(
+    nodes: &[Node],
+    rows: &[Row],
+    active: &[u32],
+    columns: &mut Vec<(DVec3, DVec3)>,
+    factor: &mut Factor,
+    topology: &Topology,
+    bodies: &[DirectBody],
+) {
     for (number, node) in nodes.iter().enumerate() {
         let own = &active[factor.start_of(number)..factor.start_of(number + 1)];
         let masses = node.bodies.map(|body| bodies[body as usize].inverse_mass);
@@ -597,17 +607,16 @@ fn assemble(nodes: &[Node], rows: &[Row], active: &[u32], factor: &mut Factor, t
         let (late_rows, early_rows) = (&active[range(coupling.late)], &active[range(coupling.early)]);
         let (late_side, early_side) = (coupling.late_side as usize, coupling.early_side as usize);
         let mass = bodies[coupling.body as usize].inverse_mass;
-        let mut columns = [(DVec3::ZERO, DVec3::ZERO); MAX_ROWS];
-        for (column, &row) in columns.iter_mut().zip(early_rows) {
+        columns.clear();
+        columns.extend(early_rows.iter().map(|&row| {
             let row = &rows[row as usize];
-            *column = (mass * row.linear[early_side], row.response[early_side]);
-        }
-        let columns = &columns[..early_rows.len()];
+            (mass * row.linear[early_side], row.response[early_side])
+        }));
         let block = factor.block_mut(coupling.start);
         for (i, &row) in late_rows.iter().enumerate() {
             let row = &rows[row as usize];
             let (linear, angular) = (row.linear[late_side], row.angular[late_side]);
-            for (value, column) in block[i * columns.len()..].iter_mut().zip(columns) {
+            for (value, column) in block[i * columns.len()..].iter_mut().zip(&*columns) {
                 *value += linear.dot(column.0) + angular.dot(column.1);
             }
         }
