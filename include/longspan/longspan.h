@@ -199,7 +199,7 @@
 /** Solver: sweeps over the constraints, with long-range constraints. */
 #define LS_SOLVER_GAUSS_SEIDEL 1
 
-/** Solver: direct solve of articulations; LS_ERROR_UNSUPPORTED in this version. */
+/** Solver: direct solve of articulations; sweeps for what its matrix does not fit. */
 #define LS_SOLVER_DIRECT 2
 
 /** Query kinds: shapes of static bodies count. */

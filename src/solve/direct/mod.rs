@@ -5,7 +5,7 @@
 //!
 //! [`Direct`] sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
-//! `system` holds the rows and their active set; `articulation` takes a step, `substep` and `project` one part of it each; `contacts`
+//! `system` holds the rows, `active_set` says which of them count; `articulation` takes a step, `substep` and `project` one part of it each; `contacts`
 //! are those with what it cannot move, `coupled` is the substep of an articulation that touches what moves.
 
 use glam::DVec3;
@@ -17,6 +17,7 @@ use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 
+mod active_set;
 mod articulation;
 mod body;
 mod contacts;
@@ -26,6 +27,7 @@ pub(crate) mod history;
 mod momentum;
 mod order;
 mod project;
+mod row;
 mod stiffness;
 mod substep;
 mod system;

@@ -17,6 +17,7 @@ use glam::DVec3;
 
 use super::body::DirectBody;
 use super::factor::{Factor, Plan};
+use super::row::{Origin, Row, State};
 use crate::solve::joint::rows::{self, Held, Rate};
 
 /// Added to the diagonal, relative to it: rows that repeat others (a closed planar loop has three) share their multiplier instead
@@ -28,9 +29,6 @@ const REGULARIZATION: f64 = 1.0e-9;
 pub(crate) const PASSES: usize = 8;
 pub(crate) const CONTACT_PASSES: usize = 30;
 pub(crate) const PROJECTION_PASSES: usize = 4;
-
-/// Error below which a fixed row stays fixed (m/s, rad/s, or m and rad in a projection).
-const FREE_BELOW: f64 = 1.0e-10;
 
 /// Most times that a solution is refined with the same factor, and the share of the first residual from which it is.
 const REFINEMENTS: usize = 2;
@@ -44,84 +42,6 @@ const CONTACT_COMPLIANCE: f64 = 1.0e-6;
 
 /// Share of its limit below which a carried friction multiplier starts as one that holds.
 const STICKS: f64 = 0.999;
-
-/// Change of sliding friction, over its size, that asks for another pass.
-const CONE_TOLERANCE: f64 = 1.0e-2;
-
-/// Whether a row with bounds is part of the system.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum State {
-    Free,
-    Low,
-    High,
-    /// Takes no part in this phase.
-    Absent,
-}
-
-/// Where the multiplier of a row comes from and goes to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Origin {
-    /// Along a direction of the block of points.
-    Point(DVec3),
-    /// Along a direction of the block of directions.
-    Direction(DVec3),
-    /// A scalar row, by number.
-    Scalar(u8),
-    /// A row of a contact.
-    Contact,
-}
-
-/// One row: J v = Σ linear·v + angular·ω over the two bodies of its node.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Row {
-    pub origin: Origin,
-    pub linear: [DVec3; 2],
-    pub angular: [DVec3; 2],
-    /// I⁻¹ times the angular parts.
-    response: [DVec3; 2],
-    pub bias: f64,
-    gamma: f64,
-    min: f64,
-    max: f64,
-    pub impulse: f64,
-    state: State,
-}
-
-impl Row {
-    fn of(jacobian: &rows::Jacobian, origin: Origin) -> Self {
-        Self {
-            origin,
-            linear: [-jacobian.linear, jacobian.linear],
-            angular: [-jacobian.angular_a, jacobian.angular_b],
-            ..Self::EMPTY
-        }
-    }
-
-    const EMPTY: Self = Self {
-        origin: Origin::Contact,
-        linear: [DVec3::ZERO; 2],
-        angular: [DVec3::ZERO; 2],
-        response: [DVec3::ZERO; 2],
-        bias: 0.0,
-        gamma: 0.0,
-        min: f64::NEG_INFINITY,
-        max: f64::INFINITY,
-        impulse: 0.0,
-        state: State::Free,
-    };
-
-    fn rate(&self, [a, b]: &[Rate; 2]) -> f64 {
-        self.linear[0].dot(a.linear)
-            + self.angular[0].dot(a.angular)
-            + self.linear[1].dot(b.linear)
-            + self.angular[1].dot(b.angular)
-    }
-
-    fn fix(&mut self, impulse: f64) {
-        self.impulse = impulse;
-        self.state = State::High;
-    }
-}
 
 /// Rows of one manifold, by number: normals, then two of friction and one about the normal where there is friction.
 #[derive(Debug, Clone, Copy)]
@@ -391,64 +311,6 @@ impl System {
         }
     }
 
-    /// Frees and fixes rows with bounds; returns how many changed.
-    fn revise(&mut self, rates: &[Rate], may_free: bool) -> usize {
-        let mut changes = 0;
-        for node in &self.nodes {
-            for row in &mut self.rows[node.first as usize..node.last as usize] {
-                let state = match row.state {
-                    State::Absent => continue,
-                    State::Free if row.impulse < row.min => State::Low,
-                    State::Free if row.impulse > row.max => State::High,
-                    State::Free => continue,
-                    State::Low | State::High => {
-                        // Friction has no bounds of its own.
-                        if !may_free || row.min == row.max || row.min == f64::NEG_INFINITY {
-                            continue;
-                        }
-                        let pair = node.bodies.map(|body| rates[body as usize]);
-                        let error = row.rate(&pair) + row.bias + row.gamma * row.impulse;
-                        let wants_more = row.state == State::Low && error < -FREE_BELOW;
-                        let wants_less = row.state == State::High && error > FREE_BELOW;
-                        if !(wants_more || wants_less) {
-                            continue;
-                        }
-                        State::Free
-                    }
-                };
-                row.state = state;
-                row.impulse = match state {
-                    State::Low => row.min,
-                    State::High => row.max,
-                    State::Free | State::Absent => row.impulse,
-                };
-                changes += 1;
-            }
-        }
-        changes
-    }
-
-    /// Lets friction slide or stick: inside the cone |λ| ≤ μ Σλ_n it holds; outside it is a push of that size against the slip.
-    fn revise_friction(&mut self, rates: &[Rate], may_free: bool) -> usize {
-        let mut changes = 0;
-        for number in 0..self.contacts.len() {
-            let contact = self.contacts[number];
-            if !contact.has_friction {
-                continue;
-            }
-            let (pressed, first) = (self.pressed(&contact), (contact.first + contact.normals) as usize);
-            let pair = self.nodes[contact.node as usize].bodies.map(|body| rates[body as usize]);
-            let [u, v, w] = &mut self.rows[first..first + 3] else { continue };
-            let slip = |row: &Row| row.rate(&pair) + row.bias;
-            let (along, about) = ([slip(u), slip(v)], [slip(w), 0.0]);
-            changes += usize::from(revise_cone([u, v], along, contact.friction * pressed, may_free));
-            // About the normal alone, the cone is an interval.
-            let mut none = Row { state: w.state, ..Row::EMPTY };
-            changes += usize::from(revise_cone([w, &mut none], about, contact.twist_arm * pressed, may_free));
-        }
-        changes
-    }
-
     /// Prepares the rows of a projection: bounds the errors that it takes out at once to lengths (m) and angles (rad) for which rows
     /// stay all but linear, and makes stops that are overrun hold as equalities, which no active set has to find.
     pub(crate) fn begin_projection(&mut self, length: f64, angle: f64) {
@@ -525,39 +387,6 @@ fn find_residuals(
         }
     }
     worst
-}
-
-/// Revises a pair of friction rows against the radius of their cone; true if anything changed.
-fn revise_cone([u, v]: [&mut Row; 2], slip: [f64; 2], limit: f64, may_free: bool) -> bool {
-    let size = u.impulse.hypot(v.impulse);
-    if u.state == State::Free {
-        if size <= limit {
-            return false;
-        }
-        let share = limit / size;
-        u.fix(u.impulse * share);
-        v.fix(v.impulse * share);
-        return true;
-    }
-    let speed = slip[0].hypot(slip[1]);
-    let drives = u.impulse * slip[0] + v.impulse * slip[1] > FREE_BELOW * size;
-    let starts = size == 0.0 && limit > 0.0 && speed > FREE_BELOW;
-    if may_free && (drives || starts) {
-        (u.state, v.state) = (State::Free, State::Free);
-        return true;
-    }
-    let direction = if speed > FREE_BELOW {
-        [-slip[0] / speed, -slip[1] / speed]
-    } else if size > 0.0 {
-        [u.impulse / size, v.impulse / size]
-    } else {
-        [0.0; 2]
-    };
-    let new = direction.map(|share| share * limit);
-    let changed = (new[0] - u.impulse).hypot(new[1] - v.impulse) > CONE_TOLERANCE * limit.max(size);
-    u.fix(new[0]);
-    v.fix(new[1]);
-    changed
 }
 
 fn push(row: &Row, node: &Node, impulse: f64, bodies: &[DirectBody], rates: &mut [Rate]) {

@@ -1,0 +1,104 @@
+//! Which rows with bounds are part of the system: stops and motors one by one, friction by its cone.
+
+use super::row::{Row, State};
+use super::system::System;
+use crate::solve::joint::rows::Rate;
+
+/// Error below which a fixed row stays fixed (m/s, rad/s, or m and rad in a projection).
+const FREE_BELOW: f64 = 1.0e-10;
+
+/// Change of sliding friction, over its size, that asks for another pass.
+const CONE_TOLERANCE: f64 = 1.0e-2;
+
+impl System {
+    /// Frees and fixes rows with bounds; returns how many changed.
+    pub(super) fn revise(&mut self, rates: &[Rate], may_free: bool) -> usize {
+        let mut changes = 0;
+        for node in &self.nodes {
+            for row in &mut self.rows[node.first as usize..node.last as usize] {
+                let state = match row.state {
+                    State::Absent => continue,
+                    State::Free if row.impulse < row.min => State::Low,
+                    State::Free if row.impulse > row.max => State::High,
+                    State::Free => continue,
+                    State::Low | State::High => {
+                        // Friction has no bounds of its own.
+                        if !may_free || row.min == row.max || row.min == f64::NEG_INFINITY {
+                            continue;
+                        }
+                        let pair = node.bodies.map(|body| rates[body as usize]);
+                        let error = row.rate(&pair) + row.bias + row.gamma * row.impulse;
+                        let wants_more = row.state == State::Low && error < -FREE_BELOW;
+                        let wants_less = row.state == State::High && error > FREE_BELOW;
+                        if !(wants_more || wants_less) {
+                            continue;
+                        }
+                        State::Free
+                    }
+                };
+                row.state = state;
+                row.impulse = match state {
+                    State::Low => row.min,
+                    State::High => row.max,
+                    State::Free | State::Absent => row.impulse,
+                };
+                changes += 1;
+            }
+        }
+        changes
+    }
+
+    /// Lets friction slide or stick: inside the cone |λ| ≤ μ Σλ_n it holds; outside it is a push of that size against the slip.
+    pub(super) fn revise_friction(&mut self, rates: &[Rate], may_free: bool) -> usize {
+        let mut changes = 0;
+        for number in 0..self.contacts.len() {
+            let contact = self.contacts[number];
+            if !contact.has_friction {
+                continue;
+            }
+            let (pressed, first) = (self.pressed(&contact), (contact.first + contact.normals) as usize);
+            let pair = self.nodes[contact.node as usize].bodies.map(|body| rates[body as usize]);
+            let [u, v, w] = &mut self.rows[first..first + 3] else { continue };
+            let slip = |row: &Row| row.rate(&pair) + row.bias;
+            let (along, about) = ([slip(u), slip(v)], [slip(w), 0.0]);
+            changes += usize::from(revise_cone([u, v], along, contact.friction * pressed, may_free));
+            // About the normal alone, the cone is an interval.
+            let mut none = Row { state: w.state, ..Row::EMPTY };
+            changes += usize::from(revise_cone([w, &mut none], about, contact.twist_arm * pressed, may_free));
+        }
+        changes
+    }
+}
+
+/// Revises a pair of friction rows against the radius of their cone; true if anything changed.
+fn revise_cone([u, v]: [&mut Row; 2], slip: [f64; 2], limit: f64, may_free: bool) -> bool {
+    let size = u.impulse.hypot(v.impulse);
+    if u.state == State::Free {
+        if size <= limit {
+            return false;
+        }
+        let share = limit / size;
+        u.fix(u.impulse * share);
+        v.fix(v.impulse * share);
+        return true;
+    }
+    let speed = slip[0].hypot(slip[1]);
+    let drives = u.impulse * slip[0] + v.impulse * slip[1] > FREE_BELOW * size;
+    let starts = size == 0.0 && limit > 0.0 && speed > FREE_BELOW;
+    if may_free && (drives || starts) {
+        (u.state, v.state) = (State::Free, State::Free);
+        return true;
+    }
+    let direction = if speed > FREE_BELOW {
+        [-slip[0] / speed, -slip[1] / speed]
+    } else if size > 0.0 {
+        [u.impulse / size, v.impulse / size]
+    } else {
+        [0.0; 2]
+    };
+    let new = direction.map(|share| share * limit);
+    let changed = (new[0] - u.impulse).hypot(new[1] - v.impulse) > CONE_TOLERANCE * limit.max(size);
+    u.fix(new[0]);
+    v.fix(new[1]);
+    changed
+}

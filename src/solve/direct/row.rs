@@ -1,0 +1,80 @@
+//! One row of an articulation's system.
+
+use glam::DVec3;
+
+use crate::solve::joint::rows::{self, Rate};
+
+/// Whether a row with bounds is part of the system.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum State {
+    Free,
+    Low,
+    High,
+    /// Takes no part in this phase.
+    Absent,
+}
+
+/// Where the multiplier of a row comes from and goes to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Origin {
+    /// Along a direction of the block of points.
+    Point(DVec3),
+    /// Along a direction of the block of directions.
+    Direction(DVec3),
+    /// A scalar row, by number.
+    Scalar(u8),
+    /// A row of a contact.
+    Contact,
+}
+
+/// One row: J v = Σ linear·v + angular·ω over the two bodies of its node.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Row {
+    pub origin: Origin,
+    pub linear: [DVec3; 2],
+    pub angular: [DVec3; 2],
+    /// I⁻¹ times the angular parts.
+    pub(super) response: [DVec3; 2],
+    pub bias: f64,
+    pub(super) gamma: f64,
+    pub(super) min: f64,
+    pub(super) max: f64,
+    pub impulse: f64,
+    pub(super) state: State,
+}
+
+impl Row {
+    pub(super) fn of(jacobian: &rows::Jacobian, origin: Origin) -> Self {
+        Self {
+            origin,
+            linear: [-jacobian.linear, jacobian.linear],
+            angular: [-jacobian.angular_a, jacobian.angular_b],
+            ..Self::EMPTY
+        }
+    }
+
+    pub(super) const EMPTY: Self = Self {
+        origin: Origin::Contact,
+        linear: [DVec3::ZERO; 2],
+        angular: [DVec3::ZERO; 2],
+        response: [DVec3::ZERO; 2],
+        bias: 0.0,
+        gamma: 0.0,
+        min: f64::NEG_INFINITY,
+        max: f64::INFINITY,
+        impulse: 0.0,
+        state: State::Free,
+    };
+
+    pub(super) fn rate(&self, [a, b]: &[Rate; 2]) -> f64 {
+        self.linear[0].dot(a.linear)
+            + self.angular[0].dot(a.angular)
+            + self.linear[1].dot(b.linear)
+            + self.angular[1].dot(b.angular)
+    }
+
+    pub(super) fn fix(&mut self, impulse: f64) {
+        self.impulse = impulse;
+        self.state = State::High;
+    }
+}
