@@ -90,7 +90,7 @@ impl World {
     /// Makes an empty world.
     ///
     /// # Errors
-    /// Names the field of `def` that is out of range; [`ErrorKind::CapacityExceeded`] when 1023 worlds are alive.
+    /// Names the field of `def` that is out of range; [`CapacityExceeded`](crate::ErrorKind::CapacityExceeded) when 1023 worlds are alive.
     pub fn new(def: &WorldDef) -> Result<Self> {
         def.check()?;
         let tag = WorldTag::acquire()?;
