@@ -30,7 +30,7 @@ mod tests {
         let judged = Judged { held: 9, seeds: 10, failed: vec![3], of_bound: 1.5, worst: vec![("speed_peak", 15.0)] };
         let line = to_line(&ROWS[0], &judged);
         assert!(
-            line.starts_with("| `mass_ratio` | ") && line.ends_with(" | finite | 9/10 | 1.5000 | speed_peak 15.0000 |"),
+            line.starts_with("| `mass_ratio` | ") && line.ends_with(" | bounded | 9/10 | 1.5000 | speed_peak 15.0000 |"),
             "{line}"
         );
     }
