@@ -47,7 +47,7 @@ const MUST_FALL: f64 = 0.5;
 
 /// Change of velocity beyond a steady one that a second-order substep of the default effort may have, over the articulation's
 /// extent (1/s); at another effort it goes with the square of the substep.
-const MOST_SURPRISE: f64 = 4.0e-4;
+const MOST_SURPRISE: f64 = 2.0e-4;
 
 /// Substeps of the default effort.
 const NOMINAL_SUBSTEPS: f64 = 4.0;
