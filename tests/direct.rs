@@ -118,3 +118,15 @@ fn thrown_articulations_gain_no_energy_and_close_again() {
         }
     }
 }
+
+#[test]
+fn effort_may_be_lowered_while_a_chain_whips() {
+    let mut run = Run::of("swinging_weight", &[("n", "10"), ("substeps", "64"), ("seconds", "1")]);
+    let world = run.engine.world_mut();
+    world.set_effort(1, 1).expect("one substep of one sweep is the least effort");
+    for _ in 0..60 {
+        world.step(1.0 / 60.0).expect("the step has a valid length");
+    }
+    let gap = world.report().residuals.joint_gap;
+    assert!(gap < 1e-2, "joints gape {gap} m at the least effort, bound 0.01 m");
+}

@@ -311,8 +311,8 @@ impl Articulation {
         let bound = MOST_SURPRISE * self.extent() * (NOMINAL_SUBSTEPS / f64::from(substeps)).powi(2);
         let smooth = self.outcome.first_order + self.outcome.safe + self.outcome.halvings == 0;
         let wanted = if smooth { (f64::from(taken) * (self.surprise / bound).sqrt()).ceil() } else { f64::from(substeps) };
-        let (least, most) = (taken.div_ceil(2), (2 * taken).min(MOST_SUBSTEPS * substeps));
-        let wanted = (wanted as u32).clamp(least.max(1), most.max(1));
+        // Where the host has lowered the effort since, half of what was taken may still be more than is allowed.
+        let wanted = (wanted as u32).max(taken.div_ceil(2)).min((2 * taken).min(MOST_SUBSTEPS * substeps)).max(1);
         self.histories.iter_mut().for_each(|history| history.substeps = wanted);
     }
 
