@@ -105,7 +105,7 @@ impl Live {
     /// Lets go of a publisher that has gone, and clears up after it; true if that was so. To be asked when nothing comes.
     pub(crate) fn detach_if_gone(&mut self) -> bool {
         let Some(attached) = &self.attached else { return false };
-        if !self.looked.is_none_or(|looked| looked.elapsed() >= LOOK_EVERY) {
+        if self.looked.is_some_and(|looked| looked.elapsed() < LOOK_EVERY) {
             return false;
         }
         self.looked = Some(Instant::now());
