@@ -62,8 +62,10 @@ pub use mass::{MASS_RANGE, Mass, MassProperties};
 pub use material::{CombineRule, Material};
 pub use pose::Pose;
 pub use query::{MAX_QUERY_LENGTH, NearestPoint, QueryFilter, Ray, RayHit};
-pub use report::{Contact, ContactPair, ContactPoint, JointOverload, Moved, Residuals, StepCounts, StepReport, StepTimings};
-pub use settings::{MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
+pub use report::{
+    ArticulationReport, Contact, ContactPair, ContactPoint, JointOverload, Moved, Residuals, StepCounts, StepReport, StepTimings,
+};
+pub use settings::{ArticulationSettings, MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};
 pub use span::support::verdict::{BodySupport, SupportChange, Verdict};
 pub use workers::ParallelFor;

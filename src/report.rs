@@ -64,6 +64,40 @@ pub struct Residuals {
     pub joint_gap: f32,
     /// Worst overlap of two shapes before it was recovered (m).
     pub penetration: f32,
+    /// Worst angle by which a joint or a stop of an articulation is off (rad).
+    pub joint_angle: f32,
+}
+
+/// How an articulation was solved in the last step: bodies that joints connect, solved at once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArticulationReport {
+    /// One of its bodies.
+    pub body: BodyId,
+    /// Bodies that it moves.
+    pub bodies: u32,
+    /// Joints.
+    pub joints: u32,
+    /// Whether it touched what moves, so that its joints were swept with the contacts.
+    pub swept: bool,
+    /// Substeps of second order, smooth ones of first order, and safe ones, in which kinetic energy cannot grow.
+    pub second_order: u32,
+    /// Smooth substeps of first order.
+    pub first_order: u32,
+    /// Substeps in which kinetic energy cannot grow.
+    pub safe: u32,
+    /// Substeps that were undone and taken as two halves.
+    pub halvings: u32,
+    /// Worst distance between joint points beyond what the joint allows (m).
+    pub gap: f32,
+    /// Worst angle by which a joint or a stop is off (rad).
+    pub angle: f32,
+    /// Worst overlap with what it does not move (m).
+    pub penetration: f32,
+    /// Change of kinetic energy that the work of gravity and applied forces does not explain (J): what stepping adds or takes, and
+    /// what motors, damping, friction, impacts and moved anchors do. Zero where it was swept.
+    pub energy_change: f32,
+    /// Numbers in its factor.
+    pub factor_size: u32,
 }
 
 /// Wall time of each stage (s).
@@ -174,6 +208,7 @@ pub(crate) struct Events {
     pub contact_ended: Vec<ContactPair>,
     pub overloaded: Vec<JointOverload>,
     pub quarantined: Vec<BodyId>,
+    pub articulations: Vec<ArticulationReport>,
     /// Contacts that edits ended since the last step: the next step lists them, for a host that reads after each step.
     pub ended_by_edits: Vec<ContactPair>,
 }
@@ -186,6 +221,7 @@ impl Events {
         self.contact_ended.clear();
         self.overloaded.clear();
         self.quarantined.clear();
+        self.articulations.clear();
         self.take_edits();
     }
 

@@ -37,6 +37,31 @@ impl Default for SleepSettings {
     }
 }
 
+/// How much work articulations may take: bodies that joints connect and that are solved at once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArticulationSettings {
+    /// How far a smooth articulation may be from its exact path after about a second (m), ≥ 0; the engine chooses its substeps for
+    /// that. Zero: about a thousandth of its extent.
+    pub error_target: f32,
+    /// Most substeps of a smooth articulation over those of the world, 1 to 64; the least is one a step.
+    pub most_substeps: u32,
+    /// Multiplications that the factorisations of halved substeps may take in a step of an articulation, in millions, 0 to 1e6.
+    /// Once they are spent, joints may stay open until a later step; energy does not grow.
+    pub halving_budget: f32,
+}
+
+impl Default for ArticulationSettings {
+    fn default() -> Self {
+        Self { error_target: 0.0, most_substeps: 4, halving_budget: 10.0 }
+    }
+}
+
+/// Most substeps of an articulation over those of the world.
+const MOST_SUBSTEPS_RANGE: u32 = 64;
+
+/// Most millions of multiplications for halved substeps.
+const MOST_HALVING_BUDGET: f32 = 1.0e6;
+
 /// Most substeps of a step and iterations of a substep.
 pub const MAX_EFFORT: u32 = 256;
 
@@ -54,6 +79,8 @@ pub struct WorldDef {
     pub iterations: u32,
     /// How joints are solved.
     pub solver: Solver,
+    /// How much work articulations may take.
+    pub articulations: ArticulationSettings,
     /// Threads of a step, 1 to 64, the calling one among them; results are the same bits for any number.
     pub threads: u32,
     /// When bodies fall asleep.
@@ -79,6 +106,7 @@ impl Default for WorldDef {
             substeps: 4,
             iterations: 2,
             solver: Solver::Auto,
+            articulations: ArticulationSettings::default(),
             threads: 1,
             sleep: SleepSettings::default(),
             long_range: LongRangeDef::default(),
@@ -107,6 +135,12 @@ impl WorldDef {
         within("substeps", self.substeps, MAX_EFFORT)?;
         within("iterations", self.iterations, MAX_EFFORT)?;
         within("threads", self.threads, MAX_THREADS)?;
+        within("articulations.most_substeps", self.articulations.most_substeps, MOST_SUBSTEPS_RANGE)?;
+        check::not_negative("articulations.error_target", self.articulations.error_target)?;
+        check::not_negative("articulations.halving_budget", self.articulations.halving_budget)?;
+        if self.articulations.halving_budget > MOST_HALVING_BUDGET {
+            return Err(Error::new(ErrorKind::OutOfRange, "articulations.halving_budget", "is above 1e6"));
+        }
         if self.body_capacity > MAX_CAPACITY_HINT || self.joint_capacity > MAX_CAPACITY_HINT {
             return Err(Error::new(ErrorKind::OutOfRange, "body_capacity", "capacity hints go up to 1048576"));
         }

@@ -2,7 +2,7 @@
 //!
 //! Arrays of these structs are handed out by pointer, so their layout never changes.
 
-use ls_core::{Contact, ContactPair, JointOverload, Moved};
+use ls_core::{ArticulationReport, Contact, ContactPair, JointOverload, Moved};
 
 use crate::handle::{LsBody, LsJoint, LsShape};
 use crate::math::LsPose;
@@ -25,6 +25,38 @@ pub struct LsMoved {
     pub fell_asleep: u32,
     /// Not used; 0.
     pub reserved: u32,
+}
+
+/// How an articulation was solved in a step: bodies that joints connect, solved at once. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsArticulation {
+    /// One of its bodies.
+    pub body: LsBody,
+    /// Bodies that it moves.
+    pub bodies: u32,
+    /// Joints.
+    pub joints: u32,
+    /// 1 if it touched what moves, so that its joints were swept with the contacts, else 0.
+    pub swept: u32,
+    /// Substeps of second order.
+    pub second_order: u32,
+    /// Smooth substeps of first order.
+    pub first_order: u32,
+    /// Substeps in which kinetic energy cannot grow.
+    pub safe: u32,
+    /// Substeps that were undone and taken as two halves.
+    pub halvings: u32,
+    /// Numbers in its factor.
+    pub factor_size: u32,
+    /// Worst distance between joint points beyond what the joint allows (m).
+    pub gap: f32,
+    /// Worst angle by which a joint or a stop is off (rad).
+    pub angle: f32,
+    /// Worst overlap with what it does not move (m).
+    pub penetration: f32,
+    /// Change of kinetic energy that the work of gravity and applied forces does not explain (J); 0 where it was swept.
+    pub energy_change: f32,
 }
 
 /// Two shapes that touch, or touched, and their bodies. The layout of this struct never changes.
@@ -83,6 +115,26 @@ pub struct LsContact {
     pub reserved: u32,
     /// The points; those beyond point_count are zero.
     pub points: [LsContactPoint; 4],
+}
+
+impl From<&ArticulationReport> for LsArticulation {
+    fn from(report: &ArticulationReport) -> Self {
+        Self {
+            body: report.body.into(),
+            bodies: report.bodies,
+            joints: report.joints,
+            swept: report.swept.into(),
+            second_order: report.second_order,
+            first_order: report.first_order,
+            safe: report.safe,
+            halvings: report.halvings,
+            factor_size: report.factor_size,
+            gap: report.gap,
+            angle: report.angle,
+            penetration: report.penetration,
+            energy_change: report.energy_change,
+        }
+    }
 }
 
 impl From<&Moved> for LsMoved {

@@ -5,7 +5,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crate::events::{LsContactPair, LsJointOverload, LsMoved};
+use crate::events::{LsArticulation, LsContactPair, LsJointOverload, LsMoved};
 use crate::handle::LsBody;
 
 #[derive(Default)]
@@ -15,6 +15,7 @@ pub(crate) struct Published {
     pub contact_ended: Array<LsContactPair>,
     pub overloaded: Array<LsJointOverload>,
     pub quarantined: Array<LsBody>,
+    pub articulations: Array<LsArticulation>,
 }
 
 impl Published {
@@ -25,6 +26,7 @@ impl Published {
         self.contact_ended.expire();
         self.overloaded.expire();
         self.quarantined.expire();
+        self.articulations.expire();
     }
 }
 

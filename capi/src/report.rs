@@ -52,11 +52,15 @@ pub struct LsStepReport {
     pub finish_time: f32,
     /// Wall time of the whole step without callbacks (s).
     pub total_time: f32,
+    /// Worst angle by which a joint or a stop of an articulation is off (rad).
+    pub joint_angle: f32,
+    /// Not used; 0.
+    pub reserved: u32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsStepReport {
-    const SIZES: &'static [usize] = &[96];
+    const SIZES: &'static [usize] = &[96, 104];
 }
 
 impl From<&StepReport> for LsStepReport {
@@ -85,6 +89,8 @@ impl From<&StepReport> for LsStepReport {
             solve_time: timings.solve,
             finish_time: timings.finish,
             total_time: timings.total,
+            joint_angle: report.residuals.joint_angle,
+            reserved: 0,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a world starts with, as C describes it.
 
 use ls_core::glam::Vec3;
-use ls_core::{SleepSettings, WorldDef};
+use ls_core::{ArticulationSettings, SleepSettings, WorldDef};
 
 use crate::boundary::call;
 use crate::enums;
@@ -28,6 +28,31 @@ pub struct LsSleepSettings {
     pub angular_speed: f32,
     /// How long all bodies of a group must be quiet before it falls asleep (s); default 0.5.
     pub time: f32,
+}
+
+/// How much work articulations may take: bodies that joints connect and that are solved at once. The layout of this struct never
+/// changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsArticulationSettings {
+    /// How far a smooth articulation may be from its exact path after about a second (m), >= 0; the engine chooses its substeps for
+    /// that. Default 0: about a thousandth of its extent.
+    pub error_target: f32,
+    /// Most substeps of a smooth articulation over those of the world, 1 to 64; default 4. The least is one a step.
+    pub most_substeps: u32,
+    /// Multiplications that the factorisations of halved substeps may take in a step of an articulation, in millions, 0 to 1e6;
+    /// default 10. Once they are spent, joints may stay open until a later step; energy does not grow.
+    pub halving_budget: f32,
+}
+
+impl From<LsArticulationSettings> for ArticulationSettings {
+    fn from(settings: LsArticulationSettings) -> Self {
+        Self {
+            error_target: settings.error_target,
+            most_substeps: settings.most_substeps,
+            halving_budget: settings.halving_budget,
+        }
+    }
 }
 
 /// Everything a world starts with. Fill it with ls_world_def_init first.

@@ -4,7 +4,7 @@ use std::ffi::c_void;
 
 use crate::access::{Hosted, edit_hosted, edit_then_call_back, read_hosted};
 use crate::boundary::call;
-use crate::events::{LsContactPair, LsJointOverload, LsMoved};
+use crate::events::{LsArticulation, LsContactPair, LsJointOverload, LsMoved};
 use crate::float_environment::as_host;
 use crate::handle::{LsBody, LsWorld};
 use crate::last_error::Message;
@@ -98,6 +98,25 @@ pub unsafe extern "C" fn ls_world_moved(world: LsWorld, out: *mut *const LsMoved
     call("ls_world_moved", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, |hosted| hosted.published.moved.get(hosted.world.moved().iter().map(LsMoved::from)))
+    })
+}
+
+/// How each articulation was solved in the last step: bodies that joints connect and that are solved at once. Islands that sleep
+/// or are held, and joints that are left to sweeps alone, are not among them.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_articulations(world: LsWorld, out: *mut *const LsArticulation, count: *mut usize) -> LsResult {
+    call("ls_world_articulations", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, |hosted| {
+            hosted.published.articulations.get(hosted.world.articulations().iter().map(LsArticulation::from))
+        })
     })
 }
 

@@ -17,7 +17,7 @@ use crate::mass::{Mass, MassProperties};
 use crate::material::{CombineRule, Material, PairMaterial};
 use crate::pose::Pose;
 use crate::report::ContactPair;
-use crate::settings::{SleepSettings, Solver, WorldDef};
+use crate::settings::{ArticulationSettings, SleepSettings, Solver, WorldDef};
 use crate::shape::CollisionFilter;
 use crate::solve::contact::ContactImpulses;
 use crate::solve::direct::history::History;
@@ -95,7 +95,9 @@ stored!(WorldDef {
     support,
     hold,
     long_range,
+    articulations,
 });
+stored!(ArticulationSettings { error_target, most_substeps, halving_budget });
 stored!(LongRangeDef { enabled, attachment, hierarchy, soft, levels });
 stored!(AskedBound { joints, bound });
 stored!(SoftBound { share, softness });

@@ -40,6 +40,7 @@ pub(crate) struct StepSettings {
     pub gravity: glam::Vec3,
     pub substeps: u32,
     pub iterations: u32,
+    pub articulations: crate::settings::ArticulationSettings,
     /// Approach speed above which a contact rebounds (m/s).
     pub restitution_threshold: f32,
 }

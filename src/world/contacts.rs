@@ -8,12 +8,19 @@ use crate::collide::collider::Collider;
 use crate::collide::pairs::{PairKey, WorldManifold};
 use crate::error::Result;
 use crate::id::BodyId;
-use crate::report::{Contact, ContactPair, ContactPoint, JointOverload, Moved};
+use crate::report::{ArticulationReport, Contact, ContactPair, ContactPoint, JointOverload, Moved};
 
 impl World {
     /// Bodies whose pose changed in the last step, those that fell asleep at its end included, in order of creation slot.
     pub fn moved(&self) -> &[Moved] {
         &self.events.moved
+    }
+
+    /// How each articulation was solved in the last step: bodies that joints connect and that are solved at once.
+    ///
+    /// Islands that sleep or are held, and joints that are left to sweeps alone, are not among them.
+    pub fn articulations(&self) -> &[ArticulationReport] {
+        &self.events.articulations
     }
 
     /// Pairs of shapes whose contact began in the last step.

@@ -53,6 +53,7 @@ impl World {
             gravity: self.def.gravity,
             substeps: self.def.substeps,
             iterations: self.def.iterations,
+            articulations: self.def.articulations,
             restitution_threshold: self.def.restitution_threshold,
         };
         let substep = dt / self.def.substeps as f32;

@@ -7,7 +7,7 @@ use crate::id::{JointId, ShapeId};
 use crate::joint::JointDef;
 use crate::mass;
 use crate::pose::Pose;
-use crate::settings::{SleepSettings, WorldDef};
+use crate::settings::{ArticulationSettings, SleepSettings, WorldDef};
 use crate::shape::ShapeDef;
 use crate::solve::direct::history::History;
 
@@ -96,6 +96,14 @@ impl World {
     /// Either is out of range.
     pub fn set_effort(&mut self, substeps: u32, iterations: u32) -> Result<()> {
         self.change_def(|def| (def.substeps, def.iterations) = (substeps, iterations))
+    }
+
+    /// Sets how much work articulations may take, from the next step on.
+    ///
+    /// # Errors
+    /// A setting is out of range or not finite.
+    pub fn set_articulation_settings(&mut self, settings: ArticulationSettings) -> Result<()> {
+        self.change_def(|def| def.articulations = settings)
     }
 
     /// Sets when bodies fall asleep; if they no longer may, all wake.

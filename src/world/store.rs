@@ -26,6 +26,12 @@ impl World {
             report.colors = report.colors.max(batch.color_count);
             residuals.joint_gap = residuals.joint_gap.max(batch.joint_gap);
             residuals.penetration = residuals.penetration.max(batch.penetration);
+            for articulation in batch.direct.articulations() {
+                let Some(slot) = articulation.moved_slots().next() else { continue };
+                let report = articulation.report(self.bodies.handle_of(batch.bodies[slot as usize]));
+                residuals.joint_angle = residuals.joint_angle.max(report.angle);
+                self.events.articulations.push(report);
+            }
         }
         self.store_bounds(dt);
         for index in std::mem::take(&mut self.broken) {

@@ -11,16 +11,18 @@ const FREE_BELOW: f64 = 1.0e-10;
 const CONE_TOLERANCE: f64 = 1.0e-2;
 
 impl System {
-    /// Frees and fixes rows with bounds; returns how many changed.
-    pub(super) fn revise(&mut self, rates: &[Rate], may_free: bool) -> usize {
-        let mut changes = 0;
-        for node in &self.nodes {
-            for row in &mut self.rows[node.first as usize..node.last as usize] {
-                let state = match row.state {
-                    State::Absent => continue,
-                    State::Free if row.impulse < row.min => State::Low,
-                    State::Free if row.impulse > row.max => State::High,
-                    State::Free => continue,
+    /// Lists the rows with bounds that are in the wrong state; returns how many.
+    pub(super) fn find_flips(&mut self, rates: &[Rate], may_free: bool) -> usize {
+        let Self { nodes, rows, flips, .. } = self;
+        flips.clear();
+        for node in &*nodes {
+            for number in node.first..node.last {
+                let row = &rows[number as usize];
+                match row.state {
+                    State::Absent => {}
+                    State::Free if row.impulse < row.min => flips.push((number, State::Low)),
+                    State::Free if row.impulse > row.max => flips.push((number, State::High)),
+                    State::Free => {}
                     State::Low | State::High => {
                         // Friction has no bounds of its own.
                         if !may_free || row.min == row.max || row.min == f64::NEG_INFINITY {
@@ -30,22 +32,29 @@ impl System {
                         let error = row.rate(&pair) + row.bias + row.gamma * row.impulse;
                         let wants_more = row.state == State::Low && error < -FREE_BELOW;
                         let wants_less = row.state == State::High && error > FREE_BELOW;
-                        if !(wants_more || wants_less) {
-                            continue;
+                        if wants_more || wants_less {
+                            flips.push((number, State::Free));
                         }
-                        State::Free
                     }
-                };
-                row.state = state;
-                row.impulse = match state {
-                    State::Low => row.min,
-                    State::High => row.max,
-                    State::Free | State::Absent => row.impulse,
-                };
-                changes += 1;
+                }
             }
         }
-        changes
+        flips.len()
+    }
+
+    /// Changes the state of the rows that have been found in a wrong one, or of the last of them alone.
+    pub(super) fn flip(&mut self, only_the_last: bool) {
+        let first = if only_the_last { self.flips.len().saturating_sub(1) } else { 0 };
+        for &(number, state) in &self.flips[first..] {
+            let row = &mut self.rows[number as usize];
+            row.state = state;
+            row.impulse = match state {
+                State::Low => row.min,
+                State::High => row.max,
+                State::Free | State::Absent => row.impulse,
+            };
+            self.is_factored = false;
+        }
     }
 
     /// Lets friction slide or stick: inside the cone |λ| ≤ μ Σλ_n it holds; outside it is a push of that size against the slip.
@@ -61,10 +70,12 @@ impl System {
             let [u, v, w] = &mut self.rows[first..first + 3] else { continue };
             let slip = |row: &Row| row.rate(&pair) + row.bias;
             let (along, about) = ([slip(u), slip(v)], [slip(w), 0.0]);
+            let before = [u.state, w.state];
             changes += usize::from(revise_cone([u, v], along, contact.friction * pressed, may_free));
             // About the normal alone, the cone is an interval.
             let mut none = Row { state: w.state, ..Row::EMPTY };
             changes += usize::from(revise_cone([w, &mut none], about, contact.twist_arm * pressed, may_free));
+            self.is_factored &= before == [u.state, w.state];
         }
         changes
     }
@@ -72,7 +83,7 @@ impl System {
 
 /// Revises a pair of friction rows against the radius of their cone; true if anything changed.
 fn revise_cone([u, v]: [&mut Row; 2], slip: [f64; 2], limit: f64, may_free: bool) -> bool {
-    let size = u.impulse.hypot(v.impulse);
+    let size = length(u.impulse, v.impulse);
     if u.state == State::Free {
         if size <= limit {
             return false;
@@ -82,7 +93,7 @@ fn revise_cone([u, v]: [&mut Row; 2], slip: [f64; 2], limit: f64, may_free: bool
         v.fix(v.impulse * share);
         return true;
     }
-    let speed = slip[0].hypot(slip[1]);
+    let speed = length(slip[0], slip[1]);
     let drives = u.impulse * slip[0] + v.impulse * slip[1] > FREE_BELOW * size;
     let starts = size == 0.0 && limit > 0.0 && speed > FREE_BELOW;
     if may_free && (drives || starts) {
@@ -97,8 +108,12 @@ fn revise_cone([u, v]: [&mut Row; 2], slip: [f64; 2], limit: f64, may_free: bool
         [0.0; 2]
     };
     let new = direction.map(|share| share * limit);
-    let changed = (new[0] - u.impulse).hypot(new[1] - v.impulse) > CONE_TOLERANCE * limit.max(size);
+    let changed = length(new[0] - u.impulse, new[1] - v.impulse) > CONE_TOLERANCE * limit.max(size);
     u.fix(new[0]);
     v.fix(new[1]);
     changed
+}
+
+fn length(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
 }

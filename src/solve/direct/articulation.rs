@@ -25,8 +25,10 @@ use super::factor::Plan;
 use super::history::{History, SecondOrder};
 use super::root;
 use super::system::{Coupling, REGULARIZATION, System, TREE_REGULARIZATION, Topology};
-use crate::id::{JointId, Pool};
+use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
+use crate::report::ArticulationReport;
+use crate::solve::StepSettings;
 use crate::solve::joint::kinds;
 use crate::solve::joint::rows::{self, Rate};
 use crate::solve::joint::{JointEntry, Stance};
@@ -38,11 +40,9 @@ pub(super) const TOLERANCE: f64 = 2.0e-3;
 /// How often a substep may be halved.
 const MOST_HALVINGS: u32 = 4;
 
-/// Multiplications of the factorisations that halved substeps may take in a step, one for each, and the least and the greatest
-/// number of halvings that this allows: a violent frame of some hundred bodies stays below ten milliseconds.
-const HALVING_WORK: u64 = 10_000_000;
-const LEAST_HALVINGS: u64 = 4;
-const MOST_BUDGET: u64 = 60;
+/// The least and the greatest number of halvings that a step's budget of multiplications allows.
+const LEAST_HALVINGS: f64 = 4.0;
+const MOST_BUDGET: f64 = 60.0;
 
 /// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
 const MUST_FALL: f64 = 0.5;
@@ -51,11 +51,14 @@ const MUST_FALL: f64 = 0.5;
 /// extent (1/s); at another effort it goes with the square of the substep.
 const MOST_SURPRISE: f64 = 2.0e-4;
 
+/// Error of the path (m) that the same change of velocity (m/s) in every substep leaves, as measured on swings: 0.7 to 2.2 s.
+const ERROR_PER_SURPRISE: f64 = 1.2;
+
 /// Substeps of the default effort.
 const NOMINAL_SUBSTEPS: f64 = 4.0;
 
-/// Most substeps of a smooth articulation, over those of the world.
-const MOST_SUBSTEPS: u32 = 4;
+/// Greatest path in a safe substep, over the size by which errors are judged: joints and contacts change little along it.
+const MOST_STRIDE: f64 = 0.03;
 
 /// Multiplications of a factorisation above which sweeps are the better choice, for each row of the articulation.
 const MOST_WORK_PER_ROW: u64 = 100_000;
@@ -127,6 +130,8 @@ pub(crate) struct Articulation {
     pub(super) order: SecondOrder,
     /// Greatest change of velocity beyond a steady one in a substep of this step (m/s).
     surprise: f64,
+    /// Length of the substep (s).
+    pub(super) h: f64,
     /// Length by which errors are judged (m).
     pub(super) size: f64,
     mode: Mode,
@@ -147,8 +152,11 @@ pub(crate) struct Outcome {
     pub halvings: u32,
     /// Whether the active set of a substep with contacts did not come to an end by itself.
     pub unsettled: bool,
-    /// Worst error left (m).
-    pub worst_error: f64,
+    /// Worst gap (m) and angle (rad) left.
+    pub gap: f64,
+    pub angle: f64,
+    /// Change of energy that forces do not explain (J).
+    pub energy_change: f64,
     /// Worst overlap with what it does not move (m).
     pub penetration: f64,
 }
@@ -269,40 +277,72 @@ impl Articulation {
         self.bodies.iter().filter(|body| body.is_dynamic()).map(|body| body.slot)
     }
 
-    /// Moves the bodies through a step of length `dt` (s): in `substeps` substeps, or in as many as it needs where it moves smoothly.
+    /// Moves the bodies through a step: in the world's substeps, or in as many as it needs.
     pub(crate) fn step(
         &mut self,
         joints: &Pool<Joint, JointId>,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
-        substeps: u32,
-        dt: f64,
+        settings: &StepSettings,
     ) {
+        let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
         self.load(velocities, motions);
         self.step_start.clone_from(&self.stances);
         if !self.watched.is_empty() || !self.touches.is_empty() {
             self.untouched.clone_from(&self.entries);
         }
-        self.budget = (HALVING_WORK / self.topology.plan.work).clamp(LEAST_HALVINGS, MOST_BUDGET) as u32;
+        let budget = f64::from(settings.articulations.halving_budget) * 1.0e6 / self.topology.plan.work as f64;
+        self.budget = if budget > 0.0 { budget.clamp(LEAST_HALVINGS, MOST_BUDGET) as u32 } else { 0 };
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
-        let taken = if self.mode == Mode::Smooth { self.wanted_substeps(substeps, dt) } else { substeps };
+        let taken = self.wanted_substeps(substeps, dt);
         // Carried multipliers are those of the world's substep.
         let share = f64::from(substeps) / f64::from(taken);
         self.scale_impulses(share as f32);
         self.surprise = 0.0;
+        let energy = self.energy();
         let mut error = None;
         for _ in 0..taken {
             error = Some(self.advance(joints, dt / f64::from(taken), 0, error));
         }
         self.scale_impulses((1.0 / share) as f32);
-        self.outcome.worst_error = error.unwrap_or_default();
-        self.note_wanted_substeps(substeps, taken);
+        self.outcome.energy_change = self.energy() - energy;
+        self.note_wanted_substeps(settings, taken);
     }
 
     /// Substeps that the last step found to be enough, or the world's where there is none to go by.
     fn wanted_substeps(&self, substeps: u32, dt: f64) -> u32 {
         let wanted = self.histories.iter().map(|history| history.substeps).max().unwrap_or(0);
-        if wanted > 0 && self.second_order(dt / f64::from(wanted)).is_some() { wanted } else { substeps }
+        match self.mode {
+            Mode::Safe if wanted > 0 => wanted.min(substeps),
+            Mode::Smooth | Mode::SecondOrder if wanted > 0 && self.second_order(dt / f64::from(wanted)).is_some() => wanted,
+            _ => substeps,
+        }
+    }
+
+    /// Kinetic energy less the work of forces since the start of the step (J), of all bodies that move freely.
+    fn energy(&self) -> f64 {
+        let bodies = self.bodies.iter().zip(&self.rates).zip(self.stances.iter().zip(&self.step_start));
+        bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum()
+    }
+
+    /// What is told of it; `body` is one of its bodies.
+    pub(crate) fn report(&self, body: BodyId) -> ArticulationReport {
+        let outcome = &self.outcome;
+        ArticulationReport {
+            body,
+            bodies: self.moved_slots().count() as u32,
+            joints: self.entries.len() as u32,
+            swept: self.coupled,
+            second_order: outcome.second_order,
+            first_order: outcome.first_order,
+            safe: outcome.safe,
+            halvings: outcome.halvings,
+            gap: outcome.gap as f32,
+            angle: outcome.angle as f32,
+            penetration: outcome.penetration as f32,
+            energy_change: outcome.energy_change as f32,
+            factor_size: self.topology.plan.numbers() as u32,
+        }
     }
 
     /// Diagonal of the box around the bodies' centres at the start of the step, and at least the size by which errors are judged (m).
@@ -313,14 +353,40 @@ impl Articulation {
         (high - low).length().max(self.size)
     }
 
-    /// Notes for the next step how many substeps would have kept the local error below its bound.
-    fn note_wanted_substeps(&mut self, substeps: u32, taken: u32) {
-        let bound = MOST_SURPRISE * self.extent() * (NOMINAL_SUBSTEPS / f64::from(substeps)).powi(2);
-        let smooth = self.outcome.first_order + self.outcome.safe + self.outcome.halvings == 0;
-        let wanted = if smooth { (f64::from(taken) * (self.surprise / bound).sqrt()).ceil() } else { f64::from(substeps) };
+    /// Notes for the next step how many substeps would have kept the local error below its bound, or where it moved safely, their
+    /// paths short.
+    fn note_wanted_substeps(&mut self, settings: &StepSettings, taken: u32) {
+        let (substeps, target) = (settings.substeps, f64::from(settings.articulations.error_target));
+        let outcome = &self.outcome;
+        let (wanted, most) = if outcome.first_order + outcome.safe + outcome.halvings == 0 {
+            let bound = if target > 0.0 {
+                target / ERROR_PER_SURPRISE
+            } else {
+                MOST_SURPRISE * self.extent() * (NOMINAL_SUBSTEPS / f64::from(substeps)).powi(2)
+            };
+            let wanted = f64::from(taken) * (self.surprise / bound).sqrt();
+            (wanted, settings.articulations.most_substeps * substeps)
+        } else if outcome.first_order + outcome.halvings == 0 && !outcome.unsettled {
+            (self.greatest_speed() * f64::from(settings.dt) / (MOST_STRIDE * self.size), substeps)
+        } else {
+            (f64::from(substeps), substeps)
+        };
         // Where the host has lowered the effort since, half of what was taken may still be more than is allowed.
-        let wanted = (wanted as u32).max(taken.div_ceil(2)).min((2 * taken).min(MOST_SUBSTEPS * substeps)).max(1);
+        let wanted = (wanted.ceil() as u32).max(taken.div_ceil(2)).min((2 * taken).min(most)).max(1);
         self.histories.iter_mut().for_each(|history| history.substeps = wanted);
+    }
+
+    /// Greatest speed of any joint point (m/s).
+    fn greatest_speed(&self) -> f64 {
+        let mut greatest = 0.0_f64;
+        for (link, entry) in self.links.iter().zip(&self.entries) {
+            for side in 0..2 {
+                let body = link.bodies[side] as usize;
+                let (rate, lever) = (&self.rates[body], self.stances[body].1 * entry.local_lever[side]);
+                greatest = greatest.max((rate.linear + rate.angular.cross(lever)).length());
+            }
+        }
+        greatest
     }
 
     pub(super) fn load(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
@@ -387,6 +453,7 @@ impl Articulation {
         }
         let before = before.unwrap_or_else(|| self.find_errors(joints).worst);
         let momentum = self.substep(joints, h, Mode::Safe);
+        let settled = self.system.settled || self.touches.is_empty();
         let errors = self.find_errors(joints);
         let error = self.project(joints, errors);
         self.keep_momentum(momentum);
@@ -397,6 +464,7 @@ impl Articulation {
                 return before;
             }
             self.outcome.safe += 1;
+            self.outcome.unsettled |= !settled;
             return error;
         }
         self.budget -= 1;

@@ -178,6 +178,15 @@ impl DirectBody {
         stance.1 = rotation::rotated(stance.1, (change.angular * factor).clamp_length_max(MAX_PROJECTED_TURN));
     }
 
+    /// Kinetic energy less the work of the forces on the way from `start` (J); zero where it does not move freely.
+    pub(crate) fn energy(&self, stance: &Stance, rate: &Rate, start: &Stance) -> f64 {
+        let Some(mass) = self.free_mass() else { return 0.0 };
+        let kinetic = 0.5 * (mass * rate.linear.length_squared() + rate.angular.dot(self.spin(stance, rate)));
+        let turned = stance.1 * start.1.conjugate();
+        let turn = 2.0 * turned.w.signum() * DVec3::new(turned.x, turned.y, turned.z);
+        kinetic - mass * self.acceleration.dot(stance.0 - start.0) - self.torque.dot(turn)
+    }
+
     /// Mass of a body that moves freely (kg).
     pub(crate) fn free_mass(&self) -> Option<f64> {
         let free = self.is_dynamic() && self.top.free == DVec3::ONE && self.inverse_mass.min_element() > 0.0;

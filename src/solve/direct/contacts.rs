@@ -8,19 +8,18 @@
 
 use glam::DVec3;
 
-use super::system::System;
+use super::history::rotation_vector;
+use super::system::{FRICTION_ROWS, System};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
 use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;
 
-/// Rows of a manifold beside its normals.
-const FRICTION_ROWS: u32 = 3;
+/// Share of an overlap that is taken out of the positions in a second (1/s), and the greatest share of a substep.
+const RECOVERY: f64 = 12.0;
+const MOST_RECOVERY_SHARE: f64 = 0.2;
 
-/// Share of an overlap that is taken out of the positions in one substep.
-const RECOVERY: f64 = 0.05;
-
-/// Greatest overlap taken out in one substep (m).
-const MOST_RECOVERY: f64 = 0.02;
+/// Greatest speed at which an overlap is taken out (m/s).
+const MOST_RECOVERY: f64 = 4.8;
 
 /// A manifold between a body of the articulation and one that it does not move.
 #[derive(Debug, Clone, Copy)]
@@ -91,17 +90,21 @@ impl Touch {
     }
 
     /// Separations at these stances; `began` are those at the start of the step (m).
+    ///
+    /// They follow displacements and rotation vectors linearly, as the rows do: a point that turned with its body would leave the
+    /// ground under a wheel that rolls and a link that spins.
     pub(crate) fn separations(&self, stances: &[Stance], began: &[Stance]) -> [f64; POINTS] {
-        let moved = |body: u32, lever: DVec3| {
+        let change = |body: u32| {
             let (now, start) = (&stances[body as usize], &began[body as usize]);
-            now.0 - start.0 + now.1 * (start.1.conjugate() * lever) - lever
+            (now.0 - start.0, rotation_vector(now.1 * start.1.conjugate()))
         };
+        let (own, other) = (change(self.body), change(self.other));
         std::array::from_fn(|i| {
             if i >= self.count {
                 return f64::INFINITY;
             }
-            let apart = moved(self.body, self.levers[i]) - moved(self.other, self.other_levers[i]);
-            self.separation[i] + self.normal.dot(apart)
+            let moved = own.0 + own.1.cross(self.levers[i]) - other.0 - other.1.cross(self.other_levers[i]);
+            self.separation[i] + self.normal.dot(moved)
         })
     }
 
@@ -122,11 +125,12 @@ impl Touch {
         system.add_friction(side, center, rows, (self.normal, -self.normal.dot(other.angular), self.twist));
     }
 
-    /// Adds its rows for a projection to the last node.
-    pub(crate) fn add_position_rows(&self, system: &mut System, separations: &[f64; POINTS]) {
+    /// Adds its rows for a projection after a substep of length `h` (s) to the last node.
+    pub(crate) fn add_position_rows(&self, system: &mut System, separations: &[f64; POINTS], h: f64) {
+        let share = (RECOVERY * h).min(MOST_RECOVERY_SHARE);
         system.begin_contact(0.0, 0.0);
         for (i, &separation) in separations[..self.count].iter().enumerate() {
-            let bias = if separation < 0.0 { (separation * RECOVERY).max(-MOST_RECOVERY) } else { separation };
+            let bias = if separation < 0.0 { (separation * share).max(-MOST_RECOVERY * h) } else { separation };
             // An overlap starts as a row that pushes.
             let pushes = if separation < 0.0 { f64::MIN_POSITIVE } else { 0.0 };
             system.add_normal(self.side as usize, self.normal, self.levers[i], bias, pushes);

@@ -19,6 +19,7 @@ impl Articulation {
         motions: &mut [BodyMotion],
         h: f64,
     ) {
+        self.h = h;
         self.load(velocities, motions);
         self.find_stiffness(h, Mode::Safe, 1.0);
         for (i, body) in self.bodies.iter_mut().enumerate() {
@@ -54,7 +55,7 @@ impl Articulation {
     pub(crate) fn settle(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &mut [BodyMotion]) {
         self.load(velocities, motions);
         let errors = self.find_errors(joints);
-        self.outcome.worst_error = self.project(joints, errors);
+        self.project(joints, errors);
         for (body, stance) in self.bodies.iter().zip(&self.stances) {
             if body.is_dynamic() {
                 let motion = &mut motions[body.slot as usize];

@@ -87,6 +87,11 @@ impl Plan {
         &self.couplings[self.first[place] as usize..self.first[place + 1] as usize]
     }
 
+    /// Numbers of the factor.
+    pub(crate) fn numbers(&self) -> usize {
+        4 * self.size
+    }
+
     /// Start of a node's diagonal block.
     pub(crate) fn diagonal(&self, node: usize) -> u32 {
         self.diagonal[node]
@@ -362,8 +367,12 @@ mod tests {
         let image = |row: &Vec<f64>| row.iter().zip(&expected).map(|(a, b)| a * b).sum::<f64>();
         let flat: Vec<f64> = dense.iter().map(image).collect();
         let mut x = flat.as_chunks::<4>().0.to_vec();
+        let (mut plain, mut plain_x) = (factor.clone(), x.clone());
         factorize(&mut factor, &plan);
         substitute(&factor, &plan, &mut x);
+        factorize_body(&mut plain, &plan);
+        substitute_body(&plain, &plan, &mut plain_x);
+        assert_eq!(x, plain_x, "wide registers give other bits");
         let worst = x.iter().flatten().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(worst < 1.0e-13, "the worst error is {worst:e}");
     }

@@ -124,7 +124,7 @@ impl History {
 }
 
 /// Rotation vector of a rotation by less than half a turn (rad).
-fn rotation_vector(rotation: DQuat) -> DVec3 {
+pub(super) fn rotation_vector(rotation: DQuat) -> DVec3 {
     let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
     let axis = DVec3::new(rotation.x, rotation.y, rotation.z);
     let sine = axis.length();

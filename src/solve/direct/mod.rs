@@ -288,7 +288,7 @@ impl Direct {
         settings: &StepSettings,
     ) {
         for articulation in self.articulations[..self.count].iter_mut().filter(|articulation| !articulation.coupled) {
-            articulation.step(joints, velocities, motions, settings.substeps, f64::from(settings.dt));
+            articulation.step(joints, velocities, motions, settings);
         }
         while let Some(number) = self.first_to_meet(velocities, motions, contacts, settings.dt) {
             self.articulations[number].give_up();

@@ -55,8 +55,6 @@ impl Packed {
         self.response.resize(6 * lanes, ZERO);
         self.bias.resize(lanes, ZERO);
         self.gamma.resize(lanes, ZERO);
-        self.impulse.clear();
-        self.impulse.resize(lanes, ZERO);
     }
 
     /// Hands the multipliers back to the rows.

@@ -10,7 +10,7 @@ use crate::joint::{Joint, JointImpulses};
 use crate::solve::joint::Stance;
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
-use crate::solve::joint::rows::{BlockRow, Held, Phase, Rate, ScalarRow};
+use crate::solve::joint::rows::{BlockRow, Held, Phase, Rate};
 
 /// Share of the tolerance below which positions are left as they are.
 const GOOD_ENOUGH: f64 = 0.25;
@@ -30,8 +30,11 @@ const BACKTRACKING: [f64; 3] = [1.0, 0.3, 0.09];
 /// Errors of the positions.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Errors {
-    /// Worst of the joints (m).
+    /// Worst of the joints (m), with angles as lengths at the articulation's size.
     pub worst: f64,
+    /// Worst length (m) and angle (rad).
+    pub gap: f64,
+    pub angle: f64,
     /// Worst overlap (m).
     pub overlap: f64,
 }
@@ -39,7 +42,7 @@ pub(super) struct Errors {
 impl Articulation {
     /// Makes the rows of all joints and contacts; those of a velocity phase need the predicted poses.
     pub(super) fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
-        let Self { entries, links, rates, stances, began, predicted, implicit, system, asked, touches, step_start, .. } = self;
+        let Self { entries, links, rates, stances, began, predicted, implicit, system, asked, touches, step_start, h, .. } = self;
         let mut next_touch = 0;
         let in_place = matches!(phase, Phase::Position { .. });
         system.clear();
@@ -86,7 +89,7 @@ impl Articulation {
                     Phase::Velocity { h } | Phase::Tangent { h } => {
                         touch.add_rows(system, &separations, &rates[touch.other as usize], h);
                     }
-                    Phase::Position { .. } => touch.add_position_rows(system, &separations),
+                    Phase::Position { .. } => touch.add_position_rows(system, &separations, *h),
                 }
                 next_touch += 1;
             }
@@ -95,23 +98,23 @@ impl Articulation {
 
     /// Errors at the present poses.
     pub(super) fn find_errors(&mut self, joints: &Pool<Joint, JointId>) -> Errors {
-        let mut worst = 0.0_f64;
+        let (mut gap, mut angle) = (0.0_f64, 0.0_f64);
         for number in 0..self.links.len() {
-            let error = self.error_of(number, joints);
-            // Unlike `max`, which passes over what is no number.
-            worst = if error <= worst { worst } else { error };
+            let (own_gap, own_angle) = self.error_of(number, joints);
+            (gap, angle) = (greater(gap, own_gap), greater(angle, own_angle));
         }
+        let worst = greater(gap, angle * self.size);
         let overlap = |touch: &Touch| -touch.separations(&self.stances, &self.step_start).into_iter().fold(0.0, f64::min);
-        Errors { worst, overlap: self.touches.iter().map(overlap).fold(0.0, f64::max) }
+        Errors { worst, gap, angle, overlap: self.touches.iter().map(overlap).fold(0.0, f64::max) }
     }
 
-    /// Greatest error of the rigid rows of a joint at the present poses; the articulation's size turns angles into lengths (m).
-    fn error_of(&mut self, number: usize, joints: &Pool<Joint, JointId>) -> f64 {
+    /// Greatest errors of the rigid rows of a joint at the present poses, length (m) and angle (rad).
+    fn error_of(&mut self, number: usize, joints: &Pool<Joint, JointId>) -> (f64, f64) {
         let (link, entry) = (&self.links[number], &self.entries[number]);
         let [a, b] = link.bodies.map(|body| self.stances[body as usize]);
         let def = &joints[entry.joint].def;
         if link.is_plain {
-            return if def.linear.compliance == 0.0 { greatest(entry.points(&a, &b).gap) } else { 0.0 };
+            return (if def.linear.compliance == 0.0 { greatest(entry.points(&a, &b).gap) } else { 0.0 }, 0.0);
         }
         self.asked.clear();
         let mut sink = RowSink {
@@ -126,14 +129,13 @@ impl Articulation {
         };
         kinds::add_rows(&mut sink);
         let block = |row: Option<BlockRow>| row.filter(|row| row.acts).map_or(0.0, |row| greatest(row.bias));
-        let scalar = |row: &ScalarRow| {
-            let length = if row.jacobian.linear == DVec3::ZERO { self.size } else { 1.0 };
+        let (mut gap, mut angle) = (block(sink.point), block(sink.direction));
+        for row in self.asked.iter().filter(|row| row.acts) {
             let error = if row.min == 0.0 { (-row.bias).max(0.0) } else { row.bias.abs() };
-            if row.acts { error * length } else { 0.0 }
-        };
-        let (point, direction) = (block(sink.point), block(sink.direction) * self.size);
-        let worst = if point <= direction { direction } else { point };
-        self.asked.iter().map(scalar).fold(worst, |worst, error| if error <= worst { worst } else { error })
+            let worst = if row.jacobian.linear == DVec3::ZERO { &mut angle } else { &mut gap };
+            *worst = greater(*worst, error);
+        }
+        (gap, angle)
     }
 
     /// Takes errors out of the positions; returns the worst of the joints that is left.
@@ -171,8 +173,14 @@ impl Articulation {
             // Overlaps are taken out bit by bit, once a substep.
             overlaps = false;
         }
+        (self.outcome.gap, self.outcome.angle) = (errors.gap, errors.angle);
         errors.worst
     }
+}
+
+/// The greater of two; unlike `max`, which passes over what is no number.
+fn greater(worst: f64, error: f64) -> f64 {
+    if error <= worst { worst } else { error }
 }
 
 /// Greatest component, where one that is no number counts as the greatest.

@@ -23,6 +23,7 @@ impl Articulation {
     pub(super) fn substep(&mut self, joints: &Pool<Joint, JointId>, full: f64, mode: Mode) -> Option<DVec3> {
         self.began.clear();
         self.began.extend(self.stances.iter().copied().zip(self.rates.iter().copied()));
+        self.h = full;
         let momentum = self.expected_momentum(full);
         let h = if mode == Mode::SecondOrder { full * self.order.euler_share } else { full };
         self.predict(full, h, mode);
@@ -39,7 +40,6 @@ impl Articulation {
         self.system.settled = true;
         let most_passes = if self.touches.is_empty() { PASSES } else { CONTACT_PASSES };
         self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
-        self.outcome.unsettled |= !self.system.settled && !self.touches.is_empty();
         self.keep_impulses(full / h);
         for (i, body) in self.bodies.iter().enumerate() {
             let (stance, rate) = (&mut self.stances[i], &mut self.rates[i]);

@@ -9,7 +9,9 @@
 //! A stop has p ≥ 0, a motor |p| ≤ its greatest impulse. Each such row is in one of three states: free, so that it is part of the
 //! system, or at one of its bounds, where p is a constant push. A pass solves the system, then frees rows whose error wants another
 //! multiplier and fixes those whose multiplier left its bounds (a primal–dual active set; Hintermüller et al. 2003). States are
-//! read off the multipliers of the last substep, so that most solves take one pass.
+//! read off the multipliers of the last substep, so that most solves take one pass. Where passes go round in a circle, one row at a
+//! time changes its state, the last, until fewer are wrong than ever before: as the matrix is positive definite, that comes to an
+//! end (block principal pivoting; Júdice and Pires 1994).
 //!
 //! The displacements of a projection are solved for in the same way, with v₀ = 0 and b the errors.
 
@@ -27,11 +29,15 @@ use crate::solve::joint::rows::{self, Held, Rate};
 pub(super) const REGULARIZATION: f64 = 1.0e-9;
 pub(super) const TREE_REGULARIZATION: f64 = 1.0e-13;
 
-/// Most passes of the active set: nearly all solves take one, and the last third frees nothing any more. Contacts ask for more
-/// than stops and motors; a projection is judged by what it reaches.
-pub(crate) const PASSES: usize = 8;
-pub(crate) const CONTACT_PASSES: usize = 30;
+/// Most passes of the active set: nearly all solves take one, and the last ones (a third, at most [`MOST_CLOSING`]) free nothing
+/// any more. Contacts ask for more than stops and motors; a projection is judged by what it reaches.
+pub(crate) const PASSES: usize = 24;
+pub(crate) const CONTACT_PASSES: usize = 40;
 pub(crate) const PROJECTION_PASSES: usize = 4;
+const MOST_CLOSING: usize = 6;
+
+/// Passes that may go by without fewer rows in the wrong state before they are changed one by one.
+const PATIENCE: usize = 3;
 
 /// Most times that a solution is refined with the same factor, and the share of the first residual from which it is.
 const REFINEMENTS: usize = 2;
@@ -47,7 +53,7 @@ const CONTACT_COMPLIANCE: f64 = 1.0e-6;
 const STICKS: f64 = 0.999;
 
 /// Rows of friction of a manifold.
-const FRICTION_ROWS: u32 = 3;
+pub(super) const FRICTION_ROWS: u32 = 3;
 
 /// Rows of one manifold, by number: normals, then two of friction and one about the normal where there is friction.
 #[derive(Debug, Clone, Copy)]
@@ -106,9 +112,12 @@ pub(crate) struct System {
     has_pushed: bool,
     /// Whether any row has bounds or takes no part.
     is_bounded: bool,
+    /// Whether the factor is that of the rows that are free now.
+    pub(super) is_factored: bool,
+    /// Rows in the wrong state, and the state that they want.
+    pub(super) flips: Vec<(u32, State)>,
     /// Whether every solve since this was set came to an end by itself.
     pub settled: bool,
-    pub passes: usize,
 }
 
 impl System {
@@ -200,7 +209,7 @@ impl System {
         let pressed = self.pressed(&contact);
         let [u, v] = tangents.map(|(_, _, impulse)| impulse);
         let state = |impulse: f64, limit: f64| if impulse < limit * STICKS { State::Free } else { State::High };
-        let sticks = state(u.hypot(v), contact.friction * pressed);
+        let sticks = state((u * u + v * v).sqrt(), contact.friction * pressed);
         for (tangent, bias, impulse) in tangents {
             let row = Row { bias, impulse, state: sticks, ..Row::EMPTY };
             self.add_contact_row(side, tangent, center.cross(tangent), row);
@@ -244,6 +253,7 @@ impl System {
         }
         self.is_bounded = self.rows.iter().any(|row| row.state != State::Free || row.min > f64::NEG_INFINITY);
         self.has_pushed = false;
+        self.is_factored = false;
     }
 
     /// Takes the push of the last solve out of the rates.
@@ -264,13 +274,25 @@ impl System {
         }
         self.base.clear();
         self.base.extend_from_slice(rates);
+        let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
         for pass in 1..=most_passes {
-            self.passes = pass;
             rates.copy_from_slice(&self.base);
             self.push_fixed(bodies, rates);
             self.solve_active(topology, bodies, rates);
-            let may_free = pass < most_passes - most_passes / 3;
-            if self.revise(rates, may_free) + self.revise_friction(rates, may_free) == 0 {
+            let may_free = pass + (most_passes / 3).min(MOST_CLOSING) < most_passes;
+            let wrong = self.find_flips(rates, may_free);
+            if wrong < fewest {
+                (fewest, patience) = (wrong, PATIENCE);
+            } else {
+                patience = patience.saturating_sub(1);
+            }
+            let one_by_one = patience == 0 && may_free;
+            self.flip(one_by_one);
+            let sliding = if one_by_one && wrong > 0 { 0 } else { self.revise_friction(rates, may_free) };
+            if sliding > 0 {
+                fewest = usize::MAX;
+            }
+            if wrong + sliding == 0 {
                 self.settled &= may_free;
                 return;
             }
@@ -290,11 +312,15 @@ impl System {
 
     fn solve_active(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
         let Self { nodes, rows, factor, packed, counts, unknowns, increments, .. } = self;
-        packed.choose(nodes, rows, counts);
-        factor.start(&topology.plan, counts);
-        packed::pack(packed, nodes, rows, factor, bodies);
-        packed::assemble(factor, packed, nodes, topology, bodies);
-        factor::factorize(factor, &topology.plan);
+        if !std::mem::replace(&mut self.is_factored, true) {
+            packed.choose(nodes, rows, counts);
+            factor.start(&topology.plan, counts);
+            packed::pack(packed, nodes, rows, factor, bodies);
+            packed::assemble(factor, packed, nodes, topology, bodies);
+            factor::factorize(factor, &topology.plan);
+        }
+        packed.impulse.clear();
+        packed.impulse.resize(factor.len(), ZERO);
         unknowns.resize(factor.len(), ZERO);
         increments.resize(factor.len(), ZERO);
         let first = packed::find_residuals(unknowns, packed, nodes, factor, rates);
