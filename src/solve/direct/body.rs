@@ -181,7 +181,8 @@ impl DirectBody {
     /// Kinetic energy less the work of the forces on the way from `start` (J); zero where it does not move freely.
     pub(crate) fn energy(&self, stance: &Stance, rate: &Rate, start: &Stance) -> f64 {
         let Some(mass) = self.free_mass() else { return 0.0 };
-        let kinetic = 0.5 * (mass * rate.linear.length_squared() + rate.angular.dot(self.spin(stance, rate)));
+        let local = if self.top.round { rate.angular } else { (stance.1 * self.top.frame).conjugate() * rate.angular };
+        let kinetic = 0.5 * (mass * rate.linear.length_squared() + local.dot(self.top.inertia * local));
         let turned = stance.1 * start.1.conjugate();
         let turn = 2.0 * turned.w.signum() * DVec3::new(turned.x, turned.y, turned.z);
         kinetic - mass * self.acceleration.dot(stance.0 - start.0) - self.torque.dot(turn)

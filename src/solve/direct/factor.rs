@@ -127,7 +127,7 @@ pub(crate) struct Factor {
     starts: Vec<u32>,
     scratch: Vec<Lanes>,
     /// Whether all nodes have three rows.
-    is_uniform: bool,
+    pub is_uniform: bool,
 }
 
 impl Factor {

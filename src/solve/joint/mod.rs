@@ -392,8 +392,11 @@ pub(crate) fn worst_gap<'a>(
     motions: &[BodyMotion],
 ) -> f32 {
     let gap = |entry: &JointEntry| {
-        let at = |slot: u32| motions[slot as usize].stance();
-        gap_of(&joints[entry.joint].def.kind, &entry.placement(at(entry.a), at(entry.b)))
+        let (a, b) = (motions[entry.a as usize].stance(), motions[entry.b as usize].stance());
+        let kind = &joints[entry.joint].def.kind;
+        // Frames cost more than points, and few kinds allow a gap that is seen in them.
+        let turns = matches!(kind, JointKind::Prismatic { .. } | JointKind::Generic { .. });
+        gap_of(kind, &if turns { entry.placement(a, b) } else { entry.points(&a, &b) })
     };
     entries.map(gap).fold(0.0, f64::max) as f32
 }
