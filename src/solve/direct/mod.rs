@@ -22,7 +22,7 @@ mod articulation;
 mod body;
 mod contacts;
 mod coupled;
-mod factor;
+pub(crate) mod factor;
 pub(crate) mod history;
 mod momentum;
 mod order;
