@@ -49,6 +49,8 @@ mod support;
 
 mod long_range;
 
+mod union;
+
 // What the header does not show.
 mod access;
 mod boundary;

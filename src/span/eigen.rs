@@ -53,7 +53,8 @@ mod tests {
     #[test]
     fn a_rotated_diagonal_is_found_again() {
         let turn = DMat3::from_quat(DQuat::from_euler(glam::EulerRot::XYZ, 0.4, -1.1, 2.3));
-        for diagonal in [DVec3::new(3.0, 1.0, 2.0), DVec3::new(1.0e6, 1.0, 1.0e-6), DVec3::splat(2.0), DVec3::new(0.0, 5.0, 5.0)] {
+        for diagonal in [DVec3::new(3.0, 1.0, 2.0), DVec3::new(1.0e6, 1.0, 1.0e-6), DVec3::splat(2.0), DVec3::new(0.0, 5.0, 5.0)]
+        {
             let matrix = turn * DMat3::from_diagonal(diagonal) * turn.transpose();
             let (values, vectors) = symmetric_eigen(matrix);
             let back = vectors * DMat3::from_diagonal(values) * vectors.transpose();

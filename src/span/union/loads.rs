@@ -147,7 +147,8 @@ impl BondStiffness {
         if !self.anchored {
             self.balance(&mut needed);
         }
-        let mut u: Vec<f64> = needed.iter().flat_map(|wrench| wrench.force.to_array().into_iter().chain(wrench.torque.to_array())).collect();
+        let mut u: Vec<f64> =
+            needed.iter().flat_map(|wrench| wrench.force.to_array().into_iter().chain(wrench.torque.to_array())).collect();
         // K u = −n, and the load on B is −D J u: both signs are left out.
         self.factor.solve(&self.plan, &mut u);
         let moved = |member: Option<u32>, point: DVec3| {
@@ -173,8 +174,7 @@ impl BondStiffness {
             let r = body.center - center;
             force += wrench.force;
             torque += wrench.torque + r.cross(wrench.force);
-            inertia += body.inertia
-                + (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - super::outer(r, r)) * body.mass;
+            inertia += body.inertia + (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - super::outer(r, r)) * body.mass;
         }
         let (linear, angular) = (force / total, inertia.inverse() * torque);
         for (body, wrench) in self.bodies.iter().zip(needed) {

@@ -127,9 +127,8 @@ mod tests {
         let mut random3 = move || DVec3::new(random(), random(), random());
         let masses: Vec<MassProperties> =
             (0..9).map(|i| MassProperties::new(1.0 + i as f32, Vec3::new(0.1, 0.2, 0.25) * (1.0 + i as f32))).collect();
-        let rest: Vec<Frame> = (0..9)
-            .map(|_| Frame { position: random3() * 2.0, rotation: DQuat::from_scaled_axis(random3() * 3.0) })
-            .collect();
+        let rest: Vec<Frame> =
+            (0..9).map(|_| Frame { position: random3() * 2.0, rotation: DQuat::from_scaled_axis(random3() * 3.0) }).collect();
         let compound = Compound::new(&rest, &masses);
         let covariances = Covariances::new(&masses, &compound.places);
         let turn = DQuat::from_scaled_axis(DVec3::new(1.2, -2.0, 0.7));

@@ -30,10 +30,7 @@ impl Frame {
 
     /// `inner`, given in this frame, where this frame is given.
     pub(crate) fn then(&self, inner: &Self) -> Self {
-        Self {
-            position: self.position + self.rotation * inner.position,
-            rotation: (self.rotation * inner.rotation).normalize(),
-        }
+        Self { position: self.position + self.rotation * inner.position, rotation: (self.rotation * inner.rotation).normalize() }
     }
 
     pub(crate) fn inverse(&self) -> Self {
@@ -99,6 +96,8 @@ impl RestState {
 pub(crate) struct Compound {
     /// Mass and principal moments about the centre of mass, which is the origin of the union's frame.
     pub mass: MassProperties,
+    /// Centre of mass in the rest state (m).
+    pub center: DVec3,
     /// Members from the centre of mass (m), and their rotation.
     pub places: Vec<(Vec3, Quat)>,
 }
@@ -122,7 +121,7 @@ impl Compound {
             inertia_frame: DQuat::from_mat3(&axes).normalize().as_quat(),
         };
         let place = |frame: &Frame| ((frame.position - center).as_vec3(), frame.rotation.normalize().as_quat());
-        Self { mass, places: rest.iter().map(place).collect() }
+        Self { mass, center, places: rest.iter().map(place).collect() }
     }
 }
 
@@ -163,10 +162,6 @@ impl UnionMotion {
             angular: self.angular,
         }
     }
-
-    pub(crate) fn is_at(&self, other: &Self) -> bool {
-        self.center == other.center && self.rotation == other.rotation
-    }
 }
 
 #[cfg(test)]
@@ -175,7 +170,10 @@ mod tests {
 
     fn bar(length: f64) -> [Frame; 2] {
         let turn = DQuat::from_rotation_y(0.3);
-        [Frame { position: DVec3::X * 0.5 * length, rotation: turn }, Frame { position: -DVec3::X * 0.5 * length, rotation: turn }]
+        [
+            Frame { position: DVec3::X * 0.5 * length, rotation: turn },
+            Frame { position: -DVec3::X * 0.5 * length, rotation: turn },
+        ]
     }
 
     #[test]
