@@ -21,6 +21,7 @@ use crate::workers::{ParallelFor, Workers};
 
 mod bodies;
 mod contacts;
+mod draw;
 mod fast;
 mod forces;
 mod group;

@@ -170,7 +170,7 @@ impl World {
         }
     }
 
-    fn end(&self, joint: &Joint, side: usize) -> End {
+    pub(super) fn end(&self, joint: &Joint, side: usize) -> End {
         let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
         match joint.bodies[side] {
             None => End { origin: frame.position, lever: Vec3::ZERO, frame: frame.rotation },
@@ -191,8 +191,10 @@ impl World {
 }
 
 /// One side of a joint in world axes.
-struct End {
-    origin: DVec3,
-    lever: Vec3,
-    frame: Quat,
+pub(super) struct End {
+    /// The body's centre of mass, or the joint point itself on the world's side (m).
+    pub origin: DVec3,
+    /// From there to the joint point (m).
+    pub lever: Vec3,
+    pub frame: Quat,
 }
