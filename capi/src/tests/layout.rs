@@ -16,6 +16,7 @@ use crate::query_def::*;
 use crate::report::*;
 use crate::shape_def::*;
 use crate::support::*;
+use crate::union::*;
 use crate::version::*;
 use crate::world_def::*;
 
