@@ -2,8 +2,8 @@
 
 use longspan::glam::{DQuat, DVec3, Quat, Vec3};
 use longspan::{
-    BodyDef, BodyId, BodyKind, JointDef, JointId, JointKind, LongRangeDef, Mass, Pose, Shape, ShapeDef, SleepSettings, Solver, World,
-    WorldDef,
+    BodyDef, BodyId, BodyKind, JointDef, JointId, JointKind, LongRangeDef, Mass, Pose, Shape, ShapeDef, SleepSettings, Solver,
+    World, WorldDef,
 };
 
 const DT: f32 = 1.0 / 60.0;

@@ -17,10 +17,13 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::solve::direct::factor::{Factor, Plan};
+use crate::solve::direct::factor::{Factor, Plan, factorize, substitute};
 
 /// Rows of a member: displacement and rotation.
 const ROWS: usize = 6;
+
+/// Lanes of four numbers that the factor gives a row of a block, and a member in a vector.
+const LANES: usize = ROWS.div_ceil(4);
 
 /// A force (N) and a torque (N·m).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -79,7 +82,7 @@ impl BondStiffness {
         let plan = Plan::new(&rows, &rows, &pairs, u64::MAX).expect("no limit is set");
         let mut stiffness = Self { bodies, bonds, turning, anchored, plan, factor: Factor::default() };
         stiffness.assemble();
-        stiffness.factor.factorize(&stiffness.plan);
+        factorize(&mut stiffness.factor, &stiffness.plan);
         stiffness
     }
 
@@ -98,7 +101,7 @@ impl BondStiffness {
     }
 
     fn assemble(&mut self) {
-        self.factor.start(&self.plan, self.bodies.iter().map(|_| ROWS as u32));
+        self.factor.start(&self.plan, &vec![ROWS as u32; self.bodies.len()]);
         let weight = |row: usize| if row < 3 { 1.0 } else { self.turning };
         let mut blocks: Vec<(u32, [f64; ROWS * ROWS])> = Vec::new();
         for bond in &self.bonds {
@@ -136,7 +139,9 @@ impl BondStiffness {
             blocks.push((start, hold));
         }
         for (start, block) in blocks {
-            self.factor.block_mut(start).iter_mut().zip(block).for_each(|(value, add)| *value += add);
+            for (row, add) in self.factor.block_mut(start).chunks_mut(LANES).zip(block.chunks(ROWS)) {
+                row.as_flattened_mut().iter_mut().zip(add).for_each(|(value, add)| *value += add);
+            }
         }
     }
 
@@ -147,14 +152,18 @@ impl BondStiffness {
         if !self.anchored {
             self.balance(&mut needed);
         }
-        let mut u: Vec<f64> =
-            needed.iter().flat_map(|wrench| wrench.force.to_array().into_iter().chain(wrench.torque.to_array())).collect();
+        let mut u = vec![[0.0; 4]; self.factor.len()];
+        for (lanes, wrench) in u.chunks_mut(LANES).zip(&needed) {
+            let numbers = lanes.as_flattened_mut();
+            numbers[..3].copy_from_slice(&wrench.force.to_array());
+            numbers[3..ROWS].copy_from_slice(&wrench.torque.to_array());
+        }
         // K u = −n, and the load on B is −D J u: both signs are left out.
-        self.factor.solve(&self.plan, &mut u);
+        substitute(&self.factor, &self.plan, &mut u);
         let moved = |member: Option<u32>, point: DVec3| {
             member.map_or((DVec3::ZERO, DVec3::ZERO), |member| {
-                let at = ROWS * member as usize;
-                let (shift, turn) = (DVec3::from_slice(&u[at..]), DVec3::from_slice(&u[at + 3..]));
+                let own = u[LANES * member as usize..].as_flattened();
+                let (shift, turn) = (DVec3::from_slice(own), DVec3::from_slice(&own[3..]));
                 (shift + turn.cross(point - self.bodies[member as usize].center), turn)
             })
         };
