@@ -52,6 +52,10 @@ pub struct LsStepReport {
     pub finish_time: f32,
     /// Wall time of the whole step without callbacks (s).
     pub total_time: f32,
+    /// Unions awake and free, each solved as one body.
+    pub unions: u32,
+    /// Bodies that moved as members of those.
+    pub union_members: u32,
     /// Worst angle by which a joint or a stop of an articulation is off (rad).
     pub joint_angle: f32,
     /// Not used; 0.
@@ -60,7 +64,7 @@ pub struct LsStepReport {
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsStepReport {
-    const SIZES: &'static [usize] = &[96, 104];
+    const SIZES: &'static [usize] = &[96, 104, 112];
 }
 
 impl From<&StepReport> for LsStepReport {
@@ -89,6 +93,8 @@ impl From<&StepReport> for LsStepReport {
             solve_time: timings.solve,
             finish_time: timings.finish,
             total_time: timings.total,
+            unions: counts.unions,
+            union_members: counts.union_members,
             joint_angle: report.residuals.joint_angle,
             reserved: 0,
         }
