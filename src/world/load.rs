@@ -99,11 +99,11 @@ impl Records<'_> {
 
     fn body_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
         let body = &self.bodies[index];
+        let inverse_mass = body.inverse_mass() * crate::body::free_axes(body.locked_axes.translation);
         let velocity = BodyVelocity {
             linear: body.linear_velocity,
-            inverse_mass: body.inverse_mass() * crate::body::free_axes(body.locked_axes.translation),
             angular: body.angular_velocity,
-            inverse_inertia: Symmetric::from_mat3(body.world_inverse_inertia()),
+            ..BodyVelocity::new(inverse_mass, Symmetric::from_mat3(body.world_inverse_inertia()))
         };
         let mass = body.mass.as_ref();
         let inertia = mass.map_or(Vec3::ONE, |mass| mass.principal_inertia);
