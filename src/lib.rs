@@ -46,6 +46,7 @@ mod shape;
 mod snapshot;
 mod solve;
 mod span;
+mod surface;
 mod workers;
 mod world;
 

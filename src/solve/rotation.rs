@@ -66,20 +66,19 @@ pub(crate) fn tumble(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> Turn
     let momentum = frame * (top.inertia * local);
     let velocity_in = |frame: DQuat| frame * ((frame.conjugate() * momentum) / top.inertia) * top.free;
 
-    let pieces = if angular.length_squared() * h * h > SPLIT_TUMBLE * SPLIT_TUMBLE { 2 } else { 1 };
-    let share = 1.0 / f64::from(pieces);
-    let piece = h * share;
-    let (mut turned, mut end, mut mean) = (frame, angular, DVec3::ZERO);
+    let pieces = if angular.length() * h > SPLIT_TUMBLE { 2 } else { 1 };
+    let piece = h / f64::from(pieces);
+    let (mut turned, mut end, mut mean) = (rotation, angular, DVec3::ZERO);
     for _ in 0..pieces {
-        let middle = velocity_in(turned_by(end * (0.5 * piece)) * turned);
-        turned = turned_by(middle * piece) * turned;
-        end = velocity_in(turned);
-        mean += middle * share;
+        let middle = velocity_in(rotated(turned * top.frame, end * (0.5 * piece)));
+        turned = rotated(turned, middle * piece);
+        end = velocity_in(turned * top.frame);
+        mean += middle / f64::from(pieces);
     }
     let energy = local.dot(top.inertia * local);
     let gains = momentum.dot(end) > energy * (1.0 + MAX_ENERGY_GAIN);
     if !gains && (mean * h).length_squared() < f64::from(MAX_TURN * MAX_TURN) {
-        return Turn { rotation: (turned * top.frame.conjugate()).normalize(), mean, angular: end };
+        return Turn { rotation: turned, mean, angular: end };
     }
     let implicit = frame * implicit_gyroscopic(local, top.inertia, h) * top.free;
     let scale = (local.length() / implicit.length().max(f64::MIN_POSITIVE)).min(1.0);
@@ -98,10 +97,6 @@ fn skew(v: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
 }
 
-/// Square of a half angle below which [`SHORT`] terms of the series are exact to rounding.
-const SHORT_BELOW: f64 = 1.0e-3;
-const SHORT: usize = 4;
-
 /// 1/(n (n + 1)) and 1/(n (n − 1)) for n = 2, 4 … 16: the power series of sin x / x and cos x.
 const SERIES: [(f64, f64); 8] = {
     let mut terms = [(0.0, 0.0); 8];
@@ -114,21 +109,20 @@ const SERIES: [(f64, f64); 8] = {
     terms
 };
 
+/// Square of half an angle below which this many terms leave nothing but rounding, x⁵/11! < 3e-18.
+const FEW_TERMS_BELOW: f64 = 1.0e-2;
+const FEW_TERMS: usize = 4;
+
 /// `rotation` turned by a rotation vector in world axes (rad), by power series: the same bits on every platform.
 pub(crate) fn rotated(rotation: DQuat, vector: DVec3) -> DQuat {
-    (turned_by(vector) * rotation).normalize()
-}
-
-/// The rotation by a rotation vector (rad).
-fn turned_by(vector: DVec3) -> DQuat {
     let half = vector * 0.5;
     let x = half.length_squared();
     let (mut sine_over_angle, mut cosine) = (1.0, 1.0);
-    let terms = if x < SHORT_BELOW { SHORT } else { SERIES.len() };
+    let terms = if x < FEW_TERMS_BELOW { FEW_TERMS } else { SERIES.len() };
     for (sine_term, cosine_term) in SERIES[..terms].iter().rev() {
         sine_over_angle = 1.0 - x * sine_term * sine_over_angle;
         cosine = 1.0 - x * cosine_term * cosine;
     }
     let axis = half * sine_over_angle;
-    DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine)
+    (DQuat::from_xyzw(axis.x, axis.y, axis.z, cosine) * rotation).normalize()
 }

@@ -2,7 +2,7 @@
 //!
 //! [`Wide`] is implemented twice, by AVX2 registers and by plain arrays. Each operation is one rounded operation of IEEE 754 on
 //! every lane, never fused and never estimated, so both give the same bits. A kernel is written once, generic over it, and runs
-//! with registers where the processor has them (see `dispatched` in `contact_kernels`). Kernels pass no `Wide` value to a closure: a
+//! with registers where the processor has them (see `in_lanes` in `contact_kernels`). Kernels pass no `Wide` value to a closure: a
 //! closure is compiled without the registers and is not inlined where they are.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -17,7 +17,7 @@ use super::wide::Plain;
 
 pub(crate) use recover::RECOVERY_SWEEPS;
 
-macro_rules! dispatched {
+macro_rules! in_lanes {
     ($(#[$doc:meta])* $name:ident, $avx2:ident, $body:path, ($($arg:ident: $type:ty),*)) => {
         $(#[$doc])*
         pub(crate) fn $name($($arg: $type),*) {
@@ -38,31 +38,31 @@ macro_rules! dispatched {
     };
 }
 
-dispatched!(
+in_lanes!(
     /// Forms the effective masses of a block from the bodies' inertia of now.
     set_masses, set_masses_avx2, masses::set, (block: &mut ContactBlock, velocities: &[BodyVelocity])
 );
-dispatched!(
+in_lanes!(
     /// Applies the carried multipliers and forms the closing speeds of this substep.
     ///
     /// The velocities have the substep's forces in them already.
     warm_start, warm_start_avx2, warm_start::all,
     (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32)
 );
-dispatched!(
+in_lanes!(
     /// One sweep: friction, then the normal rows of each manifold as a block.
     sweep, sweep_avx2, sweep::all, (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], backwards: bool)
 );
-dispatched!(
+in_lanes!(
     /// After the substeps: points that hit something at more than `threshold` (m/s) leave at the rebound speed.
     restitute, restitute_avx2, recover::restitute,
     (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], threshold: f32)
 );
-dispatched!(
+in_lanes!(
     /// Brings the separations to the end of the step, and raises `worst` to the greatest overlap of any point (m).
     end_step, end_step_avx2, recover::end_step, (blocks: &mut [ContactBlock], motions: &[BodyMotion], worst: &mut f32)
 );
-dispatched!(
+in_lanes!(
     /// One sweep of position recovery: overlapping points are pushed apart by displacements that leave no velocity behind.
     ///
     /// `pushes` holds a displacement and rotation for each slot in the form of a velocity times the step. Rows are
