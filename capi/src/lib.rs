@@ -51,6 +51,8 @@ mod support;
 
 mod long_range;
 
+mod union;
+
 // What the header does not show.
 mod access;
 mod boundary;
