@@ -134,12 +134,8 @@ impl Records<'_> {
         }
         let inertia = mass.principal_inertia;
         let inverse = crate::shape::inertia_tensor(1.0 / inertia, rotation * mass.inertia_frame);
-        let velocity = BodyVelocity {
-            linear,
-            inverse_mass: Vec3::splat(1.0 / mass.mass),
-            angular,
-            inverse_inertia: Symmetric::from_mat3(inverse),
-        };
+        let at_rest = BodyVelocity::new(Vec3::splat(1.0 / mass.mass), Symmetric::from_mat3(inverse));
+        let velocity = BodyVelocity { linear, angular, ..at_rest };
         let jointed = !union.outer.is_empty();
         let motion = BodyMotion {
             rotation,
