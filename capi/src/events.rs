@@ -55,7 +55,7 @@ pub struct LsArticulation {
     pub angle: f32,
     /// Worst overlap with what it does not move (m).
     pub penetration: f32,
-    /// Change of kinetic energy that the work of gravity and applied forces does not explain (J); 0 where it was swept.
+    /// Change of kinetic energy that the work of gravity and applied forces does not explain (N m); 0 where it was swept.
     pub energy_change: f32,
 }
 

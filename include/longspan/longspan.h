@@ -675,6 +675,10 @@ typedef struct LsStepReport {
     uint32_t unions;
     /** Bodies that moved as members of those. */
     uint32_t union_members;
+    /** Worst angle by which a joint or a stop of an articulation is off (rad). */
+    float joint_angle;
+    /** Not used; 0. */
+    uint32_t reserved;
 } LsStepReport;
 
 /** Names a joint of one world. Passed by value; any value is safe. */
@@ -767,6 +771,55 @@ typedef struct LsMoved {
     /** Not used; 0. */
     uint32_t reserved;
 } LsMoved;
+
+/** How an articulation was solved in a step: bodies that joints connect, solved at once. The layout of this struct never changes. */
+typedef struct LsArticulation {
+    /** One of its bodies. */
+    struct LsBody body;
+    /** Bodies that it moves. */
+    uint32_t bodies;
+    /** Joints. */
+    uint32_t joints;
+    /** 1 if it touched what moves, so that its joints were swept with the contacts, else 0. */
+    uint32_t swept;
+    /** Substeps of second order. */
+    uint32_t second_order;
+    /** Smooth substeps of first order. */
+    uint32_t first_order;
+    /** Substeps in which kinetic energy cannot grow. */
+    uint32_t safe;
+    /** Substeps that were undone and taken as two halves. */
+    uint32_t halvings;
+    /** Numbers in its factor. */
+    uint32_t factor_size;
+    /** Worst distance between joint points beyond what the joint allows (m). */
+    float gap;
+    /** Worst angle by which a joint or a stop is off (rad). */
+    float angle;
+    /** Worst overlap with what it does not move (m). */
+    float penetration;
+    /** Change of kinetic energy that the work of gravity and applied forces does not explain (N m); 0 where it was swept. */
+    float energy_change;
+} LsArticulation;
+
+/**
+ * How much work articulations may take: bodies that joints connect and that are solved at once. The layout of this struct never
+ * changes.
+ */
+typedef struct LsArticulationSettings {
+    /**
+     * How far a smooth articulation may be from its exact path after about a second (m), >= 0; the engine chooses its substeps for
+     * that. Default 0: about a thousandth of its extent.
+     */
+    float error_target;
+    /** Most substeps of a smooth articulation over those of the world, 1 to 64; default 4. The least is one a step. */
+    uint32_t most_substeps;
+    /**
+     * Multiplications that the factorisations of halved substeps may take in a step of an articulation, in millions, 0 to 1e6;
+     * default 10. Once they are spent, joints may stay open until a later step; energy does not grow.
+     */
+    float halving_budget;
+} LsArticulationSettings;
 
 /**
  * Does the parts begin, begin + 1, ... end - 1 of a job; given to an LsParallelForCallback, which calls it on any threads.
@@ -1421,6 +1474,19 @@ LsResult ls_world_overload_callback_set(LsWorld world, LsOverloadCallback callba
 LsResult ls_world_moved(LsWorld world, const LsMoved **out, size_t *count);
 
 /**
+ * How each articulation was solved in the last step: bodies that joints connect and that are solved at once. Islands that sleep
+ * or are held, and joints that are left to sweeps alone, are not among them.
+ *
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_articulations(LsWorld world, const LsArticulation **out, size_t *count);
+
+/**
  * Pairs of shapes that began to touch in the last step.
  *
  * @param world  the world; any value is safe
@@ -1479,6 +1545,16 @@ LsResult ls_world_quarantined(LsWorld world, const LsBody **out, size_t *count);
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_world_effort_set(LsWorld world, uint32_t substeps, uint32_t iterations);
+
+/**
+ * Sets how much work articulations may take, from the next step on.
+ *
+ * @param world     the world; any value is safe
+ * @param settings  read during the call
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_articulation_settings_set(LsWorld world, const LsArticulationSettings *settings);
 
 /**
  * Sets when bodies fall asleep; if they no longer may, all wake.
