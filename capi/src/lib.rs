@@ -51,6 +51,11 @@ mod support;
 
 mod long_range;
 
+mod stream_def;
+
+mod stream;
+mod stream_reader;
+
 // What the header does not show.
 mod access;
 mod boundary;
@@ -61,6 +66,10 @@ mod pointer;
 mod published;
 mod registry;
 mod sized;
+#[cfg(feature = "stream")]
+mod stream_host;
+#[cfg(feature = "stream")]
+mod stream_reading;
 
 #[cfg(test)]
 mod tests;
