@@ -7,6 +7,7 @@
  * `./renderer play FILE` plays a recording. */
 #include <math.h>
 #include <string.h>
+#include <time.h>
 
 #include "sample.h"
 
@@ -94,7 +95,8 @@ int main(int argc, char **argv)
     LsStreamPoll poll;
     LsResult result = ls_stream_reader_def_init(&def, sizeof def);
     unsigned long long frames = 0, lost = 0;
-    int status = -1, looks;
+    int status = -1;
+    time_t end;
 
     if (result == LS_ERROR_UNSUPPORTED) {
         printf("this library was built without streams\n");
@@ -106,7 +108,8 @@ int main(int argc, char **argv)
     if (!plays && argc > 2)
         check(ls_stream_reader_record(reader, argv[2]));
 
-    for (looks = 0; plays || looks < (int)(seconds * 20.0); ++looks) {
+    end = time(NULL) + (time_t)ceil(seconds);
+    while (plays || time(NULL) < end) {
         result = ls_stream_reader_poll(reader, plays ? 0.0f : 0.05f, &poll, sizeof poll);
         if (result == LS_ERROR_STREAM_CORRUPT || result == LS_ERROR_STREAM_INCOMPATIBLE) {
             fprintf(stderr, "%s\n", ls_last_error_message());

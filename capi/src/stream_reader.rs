@@ -88,7 +88,7 @@ pub unsafe extern "C" fn ls_stream_reader_poll(
 /// @param reader  the reader; any value is safe
 /// @param out     filled on LS_OK
 /// @param size    sizeof *out as the host knows it
-/// @return as ls_stream_reader_poll
+/// @return as ls_stream_reader_poll, LS_ERROR_NULL_ARGUMENT and LS_ERROR_STRUCT_SIZE among them
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ls_stream_reader_next(reader: LsStreamReader, out: *mut LsStreamPoll, size: usize) -> LsResult {
@@ -104,7 +104,8 @@ pub unsafe extern "C" fn ls_stream_reader_next(reader: LsStreamReader, out: *mut
 /// @param step    number of the step
 /// @param out     filled on LS_OK
 /// @param size    sizeof *out as the host knows it
-/// @return as ls_stream_reader_poll; LS_ERROR_OUT_OF_RANGE if the reader reads a live stream
+/// @return as ls_stream_reader_poll, LS_ERROR_NULL_ARGUMENT and LS_ERROR_STRUCT_SIZE among them; LS_ERROR_OUT_OF_RANGE if the
+///         reader reads a live stream
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ls_stream_reader_seek(
@@ -391,7 +392,7 @@ pub unsafe extern "C" fn ls_stream_reader_hash(reader: LsStreamReader, out: *mut
 /// @param reader  the reader of a live stream; any value is safe
 /// @param file    path of the file, replaced if it is there; NULL finishes the file under way
 /// @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
-///         LS_ERROR_WORLD_BUSY, LS_ERROR_OUT_OF_RANGE, LS_ERROR_STREAM_SYSTEM
+///         LS_ERROR_WORLD_BUSY, LS_ERROR_OUT_OF_RANGE, LS_ERROR_STREAM_SYSTEM; not LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ls_stream_reader_record(reader: LsStreamReader, file: *const c_char) -> LsResult {

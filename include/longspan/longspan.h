@@ -316,6 +316,126 @@
 /** Recording end: some of it is damaged and left out. */
 #define LS_STREAM_RECORDING_DAMAGED 2
 
+/** Event: the joint `a` carried more than its limit; values: force (N), torque (N m). */
+#define LS_STREAM_EVENT_OVERLOAD 1
+
+/** Event: the joint `a` broke; values: force (N), torque (N m), as at the moment of breaking. */
+#define LS_STREAM_EVENT_BROKEN 2
+
+/** Event: a piece `b` has split off the union `a`; 0 for a single body. */
+#define LS_STREAM_EVENT_SPLIT 3
+
+/** Event: the body `a` is supported from now on. */
+#define LS_STREAM_EVENT_SUPPORT_GAINED 4
+
+/** Event: the body `a` is no longer supported. */
+#define LS_STREAM_EVENT_SUPPORT_LOST 5
+
+/** Event: the body `a` had a state that is NaN or infinite, and is taken out of the simulation. */
+#define LS_STREAM_EVENT_QUARANTINED 6
+
+/** Event: a contact between the bodies `a` and `b` began. */
+#define LS_STREAM_EVENT_CONTACT_BEGAN 7
+
+/** Event: a contact between the bodies `a` and `b` ended. */
+#define LS_STREAM_EVENT_CONTACT_ENDED 8
+
+/** Section of LsStreamMotion. */
+#define LS_STREAM_SECTION_MOTION 1
+
+/** Section of LsStreamContact. */
+#define LS_STREAM_SECTION_CONTACT 2
+
+/** Section of LsStreamJointLoad. */
+#define LS_STREAM_SECTION_JOINT_LOAD 3
+
+/** Section of LsStreamBound. */
+#define LS_STREAM_SECTION_BOUND 4
+
+/** Section of LsStreamPlane. */
+#define LS_STREAM_SECTION_PLANE 5
+
+/** Layer of a stream: contacts of awake bodies, in every frame. */
+#define LS_STREAM_LAYER_CONTACTS 1
+
+/** Layer of a stream: what each joint carries, in every frame. */
+#define LS_STREAM_LAYER_JOINT_LOADS 2
+
+/** Layer of a stream: long-range bounds, in every frame. */
+#define LS_STREAM_LAYER_BOUNDS 4
+
+/** Layer of a stream: planes of hinge chains, in every frame. */
+#define LS_STREAM_LAYER_PLANES 8
+
+/** Layer of a stream: an event for each contact that begins or ends. */
+#define LS_STREAM_LAYER_CONTACT_EVENTS 16
+
+/** All layers that this version knows. */
+#define LS_STREAM_LAYER_ALL 31
+
+/** Body flag: it sleeps. */
+#define LS_STREAM_BODY_ASLEEP 1
+
+/** Body flag: whether it is supported is known. */
+#define LS_STREAM_BODY_SUPPORT_KNOWN 2
+
+/** Body flag: it is supported. */
+#define LS_STREAM_BODY_SUPPORTED 4
+
+/** Body flag: it is a piece of something that broke. */
+#define LS_STREAM_BODY_BROKEN 8
+
+/** The first eight bytes of every message: "LSSTREAM". */
+#define LS_STREAM_MAGIC 5566806834311025484
+
+/** Number of the library's binary interface, which is part of the names of streams; LS_ABI_VERSION. */
+#define LS_STREAM_ABI 0
+
+/** Number of the schema: another one means bytes that a reader of this one cannot read. */
+#define LS_STREAM_SCHEMA 1
+
+/** Channel of frames: one message a published step, the latest wins. */
+#define LS_STREAM_CHANNEL_HOT 1
+
+/** Channel of records: ordered, none is left out, as long as a reader does not fall behind by more than the history. */
+#define LS_STREAM_CHANNEL_COLD 2
+
+/** Message flag: the whole scene begins to be told anew with this message. */
+#define LS_STREAM_CYCLE_BEGINS 1
+
+/** Message flag: with this message the whole scene has been told. */
+#define LS_STREAM_CYCLE_ENDS 2
+
+/** Message flag: state_hash is that of the world after the step. */
+#define LS_STREAM_HAS_STATE_HASH 4
+
+/** Section of LsStreamBody. */
+#define LS_STREAM_SECTION_BODY 32
+
+/** Section of LsStreamShape. */
+#define LS_STREAM_SECTION_SHAPE 33
+
+/** Section of LsStreamJoint. */
+#define LS_STREAM_SECTION_JOINT 34
+
+/** Section of LsStreamGone, for bodies. */
+#define LS_STREAM_SECTION_BODY_GONE 35
+
+/** Section of LsStreamGone, for shapes. */
+#define LS_STREAM_SECTION_SHAPE_GONE 36
+
+/** Section of LsStreamGone, for joints. */
+#define LS_STREAM_SECTION_JOINT_GONE 37
+
+/** Section of one LsStreamGeometry, its vertices (3 floats each) and its triangles (3 uint32_t each). */
+#define LS_STREAM_SECTION_GEOMETRY 38
+
+/** Section of LsStreamEvent. */
+#define LS_STREAM_SECTION_EVENT 39
+
+/** Section of LsStreamWorld. */
+#define LS_STREAM_SECTION_WORLD 40
+
 /**
  * What a call returns: LS_OK, or one of the LS_ERROR_ constants. Unless a function says otherwise, a call that fails has
  * changed nothing and has written nothing through its pointers. New codes may be added: treat an unknown one as a failure.
@@ -1202,7 +1322,7 @@ typedef struct LsStreamBody {
     uint64_t step;
     /** Position of its frame (m). */
     double position[3];
-    /** Rotation of its frame: x, y, z, w. */
+    /** Rotation of its frame, unit quaternion: x, y, z, w. */
     float rotation[4];
     /** Velocity of its centre of mass (m/s). */
     float linear_velocity[3];
@@ -1240,7 +1360,7 @@ typedef struct LsStreamShape {
     uint32_t reserved;
     /** Position in the body's frame (m). */
     float position[3];
-    /** Rotation in the body's frame: x, y, z, w. */
+    /** Rotation in the body's frame, unit quaternion: x, y, z, w. */
     float rotation[4];
     /** Ball: radius. Box: half extents. Capsule, cylinder and cone, along y: half height, radius. Half-space: normal. (m) */
     float size[3];
@@ -1264,9 +1384,9 @@ typedef struct LsStreamJoint {
     double position_a[3];
     /** Joint frame on body B, in its frame, or in the world's (m). */
     double position_b[3];
-    /** Rotation of the joint frame on body A: x, y, z, w. */
+    /** Rotation of the joint frame on body A, unit quaternion: x, y, z, w. */
     float rotation_a[4];
-    /** Rotation of the joint frame on body B: x, y, z, w. */
+    /** Rotation of the joint frame on body B, unit quaternion: x, y, z, w. */
     float rotation_b[4];
     /** LS_JOINT_ constant. */
     int32_t kind;
@@ -1314,7 +1434,7 @@ typedef struct LsStreamJointLoad {
     float force;
     /** Torque that it carries, mean over the step (N m). */
     float torque;
-    /** The greater of force / break_force and torque / break_torque; 0 for a joint without limits. */
+    /** Fraction of its limit: the greater of force / break_force and torque / break_torque; 0 for a joint without limits. */
     float share;
     /** Distance between the joint points beyond what the joint allows (m). */
     float gap;
@@ -1374,7 +1494,7 @@ typedef struct LsStreamEvent {
     uint32_t kind;
     /** Not used; 0. */
     uint32_t reserved;
-    /** Numbers: see the kinds. */
+    /** Numbers as the kinds say, (N) and (N m). */
     float values[4];
 } LsStreamEvent;
 
@@ -1474,6 +1594,8 @@ typedef struct LsStreamRecording {
 
 /** The system refuses shared memory or a file; the message says which, and why. */
 #define LS_ERROR_STREAM_SYSTEM 26
+
+
 
 #ifdef __cplusplus
 extern "C" {
@@ -3148,7 +3270,7 @@ LsResult ls_stream_reader_poll(LsStreamReader reader, float timeout, LsStreamPol
  * @param reader  the reader; any value is safe
  * @param out     filled on LS_OK
  * @param size    sizeof *out as the host knows it
- * @return as ls_stream_reader_poll
+ * @return as ls_stream_reader_poll, LS_ERROR_NULL_ARGUMENT and LS_ERROR_STRUCT_SIZE among them
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
 LsResult ls_stream_reader_next(LsStreamReader reader, LsStreamPoll *out, size_t size);
@@ -3160,7 +3282,8 @@ LsResult ls_stream_reader_next(LsStreamReader reader, LsStreamPoll *out, size_t 
  * @param step    number of the step
  * @param out     filled on LS_OK
  * @param size    sizeof *out as the host knows it
- * @return as ls_stream_reader_poll; LS_ERROR_OUT_OF_RANGE if the reader reads a live stream
+ * @return as ls_stream_reader_poll, LS_ERROR_NULL_ARGUMENT and LS_ERROR_STRUCT_SIZE among them; LS_ERROR_OUT_OF_RANGE if the
+ *         reader reads a live stream
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
 LsResult ls_stream_reader_seek(LsStreamReader reader, uint64_t step, LsStreamPoll *out, size_t size);
@@ -3320,7 +3443,7 @@ LsResult ls_stream_reader_hash(LsStreamReader reader, uint64_t *out);
  * @param reader  the reader of a live stream; any value is safe
  * @param file    path of the file, replaced if it is there; NULL finishes the file under way
  * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
- *         LS_ERROR_WORLD_BUSY, LS_ERROR_OUT_OF_RANGE, LS_ERROR_STREAM_SYSTEM
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_OUT_OF_RANGE, LS_ERROR_STREAM_SYSTEM; not LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
 LsResult ls_stream_reader_record(LsStreamReader reader, const char *file);

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use iceoryx2::config::Config;
 use iceoryx2::node::Node;
 
-use crate::channel::{Carrier, Inlet, Received, node};
+use crate::channel::{Carrier, Inlet, Received};
 use crate::domain::{Domain, Source};
 use crate::foreign::OwnMemory;
 use crate::problem::{Problem, Result};
@@ -75,7 +75,7 @@ impl Live {
             }
             let node = match self.node.take() {
                 Some(node) => node,
-                None => node(&self.config)?,
+                None => self.domain.node(&self.config)?,
             };
             let node = self.node.insert(node);
             let (Some(hot), Some(cold)) = (Inlet::open(node, &source, "hot")?, Inlet::open(node, &source, "cold")?) else {
@@ -122,6 +122,7 @@ impl Live {
         if let Some(node) = self.node.take() {
             node.try_cleanup_dead_nodes();
         }
+        self.domain.clear(&self.config);
     }
 
     fn is_time(&mut self) -> bool {
@@ -130,5 +131,13 @@ impl Live {
             self.looked = Some(Instant::now());
         }
         due
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.attached = None;
+        self.node = None;
+        self.domain.clear(&self.config);
     }
 }

@@ -2,8 +2,9 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::Instant;
 
+use iceoryx2::config::Config;
 use iceoryx2::node::Node;
 use longspan::World;
 use longspan_stream_schema::{
@@ -12,9 +13,9 @@ use longspan_stream_schema::{
 };
 
 use crate::capture::{BLOCK, Cold, Hot, header_of};
-use crate::channel::{Carrier, Outlet, Room, node};
+use crate::channel::{Carrier, Outlet, Room};
 use crate::domain::{Domain, Source, check_name};
-use crate::message::SECTION;
+use crate::message::{SECTION, clock};
 use crate::problem::{Problem, Result};
 
 /// Frames that wait for a reader. Two would do for one that only wants the latest; a recorder that is held up for a moment wants all.
@@ -120,7 +121,26 @@ pub struct Publisher {
     /// The channel failed from within; nothing is published any more.
     failed: bool,
     /// After the ports, which it outlives.
-    _node: Node<Carrier>,
+    node: Node<Carrier>,
+    /// Last of all.
+    _clearer: Clearer,
+}
+
+/// Clears up when everything else is gone.
+#[derive(Debug)]
+struct Clearer(Domain, Config);
+
+impl Drop for Clearer {
+    fn drop(&mut self) {
+        self.0.clear(&self.1);
+    }
+}
+
+impl Drop for Publisher {
+    fn drop(&mut self) {
+        // While the channels are still there: what dead readers had of them goes with them.
+        let _ = catch_unwind(AssertUnwindSafe(|| self.node.try_cleanup_dead_nodes()));
+    }
 }
 
 /// Streams of this process so far.
@@ -135,7 +155,10 @@ impl Publisher {
     /// Names the field of `def` that is out of range; says why shared memory cannot be used.
     pub fn open(world: &World, def: &PublisherDef) -> Result<Self> {
         def.check()?;
-        let node = node(&def.domain.config()?)?;
+        let config = def.domain.config()?;
+        def.domain.clear(&config);
+        let node = def.domain.node(&config)?;
+        node.try_cleanup_dead_nodes();
         let source = Source::new(&def.name, std::process::id(), STREAMS.fetch_add(1, Ordering::Relaxed));
         let readers = def.readers as usize;
         let hot_room = Room { name: "hot", buffer: HOT_BUFFER, history: 1, bytes: def.frame_bytes(world) };
@@ -155,7 +178,8 @@ impl Publisher {
             steps: 0,
             stats: PublisherStats::default(),
             failed: false,
-            _node: node,
+            node,
+            _clearer: Clearer(def.domain.clone(), config),
             def: def.clone(),
         };
         publisher.tell(world, true);
@@ -262,6 +286,5 @@ fn about(world: &World, def: &PublisherDef) -> LsStreamWorld {
 
 /// Differs between any two streams that a reader could take for one.
 fn session(number: u32) -> u64 {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64);
-    (now ^ (u64::from(std::process::id()) << 40) ^ u64::from(number)).max(1)
+    (clock() ^ (u64::from(std::process::id()) << 40) ^ u64::from(number)).max(1)
 }

@@ -120,7 +120,7 @@ fn layouts() -> Vec<Layout> {
         LsStreamRecording { first_step, last_step, frames, offset, end, reserved }
         LsStreamHeader {
             magic, schema, header_size, layout_hash, length, session, sequence, step, time, state_hash, content_hash, dropped,
-            channel, section_count, body_count, shape_count, joint_count, flags, cycle, reserved
+            channel, section_count, body_count, shape_count, joint_count, flags, cycle, clock
         }
         LsStreamSection { kind, stride, count, flags, length, reserved }
         LsStreamMotion {

@@ -14,7 +14,7 @@ use longspan_stream_schema::{
 use super::census::Census;
 use super::meshes::{Meshes, Surface};
 use super::records;
-use crate::message::{Sections, header};
+use crate::message::{Sections, clock, header};
 
 /// Content of a message on the cold channel at most (bytes): about 200 bodies with a shape each.
 pub(crate) const BLOCK: usize = 32 * 1024;
@@ -350,6 +350,7 @@ impl Cold {
             joint_count: world.joint_count() as u32,
             flags: std::mem::take(&mut self.block_flags),
             cycle: self.cycle,
+            clock: clock(),
             ..header(LS_STREAM_CHANNEL_COLD, self.session)
         };
         let content = self.block.finish(&mut header);

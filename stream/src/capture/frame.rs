@@ -8,7 +8,7 @@ use longspan_stream_schema::{
 
 use super::records;
 use crate::channel::Slate;
-use crate::message::{HEADER, SECTION, Sections, header};
+use crate::message::{HEADER, SECTION, Sections, clock, header};
 
 /// Builds frames.
 #[derive(Debug, Default)]
@@ -58,6 +58,7 @@ impl Hot {
             section_count: 1 + self.layers.count,
             length: (HEADER + SECTION + length + self.layers.bytes.len()) as u64,
             content_hash: hash.finish(),
+            clock: clock(),
             ..start
         }
     }
