@@ -8,7 +8,7 @@ use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
 use std::path::PathBuf;
 
 use iceoryx2::config::Config;
-use iceoryx2::node::{Node, NodeState};
+use iceoryx2::node::Node;
 use iceoryx2::prelude::{CallbackProgression, FileName, LogLevel, Path, SemanticString, Service, ServiceName, set_log_level};
 use longspan_stream_schema::{LS_STREAM_ABI, LS_STREAM_SCHEMA};
 
@@ -77,29 +77,21 @@ impl Domain {
         Ok(config)
     }
 
-    /// Makes a node, while nobody clears the domain.
-    pub(crate) fn node(&self, config: &Config) -> Result<Node<Carrier>> {
+    /// Joins the domain. Nobody clears it from now on until the membership ends.
+    pub(crate) fn join(&self, config: &Config) -> Result<Membership> {
         let lock = self.lock()?;
         lock.lock_shared()?;
-        channel::node(config)
+        Ok(Membership { node: channel::node(config)?, _lock: lock })
     }
 
-    /// Removes everything that is left, if no process lives that has a part in it.
+    /// Removes everything that is left, if no process lives that is a member.
     ///
     /// iceoryx2 removes what a dead process left, file by file; one that dies while it does that, or while it starts, can leave files
-    /// that nobody is told of. They are found here, by their place.
-    pub(crate) fn clear(&self, config: &Config) {
+    /// that nobody is told of. They are found here, by their place. That nobody lives is known by the lock, which the kernel takes
+    /// from a process that dies.
+    pub(crate) fn clear(&self) {
         let Ok(lock) = self.lock() else { return };
-        // Somebody is starting, or clearing: then it is theirs.
         if lock.try_lock().is_err() {
-            return;
-        }
-        let mut alive = false;
-        let listed = Node::<Carrier>::list(config, |node| {
-            alive |= matches!(node, NodeState::Alive(_));
-            CallbackProgression::Continue
-        });
-        if alive || listed.is_err() {
             return;
         }
         for part in ["nodes", "services"] {
@@ -113,7 +105,7 @@ impl Domain {
         }
     }
 
-    /// A file that is locked for as long as somebody starts, or clears up. It stays.
+    /// A file that members lock together, and who clears up alone. It stays.
     fn lock(&self) -> Result<fs::File> {
         Ok(fs::File::create(self.folder().join("lock"))?)
     }
@@ -135,6 +127,15 @@ impl Domain {
         sources.sort();
         Ok(sources)
     }
+}
+
+/// A process as a member of a domain.
+#[derive(Debug)]
+pub(crate) struct Membership {
+    /// What it is to iceoryx2.
+    pub node: Node<Carrier>,
+    /// Held until the node is gone.
+    _lock: fs::File,
 }
 
 /// The number of the user whose process this is.

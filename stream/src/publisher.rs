@@ -4,8 +4,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Instant;
 
-use iceoryx2::config::Config;
-use iceoryx2::node::Node;
 use longspan::World;
 use longspan_stream_schema::{
     LS_STREAM_LAYER_ALL, LS_STREAM_LAYER_BOUNDS, LS_STREAM_LAYER_CONTACTS, LS_STREAM_LAYER_JOINT_LOADS, LsStreamHeader,
@@ -13,8 +11,8 @@ use longspan_stream_schema::{
 };
 
 use crate::capture::{BLOCK, Cold, Hot, header_of};
-use crate::channel::{Carrier, Outlet, Room};
-use crate::domain::{Domain, Source, check_name};
+use crate::channel::{Outlet, Room};
+use crate::domain::{Domain, Membership, Source, check_name};
 use crate::message::{SECTION, clock};
 use crate::problem::{Problem, Result};
 
@@ -121,25 +119,25 @@ pub struct Publisher {
     /// The channel failed from within; nothing is published any more.
     failed: bool,
     /// After the ports, which it outlives.
-    node: Node<Carrier>,
+    membership: Membership,
     /// Last of all.
     _clearer: Clearer,
 }
 
 /// Clears up when everything else is gone.
 #[derive(Debug)]
-struct Clearer(Domain, Config);
+struct Clearer(Domain);
 
 impl Drop for Clearer {
     fn drop(&mut self) {
-        self.0.clear(&self.1);
+        self.0.clear();
     }
 }
 
 impl Drop for Publisher {
     fn drop(&mut self) {
         // While the channels are still there: what dead readers had of them goes with them.
-        let _ = catch_unwind(AssertUnwindSafe(|| self.node.try_cleanup_dead_nodes()));
+        let _ = catch_unwind(AssertUnwindSafe(|| self.membership.node.try_cleanup_dead_nodes()));
     }
 }
 
@@ -156,16 +154,17 @@ impl Publisher {
     pub fn open(world: &World, def: &PublisherDef) -> Result<Self> {
         def.check()?;
         let config = def.domain.config()?;
-        def.domain.clear(&config);
-        let node = def.domain.node(&config)?;
+        def.domain.clear();
+        let membership = def.domain.join(&config)?;
+        let node = &membership.node;
         node.try_cleanup_dead_nodes();
         let source = Source::new(&def.name, std::process::id(), STREAMS.fetch_add(1, Ordering::Relaxed));
         let readers = def.readers as usize;
         let hot_room = Room { name: "hot", buffer: HOT_BUFFER, history: 1, bytes: def.frame_bytes(world) };
         let cold_room = Room { name: "cold", buffer: COLD_BUFFER, history: COLD_BUFFER, bytes: BLOCK };
         // Readers look for the hot channel: it comes last.
-        let cold_outlet = Outlet::open(&node, &source, cold_room, readers)?;
-        let hot_outlet = Outlet::open(&node, &source, hot_room, readers)?;
+        let cold_outlet = Outlet::open(node, &source, cold_room, readers)?;
+        let hot_outlet = Outlet::open(node, &source, hot_room, readers)?;
         let session = session(source.number);
         let mut publisher = Self {
             source,
@@ -178,8 +177,8 @@ impl Publisher {
             steps: 0,
             stats: PublisherStats::default(),
             failed: false,
-            node,
-            _clearer: Clearer(def.domain.clone(), config),
+            membership,
+            _clearer: Clearer(def.domain.clone()),
             def: def.clone(),
         };
         publisher.tell(world, true);

@@ -153,7 +153,7 @@ fn damaged_shared_memory_is_noticed_and_outlived() {
             let length = segment.metadata().map_or(0, |data| data.len());
             // The front of a segment is the publisher's own list of what is free: it does not outlive damage there, readers do.
             let front = if random.below(200) == 0 { 0 } else { 4096 };
-            for _ in 0..random.below(40) {
+            for _ in 0..random.below(400) {
                 let place = front + random.next() % length.saturating_sub(front + 8).clamp(1, 256 * 1024);
                 let _ = segment.write_all_at(&random.next().to_le_bytes()[..1 + random.below(8)], place);
             }
