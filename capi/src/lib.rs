@@ -51,6 +51,8 @@ mod support;
 
 mod long_range;
 
+mod union;
+
 mod stream_def;
 
 mod stream;

@@ -260,7 +260,7 @@ impl Publisher {
             dropped: self.stats.dropped,
             ..header_of(world, session, self.def.state_hash)
         };
-        let sent = self.hot_outlet.send(length, |slate| self.hot.write(world, &self.cold.flags, start, slate));
+        let sent = self.hot_outlet.send(length, |slate| self.hot.write(world, &self.cold, start, slate));
         self.stats.frames += u64::from(sent);
         self.stats.dropped += u64::from(!sent);
         self.stats.bytes += length as u64;
