@@ -177,6 +177,8 @@ pub(crate) struct Body {
     pub calm_for: u8,
     /// Whether it keeps its pose in this step because nothing could move it.
     pub held: bool,
+    /// Whether it has woken since what moved was last listed.
+    pub woke: bool,
     /// Last substep, for stepping to second order.
     pub history: History,
     /// Taken out of the simulation because a step gave it a non-finite state.
@@ -223,6 +225,7 @@ impl Body {
             age: 0,
             steady_for: u8::MAX,
             calm_for: 0,
+            woke: false,
             held: false,
             history: History::NONE,
             quarantined: false,

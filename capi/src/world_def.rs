@@ -56,11 +56,14 @@ pub struct LsWorldDef {
     pub joint_capacity: u32,
     /// Not used; 0.
     pub reserved: u32,
+    /// Approach speed above which contacts are listed by ls_world_hits (m/s), >= 0; default INFINITY, which is never and costs
+    /// nothing.
+    pub hit_threshold: f32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsWorldDef {
-    const SIZES: &'static [usize] = &[64];
+    const SIZES: &'static [usize] = &[64, 68];
 }
 
 // SAFETY: begins with struct_size.
@@ -105,6 +108,7 @@ impl TryFrom<LsWorldDef> for WorldDef {
             threads: def.threads,
             sleep: def.sleep.into(),
             restitution_threshold: def.restitution_threshold,
+            hit_threshold: def.hit_threshold,
             hold: true,
             support: false,
             body_capacity: def.body_capacity,
@@ -133,6 +137,7 @@ impl From<&WorldDef> for LsWorldDef {
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
             reserved: 0,
+            hit_threshold: def.hit_threshold,
         }
     }
 }

@@ -39,7 +39,7 @@ pub(crate) struct Pair {
     pub key: PairKey,
     pub material: PairMaterial,
     pub manifolds: Vec<CarriedManifold>,
-    /// Pose of B's shape in A's, and margin, that the manifolds were made for.
+    /// Pose of B's shape in A's, and margin, that the manifolds were made for, rounded as in [`coarse`] and [`rounded_down`].
     pub made_for: Option<(Pose3, f32)>,
     /// Whether the narrow phase made new manifolds in the last step.
     pub updated: bool,
@@ -49,6 +49,10 @@ pub(crate) struct Pair {
     pub may_touch: bool,
     /// Whether a normal impulse acted in the last step.
     pub in_contact: bool,
+    /// Speed at which points approach each other at the start of this step, if it is that of a hit (m/s); else zero.
+    pub approach: f32,
+    /// Impulse along the normal in the hardest substep of this step (N·s), if it is a hit.
+    pub blow: f32,
     pub active: bool,
 }
 
@@ -63,7 +67,7 @@ const MARGIN_RESERVE: f32 = 1.5;
 const ALL_TAKEN: f32 = 0.999;
 
 impl Pair {
-    fn new(key: PairKey, material: PairMaterial) -> Self {
+    pub(crate) fn new(key: PairKey, material: PairMaterial) -> Self {
         Self {
             key,
             material,
@@ -73,6 +77,8 @@ impl Pair {
             version: 0,
             may_touch: false,
             in_contact: false,
+            approach: 0.0,
+            blow: 0.0,
             active: false,
         }
     }
@@ -80,16 +86,14 @@ impl Pair {
     /// Brings the manifolds up to date with the bodies' poses.
     pub(crate) fn update(&mut self, a: &Collider, b: &Collider, motion: f32, scratch: &mut PairScratch) {
         let still = contact_margin(a, b);
-        let ((position_a, rotation_a), (position_b, rotation_b)) = (a.place, b.place);
-        let inverse_a = rotation_a.conjugate();
-        let relative = Pose3::from_parts(inverse_a * (position_b - position_a).as_vec3(), inverse_a * rotation_b);
+        let relative = a.relative(b);
         self.updated = !self.still_good(&relative, still + motion, a.least_extent.min(b.least_extent));
         if self.updated {
             self.version = self.version.wrapping_add(1);
             let margin = still + motion * MARGIN_RESERVE;
             narrow::collide(&a.shape, &b.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
             self.carry_over(&scratch.manifolds);
-            self.made_for = Some((relative, margin));
+            self.made_for = Some((coarse(&relative, pose_unit(a, b)), rounded_down(margin)));
         } else {
             self.follow(&relative);
         }
@@ -161,6 +165,40 @@ impl Pair {
             manifold.impulses = ContactImpulses::default();
         }
     }
+}
+
+/// Steps of the pose that a pair remembers, in shares of the smaller shape's extent and in radians: an eighth of what it is
+/// compared by, so that a pair at rest takes a few bits of a snapshot.
+pub(crate) const POSE_STEP: f32 = 1.0 / 16384.0;
+
+/// Bits of a margin that are remembered.
+const MARGIN_BITS: u32 = 0xffff_e000;
+
+/// Step of the translation that a pair of these shapes remembers (m), a power of two; the rotation's is [`POSE_STEP`].
+pub(crate) fn pose_unit(a: &Collider, b: &Collider) -> f32 {
+    const EXPONENT: u32 = 0x7f80_0000;
+    f32::from_bits(a.least_extent.min(b.least_extent).to_bits() & EXPONENT) * POSE_STEP
+}
+
+/// A pose in steps of `unit` and [`POSE_STEP`].
+pub(crate) fn coarse(pose: &Pose3, unit: f32) -> Pose3 {
+    let (p, q) = (pose.translation, pose.rotation);
+    let turn = |x: f32| in_steps(x, POSE_STEP);
+    Pose3::from_parts(
+        Vec3::from_array(p.to_array().map(|x| in_steps(x, unit))),
+        Quat::from_xyzw(turn(q.x), turn(q.y), turn(q.z), turn(q.w)),
+    )
+}
+
+fn in_steps(x: f32, unit: f32) -> f32 {
+    // Added to a number whose last bit is one, a float is rounded to whole numbers.
+    const ONES: f32 = 12_582_912.0;
+    let steps = x / unit;
+    if steps.abs() < 4.0e6 { ((steps + ONES) - ONES) * unit } else { x }
+}
+
+fn rounded_down(margin: f32) -> f32 {
+    f32::from_bits(margin.to_bits() & MARGIN_BITS)
 }
 
 /// Multipliers of `old` for the points of `new`: point by point where features match, or else the same force and moments.

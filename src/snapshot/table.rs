@@ -22,9 +22,21 @@ impl<'a> Output<'a> {
         for row in rows {
             self.row.words.clear();
             row.put(&mut self.row);
+            if !T::FIXED || self.last.is_empty() {
+                self.length();
+            }
             self.difference();
             std::mem::swap(&mut self.row.words, &mut self.last);
         }
+    }
+
+    /// Writes a row by itself, which `put` writes.
+    pub(crate) fn row_of(&mut self, put: impl FnOnce(&mut Writer)) {
+        self.last.clear();
+        self.row.words.clear();
+        put(&mut self.row);
+        self.length();
+        self.difference();
     }
 
     /// Seven bits a byte, the lowest first; the highest bit says that more follow.
@@ -36,12 +48,15 @@ impl<'a> Output<'a> {
         self.bytes.push(value as u8);
     }
 
-    /// Length of the row against that of the last one, then for each four words a byte of how long their differences are (two
-    /// bits each, the first lowest), and those differences.
-    fn difference(&mut self) {
+    /// Length of the row against that of the last one.
+    fn length(&mut self) {
         let change = self.row.words.len() as i64 - self.last.len() as i64;
-        let zigzag = ((change << 1) ^ (change >> 63)) as u64;
-        self.number(zigzag);
+        self.number(((change << 1) ^ (change >> 63)) as u64);
+    }
+
+    /// For each four words a byte of how long their differences from those of the last row are (two bits each, the first lowest),
+    /// and those differences.
+    fn difference(&mut self) {
         let (words, last) = (&self.row.words, &self.last);
         for (group, four) in words.chunks(4).enumerate() {
             let at = self.bytes.len();
@@ -112,7 +127,21 @@ impl<'a> Input<'a> {
         None
     }
 
+    /// Reads a row that [`Output::row_of`] has written.
+    pub(crate) fn row_of<T>(&mut self, take: impl FnOnce(&mut Reader) -> Option<T>) -> Option<T> {
+        self.row.clear();
+        self.length()?;
+        self.row_with(take)
+    }
+
     fn row<T: Stored>(&mut self) -> Option<T> {
+        if !T::FIXED || self.row.is_empty() {
+            self.length()?;
+        }
+        self.row_with(T::take)
+    }
+
+    fn length(&mut self) -> Option<()> {
         let zigzag = self.number()?;
         let change = (zigzag >> 1) as i64 ^ -((zigzag & 1) as i64);
         let len = usize::try_from(change.checked_add(self.row.len() as i64)?).ok()?;
@@ -121,6 +150,11 @@ impl<'a> Input<'a> {
             return None;
         }
         self.row.resize(len, 0);
+        Some(())
+    }
+
+    fn row_with<T>(&mut self, take: impl FnOnce(&mut Reader) -> Option<T>) -> Option<T> {
+        let len = self.row.len();
         for group in 0..len.div_ceil(4) {
             let codes = self.byte()?;
             for i in 0..4 {
@@ -134,7 +168,7 @@ impl<'a> Input<'a> {
             }
         }
         let mut reader = Reader { words: &self.row, forms: self.forms, tag: self.tag, depth: 0 };
-        let value = T::take(&mut reader)?;
+        let value = take(&mut reader)?;
         reader.words.is_empty().then_some(value)
     }
 }

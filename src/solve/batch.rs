@@ -195,6 +195,15 @@ impl Batch {
         self.contacts[block as usize].impulses(lane as usize)
     }
 
+    /// Impulse along the normal of a manifold in its hardest substep (N·s).
+    pub(crate) fn contact_blow(&self, number: usize) -> f32 {
+        let (block, lane) = self.lanes[number];
+        if block == HELD {
+            return self.direct.blow_of(number);
+        }
+        self.contacts[block as usize].peak_lambda.iter().map(|lambda| lambda[lane as usize]).sum()
+    }
+
     /// Normal of the manifold with this number.
     pub(crate) fn contact_normal(&self, number: usize) -> glam::Vec3 {
         self.inputs[number].normal

@@ -493,6 +493,12 @@ pub(crate) fn restitute(blocks: &mut [ContactBlock], velocities: &mut [BodyVeloc
         push_apart::<POINTS>(block, &new, &block.lambda, &mut side_a, &mut side_b);
         scatter(&block.a, &side_a, velocities);
         scatter(&block.b, &side_b, velocities);
+        // The rebound belongs to the blow.
+        for i in 0..POINTS {
+            for l in 0..LANES {
+                block.peak_lambda[i][l] += (new[i][l] - block.lambda[i][l]).max(0.0);
+            }
+        }
         block.lambda = new;
     }
 }

@@ -7,7 +7,7 @@ use super::World;
 use crate::body::Body;
 use crate::collide::broad::still_near;
 use crate::collide::collider::{Collider, own_margin};
-use crate::collide::pairs::{Fate, Pair, PairKey, PairScratch};
+use crate::collide::pairs::{Fate, Pair, PairKey, PairScratch, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
 use crate::material::PairMaterial;
@@ -119,6 +119,39 @@ impl World {
     }
 }
 
+impl World {
+    /// Notes of every pair how fast its points approach each other, where that is fast enough for a hit.
+    pub(super) fn note_approaches(&mut self) {
+        let Self { pairs, colliders, bodies, def, .. } = self;
+        let threshold = def.hit_threshold;
+        if threshold == f32::INFINITY {
+            return;
+        }
+        pairs.for_each_active(|pair| {
+            (pair.approach, pair.blow) = (0.0, 0.0);
+            let (a, b) = pair.key.shapes();
+            let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
+            let (body_a, body_b) = (&bodies[shape_a.body], &bodies[shape_b.body]);
+            let linear = body_b.linear_velocity - body_a.linear_velocity;
+            let turning = body_a.angular_velocity.length() * shape_a.reach + body_b.angular_velocity.length() * shape_b.reach;
+            if !pair.may_touch || linear.length() + turning <= threshold {
+                return;
+            }
+            for manifold in &pair.manifolds {
+                let world = WorldManifold::new(&manifold.geometry, (shape_a, body_a), (shape_b, body_b));
+                for i in 0..manifold.geometry.count as usize {
+                    let rate = linear + body_b.angular_velocity.cross(world.lever_b[i])
+                        - body_a.angular_velocity.cross(world.lever_a[i]);
+                    let speed = -rate.dot(world.normal);
+                    if speed > threshold {
+                        pair.approach = pair.approach.max(speed);
+                    }
+                }
+            }
+        });
+    }
+}
+
 /// How far two shapes can move against each other in a step (m).
 fn relative_motion(a: (&Collider, &Body), b: (&Collider, &Body), gravity: glam::Vec3, dt: f32) -> f32 {
     let fall = |body: &Body| if body.is_dynamic() && body.is_mover() { body.gravity_scale } else { 0.0 };
@@ -129,7 +162,7 @@ fn relative_motion(a: (&Collider, &Body), b: (&Collider, &Body), gravity: glam::
 
 /// Whether a pair of shapes belongs among the active pairs.
 pub(super) fn may_collide(a: &Collider, b: &Collider, bodies: &Pool<Body, BodyId>, joints: &Pool<Joint, JointId>) -> bool {
-    if a.body == b.body || !a.filter.accepts(&b.filter) {
+    if a.body == b.body || a.sensor || b.sensor || !a.filter.accepts(&b.filter) {
         return false;
     }
     let (body_a, body_b) = (&bodies[a.body], &bodies[b.body]);

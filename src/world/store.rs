@@ -1,13 +1,14 @@
 //! Stages after the solve: results back into the world's records, fast bodies stopped, events listed.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::World;
 use super::fast::Path;
 use super::pairs::contact_pair;
 use crate::body::BodyKind;
 use crate::collide::sweep::PathStart;
-use crate::report::{JointOverload, Moved};
+use crate::joint::Joint;
+use crate::report::{Contact, Hit, JointOverload, JointStop, Moved};
 use crate::solve::direct::history::History;
 
 /// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
@@ -101,6 +102,9 @@ impl World {
                 continue;
             }
             carried.impulses = impulses;
+            if pair.approach > 0.0 {
+                pair.blow += batch.contact_blow(i);
+            }
             let (a, b) = pair.key.shapes();
             let normal = batch.contact_normal(i);
             let force = (normal * impulses.normal.iter().sum::<f32>() + impulses.friction) / substep;
@@ -121,6 +125,11 @@ impl World {
                 joint.forget_impulses();
                 continue;
             }
+            let pressed = joint.pressed_stops();
+            for (axis, upper) in Joint::stops(pressed & !joint.pressed) {
+                events.joint_stops.push(JointStop { joint: handle, user_word: joint.def.user_word, axis, upper });
+            }
+            joint.pressed = pressed;
             let (force, torque) = (joint.force.length(), joint.torque.length());
             if force > joint.def.break_force || torque > joint.def.break_torque {
                 events.overloaded.push(JointOverload { joint: handle, user_word: joint.def.user_word, force, torque });
@@ -178,14 +187,42 @@ impl World {
         }
     }
 
+    /// Lists pairs of shapes that met fast.
+    pub(super) fn report_hits(&mut self) {
+        if self.def.hit_threshold == f32::INFINITY {
+            return;
+        }
+        let mut hits = std::mem::take(&mut self.events.hits);
+        for &(key, slot) in self.pairs.active() {
+            let pair = self.pairs.get(slot);
+            if pair.blow <= 0.0 {
+                continue;
+            }
+            let heaviest = |a: &Contact, b: &Contact| force_of(a).total_cmp(&force_of(b));
+            if let Some(contact) = self.contacts_of_pair(key, slot).max_by(heaviest) {
+                let points = contact.points();
+                hits.push(Hit {
+                    pair: contact.pair,
+                    point: points.iter().map(|point| point.position).sum::<DVec3>() / points.len() as f64,
+                    normal: contact.normal,
+                    approach_speed: pair.approach,
+                    impulse: pair.blow,
+                });
+            }
+        }
+        self.events.hits = hits;
+    }
+
     /// Lists every body that moved.
     pub(super) fn list_moved(&mut self) {
         let Self { movers, bodies, events, report, .. } = self;
         for &index in movers.iter() {
-            let body = &bodies[index];
+            let body = &mut bodies[index];
             if body.quarantined || (body.held && body.is_awake()) {
                 continue;
             }
+            let woke = std::mem::take(&mut body.woke);
+            let body = &bodies[index];
             events.moved.push(Moved {
                 body: bodies.handle_of(index),
                 user_word: body.user_word,
@@ -193,11 +230,16 @@ impl World {
                 linear_velocity: body.linear_velocity,
                 angular_velocity: body.angular_velocity,
                 fell_asleep: !body.is_awake(),
+                woke,
             });
         }
         report.counts.moved = events.moved.len() as u32;
         self.movers_sorted = false;
     }
+}
+
+fn force_of(contact: &Contact) -> f32 {
+    contact.points().iter().map(|point| point.normal_force).sum()
 }
 
 /// As the solver's rotation of one substep, but for any angle: in pieces of less than a radian.
