@@ -126,7 +126,7 @@ pub struct Hit {
     pub normal: Vec3,
     /// Greatest speed at which points approached each other at the start of the step (m/s).
     pub approach_speed: f32,
-    /// Impulse along the normal in the hardest substep, rebound included (N·s).
+    /// Impulse along the normal over the step, rebound included (N·s).
     pub impulse: f32,
 }
 

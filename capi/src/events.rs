@@ -53,7 +53,7 @@ pub struct LsHit {
     pub normal: [f32; 3],
     /// Greatest speed at which points approached each other at the start of the step (m/s).
     pub approach_speed: f32,
-    /// Impulse along the normal in the hardest substep, rebound included (N s).
+    /// Impulse along the normal over the step, rebound included (N s).
     pub impulse: f32,
     /// Not used; 0.
     pub reserved: u32,

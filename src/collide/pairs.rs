@@ -51,7 +51,7 @@ pub(crate) struct Pair {
     pub in_contact: bool,
     /// Speed at which points approach each other at the start of this step, if it is that of a hit (m/s); else zero.
     pub approach: f32,
-    /// Impulse along the normal in the hardest substep of this step (N·s), if it is a hit.
+    /// Impulse along the normal over this step (N·s), if it is a hit.
     pub blow: f32,
     pub active: bool,
 }
@@ -62,6 +62,10 @@ const REUSE_ROTATION: f32 = 5.0e-4;
 
 /// Factor on relative motion in the margin that manifolds are made for, so that a slightly greater speed does not remake them.
 const MARGIN_RESERVE: f32 = 1.5;
+
+/// Cosine of the turn of a normal from which on multipliers are not carried over. Where bodies are pressed deep into one another the
+/// axis of least overlap jumps, and what held up a column of falling bodies would push sideways against nothing.
+const LEAST_ALIGNMENT: f32 = 0.9;
 
 /// Share of the old multipliers that matching features must have taken for them to be kept point by point.
 const ALL_TAKEN: f32 = 0.999;
@@ -92,7 +96,7 @@ impl Pair {
             self.version = self.version.wrapping_add(1);
             let margin = still + motion * MARGIN_RESERVE;
             narrow::collide(&a.shape, &b.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
-            self.carry_over(&scratch.manifolds);
+            self.carry_over(&scratch.manifolds, &mut scratch.carried);
             self.made_for = Some((coarse(&relative, pose_unit(a, b)), rounded_down(margin)));
         } else {
             self.follow(&relative);
@@ -121,13 +125,18 @@ impl Pair {
 
     /// Whether the relative pose is close enough to the one the manifolds were made for, and the margin no larger.
     fn still_good(&self, relative: &Pose3, margin: f32, extent: f32) -> bool {
-        let Some((made_for, made_with)) = &self.made_for else {
+        self.made_for.is_some_and(|(_, made_with)| margin <= made_with) && self.is_near(relative, extent)
+    }
+
+    /// Whether the pose that the manifolds were made for is near enough to this one for them to be kept.
+    pub(crate) fn is_near(&self, relative: &Pose3, extent: f32) -> bool {
+        let Some((made_for, _)) = &self.made_for else {
             return false;
         };
         let shift = (relative.translation - made_for.translation).length();
         let (p, q) = (relative.rotation, made_for.rotation);
         let turn = (Quat::from_xyzw(p.x, p.y, p.z, p.w) - Quat::from_xyzw(q.x, q.y, q.z, q.w)).length() * 2.0;
-        margin <= *made_with && shift <= extent * REUSE_TRANSLATION && turn <= REUSE_ROTATION
+        shift <= extent * REUSE_TRANSLATION && turn <= REUSE_ROTATION
     }
 
     /// Moves the kept points with the shapes: their separations follow, the points stay where they are on the surfaces.
@@ -142,14 +151,16 @@ impl Pair {
     }
 
     /// Takes new manifolds, with the multipliers of the old points that they continue.
-    fn carry_over(&mut self, fresh: &[Manifold]) {
-        let old_count = self.manifolds.len();
-        for manifold in fresh {
-            let old = self.manifolds[..old_count].iter().find(|old| old.geometry.part == manifold.part);
+    fn carry_over(&mut self, fresh: &[Manifold], carried: &mut Vec<CarriedManifold>) {
+        carried.clear();
+        carried.extend(fresh.iter().map(|manifold| {
+            let old = self.manifolds.iter().find(|old| old.geometry.part == manifold.part);
             let impulses = old.map_or(ContactImpulses::default(), |old| continued(old, manifold));
-            self.manifolds.push(CarriedManifold { geometry: *manifold, impulses });
-        }
-        self.manifolds.drain(..old_count);
+            CarriedManifold { geometry: *manifold, impulses }
+        }));
+        // Old and new are never here together: most pairs have one manifold, and room for that alone.
+        self.manifolds.clear();
+        self.manifolds.extend_from_slice(carried);
     }
 
     /// Multiplies all multipliers.
@@ -167,23 +178,24 @@ impl Pair {
     }
 }
 
-/// Steps of the pose that a pair remembers, in shares of the smaller shape's extent and in radians: an eighth of what it is
-/// compared by, so that a pair at rest takes a few bits of a snapshot.
-pub(crate) const POSE_STEP: f32 = 1.0 / 16384.0;
+/// Steps of the pose that a pair remembers, in shares of the smaller shape's extent and in radians: an eighth or a fourth of what it
+/// is compared by, so that a pair at rest takes a few bits of a snapshot.
+const SHIFT_STEP: f32 = 1.0 / 8192.0;
+pub(crate) const TURN_STEP: f32 = 1.0 / 16384.0;
 
 /// Bits of a margin that are remembered.
 const MARGIN_BITS: u32 = 0xffff_e000;
 
-/// Step of the translation that a pair of these shapes remembers (m), a power of two; the rotation's is [`POSE_STEP`].
+/// Step of the translation that a pair of these shapes remembers (m), a power of two; the rotation's is [`TURN_STEP`].
 pub(crate) fn pose_unit(a: &Collider, b: &Collider) -> f32 {
     const EXPONENT: u32 = 0x7f80_0000;
-    f32::from_bits(a.least_extent.min(b.least_extent).to_bits() & EXPONENT) * POSE_STEP
+    f32::from_bits(a.least_extent.min(b.least_extent).to_bits() & EXPONENT) * SHIFT_STEP
 }
 
-/// A pose in steps of `unit` and [`POSE_STEP`].
+/// A pose in steps of `unit` and [`TURN_STEP`].
 pub(crate) fn coarse(pose: &Pose3, unit: f32) -> Pose3 {
     let (p, q) = (pose.translation, pose.rotation);
-    let turn = |x: f32| in_steps(x, POSE_STEP);
+    let turn = |x: f32| in_steps(x, TURN_STEP);
     Pose3::from_parts(
         Vec3::from_array(p.to_array().map(|x| in_steps(x, unit))),
         Quat::from_xyzw(turn(q.x), turn(q.y), turn(q.z), turn(q.w)),
@@ -217,7 +229,7 @@ fn continued(old: &CarriedManifold, new: &Manifold) -> ContactImpulses {
         }
     }
     let total: f32 = old.impulses.normal[..old_points.len()].iter().sum();
-    if total == 0.0 {
+    if total == 0.0 || old.geometry.normal.dot(new.normal) < LEAST_ALIGNMENT {
         return ContactImpulses::default();
     }
     if taken < total * ALL_TAKEN {
@@ -249,6 +261,7 @@ fn spread(old: &CarriedManifold, new_points: &[ManifoldPoint]) -> [f32; 4] {
 pub(crate) struct PairScratch {
     narrow: Scratch,
     manifolds: Vec<Manifold>,
+    carried: Vec<CarriedManifold>,
 }
 
 /// All pairs of a world.
@@ -439,5 +452,28 @@ impl WorldManifold {
             world.lever_b[i] = offset_b + rotation_b * point.on_b;
         }
         world
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pressed(normal: Vec3) -> Manifold {
+        let mut manifold = Manifold { normal, count: 1, ..Manifold::default() };
+        manifold.points[0].feature = 7;
+        manifold
+    }
+
+    #[test]
+    fn a_multiplier_stays_with_its_direction() {
+        let impulses = ContactImpulses { normal: [5.0, 0.0, 0.0, 0.0], friction: Vec3::X, ..ContactImpulses::default() };
+        let old = CarriedManifold { geometry: pressed(Vec3::Y), impulses };
+        let after_turn = |degrees: f32| continued(&old, &pressed(Quat::from_rotation_z(degrees.to_radians()) * Vec3::Y));
+        assert_eq!(after_turn(0.0), impulses);
+        assert_eq!(after_turn(10.0), impulses);
+        // The axis of least overlap has jumped from one face to the next.
+        assert_eq!(after_turn(90.0), ContactImpulses::default());
+        assert_eq!(after_turn(180.0), ContactImpulses::default());
     }
 }

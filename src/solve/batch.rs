@@ -94,6 +94,16 @@ impl Batch {
         self.penetration = 0.0;
     }
 
+    /// Bodies enlisted so far.
+    pub(crate) fn body_count(&self) -> u32 {
+        self.bodies.len() as u32 - 1
+    }
+
+    /// Bodies that it has had room for.
+    pub(crate) fn room(&self) -> usize {
+        self.bodies.capacity()
+    }
+
     /// Says that the bodies enlisted from here on are those of another island.
     pub(crate) fn begin_island(&mut self) {
         self.islands.push(self.bodies.len() as u32);
@@ -195,13 +205,13 @@ impl Batch {
         self.contacts[block as usize].impulses(lane as usize)
     }
 
-    /// Impulse along the normal of a manifold in its hardest substep (N·s).
+    /// Impulse along the normal of a manifold over the step (N·s), where hits are asked for.
     pub(crate) fn contact_blow(&self, number: usize) -> f32 {
         let (block, lane) = self.lanes[number];
         if block == HELD {
             return self.direct.blow_of(number);
         }
-        self.contacts[block as usize].peak_lambda.iter().map(|lambda| lambda[lane as usize]).sum()
+        self.contacts[block as usize].blow.iter().map(|lambda| lambda[lane as usize]).sum()
     }
 
     /// Normal of the manifold with this number.

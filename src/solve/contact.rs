@@ -112,6 +112,8 @@ pub(crate) struct ContactBlock {
     pub impact_speed: [Lane; POINTS],
     /// Greatest multiplier of each point in this step (N·s).
     pub peak_lambda: [Lane; POINTS],
+    /// Sum of each point's multipliers over the substeps (N·s), where hits are asked for.
+    pub blow: [Lane; POINTS],
     /// Points of each manifold.
     pub count: [u8; LANES],
     pub has_rolling: bool,
@@ -149,6 +151,7 @@ impl ContactBlock {
         restitution: [0.0; LANES],
         impact_speed: [[0.0; LANES]; POINTS],
         peak_lambda: [[0.0; LANES]; POINTS],
+        blow: [[0.0; LANES]; POINTS],
         count: [0; LANES],
         has_rolling: false,
         has_restitution: false,

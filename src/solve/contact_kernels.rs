@@ -453,6 +453,15 @@ fn push_apart<const N: usize>(
     }
 }
 
+/// After each substep, where hits are asked for: adds up what points carry.
+pub(crate) fn add_blows(blocks: &mut [ContactBlock]) {
+    for block in blocks {
+        for (blow, lambda) in block.blow.iter_mut().zip(&block.lambda) {
+            blow.iter_mut().zip(lambda).for_each(|(blow, lambda)| *blow += lambda);
+        }
+    }
+}
+
 /// After the substeps: points that hit something at more than `threshold` (m/s) leave at the rebound speed.
 pub(crate) fn restitute(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], threshold: f32) {
     for block in blocks.iter_mut().filter(|block| block.has_restitution) {
@@ -479,7 +488,7 @@ pub(crate) fn restitute(blocks: &mut [ContactBlock], velocities: &mut [BodyVeloc
         // The rebound belongs to the blow.
         for i in 0..POINTS {
             for l in 0..LANES {
-                block.peak_lambda[i][l] += (new[i][l] - block.lambda[i][l]).max(0.0);
+                block.blow[i][l] += new[i][l] - block.lambda[i][l];
             }
         }
         block.lambda = new;

@@ -42,6 +42,8 @@ pub(crate) struct StepSettings {
     pub iterations: u32,
     /// Approach speed above which a contact rebounds (m/s).
     pub restitution_threshold: f32,
+    /// Whether the impulses of contacts are added up over the step.
+    pub hits: bool,
 }
 
 impl Batch {
@@ -84,6 +86,9 @@ impl Batch {
             self.joints.keep_impulses();
             self.direct.keep_impulses();
             self.joints.add_loads();
+            if settings.hits {
+                contact_kernels::add_blows(&mut self.contacts);
+            }
             self.bounds.keep_impulses();
             self.bounds.add_loads();
             self.taut.add_loads();

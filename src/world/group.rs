@@ -1,9 +1,10 @@
 //! Stages that wake what is touched and sort bodies, contacts and joints into islands, and islands into batches.
 
 use super::World;
+use crate::solve::batch::Batch;
 
 /// Bodies after which a batch takes no further island. It must not depend on the number of threads.
-const BATCH_BODIES: usize = 64;
+const BATCH_BODIES: u32 = 64;
 
 /// Where each body is in the batches of this step.
 #[derive(Debug, Default)]
@@ -17,6 +18,8 @@ pub(super) struct Groups {
     starts: Vec<u32>,
     /// Movers that are dynamic, sorted by island.
     pub members: Vec<u32>,
+    /// Bodies of each batch.
+    batch_sizes: Vec<u32>,
 }
 
 impl Groups {
@@ -129,30 +132,54 @@ impl World {
     }
 
     fn make_batches(&mut self) {
-        let Self { groups, batches, batch_count, report, hold, .. } = self;
-        *batch_count = 0;
-        let mut filled = BATCH_BODIES;
-        for island in 0..groups.sizes.len() {
-            if hold.islands[island] {
-                continue;
+        self.size_batches();
+        self.give_room_to_batches();
+        let Self { groups, batches, hold, .. } = self;
+        let mut batch = 0;
+        for island in (0..groups.sizes.len()).filter(|&island| !hold.islands[island]) {
+            if batches[batch].body_count() >= groups.batch_sizes[batch] {
+                batch += 1;
             }
-            if filled >= BATCH_BODIES {
-                if batches.len() == *batch_count {
-                    batches.push(Default::default());
-                }
-                batches[*batch_count].clear();
-                *batch_count += 1;
-                filled = 0;
-            }
-            let batch = *batch_count - 1;
             batches[batch].begin_island();
             for member in groups.starts[island]..groups.starts[island + 1] {
                 let body = groups.members[member as usize];
                 groups.place[body as usize] = (batch as u32, batches[batch].enlist(body));
-                filled += 1;
             }
         }
+    }
+
+    /// Counts the bodies of each batch, all of which are emptied.
+    fn size_batches(&mut self) {
+        let Self { groups, batches, batch_count, report, hold, .. } = self;
+        groups.batch_sizes.clear();
+        for (&size, _) in groups.sizes.iter().zip(&hold.islands).filter(|&(_, &held)| !held) {
+            match groups.batch_sizes.last_mut().filter(|filled| **filled < BATCH_BODIES) {
+                Some(filled) => *filled += size,
+                None => groups.batch_sizes.push(size),
+            }
+        }
+        *batch_count = groups.batch_sizes.len();
+        if batches.len() < *batch_count {
+            batches.resize_with(*batch_count, Default::default);
+        }
+        batches[..*batch_count].iter_mut().for_each(Batch::clear);
         report.counts.batches = *batch_count as u32;
+    }
+
+    /// Lets a batch that needs more room than it has change places with the one that has the most: an island's number changes from
+    /// step to step, and without this every batch would keep the memory of the largest island that it ever was.
+    fn give_room_to_batches(&mut self) {
+        let Self { groups, batches, .. } = self;
+        let need = |batch: usize| groups.batch_sizes.get(batch).map_or(0, |&size| size as usize);
+        for batch in 0..groups.batch_sizes.len() {
+            if batches[batch].room() < need(batch)
+                && let Some(roomiest) = (0..batches.len()).max_by_key(|&other| batches[other].room())
+                && batches[roomiest].room() > batches[batch].room()
+                && need(roomiest) < need(batch)
+            {
+                batches.swap(batch, roomiest);
+            }
+        }
     }
 
     fn hand_out_contacts(&mut self) {

@@ -54,6 +54,7 @@ impl World {
             substeps: self.def.substeps,
             iterations: self.def.iterations,
             restitution_threshold: self.def.restitution_threshold,
+            hits: self.def.hit_threshold < f32::INFINITY,
         };
         let substep = dt / self.def.substeps as f32;
         let impulse_scale = if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 };

@@ -48,7 +48,7 @@ pub(crate) struct Touch {
     lambda: [f64; POINTS],
     tangential: DVec3,
     twist: f64,
-    /// Greatest sum of the normals' multipliers in a substep of this step (N·s).
+    /// Sum of the normals' multipliers over the substeps (N·s).
     blow: f64,
 }
 
@@ -143,7 +143,7 @@ impl Touch {
         for (lambda, row) in self.lambda.iter_mut().zip(&system.rows[first..first + self.count]) {
             *lambda = row.impulse.max(0.0);
         }
-        self.blow = self.blow.max(self.lambda[..self.count].iter().sum());
+        self.blow += self.lambda[..self.count].iter().sum::<f64>();
         let (t1, t2) = tangents(self.normal.as_vec3());
         if let [u, v, w] = &system.rows[first + self.count..first + self.count + 3] {
             self.tangential = t1.as_dvec3() * u.impulse + t2.as_dvec3() * v.impulse;
@@ -157,7 +157,7 @@ impl Touch {
         self.twist *= factor;
     }
 
-    /// Impulse along the normal in its hardest substep (N·s).
+    /// Impulse along the normal over the step (N·s).
     pub(crate) fn blow(&self) -> f32 {
         self.blow as f32
     }

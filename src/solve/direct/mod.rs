@@ -243,7 +243,7 @@ impl Direct {
         found.map_or(ContactImpulses::default(), |found| self.impulses[found].1)
     }
 
-    /// Impulse along the normal of a contact that it holds, in its hardest substep (N·s).
+    /// Impulse along the normal of a contact that it holds, over the step (N·s).
     pub(crate) fn blow_of(&self, number: usize) -> f32 {
         let touches = self.articulations().iter().flat_map(|articulation| &articulation.touches);
         touches.filter(|touch| touch.number as usize == number).map(Touch::blow).sum()
