@@ -71,4 +71,4 @@ pub use settings::{MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};
 pub use span::support::verdict::{BodySupport, SupportChange, Verdict};
 pub use workers::ParallelFor;
-pub use world::{Profiler, World};
+pub use world::{Profiler, UnionInfo, World};

@@ -55,6 +55,10 @@ pub struct StepCounts {
     pub moved: u32,
     /// Dynamic bodies awake that were held where they are, not solved.
     pub bodies_held: u32,
+    /// Unions awake and free, each solved as one body.
+    pub unions: u32,
+    /// Bodies that moved as members of those.
+    pub union_members: u32,
 }
 
 /// Errors left at the end of a step.
@@ -124,9 +128,9 @@ pub struct Hit {
     pub point: DVec3,
     /// Unit vector from A to B.
     pub normal: Vec3,
-    /// Greatest speed at which points approached each other at the start of the step (m/s).
+    /// Greatest speed at which points approached each other at the start of a step (m/s).
     pub approach_speed: f32,
-    /// Impulse along the normal over the step, rebound included (N·s).
+    /// Impulse along the normal over the steps of the hit, one or two, rebound included (N·s).
     pub impulse: f32,
 }
 
@@ -180,9 +184,14 @@ impl Contact {
         self.count += 1;
     }
 
+    /// Force along the normal of all its points (N), ≥ 0.
+    pub fn normal_force(&self) -> f32 {
+        self.points().iter().map(|point| point.normal_force).sum()
+    }
+
     /// Its whole force on B, along the normal and of friction (N).
     pub fn force(&self) -> Vec3 {
-        self.normal * self.points().iter().map(|point| point.normal_force).sum::<f32>() + self.friction_force
+        self.normal * self.normal_force() + self.friction_force
     }
 
     /// Its points, one to four.

@@ -41,8 +41,13 @@ mod sleep;
 mod snapshot;
 mod store;
 mod support;
+mod union_loads;
+mod union_query;
+mod unions;
 
 pub(crate) use long_range::{AskedBound, CarriedBound};
+pub use union_query::UnionInfo;
+pub(crate) use unions::CarriedUnion;
 
 /// Bodies, shapes and joints that act on each other, and nothing else.
 pub struct World {
@@ -59,6 +64,7 @@ pub struct World {
     movers_sorted: bool,
     sleeping: SleepingIslands,
 
+    unions: unions::Unions,
     long_range: long_range::LongRange,
     groups: group::Groups,
     hold: hold::Hold,
@@ -112,6 +118,7 @@ impl World {
             movers: Vec::new(),
             movers_sorted: true,
             sleeping: SleepingIslands::default(),
+            unions: unions::Unions::default(),
             long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
             hold: hold::Hold::default(),
@@ -144,6 +151,7 @@ impl World {
         let mut clock = Clock::start(self.profiler.clone());
         clock.enter(c"find pairs");
         self.begin_step(dt);
+        self.form_unions();
         self.find_pairs(dt);
         self.report.timings.broad_phase = clock.lap();
         clock.enter(c"update contacts");
@@ -161,6 +169,7 @@ impl World {
         self.report.timings.solve = clock.lap();
         clock.enter(c"finish");
         self.store_results(dt);
+        self.find_union_loads(dt);
         self.stop_fast_bodies();
         self.report_contacts();
         self.report_hits();

@@ -51,9 +51,9 @@ pub struct LsHit {
     pub point: [f64; 3],
     /// Unit normal, from A to B.
     pub normal: [f32; 3],
-    /// Greatest speed at which points approached each other at the start of the step (m/s).
+    /// Greatest speed at which points approached each other at the start of a step (m/s).
     pub approach_speed: f32,
-    /// Impulse along the normal over the step, rebound included (N s).
+    /// Impulse along the normal over the steps of the hit, one or two, rebound included (N s).
     pub impulse: f32,
     /// Not used; 0.
     pub reserved: u32,

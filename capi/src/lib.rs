@@ -56,6 +56,8 @@ mod support;
 
 mod long_range;
 
+mod union;
+
 // What the header does not show.
 mod access;
 mod boundary;

@@ -27,6 +27,9 @@ const OTHERWISE: &[(&str, &str)] = &[
     ("would_lose_support", "ls_support_lost_without"),
 ];
 
+/// Methods that only other parts of the library ask.
+const INSIDE: &[&str] = &["structure_version"];
+
 const NOUNS: [&str; 4] = ["world", "body", "shape", "joint"];
 
 /// Every public method of `World`, from the files that hold its `impl` blocks.
@@ -86,7 +89,7 @@ fn every_public_method_of_a_world_has_a_function_in_c() {
             |(_, function)| functions.contains(*function),
         )
     };
-    let missing: Vec<&String> = methods.iter().filter(|method| !known(method)).collect();
+    let missing: Vec<&String> = methods.iter().filter(|method| !known(method) && !INSIDE.contains(&method.as_str())).collect();
     println!("{} methods, {} functions", methods.len(), functions.len());
     assert!(methods.len() > 80, "only {} methods were found", methods.len());
     assert!(missing.is_empty(), "without a function in C, or one that this test does not find: {missing:?}");

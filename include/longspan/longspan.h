@@ -670,11 +670,10 @@ typedef struct LsWorldDef {
     uint32_t joint_capacity;
     /** Not used; 0. */
     uint32_t reserved;
-    /**
-     * Approach speed above which contacts are listed by ls_world_hits (m/s), >= 0; default INFINITY, which is never and costs
-     * nothing.
-     */
-    float hit_threshold;
+    /** Not 0: groups that stand still on supporting contacts are held where they are until anything touches them; default 1. */
+    uint32_t hold;
+    /** Not 0: every step ends with the support analysis, as after ls_support_enable; default 0. */
+    uint32_t support;
 } LsWorldDef;
 
 /** Names a world. Passed by value; any value is safe. */
@@ -866,6 +865,10 @@ typedef struct LsStepReport {
     float finish_time;
     /** Wall time of the whole step without callbacks (s). */
     float total_time;
+    /** Unions awake and free, each solved as one body. */
+    uint32_t unions;
+    /** Bodies that moved as members of those. */
+    uint32_t union_members;
 } LsStepReport;
 
 /** A point of a contact. The layout of this struct never changes. */
@@ -1178,6 +1181,8 @@ typedef struct LsLongRangeDef {
     uint32_t reserved;
     /** Not 0: bounds asked for with ls_world_soft_bound_set act; default 1. */
     uint32_t soft;
+    /** Not 0: bodies that rigid fixed joints connect move as one, see ls_body_union; default 1. */
+    uint32_t unions;
 } LsLongRangeDef;
 
 /**
@@ -1216,6 +1221,30 @@ typedef struct LsBound {
     /** Not used; 0. */
     uint32_t reserved;
 } LsBound;
+
+/** Bodies that rigid fixed joints make one, as the last step left them. The layout of this struct never changes. */
+typedef struct LsUnion {
+    /** Its dynamic body that was made first: it names the union while both last. Null for no union. */
+    struct LsBody lead;
+    /** Number of its dynamic bodies; 0 for no union. */
+    uint32_t members;
+    /** Number of fixed joints that it is made of. */
+    uint32_t joints;
+    /** World position of the centre of mass of its dynamic bodies (m). */
+    double center[3];
+    /** Velocity of the centre of mass (m/s). */
+    float linear_velocity[3];
+    /** Angular velocity (rad/s). */
+    float angular_velocity[3];
+    /** Mass of its dynamic bodies (kg). */
+    float mass;
+    /** 1 if static or kinematic bodies, or the world, hold it, else 0. */
+    uint32_t anchored;
+    /** Worst distance by which its joints contradict one another (m). */
+    float distance_residual;
+    /** Worst angle by which its joints contradict one another (rad). */
+    float angle_residual;
+} LsUnion;
 
 /** The call did what it says. */
 #define LS_OK 0
@@ -3058,6 +3087,43 @@ LsResult ls_world_soft_bound_remove(LsWorld world, LsJoint joint_a, LsJoint join
  * Threads: read. Callbacks: allowed.
  */
 LsResult ls_world_bounds_get(LsWorld world, LsBound *out, size_t capacity, size_t *count);
+
+/**
+ * The union that a dynamic body belongs to. Joints made or changed since the last step count from the next one on, and until then
+ * their bodies belong to no union.
+ *
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param out    filled on LS_OK; with a null lead and no members where the body belongs to none
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_union(LsWorld world, LsBody body, LsUnion *out);
+
+/**
+ * Dynamic bodies of the union that a body belongs to, in order of their slots; none where it belongs to none.
+ *
+ * @param world     the world; any value is safe
+ * @param body      a body of that world; any value is safe
+ * @param out       room for capacity handles; may be NULL if capacity is 0
+ * @param capacity  number of handles that fit
+ * @param count     number of members there are, written whenever it is not NULL and the body can be read
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_body_union_members(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
+
+/**
+ * Every union of a world, by lead.
+ *
+ * @param world     the world; any value is safe
+ * @param out       room for capacity unions; may be NULL if capacity is 0
+ * @param capacity  number of unions that fit
+ * @param count     number of unions there are, written whenever it is not NULL and the world can be read
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_unions(LsWorld world, LsUnion *out, size_t capacity, size_t *count);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -19,13 +19,15 @@ use crate::solve::contact::ContactImpulses;
 /// A pair without its manifolds.
 pub(crate) struct PairRow {
     key: PairKey,
-    material: PairMaterial,
     /// Whether it may touch, is in contact, has a pose it was made for, and whether that is a far one; then its manifolds.
     info: u32,
     /// Steps of the pose it was made for from the pose of now, as many bits for each number as [`STEP_BITS`] says; 0 if far.
     steps: u32,
     /// Bits of the margin, without those that are always 0.
     margin: u32,
+    /// Speed and impulse of the hit under way.
+    approach: f32,
+    blow: f32,
 }
 
 /// A pose that a pair was made for and whose steps do not fit: its numbers against those of now.
@@ -67,7 +69,7 @@ pub(crate) struct PointRow {
     on_b: [Steps; 3],
 }
 
-stored!(fixed PairRow { key, material, info, steps, margin });
+stored!(fixed PairRow { key, info, steps, margin, approach, blow });
 stored!(fixed ManifoldRow { count, part, normal, friction, twist, rolling });
 stored!(fixed PointRow { feature, separation, impulse, on_a, on_b });
 
@@ -216,20 +218,21 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>) -> (PairRow, Option<
     // Written out, so that a field that is new does not compile.
     let Pair {
         key,
-        material,
+        // Of the two shapes' materials.
+        material: _,
         manifolds,
         made_for,
         updated: _,
         version: _,
         may_touch,
         in_contact,
-        approach: _,
-        blow: _,
+        approach,
+        blow,
         active: _,
     } = pair;
     let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
     let info = flag(*may_touch, MAY_TOUCH) | flag(*in_contact, IN_CONTACT) | manifolds.len() as u32 * MANIFOLDS;
-    let mut row = PairRow { key: *key, material: *material, info, steps: 0, margin: 0 };
+    let mut row = PairRow { key: *key, info, steps: 0, margin: 0, approach: *approach, blow: *blow };
     let mut far = None;
     let now = Now::of(*key, colliders).filter(|now| pair.is_near(&now.exact, now.least_extent));
     if let (Some((pose, margin)), Some(now)) = (made_for, now) {
@@ -249,7 +252,10 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>) -> (PairRow, Option<
 
 impl PairRow {
     fn pair(&self, far: &mut impl Iterator<Item = FarPose>, colliders: &Pool<Collider, ShapeId>) -> Option<Pair> {
-        let mut pair = Pair::new(self.key, self.material);
+        let (a, b) = self.key.shapes();
+        let material = PairMaterial::combine(&colliders.get(a)?.material, &colliders.get(b)?.material);
+        let mut pair = Pair::new(self.key, material);
+        (pair.approach, pair.blow) = (self.approach, self.blow);
         let has = |flag: u32| self.info & flag != 0;
         (pair.may_touch, pair.in_contact) = (has(MAY_TOUCH), has(IN_CONTACT));
         if has(HAS_POSE) {

@@ -8,20 +8,21 @@ use parry3d::bounding_volume::Aabb;
 
 use super::contacts::{FarPose, ManifoldRow, PairRow, PointRow};
 use super::stored::{Reader, Stored, Writer, stored, stored_enum};
-use crate::body::{Body, BodyDef, BodyKind, LockedAxes, SleepState};
+use crate::body::{Anchored, Body, BodyDef, BodyKind, LockedAxes, SleepState};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::PairKey;
 use crate::id::Slot;
 use crate::joint::{Axis, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
 use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
-use crate::material::{CombineRule, Material, PairMaterial};
+use crate::material::{CombineRule, Material};
 use crate::pose::Pose;
 use crate::report::ContactPair;
 use crate::settings::{SleepSettings, Solver, WorldDef};
 use crate::shape::{CollisionFilter, ShapeDef};
 use crate::solve::direct::history::History;
-use crate::world::{AskedBound, CarriedBound};
+use crate::span::union::UnionMotion;
+use crate::world::{AskedBound, CarriedBound, CarriedUnion};
 
 /// What a world has besides its tables.
 #[derive(Debug)]
@@ -43,6 +44,10 @@ pub(crate) struct WorldRow {
     pub watched: Vec<(u32, u8)>,
     /// Whether long-range bounds are to be derived anew.
     pub bounds_stale: bool,
+    /// Bodies whose unions are to be made anew.
+    pub stale_unions: Runs,
+    /// Anchored bodies pushed since the last step.
+    pub pushed: Runs,
     /// Soft bounds that the host asked for.
     pub asked_bounds: Vec<AskedBound>,
     pub free_bodies: Runs,
@@ -86,6 +91,8 @@ stored!(WorldRow {
     said_supported,
     watched,
     bounds_stale,
+    stale_unions,
+    pushed,
     asked_bounds,
     free_bodies,
     free_shapes,
@@ -107,7 +114,8 @@ stored!(WorldDef {
     hold,
     long_range,
 });
-stored!(LongRangeDef { enabled, attachment, hierarchy, soft, levels });
+stored!(LongRangeDef { enabled, attachment, hierarchy, soft, union, levels });
+stored!(CarriedUnion { lead, motion, before });
 stored!(AskedBound { joints, bound });
 stored!(SoftBound { share, softness });
 stored!(BoundKindDef { enabled, upper, lower });
@@ -148,6 +156,7 @@ stored!(Body {
     calm_for,
     held,
     woke,
+    anchored,
 } anew {
     // The sum of what its contacts carry.
     contact_force: Vec3::ZERO,
@@ -203,10 +212,9 @@ stored!(Softness { compliance, damping });
 stored!(Limits { min, max });
 stored!(Axis { limits, motor });
 
-stored!(PairMaterial { friction, restitution, rolling, spinning });
-
 stored_enum!(BoundKind { 0 => Attachment {}, 1 => Hierarchy {}, 2 => Soft {} });
 stored_enum!(Solver { 0 => Auto {}, 1 => GaussSeidel {}, 2 => Direct {} });
+stored_enum!(Anchored { 0 => No {}, 1 => Still {}, 2 => Driven {} });
 stored_enum!(BodyKind { 0 => Static {}, 1 => Kinematic {}, 2 => Dynamic {} });
 stored_enum!(Mass { 0 => FromShapes {}, 1 => Total { 0: mass }, 2 => Properties { 0: properties } });
 stored_enum!(SleepState { 0 => Awake { quiet_for: quiet_for }, 1 => Asleep { island: island } });
@@ -239,6 +247,8 @@ pub(crate) const LISTED: &[&str] = &[
     SoftBound::FIELDS,
     BoundKindDef::FIELDS,
     CarriedBound::FIELDS,
+    CarriedUnion::FIELDS,
+    UnionMotion::FIELDS,
     SleepSettings::FIELDS,
     Displaced::FIELDS,
     LastBox::FIELDS,
@@ -255,7 +265,6 @@ pub(crate) const LISTED: &[&str] = &[
     FarPose::FIELDS,
     ManifoldRow::FIELDS,
     PointRow::FIELDS,
-    PairMaterial::FIELDS,
 ];
 
 impl Default for Axis {

@@ -58,7 +58,20 @@ impl<'a> Output<'a> {
     /// and those differences.
     fn difference(&mut self) {
         let (words, last) = (&self.row.words, &self.last);
+        let is_masked = words.len() > MASKED;
+        let mut mask_at = 0;
         for (group, four) in words.chunks(4).enumerate() {
+            if is_masked && group % 8 == 0 {
+                mask_at = self.bytes.len();
+                self.bytes.push(0);
+            }
+            let is_same = |(i, word): (usize, &u32)| last.get(group * 4 + i).copied().unwrap_or(0) == *word;
+            if is_masked {
+                if four.iter().enumerate().all(is_same) {
+                    continue;
+                }
+                self.bytes[mask_at] |= 1 << (group % 8);
+            }
             let at = self.bytes.len();
             self.bytes.push(0);
             for (i, &word) in four.iter().enumerate() {
@@ -71,6 +84,9 @@ impl<'a> Output<'a> {
         }
     }
 }
+
+/// Words of a row above which a byte for each eight groups of four tells which of them differ at all.
+const MASKED: usize = 16;
 
 /// Bytes of a difference, by its two bits: floats of about the same size agree in their highest byte, numbers in their upper two.
 const LENGTHS: [usize; 4] = [0, 2, 3, 4];
@@ -145,8 +161,8 @@ impl<'a> Input<'a> {
         let zigzag = self.number()?;
         let change = (zigzag >> 1) as i64 ^ -((zigzag & 1) as i64);
         let len = usize::try_from(change.checked_add(self.row.len() as i64)?).ok()?;
-        // Each four words take a byte or more.
-        if len / 4 > self.bytes.len() {
+        // Each 32 words take a byte or more.
+        if len / 32 > self.bytes.len() {
             return None;
         }
         self.row.resize(len, 0);
@@ -155,7 +171,14 @@ impl<'a> Input<'a> {
 
     fn row_with<T>(&mut self, take: impl FnOnce(&mut Reader) -> Option<T>) -> Option<T> {
         let len = self.row.len();
+        let mut mask = u8::MAX;
         for group in 0..len.div_ceil(4) {
+            if len > MASKED && group % 8 == 0 {
+                mask = self.byte()?;
+            }
+            if mask >> (group % 8) & 1 == 0 {
+                continue;
+            }
             let codes = self.byte()?;
             for i in 0..4 {
                 let length = LENGTHS[usize::from(codes >> (2 * i) & 3)];

@@ -4,6 +4,7 @@ use super::birth::Birth;
 use super::bound::BatchBounds;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
+use super::contact_kernels;
 use super::direct::Direct;
 use super::joint::{BatchJoints, JointEntry};
 use super::load_pass::LoadPass;
@@ -50,6 +51,9 @@ pub(crate) struct Batch {
     pub withheld: Vec<JointEntry>,
     /// All manifolds.
     pub inputs: Vec<ContactInput>,
+    /// Whether contacts are added up over the substeps, and their sums by manifold.
+    pub tallied: bool,
+    tally: Vec<ContactImpulses>,
     /// Block and lane of each manifold.
     lanes: Vec<(u32, u32)>,
     /// Kinematic bodies that have a slot here, sorted by body.
@@ -88,6 +92,8 @@ impl Batch {
         self.taut.clear();
         self.direct.clear();
         self.lanes.clear();
+        self.tally.clear();
+        self.tallied = false;
         self.replicas.clear();
         self.color_count = 0;
         self.joint_gap = 0.0;
@@ -192,7 +198,10 @@ impl Batch {
     /// Prepares the rows of all manifolds that have a lane; points closer than `reach` (m) count as touching.
     pub(crate) fn set_contacts(&mut self, reach: f32) {
         for (input, &(block, lane)) in self.inputs.iter().zip(&self.lanes).filter(|(_, (block, _))| *block != HELD) {
-            self.contacts[block as usize].set_lane(lane as usize, input, &self.velocities, reach);
+            self.contacts[block as usize].set_lane(lane as usize, input, reach);
+        }
+        for block in &mut self.contacts {
+            contact_kernels::set_masses(block, &self.velocities);
         }
     }
 
@@ -205,13 +214,29 @@ impl Batch {
         self.contacts[block as usize].impulses(lane as usize)
     }
 
-    /// Impulse along the normal of a manifold over the step (N·s), where hits are asked for.
+    /// Impulse along the normal of a manifold over the step (N·s), where multipliers are added up.
     pub(crate) fn contact_blow(&self, number: usize) -> f32 {
-        let (block, lane) = self.lanes[number];
-        if block == HELD {
+        if self.lanes[number].0 == HELD {
             return self.direct.blow_of(number);
         }
-        self.contacts[block as usize].blow.iter().map(|lambda| lambda[lane as usize]).sum()
+        self.tally.get(number).map_or(0.0, |sum| sum.normal.iter().sum())
+    }
+
+    /// Adds the multipliers of a substep to the sums.
+    pub(crate) fn add_to_tally(&mut self) {
+        if !self.tallied {
+            return;
+        }
+        self.tally.resize(self.manifolds.len(), ContactImpulses::default());
+        for number in 0..self.tally.len() {
+            let impulses = self.contact_impulses(number);
+            self.tally[number].add(&impulses);
+        }
+    }
+
+    /// Sums of multipliers over the step's substeps, by manifold.
+    pub(crate) fn tallies(&self) -> impl Iterator<Item = (usize, &ContactImpulses)> {
+        self.tally.iter().enumerate()
     }
 
     /// Normal of the manifold with this number.

@@ -10,18 +10,15 @@
 //!
 //! Points and normal are those of the start of the step; separations follow the bodies' displacements linearly.
 
-use glam::{Mat2, Mat4, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
-use super::state::{BodyMotion, BodyVelocity};
+use super::state::BodyMotion;
 use crate::material::PairMaterial;
 
 /// Manifolds in a block.
 pub(crate) const LANES: usize = 8;
 /// Points of a manifold.
 pub(crate) const POINTS: usize = 4;
-
-/// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
-const REGULARISATION: f32 = 1.0e-3;
 
 /// Share of its limit below which a friction multiplier is dropped before it becomes denormal.
 pub(crate) const NEGLIGIBLE_FRICTION: f32 = 1.0e-9;
@@ -52,6 +49,21 @@ impl ContactImpulses {
             twist: self.twist * factor,
             rolling: self.rolling * factor,
         }
+    }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.normal.iter_mut().zip(other.normal).for_each(|(lambda, more)| *lambda += more);
+        self.friction += other.friction;
+        self.twist += other.twist;
+        self.rolling += other.rolling;
+    }
+
+    /// Impulse on B (N·s), and its moment about where the levers begin (N·m·s).
+    pub(crate) fn wrench(&self, normal: Vec3, levers: &[Vec3]) -> (Vec3, Vec3) {
+        let pressed: Vec3 = levers.iter().zip(self.normal).map(|(lever, lambda)| lever.cross(normal) * lambda).sum();
+        let center = levers.iter().sum::<Vec3>() / levers.len().max(1) as f32;
+        let force = normal * self.normal[..levers.len()].iter().sum::<f32>() + self.friction;
+        (force, pressed + center.cross(self.friction) + normal * self.twist + self.rolling)
     }
 }
 
@@ -112,8 +124,6 @@ pub(crate) struct ContactBlock {
     pub impact_speed: [Lane; POINTS],
     /// Greatest multiplier of each point in this step (N·s).
     pub peak_lambda: [Lane; POINTS],
-    /// Sum of each point's multipliers over the substeps (N·s), where hits are asked for.
-    pub blow: [Lane; POINTS],
     /// Points of each manifold.
     pub count: [u8; LANES],
     pub has_rolling: bool,
@@ -151,15 +161,14 @@ impl ContactBlock {
         restitution: [0.0; LANES],
         impact_speed: [[0.0; LANES]; POINTS],
         peak_lambda: [[0.0; LANES]; POINTS],
-        blow: [[0.0; LANES]; POINTS],
         count: [0; LANES],
         has_rolling: false,
         has_restitution: false,
         has_faces: false,
     };
 
-    /// Prepares one manifold in lane `l`; points closer than `reach` (m) count as touching.
-    pub(crate) fn set_lane(&mut self, l: usize, input: &ContactInput, velocities: &[BodyVelocity], reach: f32) {
+    /// Prepares one manifold in lane `l`, all but its effective masses; points closer than `reach` (m) count as touching.
+    pub(crate) fn set_lane(&mut self, l: usize, input: &ContactInput, reach: f32) {
         let n = input.normal;
         let (t1, t2) = tangents(n);
 
@@ -183,7 +192,6 @@ impl ContactBlock {
         self.count[l] = count as u8;
         self.has_faces |= count > 1;
         self.has_rolling |= input.material.rolling > 0.0;
-        self.set_masses(l, velocities);
         if count == POINTS {
             self.level(l, reach);
         }
@@ -207,61 +215,9 @@ impl ContactBlock {
         }
     }
 
-    /// Forms the effective masses of lane `l` from the bodies' inertia of now.
-    fn set_masses(&mut self, l: usize, velocities: &[BodyVelocity]) {
-        let (a, b) = (&velocities[self.a[l] as usize], &velocities[self.b[l] as usize]);
-        let (inertia_a, inertia_b) = (a.inverse_inertia.to_mat3(), b.inverse_inertia.to_mat3());
-        let inverse_mass = a.inverse_mass + b.inverse_mass;
-        let count = self.count[l] as usize;
-        let (n, t1) = (get(&self.normal, l), get(&self.tangent, l));
-        let t2 = n.cross(t1);
-
-        let along_normal = n.dot(inverse_mass * n);
-        let mut torque_a = [Vec3::ZERO; POINTS];
-        let mut torque_b = [Vec3::ZERO; POINTS];
-        for i in 0..count {
-            torque_a[i] = get(&self.lever_a[i], l).cross(n);
-            torque_b[i] = get(&self.lever_b[i], l).cross(n);
-        }
-        let mut pair = 0;
-        for i in 0..POINTS {
-            let (response_a, response_b) = (inertia_a * torque_a[i], inertia_b * torque_b[i]);
-            let entry = |j: usize| along_normal + response_a.dot(torque_a[j]) + response_b.dot(torque_b[j]);
-            if i < count {
-                let diagonal = entry(i);
-                self.diagonal[i][l] = diagonal;
-                self.inverse_diagonal[i][l] = invert(diagonal);
-            }
-            for j in i + 1..POINTS {
-                self.coupling[pair][l] = if j < count { entry(j) } else { 0.0 };
-                pair += 1;
-            }
-        }
-        if count > 1 {
-            self.set_inverse(l, count);
-        }
-
-        let (center_a, center_b) = (get(&self.center_a, l), get(&self.center_b, l));
-        let response = |u: Vec3, v: Vec3| {
-            u.dot(inverse_mass * v)
-                + center_a.cross(u).dot(inertia_a * center_a.cross(v))
-                + center_b.cross(u).dot(inertia_b * center_b.cross(v))
-        };
-        put_inverse2(&mut self.tangent_mass, l, response(t1, t1), response(t1, t2), response(t2, t2));
-        let angular = inertia_a + inertia_b;
-        self.twist_mass[l] = invert(n.dot(angular * n));
-        if self.has_rolling {
-            put_inverse2(&mut self.rolling_mass, l, t1.dot(angular * t1), t1.dot(angular * t2), t2.dot(angular * t2));
-        }
-    }
-
-    /// Forms the effective masses anew where the inertia of a body has been.
-    pub(crate) fn refresh_masses(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
-        for l in 0..LANES {
-            if self.count[l] > 0 && (motions[self.a[l] as usize].refreshed || motions[self.b[l] as usize].refreshed) {
-                self.set_masses(l, velocities);
-            }
-        }
+    /// Whether the inertia of any of its bodies has been formed anew.
+    pub(crate) fn is_refreshed(&self, motions: &[BodyMotion]) -> bool {
+        self.a.iter().chain(&self.b).any(|&slot| motions[slot as usize].refreshed)
     }
 
     /// Evens out the load of four touching points in lane `l` without changing its force or moments.
@@ -289,28 +245,6 @@ impl ContactBlock {
             for i in 0..POINTS {
                 self.lambda[i][l] = lambda[i] - shift[i];
             }
-        }
-    }
-
-    /// Inverts the matrix of lane `l`. Four points of a face have a matrix of rank three; [`REGULARISATION`] makes it regular
-    /// and picks the multipliers of least norm.
-    fn set_inverse(&mut self, l: usize, count: usize) {
-        let [a01, a02, a03, a12, a13, a23] = self.coupling.map(|lane| lane[l]);
-        let mut d: [f32; POINTS] = std::array::from_fn(|i| self.diagonal[i][l]);
-        let extra = d.iter().fold(0.0_f32, |most, &x| most.max(x)) * REGULARISATION;
-        for (i, entry) in d.iter_mut().enumerate() {
-            *entry = if i < count { *entry + extra } else { 1.0 };
-        }
-        let matrix = Mat4::from_cols_array_2d(&[
-            [d[0], a01, a02, a03],
-            [a01, d[1], a12, a13],
-            [a02, a12, d[2], a23],
-            [a03, a13, a23, d[3]],
-        ]);
-        let inverse = matrix.as_dmat4().inverse();
-        let entries = [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
-        for (lane, (i, j)) in self.inverse.iter_mut().zip(entries) {
-            lane[l] = if i.max(j) < count { inverse.col(i)[j] as f32 } else { 0.0 };
         }
     }
 
@@ -355,18 +289,4 @@ fn put(lanes: &mut Lane3, l: usize, v: Vec3) {
 
 fn get(lanes: &Lane3, l: usize) -> Vec3 {
     Vec3::new(lanes[0][l], lanes[1][l], lanes[2][l])
-}
-
-fn put_inverse2(lanes: &mut [Lane; 3], l: usize, m11: f32, m12: f32, m22: f32) {
-    let matrix = Mat2::from_cols_array(&[m11, m12, m12, m22]);
-    // Bodies that cannot turn make one direction immovable: leave those rows out rather than divide by nothing.
-    let inverse =
-        if m11 > 0.0 && m22 > 0.0 && matrix.determinant() > f32::EPSILON * m11 * m22 { matrix.inverse() } else { Mat2::ZERO };
-    lanes[0][l] = inverse.x_axis.x;
-    lanes[1][l] = inverse.x_axis.y;
-    lanes[2][l] = inverse.y_axis.y;
-}
-
-fn invert(x: f32) -> f32 {
-    if x > 0.0 { 1.0 / x } else { 0.0 }
 }

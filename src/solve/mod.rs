@@ -20,6 +20,7 @@ pub(crate) mod load_pass;
 mod rotation;
 pub(crate) mod state;
 pub(crate) mod taut;
+mod wide;
 
 use batch::Batch;
 use contact::POINTS;
@@ -42,8 +43,6 @@ pub(crate) struct StepSettings {
     pub iterations: u32,
     /// Approach speed above which a contact rebounds (m/s).
     pub restitution_threshold: f32,
-    /// Whether the impulses of contacts are added up over the step.
-    pub hits: bool,
 }
 
 impl Batch {
@@ -52,7 +51,7 @@ impl Batch {
         let h = settings.dt / settings.substeps as f32;
         self.start_contacts(settings.gravity, h);
         self.prepare_load_pass(settings.gravity, h);
-        for _ in 0..settings.substeps {
+        for substep in 0..settings.substeps {
             self.apply_forces(joints, h);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
             self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, false);
@@ -86,9 +85,6 @@ impl Batch {
             self.joints.keep_impulses();
             self.direct.keep_impulses();
             self.joints.add_loads();
-            if settings.hits {
-                contact_kernels::add_blows(&mut self.contacts);
-            }
             self.bounds.keep_impulses();
             self.bounds.add_loads();
             self.taut.add_loads();
@@ -97,8 +93,12 @@ impl Batch {
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
             self.direct.settle(joints, &self.velocities, &mut self.motions);
+            if substep + 1 < settings.substeps {
+                self.add_to_tally();
+            }
         }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
+        self.add_to_tally();
         self.recover_positions(settings.dt);
         self.direct.settle(joints, &self.velocities, &mut self.motions);
         self.joint_gap = joint::worst_gap(self.joints.entries.iter().chain(self.direct.entries()), joints, &self.motions);
@@ -130,8 +130,8 @@ impl Batch {
         }
         self.direct.couple(joints, &mut self.velocities, &mut self.motions, h);
         if self.motions.iter().any(|motion| motion.refreshed) {
-            for block in &mut self.contacts {
-                block.refresh_masses(&self.velocities, &self.motions);
+            for block in self.contacts.iter_mut().filter(|block| block.is_refreshed(&self.motions)) {
+                contact_kernels::set_masses(block, &self.velocities);
             }
         }
     }
@@ -143,7 +143,7 @@ impl Batch {
     }
 
     fn recover_positions(&mut self, dt: f32) {
-        contact_kernels::find_worst_overlap(&self.contacts, &self.motions, &mut self.penetration);
+        contact_kernels::end_step(&mut self.contacts, &self.motions, &mut self.penetration);
         let overlaps = self.penetration > NEGLIGIBLE_OVERLAP;
         self.penetration = self.penetration.max(self.direct.penetration() as f32);
         if !overlaps {
@@ -154,7 +154,7 @@ impl Batch {
         self.recovery_lambdas.clear();
         self.recovery_lambdas.resize(self.contacts.len(), [[0.0; contact::LANES]; POINTS]);
         for _ in 0..contact_kernels::RECOVERY_SWEEPS {
-            contact_kernels::recover(&self.contacts, &mut self.recovery_lambdas, &mut self.pushes, &self.motions, dt);
+            contact_kernels::recover(&self.contacts, &mut self.recovery_lambdas, &mut self.pushes, dt);
         }
         for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
             motion.displace(push.linear, push.angular);

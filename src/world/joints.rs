@@ -25,7 +25,7 @@ impl World {
             return Err(Error::new(ErrorKind::NotApplicable, "body_a", "a joint needs at least one dynamic body"));
         }
         let joint = Joint { def, bodies, impulses: JointImpulses::ZERO, force: Vec3::ZERO, torque: Vec3::ZERO, pressed: 0 };
-        let (_, id) = self.joints.insert(joint)?;
+        let (slot, id) = self.joints.insert(joint)?;
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.push(id);
             // What moved without the joint says nothing about how it will move with it.
@@ -37,6 +37,7 @@ impl World {
         }
         self.topology_changed();
         self.long_range.graph_changed();
+        self.joint_changed(slot);
         Ok(id)
     }
 
@@ -46,6 +47,7 @@ impl World {
     /// The handle is not a joint of this world.
     pub fn destroy_joint(&mut self, joint: JointId) -> Result<()> {
         let slot = self.joints.find_to_destroy(joint)?;
+        self.joint_changed(slot);
         let bodies = self.joints[slot].bodies;
         self.joints.remove(slot);
         self.topology_changed();
@@ -105,6 +107,7 @@ impl World {
         let slot = self.joints.find(joint)?;
         let def = JointDef { break_force: force, break_torque: torque, ..self.joints[slot].def }.checked()?;
         self.joints[slot].def = def;
+        self.limits_changed(slot);
         Ok(())
     }
 
@@ -113,7 +116,9 @@ impl World {
     /// # Errors
     /// The handle is not a joint of this world.
     pub fn joint_state(&self, joint: JointId) -> Result<JointState> {
-        let joint = &self.joints[self.joints.find(joint)?];
+        let slot = self.joints.find(joint)?;
+        let joint = &self.joints[slot];
+        let (force, torque) = self.load_inside(slot).unwrap_or((joint.force, joint.torque));
         let ([a, b], [velocity_a, velocity_b]) =
             ([self.end(joint, 0), self.end(joint, 1)], [self.velocity(joint, 0), self.velocity(joint, 1)]);
         let levers = [a.lever, b.lever].map(|lever| lever.as_dvec3());
@@ -127,8 +132,8 @@ impl World {
         Ok(JointState {
             position: position as f32,
             velocity: if matches!(joint.def.kind, JointKind::Hinge { .. }) { angular_rate } else { point_rate.dot(axis) },
-            force: joint.force,
-            torque: joint.torque,
+            force,
+            torque,
             gap: gap_of(&joint.def.kind, &placement) as f32,
         })
     }
@@ -146,7 +151,9 @@ impl World {
     }
 
     fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
+        self.joint_changed(slot);
         edit(&mut self.joints[slot].def);
+        self.joint_changed(slot);
         self.topology_changed();
         self.long_range.graph_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {

@@ -90,6 +90,12 @@ impl World {
         self.apply_mass(index, mass);
         self.topology_changed();
         self.long_range.graph_changed();
+        self.welds_changed(index);
+        for joint in self.bodies[index].joints.clone() {
+            if let Ok(slot) = self.joints.find(joint) {
+                self.joint_changed(slot);
+            }
+        }
         self.refresh_boxes(index);
         self.wake_around(index);
         self.note_mover(index);
@@ -129,6 +135,7 @@ impl World {
         let def = JointDef { frame_a, frame_b, ..self.joints[slot].def }.checked()?;
         self.joints[slot].forget_impulses();
         self.joints[slot].def = def;
+        self.joint_changed(slot);
         self.topology_changed();
         self.long_range.graph_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {

@@ -20,6 +20,7 @@ use crate::record::*;
 use crate::report::*;
 use crate::shape_def::*;
 use crate::support::*;
+use crate::union::*;
 use crate::version::*;
 use crate::world_def::*;
 
@@ -62,6 +63,9 @@ fn layouts() -> Vec<Layout> {
         LsShape { id }
         LsJoint { id }
         LsPose { position, rotation }
+        LsUnion {
+            lead, members, joints, center, linear_velocity, angular_velocity, mass, anchored, distance_residual, angle_residual
+        }
         LsSupport { verdict, margin }
         LsSupportChange { body, user_word, supported, reserved }
         LsMaterial { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule }
@@ -89,18 +93,18 @@ fn layouts() -> Vec<Layout> {
         }
         LsJointState { position, velocity, force, torque, gap }
         LsBoundKindDef { enabled, upper, lower }
-        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft }
+        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft, unions }
         LsSoftBound { share, softness }
         LsBound { near_joint, far_joint, points, kind, level, distance, upper, lower, tension, active, reserved }
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
-            struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_threshold, body_capacity,
-            joint_capacity, reserved, hit_threshold
+            struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_thres, body_capacity,
+            joint_capacity, reserved, hold, support, hit_threshold
         }
         LsStepReport {
             step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
             joints, batches, colors, moved, joint_gap, penetration, broad_phase_time, narrow_phase_time, island_time,
-            solve_time, finish_time, total_time
+            solve_time, finish_time, total_time, unions, union_members
         }
         LsMoved { body, user_word, pose, linear_velocity, angular_velocity, fell_asleep, woke }
         LsContactPair { shape_a, shape_b, body_a, body_b }
@@ -157,7 +161,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsLongRangeDef", 60),
         ("LsBound", 96),
         ("LsSoftBound", 12),
-        ("LsWorldDef", 68),
+        ("LsWorldDef", 76),
         ("LsStepReport", 96),
         ("LsMoved", 88),
         ("LsContactPair", 32),
