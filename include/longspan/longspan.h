@@ -674,6 +674,11 @@ typedef struct LsWorldDef {
     uint32_t hold;
     /** Not 0: every step ends with the support analysis, as after ls_support_enable; default 0. */
     uint32_t support;
+    /**
+     * Approach speed above which contacts are listed by ls_world_hits (m/s), >= 0; default INFINITY, which is never and costs
+     * nothing.
+     */
+    float hit_threshold;
 } LsWorldDef;
 
 /** Names a world. Passed by value; any value is safe. */
@@ -721,9 +726,9 @@ typedef struct LsHit {
     double point[3];
     /** Unit normal, from A to B. */
     float normal[3];
-    /** Greatest speed at which points approached each other at the start of the step (m/s). */
+    /** Greatest speed at which points approached each other at the start of a step (m/s). */
     float approach_speed;
-    /** Impulse along the normal in the hardest substep, rebound included (N s). */
+    /** Impulse along the normal over the steps of the hit, one or two, rebound included (N s). */
     float impulse;
     /** Not used; 0. */
     uint32_t reserved;

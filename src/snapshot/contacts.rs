@@ -231,7 +231,7 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>) -> (PairRow, Option<
         active: _,
     } = pair;
     let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
-    let info = flag(*may_touch, MAY_TOUCH) | flag(*in_contact, IN_CONTACT) | manifolds.len() as u32 * MANIFOLDS;
+    let info = flag(*may_touch, MAY_TOUCH) | flag(*in_contact, IN_CONTACT) | (manifolds.len() as u32 * MANIFOLDS);
     let mut row = PairRow { key: *key, info, steps: 0, margin: 0, approach: *approach, blow: *blow };
     let mut far = None;
     let now = Now::of(*key, colliders).filter(|now| pair.is_near(&now.exact, now.least_extent));

@@ -98,7 +98,7 @@ fn layouts() -> Vec<Layout> {
         LsBound { near_joint, far_joint, points, kind, level, distance, upper, lower, tension, active, reserved }
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
-            struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_thres, body_capacity,
+            struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_threshold, body_capacity,
             joint_capacity, reserved, hold, support, hit_threshold
         }
         LsStepReport {
