@@ -224,6 +224,10 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>) -> (PairRow, Option<
         made_for,
         updated: _,
         version: _,
+        // Of the support analysis.
+        touching: _,
+        // Of the shapes.
+        extent: _,
         may_touch,
         in_contact,
         approach,
