@@ -19,6 +19,7 @@ const PARTS: [(&str, &str); 10] = [
     ("ls_body_create", "Bodies"),
     ("ls_shape_attach", "Shapes"),
     ("ls_joint_create", "Joints"),
+    ("ls_stream_def_init", "Streams"),
 ];
 
 fn generate() -> String {
