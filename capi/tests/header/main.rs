@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 /// Where a new part of the header begins: its first function, and its name.
-const PARTS: [(&str, &str); 10] = [
+const PARTS: [(&str, &str); 11] = [
     ("ls_result_name", "The library"),
     ("ls_shape_def_init", "Definitions"),
     ("ls_world_create", "Worlds"),
