@@ -7,6 +7,7 @@ use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, P
 use super::direct::Direct;
 use super::joint::{BatchJoints, JointEntry};
 use super::load_pass::LoadPass;
+use super::plane::Planes;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::taut::TautRows;
 
@@ -43,6 +44,9 @@ pub(crate) struct Batch {
     pub bound_slots: Vec<u32>,
     pub bounds: BatchBounds,
     pub taut: TautRows,
+    /// Hinge chains, by number in the world's list and as planes.
+    pub chains: Vec<u32>,
+    pub planes: Planes,
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
     pub direct: Direct,
@@ -89,6 +93,8 @@ impl Batch {
         self.bound_slots.clear();
         self.bounds.clear();
         self.taut.clear();
+        self.chains.clear();
+        self.planes.clear();
         self.direct.clear();
         self.lanes.clear();
         self.tally.clear();
