@@ -4,7 +4,8 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 9] = ["hello", "chain", "bulk", "misuse", "edit", "queries", "debug_draw", "rollback", "fixed_step"];
+const SAMPLES: [&str; 10] =
+    ["hello", "chain", "bulk", "misuse", "edit", "queries", "debug_draw", "rollback", "fixed_step", "track"];
 
 fn sample(name: &str) -> std::path::PathBuf {
     common::repository().join("examples_c").join(format!("{name}.c"))

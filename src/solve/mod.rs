@@ -53,6 +53,7 @@ impl Batch {
         self.prepare_load_pass(settings.gravity, h);
         for substep in 0..settings.substeps {
             self.apply_forces(joints, h);
+            self.planes.note_momentum(&self.velocities, &self.motions);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
             self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, false);
             self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.predicted, h);

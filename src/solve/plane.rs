@@ -68,6 +68,8 @@ pub(crate) struct PlaneEntry {
     pub members: (u32, u32),
     pub hold: Option<PlaneHold>,
     pub size: f32,
+    /// Whether nothing but its own hinges acts between its members and anything else.
+    pub alone: bool,
 }
 
 /// All chains of a batch.
@@ -80,6 +82,10 @@ pub(crate) struct Planes {
     /// Chains that were put back into their plane in this step.
     pub corrected: u32,
     states: Vec<State>,
+    /// Angular momentum about the centre of mass of each chain at the start of the substep, forces applied.
+    spins: Vec<DVec3>,
+    /// Chain of each slot.
+    owners: Vec<u32>,
 }
 
 /// A member as it is, in `f64`.
@@ -190,6 +196,40 @@ impl Planes {
         self.entries.retain(|entry| members_of(members, entry).iter().any(|member| !motions[member.slot as usize].direct));
     }
 
+    /// Says that something outside acts on chains whose members touch it; `ends` are the slots of contacts.
+    pub(crate) fn note_contacts(&mut self, slots: usize, ends: impl Iterator<Item = (u32, u32)>) {
+        if self.entries.is_empty() {
+            return;
+        }
+        self.owners.clear();
+        self.owners.resize(slots, u32::MAX);
+        for (number, entry) in self.entries.iter().enumerate() {
+            for member in members_of(&self.members, entry) {
+                self.owners[member.slot as usize] = number as u32;
+            }
+        }
+        for (a, b) in ends {
+            let owners = [a, b].map(|slot| self.owners[slot as usize]);
+            for owner in owners.into_iter().filter(|&owner| owners[0] != owners[1] && owner != u32::MAX) {
+                self.entries[owner as usize].alone = false;
+            }
+        }
+    }
+
+    /// Notes what angular momentum chains have that nothing else acts on: rows and projections must leave it at that.
+    pub(crate) fn note_momentum(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        let Self { entries, members, states, spins, .. } = self;
+        spins.clear();
+        for entry in entries.iter() {
+            let members = members_of(members, entry);
+            let is_free = entry.alone && entry.hold.is_none();
+            if is_free {
+                load(states, members, velocities, motions);
+            }
+            spins.push(if is_free { Whole::of(states).spin } else { DVec3::ZERO });
+        }
+    }
+
     /// Makes velocities those of chains that stay flat.
     pub(crate) fn fit_velocities(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
         let Self { entries, members, states, parts, .. } = self;
@@ -236,8 +276,8 @@ impl Planes {
 
     /// Puts members back into their plane; what that does to the angular momentum is taken back.
     pub(crate) fn project(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
-        let Self { entries, members, states, parts, corrected, .. } = self;
-        for entry in entries.iter() {
+        let Self { entries, members, states, parts, corrected, spins, .. } = self;
+        for (entry, &spin) in entries.iter().zip(spins.iter()) {
             let members = members_of(members, entry);
             load(states, members, velocities, motions);
             let Some(plane) = plane_of(entry, states, velocities, motions) else { continue };
@@ -245,11 +285,18 @@ impl Planes {
             let angle = |state: &State| state.axis.cross(plane.normal).length();
             let off = parts.0 && states.iter().any(|state| distance(state) > FLAT * f64::from(entry.size));
             let askew = parts.1 && states.iter().any(|state| angle(state) > ALIGNED);
+            let mut before = Whole::of(states);
+            if entry.alone && plane.driven.is_none() {
+                before.spin = spin;
+            }
             if !off && !askew {
+                if entry.alone && plane.driven.is_none() {
+                    restore_spin(states, &before);
+                    store_velocities(states, members, velocities);
+                }
                 continue;
             }
             *corrected += 1;
-            let before = Whole::of(states);
             // Where the plane is free, its height is where the feet are once all axes are aligned.
             let total: f64 = states.iter().map(|state| state.mass).sum();
             let level = |state: &State| {

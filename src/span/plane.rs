@@ -67,6 +67,8 @@ pub(crate) struct PlaneAnchor {
 pub(crate) struct Chain {
     pub members: Vec<Member>,
     pub anchor: Option<PlaneAnchor>,
+    /// Its hinges, sorted.
+    pub joints: Vec<u32>,
     /// Mean distance from centres of mass to joint points (m).
     pub size: f32,
 }
@@ -124,6 +126,7 @@ fn follow(
             }
             used[number] = true;
             count += 1;
+            chain.joints.push(hinge.joint);
             let sign = near.axis.dot(own.axis).signum();
             let height = own.height + own.axis.dot(near.point);
             farthest = farthest.max(near.point.length()).max(far.point.length());
@@ -150,6 +153,7 @@ fn follow(
     for member in &chain.members {
         place[member.body as usize] = None;
     }
+    chain.joints.sort_unstable();
     chain.size = levers / count.max(1) as f32;
     (count >= LEAST_HINGES && chain.members.len() >= LEAST_HINGES && level <= LEVEL * farthest).then_some(chain)
 }

@@ -355,9 +355,20 @@ impl Records<'_> {
                 }
             });
             let members = (first, batch.planes.members.len() as u32);
-            batch.planes.entries.push(PlaneEntry { members, hold, size: chain.size });
+            let alone = chain.members.iter().all(|member| self.has_no_other(member.body, &chain.joints));
+            batch.planes.entries.push(PlaneEntry { members, hold, size: chain.size, alone });
         }
         batch.planes.drop_solved(&batch.motions);
+        batch.planes.note_contacts(batch.motions.len(), batch.inputs.iter().map(|input| (input.a, input.b)));
+    }
+
+    /// Whether all joints of what this body stands for are among these.
+    fn has_no_other(&self, index: u32, joints: &[u32]) -> bool {
+        let is_one = |slot: u32| joints.binary_search(&slot).is_ok();
+        match self.unions.moving(index) {
+            Some(union) => union.outer.iter().all(|&slot| is_one(slot)),
+            None => self.bodies[index].joints.iter().filter_map(|&id| self.joints.find(id).ok()).all(is_one),
+        }
     }
 
     fn joint_end(&self, batch: &mut Batch, joint: &Joint, side: usize) -> JointEnd {
