@@ -1,4 +1,4 @@
-/* A tank track: 132 plates on hinges, driven over a step by two sprockets, at five sweeps of one substep. Does it stay flat?
+/* A tank track: 132 plates on hinges, driven over a step by two sprockets. Does it stay flat?
  *
  *     cc track.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o track && ./track
  *
@@ -173,8 +173,6 @@ int main(int argc, char **argv)
     int step, i;
 
     check(ls_world_def_init(&def, sizeof def));
-    def.substeps = 1;
-    def.iterations = 5;
     check(ls_world_create(&def, &world));
     check(ls_long_range_def_init(&planes, sizeof planes));
     if (argc > 1 && strcmp(argv[1], "off") == 0)

@@ -613,6 +613,10 @@ typedef struct LsWorldDef {
     uint32_t joint_capacity;
     /** Not used; 0. */
     uint32_t reserved;
+    /** Not 0: groups that stand still on supporting contacts are held where they are until anything touches them; default 1. */
+    uint32_t hold;
+    /** Not 0: every step ends with the support analysis, as after ls_support_enable; default 0. */
+    uint32_t support;
 } LsWorldDef;
 
 /** Names a world. Passed by value; any value is safe. */
