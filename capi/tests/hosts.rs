@@ -4,9 +4,8 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 12] = [
-    "hello", "chain", "bulk", "misuse", "edit", "queries", "debug_draw", "rollback", "tower", "keystone", "fixed_step", "track",
-];
+const SAMPLES: [&str; 12] =
+    ["hello", "chain", "bulk", "misuse", "edit", "queries", "debug_draw", "rollback", "tower", "keystone", "fixed_step", "track"];
 
 fn sample(name: &str) -> std::path::PathBuf {
     common::repository().join("examples_c").join(format!("{name}.c"))

@@ -95,7 +95,7 @@ fn layouts() -> Vec<Layout> {
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
             struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_threshold, body_capacity,
-            joint_capacity, reserved
+            joint_capacity, reserved, hold, support
         }
         LsStepReport {
             step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
