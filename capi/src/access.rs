@@ -26,6 +26,9 @@ pub(crate) struct Hosted {
     /// Arrays of the last step in C's layout, filled when asked for.
     pub published: Published,
     pub overload_handler: Option<OverloadHandler>,
+    /// Who publishes its steps to other processes.
+    #[cfg(feature = "stream")]
+    pub streams: crate::stream_host::Streams,
 }
 
 /// A place for one world; empty once the world is destroyed.
@@ -37,11 +40,14 @@ pub(crate) struct WorldCell {
 
 impl WorldCell {
     pub(crate) fn new(world: World) -> Self {
-        Self {
-            hosted: RwLock::new(Some(Hosted { world, published: Published::default(), overload_handler: None })),
-            callbacks: CallbackThread::default(),
-            poisoned: AtomicBool::new(false),
-        }
+        let hosted = Hosted {
+            world,
+            published: Published::default(),
+            overload_handler: None,
+            #[cfg(feature = "stream")]
+            streams: Default::default(),
+        };
+        Self { hosted: RwLock::new(Some(hosted)), callbacks: CallbackThread::default(), poisoned: AtomicBool::new(false) }
     }
 
     fn try_read(&self) -> Outcome<RwLockReadGuard<'_, Option<Hosted>>> {

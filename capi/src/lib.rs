@@ -53,6 +53,11 @@ mod long_range;
 
 mod union;
 
+mod stream_def;
+
+mod stream;
+mod stream_reader;
+
 // What the header does not show.
 mod access;
 mod boundary;
@@ -63,6 +68,10 @@ mod pointer;
 mod published;
 mod registry;
 mod sized;
+#[cfg(feature = "stream")]
+mod stream_host;
+#[cfg(feature = "stream")]
+mod stream_reading;
 
 #[cfg(test)]
 mod tests;
