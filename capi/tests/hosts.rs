@@ -4,7 +4,7 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 15] = [
+const SAMPLES: [&str; 16] = [
     "hello",
     "chain",
     "bulk",
@@ -20,6 +20,7 @@ const SAMPLES: [&str; 15] = [
     "fixed_step",
     "publish",
     "renderer",
+    "track",
 ];
 
 fn sample(name: &str) -> std::path::PathBuf {

@@ -96,7 +96,7 @@ fn layouts() -> Vec<Layout> {
         }
         LsJointState { position, velocity, force, torque, gap }
         LsBoundKindDef { enabled, upper, lower }
-        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft, unions }
+        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft, unions, plane_position, plane_axis }
         LsSoftBound { share, softness }
         LsBound { near_joint, far_joint, points, kind, level, distance, upper, lower, tension, active, reserved }
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
