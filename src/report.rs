@@ -55,6 +55,10 @@ pub struct StepCounts {
     pub moved: u32,
     /// Dynamic bodies awake that were held where they are, not solved.
     pub bodies_held: u32,
+    /// Hinge chains awake.
+    pub planes: u32,
+    /// Of those, how often one was put back into its plane, over all substeps.
+    pub planes_corrected: u32,
     /// Unions awake and free, each solved as one body.
     pub unions: u32,
     /// Bodies that moved as members of those.

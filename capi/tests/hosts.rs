@@ -4,7 +4,7 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 13] = [
+const SAMPLES: [&str; 14] = [
     "hello",
     "chain",
     "bulk",
@@ -18,6 +18,7 @@ const SAMPLES: [&str; 13] = [
     "fixed_step",
     "publish",
     "renderer",
+    "track",
 ];
 
 fn sample(name: &str) -> std::path::PathBuf {

@@ -1122,6 +1122,10 @@ typedef struct LsLongRangeDef {
     uint32_t soft;
     /** Not 0: bodies that rigid fixed joints connect move as one, see ls_body_union; default 1. */
     uint32_t unions;
+    /** Not 0: chains of hinges with parallel axes are kept in one plane; default 1. */
+    uint32_t plane_position;
+    /** Not 0: the axes of such chains are kept parallel; default 1. */
+    uint32_t plane_axis;
 } LsLongRangeDef;
 
 /**

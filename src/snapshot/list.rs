@@ -103,7 +103,7 @@ stored!(WorldDef {
     hold,
     long_range,
 });
-stored!(LongRangeDef { enabled, attachment, hierarchy, soft, union, levels });
+stored!(LongRangeDef { enabled, attachment, hierarchy, soft, union, plane_position, plane_axis, levels });
 stored!(CarriedUnion { lead, motion, before });
 stored!(AskedBound { joints, bound });
 stored!(SoftBound { share, softness });

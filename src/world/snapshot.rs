@@ -290,5 +290,6 @@ impl Image {
 fn shape_makes_sense(shape: &Collider) -> bool {
     shape.place.0.is_finite()
         && shape.material.check().is_ok()
+        && !(shape.reach.is_nan() || shape.least_extent.is_nan())
         && shape.fat_box.is_some_and(|kept| kept.mins.cmple(kept.maxs).all())
 }

@@ -27,6 +27,7 @@ impl World {
             let batch = &self.batches[number];
             let (report, residuals) = (&mut self.report.counts, &mut self.report.residuals);
             report.colors = report.colors.max(batch.color_count);
+            report.planes_corrected += batch.planes.corrected;
             residuals.joint_gap = residuals.joint_gap.max(batch.joint_gap);
             residuals.penetration = residuals.penetration.max(batch.penetration);
         }
