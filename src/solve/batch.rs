@@ -220,6 +220,14 @@ impl Batch {
         self.contacts[block as usize].impulses(lane as usize)
     }
 
+    /// Impulse along the normal of a manifold over the step (N·s), where multipliers are added up.
+    pub(crate) fn contact_blow(&self, number: usize) -> f32 {
+        if self.lanes[number].0 == HELD {
+            return self.direct.blow_of(number);
+        }
+        self.tally.get(number).map_or(0.0, |sum| sum.normal.iter().sum())
+    }
+
     /// Adds the multipliers of a substep to the sums.
     pub(crate) fn add_to_tally(&mut self) {
         if !self.tallied {

@@ -24,7 +24,7 @@ impl World {
         if !bodies.into_iter().flatten().any(|index| self.bodies[index].is_dynamic()) {
             return Err(Error::new(ErrorKind::NotApplicable, "body_a", "a joint needs at least one dynamic body"));
         }
-        let joint = Joint { def, bodies, impulses: JointImpulses::ZERO, force: Vec3::ZERO, torque: Vec3::ZERO };
+        let joint = Joint { def, bodies, impulses: JointImpulses::ZERO, force: Vec3::ZERO, torque: Vec3::ZERO, pressed: 0 };
         let (slot, id) = self.joints.insert(joint)?;
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.push(id);

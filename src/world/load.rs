@@ -78,7 +78,7 @@ impl World {
             span: &self.long_range.derived,
             place: &self.groups.place,
             unions: &self.unions,
-            tallied: self.unions.iter().any(|union| union.wanted),
+            tallied: self.def.hit_threshold < f32::INFINITY || self.unions.iter().any(|union| union.wanted),
             gravity: self.def.gravity,
             solver: self.def.solver,
             reach: self.def.gravity.length() * substep * substep,
