@@ -5,8 +5,6 @@
 //!
 //! Plain loops over arrays, since what is not inlined is compiled without the wide registers of its caller.
 
-#![expect(clippy::needless_range_loop, reason = "an index runs over rows, lanes and numbers in lanes alike")]
-
 /// Four numbers side by side.
 pub(super) type Lanes = [f64; 4];
 
