@@ -1070,24 +1070,6 @@ typedef struct LsJointOverload {
  */
 typedef void (*LsOverloadCallback)(struct LsWorld world, const struct LsJointOverload *overload, void *user);
 
-/** A body that moved in a step, or fell asleep at its end. The layout of this struct never changes. */
-typedef struct LsMoved {
-    /** The body. */
-    struct LsBody body;
-    /** The word its host gave it. */
-    uint64_t user_word;
-    /** Its frame in the world. */
-    struct LsPose pose;
-    /** Velocity of its centre of mass (m/s). */
-    float linear_velocity[3];
-    /** Angular velocity, world axes (rad/s). */
-    float angular_velocity[3];
-    /** 1 if it fell asleep in this step, else 0. */
-    uint32_t fell_asleep;
-    /** Not used; 0. */
-    uint32_t reserved;
-} LsMoved;
-
 /** How an articulation was solved in a step: bodies that joints connect, solved at once. The layout of this struct never changes. */
 typedef struct LsArticulation {
     /** One of its bodies. */
