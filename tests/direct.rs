@@ -71,7 +71,7 @@ fn cars_hang_on_a_cable_over_two_drums() {
     // Where the links come to lie flat on the drums, see the scene.
     let off = (run.error("car_drop_m") - 0.0156).abs();
     assert!(off < 4e-3, "the cars end {off} m from where the cable puts them, bound 0.004 m");
-    run.keeps("joint_gap_m", 2e-4, "m");
+    run.keeps("joint_gap_m", 3e-4, "m");
 }
 
 #[test]
