@@ -31,6 +31,7 @@ mod body;
 mod check;
 mod collide;
 mod error;
+mod fracture;
 mod id;
 mod island;
 mod joint;
@@ -51,6 +52,10 @@ mod world;
 pub use body::{BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 pub use check::{MAX_COORDINATE, STEP_RANGE};
 pub use error::{Error, ErrorKind, Result};
+pub use fracture::voronoi::{Bond, Cell, Cells, MAX_CELLS, Material as BondMaterial};
+pub use fracture::{
+    BreakCause, BreakLimit, Damage, FractureSettings, JointBreak, JointLoad, JointStress, MAX_WINDOW, Piece, Split, Strength,
+};
 pub use glam;
 pub use id::{BodyId, Handle, JointId, MAX_OBJECTS, ShapeId};
 pub use joint::{Axis, JointDef, JointKind, JointState, Limits, Motor, Softness, SphericalMotor};

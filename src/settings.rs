@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
+use crate::fracture::FractureSettings;
 use crate::long_range::LongRangeDef;
 
 /// How joints are solved.
@@ -60,6 +61,8 @@ pub struct WorldDef {
     pub sleep: SleepSettings,
     /// What is derived from the joints.
     pub long_range: LongRangeDef,
+    /// Whether and how fast joints break.
+    pub fracture: FractureSettings,
     /// Approach speed above which contacts rebound (m/s), ≥ 0.
     pub restitution_threshold: f32,
     /// Whether islands that stand still on supporting contacts are held where they are, until anything touches them.
@@ -82,6 +85,7 @@ impl Default for WorldDef {
             threads: 1,
             sleep: SleepSettings::default(),
             long_range: LongRangeDef::default(),
+            fracture: FractureSettings::default(),
             restitution_threshold: 1.0,
             hold: true,
             support: false,
@@ -114,6 +118,7 @@ impl WorldDef {
         check::not_negative("sleep.angular_speed", self.sleep.angular_speed)?;
         check::not_negative("sleep.time", self.sleep.time)?;
         self.long_range.check()?;
+        self.fracture.check()?;
         check::not_negative("restitution_threshold", self.restitution_threshold)?;
         Ok(())
     }

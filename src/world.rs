@@ -20,9 +20,11 @@ use crate::solve::batch::Batch;
 use crate::workers::{ParallelFor, Workers};
 
 mod bodies;
+mod cells;
 mod contacts;
 mod fast;
 mod forces;
+mod fracture;
 mod group;
 mod hold;
 mod joints;
@@ -58,6 +60,7 @@ pub struct World {
     long_range: long_range::LongRange,
     groups: group::Groups,
     hold: hold::Hold,
+    fracture: fracture::Fracture,
     batches: Vec<Batch>,
     batch_count: usize,
     events: Events,
@@ -109,6 +112,7 @@ impl World {
             long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
             hold: hold::Hold::default(),
+            fracture: fracture::Fracture::default(),
             batches: Vec::new(),
             batch_count: 0,
             events: Events::default(),
@@ -145,9 +149,12 @@ impl World {
         self.hand_out_bounds();
         self.report.timings.islands = clock.lap();
         self.solve_batches(dt);
+        self.read_joint_loads(dt);
+        self.break_overloaded(dt);
         self.report.timings.solve = clock.lap();
         self.store_results(dt);
         self.stop_fast_bodies();
+        self.report_splits();
         self.report_contacts();
         self.put_quiet_islands_to_sleep(dt);
         self.judge_support();
@@ -162,6 +169,7 @@ impl World {
         self.forget_escaped();
         let (step, time) = (self.report.step + 1, self.report.time + f64::from(dt));
         self.report = StepReport { step, time, ..StepReport::default() };
+        self.break_condemned();
         self.drive_kinematic_bodies(dt);
         self.settle_movers();
     }

@@ -24,6 +24,7 @@ mod chain;
 mod closed_form;
 mod crossbow;
 mod engine;
+mod fracture;
 mod free;
 mod friction;
 mod gallery;

@@ -10,7 +10,9 @@ use crate::body::{Body, BodyKind, LockedAxes, SleepState};
 use crate::collide::collider::Collider;
 use crate::collide::narrow::{Manifold, ManifoldPoint};
 use crate::collide::pairs::{CarriedManifold, Pair, PairKey};
-use crate::id::Slot;
+use crate::fracture::strain::{Span, Strain};
+use crate::fracture::{Damage, FractureSettings, Strength};
+use crate::id::{JointId, Slot};
 use crate::joint::{Axis, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
 use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
@@ -43,6 +45,8 @@ pub(crate) struct WorldRow {
     pub bounds_stale: bool,
     /// Soft bounds that the host asked for.
     pub asked_bounds: Vec<AskedBound>,
+    /// Joints that are to break in the next step because the host says so.
+    pub asked_fractures: Vec<JointId>,
     pub free_bodies: Runs,
     pub free_shapes: Runs,
     pub free_joints: Runs,
@@ -77,6 +81,7 @@ stored!(WorldRow {
     watched,
     bounds_stale,
     asked_bounds,
+    asked_fractures,
     free_bodies,
     free_shapes,
     free_joints,
@@ -95,7 +100,9 @@ stored!(WorldDef {
     support,
     hold,
     long_range,
+    fracture,
 });
+stored!(FractureSettings { by_load, most });
 stored!(LongRangeDef { enabled, attachment, hierarchy, soft, levels });
 stored!(AskedBound { joints, bound });
 stored!(SoftBound { share, softness });
@@ -150,7 +157,11 @@ stored!(Collider {
 stored!(Material { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule });
 stored!(CollisionFilter { member_of, collides_with });
 
-stored!(Joint { def, bodies, impulses, force, torque });
+stored!(Joint { def, bodies, impulses, force, torque, strain });
+stored!(Strain { spans, damage, condemned });
+stored!(Span { time, linear, angular });
+stored!(Strength { tension, compression, shear, bending, torsion, window, damage });
+stored!(Damage { from, time, half_life });
 stored!(JointDef {
     kind,
     body_a,
@@ -162,6 +173,7 @@ stored!(JointDef {
     limit,
     break_force,
     break_torque,
+    strength,
     collide_connected,
     user_word,
 });
@@ -225,6 +237,11 @@ pub(crate) const LISTED: &[&str] = &[
     Collider::FIELDS,
     Material::FIELDS,
     Joint::FIELDS,
+    Strain::FIELDS,
+    Span::FIELDS,
+    Strength::FIELDS,
+    Damage::FIELDS,
+    FractureSettings::FIELDS,
     JointDef::FIELDS,
     JointImpulses::FIELDS,
     Pair::FIELDS,

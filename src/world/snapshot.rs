@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Quat};
 
+use super::fracture::Fracture;
 use super::{CarriedBound, World};
 use crate::body::{Body, SleepState};
 use crate::collide::collider::Collider;
@@ -50,6 +51,7 @@ impl World {
             support,
             // Carried bounds and what was asked for are stored, and derived bounds made anew.
             long_range,
+            fracture,
             // Made anew from the rest by whoever needs them next.
             escaped: _,
             hold: _,
@@ -63,7 +65,7 @@ impl World {
             _tag: _,
         } = self;
         // The last step's events are gone after a restore; what edits have ended since will be told by the next step.
-        let Events { moved: _, contact_began: _, contact_ended: _, overloaded: _, quarantined: _, ended_by_edits } = events;
+        let Events { moved: _, contact_began: _, contact_ended: _, overloaded: _, quarantined: _, ended_by_edits, broken: _, splits: _, pieces: _, piece_bodies: _ } = events;
         let (bounds_stale, carried_bounds) = self.carried_bounds();
         let (said_supported, watched) = support.as_ref().map_or_else(Default::default, |support| support.said());
         let forms = NumberedForms::of(colliders.iter().map(|(_, collider)| &collider.shape));
@@ -84,6 +86,7 @@ impl World {
             watched,
             bounds_stale,
             asked_bounds: long_range.soft.clone(),
+            asked_fractures: fracture.asked().to_vec(),
             free_bodies: Runs(bodies.free().to_vec()),
             free_shapes: Runs(colliders.free().to_vec()),
             free_joints: Runs(joints.free().to_vec()),
@@ -141,6 +144,7 @@ impl World {
         self.pairs = pairs;
         self.sleeping = sleeping;
         self.restart_long_range(row.bounds_stale, &bounds, row.asked_bounds);
+        self.fracture = Fracture::restored(row.asked_fractures);
         self.report = report;
         self.broken.clear();
         self.forget_escaped();
@@ -244,6 +248,7 @@ impl Image {
         let ends = [(joint.bodies[0], joint.def.body_a), (joint.bodies[1], joint.def.body_b)];
         ends.into_iter().all(named)
             && joint.def.checked().is_ok()
+            && joint.strain.is_some() == joint.def.strength.can_break()
             && joint.bodies.iter().flatten().any(|&body| self.bodies[body].is_dynamic())
     }
 
