@@ -4,22 +4,12 @@
  *
  * A renderer usually wants what moved (ls_world_moved): sleeping bodies cost nothing, and the user word finds the picture of
  * each body without a table. A host that wants certain bodies, moved or not, asks for them (ls_world_poses_get). */
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "longspan/longspan.h"
+#include "sample.h"
 
 #define SIDE 10
 #define BODIES (SIDE * SIDE * SIDE)
-
-static void check(LsResult result)
-{
-    if (result != LS_OK) {
-        fprintf(stderr, "%s: %s\n", ls_result_name(result), ls_last_error_message());
-        exit(1);
-    }
-}
 
 int main(void)
 {

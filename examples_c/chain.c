@@ -5,11 +5,9 @@
  * ./chain MASS hangs another mass (kg) below it. ./chain MASS FILE also writes one line a body into the file, to draw a picture
  * from: kind, dimensions (half extents, or half height and radius), position, rotation (x y z w). */
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <time.h>
 
-#include "longspan/longspan.h"
+#include "sample.h"
 
 #define LINKS 30
 #define JOINTS (LINKS + 1)
@@ -21,16 +19,8 @@ static const float LINK_MASS = 1.0f;
 static const float WEIGHT_HALF_EXTENT = 0.5f;
 static const float GRAVITY = 9.81f;
 
-static void check(LsResult result)
-{
-    if (result != LS_OK) {
-        fprintf(stderr, "%s: %s\n", ls_result_name(result), ls_last_error_message());
-        exit(1);
-    }
-}
-
 /* A body of one shape at height y. */
-static LsBody create_body(LsWorld world, int kind, const LsShapeDef *shape, float mass, double y, float sideways)
+static LsBody create_part(LsWorld world, int kind, const LsShapeDef *shape, float mass, double y, float sideways)
 {
     LsBodyDef def;
     LsBody body;
@@ -121,7 +111,7 @@ int main(int argc, char **argv)
     check(ls_shape_def_init(&shape, sizeof shape));
     shape.kind = LS_SHAPE_BOX;
     shape.half_extents[0] = shape.half_extents[1] = shape.half_extents[2] = 0.1f;
-    bodies[0] = create_body(world, LS_BODY_STATIC, &shape, 1.0f, 0.1, 0.0f);
+    bodies[0] = create_part(world, LS_BODY_STATIC, &shape, 1.0f, 0.1, 0.0f);
     below[0] = -0.1;
 
     shape.kind = LS_SHAPE_CAPSULE;
@@ -130,13 +120,13 @@ int main(int argc, char **argv)
     for (i = 1; i <= LINKS; ++i) {
         above[i] = LINK_LENGTH / 2;
         below[i] = -LINK_LENGTH / 2;
-        bodies[i] = create_body(world, LS_BODY_DYNAMIC, &shape, LINK_MASS, -(i - 0.5) * LINK_LENGTH, 0.0f);
+        bodies[i] = create_part(world, LS_BODY_DYNAMIC, &shape, LINK_MASS, -(i - 0.5) * LINK_LENGTH, 0.0f);
     }
 
     shape.kind = LS_SHAPE_BOX;
     shape.half_extents[0] = shape.half_extents[1] = shape.half_extents[2] = WEIGHT_HALF_EXTENT;
     above[LINKS + 1] = WEIGHT_HALF_EXTENT;
-    bodies[LINKS + 1] = create_body(world, LS_BODY_DYNAMIC, &shape, weight_mass,
+    bodies[LINKS + 1] = create_part(world, LS_BODY_DYNAMIC, &shape, weight_mass,
                                     -LINKS * (double)LINK_LENGTH - WEIGHT_HALF_EXTENT, 0.2f);
     for (i = 0; i < JOINTS; ++i) {
         LsJoint joint = create_joint(world, bodies[i], below[i], bodies[i + 1], above[i + 1]);

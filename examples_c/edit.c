@@ -3,21 +3,11 @@
  *     cc edit.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o edit && ./edit
  *
  * Exits with 1 at the first value that does not come back as it was set. */
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "longspan/longspan.h"
+#include "sample.h"
 
 static int changes = 0;
-
-static void check(LsResult result)
-{
-    if (result != LS_OK) {
-        fprintf(stderr, "%s: %s\n", ls_result_name(result), ls_last_error_message());
-        exit(1);
-    }
-}
 
 static void came_back(int as_set, const char *what)
 {
@@ -26,22 +16,6 @@ static void came_back(int as_set, const char *what)
         fprintf(stderr, "%s did not come back as it was set\n", what);
         exit(1);
     }
-}
-
-static LsBody create_box(LsWorld world, int kind, double y)
-{
-    LsShapeDef shape;
-    LsBodyDef def;
-    LsBody body;
-    check(ls_shape_def_init(&shape, sizeof shape));
-    shape.kind = LS_SHAPE_BOX;
-    check(ls_body_def_init(&def, sizeof def));
-    def.kind = kind;
-    def.pose.position[1] = y;
-    def.shapes = &shape;
-    def.shape_count = 1;
-    check(ls_body_create(world, &def, &body));
-    return body;
 }
 
 static LsShape first_shape(LsWorld world, LsBody body)
@@ -175,9 +149,9 @@ int main(void)
 
     check(ls_world_def_init(&def, sizeof def));
     check(ls_world_create(&def, &world));
-    ground = create_box(world, LS_BODY_STATIC, -0.5);
-    body = create_box(world, LS_BODY_DYNAMIC, 0.6);
-    hung = create_box(world, LS_BODY_DYNAMIC, -4.0);
+    ground = create_body(world, LS_BODY_STATIC, LS_SHAPE_BOX, 0, -0.5);
+    body = create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BOX, 0, 0.6);
+    hung = create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BOX, 0, -4.0);
     edit_body(world, body);
     edit_shape(world, first_shape(world, body));
     edit_compound(world, first_shape(world, hung));

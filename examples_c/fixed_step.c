@@ -4,21 +4,11 @@
  *
  * Frames of 1/144 s with a hiccup; prints how uneven the drawn motion of a falling ball is with and without it. */
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
-#include "longspan/longspan.h"
+#include "sample.h"
 
 #define DT (1.0f / 60.0f)
 #define MOST_STEPS 4 /* more time than that is dropped: a host that cannot keep up must not fall behind for ever */
-
-static void check(LsResult result)
-{
-    if (result != LS_OK) {
-        fprintf(stderr, "%s: %s\n", ls_result_name(result), ls_last_error_message());
-        exit(1);
-    }
-}
 
 /* Between two poses: positions linearly, rotations along the shorter arc, near enough for the turn of one step. */
 static LsPose between(const LsPose *from, const LsPose *to, float share)

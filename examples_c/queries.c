@@ -2,45 +2,10 @@
  *
  *     cc queries.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o queries && ./queries */
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
-#include "longspan/longspan.h"
+#include "sample.h"
 
 #define BOXES 10
-
-static void check(LsResult result)
-{
-    if (result != LS_OK) {
-        fprintf(stderr, "%s: %s\n", ls_result_name(result), ls_last_error_message());
-        exit(1);
-    }
-}
-
-static void expect(int holds, const char *what)
-{
-    if (!holds) {
-        fprintf(stderr, "not so: %s\n", what);
-        exit(1);
-    }
-}
-
-static LsBody create_box(LsWorld world, int kind, double x, double y)
-{
-    LsShapeDef shape;
-    LsBodyDef def;
-    LsBody body;
-    check(ls_shape_def_init(&shape, sizeof shape));
-    shape.kind = LS_SHAPE_BOX;
-    check(ls_body_def_init(&def, sizeof def));
-    def.kind = kind;
-    def.pose.position[0] = x;
-    def.pose.position[1] = y;
-    def.shapes = &shape;
-    def.shape_count = 1;
-    check(ls_body_create(world, &def, &body));
-    return body;
-}
 
 /* Counts how often it is asked, and accepts every other shape. */
 static uint32_t every_other(LsShape shape, void *user)
@@ -51,8 +16,7 @@ static uint32_t every_other(LsShape shape, void *user)
 
 int main(void)
 {
-    LsWorldDef world_def;
-    LsWorld world;
+    LsWorld world = create_world();
     LsBody row[BOXES], hit_body;
     LsRay ray = {{-10, 0, 0}, {1, 0, 0}, 100}, rays[2];
     LsRayHit hit, hits[BOXES];
@@ -66,10 +30,8 @@ int main(void)
     size_t count, i;
     int asked = 0;
 
-    check(ls_world_def_init(&world_def, sizeof world_def));
-    check(ls_world_create(&world_def, &world));
     for (i = 0; i < BOXES; ++i) {
-        row[i] = create_box(world, i == 0 ? LS_BODY_STATIC : LS_BODY_DYNAMIC, 2.0 * (double)i, 0.0);
+        row[i] = create_body(world, i == 0 ? LS_BODY_STATIC : LS_BODY_DYNAMIC, LS_SHAPE_BOX, 2.0 * (double)i, 0.0);
     }
 
     check(ls_world_cast_ray(world, &ray, NULL, &hit));

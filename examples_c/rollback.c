@@ -1,38 +1,10 @@
 /* Save, go on, go back, go on again: the second time gives the same bits. A host that predicts what other players do needs this.
  *
  *     cc rollback.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o rollback && ./rollback */
-#include <stdio.h>
-#include <stdlib.h>
-
-#include "longspan/longspan.h"
+#include "sample.h"
 
 #define BOXES 30
 #define STEPS 120
-
-static void check(LsResult result)
-{
-    if (result != LS_OK) {
-        fprintf(stderr, "%s: %s\n", ls_result_name(result), ls_last_error_message());
-        exit(1);
-    }
-}
-
-static LsBody create_body(LsWorld world, int kind, int shape_kind, double x, double y)
-{
-    LsShapeDef shape;
-    LsBodyDef def;
-    LsBody body;
-    check(ls_shape_def_init(&shape, sizeof shape));
-    shape.kind = shape_kind;
-    check(ls_body_def_init(&def, sizeof def));
-    def.kind = kind;
-    def.pose.position[0] = x;
-    def.pose.position[1] = y;
-    def.shapes = &shape;
-    def.shape_count = 1;
-    check(ls_body_create(world, &def, &body));
-    return body;
-}
 
 static uint64_t step_and_hash(LsWorld world)
 {
@@ -44,8 +16,7 @@ static uint64_t step_and_hash(LsWorld world)
 
 int main(void)
 {
-    LsWorldDef def;
-    LsWorld world;
+    LsWorld world = create_world();
     LsBody first;
     LsPose pose;
     uint64_t hashes[STEPS];
@@ -53,8 +24,6 @@ int main(void)
     size_t size;
     int i;
 
-    check(ls_world_def_init(&def, sizeof def));
-    check(ls_world_create(&def, &world));
     create_body(world, LS_BODY_STATIC, LS_SHAPE_HALF_SPACE, 0, 0);
     first = create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BOX, 0, 1);
     for (i = 1; i < BOXES; ++i) {

@@ -30,6 +30,7 @@ mod balance;
 mod body;
 mod check;
 mod collide;
+mod debug;
 mod error;
 mod fracture;
 mod id;
@@ -51,6 +52,7 @@ mod world;
 
 pub use body::{BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 pub use check::{MAX_COORDINATE, STEP_RANGE};
+pub use debug::{Color, DebugDraw, DrawLayers, DrawOptions};
 pub use error::{Error, ErrorKind, Result};
 pub use fracture::voronoi::{Bond, Cell, Cells, MAX_CELLS, Material as BondMaterial};
 pub use fracture::{

@@ -22,6 +22,7 @@ use crate::workers::{ParallelFor, Workers};
 mod bodies;
 mod cells;
 mod contacts;
+mod draw;
 mod fast;
 mod forces;
 mod fracture;

@@ -80,7 +80,8 @@ fn a_blow_breaks_at_its_impulse_over_the_window_at_any_step() {
 
 #[test]
 fn each_limit_is_told_apart() {
-    let strength = Strength { tension: 100.0, compression: 200.0, shear: 300.0, bending: 40.0, torsion: 50.0, window: DT, damage: None };
+    let strength =
+        Strength { tension: 100.0, compression: 200.0, shear: 300.0, bending: 40.0, torsion: 50.0, window: DT, damage: None };
     let cases = [
         (Vec3::X * 101.0, Vec3::ZERO, Vec3::X * 99.0, Vec3::ZERO, BreakLimit::Tension),
         (Vec3::X * -202.0, Vec3::ZERO, Vec3::X * -198.0, Vec3::ZERO, BreakLimit::Compression),
@@ -253,8 +254,10 @@ fn what_a_server_broke_makes_its_client_the_same() {
         let scene = breaking_vase();
         let fracture = FractureSettings { by_load: true, most };
         let (mut server, _, joints) = populate(&scene, WorldDef { fracture, ..scene.world });
-        let (mut client, ..) = populate(&scene, WorldDef { fracture: FractureSettings { by_load: false, most: 4096 }, ..scene.world });
-        let (mut alone, ..) = populate(&scene, WorldDef { fracture: FractureSettings { by_load: false, most: 4096 }, ..scene.world });
+        let (mut client, ..) =
+            populate(&scene, WorldDef { fracture: FractureSettings { by_load: false, most: 4096 }, ..scene.world });
+        let (mut alone, ..) =
+            populate(&scene, WorldDef { fracture: FractureSettings { by_load: false, most: 4096 }, ..scene.world });
         let mut broken = 0;
         for step in 0..240 {
             server.step(DT).unwrap();

@@ -12,7 +12,7 @@ use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
 use ls_core::World;
 
-use crate::callback::CallbackThread;
+use crate::callback::{self, CallbackThread};
 use crate::handle::LsWorld;
 use crate::log;
 use crate::published::Published;
@@ -59,7 +59,7 @@ impl WorldCell {
     }
 
     fn try_write_even_poisoned(&self) -> Outcome<RwLockWriteGuard<'_, Option<Hosted>>> {
-        if log::inside_callback() {
+        if log::inside_callback() || callback::inside_any() {
             return Err(locked());
         }
         match self.hosted.try_write() {

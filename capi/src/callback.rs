@@ -18,6 +18,27 @@ fn this_thread() -> u64 {
     NUMBER.get()
 }
 
+thread_local! {
+    static DEPTH: Cell<u32> = const { Cell::new(0) };
+}
+
+/// Notes that this thread is inside callbacks of the host that no world owns, until the guard is dropped.
+pub(crate) fn enter_any() -> impl Drop {
+    struct Leave;
+    impl Drop for Leave {
+        fn drop(&mut self) {
+            DEPTH.set(DEPTH.get() - 1);
+        }
+    }
+    DEPTH.set(DEPTH.get() + 1);
+    Leave
+}
+
+/// Whether this thread is inside such a callback.
+pub(crate) fn inside_any() -> bool {
+    DEPTH.get() > 0
+}
+
 /// The thread that runs a world's callbacks now.
 #[derive(Debug, Default)]
 pub(crate) struct CallbackThread(AtomicU64);

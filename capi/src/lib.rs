@@ -35,6 +35,8 @@ mod query_def;
 
 mod query;
 
+mod draw;
+
 mod snapshot;
 
 mod body;

@@ -4,7 +4,7 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 8] = ["hello", "chain", "bulk", "misuse", "edit", "queries", "rollback", "fixed_step"];
+const SAMPLES: [&str; 9] = ["hello", "chain", "bulk", "misuse", "edit", "queries", "debug_draw", "rollback", "fixed_step"];
 
 fn sample(name: &str) -> std::path::PathBuf {
     common::repository().join("examples_c").join(format!("{name}.c"))
@@ -101,6 +101,12 @@ fn what_is_changed_in_a_live_world_comes_back_as_it_was_set() {
 fn questions_are_answered_and_filtered_as_the_host_says() {
     let output = run(&mut LIBRARY.compile(&sample("queries"), Language::C99, Linkage::Static));
     assert!(output.contains("asked about 10 shapes, the host accepted 5"), "{output}");
+}
+
+#[test]
+fn what_is_drawn_is_what_is_there() {
+    let output = run(&mut LIBRARY.compile(&sample("debug_draw"), Language::C99, Linkage::Static));
+    assert!(output.lines().count() == 14 && output.contains("the rope's ends: slack"), "{output}");
 }
 
 #[test]

@@ -211,6 +211,51 @@
 /** Query kinds: shapes of dynamic bodies count. */
 #define LS_QUERY_DYNAMIC 4
 
+/**
+ * Layer: outlines of shapes: static grey, kinematic blue, awake orange, held where they are yellow, asleep dim, sensors green,
+ * quarantined red.
+ */
+#define LS_DRAW_SHAPES 1
+
+/** Layer: the same as triangles. */
+#define LS_DRAW_SURFACES 2
+
+/** Layer: contact points with their normal from A to B: white where they press, grey where they do not. */
+#define LS_DRAW_CONTACTS 4
+
+/** Layer: forces of contacts on B, along the normal red and of friction orange. */
+#define LS_DRAW_CONTACT_FORCES 8
+
+/** Layer: joints: lines from both centres of mass to the joint points, and both joint frames. */
+#define LS_DRAW_JOINTS 16
+
+/** Layer: limits of joints, and where the joint is between them. */
+#define LS_DRAW_JOINT_LIMITS 32
+
+/** Layer: force of each joint as a line on B and as a text (N), coloured by its share of the break force. */
+#define LS_DRAW_JOINT_LOADS 64
+
+/** Layer: a box around each island awake, in a colour of its own, and around each asleep, dim. */
+#define LS_DRAW_ISLANDS 128
+
+/** Layer: long-range bounds: taut ones red with their tension (N), slack ones green with what is left (m). */
+#define LS_DRAW_BOUNDS 256
+
+/**
+ * Layer: supporting contacts, the hull they span and the centre of mass above it, coloured by verdict; while the support
+ * analysis is on.
+ */
+#define LS_DRAW_SUPPORT 512
+
+/** Layer: centres of mass with principal axes. */
+#define LS_DRAW_MASS 1024
+
+/** Layer: velocities of centres of mass. */
+#define LS_DRAW_VELOCITIES 2048
+
+/** Layer: boxes that the broad phase keeps. */
+#define LS_DRAW_BOXES 4096
+
 /** The body stands: its centre of mass lies over the hull of the supporting contacts below it. */
 #define LS_SUPPORT_SUPPORTED 0
 
@@ -805,6 +850,63 @@ typedef struct LsNearestPoint {
     /** Not used; 0. */
     uint32_t reserved;
 } LsNearestPoint;
+
+/**
+ * Draws a line; given in an LsDraw.
+ *
+ * The drawing callbacks are called on the thread that calls ls_world_draw, under its own floating-point settings. They must
+ * return normally (no exception, no longjmp). Inside them reads work, edits of any world return LS_ERROR_WORLD_LOCKED.
+ * @param from   three doubles (m), valid during the call
+ * @param to     three doubles (m), valid during the call
+ * @param color  0xRRGGBB
+ * @param user   as given in the LsDraw
+ */
+typedef void (*LsDrawLineCallback)(const double *from, const double *to, uint32_t color, void *user);
+
+/**
+ * Draws a triangle, counter-clockwise seen from outside where it has an outside; given in an LsDraw, see LsDrawLineCallback.
+ * @param corners  nine doubles, three a corner (m), valid during the call
+ * @param color    0xRRGGBB
+ * @param user     as given in the LsDraw
+ */
+typedef void (*LsDrawTriangleCallback)(const double *corners, uint32_t color, void *user);
+
+/**
+ * Draws a short text; given in an LsDraw, see LsDrawLineCallback.
+ * @param at     three doubles (m), valid during the call
+ * @param text   UTF-8, valid during the call
+ * @param color  0xRRGGBB
+ * @param user   as given in the LsDraw
+ */
+typedef void (*LsDrawTextCallback)(const double *at, const char *text, uint32_t color, void *user);
+
+/** What is drawn, how, and by whom. Fill it with ls_draw_init first. */
+typedef struct LsDraw {
+    /** Size of this struct in the host, set by ls_draw_init. */
+    uint32_t struct_size;
+    /** Bit set of LS_DRAW_ constants; default LS_DRAW_SHAPES | LS_DRAW_JOINTS. */
+    uint32_t layers;
+    /** Draws lines; NULL, the default, for none. */
+    LsDrawLineCallback line;
+    /** Draws triangles; NULL, the default, for none. */
+    LsDrawTriangleCallback triangle;
+    /** Draws texts; NULL, the default, for none. */
+    LsDrawTextCallback text;
+    /** Handed back to the callbacks; default NULL. */
+    void *user;
+    /** Length of a force's line (m/N), >= 0; default 0.001. */
+    float force_scale;
+    /** Length of a velocity's line (s), >= 0; default 0.1. */
+    float velocity_scale;
+    /** Length of the axes of a joint frame and size of a contact point's cross (m), > 0; default 0.1. */
+    float mark_size;
+    /** Not 0: only what lies within radius of center is drawn; default 0. */
+    uint32_t only_near;
+    /** Middle of what is drawn (m); default 0, 0, 0. */
+    double center[3];
+    /** How far from the middle things are drawn (m), >= 0; default 0. */
+    double radius;
+} LsDraw;
 
 /** What a joint does at the end of the last step. Later versions append fields. */
 typedef struct LsJointState {
@@ -1545,6 +1647,29 @@ LsResult ls_world_nearest_point(LsWorld world,
                                 float max_distance,
                                 const LsQueryFilter *filter,
                                 LsNearestPoint *out);
+
+/* Drawing --------------------------------------------------------------------------------------------------------- */
+
+/**
+ * Fills a drawing order with defaults: outlines and joints, and no callbacks.
+ *
+ * @param draw  filled on LS_OK
+ * @param size  sizeof *draw as the host knows it
+ * @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_draw_init(LsDraw *draw, size_t size);
+
+/**
+ * Draws what a world holds now, layer by layer, through the callbacks of the drawing order. Nothing is changed or kept.
+ *
+ * @param world  the world; any value is safe
+ * @param draw   filled by ls_draw_init and changed as wanted; read during the call
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_draw(LsWorld world, const LsDraw *draw);
 
 /* Snapshots ------------------------------------------------------------------------------------------------------- */
 

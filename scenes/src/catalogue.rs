@@ -5,8 +5,8 @@ use longspan::glam::DVec3;
 use crate::params::{Params, SceneError};
 use crate::scene::Scene;
 use crate::{
-    arm, branching, bridge, cable_car, cantilever, chain, closed_form, crossbow, fracture, free, friction, gallery, hinge_loop, idle,
-    impact, machines, masonry, pile, ragdoll, stack, stress, track, vase, violent,
+    arm, branching, bridge, cable_car, cantilever, chain, closed_form, crossbow, crowd, fracture, free, friction, gallery,
+    hinge_loop, idle, impact, machines, masonry, pile, ragdoll, stack, stress, track, vase, violent,
 };
 
 /// A scene that can be built.
@@ -42,6 +42,10 @@ pub const CATALOGUE: &[Entry] = &[
     entry("tower", "a ring-shaped tower of stone blocks stands, then is hit", stack::tower),
     entry("column", "equal boxes on one another for a minute", stack::column),
     entry("pile", "boxes and balls dropped into a pit", pile::pile),
+    entry("joint_grid", "a sheet of balls in joints with their neighbours, held at its top", crowd::joint_grid),
+    entry("large_pyramid", "one flat pyramid of boxes", crowd::large_pyramid),
+    entry("many_pyramids", "small pyramids side by side", crowd::many_pyramids),
+    entry("ragdoll_rain", "ragdolls that fall onto open ground", crowd::ragdoll_rain),
     entry("arch", "a semicircular arch of wedges without mortar", masonry::arch),
     entry("support_gallery", "the stacks of the paper's figures, and whether each stone is supported", gallery::support_gallery),
     entry("card_house", "a house of cards", masonry::card_house),

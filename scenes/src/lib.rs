@@ -23,6 +23,7 @@ mod catalogue;
 mod chain;
 mod closed_form;
 mod crossbow;
+mod crowd;
 mod engine;
 mod fracture;
 mod free;

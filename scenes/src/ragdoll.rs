@@ -53,7 +53,7 @@ fn swinging(degrees: f32) -> JointKind {
 }
 
 /// Adds the 11 bodies and 10 joints of a ragdoll whose pelvis stands at `place`.
-fn add_ragdoll(scene: &mut Scene, place: &Pose) -> Result<(), SceneError> {
+pub(crate) fn add_ragdoll(scene: &mut Scene, place: &Pose) -> Result<(), SceneError> {
     let limb = |x: f32, y: f32, z: f32| cuboid(x, y, z);
     let mut parts: Vec<Part> = vec![
         (at(0.0, 0.0), limb(0.14, 0.08, 0.09)?, 11.0),

@@ -43,10 +43,8 @@ impl Polyhedron {
     /// What of the solid is closer to this seed than to any other; `None` if nothing is.
     pub(super) fn cell(&self, number: usize, seeds: &[DVec3]) -> Result<Option<Self>> {
         let seed = seeds[number];
-        let mut others: Vec<(f64, usize)> = (0..seeds.len())
-            .filter(|&other| other != number)
-            .map(|other| (seeds[other].distance_squared(seed), other))
-            .collect();
+        let mut others: Vec<(f64, usize)> =
+            (0..seeds.len()).filter(|&other| other != number).map(|other| (seeds[other].distance_squared(seed), other)).collect();
         others.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut cell = self.clone();
         for (distance_squared, other) in others {
@@ -192,7 +190,6 @@ fn box_faces(half: DVec3) -> Vec<Vec<DVec3>> {
     }
     faces
 }
-
 
 /// The faces of a hull, as parry3d found them.
 fn hull_faces(shape: &Shape) -> Vec<Vec<DVec3>> {

@@ -258,9 +258,8 @@ mod tests {
 
     #[test]
     fn a_regular_grid_bonds_over_faces_alone() {
-        let seeds: Vec<Vec3> = (0..64)
-            .map(|i| Vec3::new((i % 4) as f32 - 1.5, (i / 4 % 4) as f32 - 1.5, (i / 16) as f32 - 1.5) * 0.25)
-            .collect();
+        let seeds: Vec<Vec3> =
+            (0..64).map(|i| Vec3::new((i % 4) as f32 - 1.5, (i / 4 % 4) as f32 - 1.5, (i / 16) as f32 - 1.5) * 0.25).collect();
         let cut = Cells::cut(&Geometry::Box { half_extents: Vec3::splat(0.5) }, &seeds).unwrap();
         assert_eq!((cut.cells.len(), cut.bonds.len()), (64, 3 * 48));
         assert!(cut.bonds.iter().all(|bond| (bond.area - 0.0625).abs() < 1e-6));

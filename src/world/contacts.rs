@@ -80,7 +80,7 @@ impl World {
         force
     }
 
-    fn contacts_of_pair(&self, key: PairKey, slot: u32) -> impl Iterator<Item = Contact> + '_ {
+    pub(super) fn contacts_of_pair(&self, key: PairKey, slot: u32) -> impl Iterator<Item = Contact> + '_ {
         let (a, b) = key.shapes();
         let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
         let (body_a, body_b) = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);

@@ -191,7 +191,9 @@ impl World {
 
 /// One side of a joint in world axes.
 pub(super) struct End {
-    origin: DVec3,
-    lever: Vec3,
+    /// The body's centre of mass, or the joint point itself on the world's side (m).
+    pub origin: DVec3,
+    /// From there to the joint point (m).
+    pub lever: Vec3,
     pub frame: Quat,
 }

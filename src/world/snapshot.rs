@@ -65,7 +65,18 @@ impl World {
             _tag: _,
         } = self;
         // The last step's events are gone after a restore; what edits have ended since will be told by the next step.
-        let Events { moved: _, contact_began: _, contact_ended: _, overloaded: _, quarantined: _, ended_by_edits, broken: _, splits: _, pieces: _, piece_bodies: _ } = events;
+        let Events {
+            moved: _,
+            contact_began: _,
+            contact_ended: _,
+            overloaded: _,
+            quarantined: _,
+            ended_by_edits,
+            broken: _,
+            splits: _,
+            pieces: _,
+            piece_bodies: _,
+        } = events;
         let (bounds_stale, carried_bounds) = self.carried_bounds();
         let (said_supported, watched) = support.as_ref().map_or_else(Default::default, |support| support.said());
         let forms = NumberedForms::of(colliders.iter().map(|(_, collider)| &collider.shape));

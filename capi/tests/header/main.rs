@@ -8,11 +8,12 @@ use std::fs;
 use std::path::Path;
 
 /// Where a new part of the header begins: its first function, and its name.
-const PARTS: [(&str, &str); 8] = [
+const PARTS: [(&str, &str); 9] = [
     ("ls_result_name", "The library"),
     ("ls_shape_def_init", "Definitions"),
     ("ls_world_create", "Worlds"),
     ("ls_world_cast_ray", "Queries"),
+    ("ls_draw_init", "Drawing"),
     ("ls_world_save", "Snapshots"),
     ("ls_body_create", "Bodies"),
     ("ls_shape_attach", "Shapes"),

@@ -72,6 +72,18 @@ impl World {
         Ok(node.hull().iter().map(|point| center + (u * point.x + v * point.y).as_dvec3()).collect())
     }
 
+    /// Contact points through which a body is supported (m).
+    pub(in crate::world) fn supporting_points(&self, index: u32) -> Vec<DVec3> {
+        let Some(state) = &self.support else { return Vec::new() };
+        let Some(node) = state.graph.node(index) else { return Vec::new() };
+        let links = node.below.iter().filter(|&&link| state.graph.is_supporting(link));
+        let mut pairs: Vec<u32> = links.map(|&link| state.graph.link(link).pair).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let contacts = pairs.iter().flat_map(|&slot| self.contacts_of_pair(self.pairs.get(slot).key, slot));
+        contacts.flat_map(|contact| contact.points().iter().map(|point| point.position).collect::<Vec<_>>()).collect()
+    }
+
     /// Bodies that carry a body through supporting contacts or joints, by slot.
     ///
     /// # Errors

@@ -1,0 +1,77 @@
+//! What only this library has: long-range bounds, and what holds bodies up.
+
+use glam::DVec3;
+
+use super::Pen;
+use crate::debug::Color;
+use crate::long_range::BoundState;
+use crate::span::support::verdict::Verdict;
+use crate::world::World;
+
+impl World {
+    pub(super) fn draw_bounds(&self, pen: &mut Pen) {
+        for bound in self.bounds() {
+            let middle = (bound.points[0] + bound.points[1]) * 0.5;
+            if pen.reaches(middle, f64::from(bound.distance) * 0.5) {
+                draw_bound(pen, &bound, middle);
+            }
+        }
+    }
+
+    pub(super) fn draw_support(&self, pen: &mut Pen) {
+        for (index, body) in self.bodies.iter().filter(|(_, body)| body.is_dynamic()) {
+            let id = self.bodies.handle_of(index);
+            let Ok(support) = self.support(id) else { return };
+            if !pen.reaches(body.center, 0.0) {
+                continue;
+            }
+            let color = color_of(support.verdict);
+            pen.cross(body.center, pen.options.mark_size, color);
+            let corners = self.support_hull(id).unwrap_or_default();
+            let points = self.supporting_points(index);
+            for &point in &points {
+                pen.cross(point, pen.options.mark_size * 0.5, color);
+            }
+            // The hull is seen along gravity: it is drawn where the contacts are, below the centre of mass.
+            let gravity = self.def.gravity.normalize_or_zero().as_dvec3();
+            let depth = points.iter().map(|point| (*point - body.center).dot(gravity)).fold(0.0, f64::max);
+            let corners: Vec<DVec3> = corners.iter().map(|corner| *corner + gravity * depth).collect();
+            for (i, &corner) in corners.iter().enumerate() {
+                pen.line(corner, corners[(i + 1) % corners.len()], color);
+            }
+            for pair in corners.windows(2).skip(1) {
+                pen.out.triangle([corners[0], pair[0], pair[1]], color);
+            }
+            if !corners.is_empty() {
+                pen.line(body.center, body.center + gravity * depth, color);
+            }
+        }
+    }
+}
+
+/// A taut bound is red and says its tension (N), one that pushes blue, a slack one green with what is left of its length (m).
+fn draw_bound(pen: &mut Pen, bound: &BoundState, middle: DVec3) {
+    let [near, far] = bound.points;
+    let color = match bound.tension {
+        tension if tension > 0.0 => Color::RED,
+        tension if tension < 0.0 => Color::BLUE,
+        _ if bound.active => Color::YELLOW,
+        _ => Color::GREEN,
+    };
+    pen.line(near, far, color);
+    if bound.tension == 0.0 {
+        pen.text(middle, format_args!("{:.3} m", bound.slack()), color);
+    } else {
+        pen.text(middle, format_args!("{:.0} N", bound.tension), color);
+    }
+}
+
+fn color_of(verdict: Verdict) -> Color {
+    match verdict {
+        Verdict::Supported | Verdict::Ground => Color::GREEN,
+        Verdict::HeldByJoints => Color::CYAN,
+        Verdict::OutsideHull | Verdict::OnUnsupported => Color::ORANGE,
+        Verdict::Sliding => Color::YELLOW,
+        Verdict::NoContact | Verdict::HangingLoose | Verdict::Moving | Verdict::NoGravity => Color::RED,
+    }
+}
