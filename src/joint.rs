@@ -387,6 +387,8 @@ pub(crate) struct Joint {
     /// Force and torque on B, mean over the last step.
     pub force: Vec3,
     pub torque: Vec3,
+    /// Impulse on B of the last substep, if a direct solve took it (N·s, N·m·s).
+    pub acted: [Vec3; 2],
     /// What it has borne of late, if it can break.
     pub strain: Option<Box<Strain>>,
 }
@@ -394,7 +396,7 @@ pub(crate) struct Joint {
 impl Joint {
     pub(crate) fn new(def: JointDef, bodies: [Option<u32>; 2]) -> Self {
         let strain = def.strength.can_break().then(Box::default);
-        Self { def, bodies, impulses: JointImpulses::ZERO, force: Vec3::ZERO, torque: Vec3::ZERO, strain }
+        Self { def, bodies, impulses: JointImpulses::ZERO, force: Vec3::ZERO, torque: Vec3::ZERO, acted: [Vec3::ZERO; 2], strain }
     }
 
     /// Starts the next step from nothing.
@@ -402,6 +404,7 @@ impl Joint {
         self.impulses = JointImpulses::ZERO;
         self.force = Vec3::ZERO;
         self.torque = Vec3::ZERO;
+        self.acted = [Vec3::ZERO; 2];
         if let Some(strain) = &mut self.strain {
             strain.spans = Default::default();
         }

@@ -46,7 +46,7 @@ fn populate(scene: &Scene, def: WorldDef) -> (World, Vec<BodyId>, Vec<JointId>) 
     (world, bodies, joints)
 }
 
-const BREAKING_VASE: &[(&str, &str)] = &[("break", "500000")];
+const BREAKING_VASE: &[(&str, &str)] = &[("break", "1000000")];
 
 fn breaking_vase() -> Scene {
     scene("vase", BREAKING_VASE)
@@ -72,6 +72,10 @@ fn a_blow_breaks_at_its_impulse_over_the_window_at_any_step() {
             world.add_impulse(body, Vec3::Y * impulse).unwrap();
             for _ in 0..rate {
                 world.step(1.0 / rate as f32).unwrap();
+                if let Some(joint) = world.joints().next() {
+                    let f = world.joint_state(joint).unwrap().force;
+                    if f.length() > 1e-3 { println!("{rate} {impulse}: {} {}", f / rate as f32, world.joint_stress(joint).unwrap().share); }
+                }
             }
             assert_eq!(world.joint_count() == 0, breaks, "{impulse} N·s within 0.1 s against 100 N, {rate} steps a second");
         }
@@ -107,7 +111,7 @@ fn each_limit_is_told_apart() {
         world.step(DT).unwrap();
         let [broken] = world.broken() else { panic!("{limit:?}: {} joints broke", world.broken().len()) };
         assert_eq!((broken.joint, broken.limit, broken.cause, broken.step), (joint, limit, BreakCause::Load, 11));
-        assert!((broken.force + force).length() < 1.0 && (broken.torque + torque).length() < 0.5, "{broken:?}");
+        assert!((broken.force + force).length() <= 0.01 * force.length() && (broken.torque + torque).length() <= 0.01 * torque.length(), "{broken:?}");
         // It bore the step up to its limit: a hundredth of its load has moved it.
         let speed = world.linear_velocity(body).unwrap().length();
         assert!(speed <= 0.011 * force.length() * DT / 8.0, "{limit:?}: leaves at {speed} m/s");
@@ -169,6 +173,7 @@ fn no_momentum_is_lost_when_a_free_vase_shatters_on_a_free_ball() {
     for _ in 0..240 {
         world.step(DT).unwrap();
         let now = momenta(&world, &bodies);
+        println!("{} {} solves {}: {:.2e} {:.2e}", world.report().step, world.splits().len(), world.report().counts.solves, now.0.distance(before.0) / scale.0, now.1.distance(before.1) / scale.1);
         if !world.splits().is_empty() {
             splits += world.splits().len();
             worst.0 = worst.0.max(now.0.distance(before.0) / scale.0);
@@ -239,7 +244,7 @@ fn nothing_breaks_in_ten_minutes_at_four_fifths_of_its_limit() {
     for step in 0..36_000 {
         rest.step(DT).unwrap();
         let phase = f64::from(step) / 60.0 * std::f64::consts::TAU * 0.2;
-        handled.move_to(hands[1], Pose::at_xyz(-0.1, 0.05 * phase.sin(), 0.0)).unwrap();
+        handled.move_to(hands[1], Pose::at_xyz(-0.1, 0.05 * (1.0 - phase.cos()), 0.0)).unwrap();
         handled.step(DT).unwrap();
         let near = handled.joints_near_breaking(0.0).unwrap();
         most = most.max(near.first().map_or(f32::INFINITY, |&(_, share)| share));
@@ -330,7 +335,11 @@ fn a_joint_wears_out_and_says_so() {
 
 #[test]
 fn a_wall_of_bricks_lets_a_ball_through_that_it_cannot_stop() {
-    let run = Run::of("brick_wall", &[("bricks", "60"), ("seconds", "2")]);
+    let run = Run::watched(scene("brick_wall", &[("bricks", "60"), ("seconds", "2")]), |view| {
+        let v = view.engine.linear_velocity(view.bodies.len() - 1).z;
+        let left = (0..view.joints.len()).filter(|&j| view.engine.has_joint(j)).count();
+        println!("{} {v} {left}", view.step);
+    });
     let ball = run.engine.body_id(run.world().body_count() - 1);
     let (speed, z) = (run.world().linear_velocity(ball).unwrap().z, run.world().pose(ball).unwrap().position.z);
     println!("{} joints broken, {} pieces, ball at {z:.2} m with {speed:.2} m/s", run.error("broken"), run.error("pieces"));

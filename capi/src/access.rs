@@ -13,6 +13,7 @@ use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 use ls_core::World;
 
 use crate::callback::{self, CallbackThread};
+use crate::fracture::FractureHandlers;
 use crate::handle::LsWorld;
 use crate::log;
 use crate::published::Published;
@@ -26,6 +27,7 @@ pub(crate) struct Hosted {
     /// Arrays of the last step in C's layout, filled when asked for.
     pub published: Published,
     pub overload_handler: Option<OverloadHandler>,
+    pub fracture_handlers: FractureHandlers,
 }
 
 /// A place for one world; empty once the world is destroyed.
@@ -38,7 +40,7 @@ pub(crate) struct WorldCell {
 impl WorldCell {
     pub(crate) fn new(world: World) -> Self {
         Self {
-            hosted: RwLock::new(Some(Hosted { world, published: Published::default(), overload_handler: None })),
+            hosted: RwLock::new(Some(Hosted { world, published: Published::default(), overload_handler: None, fracture_handlers: FractureHandlers::default() })),
             callbacks: CallbackThread::default(),
             poisoned: AtomicBool::new(false),
         }

@@ -19,6 +19,8 @@ mod shape_def;
 
 mod body_def;
 
+mod strength;
+
 mod joint_def;
 
 mod events;
@@ -50,6 +52,10 @@ mod joint;
 mod support;
 
 mod long_range;
+
+mod fracture;
+
+mod cells;
 
 // What the header does not show.
 mod access;

@@ -6,6 +6,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use crate::events::{LsContactPair, LsJointOverload, LsMoved};
+use crate::fracture::{LsJointBreak, LsPiece, LsSplit};
 use crate::handle::LsBody;
 
 #[derive(Default)]
@@ -15,6 +16,10 @@ pub(crate) struct Published {
     pub contact_ended: Array<LsContactPair>,
     pub overloaded: Array<LsJointOverload>,
     pub quarantined: Array<LsBody>,
+    pub broken: Array<LsJointBreak>,
+    pub splits: Array<LsSplit>,
+    pub pieces: Array<LsPiece>,
+    pub piece_bodies: Array<LsBody>,
 }
 
 impl Published {
@@ -25,6 +30,10 @@ impl Published {
         self.contact_ended.expire();
         self.overloaded.expire();
         self.quarantined.expire();
+        self.broken.expire();
+        self.splits.expire();
+        self.pieces.expire();
+        self.piece_bodies.expire();
     }
 }
 

@@ -8,6 +8,7 @@ use crate::enums;
 use crate::pointer::host;
 use crate::result::{Failure, LsResult, Outcome};
 use crate::sized::{Definition, SizedOut, Versioned};
+use crate::strength::LsFractureSettings;
 
 /// Solver: the library chooses per group of bodies.
 pub const LS_SOLVER_AUTO: i32 = 0;
@@ -56,11 +57,13 @@ pub struct LsWorldDef {
     pub joint_capacity: u32,
     /// Not used; 0.
     pub reserved: u32,
+    /// Whether and how fast joints break.
+    pub fracture: LsFractureSettings,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsWorldDef {
-    const SIZES: &'static [usize] = &[64];
+    const SIZES: &'static [usize] = &[64, 72];
 }
 
 // SAFETY: begins with struct_size.
@@ -109,6 +112,7 @@ impl TryFrom<LsWorldDef> for WorldDef {
             support: false,
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
+            fracture: def.fracture.into(),
             ..Self::default()
         })
     }
@@ -133,6 +137,7 @@ impl From<&WorldDef> for LsWorldDef {
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
             reserved: 0,
+            fracture: def.fracture.into(),
         }
     }
 }

@@ -157,7 +157,7 @@ stored!(Collider {
 stored!(Material { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule });
 stored!(CollisionFilter { member_of, collides_with });
 
-stored!(Joint { def, bodies, impulses, force, torque, strain });
+stored!(Joint { def, bodies, impulses, force, torque, acted, strain });
 stored!(Strain { spans, damage, condemned });
 stored!(Span { time, linear, angular });
 stored!(Strength { tension, compression, shear, bending, torsion, window, damage });

@@ -12,6 +12,7 @@
 use glam::{DVec3, Vec3};
 
 use super::World;
+use crate::body::SleepState;
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fracture::strain::Judgement;
@@ -20,7 +21,7 @@ use crate::id::{JointId, in_world};
 use crate::joint::{Joint, JointKind};
 
 /// Times that a step is solved again at most: a crack runs on from step to step, a blow is over in one.
-const MOST_ROUNDS: u32 = 3;
+const MOST_ROUNDS: u32 = 8;
 
 /// What the stages keep.
 #[derive(Debug, Default)]
@@ -275,6 +276,14 @@ impl World {
                 strain.condemned |= judgement.breaks();
                 strain.note(&joint.def.strength, &load, dt);
                 self.report.counts.joints_condemned += u32::from(strain.condemned);
+                // What wears out goes on wearing.
+                if joint.def.strength.damage.is_some_and(|damage| judgement.share > damage.from) {
+                    for body in joint.bodies.into_iter().flatten() {
+                        if let SleepState::Awake { quiet_for } = &mut self.bodies[body].sleep {
+                            *quiet_for = 0.0;
+                        }
+                    }
+                }
             }
         }
     }

@@ -186,6 +186,7 @@ impl Records<'_> {
                 impulses: scaled_joint(&joint.impulses, self.impulse_scale),
                 linear_sum: Vec3::ZERO,
                 angular_sum: Vec3::ZERO,
+                acted: joint.acted,
             });
         }
     }

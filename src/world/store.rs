@@ -117,7 +117,7 @@ impl World {
         for entry in batches[number].joints.entries.iter().chain(batches[number].direct.entries()) {
             let handle = joints.handle_of(entry.joint);
             let joint = &mut joints[entry.joint];
-            joint.impulses = entry.impulses;
+            (joint.impulses, joint.acted) = (entry.impulses, entry.acted);
             if !entry.impulses.is_finite() {
                 joint.forget_impulses();
                 continue;
