@@ -5,6 +5,7 @@
 //! retired, so a handle never comes to mean something else.
 
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, ErrorKind, Result};
 
@@ -31,6 +32,11 @@ pub trait Handle: Copy {
     fn from_bits(bits: u64) -> Self;
     /// The raw bits, to store outside and to hand back later.
     fn to_bits(self) -> u64;
+    /// Number of the place that the object has among those of its kind. Whoever comes after it gets the same number; null has
+    /// none that means anything.
+    fn place(self) -> usize {
+        ((self.to_bits() & INDEX_MASK) as usize).saturating_sub(1)
+    }
 }
 
 macro_rules! handle {
@@ -133,13 +139,28 @@ pub(crate) struct Pool<T, H> {
     slots: Vec<Slot<T>>,
     free: Vec<u32>,
     len: usize,
+    /// Rises with whatever comes or goes; no two pools of a process begin with the same. Never part of a state.
+    version: u64,
     tag: u16,
     handle: std::marker::PhantomData<H>,
 }
 
+/// Pools made so far, in the upper half of a version.
+static POOLS: AtomicU64 = AtomicU64::new(0);
+
+fn first_version() -> u64 {
+    POOLS.fetch_add(1, Ordering::Relaxed) << 32
+}
+
 impl<T, H: Handle> Pool<T, H> {
     pub(crate) fn new(tag: &WorldTag) -> Self {
-        Self { slots: Vec::new(), free: Vec::new(), len: 0, tag: tag.0, handle: std::marker::PhantomData }
+        let version = first_version();
+        Self { slots: Vec::new(), free: Vec::new(), len: 0, version, tag: tag.0, handle: std::marker::PhantomData }
+    }
+
+    /// A number that differs whenever other objects are in the pool.
+    pub(crate) fn version(&self) -> u64 {
+        self.version
     }
 
     /// A pool with these places, of which these are free; `None` if that cannot be.
@@ -154,7 +175,7 @@ impl<T, H: Handle> Pool<T, H> {
             return None;
         }
         let len = slots.iter().filter(|slot| slot.value.is_some()).count();
-        Some(Self { slots, free, len, tag, handle: std::marker::PhantomData })
+        Some(Self { slots, free, len, version: first_version(), tag, handle: std::marker::PhantomData })
     }
 
     /// Every place, in order.
@@ -191,6 +212,7 @@ impl<T, H: Handle> Pool<T, H> {
         };
         self.slots[index as usize].value = Some(value);
         self.len += 1;
+        self.version += 1;
         Ok((index, self.handle_of(index)))
     }
 
@@ -198,6 +220,7 @@ impl<T, H: Handle> Pool<T, H> {
         let slot = &mut self.slots[index as usize];
         let value = slot.value.take()?;
         self.len -= 1;
+        self.version += 1;
         slot.generation += 1;
         if u64::from(slot.generation) < GENERATION_MASK {
             self.free.push(index);

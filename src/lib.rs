@@ -47,6 +47,7 @@ mod shape;
 mod snapshot;
 mod solve;
 mod span;
+mod surface;
 mod workers;
 mod world;
 

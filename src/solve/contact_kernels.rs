@@ -9,6 +9,7 @@
 use glam::Vec3;
 
 use super::contact::{ContactBlock, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS};
+use super::dispatch::dispatched;
 use super::state::{BodyMotion, BodyVelocity};
 
 /// Sweeps over the 4×4 matrix of a manifold within one visit.
@@ -29,34 +30,16 @@ const MAX_RECOVERY_SPEED: f32 = 0.9;
 /// Sweeps of position recovery in a step.
 pub(crate) const RECOVERY_SWEEPS: usize = 2;
 
-macro_rules! dispatched {
-    ($(#[$doc:meta])* $name:ident, $avx2:ident, $body:ident, ($($arg:ident: $type:ty),*)) => {
-        $(#[$doc])*
-        pub(crate) fn $name($($arg: $type),*) {
-            #[cfg(target_arch = "x86_64")]
-            if std::arch::is_x86_feature_detected!("avx2") {
-                #[target_feature(enable = "avx2")]
-                fn $avx2($($arg: $type),*) {
-                    $body($($arg),*);
-                }
-                // SAFETY: the processor has just been found to have AVX2, the only feature that the function needs.
-                return unsafe { $avx2($($arg),*) };
-            }
-            $body($($arg),*);
-        }
-    };
-}
-
 dispatched!(
     /// Applies the carried multipliers and forms the closing speeds of this substep.
     ///
     /// The velocities have the substep's forces in them already.
-    warm_start, warm_start_avx2, warm_start_body,
+    warm_start, warm_start_body,
     (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32)
 );
 dispatched!(
     /// One sweep: friction, then the normal rows of each manifold as a block.
-    sweep, sweep_avx2, sweep_body, (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], backwards: bool)
+    sweep, sweep_body, (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], backwards: bool)
 );
 
 dispatched!(
@@ -65,12 +48,12 @@ dispatched!(
     /// `pushes` holds a displacement and rotation for each slot in the form of a velocity times the step. Rows are
     /// J δ ≥ −β s where s < 0 (never faster than [`MAX_RECOVERY_SPEED`]) and J δ ≥ −s elsewhere, so that one overlap is not
     /// cured by making another.
-    recover, recover_avx2, recover_body,
+    recover, recover_body,
     (blocks: &[ContactBlock], lambdas: &mut [[Lane; POINTS]], pushes: &mut [BodyVelocity], motions: &[BodyMotion], dt: f32)
 );
 dispatched!(
     /// Raises `worst` to the greatest overlap of any point (m).
-    find_worst_overlap, find_worst_overlap_avx2, find_worst_overlap_body,
+    find_worst_overlap, find_worst_overlap_body,
     (blocks: &[ContactBlock], motions: &[BodyMotion], worst: &mut f32)
 );
 

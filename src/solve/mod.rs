@@ -13,6 +13,7 @@ mod color;
 pub(crate) mod contact;
 mod contact_kernels;
 pub(crate) mod direct;
+mod dispatch;
 pub(crate) mod integrate;
 pub(crate) mod joint;
 pub(crate) mod load_pass;

@@ -109,12 +109,17 @@ const SERIES: [(f64, f64); 8] = {
     terms
 };
 
+/// Square of half an angle below which this many terms leave nothing but rounding, x⁵/11! < 3e-18.
+const FEW_TERMS_BELOW: f64 = 1.0e-2;
+const FEW_TERMS: usize = 4;
+
 /// `rotation` turned by a rotation vector in world axes (rad), by power series: the same bits on every platform.
 pub(crate) fn rotated(rotation: DQuat, vector: DVec3) -> DQuat {
     let half = vector * 0.5;
     let x = half.length_squared();
     let (mut sine_over_angle, mut cosine) = (1.0, 1.0);
-    for (sine_term, cosine_term) in SERIES.iter().rev() {
+    let terms = if x < FEW_TERMS_BELOW { FEW_TERMS } else { SERIES.len() };
+    for (sine_term, cosine_term) in SERIES[..terms].iter().rev() {
         sine_over_angle = 1.0 - x * sine_term * sine_over_angle;
         cosine = 1.0 - x * cosine_term * cosine;
     }

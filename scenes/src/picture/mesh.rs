@@ -68,9 +68,6 @@ fn points_and_triangles(geometry: &Geometry) -> (Vec<Vec3>, Vec<[u32; 3]>) {
         }
         Geometry::Cylinder { half_height, radius } => Cylinder::new(*half_height, *radius).to_trimesh(SEGMENTS),
         Geometry::Cone { half_height, radius } => Cone::new(*half_height, *radius).to_trimesh(SEGMENTS),
-        Geometry::ConvexHull { points } => parry3d::transformation::try_convex_hull(points).unwrap_or_default(),
-        Geometry::TriangleMesh { vertices, triangles } => (vertices.clone(), triangles.clone()),
-        Geometry::HeightField { rows, columns, heights, size_x, size_z } => grid(*rows, *columns, heights, *size_x, *size_z),
         Geometry::Compound { parts } => {
             let place = |(pose, part): &(LocalPose, Geometry)| {
                 let points = points_and_triangles(part).0.into_iter();
@@ -78,20 +75,6 @@ fn points_and_triangles(geometry: &Geometry) -> (Vec<Vec3>, Vec<[u32; 3]>) {
             };
             (parts.iter().flat_map(place).collect(), Vec::new())
         }
-        _ => (Vec::new(), Vec::new()),
+        other => other.triangles().unwrap_or_default(),
     }
-}
-
-fn grid(rows: usize, columns: usize, heights: &[f32], size_x: f32, size_z: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let along = |index: usize, count: usize, size: f32| (index as f32 / (count - 1) as f32 - 0.5) * size;
-    let point = |index: usize| {
-        let (row, column) = (index / columns, index % columns);
-        Vec3::new(along(column, columns, size_x), heights[index], along(row, rows, size_z))
-    };
-    let cell = |index: usize| {
-        let corner = (index / (columns - 1) * columns + index % (columns - 1)) as u32;
-        let below = corner + columns as u32;
-        [[corner, below, corner + 1], [corner + 1, below, below + 1]]
-    };
-    ((0..rows * columns).map(point).collect(), (0..(rows - 1) * (columns - 1)).flat_map(cell).collect())
 }

@@ -18,11 +18,13 @@
 
 use glam::{DMat3, DVec3};
 
+use super::block::MAX_ROWS;
 use super::body::DirectBody;
 use super::contacts::Touch;
-use super::factor::{MAX_ROWS, Plan};
+use super::factor::Plan;
 use super::history::{History, SecondOrder};
-use super::system::{Coupling, System, Topology};
+use super::root;
+use super::system::{Coupling, REGULARIZATION, System, TREE_REGULARIZATION, Topology};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
 use crate::solve::joint::kinds;
@@ -64,6 +66,8 @@ pub(super) struct Link {
     pub bodies: [u32; 2],
     moves: [bool; 2],
     capacity: u32,
+    /// Whether it holds points together and does nothing else.
+    pub is_plain: bool,
 }
 
 /// A body has more contacts than the nodes of its joints hold.
@@ -110,6 +114,8 @@ pub(crate) struct Articulation {
     pub(super) began: Vec<(Stance, Rate)>,
     pub(super) histories: Vec<History>,
     pub(super) predicted: Vec<Stance>,
+    /// Angular momentum of each body at the start of the substep, where it has been formed (N·m·s).
+    pub(super) momenta: Vec<DVec3>,
     pub(super) implicit: Vec<f64>,
     pub(super) changes: Vec<Rate>,
     pub(super) tried: Vec<Stance>,
@@ -190,7 +196,8 @@ impl Articulation {
         let link = |entry: &JointEntry| {
             let ends = [entry.a, entry.b].map(|slot| if slot == WORLD_SLOT { 0 } else { local[slot as usize].1 });
             let moves = ends.map(|body| bodies[body as usize].is_dynamic());
-            Link { bodies: ends, moves, capacity: kinds::most_rows(&joints[entry.joint].def.kind) }
+            let kind = &joints[entry.joint].def.kind;
+            Link { bodies: ends, moves, capacity: kinds::most_rows(kind), is_plain: kinds::is_plain(kind) }
         };
         let unchanged =
             self.links.len() == entries.len() && self.links.iter().zip(&*entries).all(|(old, entry)| *old == link(entry));
@@ -467,5 +474,16 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize) -> Option<Topolo
         Some(Coupling { late, early, late_side, early_side, body, start })
     };
     let couplings = shared.iter().map(coupling).collect::<Option<Vec<_>>>()?;
-    Some(Topology { plan, couplings })
+    let regularization = if is_forest(links, bodies) { TREE_REGULARIZATION } else { REGULARIZATION };
+    Some(Topology { plan, couplings, regularization })
+}
+
+/// Whether no joints close a loop, where all that does not move is one.
+fn is_forest(links: &[Link], bodies: usize) -> bool {
+    let mut group: Vec<u32> = (0..bodies as u32).collect();
+    links.iter().all(|link| {
+        let [a, b] = [0, 1].map(|side| if link.moves[side] { root(&mut group, link.bodies[side]) } else { 0 });
+        group[a.max(b) as usize] = a.min(b);
+        a != b
+    })
 }

@@ -14,6 +14,9 @@ const MAX_PROJECTED_TURN: f64 = 0.5;
 /// Passes in which the angular velocity at the end of a substep is found from an angular momentum.
 const MOMENTUM_PASSES: usize = 2;
 
+/// Rotation that makes no difference to the inertia of a body that has turned by it (rad).
+const NEGLIGIBLE_TURN: f64 = 1.0e-9;
+
 /// Relative gain of rotational energy beyond which a body's angular momentum is not carried into its new pose.
 const MOST_GAIN: f64 = 1.0e-6;
 
@@ -27,6 +30,8 @@ pub(crate) struct DirectBody {
     pub inverse_mass: DVec3,
     /// (I + G)⁻¹ in world axes (1/(kg·m²)), zero about locked axes.
     pub inverse_inertia: DMat3,
+    /// I where it responds (kg·m²).
+    inertia: DMat3,
     top: Top,
     acceleration: DVec3,
     torque: DVec3,
@@ -41,6 +46,7 @@ impl DirectBody {
             kind: motion.kind,
             inverse_mass: velocity.inverse_mass.as_dvec3(),
             inverse_inertia: DMat3::ZERO,
+            inertia: DMat3::ZERO,
             top: motion.top(),
             acceleration: motion.acceleration.as_dvec3(),
             torque: motion.torque.as_dvec3(),
@@ -54,7 +60,10 @@ impl DirectBody {
     }
 
     /// Inertia in world axes (kg·m²).
-    fn inertia(&self, stance: &Stance) -> DMat3 {
+    fn inertia_at(&self, stance: &Stance) -> DMat3 {
+        if self.top.round {
+            return DMat3::from_diagonal(self.top.inertia);
+        }
         let axes = DMat3::from_quat(stance.1 * self.top.frame);
         axes * DMat3::from_diagonal(self.top.inertia) * axes.transpose()
     }
@@ -65,7 +74,8 @@ impl DirectBody {
         if !self.is_dynamic() {
             return rate.angular;
         }
-        let inertia = self.inertia(stance);
+        self.inertia = self.inertia_at(stance);
+        let inertia = self.inertia;
         let free = self.top.free;
         if free != DVec3::ONE || stiffness == DMat3::ZERO {
             self.inverse_inertia = masked(inertia.inverse(), free);
@@ -86,7 +96,7 @@ impl DirectBody {
             return;
         }
         if self.torque != DVec3::ZERO {
-            rate.angular += masked(self.inertia(stance).inverse(), self.top.free) * self.torque * h;
+            rate.angular += masked(self.inertia_at(stance).inverse(), self.top.free) * self.torque * h;
         }
         rate.angular /= 1.0 + h * self.angular_damping;
         self.apply_linear_forces(rate, h);
@@ -104,15 +114,19 @@ impl DirectBody {
         let momentum = momentum + self.torque * h;
         let mut rotation = start.1;
         for _ in 0..MOMENTUM_PASSES {
-            rotation = self.turned(start.1, rate.angular, h);
+            let before = rate.angular;
+            rotation = self.turned(start.1, before, h);
             rate.angular = self.spin_of(rotation, momentum) / (1.0 + h * self.angular_damping);
+            if (rate.angular - before).length_squared() * h * h < NEGLIGIBLE_TURN * NEGLIGIBLE_TURN {
+                break;
+            }
         }
         self.apply_linear_forces(&mut rate, h);
         ((start.0 + rate.linear * h, rotation), rate)
     }
 
-    /// Moves from the extrapolated start of a second-order substep to its end, at a rate found with the inertia of `predicted`.
-    pub(crate) fn advance_second_order(&self, stance: &mut Stance, predicted: &Stance, rate: &mut Rate, h: f64) {
+    /// Moves from the extrapolated start of a second-order substep to its end, at a rate found with the inertia of where it responds.
+    pub(crate) fn advance_second_order(&self, stance: &mut Stance, rate: &mut Rate, h: f64) {
         self.limit_speed(rate, h);
         stance.0 += rate.linear * h;
         stance.1 = self.turned(stance.1, rate.angular, h);
@@ -120,7 +134,7 @@ impl DirectBody {
             return;
         }
         // The momentum is what the joints left; on a thin rod it can be a far higher speed in another pose, which is refused.
-        let momentum = self.inertia(predicted) * rate.angular;
+        let momentum = self.inertia * rate.angular;
         let angular = self.spin_of(stance.1, momentum);
         if momentum.dot(angular) <= momentum.dot(rate.angular) * (1.0 + MOST_GAIN) {
             rate.angular = angular;
@@ -133,6 +147,9 @@ impl DirectBody {
 
     /// Angular velocity of an angular momentum in this rotation.
     fn spin_of(&self, rotation: DQuat, momentum: DVec3) -> DVec3 {
+        if self.top.round {
+            return momentum / self.top.inertia * self.top.free;
+        }
         let axes = rotation * self.top.frame;
         axes * ((axes.conjugate() * momentum) / self.top.inertia) * self.top.free
     }
@@ -169,8 +186,17 @@ impl DirectBody {
 
     /// Angular momentum about the centre of mass at this rate (N·m·s), and the inertia (kg·m²).
     pub(crate) fn spin_momentum(&self, stance: &Stance, rate: &Rate) -> (DVec3, DMat3) {
-        let inertia = self.inertia(stance);
+        let inertia = self.inertia_at(stance);
         (inertia * rate.angular, inertia)
+    }
+
+    /// Angular momentum about the centre of mass at this rate (N·m·s).
+    pub(crate) fn spin(&self, stance: &Stance, rate: &Rate) -> DVec3 {
+        if self.top.round {
+            return rate.angular * self.top.inertia;
+        }
+        let axes = stance.1 * self.top.frame;
+        axes * ((axes.conjugate() * rate.angular) * self.top.inertia)
     }
 }
 

@@ -19,6 +19,7 @@ use crate::joint::Joint;
 
 mod active_set;
 mod articulation;
+mod block;
 mod body;
 mod contacts;
 mod coupled;
@@ -26,6 +27,7 @@ mod factor;
 pub(crate) mod history;
 mod momentum;
 mod order;
+mod packed;
 mod project;
 mod row;
 mod stiffness;
@@ -36,6 +38,9 @@ mod watch;
 use articulation::Articulation;
 use contacts::Touch;
 use history::History;
+
+/// Group of a joint that moves nothing.
+const NO_GROUP: u32 = u32::MAX;
 
 /// The articulations of a batch that are solved directly.
 #[derive(Debug, Default)]
@@ -51,6 +56,8 @@ pub(crate) struct Direct {
     /// Group and number of each contact of a jointed body, sorted.
     touching: Vec<(u32, u32)>,
     left: Vec<JointEntry>,
+    /// Group of each joint.
+    order: Vec<u32>,
     /// Contacts that need no other rows, by number, and the multipliers of those that press.
     held: Vec<bool>,
     impulses: Vec<(u32, ContactImpulses)>,
@@ -106,22 +113,29 @@ impl Direct {
         self.local.resize(motions.len(), (u32::MAX, 0));
         self.left.clear();
         // Groups are numbered by their lowest slot; joints keep their order within each.
-        let group_of = |group: &[u32], entry: &JointEntry| {
-            let moving = [entry.a, entry.b].into_iter().filter(|&slot| motions[slot as usize].is_dynamic());
-            moving.map(|slot| group[slot as usize]).min()
+        let group_of = |entry: &JointEntry| {
+            let end = |slot: u32| if motions[slot as usize].is_dynamic() { self.group[slot as usize] } else { NO_GROUP };
+            end(entry.a).min(end(entry.b))
         };
-        entries.sort_unstable_by_key(|entry| (group_of(&self.group, entry), entry.joint));
+        let key = |entry: &JointEntry| (group_of(entry), entry.joint);
+        if !entries.is_sorted_by_key(key) {
+            entries.sort_unstable_by_key(key);
+        }
+        let mut order = std::mem::take(&mut self.order);
+        order.clear();
+        order.extend(entries.iter().map(group_of));
         let mut start = 0;
         while start < entries.len() {
-            let group = group_of(&self.group, &entries[start]);
-            let end = start + entries[start..].iter().take_while(|entry| group_of(&self.group, entry) == group).count();
-            let admitted = group
-                .is_some_and(|group| self.admit(&entries[start..end], group, joints, velocities, motions, contacts, &record));
+            let group = order[start];
+            let end = start + order[start..].iter().take_while(|&&other| other == group).count();
+            let admitted =
+                group != NO_GROUP && self.admit(&entries[start..end], group, joints, velocities, motions, contacts, &record);
             if !admitted {
                 self.left.extend_from_slice(&entries[start..end]);
             }
             start = end;
         }
+        self.order = order;
         std::mem::swap(entries, &mut self.left);
     }
 
@@ -137,13 +151,6 @@ impl Direct {
 
     /// Joins the slots that joints connect; each then has the lowest slot of its articulation as its group.
     pub(crate) fn group_slots(&mut self, entries: &[JointEntry], motions: &[BodyMotion]) {
-        fn root(group: &mut [u32], mut slot: u32) -> u32 {
-            while group[slot as usize] != slot {
-                group[slot as usize] = group[group[slot as usize] as usize];
-                slot = group[slot as usize];
-            }
-            slot
-        }
         self.group.clear();
         self.jointed.clear();
         if entries.is_empty() {
@@ -327,4 +334,13 @@ impl Direct {
                     || watched.any(|contact| watch::meets(contact, paths(contact.a), paths(contact.b))))
         })
     }
+}
+
+/// Lowest member of a group that is joined to this one; ways there are shortened.
+fn root(group: &mut [u32], mut member: u32) -> u32 {
+    while group[member as usize] != member {
+        group[member as usize] = group[group[member as usize] as usize];
+        member = group[member as usize];
+    }
+    member
 }

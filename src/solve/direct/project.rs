@@ -7,9 +7,10 @@ use super::contacts::Touch;
 use super::system::PROJECTION_PASSES;
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
+use crate::solve::joint::Stance;
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
-use crate::solve::joint::rows::{Phase, Rate};
+use crate::solve::joint::rows::{BlockRow, Held, Phase, Rate, ScalarRow};
 
 /// Share of the tolerance below which positions are left as they are.
 const GOOD_ENOUGH: f64 = 0.25;
@@ -44,21 +45,22 @@ impl Articulation {
         system.clear();
         for (number, (link, entry)) in links.iter().zip(&*entries).enumerate() {
             let [a, b] = link.bodies.map(|body| body as usize);
+            let placement = |a: &Stance, b: &Stance| if link.is_plain { entry.points(a, b) } else { entry.placement(*a, *b) };
             let geometry = if matches!(phase, Phase::Velocity { .. }) {
-                let (stances, start) = (|body: usize| began[body].0, entry.placement(began[a].0, began[b].0));
-                let end = entry.placement(predicted[a], predicted[b]);
+                let start = placement(&began[a].0, &began[b].0);
+                let end = placement(&predicted[a], &predicted[b]);
                 let between = |body: usize| {
-                    let (from, to) = (stances(body), predicted[body]);
+                    let (from, to) = (began[body].0, predicted[body]);
                     (from.0.lerp(to.0, implicit[number]), from.1.lerp(to.1, implicit[number]))
                 };
                 let gradient = match implicit[number] {
                     0.0 => start,
                     1.0 => end,
-                    _ => entry.placement(between(a), between(b)),
+                    _ => placement(&between(a), &between(b)),
                 };
                 JointGeometry { start, predicted: end, gradient }
             } else {
-                JointGeometry::at(entry.placement(stances[a], stances[b]))
+                JointGeometry::at(placement(&stances[a], &stances[b]))
             };
             asked.clear();
             let mut sink = RowSink {
@@ -71,7 +73,11 @@ impl Articulation {
                 direction: None,
                 scalars: asked,
             };
-            kinds::add_rows(&mut sink);
+            if link.is_plain {
+                sink.hold_points(Held::All);
+            } else {
+                kinds::add_rows(&mut sink);
+            }
             let (point, direction) = (sink.point, sink.direction);
             system.add(link.bodies, point.as_ref(), direction.as_ref(), asked);
             while let Some(touch) = touches.get(next_touch).filter(|touch| touch.node as usize == number) {
@@ -87,14 +93,50 @@ impl Articulation {
         }
     }
 
-    /// Errors at the present poses, whose position rows are left in the system.
+    /// Errors at the present poses.
     pub(super) fn find_errors(&mut self, joints: &Pool<Joint, JointId>) -> Errors {
-        self.build_rows(joints, Phase::Position { most: f64::INFINITY });
+        let mut worst = 0.0_f64;
+        for number in 0..self.links.len() {
+            let error = self.error_of(number, joints);
+            // Unlike `max`, which passes over what is no number.
+            worst = if error <= worst { worst } else { error };
+        }
         let overlap = |touch: &Touch| -touch.separations(&self.stances, &self.step_start).into_iter().fold(0.0, f64::min);
-        Errors { worst: self.system.worst_error(self.size), overlap: self.touches.iter().map(overlap).fold(0.0, f64::max) }
+        Errors { worst, overlap: self.touches.iter().map(overlap).fold(0.0, f64::max) }
     }
 
-    /// Takes errors out of the positions, whose rows are in the system; returns the worst of the joints that is left.
+    /// Greatest error of the rigid rows of a joint at the present poses; the articulation's size turns angles into lengths (m).
+    fn error_of(&mut self, number: usize, joints: &Pool<Joint, JointId>) -> f64 {
+        let (link, entry) = (&self.links[number], &self.entries[number]);
+        let [a, b] = link.bodies.map(|body| self.stances[body as usize]);
+        let def = &joints[entry.joint].def;
+        if link.is_plain {
+            return if def.linear.compliance == 0.0 { greatest(entry.points(&a, &b).gap) } else { 0.0 };
+        }
+        self.asked.clear();
+        let mut sink = RowSink {
+            rates: link.bodies.map(|body| self.rates[body as usize]),
+            geometry: &JointGeometry::at(entry.placement(a, b)),
+            def,
+            impulses: &JointImpulses::ZERO,
+            phase: Phase::Position { most: f64::INFINITY },
+            point: None,
+            direction: None,
+            scalars: &mut self.asked,
+        };
+        kinds::add_rows(&mut sink);
+        let block = |row: Option<BlockRow>| row.filter(|row| row.acts).map_or(0.0, |row| greatest(row.bias));
+        let scalar = |row: &ScalarRow| {
+            let length = if row.jacobian.linear == DVec3::ZERO { self.size } else { 1.0 };
+            let error = if row.min == 0.0 { (-row.bias).max(0.0) } else { row.bias.abs() };
+            if row.acts { error * length } else { 0.0 }
+        };
+        let (point, direction) = (block(sink.point), block(sink.direction) * self.size);
+        let worst = if point <= direction { direction } else { point };
+        self.asked.iter().map(scalar).fold(worst, |worst, error| if error <= worst { worst } else { error })
+    }
+
+    /// Takes errors out of the positions; returns the worst of the joints that is left.
     pub(super) fn project(&mut self, joints: &Pool<Joint, JointId>, mut errors: Errors) -> f64 {
         self.outcome.penetration = self.outcome.penetration.max(errors.overlap);
         let good = GOOD_ENOUGH * TOLERANCE * self.size;
@@ -103,6 +145,7 @@ impl Articulation {
             if (errors.worst <= good && !overlaps) || !errors.worst.is_finite() {
                 break;
             }
+            self.build_rows(joints, Phase::Position { most: f64::INFINITY });
             self.changes.clear();
             self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
             self.system.begin_projection(MOST_ANGLE * self.size, MOST_ANGLE);
@@ -130,4 +173,10 @@ impl Articulation {
         }
         errors.worst
     }
+}
+
+/// Greatest component, where one that is no number counts as the greatest.
+fn greatest(v: DVec3) -> f64 {
+    let v = v.abs();
+    if v.is_nan() { f64::NAN } else { v.max_element() }
 }

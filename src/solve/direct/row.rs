@@ -15,12 +15,12 @@ pub(super) enum State {
 }
 
 /// Where the multiplier of a row comes from and goes to.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Origin {
-    /// Along a direction of the block of points.
-    Point(DVec3),
-    /// Along a direction of the block of directions.
-    Direction(DVec3),
+    /// Along a direction of the block of points: its linear part on B.
+    Point,
+    /// Along a direction of the block of directions: its angular part on B.
+    Direction,
     /// A scalar row, by number.
     Scalar(u8),
     /// A row of a contact.
@@ -33,8 +33,6 @@ pub(crate) struct Row {
     pub origin: Origin,
     pub linear: [DVec3; 2],
     pub angular: [DVec3; 2],
-    /// I⁻¹ times the angular parts.
-    pub(super) response: [DVec3; 2],
     pub bias: f64,
     pub(super) gamma: f64,
     pub(super) min: f64,
@@ -57,7 +55,6 @@ impl Row {
         origin: Origin::Contact,
         linear: [DVec3::ZERO; 2],
         angular: [DVec3::ZERO; 2],
-        response: [DVec3::ZERO; 2],
         bias: 0.0,
         gamma: 0.0,
         min: f64::NEG_INFINITY,

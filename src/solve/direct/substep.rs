@@ -44,7 +44,7 @@ impl Articulation {
         for (i, body) in self.bodies.iter().enumerate() {
             let (stance, rate) = (&mut self.stances[i], &mut self.rates[i]);
             if mode == Mode::SecondOrder {
-                body.advance_second_order(stance, &self.predicted[i], rate, h);
+                body.advance_second_order(stance, rate, h);
             } else {
                 body.limit_speed(rate, h);
                 let turn = body.turn(stance, rate, h);
@@ -99,7 +99,7 @@ impl Articulation {
     /// Notes the substep that ends here for the next one.
     pub(super) fn note_history(&mut self, h: f64) {
         for (i, (stance, rate)) in self.began.iter().enumerate() {
-            let (momentum, _) = self.bodies[i].spin_momentum(stance, rate);
+            let momentum = self.momenta.get(i).copied().unwrap_or_else(|| self.bodies[i].spin(stance, rate));
             self.histories[i] = History::of(h, (stance, rate), momentum, (&self.stances[i], &self.rates[i]));
         }
     }
@@ -125,6 +125,7 @@ impl Articulation {
     /// Adds the forces, and finds where the bodies would be at the end of the substep without any joint.
     fn predict(&mut self, full: f64, h: f64, mode: Mode) {
         self.predicted.clear();
+        self.momenta.clear();
         if mode == Mode::SecondOrder {
             for i in 0..self.bodies.len() {
                 let end = self.predict_second_order(i, full, h);
@@ -146,12 +147,14 @@ impl Articulation {
     fn predict_second_order(&mut self, i: usize, full: f64, h: f64) -> Stance {
         let (body, stance, rate) = (&self.bodies[i], &mut self.stances[i], &mut self.rates[i]);
         if body.is_dynamic() {
-            let (momentum, _) = body.spin_momentum(stance, rate);
+            let momentum = body.spin(stance, rate);
+            self.momenta.push(momentum);
             let (start, linear, momentum) = self.histories[i].extrapolate(stance, rate, momentum, &self.order);
             let (end, predicted) = body.predict_second_order(&start, Rate { linear, ..*rate }, momentum, h);
             (*stance, *rate) = (start, predicted);
             return end;
         }
+        self.momenta.push(DVec3::ZERO);
         // A body that is moved by others arrives where a whole substep takes it.
         let rest = full - h;
         stance.0 += rate.linear * rest;
@@ -201,8 +204,8 @@ impl Articulation {
             for row in &system.rows[node.first as usize..node.last as usize] {
                 let impulse = row.impulse * scale;
                 match row.origin {
-                    Origin::Point(axis) => point += axis * impulse,
-                    Origin::Direction(axis) => angular += axis * impulse,
+                    Origin::Point => point += row.linear[1] * impulse,
+                    Origin::Direction => angular += row.angular[1] * impulse,
                     Origin::Scalar(id) => {
                         entry.impulses.scalar[id as usize] = impulse as f32;
                         linear_load += row.linear[1] * impulse;

@@ -15,14 +15,17 @@
 
 use glam::DVec3;
 
+use super::block::{Lanes, ZERO};
 use super::body::DirectBody;
-use super::factor::{Factor, Plan};
+use super::factor::{self, Factor, Plan};
+use super::packed::{self, Packed};
 use super::row::{Origin, Row, State};
 use crate::solve::joint::rows::{self, Held, Rate};
 
 /// Added to the diagonal, relative to it: rows that repeat others (a closed planar loop has three) share their multiplier instead
-/// of dividing by nothing.
-const REGULARIZATION: f64 = 1.0e-9;
+/// of dividing by nothing. Where joints close no loop, none do, and as much as rounding is enough.
+pub(super) const REGULARIZATION: f64 = 1.0e-9;
+pub(super) const TREE_REGULARIZATION: f64 = 1.0e-13;
 
 /// Most passes of the active set: nearly all solves take one, and the last third frees nothing any more. Contacts ask for more
 /// than stops and motors; a projection is judged by what it reaches.
@@ -42,6 +45,9 @@ const CONTACT_COMPLIANCE: f64 = 1.0e-6;
 
 /// Share of its limit below which a carried friction multiplier starts as one that holds.
 const STICKS: f64 = 0.999;
+
+/// Rows of friction of a manifold.
+const FRICTION_ROWS: u32 = 3;
 
 /// Rows of one manifold, by number: normals, then two of friction and one about the normal where there is friction.
 #[derive(Debug, Clone, Copy)]
@@ -80,6 +86,8 @@ pub(crate) struct Coupling {
 pub(crate) struct Topology {
     pub plan: Plan,
     pub couplings: Vec<Coupling>,
+    /// Share of the diagonal that is added to it.
+    pub regularization: f64,
 }
 
 /// All rows of an articulation, and room to solve them.
@@ -89,16 +97,18 @@ pub(crate) struct System {
     pub rows: Vec<Row>,
     pub contacts: Vec<ContactRows>,
     factor: Factor,
+    packed: Packed,
     /// Rows in the system now, by node.
-    active: Vec<u32>,
-    /// What the rows of one node do to a body, for the blocks that couple them to another.
-    columns: Vec<(DVec3, DVec3)>,
-    unknowns: Vec<f64>,
-    increments: Vec<f64>,
+    counts: Vec<u32>,
+    unknowns: Vec<Lanes>,
+    increments: Vec<Lanes>,
     base: Vec<Rate>,
     has_pushed: bool,
+    /// Whether any row has bounds or takes no part.
+    is_bounded: bool,
     /// Whether every solve since this was set came to an end by itself.
     pub settled: bool,
+    pub passes: usize,
 }
 
 impl System {
@@ -121,11 +131,11 @@ impl System {
         if let Some(block) = point {
             self.add_block(block, |axis| {
                 let [a, b] = block.levers;
-                (rows::Jacobian { linear: axis, angular_a: a.cross(axis), angular_b: b.cross(axis) }, Origin::Point(axis))
+                (rows::Jacobian { linear: axis, angular_a: a.cross(axis), angular_b: b.cross(axis) }, Origin::Point)
             });
         }
         if let Some(block) = direction {
-            self.add_block(block, |axis| (rows::Jacobian::angular(axis), Origin::Direction(axis)));
+            self.add_block(block, |axis| (rows::Jacobian::angular(axis), Origin::Direction));
         }
         for row in scalars {
             let impulse = f64::from(row.impulse);
@@ -218,9 +228,21 @@ impl System {
         self.rows[normals].iter().map(|row| row.impulse.max(0.0)).sum()
     }
 
-    /// Forms the responses of all rows, none of which has pushed yet.
+    /// Prepares the first solve of these rows, none of which has pushed yet; the bodies' inertias are those of now.
     pub(crate) fn begin(&mut self, bodies: &[DirectBody]) {
-        self.respond(bodies);
+        for contact in &self.contacts {
+            let node = &self.nodes[contact.node as usize];
+            let count = contact.normals + if contact.has_friction { FRICTION_ROWS } else { 0 };
+            for row in &mut self.rows[contact.first as usize..(contact.first + count) as usize] {
+                let own = |side: usize| {
+                    let body = &bodies[node.bodies[side] as usize];
+                    (body.inverse_mass * row.linear[side]).dot(row.linear[side])
+                        + (body.inverse_inertia * row.angular[side]).dot(row.angular[side])
+                };
+                row.gamma = CONTACT_COMPLIANCE * (own(0) + own(1));
+            }
+        }
+        self.is_bounded = self.rows.iter().any(|row| row.state != State::Free || row.min > f64::NEG_INFINITY);
         self.has_pushed = false;
     }
 
@@ -235,28 +257,15 @@ impl System {
         }
     }
 
-    /// Forms the responses of all rows; the bodies' inertias are those of now.
-    fn respond(&mut self, bodies: &[DirectBody]) {
-        for node in &self.nodes {
-            let [a, b] = node.bodies.map(|body| bodies[body as usize].inverse_inertia);
-            let masses = node.bodies.map(|body| bodies[body as usize].inverse_mass);
-            for row in &mut self.rows[node.first as usize..node.last as usize] {
-                row.response = [a * row.angular[0], b * row.angular[1]];
-                if row.origin == Origin::Contact {
-                    let own = |side: usize| {
-                        (masses[side] * row.linear[side]).dot(row.linear[side]) + row.response[side].dot(row.angular[side])
-                    };
-                    row.gamma = CONTACT_COMPLIANCE * (own(0) + own(1));
-                }
-            }
-        }
-    }
-
     /// Solves for the multipliers of all rows and adds their push to the rates.
     pub(crate) fn solve(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate], most_passes: usize) {
+        if !self.is_bounded {
+            return self.solve_active(topology, bodies, rates);
+        }
         self.base.clear();
         self.base.extend_from_slice(rates);
         for pass in 1..=most_passes {
+            self.passes = pass;
             rates.copy_from_slice(&self.base);
             self.push_fixed(bodies, rates);
             self.solve_active(topology, bodies, rates);
@@ -280,28 +289,25 @@ impl System {
     }
 
     fn solve_active(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
-        let Self { nodes, rows, factor, active, columns, unknowns, increments, .. } = self;
-        active.clear();
-        let counts = nodes.iter().map(|node| {
-            let before = active.len();
-            active.extend((node.first..node.last).filter(|&row| rows[row as usize].state == State::Free));
-            (active.len() - before) as u32
-        });
+        let Self { nodes, rows, factor, packed, counts, unknowns, increments, .. } = self;
+        packed.choose(nodes, rows, counts);
         factor.start(&topology.plan, counts);
-        assemble(nodes, rows, active, columns, factor, topology, bodies);
-        factor.factorize(&topology.plan);
-        active.iter().for_each(|&row| rows[row as usize].impulse = 0.0);
-        let first = find_residuals(nodes, rows, active, factor, rates, unknowns);
+        packed::pack(packed, nodes, rows, factor, bodies);
+        packed::assemble(factor, packed, nodes, topology, bodies);
+        factor::factorize(factor, &topology.plan);
+        unknowns.resize(factor.len(), ZERO);
+        increments.resize(factor.len(), ZERO);
+        let first = packed::find_residuals(unknowns, packed, nodes, factor, rates);
         let mut before = first;
         for round in 0..=REFINEMENTS {
-            factor.solve(&topology.plan, unknowns);
+            factor::substitute(factor, &topology.plan, unknowns);
             std::mem::swap(unknowns, increments);
-            add_impulses(nodes, rows, active, factor, increments, 1.0, bodies, rates);
-            let left = find_residuals(nodes, rows, active, factor, rates, unknowns);
+            packed::add_impulses(packed, increments, 1.0, nodes, factor, bodies, rates);
+            let left = packed::find_residuals(unknowns, packed, nodes, factor, rates);
             let improves = left < IMPROVES * before;
             if round > 0 && !improves {
                 // Rows that contradict each other: more of the same would only raise multipliers that cancel.
-                add_impulses(nodes, rows, active, factor, increments, -1.0, bodies, rates);
+                packed::add_impulses(packed, increments, -1.0, nodes, factor, bodies, rates);
                 break;
             }
             if left <= REFINE_ABOVE * first {
@@ -309,6 +315,7 @@ impl System {
             }
             before = left;
         }
+        packed.unpack(rows);
     }
 
     /// Prepares the rows of a projection: bounds the errors that it takes out at once to lengths (m) and angles (rad) for which rows
@@ -326,73 +333,12 @@ impl System {
             }
         }
     }
-
-    /// Greatest error of the rows that must hold, where the rows were made for a projection; `size` (m) turns angles into lengths.
-    pub(crate) fn worst_error(&self, size: f64) -> f64 {
-        let error = |row: &Row| match (row.state, row.origin) {
-            (State::Absent, _) | (_, Origin::Contact) => 0.0,
-            (_, Origin::Point(_)) => row.bias.abs(),
-            (_, Origin::Direction(_)) => row.bias.abs() * size,
-            (_, Origin::Scalar(_)) => {
-                let length = if row.linear[1] == DVec3::ZERO { size } else { 1.0 };
-                let error = if row.min == 0.0 { (-row.bias).max(0.0) } else { row.bias.abs() };
-                error * length
-            }
-        };
-        // Unlike `max`, which passes over what is no number.
-        self.rows.iter().map(error).fold(0.0, |worst, error| if error <= worst { worst } else { error })
-    }
-}
-
-/// Adds a share of the increments to the multipliers of the rows in the system, and their push to the rates.
-#[expect(clippy::too_many_arguments, reason = "parts of a system that are borrowed one by one")]
-fn add_impulses(
-    nodes: &[Node],
-    rows: &mut [Row],
-    active: &[u32],
-    factor: &Factor,
-    increments: &[f64],
-    share: f64,
-    bodies: &[DirectBody],
-    rates: &mut [Rate],
-) {
-    for (number, node) in nodes.iter().enumerate() {
-        let range = factor.start_of(number)..factor.start_of(number + 1);
-        for (&index, &increment) in active[range.clone()].iter().zip(&increments[range]) {
-            let row = &mut rows[index as usize];
-            row.impulse += increment * share;
-            push(row, node, increment * share, bodies, rates);
-        }
-    }
-}
-
-/// Writes what the rows in the system still lack, −(J v + b + γ p); returns the greatest.
-fn find_residuals(
-    nodes: &[Node],
-    rows: &[Row],
-    active: &[u32],
-    factor: &Factor,
-    rates: &[Rate],
-    residuals: &mut Vec<f64>,
-) -> f64 {
-    residuals.clear();
-    let mut worst = 0.0_f64;
-    for (number, node) in nodes.iter().enumerate() {
-        let pair = node.bodies.map(|body| rates[body as usize]);
-        for &row in &active[factor.start_of(number)..factor.start_of(number + 1)] {
-            let row = &rows[row as usize];
-            let residual = -(row.rate(&pair) + row.bias + row.gamma * row.impulse);
-            worst = worst.max(residual.abs());
-            residuals.push(residual);
-        }
-    }
-    worst
 }
 
 fn push(row: &Row, node: &Node, impulse: f64, bodies: &[DirectBody], rates: &mut [Rate]) {
     for (side, body) in node.bodies.map(|body| body as usize).into_iter().enumerate() {
         rates[body].linear += bodies[body].inverse_mass * row.linear[side] * impulse;
-        rates[body].angular += row.response[side] * impulse;
+        rates[body].angular += bodies[body].inverse_inertia * (row.angular[side] * impulse);
     }
 }
 
@@ -400,54 +346,4 @@ fn push(row: &Row, node: &Node, impulse: f64, bodies: &[DirectBody], rates: &mut
 fn across(axis: DVec3) -> (DVec3, DVec3) {
     let u = axis.any_orthonormal_vector();
     (u, axis.cross(u))
-}
-
-fn assemble(
-    nodes: &[Node],
-    rows: &[Row],
-    active: &[u32],
-    columns: &mut Vec<(DVec3, DVec3)>,
-    factor: &mut Factor,
-    topology: &Topology,
-    bodies: &[DirectBody],
-) {
-    for (number, node) in nodes.iter().enumerate() {
-        let own = &active[factor.start_of(number)..factor.start_of(number + 1)];
-        let masses = node.bodies.map(|body| bodies[body as usize].inverse_mass);
-        let block = factor.block_mut(topology.plan.diagonal(number));
-        for (i, &row) in own.iter().enumerate() {
-            let row = &rows[row as usize];
-            let linear = [masses[0] * row.linear[0], masses[1] * row.linear[1]];
-            for (j, &other) in own[..=i].iter().enumerate() {
-                let other = &rows[other as usize];
-                let value = linear[0].dot(other.linear[0])
-                    + linear[1].dot(other.linear[1])
-                    + row.response[0].dot(other.angular[0])
-                    + row.response[1].dot(other.angular[1]);
-                block[i * own.len() + j] = value;
-                block[j * own.len() + i] = value;
-            }
-            let diagonal = &mut block[i * own.len() + i];
-            *diagonal += row.gamma + REGULARIZATION * *diagonal;
-        }
-    }
-    for coupling in &topology.couplings {
-        let range = |node: u32| factor.start_of(node as usize)..factor.start_of(node as usize + 1);
-        let (late_rows, early_rows) = (&active[range(coupling.late)], &active[range(coupling.early)]);
-        let (late_side, early_side) = (coupling.late_side as usize, coupling.early_side as usize);
-        let mass = bodies[coupling.body as usize].inverse_mass;
-        columns.clear();
-        columns.extend(early_rows.iter().map(|&row| {
-            let row = &rows[row as usize];
-            (mass * row.linear[early_side], row.response[early_side])
-        }));
-        let block = factor.block_mut(coupling.start);
-        for (i, &row) in late_rows.iter().enumerate() {
-            let row = &rows[row as usize];
-            let (linear, angular) = (row.linear[late_side], row.angular[late_side]);
-            for (value, column) in block[i * columns.len()..].iter_mut().zip(&*columns) {
-                *value += linear.dot(column.0) + angular.dot(column.1);
-            }
-        }
-    }
 }

@@ -54,6 +54,11 @@ pub(crate) fn most_rows(kind: &JointKind) -> u32 {
     }
 }
 
+/// Whether a joint of this kind holds its points together and does nothing else.
+pub(crate) fn is_plain(kind: &JointKind) -> bool {
+    matches!(kind, JointKind::Spherical { .. }) && most_rows(kind) == 3
+}
+
 /// A coordinate of a joint: its gradient and how to read it off a placement.
 #[derive(Clone, Copy)]
 pub(crate) struct Coordinate<F: Fn(&Placement) -> f64> {

@@ -345,6 +345,13 @@ impl JointEntry {
         Placement { a: side_a, b: side_b, gap: self.offset + (b.0 - a.0) + (side_b.lever - side_a.lever) }
     }
 
+    /// The joint points alone; frames are left out.
+    pub(crate) fn points(&self, a: &Stance, b: &Stance) -> Placement {
+        let side = |rotation: DQuat, i: usize| Side { lever: rotation * self.local_lever[i], frame: DQuat::IDENTITY };
+        let (side_a, side_b) = (side(a.1, 0), side(b.1, 1));
+        Placement { a: side_a, b: side_b, gap: self.offset + (b.0 - a.0) + (side_b.lever - side_a.lever) }
+    }
+
     fn geometry(&self, velocities: &[BodyVelocity], motions: &[BodyMotion], predicted: &[Stance], h: f32) -> JointGeometry {
         let (a, b) = (self.a as usize, self.b as usize);
         let now = |slot: usize| motions[slot].stance();

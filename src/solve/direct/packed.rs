@@ -1,0 +1,292 @@
+//! The rows of a system that take part in a solve, side by side: four rows a register.
+//!
+//! A node's rows fill lanes, with zeros behind. Of each of the two bodies it holds J as six lists (linear x, y, z, angular x, y, z),
+//! one number a row, and I⁻¹ Jᵀ as three; of M⁻¹ Jᵀ the linear part is one factor more. So a block J_i M̃⁻¹ J_jᵀ is nine products
+//! of a number with lanes for each row of i.
+
+#![expect(clippy::needless_range_loop, reason = "an index runs over axes, sides and lanes alike")]
+
+use std::ops::Range;
+
+use glam::DVec3;
+
+use super::block::{Lanes, ZERO, add_product, add_scaled, sum};
+use super::body::DirectBody;
+use super::factor::Factor;
+use super::row::{Row, State};
+use super::system::{Node, Topology};
+use crate::solve::dispatch::dispatched;
+use crate::solve::joint::rows::Rate;
+
+/// Rows that take part, by node; lanes of a node are those of its vectors in the [`Factor`].
+#[derive(Debug, Clone, Default)]
+pub(super) struct Packed {
+    /// J, twelve lists a node, and I⁻¹ Jᵀ, six.
+    jacobian: Vec<Lanes>,
+    response: Vec<Lanes>,
+    bias: Vec<Lanes>,
+    gamma: Vec<Lanes>,
+    pub impulse: Vec<Lanes>,
+    /// Row in each place.
+    index: Vec<[u32; 4]>,
+}
+
+/// No row.
+const NONE: u32 = u32::MAX;
+
+impl Packed {
+    /// Chooses the rows that are free; `counts` becomes how many each node has.
+    pub(super) fn choose(&mut self, nodes: &[Node], rows: &[Row], counts: &mut Vec<u32>) {
+        counts.clear();
+        self.index.clear();
+        for node in nodes {
+            let mut count = 0;
+            for number in (node.first..node.last).filter(|&row| rows[row as usize].state == State::Free) {
+                match self.index.last_mut() {
+                    Some(lane) if count % 4 != 0 => lane[count % 4] = number,
+                    _ => self.index.push([number, NONE, NONE, NONE]),
+                }
+                count += 1;
+            }
+            counts.push(count as u32);
+        }
+        let lanes = self.index.len();
+        self.jacobian.resize(12 * lanes, ZERO);
+        self.response.resize(6 * lanes, ZERO);
+        self.bias.resize(lanes, ZERO);
+        self.gamma.resize(lanes, ZERO);
+        self.impulse.clear();
+        self.impulse.resize(lanes, ZERO);
+    }
+
+    /// Hands the multipliers back to the rows.
+    pub(super) fn unpack(&self, rows: &mut [Row]) {
+        for (&row, &impulse) in self.index.iter().flatten().zip(self.impulse.iter().flatten()) {
+            if row != NONE {
+                rows[row as usize].impulse = impulse;
+            }
+        }
+    }
+}
+
+dispatched!(
+    /// Writes the rows that have been chosen into their lanes.
+    pack, pack_body, (packed: &mut Packed, nodes: &[Node], rows: &[Row], factor: &Factor, bodies: &[DirectBody])
+);
+
+dispatched!(
+    /// Forms J M̃⁻¹ Jᵀ + γ, slightly regularised.
+    assemble, assemble_body,
+    (factor: &mut Factor, packed: &Packed, nodes: &[Node], topology: &Topology, bodies: &[DirectBody])
+);
+
+dispatched!(
+    /// Writes what the rows still lack, −(J v + b + γ p); returns the greatest.
+    find_residuals, find_residuals_body,
+    (residuals: &mut [Lanes], packed: &Packed, nodes: &[Node], factor: &Factor, rates: &[Rate]) -> f64
+);
+
+dispatched!(
+    /// Adds a share of the increments to the multipliers, and their push to the rates.
+    add_impulses, add_impulses_body,
+    (packed: &mut Packed, increments: &[Lanes], share: f64, nodes: &[Node], factor: &Factor, bodies: &[DirectBody],
+     rates: &mut [Rate])
+);
+
+#[inline(always)]
+fn pack_body(packed: &mut Packed, nodes: &[Node], rows: &[Row], factor: &Factor, bodies: &[DirectBody]) {
+    let Packed { jacobian, response, bias, gamma, index, .. } = packed;
+    for (number, node) in nodes.iter().enumerate() {
+        let lanes = factor.lanes(number);
+        let w = lanes.len();
+        let jacobian = &mut jacobian[12 * lanes.start..12 * lanes.end];
+        let response = &mut response[6 * lanes.start..6 * lanes.end];
+        let [a, b] = [&bodies[node.bodies[0] as usize], &bodies[node.bodies[1] as usize]];
+        let inertias = [a.inverse_inertia.to_cols_array_2d(), b.inverse_inertia.to_cols_array_2d()];
+        for lane in 0..w {
+            let mut own = [&Row::EMPTY; 4];
+            for j in 0..4 {
+                let row = index[lanes.start + lane][j];
+                if row != NONE {
+                    own[j] = &rows[row as usize];
+                }
+            }
+            bias[lanes.start + lane] = [own[0].bias, own[1].bias, own[2].bias, own[3].bias];
+            gamma[lanes.start + lane] = [own[0].gamma, own[1].gamma, own[2].gamma, own[3].gamma];
+            for side in 0..2 {
+                let linear = side_by_side(&[own[0].linear[side], own[1].linear[side], own[2].linear[side], own[3].linear[side]]);
+                let angular =
+                    side_by_side(&[own[0].angular[side], own[1].angular[side], own[2].angular[side], own[3].angular[side]]);
+                for axis in 0..3 {
+                    jacobian[(side * 6 + axis) * w + lane] = linear[axis];
+                    jacobian[(side * 6 + 3 + axis) * w + lane] = angular[axis];
+                    let mut answer = ZERO;
+                    for other in 0..3 {
+                        add_scaled(&mut answer, inertias[side][other][axis], &angular[other]);
+                    }
+                    response[(side * 3 + axis) * w + lane] = answer;
+                }
+            }
+        }
+    }
+}
+
+/// The components of four vectors, by axis.
+#[inline(always)]
+fn side_by_side(v: &[DVec3; 4]) -> [Lanes; 3] {
+    [[v[0].x, v[1].x, v[2].x, v[3].x], [v[0].y, v[1].y, v[2].y, v[3].y], [v[0].z, v[1].z, v[2].z, v[3].z]]
+}
+
+#[inline(always)]
+fn assemble_body(factor: &mut Factor, packed: &Packed, nodes: &[Node], topology: &Topology, bodies: &[DirectBody]) {
+    for (number, node) in nodes.iter().enumerate() {
+        let (lanes, k) = (factor.lanes(number), factor.rows(number));
+        let w = lanes.len();
+        let block = &mut factor.block_mut(topology.plan.diagonal(number))[..k * w];
+        for side in 0..2 {
+            let (mass, own) = (bodies[node.bodies[side] as usize].inverse_mass, packed.half(&lanes, side));
+            if w == 1 { add_narrow(block, &own, &own, mass) } else { add_wide(block, &own, &own, mass) }
+        }
+        for i in 0..k {
+            let gamma = packed.gamma[lanes.start + i / 4][i % 4];
+            let diagonal = &mut block[i * w + i / 4][i % 4];
+            *diagonal += gamma + topology.regularization * *diagonal;
+        }
+    }
+    for coupling in &topology.couplings {
+        let (late, early) = (factor.lanes(coupling.late as usize), factor.lanes(coupling.early as usize));
+        let (m, w) = (factor.rows(coupling.late as usize), early.len());
+        let rows = packed.half(&late, coupling.late_side as usize);
+        let columns = packed.half(&early, coupling.early_side as usize);
+        let mass = bodies[coupling.body as usize].inverse_mass;
+        let block = &mut factor.block_mut(coupling.start)[..m * w];
+        if late.len() == 1 && w == 1 { add_narrow(block, &rows, &columns, mass) } else { add_wide(block, &rows, &columns, mass) }
+    }
+}
+
+/// What the rows of a node do to one of its bodies: three lists each.
+struct Half<'a> {
+    linear: &'a [Lanes],
+    angular: &'a [Lanes],
+    response: &'a [Lanes],
+}
+
+impl Packed {
+    #[inline(always)]
+    fn half(&self, lanes: &Range<usize>, side: usize) -> Half<'_> {
+        let w = lanes.len();
+        let (linear, response) = (12 * lanes.start + 6 * side * w, 6 * lanes.start + 3 * side * w);
+        Half {
+            linear: &self.jacobian[linear..linear + 3 * w],
+            angular: &self.jacobian[linear + 3 * w..linear + 6 * w],
+            response: &self.response[response..response + 3 * w],
+        }
+    }
+}
+
+/// The three lists of a node of one lane.
+#[inline(always)]
+fn three(lists: &[Lanes]) -> &[Lanes; 3] {
+    lists.first_chunk().expect("a node has three lists a part and side")
+}
+
+/// Adds J_i M̃⁻¹ J_jᵀ over one body to a block of nodes of one lane.
+#[inline(always)]
+fn add_narrow(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
+    let (linear, angular) = (three(rows.linear), three(rows.angular));
+    let (push, turn) = (three(columns.linear), three(columns.response));
+    for (i, row) in block.iter_mut().enumerate().take(4) {
+        let mut sum = *row;
+        add_scaled(&mut sum, mass.x * linear[0][i], &push[0]);
+        add_scaled(&mut sum, mass.y * linear[1][i], &push[1]);
+        add_scaled(&mut sum, mass.z * linear[2][i], &push[2]);
+        add_scaled(&mut sum, angular[0][i], &turn[0]);
+        add_scaled(&mut sum, angular[1][i], &turn[1]);
+        add_scaled(&mut sum, angular[2][i], &turn[2]);
+        *row = sum;
+    }
+}
+
+/// As [`add_narrow`], for nodes of any width.
+#[inline(always)]
+fn add_wide(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
+    let (row_w, w) = (rows.linear.len() / 3, columns.linear.len() / 3);
+    let mass = [mass.x, mass.y, mass.z];
+    for (i, row) in block.chunks_exact_mut(w).enumerate() {
+        for (lane, into) in row.iter_mut().enumerate() {
+            let mut sum = *into;
+            for axis in 0..3 {
+                let at = axis * row_w + i / 4;
+                add_scaled(&mut sum, mass[axis] * rows.linear[at][i % 4], &columns.linear[axis * w + lane]);
+                add_scaled(&mut sum, rows.angular[at][i % 4], &columns.response[axis * w + lane]);
+            }
+            *into = sum;
+        }
+    }
+}
+
+#[inline(always)]
+fn find_residuals_body(residuals: &mut [Lanes], packed: &Packed, nodes: &[Node], factor: &Factor, rates: &[Rate]) -> f64 {
+    let mut worst = ZERO;
+    for (number, node) in nodes.iter().enumerate() {
+        let lanes = factor.lanes(number);
+        let w = lanes.len();
+        let jacobian = &packed.jacobian[12 * lanes.start..12 * lanes.end];
+        let (a, b) = (&rates[node.bodies[0] as usize], &rates[node.bodies[1] as usize]);
+        let rates = [
+            [a.linear.x, a.linear.y, a.linear.z, a.angular.x, a.angular.y, a.angular.z],
+            [b.linear.x, b.linear.y, b.linear.z, b.angular.x, b.angular.y, b.angular.z],
+        ];
+        for lane in lanes.clone() {
+            let mut lack = packed.bias[lane];
+            add_product(&mut lack, &packed.gamma[lane], &packed.impulse[lane]);
+            for side in 0..2 {
+                for part in 0..6 {
+                    add_scaled(&mut lack, rates[side][part], &jacobian[(side * 6 + part) * w + lane - lanes.start]);
+                }
+            }
+            for j in 0..4 {
+                let size = lack[j].abs();
+                worst[j] = if size > worst[j] { size } else { worst[j] };
+                lack[j] = -lack[j];
+            }
+            residuals[lane] = lack;
+        }
+    }
+    worst[0].max(worst[1]).max(worst[2].max(worst[3]))
+}
+
+#[inline(always)]
+fn add_impulses_body(
+    packed: &mut Packed,
+    increments: &[Lanes],
+    share: f64,
+    nodes: &[Node],
+    factor: &Factor,
+    bodies: &[DirectBody],
+    rates: &mut [Rate],
+) {
+    for (number, node) in nodes.iter().enumerate() {
+        let lanes = factor.lanes(number);
+        let w = lanes.len();
+        let increments = &increments[lanes.clone()];
+        for side in 0..2 {
+            let body = node.bodies[side] as usize;
+            let own = packed.half(&lanes, side);
+            let (mut pushes, mut turns) = ([ZERO; 3], [ZERO; 3]);
+            for axis in 0..3 {
+                for lane in 0..w {
+                    add_product(&mut pushes[axis], &increments[lane], &own.linear[axis * w + lane]);
+                    add_product(&mut turns[axis], &increments[lane], &own.response[axis * w + lane]);
+                }
+            }
+            let linear = DVec3::new(sum(&pushes[0]), sum(&pushes[1]), sum(&pushes[2]));
+            let angular = DVec3::new(sum(&turns[0]), sum(&turns[1]), sum(&turns[2]));
+            rates[body].linear += bodies[body].inverse_mass * linear * share;
+            rates[body].angular += angular * share;
+        }
+        for lane in 0..w {
+            add_scaled(&mut packed.impulse[lanes.start + lane], share, &increments[lane]);
+        }
+    }
+}

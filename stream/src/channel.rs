@@ -1,0 +1,217 @@
+//! The two channels of a stream, as services of iceoryx2.
+//!
+//! What is set, and why: a publisher throws away rather than waits (`DiscardData`, safe overflow: the oldest unread message goes);
+//! iceoryx2 installs no handlers of signals, prints nothing and reads no configuration file of its own; all files are in a folder
+//! of the user's own ([`crate::domain`]). Ports are those that may be handed from thread to thread, since a world may be.
+//!
+//! A message's header travels as iceoryx2's user header, its sections as the payload; the two lie side by side.
+#![allow(unsafe_code)]
+
+use iceoryx2::config::Config;
+use iceoryx2::node::{Node, NodeBuilder};
+use iceoryx2::port::publisher::Publisher as Port;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::prelude::{
+    Alignment, AllocationStrategy, BackpressureStrategy, CallbackProgression, NodeName, NodeState, PortFactory,
+    SignalHandlingMode, ZeroCopySend, ipc_threadsafe,
+};
+use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
+use iceoryx2::service::port_factory::publish_subscribe::PortFactory as ChannelService;
+use longspan_stream_schema::{LsStreamHeader, LsStreamSection};
+
+use crate::domain::Source;
+use crate::foreign::OwnMemory;
+use crate::message::{HEADER, MAX_MESSAGE, check_header};
+use crate::problem::{Problem, Result};
+
+pub(crate) type Carrier = ipc_threadsafe::Service;
+
+/// [`LsStreamHeader`] as iceoryx2 knows it.
+#[derive(Debug, Clone, Copy, Default)]
+#[repr(transparent)]
+struct CarriedHeader(LsStreamHeader);
+
+// SAFETY: plain numbers without pointers, in the layout of C.
+unsafe impl ZeroCopySend for CarriedHeader {
+    unsafe fn type_name() -> &'static str {
+        "LsStreamHeader1"
+    }
+}
+
+/// Every record begins at a multiple of this.
+fn eight() -> Alignment {
+    Alignment::new(8).expect("8 is a power of two")
+}
+
+type Service = ChannelService<Carrier, [u8], CarriedHeader>;
+
+/// Room of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Room {
+    pub name: &'static str,
+    /// Messages that wait for a reader until the oldest is thrown away.
+    pub buffer: usize,
+    /// Messages that a reader gets which joins late.
+    pub history: usize,
+    /// Bytes of a message at first; more are found when needed.
+    pub bytes: usize,
+}
+
+/// What a process is to iceoryx2. Making one also removes what processes left behind that died.
+pub(crate) fn node(config: &Config) -> Result<Node<Carrier>> {
+    let name = NodeName::new("longspan").map_err(system("node"))?;
+    let builder = NodeBuilder::new().name(&name).config(config).signal_handling_mode(SignalHandlingMode::Disabled);
+    builder.create::<Carrier>().map_err(system("shared memory cannot be used"))
+}
+
+fn system<E: std::fmt::Debug>(what: &'static str) -> impl Fn(E) -> Problem {
+    move |error| Problem::System(format!("{what}: {error:?}"))
+}
+
+/// The publishing end of a channel.
+#[derive(Debug)]
+pub(crate) struct Outlet {
+    port: Port<Carrier, [u8], CarriedHeader>,
+    _service: Service,
+}
+
+impl Outlet {
+    pub(crate) fn open(node: &Node<Carrier>, source: &Source, room: Room, readers: usize) -> Result<Self> {
+        let service = node
+            .service_builder(&source.service(room.name)?)
+            .publish_subscribe::<[u8]>()
+            .user_header::<CarriedHeader>()
+            .payload_alignment(eight())
+            .enable_safe_overflow(true)
+            .max_publishers(1)
+            .max_subscribers(readers)
+            // A reader that died holds its place until the next one starts and clears up.
+            .max_nodes(2 * readers + 2)
+            .subscriber_max_buffer_size(room.buffer)
+            .subscriber_max_borrowed_samples(1)
+            .history_size(room.history)
+            .create()
+            .map_err(system("a channel cannot be made"))?;
+        let port = service
+            .publisher_builder()
+            .backpressure_strategy(BackpressureStrategy::DiscardData)
+            .max_loaned_samples(1)
+            .initial_max_slice_len(room.bytes)
+            .allocation_strategy(AllocationStrategy::PowerOfTwo)
+            .create()
+            .map_err(system("a channel cannot be written"))?;
+        Ok(Self { port, _service: service })
+    }
+
+    /// Lets readers in that have come since the last message, and gives them what they are to have.
+    pub(crate) fn serve(&self) {
+        // A reader that cannot be let in is its own loss.
+        let _ = self.port.update_connections();
+    }
+
+    /// Places a message whose content has this length: `fill` writes the content, from front to back, and says what its header is.
+    /// False if there was no room.
+    pub(crate) fn send(&self, length: usize, fill: impl FnOnce(&mut Slate<'_>) -> LsStreamHeader) -> bool {
+        let Ok(mut loan) = self.port.loan_slice_uninit(length) else { return false };
+        let mut slate = Slate { room: loan.payload_mut(), written: 0 };
+        let header = fill(&mut slate);
+        let written = slate.written;
+        assert_eq!(written, length, "a message is as long as was said");
+        loan.user_header_mut().0 = header;
+        // SAFETY: `length` bytes were asked for, and as many were written from the front.
+        let sample = unsafe { loan.assume_init() };
+        sample.send().is_ok()
+    }
+}
+
+/// Shared memory that is written once, from front to back, and never read.
+pub(crate) struct Slate<'a> {
+    room: &'a mut [std::mem::MaybeUninit<u8>],
+    written: usize,
+}
+
+impl Slate<'_> {
+    /// Writes on.
+    pub(crate) fn put(&mut self, bytes: &[u8]) {
+        let room = &mut self.room[self.written..self.written + bytes.len()];
+        for (place, &byte) in room.iter_mut().zip(bytes) {
+            place.write(byte);
+        }
+        self.written += bytes.len();
+    }
+}
+
+/// The reading end of a channel.
+#[derive(Debug)]
+pub(crate) struct Inlet {
+    port: Subscriber<Carrier, [u8], CarriedHeader>,
+    service: Service,
+}
+
+/// What is on a channel.
+pub(crate) enum Received {
+    /// A message was copied.
+    Message,
+    /// Nothing that was not read before.
+    Nothing,
+}
+
+impl Inlet {
+    /// `None` where there is no such channel (any more).
+    pub(crate) fn open(node: &Node<Carrier>, source: &Source, channel: &str) -> Result<Option<Self>> {
+        let builder = node.service_builder(&source.service(channel)?).publish_subscribe::<[u8]>();
+        let service = match builder.user_header::<CarriedHeader>().payload_alignment(eight()).open() {
+            Ok(service) => service,
+            Err(PublishSubscribeOpenError::IncompatibleTypes | PublishSubscribeOpenError::VersionMismatch) => {
+                return Err(Problem::Incompatible("the channel carries something else".into()));
+            }
+            Err(
+                PublishSubscribeOpenError::DoesNotExist
+                | PublishSubscribeOpenError::IsMarkedForDestruction
+                | PublishSubscribeOpenError::HangsInCreation
+                | PublishSubscribeOpenError::ServiceInCorruptedState,
+            ) => return Ok(None),
+            Err(error) => return Err(Problem::System(format!("a channel cannot be read: {error:?}"))),
+        };
+        let port = service.subscriber_builder().create().map_err(system("a channel cannot be read"))?;
+        Ok(Some(Self { port, service }))
+    }
+
+    /// Copies the next message into `into`, which is as long as the message afterwards.
+    pub(crate) fn receive(&self, memory: &OwnMemory, into: &mut Vec<u8>) -> Result<Received> {
+        let sample = match self.port.receive() {
+            Ok(Some(sample)) => sample,
+            Ok(None) => return Ok(Received::Nothing),
+            // The publisher went while its messages were being read.
+            Err(_) => return Ok(Received::Nothing),
+        };
+        // Only the address of the header is taken; iceoryx2 has not looked at it either.
+        let address = std::ptr::from_ref(sample.user_header()) as usize;
+        into.resize(HEADER, 0);
+        if !memory.copy(address, into) {
+            return Err(Problem::Corrupt("a message lies outside its memory"));
+        }
+        let header: LsStreamHeader = bytemuck::pod_read_unaligned(into);
+        check_header(&header)?;
+        let length = (header.length as usize).min(MAX_MESSAGE);
+        into.resize(length, 0);
+        if !memory.copy(address.wrapping_add(HEADER), &mut into[HEADER..]) {
+            return Err(Problem::Corrupt("a message reaches outside its memory"));
+        }
+        Ok(Received::Message)
+    }
+
+    /// Whether a publisher is there that lives.
+    pub(crate) fn has_publisher(&self, config: &Config) -> bool {
+        let mut publishers = Vec::new();
+        self.service.dynamic_config().list_publishers(|publisher| {
+            publishers.push(publisher.node_id);
+            CallbackProgression::Continue
+        });
+        publishers.into_iter().any(|id| matches!(Node::<Carrier>::state_of(config, id), Ok(Some(NodeState::Alive(_)))))
+    }
+}
+
+// The payload follows the header without a gap, as in a file.
+const _: () = assert!(HEADER.is_multiple_of(8) && size_of::<LsStreamSection>().is_multiple_of(8));

@@ -1,0 +1,174 @@
+//! Where the streams of a user meet, and what they are called.
+//!
+//! Everything lies under one folder of the user's own, and shared memory carries the user's number in its names: nobody else can
+//! open it, and nobody else's leftovers are in the way. A domain is a room of its own inside that folder.
+
+use std::fs;
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::path::PathBuf;
+
+use iceoryx2::config::Config;
+use iceoryx2::prelude::{CallbackProgression, FileName, LogLevel, Path, SemanticString, Service, ServiceName, set_log_level};
+use longspan_stream_schema::{LS_STREAM_ABI, LS_STREAM_SCHEMA};
+
+use crate::channel::Carrier;
+use crate::problem::{Problem, Result};
+
+/// Most letters of a stream's or a domain's name.
+pub const MAX_NAME: usize = 63;
+
+/// First word of the name of everything that is ours.
+const FAMILY: &str = "longspan";
+
+/// A room in which publishers and readers find each other. Only processes of the same user are ever in it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Domain(String);
+
+/// Letters, digits, `_`, `-` and `.`; not empty, not too long, no leading dot.
+pub(crate) fn check_name(argument: &'static str, name: &str) -> Result<()> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    if name.is_empty() || name.len() > MAX_NAME || name.starts_with('.') || !name.chars().all(plain) {
+        return Err(Problem::Argument(argument, "must be 1 to 63 letters, digits, '_', '-' and '.', and not begin with '.'"));
+    }
+    Ok(())
+}
+
+impl Domain {
+    /// The domain of this name; the empty name is the one where everybody is who asks for none.
+    ///
+    /// # Errors
+    /// The name has letters that a file name should not have, or too many.
+    pub fn named(name: &str) -> Result<Self> {
+        if !name.is_empty() {
+            check_name("domain", name)?;
+        }
+        Ok(Self(name.to_owned()))
+    }
+
+    /// The folder in which everything but the shared memory itself lies.
+    pub fn folder(&self) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("{FAMILY}-{}", user()));
+        if self.0.is_empty() { folder.join("default") } else { folder.join(format!("d-{}", self.0)) }
+    }
+
+    /// What the names of all its shared memory begin with.
+    pub fn prefix(&self) -> String {
+        format!("ls{}_{}_", user(), self.0)
+    }
+
+    /// Settings for iceoryx2; makes the folder, and refuses one that is not ours alone.
+    pub(crate) fn config(&self) -> Result<Config> {
+        set_log_level(LogLevel::Fatal);
+        let folder = self.folder();
+        for level in [folder.parent().unwrap_or(&folder), &folder] {
+            own_folder(level)?;
+        }
+        let name = |text: String| FileName::new(text.as_bytes()).map_err(|_| Problem::Argument("domain", "is too long"));
+        let path = folder.to_str().and_then(|text| Path::new(text.as_bytes()).ok());
+        let path = path.ok_or_else(|| Problem::System(format!("{} is too long a name for a folder", folder.display())))?;
+        let mut config = Config::default();
+        config.global.set_root_path(&path);
+        config.global.prefix = name(self.prefix())?;
+        Ok(config)
+    }
+
+    /// All streams that are published now, or were until their process died.
+    ///
+    /// # Errors
+    /// The folder is somebody else's, or cannot be read.
+    pub fn sources(&self) -> Result<Vec<Source>> {
+        let config = self.config()?;
+        let mut sources = Vec::new();
+        let listed = Carrier::list(&config, |service| {
+            if let Some(source) = Source::parse(service.static_details.name().as_str()) {
+                sources.push(source);
+            }
+            CallbackProgression::Continue
+        });
+        listed.map_err(|error| Problem::System(format!("streams cannot be listed: {error}")))?;
+        sources.sort();
+        Ok(sources)
+    }
+}
+
+/// The number of the user whose process this is.
+fn user() -> u32 {
+    fs::metadata("/proc/self").map_or(0, |of_self| of_self.uid())
+}
+
+/// Makes a folder that only its owner can enter, or checks that it is one.
+fn own_folder(folder: &std::path::Path) -> Result<()> {
+    match fs::DirBuilder::new().mode(0o700).create(folder) {
+        Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => {
+            return Err(Problem::System(format!("{}: {error}", folder.display())));
+        }
+        _ => {}
+    }
+    let found = fs::symlink_metadata(folder)?;
+    if !found.is_dir() || found.uid() != user() || found.mode() & 0o077 != 0 {
+        return Err(Problem::System(format!("{} is not a folder that only this user can enter", folder.display())));
+    }
+    Ok(())
+}
+
+/// A stream that can be read.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Source {
+    /// The name that its host gave it.
+    pub name: String,
+    /// Number of the process that publishes it.
+    pub process: u32,
+    /// Number of the stream in that process.
+    pub number: u32,
+    /// Number of its schema; one that is not [`LS_STREAM_SCHEMA`] cannot be read.
+    pub schema: u32,
+}
+
+impl Source {
+    pub(crate) fn new(name: &str, process: u32, number: u32) -> Self {
+        Self { name: name.to_owned(), process, number, schema: LS_STREAM_SCHEMA }
+    }
+
+    /// Name of the service that carries a channel.
+    pub(crate) fn service(&self, channel: &str) -> Result<ServiceName> {
+        let Self { name, process, number, schema } = self;
+        let text = format!("{FAMILY}/abi{LS_STREAM_ABI}/schema{schema}/{process}/{number}/{name}/{channel}");
+        ServiceName::new(&text).map_err(|_| Problem::Argument("name", "is too long"))
+    }
+
+    /// The stream of which this is the name of the hot channel.
+    fn parse(service: &str) -> Option<Self> {
+        let words: Vec<&str> = service.split('/').collect();
+        let [FAMILY, _abi, schema, process, number, name, "hot"] = words[..] else { return None };
+        Some(Self {
+            name: name.to_owned(),
+            process: process.parse().ok()?,
+            number: number.parse().ok()?,
+            schema: schema.strip_prefix("schema")?.parse().ok()?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stream_is_found_by_the_name_of_its_service() {
+        let source = Source::new("crane.left-2", 4711, 3);
+        assert_eq!(Source::parse(source.service("hot").unwrap().as_str()), Some(source.clone()));
+        assert_eq!(Source::parse(source.service("cold").unwrap().as_str()), None);
+        assert_eq!(Source::parse("longspan/abi0/schema9/1/2/x/hot").map(|source| source.schema), Some(9));
+        for other in ["", "longspan", "camera/hot", "longspan/abi0/schemaX/1/2/x/hot"] {
+            assert_eq!(Source::parse(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn names_that_would_leave_the_folder_are_refused() {
+        for name in ["..", ".x", "a/b", "a b", "ä", &"x".repeat(64)] {
+            assert!(Domain::named(name).is_err(), "{name}");
+        }
+        assert!(Domain::named("").is_ok());
+    }
+}

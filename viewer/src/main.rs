@@ -1,0 +1,3 @@
+//! Watches a stream, or looks through a recording of one.
+
+fn main() {}
