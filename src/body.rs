@@ -177,10 +177,23 @@ pub(crate) struct Body {
     pub calm_for: u8,
     /// Whether it keeps its pose in this step because nothing could move it.
     pub held: bool,
+    /// Whether fixed joints make it part of something that does not move, or that the host moves.
+    pub anchored: Anchored,
     /// Last substep, for stepping to second order.
     pub history: History,
     /// Taken out of the simulation because a step gave it a non-finite state.
     pub quarantined: bool,
+}
+
+/// What holds a dynamic body so that it is not free to move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Anchored {
+    /// Nothing.
+    No,
+    /// Fixed joints to something static.
+    Still,
+    /// Fixed joints to something kinematic.
+    Driven,
 }
 
 /// Where a body is in the life of its island.
@@ -224,6 +237,7 @@ impl Body {
             steady_for: u8::MAX,
             calm_for: 0,
             held: false,
+            anchored: Anchored::No,
             history: History::NONE,
             quarantined: false,
         }
@@ -233,13 +247,27 @@ impl Body {
         self.kind == BodyKind::Dynamic
     }
 
+    /// How it acts on others: what is anchored acts as what it is anchored to.
+    pub(crate) fn acts_as(&self) -> BodyKind {
+        match self.anchored {
+            Anchored::No => self.kind,
+            Anchored::Still => BodyKind::Static,
+            Anchored::Driven => BodyKind::Kinematic,
+        }
+    }
+
+    /// Whether forces, contacts and joints can move it.
+    pub(crate) fn is_free(&self) -> bool {
+        self.acts_as() == BodyKind::Dynamic
+    }
+
     pub(crate) fn is_awake(&self) -> bool {
         matches!(self.sleep, SleepState::Awake { .. })
     }
 
     /// Whether a step may move the body: awake and dynamic, or kinematic with a velocity or a target.
     pub(crate) fn is_mover(&self) -> bool {
-        match self.kind {
+        match self.acts_as() {
             BodyKind::Static => false,
             BodyKind::Dynamic => self.is_awake() && !self.quarantined,
             BodyKind::Kinematic => {
@@ -265,9 +293,10 @@ impl Body {
         self.set_pose(pose);
     }
 
+    /// Inverse mass (1/kg); zero for what is not free.
     pub(crate) fn inverse_mass(&self) -> f32 {
         match &self.mass {
-            Some(mass) if self.is_dynamic() => 1.0 / mass.mass,
+            Some(mass) if self.is_free() => 1.0 / mass.mass,
             _ => 0.0,
         }
     }
@@ -275,7 +304,7 @@ impl Body {
     /// Inverse inertia tensor in world axes (1/(kg·m²)), locked axes taken out.
     pub(crate) fn world_inverse_inertia(&self) -> Mat3 {
         match &self.mass {
-            Some(mass) if self.is_dynamic() => {
+            Some(mass) if self.is_free() => {
                 let inverse = crate::shape::inertia_tensor(1.0 / mass.principal_inertia, self.rotation * mass.inertia_frame);
                 without_locked(inverse, self.locked_axes.rotation)
             }

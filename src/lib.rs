@@ -72,4 +72,4 @@ pub use settings::{MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};
 pub use span::support::verdict::{BodySupport, SupportChange, Verdict};
 pub use workers::ParallelFor;
-pub use world::World;
+pub use world::{UnionInfo, World};

@@ -37,13 +37,22 @@ pub struct LongRangeDef {
     pub hierarchy: BoundKindDef,
     /// Whether bounds that were asked for between two joints act.
     pub soft: bool,
+    /// Whether bodies that rigid fixed joints connect move as one; otherwise such joints are solved one by one.
+    pub union: bool,
     /// Levels of the hierarchy, 1 to 16; `None` for as many as the graph of joints asks for.
     pub levels: Option<u32>,
 }
 
 impl Default for LongRangeDef {
     fn default() -> Self {
-        Self { enabled: true, attachment: BoundKindDef::RIGID, hierarchy: BoundKindDef::RIGID, soft: true, levels: None }
+        Self {
+            enabled: true,
+            attachment: BoundKindDef::RIGID,
+            hierarchy: BoundKindDef::RIGID,
+            soft: true,
+            union: true,
+            levels: None,
+        }
     }
 }
 

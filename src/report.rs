@@ -62,6 +62,10 @@ pub struct StepCounts {
     pub moved: u32,
     /// Dynamic bodies awake that were held where they are, not solved.
     pub bodies_held: u32,
+    /// Unions awake and free, each solved as one body.
+    pub unions: u32,
+    /// Bodies that moved as members of those.
+    pub union_members: u32,
 }
 
 /// Errors left at the end of a step.

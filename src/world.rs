@@ -40,8 +40,13 @@ mod sleep;
 mod snapshot;
 mod store;
 mod support;
+mod union_loads;
+mod union_query;
+mod unions;
 
 pub(crate) use long_range::{AskedBound, CarriedBound};
+pub use union_query::UnionInfo;
+pub(crate) use unions::CarriedUnion;
 
 /// Bodies, shapes and joints that act on each other, and nothing else.
 pub struct World {
@@ -58,6 +63,7 @@ pub struct World {
     movers_sorted: bool,
     sleeping: SleepingIslands,
 
+    unions: unions::Unions,
     long_range: long_range::LongRange,
     groups: group::Groups,
     hold: hold::Hold,
@@ -110,6 +116,7 @@ impl World {
             movers: Vec::new(),
             movers_sorted: true,
             sleeping: SleepingIslands::default(),
+            unions: unions::Unions::default(),
             long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
             hold: hold::Hold::default(),
@@ -140,6 +147,7 @@ impl World {
         check::step_length(dt)?;
         let mut clock = Clock::start();
         self.begin_step(dt);
+        self.form_unions();
         self.find_pairs(dt);
         self.report.timings.broad_phase = clock.lap();
         self.update_contacts(dt);

@@ -74,7 +74,9 @@ fn a_blow_breaks_at_its_impulse_over_the_window_at_any_step() {
                 world.step(1.0 / rate as f32).unwrap();
                 if let Some(joint) = world.joints().next() {
                     let f = world.joint_state(joint).unwrap().force;
-                    if f.length() > 1e-3 { println!("{rate} {impulse}: {} {}", f / rate as f32, world.joint_stress(joint).unwrap().share); }
+                    if f.length() > 1e-3 {
+                        println!("{rate} {impulse}: {} {}", f / rate as f32, world.joint_stress(joint).unwrap().share);
+                    }
                 }
             }
             assert_eq!(world.joint_count() == 0, breaks, "{impulse} N·s within 0.1 s against 100 N, {rate} steps a second");
@@ -111,7 +113,11 @@ fn each_limit_is_told_apart() {
         world.step(DT).unwrap();
         let [broken] = world.broken() else { panic!("{limit:?}: {} joints broke", world.broken().len()) };
         assert_eq!((broken.joint, broken.limit, broken.cause, broken.step), (joint, limit, BreakCause::Load, 11));
-        assert!((broken.force + force).length() <= 0.01 * force.length() && (broken.torque + torque).length() <= 0.01 * torque.length(), "{broken:?}");
+        assert!(
+            (broken.force + force).length() <= 0.01 * force.length()
+                && (broken.torque + torque).length() <= 0.01 * torque.length(),
+            "{broken:?}"
+        );
         // It bore the step up to its limit: a hundredth of its load has moved it.
         let speed = world.linear_velocity(body).unwrap().length();
         assert!(speed <= 0.011 * force.length() * DT / 8.0, "{limit:?}: leaves at {speed} m/s");
@@ -173,7 +179,14 @@ fn no_momentum_is_lost_when_a_free_vase_shatters_on_a_free_ball() {
     for _ in 0..240 {
         world.step(DT).unwrap();
         let now = momenta(&world, &bodies);
-        println!("{} {} solves {}: {:.2e} {:.2e}", world.report().step, world.splits().len(), world.report().counts.solves, now.0.distance(before.0) / scale.0, now.1.distance(before.1) / scale.1);
+        println!(
+            "{} {} solves {}: {:.2e} {:.2e}",
+            world.report().step,
+            world.splits().len(),
+            world.report().counts.solves,
+            now.0.distance(before.0) / scale.0,
+            now.1.distance(before.1) / scale.1
+        );
         if !world.splits().is_empty() {
             splits += world.splits().len();
             worst.0 = worst.0.max(now.0.distance(before.0) / scale.0);

@@ -40,7 +40,12 @@ pub(crate) struct WorldCell {
 impl WorldCell {
     pub(crate) fn new(world: World) -> Self {
         Self {
-            hosted: RwLock::new(Some(Hosted { world, published: Published::default(), overload_handler: None, fracture_handlers: FractureHandlers::default() })),
+            hosted: RwLock::new(Some(Hosted {
+                world,
+                published: Published::default(),
+                overload_handler: None,
+                fracture_handlers: FractureHandlers::default(),
+            })),
             callbacks: CallbackThread::default(),
             poisoned: AtomicBool::new(false),
         }

@@ -53,6 +53,8 @@ mod support;
 
 mod long_range;
 
+mod union;
+
 mod fracture;
 
 mod cells;

@@ -47,11 +47,13 @@ pub struct LsLongRangeDef {
     pub reserved: u32,
     /// Not 0: bounds asked for with ls_world_soft_bound_set act; default 1.
     pub soft: u32,
+    /// Not 0: bodies that rigid fixed joints connect move as one, see ls_body_union; default 1.
+    pub unions: u32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsLongRangeDef {
-    const SIZES: &'static [usize] = &[56, 60];
+    const SIZES: &'static [usize] = &[56, 60, 64];
 }
 
 // SAFETY: begins with struct_size.
@@ -219,6 +221,7 @@ impl From<&LsLongRangeDef> for LongRangeDef {
             attachment: (&def.attachment).into(),
             hierarchy: (&def.hierarchy).into(),
             soft: def.soft != 0,
+            union: def.unions != 0,
             levels: (def.levels != 0).then_some(def.levels),
         }
     }
@@ -234,6 +237,7 @@ impl From<&LongRangeDef> for LsLongRangeDef {
             levels: def.levels.unwrap_or(0),
             reserved: 0,
             soft: def.soft.into(),
+            unions: def.union.into(),
         }
     }
 }

@@ -52,11 +52,15 @@ pub struct LsStepReport {
     pub finish_time: f32,
     /// Wall time of the whole step without callbacks (s).
     pub total_time: f32,
+    /// Unions awake and free, each solved as one body.
+    pub unions: u32,
+    /// Bodies that moved as members of those.
+    pub union_members: u32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsStepReport {
-    const SIZES: &'static [usize] = &[96];
+    const SIZES: &'static [usize] = &[96, 104];
 }
 
 impl From<&StepReport> for LsStepReport {
@@ -85,6 +89,8 @@ impl From<&StepReport> for LsStepReport {
             solve_time: timings.solve,
             finish_time: timings.finish,
             total_time: timings.total,
+            unions: counts.unions,
+            union_members: counts.union_members,
         }
     }
 }

@@ -151,6 +151,7 @@ impl Params {
                     "attachment" => world.long_range.attachment.enabled = on,
                     "support" => (world.support, world.hold) = (on, on),
                     "soft" => world.long_range.soft = on,
+                    "union" => world.long_range.union = on,
                     "hierarchy" => world.long_range.hierarchy.enabled = on,
                     _ if on => return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() }),
                     _ => {}

@@ -7,6 +7,11 @@ use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhWorkspace, TraversalAction};
 
+/// Shapes of one group from which on what is near all of them is asked for at once, and up to how many others are then looked at one
+/// by one: members of a union lie close, and would find one another mostly.
+pub(crate) const LARGE_GROUP: usize = 8;
+pub(crate) const FEW_SHAPES: usize = 16;
+
 /// Boxes of all shapes, by slot.
 #[derive(Default)]
 pub(crate) struct BroadPhase {
@@ -14,6 +19,8 @@ pub(crate) struct BroadPhase {
     workspace: BvhWorkspace,
     /// Shapes whose kept box changed since the last [`refresh`](Self::refresh).
     changed: Vec<u32>,
+    /// What is near a group.
+    near: Vec<(u32, Aabb)>,
 }
 
 impl BroadPhase {
@@ -63,18 +70,43 @@ impl BroadPhase {
         self.changed.push(shape);
     }
 
-    /// Brings the tree up to date and appends every (changed shape, neighbour) to `candidates`.
-    pub(crate) fn refresh(&mut self, box_of: impl Fn(u32) -> Option<Aabb>, candidates: &mut Vec<(u32, u32)>) {
+    /// Brings the tree up to date and appends every (changed shape, neighbour) to `candidates`, but for two of the same group.
+    pub(crate) fn refresh(
+        &mut self,
+        box_of: impl Fn(u32) -> Option<Aabb>,
+        group_of: impl Fn(u32) -> Option<u32>,
+        candidates: &mut Vec<(u32, u32)>,
+    ) {
         if self.changed.is_empty() {
             return;
         }
-        self.changed.sort_unstable();
+        self.changed.sort_unstable_by_key(|&shape| (group_of(shape), shape));
         self.changed.dedup();
         self.tree.refit(&mut self.workspace);
         self.tree.optimize_incremental(&mut self.workspace);
-        for &shape in &self.changed {
-            if let Some(kept) = box_of(shape) {
-                candidates.extend(self.tree.intersect_aabb(&kept).filter(|&other| other != shape).map(|other| (shape, other)));
+        for shapes in self.changed.chunk_by(|&a, &b| group_of(a).is_some() && group_of(a) == group_of(b)) {
+            let group = group_of(shapes[0]);
+            let is_other = |&other: &u32| group.is_none() || group_of(other) != group;
+            if shapes.len() >= LARGE_GROUP {
+                let boxes = shapes.iter().filter_map(|&shape| box_of(shape));
+                let Some(whole) = boxes.reduce(|whole, kept| whole.merged(&kept)) else { continue };
+                let others = self.tree.intersect_aabb(&whole).filter(is_other).take(FEW_SHAPES + 1);
+                self.near.clear();
+                self.near.extend(others.filter_map(|other| Some((other, box_of(other)?))));
+                if self.near.len() <= FEW_SHAPES {
+                    for &shape in shapes {
+                        let Some(kept) = box_of(shape) else { continue };
+                        let meeting = self.near.iter().filter(|(_, other)| kept.intersects(other));
+                        candidates.extend(meeting.map(|&(other, _)| (shape, other)));
+                    }
+                    continue;
+                }
+            }
+            for &shape in shapes {
+                if let Some(kept) = box_of(shape) {
+                    let found = self.tree.intersect_aabb(&kept).filter(|&other| other != shape).filter(is_other);
+                    candidates.extend(found.map(|other| (shape, other)));
+                }
             }
         }
         self.changed.clear();

@@ -93,8 +93,13 @@ impl Collider {
 
     /// World position of the shape's origin (m), and its rotation, on a body anywhere.
     pub(crate) fn world_pose(&self, body: &Body) -> (DVec3, Quat) {
-        let from_center = body.rotation * (self.local_pose.position - body.local_center);
-        (body.center + from_center.as_dvec3(), body.rotation * self.local_pose.rotation)
+        self.pose_with(body, body.center, body.rotation)
+    }
+
+    /// The same where the body's centre of mass is here (m) and the body is turned like this.
+    pub(crate) fn pose_with(&self, body: &Body, center: DVec3, rotation: Quat) -> (DVec3, Quat) {
+        let from_center = rotation * (self.local_pose.position - body.local_center);
+        (center + from_center.as_dvec3(), rotation * self.local_pose.rotation)
     }
 
     /// World box of the shape where it is (m), rounded outwards, enlarged by `margin`.

@@ -28,16 +28,14 @@ pub(crate) fn is_long(collider: &Collider, body: &Body, start: &PathStart) -> bo
 
 /// Box around the whole path of a shape.
 pub(crate) fn path_box(collider: &Collider, body: &Body, start: &PathStart) -> Aabb {
-    let at_start = Body { center: start.center, rotation: start.rotation, ..body.clone() };
-    collider.box_at(collider.world_pose(&at_start), 0.0).merged(&collider.world_box(0.0))
+    collider.box_at(collider.pose_with(body, start.center, start.rotation), 0.0).merged(&collider.world_box(0.0))
 }
 
 /// Fraction of the path, 0 to 1, at which the shape first touches `other` where that is now; `None` if it does not.
 ///
 /// The sweep is a translation at the rotation of the path's end; what already overlaps at the start is left to the contacts.
 pub(crate) fn first_touch(collider: &Collider, body: &Body, start: &PathStart, other: &Collider) -> Option<f32> {
-    let at_start = Body { center: start.center, ..body.clone() };
-    let (from, rotation) = collider.world_pose(&at_start);
+    let (from, rotation) = collider.pose_with(body, start.center, body.rotation);
     let (other_position, other_rotation) = other.place;
     // Everything relative to the other shape's origin, so that f32 keeps its precision far from the world's.
     let moving = Pose3::from_parts((from - other_position).as_vec3(), rotation);

@@ -6,7 +6,7 @@
 use glam::{DVec3, Quat};
 
 use super::stored::{Reader, Stored, Writer, stored, stored_enum};
-use crate::body::{Body, BodyKind, LockedAxes, SleepState};
+use crate::body::{Anchored, Body, BodyKind, LockedAxes, SleepState};
 use crate::collide::collider::Collider;
 use crate::collide::narrow::{Manifold, ManifoldPoint};
 use crate::collide::pairs::{CarriedManifold, Pair, PairKey};
@@ -23,7 +23,8 @@ use crate::settings::{SleepSettings, Solver, WorldDef};
 use crate::shape::CollisionFilter;
 use crate::solve::contact::ContactImpulses;
 use crate::solve::direct::history::History;
-use crate::world::{AskedBound, CarriedBound};
+use crate::span::union::UnionMotion;
+use crate::world::{AskedBound, CarriedBound, CarriedUnion};
 
 /// What a world has besides its tables.
 #[derive(Debug)]
@@ -43,6 +44,10 @@ pub(crate) struct WorldRow {
     pub watched: Vec<(u32, u8)>,
     /// Whether long-range bounds are to be derived anew.
     pub bounds_stale: bool,
+    /// Bodies whose unions are to be made anew.
+    pub stale_unions: Runs,
+    /// Anchored bodies pushed since the last step.
+    pub pushed: Runs,
     /// Soft bounds that the host asked for.
     pub asked_bounds: Vec<AskedBound>,
     /// Joints that are to break in the next step because the host says so.
@@ -80,6 +85,8 @@ stored!(WorldRow {
     said_supported,
     watched,
     bounds_stale,
+    stale_unions,
+    pushed,
     asked_bounds,
     asked_fractures,
     free_bodies,
@@ -103,7 +110,8 @@ stored!(WorldDef {
     fracture,
 });
 stored!(FractureSettings { by_load, most });
-stored!(LongRangeDef { enabled, attachment, hierarchy, soft, levels });
+stored!(LongRangeDef { enabled, attachment, hierarchy, soft, union, levels });
+stored!(CarriedUnion { lead, motion, before });
 stored!(AskedBound { joints, bound });
 stored!(SoftBound { share, softness });
 stored!(BoundKindDef { enabled, upper, lower });
@@ -143,6 +151,7 @@ stored!(Body {
     steady_for,
     calm_for,
     held,
+    anchored,
 });
 stored!(LockedAxes { translation, rotation });
 stored!(MassProperties { mass, center_of_mass, principal_inertia, inertia_frame });
@@ -196,6 +205,7 @@ stored!(ContactImpulses { normal, friction, twist, rolling });
 
 stored_enum!(BoundKind { 0 => Attachment {}, 1 => Hierarchy {}, 2 => Soft {} });
 stored_enum!(Solver { 0 => Auto {}, 1 => GaussSeidel {}, 2 => Direct {} });
+stored_enum!(Anchored { 0 => No {}, 1 => Still {}, 2 => Driven {} });
 stored_enum!(BodyKind { 0 => Static {}, 1 => Kinematic {}, 2 => Dynamic {} });
 stored_enum!(Mass { 0 => FromShapes {}, 1 => Total { 0: mass }, 2 => Properties { 0: properties } });
 stored_enum!(SleepState { 0 => Awake { quiet_for: quiet_for }, 1 => Asleep { island: island } });
@@ -228,6 +238,8 @@ pub(crate) const LISTED: &[&str] = &[
     SoftBound::FIELDS,
     BoundKindDef::FIELDS,
     CarriedBound::FIELDS,
+    CarriedUnion::FIELDS,
+    UnionMotion::FIELDS,
     SleepSettings::FIELDS,
     Displaced::FIELDS,
     IslandRow::FIELDS,

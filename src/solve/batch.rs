@@ -50,6 +50,9 @@ pub(crate) struct Batch {
     pub withheld: Vec<JointEntry>,
     /// All manifolds.
     pub inputs: Vec<ContactInput>,
+    /// Whether contacts are added up over the substeps, and their sums by manifold.
+    pub tallied: bool,
+    tally: Vec<ContactImpulses>,
     /// Block and lane of each manifold.
     lanes: Vec<(u32, u32)>,
     /// Kinematic bodies that have a slot here, sorted by body.
@@ -88,6 +91,8 @@ impl Batch {
         self.taut.clear();
         self.direct.clear();
         self.lanes.clear();
+        self.tally.clear();
+        self.tallied = false;
         self.replicas.clear();
         self.color_count = 0;
         self.joint_gap = 0.0;
@@ -193,6 +198,23 @@ impl Batch {
             return self.direct.impulses_of(number);
         }
         self.contacts[block as usize].impulses(lane as usize)
+    }
+
+    /// Adds the multipliers of a substep to the sums.
+    pub(crate) fn add_to_tally(&mut self) {
+        if !self.tallied {
+            return;
+        }
+        self.tally.resize(self.manifolds.len(), ContactImpulses::default());
+        for number in 0..self.tally.len() {
+            let impulses = self.contact_impulses(number);
+            self.tally[number].add(&impulses);
+        }
+    }
+
+    /// Sums of multipliers over the step's substeps, by manifold.
+    pub(crate) fn tallies(&self) -> impl Iterator<Item = (usize, &ContactImpulses)> {
+        self.tally.iter().enumerate()
     }
 
     /// Normal of the manifold with this number.

@@ -53,6 +53,21 @@ impl ContactImpulses {
             rolling: self.rolling * factor,
         }
     }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.normal.iter_mut().zip(other.normal).for_each(|(lambda, more)| *lambda += more);
+        self.friction += other.friction;
+        self.twist += other.twist;
+        self.rolling += other.rolling;
+    }
+
+    /// Impulse on B (N·s), and its moment about where the levers begin (N·m·s).
+    pub(crate) fn wrench(&self, normal: Vec3, levers: &[Vec3]) -> (Vec3, Vec3) {
+        let pressed: Vec3 = levers.iter().zip(self.normal).map(|(lever, lambda)| lever.cross(normal) * lambda).sum();
+        let center = levers.iter().sum::<Vec3>() / levers.len().max(1) as f32;
+        let force = normal * self.normal[..levers.len()].iter().sum::<f32>() + self.friction;
+        (force, pressed + center.cross(self.friction) + normal * self.twist + self.rolling)
+    }
 }
 
 /// A manifold as the solver takes it: world axes, levers from the centres of mass.

@@ -50,7 +50,7 @@ impl Batch {
         let h = settings.dt / settings.substeps as f32;
         self.start_contacts(settings.gravity, h);
         self.prepare_load_pass(settings.gravity, h);
-        for _ in 0..settings.substeps {
+        for substep in 0..settings.substeps {
             self.apply_forces(joints, h);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
             self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, false);
@@ -92,8 +92,12 @@ impl Batch {
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
             self.direct.settle(joints, &self.velocities, &mut self.motions);
+            if substep + 1 < settings.substeps {
+                self.add_to_tally();
+            }
         }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
+        self.add_to_tally();
         self.recover_positions(settings.dt);
         self.direct.settle(joints, &self.velocities, &mut self.motions);
         self.joint_gap = joint::worst_gap(self.joints.entries.iter().chain(self.direct.entries()), joints, &self.motions);

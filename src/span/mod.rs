@@ -16,15 +16,19 @@
 //! | `soft.rs` | asked for between two joints, with give (§3.3) |
 //! | `weight.rs` | which bodies bounds are for |
 //! | `load.rs` | which joints a bound carries load past |
+//! | `union/` | what fixed joints make one body (§3.5) |
 //! | `support.rs` | which bodies stand on the ground (§3.6) |
+//! | `eigen.rs` | principal axes |
 
 pub(crate) mod attachment;
 pub(crate) mod bounds;
+pub(crate) mod eigen;
 pub(crate) mod graph;
 pub(crate) mod hierarchy;
 pub(crate) mod load;
 pub(crate) mod soft;
 pub(crate) mod support;
+pub(crate) mod union;
 pub(crate) mod weight;
 
 use graph::Graph;

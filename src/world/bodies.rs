@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::World;
-use crate::body::{Body, BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, checked_velocity};
+use crate::body::{Anchored, Body, BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, checked_velocity};
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::BodyId;
@@ -66,8 +66,12 @@ impl World {
         record.set_pose(pose);
         record.target = None;
         record.age = 0;
-        if std::mem::take(&mut record.quarantined) {
+        let (returned, follows) = (std::mem::take(&mut record.quarantined), !record.is_free());
+        if returned {
             self.topology_changed();
+        }
+        if (returned || follows) && !self.bodies[index].joints.is_empty() {
+            self.welds_changed(index);
         }
         self.forget_contacts_of(index);
         self.forget_joints_of(index);
@@ -160,7 +164,12 @@ impl World {
             body.locked_axes = locked;
             body.linear_velocity *= crate::body::free_axes(locked.translation);
             body.angular_velocity *= crate::body::free_axes(locked.rotation);
-        })
+        })?;
+        let index = self.bodies.find(body)?;
+        if !self.bodies[index].joints.is_empty() {
+            self.welds_changed(index);
+        }
+        Ok(())
     }
 
     /// Whether the body is swept through each step.
@@ -213,10 +222,20 @@ impl World {
         record.driven = false;
         if std::mem::take(&mut record.quarantined) {
             self.topology_changed();
+            self.welds_changed(index);
         }
+        self.keep_anchored(index);
         self.wake_body(index);
         self.note_mover(index);
         Ok(())
+    }
+
+    /// What is anchored moves as its anchor does.
+    pub(super) fn keep_anchored(&mut self, index: u32) {
+        let body = &mut self.bodies[index];
+        if body.anchored != Anchored::No {
+            (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+        }
     }
 
     /// Adds a body to the list of movers where it belongs, and has its neighbours looked for.
@@ -272,6 +291,7 @@ impl World {
         self.bodies[index].set_mass(mass);
         if !self.bodies[index].joints.is_empty() {
             self.long_range.graph_changed();
+            self.welds_changed(index);
         }
         let center = self.bodies[index].local_center;
         for id in self.bodies[index].shapes.clone() {

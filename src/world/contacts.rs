@@ -104,6 +104,6 @@ impl World {
 
     /// Whether a swept shape and another may touch at all.
     pub(super) fn may_meet(&self, a: &Collider, b: &Collider) -> bool {
-        super::pairs::may_collide(a, b, &self.bodies, &self.joints)
+        super::pairs::may_collide(a, b, &self.bodies, &self.joints, &self.unions)
     }
 }

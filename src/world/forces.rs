@@ -82,6 +82,9 @@ impl World {
         check::finite_vec("torque", torque)?;
         self.bodies[index].force = force;
         self.bodies[index].torque = torque;
+        if !self.bodies[index].is_free() {
+            self.unions.pushed.push(index);
+        }
         self.wake_body(index);
         Ok(())
     }
@@ -97,6 +100,7 @@ impl World {
         checked_velocity("impulse", angular, MAX_ANGULAR_SPEED)?;
         self.bodies[index].linear_velocity = linear;
         self.bodies[index].angular_velocity = angular;
+        self.keep_anchored(index);
         self.wake_body(index);
         Ok(())
     }

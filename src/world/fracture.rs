@@ -9,9 +9,11 @@
 //! joints that break in one island together, is given to its two bodies as one impulse at one point, which keeps momentum and adds
 //! no energy that the unbroken body would not have had.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 use super::World;
+use super::union_loads::halfway;
+use super::unions::Anchor;
 use crate::body::SleepState;
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
@@ -48,8 +50,8 @@ struct Breaking {
     cause: BreakCause,
     /// Part of the step's load that it still bears.
     part: f32,
-    /// Island of its bodies.
-    island: u32,
+    /// Union or island of its bodies: what breaks at one time.
+    island: (Option<u32>, u32),
 }
 
 impl Fracture {
@@ -99,7 +101,7 @@ impl World {
             let (share, limit) = joint.def.strength.share(&present);
             let judgement = Judgement { load: present, share, limit, damage: strain.damage };
             let cause = if strain.damage >= 1.0 { BreakCause::Damage } else { BreakCause::Load };
-            self.break_joint(&Breaking { slot, load, judgement, cause, part: 0.0, island: 0 }, 0.0, 0.0);
+            self.break_joint(&Breaking { slot, load, judgement, cause, part: 0.0, island: (None, 0) }, 0.0, 0.0);
             broken += 1;
         }
         self.find_limited();
@@ -118,6 +120,7 @@ impl World {
             }
         }
         self.add_bound_loads(dt);
+        self.find_union_loads(dt);
     }
 
     /// Breaks the joints that bear too much, and solves the step again without them.
@@ -179,7 +182,11 @@ impl World {
         let joint = &self.joints[slot];
         let part = joint.strain.as_ref().map_or(1.0, |strain| strain.part_borne(&joint.def.strength, &load, dt));
         let member = joint.bodies.into_iter().flatten().find(|&body| self.bodies[body].is_dynamic());
-        let island = member.map_or(0, |body| self.groups.island[body as usize]);
+        // What moves as one breaks as one; a union may touch several islands, or none.
+        let island = member.map_or((None, 0), |body| match self.unions.number_of(body) {
+            Some(union) => (Some(union), 0),
+            None => (None, self.groups.island[body as usize]),
+        });
         Breaking { slot, load, judgement, cause, part, island }
     }
 
@@ -192,18 +199,39 @@ impl World {
     fn judge(&self, slot: u32, dt: f32) -> Option<(JointLoad, Judgement)> {
         let joint = &self.joints[slot];
         let strain = joint.strain.as_ref()?;
-        let is_solved = |&body: &u32| self.bodies[body].is_dynamic() && self.bodies[body].is_mover() && !self.bodies[body].held;
+        let is_solved = |&body: &u32| {
+            let record = &self.bodies[body];
+            // What stands like its anchor is not solved, and bears its load all the same.
+            let stands = self.unions.of(body).is_some_and(|union| union.anchor == Anchor::Still);
+            record.is_dynamic() && (stands || (record.is_mover() && !record.held))
+        };
         joint.bodies.iter().flatten().any(is_solved).then(|| {
             let load = self.step_load(slot);
             (load, strain.judge(&joint.def.strength, &load, dt))
         })
     }
 
-    /// The step's load of a joint, in axes of its frame on A.
+    /// The step's load of a joint, in axes of its frame on A halfway through the step.
     fn step_load(&self, slot: u32) -> JointLoad {
         let joint = &self.joints[slot];
-        let axes = self.end(joint, 0).frame.conjugate();
+        let turned = joint.bodies[0].map_or(Quat::IDENTITY, |body| {
+            let now = self.bodies[body].rotation;
+            halfway(now, self.rotation_after(body)) * now.conjugate()
+        });
+        let axes = (turned * self.end(joint, 0).frame).conjugate();
         JointLoad { force: axes * joint.force, torque: axes * joint.torque }
+    }
+
+    /// Rotation of a body at the end of the solve.
+    fn rotation_after(&self, body: u32) -> Quat {
+        if let Some(union) = self.unions.moving(body) {
+            return self.unions.motion_of(body, &self.motion_after(union)).rotation;
+        }
+        let (batch, slot) = self.groups.place.get(body as usize).copied().unwrap_or_default();
+        match self.batches.get(batch as usize) {
+            Some(batch) if batch.bodies.get(slot as usize) == Some(&body) => batch.motions[slot as usize].rotation,
+            _ => self.bodies[body].rotation,
+        }
     }
 
     /// Takes a joint out, gives its bodies what it has borne of this step, and says so.
@@ -227,6 +255,9 @@ impl World {
         });
         self.report.counts.joints_broken += 1;
         let (linear, angular) = (axes * load.force * (part * dt), axes * load.torque * (part * dt));
+        if let Some(body) = bodies.into_iter().flatten().next() {
+            self.take_back_jolts(body);
+        }
         for (body, sign) in bodies.into_iter().zip([-1.0, 1.0]) {
             if let Some(body) = body.filter(|_| part * dt > 0.0) {
                 self.push(body, point, linear * sign, angular * sign);
@@ -255,7 +286,7 @@ impl World {
         let (broken, solves) = (self.report.counts.joints_broken, self.report.counts.solves);
         self.report.counts = Default::default();
         (self.report.counts.joints_broken, self.report.counts.solves) = (broken, solves + 1);
-        self.settle_movers();
+        self.form_unions_again();
         self.find_pairs(dt);
         self.update_contacts(dt);
         self.wake_what_is_touched();
@@ -469,6 +500,7 @@ impl World {
             _ => None,
         };
         self.fracture.joints_changed();
+        self.limits_changed(slot);
         Ok(())
     }
 

@@ -1,6 +1,8 @@
 //! Stages that wake what is touched and sort bodies, contacts and joints into islands, and islands into batches.
 
 use super::World;
+use super::unions::Anchor;
+use crate::island::UnionFind;
 
 /// Bodies after which a batch takes no further island. It must not depend on the number of threads.
 const BATCH_BODIES: usize = 64;
@@ -37,7 +39,7 @@ impl World {
             }
             let (a, b) = key.shapes();
             for body in [self.colliders[a].body, self.colliders[b].body] {
-                if self.bodies[body].is_dynamic() && !self.bodies[body].is_awake() {
+                if self.bodies[body].is_free() && !self.bodies[body].is_awake() {
                     slots.push(body);
                 }
             }
@@ -61,40 +63,53 @@ impl World {
     }
 
     fn join_islands(&mut self) {
-        let Self { scratch, bodies, colliders, pairs, joints, movers, .. } = self;
+        let Self { scratch, bodies, colliders, pairs, joints, movers, unions, .. } = self;
         scratch.islands.reset(bodies.slot_count(), movers);
+        let joins = |body: u32| bodies[body].is_free() && bodies[body].is_mover();
         for &(key, slot) in pairs.active() {
             if pairs.get(slot).has_points() {
                 let (a, b) = key.shapes();
                 let (a, b) = (colliders[a].body, colliders[b].body);
-                let joins = |body: u32| bodies[body].is_dynamic() && bodies[body].is_mover();
                 if joins(a) && joins(b) {
                     scratch.islands.union(a, b);
                 }
             }
         }
-        for &body in movers.iter().filter(|&&body| bodies[body].is_dynamic()) {
-            for &id in &bodies[body].joints {
-                let Ok(slot) = joints.find(id) else { continue };
-                if let [Some(a), Some(b)] = joints[slot].bodies
-                    && bodies[a].is_dynamic()
-                    && bodies[b].is_dynamic()
-                    && bodies[a].is_mover()
-                    && bodies[b].is_mover()
-                {
-                    scratch.islands.union(a, b);
+        let islands = &mut scratch.islands;
+        let join_ends = |slot: u32, islands: &mut UnionFind| {
+            if let [Some(a), Some(b)] = joints[slot].bodies
+                && joins(a)
+                && joins(b)
+            {
+                islands.union(a, b);
+            }
+        };
+        for &body in movers.iter().filter(|&&body| bodies[body].is_free()) {
+            match unions.moving(body) {
+                None => {
+                    bodies[body].joints.iter().filter_map(|&id| joints.find(id).ok()).for_each(|slot| join_ends(slot, islands))
                 }
+                Some(union) if union.lead == body => {
+                    union.members.iter().for_each(|&member| islands.union(body, member));
+                    union.outer.iter().for_each(|&slot| join_ends(slot, islands));
+                }
+                Some(_) => {}
             }
         }
     }
 
     /// Numbers the islands by their lowest body and lists their members.
     fn number_islands(&mut self) {
-        let Self { scratch, bodies, movers, groups, report, .. } = self;
+        let Self { scratch, bodies, movers, groups, unions, report, .. } = self;
         groups.island.resize(bodies.slot_count(), 0);
         groups.place.resize(bodies.slot_count(), (0, 0));
         groups.sizes.clear();
-        let dynamic = || movers.iter().copied().filter(|&body| bodies[body].is_dynamic());
+        (report.counts.unions, report.counts.union_members) = (0, 0);
+        for union in unions.iter().filter(|union| union.anchor == Anchor::Free && bodies[union.lead].is_mover()) {
+            report.counts.unions += 1;
+            report.counts.union_members += union.members.len() as u32;
+        }
+        let dynamic = || movers.iter().copied().filter(|&body| bodies[body].is_free());
         for body in dynamic() {
             let root = scratch.islands.find(body);
             if root == body {
@@ -129,7 +144,7 @@ impl World {
     }
 
     fn make_batches(&mut self) {
-        let Self { groups, batches, batch_count, report, hold, .. } = self;
+        let Self { groups, batches, batch_count, unions, report, hold, .. } = self;
         *batch_count = 0;
         let mut filled = BATCH_BODIES;
         for island in 0..groups.sizes.len() {
@@ -148,8 +163,14 @@ impl World {
             batches[batch].begin_island();
             for member in groups.starts[island]..groups.starts[island + 1] {
                 let body = groups.members[member as usize];
-                groups.place[body as usize] = (batch as u32, batches[batch].enlist(body));
-                filled += 1;
+                // Members are sorted, so the lead has its slot already.
+                match unions.moving(body).filter(|union| union.lead != body) {
+                    Some(union) => groups.place[body as usize] = groups.place[union.lead as usize],
+                    None => {
+                        groups.place[body as usize] = (batch as u32, batches[batch].enlist(body));
+                        filled += 1;
+                    }
+                }
             }
         }
         report.counts.batches = *batch_count as u32;
@@ -165,7 +186,7 @@ impl World {
             let (a, b) = key.shapes();
             let moved = [colliders[a].body, colliders[b].body]
                 .into_iter()
-                .find(|&body| bodies[body].is_dynamic() && bodies[body].is_mover());
+                .find(|&body| bodies[body].is_free() && bodies[body].is_mover());
             let Some(body) = moved.filter(|&body| !bodies[body].held) else { continue };
             let batch = &mut batches[groups.place[body as usize].0 as usize];
             for (number, manifold) in pair.manifolds.iter().enumerate() {
@@ -177,16 +198,19 @@ impl World {
     }
 
     fn hand_out_joints(&mut self) {
-        let Self { groups, batches, joints, bodies, movers, scratch, report, .. } = self;
+        let Self { groups, batches, joints, bodies, movers, unions, scratch, report, .. } = self;
         scratch.slots.clear();
-        for &body in movers.iter().filter(|&&body| bodies[body].is_dynamic() && !bodies[body].held) {
-            scratch.slots.extend(bodies[body].joints.iter().filter_map(|&id| joints.find(id).ok()));
+        for &body in movers.iter().filter(|&&body| bodies[body].is_free() && !bodies[body].held) {
+            match unions.moving(body) {
+                None => scratch.slots.extend(bodies[body].joints.iter().filter_map(|&id| joints.find(id).ok())),
+                Some(union) if union.lead == body => scratch.slots.extend_from_slice(&union.outer),
+                Some(_) => {}
+            }
         }
         scratch.slots.sort_unstable();
         scratch.slots.dedup();
         for &slot in &scratch.slots {
-            let moved =
-                joints[slot].bodies.into_iter().flatten().find(|&body| bodies[body].is_dynamic() && bodies[body].is_mover());
+            let moved = joints[slot].bodies.into_iter().flatten().find(|&body| bodies[body].is_free() && bodies[body].is_mover());
             if let Some(body) = moved {
                 batches[groups.place[body as usize].0 as usize].joint_slots.push(slot);
                 report.counts.joints += 1;

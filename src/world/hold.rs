@@ -67,7 +67,7 @@ impl World {
 
     /// Lets go of what a moving kinematic body touches.
     pub(super) fn release_what_is_driven(&mut self) {
-        let drives = |body: &crate::body::Body| body.kind == BodyKind::Kinematic && body.is_mover();
+        let drives = |body: &crate::body::Body| body.acts_as() == BodyKind::Kinematic && body.is_mover();
         if !self.movers.iter().any(|&index| drives(&self.bodies[index])) {
             return;
         }
@@ -140,7 +140,7 @@ impl World {
         let Hold { candidates, graph, .. } = hold;
         graph.clear();
         let island = |index: u32| groups.island[index as usize] as usize;
-        let moves = |index: u32| bodies[index].is_dynamic() && bodies[index].is_mover();
+        let moves = |index: u32| bodies[index].is_free() && bodies[index].is_mover();
         for &(_, slot) in pairs.active() {
             let pair = pairs.get(slot);
             let site = Site::new(pair, slot, colliders, bodies);

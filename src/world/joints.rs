@@ -24,7 +24,7 @@ impl World {
         if !bodies.into_iter().flatten().any(|index| self.bodies[index].is_dynamic()) {
             return Err(Error::new(ErrorKind::NotApplicable, "body_a", "a joint needs at least one dynamic body"));
         }
-        let (_, id) = self.joints.insert(Joint::new(def, bodies))?;
+        let (slot, id) = self.joints.insert(Joint::new(def, bodies))?;
         self.fracture.joints_changed();
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.push(id);
@@ -37,6 +37,7 @@ impl World {
         }
         self.topology_changed();
         self.long_range.graph_changed();
+        self.joint_changed(slot);
         Ok(id)
     }
 
@@ -52,6 +53,7 @@ impl World {
 
     /// Takes a joint out and wakes its bodies.
     pub(super) fn remove_joint(&mut self, slot: u32) {
+        self.joint_changed(slot);
         let (joint, bodies) = (self.joints.handle_of(slot), self.joints[slot].bodies);
         self.joints.remove(slot);
         self.fracture.joints_changed();
@@ -111,6 +113,7 @@ impl World {
         let slot = self.joints.find(joint)?;
         let def = JointDef { break_force: force, break_torque: torque, ..self.joints[slot].def }.checked()?;
         self.joints[slot].def = def;
+        self.limits_changed(slot);
         Ok(())
     }
 
@@ -119,7 +122,9 @@ impl World {
     /// # Errors
     /// The handle is not a joint of this world.
     pub fn joint_state(&self, joint: JointId) -> Result<JointState> {
-        let joint = &self.joints[self.joints.find(joint)?];
+        let slot = self.joints.find(joint)?;
+        let joint = &self.joints[slot];
+        let (force, torque) = self.load_inside(slot).unwrap_or((joint.force, joint.torque));
         let ([a, b], [velocity_a, velocity_b]) =
             ([self.end(joint, 0), self.end(joint, 1)], [self.velocity(joint, 0), self.velocity(joint, 1)]);
         let levers = [a.lever, b.lever].map(|lever| lever.as_dvec3());
@@ -133,8 +138,8 @@ impl World {
         Ok(JointState {
             position: position as f32,
             velocity: if matches!(joint.def.kind, JointKind::Hinge { .. }) { angular_rate } else { point_rate.dot(axis) },
-            force: joint.force,
-            torque: joint.torque,
+            force,
+            torque,
             gap: gap_of(&joint.def.kind, &placement) as f32,
         })
     }
@@ -152,7 +157,9 @@ impl World {
     }
 
     fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
+        self.joint_changed(slot);
         edit(&mut self.joints[slot].def);
+        self.joint_changed(slot);
         self.topology_changed();
         self.long_range.graph_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::World;
 use super::long_range::BoundRecord;
+use super::unions::{Union, Unions};
 use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::{PairCache, WorldManifold};
@@ -20,6 +21,7 @@ use crate::solve::joint::JointEntry;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::taut::TautEntry;
 use crate::span::Derived;
+use crate::span::union::UnionMotion;
 use crate::workers::for_each_chunk;
 
 /// Relative difference of principal moments below which a body is taken as round.
@@ -37,6 +39,9 @@ struct Records<'a> {
     swept: &'a [bool],
     span: &'a Derived,
     place: &'a [(u32, u32)],
+    unions: &'a Unions,
+    /// Whether contacts are added up over the substeps.
+    tallied: bool,
     gravity: Vec3,
     solver: Solver,
     /// Gap that gravity closes within a substep (m).
@@ -67,6 +72,8 @@ impl World {
             swept: &self.long_range.swept,
             span: &self.long_range.derived,
             place: &self.groups.place,
+            unions: &self.unions,
+            tallied: self.unions.iter().any(|union| union.wanted),
             gravity: self.def.gravity,
             solver: self.def.solver,
             reach: self.def.gravity.length() * substep * substep,
@@ -94,11 +101,66 @@ impl World {
 
 impl Records<'_> {
     fn fill(&self, batch: &mut Batch, settings: &StepSettings) {
-        batch.load_bodies(|index| self.body_state(index));
+        batch.tallied = self.tallied;
+        batch.load_bodies(|index| self.slot_state(index));
         self.list_contacts(batch);
         self.list_joints(batch);
         self.lay_out(batch, settings);
         self.fill_bounds(batch);
+    }
+
+    /// State of what has the slot of this body: the body, or the union that it leads.
+    fn slot_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
+        match self.unions.moving(index) {
+            Some(union) => self.union_state(union),
+            None => self.body_state(index),
+        }
+    }
+
+    /// A union as one body: forces on its members add up about its centre.
+    fn union_state(&self, union: &Union) -> (BodyVelocity, BodyMotion) {
+        let UnionMotion { center, rotation, linear, angular } = union.motion;
+        let mass = union.mass;
+        let (mut force, mut torque, mut decay, mut turning_decay, mut turning) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0, 0.0);
+        let lead = &self.bodies[union.lead];
+        for &index in &union.members {
+            let body = &self.bodies[index];
+            let Some(own) = &body.mass else { continue };
+            let arm = (body.center - center).as_vec3();
+            // Gravity is the same pull on all but for what members' factors differ by.
+            let excess = self.gravity * ((body.gravity_scale - lead.gravity_scale) * own.mass);
+            force += body.force + excess;
+            torque += body.torque + arm.cross(body.force + excess);
+            let weight = own.mass * arm.length_squared() + own.principal_inertia.element_sum() / 3.0;
+            decay += body.linear_damping * own.mass;
+            turning_decay += body.angular_damping * weight;
+            turning += weight;
+        }
+        let inertia = mass.principal_inertia;
+        let inverse = crate::shape::inertia_tensor(1.0 / inertia, rotation * mass.inertia_frame);
+        let velocity = BodyVelocity {
+            linear,
+            inverse_mass: Vec3::splat(1.0 / mass.mass),
+            angular,
+            inverse_inertia: Symmetric::from_mat3(inverse),
+        };
+        let jointed = !union.outer.is_empty();
+        let motion = BodyMotion {
+            rotation,
+            acceleration: self.gravity * lead.gravity_scale + force / mass.mass,
+            torque,
+            linear_damping: decay / mass.mass,
+            angular_damping: turning_decay / turning,
+            inertia,
+            inertia_frame: mass.inertia_frame,
+            kind: if is_round(inertia) { MotionKind::Round } else { MotionKind::Tumbling },
+            steady: lead.steady_for >= crate::solve::load_pass::STEADY_STEPS,
+            young: lead.age < crate::solve::load_pass::YOUNG_STEPS,
+            jointed,
+            constrained: jointed,
+            ..BodyMotion::FIXED
+        };
+        (velocity, motion)
     }
 
     fn body_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
@@ -111,7 +173,6 @@ impl Records<'_> {
         };
         let mass = body.mass.as_ref();
         let inertia = mass.map_or(Vec3::ONE, |mass| mass.principal_inertia);
-        let round = inertia.max_element() - inertia.min_element() <= ROUND * inertia.max_element();
         let motion = BodyMotion {
             rotation: body.rotation,
             acceleration: self.gravity * body.gravity_scale + body.force * body.inverse_mass(),
@@ -121,10 +182,10 @@ impl Records<'_> {
             inertia,
             inertia_frame: mass.map_or(Quat::IDENTITY, |mass| mass.inertia_frame),
             free_rotation: crate::body::free_axes(body.locked_axes.rotation),
-            kind: match body.kind {
+            kind: match body.acts_as() {
                 BodyKind::Static => MotionKind::Fixed,
                 BodyKind::Kinematic => MotionKind::Kinematic,
-                BodyKind::Dynamic if round => MotionKind::Round,
+                BodyKind::Dynamic if is_round(inertia) => MotionKind::Round,
                 BodyKind::Dynamic => MotionKind::Tumbling,
             },
             steady: body.steady_for >= crate::solve::load_pass::STEADY_STEPS,
@@ -139,11 +200,16 @@ impl Records<'_> {
     /// Slot of a body in a batch: its own, a replica where it is kinematic and moves, or that of the world.
     fn slot(&self, batch: &mut Batch, index: u32) -> u32 {
         let body = &self.bodies[index];
-        match body.kind {
+        match body.acts_as() {
             BodyKind::Dynamic if body.is_mover() => self.place[index as usize].1,
             BodyKind::Kinematic if body.is_mover() => batch.replica(index, || self.body_state(index)),
             _ => WORLD_SLOT,
         }
+    }
+
+    /// From the centre of mass of what is moved as one to that of this body (m).
+    fn arm(&self, index: u32) -> Vec3 {
+        self.unions.moving(index).map_or(Vec3::ZERO, |union| union.motion.rotation * self.unions.place(index).offset)
     }
 
     fn list_contacts(&self, batch: &mut Batch) {
@@ -156,12 +222,13 @@ impl Records<'_> {
             let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
             let bodies = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
             let world = WorldManifold::new(&carried.geometry, (shape_a, bodies.0), (shape_b, bodies.1));
+            let [shift_a, shift_b] = [shape_a.body, shape_b.body].map(|index| self.arm(index));
             inputs.push(ContactInput {
                 a: self.slot(batch, shape_a.body),
                 b: self.slot(batch, shape_b.body),
                 normal: world.normal,
-                lever_a: world.lever_a,
-                lever_b: world.lever_b,
+                lever_a: world.lever_a.map(|lever| lever + shift_a),
+                lever_b: world.lever_b.map(|lever| lever + shift_b),
                 separation: carried.geometry.points.map(|point| point.separation),
                 count: carried.geometry.count as usize,
                 material: pair.material,
@@ -205,8 +272,9 @@ impl Records<'_> {
             withheld.clear();
             withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
             direct.take(&mut joints.entries, self.joints, velocities, motions, inputs, |slot| {
-                let body = &self.bodies[bodies[slot as usize]];
-                (body.center, body.history)
+                let index = bodies[slot as usize];
+                let body = &self.bodies[index];
+                (self.unions.moving(index).map_or(body.center, |union| union.motion.center), body.history)
             });
             joints.entries.append(withheld);
             direct.step(self.joints, velocities, motions, inputs, settings);
@@ -226,7 +294,7 @@ impl Records<'_> {
             let slot = batch.bound_slots[number];
             let record = &self.bounds[slot as usize];
             let [near, far] = record.ends.map(|(joint, side)| self.joint_end(batch, &self.joints[joint], side as usize));
-            if !batch.swept[far.slot as usize] {
+            if !batch.swept[far.slot as usize] || near.slot == far.slot {
                 continue;
             }
             let [upper_give, lower_give] = World::bound_give(self.long_range, record);
@@ -277,6 +345,15 @@ impl Records<'_> {
             return JointEnd { slot, origin: world.position, lever: Vec3::ZERO, frame: world.rotation };
         }
         let lever = frame.position.as_vec3() - body.local_center;
+        if let Some(union) = self.unions.moving(index) {
+            let place = self.unions.place(index);
+            return JointEnd {
+                slot,
+                origin: union.motion.center,
+                lever: place.offset + place.rotation * lever,
+                frame: (place.rotation * frame.rotation).normalize(),
+            };
+        }
         JointEnd { slot, origin: body.center, lever, frame: frame.rotation }
     }
 }
@@ -289,6 +366,11 @@ struct JointEnd {
     /// Joint point from there, in the body's frame (m).
     lever: Vec3,
     frame: Quat,
+}
+
+/// Whether principal moments are so nearly equal that the body does not tumble.
+fn is_round(inertia: Vec3) -> bool {
+    inertia.max_element() - inertia.min_element() <= ROUND * inertia.max_element()
 }
 
 fn scaled_joint(impulses: &JointImpulses, factor: f32) -> JointImpulses {

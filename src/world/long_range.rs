@@ -1,10 +1,12 @@
 //! Long-range constraints of a world: derived from its joints when those have changed, handed to the batches, read out.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 use super::World;
+use super::unions::Unions;
+use crate::body::Body;
 use crate::error::{Error, ErrorKind, Result};
-use crate::id::{JointId, Pool};
+use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointDef, JointKind, Softness};
 use crate::long_range::{BoundKind, BoundState, LongRangeDef, SoftBound};
 use crate::span::graph::{Link, Turn};
@@ -86,6 +88,11 @@ impl LongRange {
         self.stale = true;
     }
 
+    /// Whether the host asked for a bound that ends at this joint.
+    pub(super) fn is_asked_at(&self, joint: JointId) -> bool {
+        self.soft.iter().any(|asked| asked.joints.contains(&joint))
+    }
+
     fn bounds_of(&self, body: u32) -> &[u32] {
         match (self.starts.get(body as usize), self.starts.get(body as usize + 1)) {
             (Some(&first), Some(&end)) => &self.of_body[first as usize..end as usize],
@@ -100,20 +107,19 @@ impl World {
         if !self.long_range.stale {
             return;
         }
-        let Self { long_range, joints, bodies, def, .. } = self;
+        let Self { long_range, joints, bodies, unions, def, .. } = self;
         long_range.stale = false;
         long_range.derived.graph.clear(bodies.slot_count());
         let settings = &def.long_range;
         if settings.enabled {
-            for (slot, body) in bodies.iter().filter(|(_, body)| body.is_dynamic()) {
+            for (slot, body) in bodies.iter().filter(|(_, body)| body.is_free()) {
                 if let Some(mass) = &body.mass {
-                    long_range.derived.graph.masses[slot as usize] = mass.mass;
+                    long_range.derived.graph.masses[slot as usize] =
+                        unions.moving(slot).map_or(mass.mass, |union| union.mass.mass);
                 }
             }
             for (slot, joint) in joints.iter() {
-                if let Some(turn) = turn_of(&joint.def) {
-                    long_range.derived.graph.links.push(link_of(slot, joint, turn));
-                }
+                long_range.derived.graph.links.extend(link_of(slot, joint, unions, bodies));
             }
         }
         let requests = long_range.requests(joints, settings);
@@ -131,7 +137,7 @@ impl World {
         if long_range.records.is_empty() {
             return;
         }
-        for &body in movers.iter().filter(|&&body| bodies[body].is_dynamic() && !bodies[body].held) {
+        for &body in movers.iter().filter(|&&body| bodies[body].is_free() && !bodies[body].held) {
             let batch = &mut batches[groups.place[body as usize].0 as usize];
             batch.bound_slots.extend_from_slice(long_range.bounds_of(body));
         }
@@ -194,6 +200,10 @@ impl World {
     /// Names the field of `def` that is out of range; nothing has changed then.
     pub fn set_long_range(&mut self, def: &LongRangeDef) -> Result<()> {
         def.check()?;
+        let unite = |def: &LongRangeDef| def.enabled && def.union;
+        if unite(&self.def.long_range) != unite(def) {
+            self.all_welds_changed();
+        }
         self.def.long_range = *def;
         self.long_range.graph_changed();
         self.wake_all();
@@ -214,10 +224,12 @@ impl World {
             bound.check()?;
         }
         let ends = if joint_a < joint_b { [joint_a, joint_b] } else { [joint_b, joint_a] };
+        slots.iter().for_each(|&slot| self.joint_changed(slot));
         self.long_range.soft.retain(|asked| asked.joints != ends);
         self.long_range.soft.extend(bound.map(|bound| AskedBound { joints: ends, bound }));
         self.long_range.graph_changed();
         for slot in slots {
+            self.joint_changed(slot);
             for body in self.joints[slot].bodies.into_iter().flatten() {
                 self.wake_body(body);
             }
@@ -372,11 +384,10 @@ impl LongRange {
 }
 
 /// What a joint lets turn, if it holds its points together without give.
-fn turn_of(def: &JointDef) -> Option<Turn> {
+fn turn_of(def: &JointDef, frames: [Quat; 2]) -> Option<Turn> {
     if def.linear.compliance > 0.0 {
         return None;
     }
-    let frames = [def.frame_a.rotation, def.frame_b.rotation];
     let stiff = def.angular.compliance == 0.0;
     let stops = stiff && def.limit.compliance == 0.0;
     match def.kind {
@@ -395,7 +406,21 @@ fn turn_of(def: &JointDef) -> Option<Turn> {
     }
 }
 
-fn link_of(slot: u32, joint: &Joint, turn: Turn) -> Link {
-    let points = [joint.def.frame_a.position.as_vec3(), joint.def.frame_b.position.as_vec3()];
-    Link { joint: slot, bodies: joint.bodies, points, turn }
+/// The joint as a link between what moves as one: a union stands under its lead, in its own frame. `None` for joints inside one.
+fn link_of(slot: u32, joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyId>) -> Option<Link> {
+    let end = |side: usize| {
+        let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
+        let point = frame.position.as_vec3();
+        let Some(index) = joint.bodies[side] else { return (None, point, frame.rotation) };
+        let Some(union) = unions.of(index) else { return (Some(index), point, frame.rotation) };
+        let place = unions.place(index);
+        let point = place.offset + place.rotation * (point - bodies[index].local_center);
+        (Some(union.lead), point, (place.rotation * frame.rotation).normalize())
+    };
+    let (a, b) = (end(0), end(1));
+    if a.0.is_some() && a.0 == b.0 {
+        return None;
+    }
+    let turn = turn_of(&joint.def, [a.2, b.2])?;
+    Some(Link { joint: slot, bodies: [a.0, b.0], points: [a.1, b.1], turn })
 }

@@ -4,6 +4,7 @@ use parry3d::bounding_volume::BoundingVolume;
 use rayon::prelude::*;
 
 use super::World;
+use super::unions::Unions;
 use crate::body::Body;
 use crate::collide::broad::still_near;
 use crate::collide::collider::{Collider, own_margin};
@@ -45,12 +46,12 @@ impl World {
     }
 
     fn drop_distant_pairs(&mut self) {
-        let Self { pairs, colliders, bodies, events, .. } = self;
+        let Self { pairs, colliders, bodies, unions, events, .. } = self;
         pairs.retain_active(|key, _, pair| {
             let (a, b) = key.shapes();
             let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
             let moves = bodies[shape_a.body].is_mover() || bodies[shape_b.body].is_mover();
-            if moves && still_near(&shape_a.fat_box, &shape_b.fat_box) {
+            if moves && still_near(&shape_a.fat_box, &shape_b.fat_box) && !unions.same(shape_a.body, shape_b.body) {
                 return Fate::Stay;
             }
             if pair.in_contact {
@@ -61,12 +62,16 @@ impl World {
     }
 
     fn add_new_pairs(&mut self) {
-        let Self { broad, colliders, bodies, joints, pairs, scratch, .. } = self;
+        let Self { broad, colliders, bodies, joints, unions, pairs, scratch, .. } = self;
         scratch.candidates.clear();
-        broad.refresh(|shape| colliders.get(shape).and_then(|collider| collider.fat_box), &mut scratch.candidates);
+        broad.refresh(
+            |shape| colliders.get(shape).and_then(|collider| collider.fat_box),
+            |shape| colliders.get(shape).and_then(|collider| unions.number_of(collider.body)),
+            &mut scratch.candidates,
+        );
         scratch.keys.clear();
         for &(a, b) in &scratch.candidates {
-            if may_collide(&colliders[a], &colliders[b], bodies, joints) {
+            if may_collide(&colliders[a], &colliders[b], bodies, joints, unions) {
                 scratch.keys.push(PairKey::new(a, b));
             }
         }
@@ -121,19 +126,26 @@ impl World {
 
 /// How far two shapes can move against each other in a step (m).
 fn relative_motion(a: (&Collider, &Body), b: (&Collider, &Body), gravity: glam::Vec3, dt: f32) -> f32 {
-    let fall = |body: &Body| if body.is_dynamic() && body.is_mover() { body.gravity_scale } else { 0.0 };
+    let fall = |body: &Body| if body.is_free() && body.is_mover() { body.gravity_scale } else { 0.0 };
     let closing = b.1.linear_velocity - a.1.linear_velocity + gravity * ((fall(b.1) - fall(a.1)) * dt);
     let turning = |(collider, body): (&Collider, &Body)| body.angular_velocity.length() * collider.reach;
     (closing.length() + turning(a) + turning(b)) * dt
 }
 
 /// Whether a pair of shapes belongs among the active pairs.
-pub(super) fn may_collide(a: &Collider, b: &Collider, bodies: &Pool<Body, BodyId>, joints: &Pool<Joint, JointId>) -> bool {
+pub(super) fn may_collide(
+    a: &Collider,
+    b: &Collider,
+    bodies: &Pool<Body, BodyId>,
+    joints: &Pool<Joint, JointId>,
+    unions: &Unions,
+) -> bool {
     if a.body == b.body || !a.filter.accepts(&b.filter) {
         return false;
     }
     let (body_a, body_b) = (&bodies[a.body], &bodies[b.body]);
-    (body_a.is_dynamic() || body_b.is_dynamic())
+    (body_a.is_free() || body_b.is_free())
+        && !unions.same(a.body, b.body)
         && (body_a.is_mover() || body_b.is_mover())
         && !(body_a.quarantined || body_b.quarantined)
         && !kept_apart(body_a, body_b, b.body, joints)

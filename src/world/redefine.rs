@@ -71,6 +71,7 @@ impl World {
         let def = JointDef { frame_a, frame_b, ..self.joints[slot].def }.checked()?;
         self.joints[slot].forget_impulses();
         self.joints[slot].def = def;
+        self.joint_changed(slot);
         self.topology_changed();
         self.long_range.graph_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {

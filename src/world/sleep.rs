@@ -35,8 +35,9 @@ impl World {
         if !self.bodies[index].is_dynamic() {
             return Err(Error::new(ErrorKind::NotApplicable, "body", "only dynamic bodies sleep"));
         }
-        if self.bodies[index].is_awake() {
+        if self.bodies[index].is_awake() && self.bodies[index].is_mover() && self.bodies[index].is_free() {
             self.settle_movers();
+            self.flood_unions();
             self.group_islands();
             let island = self.groups.island[index as usize];
             let members = self.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();
@@ -147,12 +148,12 @@ impl World {
 
     /// Whether a kinematic body that moves touches or holds one of these bodies.
     fn rests_on_a_mover(&self, members: &[u32]) -> bool {
-        let moves = |index: u32| self.bodies[index].kind == BodyKind::Kinematic && self.bodies[index].is_mover();
+        let moves = |index: u32| self.bodies[index].acts_as() == BodyKind::Kinematic && self.bodies[index].is_mover();
         let jointed = members.iter().flat_map(|&index| &self.bodies[index].joints).filter_map(|&id| self.joints.find(id).ok());
         if jointed.flat_map(|slot| self.joints[slot].bodies).flatten().any(moves) {
             return true;
         }
-        self.movers.iter().any(|&index| self.bodies[index].kind == BodyKind::Kinematic)
+        self.movers.iter().any(|&index| self.bodies[index].acts_as() == BodyKind::Kinematic)
             && self.pairs.active().iter().any(|&(key, slot)| {
                 let (a, b) = key.shapes();
                 let (a, b) = (self.colliders[a].body, self.colliders[b].body);
@@ -180,7 +181,7 @@ impl World {
                 return Fate::Stay;
             }
             let ours = |index: u32| bodies[index].sleep == SleepState::Asleep { island: number };
-            let still = |index: u32| !bodies[index].is_dynamic();
+            let still = |index: u32| !bodies[index].is_free();
             if (ours(a) && (ours(b) || still(b))) || (ours(b) && still(a)) {
                 kept.push(slot);
                 return Fate::Store;

@@ -3,8 +3,8 @@
 use glam::{DVec3, Quat};
 
 use super::fracture::Fracture;
-use super::{CarriedBound, World};
-use crate::body::{Body, SleepState};
+use super::{CarriedBound, CarriedUnion, World};
+use crate::body::{Anchored, Body, SleepState};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::{Pair, PairCache};
 use crate::error::Result;
@@ -26,6 +26,7 @@ struct Image {
     pairs: PairCache,
     sleeping: SleepingIslands,
     bounds: Vec<CarriedBound>,
+    unions: Vec<CarriedUnion>,
 }
 
 impl World {
@@ -51,6 +52,8 @@ impl World {
             support,
             // Carried bounds and what was asked for are stored, and derived bounds made anew.
             long_range,
+            // Likewise.
+            unions,
             fracture,
             // Made anew from the rest by whoever needs them next.
             escaped: _,
@@ -78,6 +81,7 @@ impl World {
             piece_bodies: _,
         } = events;
         let (bounds_stale, carried_bounds) = self.carried_bounds();
+        let (stale_unions, carried_unions) = self.carried_unions();
         let (said_supported, watched) = support.as_ref().map_or_else(Default::default, |support| support.said());
         let forms = NumberedForms::of(colliders.iter().map(|(_, collider)| &collider.shape));
         seal::open(out);
@@ -96,6 +100,8 @@ impl World {
             said_supported: Runs(said_supported),
             watched,
             bounds_stale,
+            stale_unions: Runs(stale_unions),
+            pushed: Runs(unions.pushed.clone()),
             asked_bounds: long_range.soft.clone(),
             asked_fractures: fracture.asked().to_vec(),
             free_bodies: Runs(bodies.free().to_vec()),
@@ -125,6 +131,7 @@ impl World {
         let islands: Vec<Option<IslandRow>> = sleeping.islands().iter().map(island).collect();
         tables.table(islands.iter());
         tables.table(carried_bounds.iter());
+        tables.table(carried_unions.iter());
         seal::close(out, seal::form(LISTED));
     }
 
@@ -140,7 +147,7 @@ impl World {
         let (forms, content) = KnownForms::read(content, present)?;
         let mut input = Input::new(content, &forms, self._tag.number());
         let image = Image::read(&mut input, self._tag.number()).ok_or(refused("holds what makes no sense"))?;
-        let Image { row, bodies, colliders, joints, pairs, sleeping, bounds } = image;
+        let Image { row, bodies, colliders, joints, pairs, sleeping, bounds, unions } = image;
         self.broad.rebuild(colliders.slot_count(), |slot| colliders.get(slot)?.fat_box, row.changed.0);
         self.def = WorldDef { threads: self.def.threads, ..row.def };
         let report = StepReport { step: row.step, time: row.time, ..StepReport::default() };
@@ -154,6 +161,9 @@ impl World {
         self.joints = joints;
         self.pairs = pairs;
         self.sleeping = sleeping;
+        // Which joints make unions depends on what was asked for.
+        self.long_range.soft.clone_from(&row.asked_bounds);
+        self.restart_unions(row.stale_unions.0, row.pushed.0, &unions);
         self.restart_long_range(row.bounds_stale, &bounds, row.asked_bounds);
         self.fracture = Fracture::restored(row.asked_fractures);
         self.report = report;
@@ -200,13 +210,13 @@ impl Image {
                 }
             });
         }
-        let bounds = input.table()?;
+        let (bounds, unions) = (input.table()?, input.table()?);
         if next as usize != active.len() + asleep.len() || !input.is_done() {
             return None;
         }
         let sleeping = SleepingIslands::from_parts(islands, row.free_islands.0.clone())?;
         let pairs = PairCache::from_parts(active, asleep)?;
-        let image = Self { row, bodies, colliders, joints, pairs, sleeping, bounds };
+        let image = Self { row, bodies, colliders, joints, pairs, sleeping, bounds, unions };
         image.makes_sense().then_some(image)
     }
 
@@ -247,6 +257,7 @@ impl Image {
             && body.angular_velocity.is_finite()
             && body.local_center.is_finite()
             && body.is_dynamic() == body.mass.is_some()
+            && (body.anchored == Anchored::No || body.is_dynamic())
             && body.shapes.iter().all(own_shape)
             && body.joints.iter().all(own_joint)
     }
@@ -268,7 +279,7 @@ impl Image {
         let listed = &self.row.movers.0;
         let mut sorted = listed.clone();
         sorted.sort_unstable();
-        let moves = |body: &Body| body.is_dynamic() && body.is_mover();
+        let moves = |body: &Body| body.is_free() && body.is_mover();
         let all_listed = self.bodies.iter().all(|(slot, body)| !moves(body) || sorted.binary_search(&slot).is_ok());
         let is_settled = || {
             let known = |&slot: &u32| self.bodies.get(slot).is_some_and(Body::is_mover);

@@ -5,10 +5,12 @@ use glam::Vec3;
 use super::World;
 use super::fast::Path;
 use super::pairs::contact_pair;
+use super::unions::Anchor;
 use crate::body::BodyKind;
 use crate::collide::sweep::PathStart;
 use crate::report::{JointOverload, Moved};
 use crate::solve::direct::history::History;
+use crate::span::union::UnionMotion;
 
 /// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
 const ROTATION_TOLERANCE: f32 = 1.0e-3;
@@ -30,11 +32,13 @@ impl World {
             residuals.joint_gap = residuals.joint_gap.max(batch.joint_gap);
             residuals.penetration = residuals.penetration.max(batch.penetration);
         }
+        self.report_union_overloads();
         self.store_bounds(dt);
         for index in std::mem::take(&mut self.broken) {
             self.quarantine(index);
         }
         self.finish_kinematic_bodies(dt);
+        self.carry_anchored();
         self.report.counts.bodies_asleep = self.sleeping.body_count() as u32;
     }
 
@@ -42,50 +46,70 @@ impl World {
         let mut broken = std::mem::take(&mut self.scratch.slots);
         broken.clear();
         let calm_speed = self.calm_speed(dt);
-        let batch = &self.batches[number];
+        let Self { batches, bodies, colliders, unions, scratch, .. } = self;
+        let batch = &batches[number];
         for slot in 1..batch.bodies.len() {
             let index = batch.bodies[slot];
-            let body = &mut self.bodies[index];
-            if body.kind != BodyKind::Dynamic {
+            if !bodies[index].is_free() {
                 continue;
             }
             let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
-            body.force = Vec3::ZERO;
-            body.torque = Vec3::ZERO;
-            body.contact_force = Vec3::ZERO;
+            let union = unions.moving(index);
+            let members = union.map_or(std::slice::from_ref(&index), |union| &union.members);
+            let from = union.map_or(bodies[index].center, |union| union.motion.center);
+            let to = UnionMotion {
+                center: from + motion.displacement.as_dvec3(),
+                rotation: motion.rotation,
+                linear: velocity.linear,
+                angular: velocity.angular,
+            };
+            for &member in members {
+                let body = &mut bodies[member];
+                (body.force, body.torque, body.contact_force) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+            }
             let finite = motion.displacement.is_finite()
                 && (motion.rotation.length_squared() - 1.0).abs() < ROTATION_TOLERANCE
                 && velocity.linear.is_finite()
                 && velocity.angular.is_finite()
-                && (body.center + motion.displacement.as_dvec3()).abs().max_element() <= crate::check::MAX_COORDINATE;
+                && to.center.abs().max_element() <= crate::check::MAX_COORDINATE;
             if !finite {
-                broken.push(index);
+                broken.extend_from_slice(members);
                 continue;
             }
-            if body.fast || batch.direct.is_jointed(slot as u32) {
-                let start = PathStart { center: body.center, rotation: body.rotation };
-                let group = (number as u32, batch.direct.group_of(slot as u32));
-                self.scratch.paths.push(Path { group, body: index, start });
-            }
-            body.center += motion.displacement.as_dvec3();
-            body.rotation = motion.rotation;
-            body.linear_velocity = velocity.linear;
-            body.angular_velocity = velocity.angular;
-            let mut reach = 0.0_f32;
-            body.history = History::NONE;
-            for &id in &body.shapes {
-                if let Ok(shape) = self.colliders.find(id) {
-                    self.colliders[shape].follow(body);
-                    reach = reach.max(self.colliders[shape].reach);
+            let swept = batch.direct.is_jointed(slot as u32) || members.iter().any(|&member| bodies[member].fast);
+            let steady = batch.load_pass.is_slow(slot);
+            for &member in members {
+                let body = &mut bodies[member];
+                if swept {
+                    let start = PathStart { center: body.center, rotation: body.rotation };
+                    let group = (number as u32, batch.direct.group_of(slot as u32));
+                    scratch.paths.push(Path { group, body: member, start });
                 }
+                let own = match union {
+                    Some(_) => unions.motion_of(member, &to),
+                    None => to,
+                };
+                (body.center, body.rotation) = (own.center, own.rotation);
+                (body.linear_velocity, body.angular_velocity) = (own.linear, own.angular);
+                body.history = History::NONE;
+                let mut reach = 0.0_f32;
+                for &id in &body.shapes {
+                    if let Ok(shape) = colliders.find(id) {
+                        colliders[shape].follow(body);
+                        reach = reach.max(colliders[shape].reach);
+                    }
+                }
+                body.age = body.age.saturating_add(1);
+                body.steady_for = if steady { body.steady_for.saturating_add(1) } else { 0 };
+                let is_calm = own.linear.length() + own.angular.length() * reach < calm_speed;
+                body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
             }
-            body.age = body.age.saturating_add(1);
-            body.steady_for = if batch.load_pass.is_slow(slot) { body.steady_for.saturating_add(1) } else { 0 };
-            let is_calm = velocity.linear.length() + velocity.angular.length() * reach < calm_speed;
-            body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
+            if let Some(union) = unions.of_mut(index).filter(|union| union.anchor == Anchor::Free) {
+                union.motion = to;
+            }
         }
         for (slot, history) in batch.direct.histories() {
-            self.bodies[batch.bodies[slot as usize]].history = *history;
+            bodies[batch.bodies[slot as usize]].history = *history;
         }
         self.broken.append(&mut broken);
         self.scratch.slots = broken;
@@ -136,6 +160,7 @@ impl World {
         body.angular_velocity = Vec3::ZERO;
         body.quarantined = true;
         self.topology_changed();
+        self.welds_changed(index);
         self.events.quarantined.push(self.bodies.handle_of(index));
         self.forget_contacts_of(index);
         self.events.take_edits();

@@ -7,10 +7,10 @@ use std::process::Command;
 
 use crate::body_def::*;
 use crate::events::*;
+use crate::fracture::*;
 use crate::handle::*;
 use crate::joint::*;
 use crate::joint_def::*;
-use crate::fracture::*;
 use crate::long_range::*;
 use crate::math::*;
 use crate::query_def::*;
@@ -60,6 +60,9 @@ fn layouts() -> Vec<Layout> {
         LsShape { id }
         LsJoint { id }
         LsPose { position, rotation }
+        LsUnion {
+            lead, members, joints, center, linear_velocity, angular_velocity, mass, anchored, distance_residual, angle_residual
+        }
         LsSupport { verdict, margin }
         LsSupportChange { body, user_word, supported, reserved }
         LsMaterial { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule }
@@ -103,7 +106,7 @@ fn layouts() -> Vec<Layout> {
         LsJointStress { force, torque, share, limit, damage }
         LsJointState { position, velocity, force, torque, gap }
         LsBoundKindDef { enabled, upper, lower }
-        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft }
+        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft, unions }
         LsSoftBound { share, softness }
         LsBound { near_joint, far_joint, points, kind, level, distance, upper, lower, tension, active, reserved }
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
@@ -114,7 +117,7 @@ fn layouts() -> Vec<Layout> {
         LsStepReport {
             step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
             joints, batches, colors, moved, joint_gap, penetration, broad_phase_time, narrow_phase_time, island_time,
-            solve_time, finish_time, total_time
+            solve_time, finish_time, total_time, unions, union_members
         }
         LsMoved { body, user_word, pose, linear_velocity, angular_velocity, fell_asleep, reserved }
         LsContactPair { shape_a, shape_b, body_a, body_b }

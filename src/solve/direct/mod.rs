@@ -23,7 +23,7 @@ mod block;
 mod body;
 mod contacts;
 mod coupled;
-mod factor;
+pub(crate) mod factor;
 pub(crate) mod history;
 mod momentum;
 mod order;

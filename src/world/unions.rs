@@ -1,0 +1,712 @@
+//! Rigid unions of a world: which bodies fixed joints make one, kept up as joints come and go, and how each moves.
+//!
+//! A body of a free union is no body of the solver: the union has one slot, and contacts, joints and bounds of its members act on
+//! that. What is anchored to something static stands like it; what is anchored to a kinematic body is driven by it. Joints inside
+//! a union are not solved at all.
+//!
+//! **Kept up lazily.** An edit that concerns a fixed joint dissolves the unions of its bodies at once and notes the bodies; the next
+//! step floods from those alone. Members carry their own poses and velocities, so a union that has fallen apart leaves each piece
+//! what it had.
+//!
+//! **Members first.** A union's motion is kept with it, and members follow to the last bit. One that is found elsewhere, or at
+//! another velocity, was put there: the union takes it in by shape matching and a velocity fit that keeps momentum.
+
+use std::sync::OnceLock;
+
+use glam::{DQuat, Quat, Vec3};
+
+use super::World;
+use super::union_loads::wants_load;
+use crate::body::{Anchored, Body, BodyKind};
+use crate::collide::collider::Collider;
+use crate::id::{Pool, ShapeId};
+use crate::joint::JointKind;
+use crate::mass::MassProperties;
+use crate::solve::direct::history::History;
+use crate::span::union::loads::{BondStiffness, Wrench};
+use crate::span::union::matching::{Covariances, Loose, fit_velocity};
+use crate::span::union::{Compound, Frame, RestState, UnionMotion, Weld, inertia_of};
+
+/// No union.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Where a body is in its union.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    pub union: u32,
+    /// From the union's centre of mass, in its axes (m), and the rotation there.
+    pub offset: Vec3,
+    pub rotation: Quat,
+}
+
+impl Place {
+    const OUTSIDE: Self = Self { union: NONE, offset: Vec3::ZERO, rotation: Quat::IDENTITY };
+}
+
+/// What holds a union.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Anchor {
+    /// Nothing: it is one body of the solver.
+    Free,
+    /// The world or static bodies.
+    Still,
+    /// This kinematic body.
+    Driven(u32),
+}
+
+/// Bodies that move as one.
+#[derive(Debug)]
+pub(super) struct Union {
+    /// Lowest dynamic member: its slot stands for the union.
+    pub lead: u32,
+    /// Dynamic members, sorted.
+    pub members: Vec<u32>,
+    pub anchor: Anchor,
+    /// Static and kinematic bodies that hold it, sorted.
+    pub anchors: Vec<u32>,
+    /// Fixed joints that it is made of, sorted.
+    pub welds: Vec<u32>,
+    /// Joints to what does not belong to it, sorted.
+    pub outer: Vec<u32>,
+    /// Of all dynamic members.
+    pub mass: MassProperties,
+    covariances: Covariances,
+    /// Its frame in that of its first anchor.
+    held: Frame,
+    /// Worst distance (m) and angle (rad) by which its joints contradict one another.
+    pub residual: (f32, f32),
+    pub motion: UnionMotion,
+    /// Where it was, and how it moved, before the last step; nothing before its first one.
+    pub before: Option<UnionMotion>,
+    /// Whether a joint in it has a limit, so that loads are found in every step.
+    pub wanted: bool,
+    /// Members that the host pushed in the last step: force (N) and torque (N·m).
+    pub pushes: Vec<(u32, Vec3, Vec3)>,
+    /// What the joints did when the host gave members velocities of their own before the last step (N·s, N·m·s, about centres).
+    pub jolts: Vec<Wrench>,
+    /// Stiffness of its joints, made when loads are first asked for.
+    pub stiffness: OnceLock<BondStiffness>,
+    /// Loads of the joints in `welds` in the last step, likewise.
+    pub loads: OnceLock<Vec<Wrench>>,
+}
+
+/// What a union carries from step to step, as a snapshot keeps it: the rest is derived.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CarriedUnion {
+    pub lead: u32,
+    pub motion: UnionMotion,
+    pub before: Option<UnionMotion>,
+}
+
+/// All unions of a world.
+#[derive(Debug, Default)]
+pub(super) struct Unions {
+    /// By body slot.
+    pub places: Vec<Place>,
+    records: Vec<Option<Union>>,
+    free: Vec<u32>,
+    /// Unions sorted by their lead.
+    pub order: Vec<u32>,
+    /// Bodies to flood from.
+    pub stale: Vec<u32>,
+    /// Anchored bodies that the host has pushed since the last step.
+    pub pushed: Vec<u32>,
+    scratch: Scratch,
+}
+
+#[derive(Debug, Default)]
+struct Scratch {
+    loose: Vec<Loose>,
+    places: Vec<(Vec3, Quat)>,
+}
+
+/// Dynamic members, anchors and fixed joints reached from one body.
+#[derive(Debug, Default)]
+struct Component {
+    members: Vec<u32>,
+    anchors: Vec<u32>,
+    welds: Vec<u32>,
+    /// Whether a joint holds it to the world itself.
+    to_world: bool,
+}
+
+impl Unions {
+    pub(super) fn place(&self, body: u32) -> Place {
+        self.places.get(body as usize).copied().unwrap_or(Place::OUTSIDE)
+    }
+
+    /// Union that a body belongs to.
+    pub(super) fn of(&self, body: u32) -> Option<&Union> {
+        let place = self.places.get(body as usize)?;
+        self.records.get(place.union as usize)?.as_ref()
+    }
+
+    pub(super) fn of_mut(&mut self, body: u32) -> Option<&mut Union> {
+        let slot = self.place(body).union;
+        self.records.get_mut(slot as usize)?.as_mut()
+    }
+
+    /// The union of a body that the solver moves as part of it.
+    pub(super) fn moving(&self, body: u32) -> Option<&Union> {
+        self.of(body).filter(|union| union.anchor == Anchor::Free)
+    }
+
+    /// What a member does where its union does this.
+    pub(super) fn motion_of(&self, member: u32, union: &UnionMotion) -> UnionMotion {
+        let place = self.place(member);
+        union.at(place.offset, place.rotation)
+    }
+
+    /// Number of the union that a body belongs to.
+    pub(super) fn number_of(&self, body: u32) -> Option<u32> {
+        self.places.get(body as usize).map(|place| place.union).filter(|&union| union != NONE)
+    }
+
+    pub(super) fn same(&self, a: u32, b: u32) -> bool {
+        match (self.places.get(a as usize), self.places.get(b as usize)) {
+            (Some(a), Some(b)) => a.union != NONE && a.union == b.union,
+            _ => false,
+        }
+    }
+
+    /// All unions, by lead.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &Union> {
+        self.order.iter().filter_map(|&slot| self.records[slot as usize].as_ref())
+    }
+
+    /// Removes the union in this slot; its members belong to none then.
+    fn dissolve(&mut self, slot: u32) -> Option<Union> {
+        let union = self.records.get_mut(slot as usize)?.take()?;
+        for &body in union.members.iter().chain(&union.anchors) {
+            if let Some(place) = self.places.get_mut(body as usize).filter(|place| place.union == slot) {
+                *place = Place::OUTSIDE;
+            }
+        }
+        self.order.retain(|&other| other != slot);
+        self.free.push(slot);
+        Some(union)
+    }
+
+    fn insert(&mut self, union: Union, places: &[(Vec3, Quat)]) {
+        let slot = self.free.pop().unwrap_or_else(|| {
+            self.records.push(None);
+            self.records.len() as u32 - 1
+        });
+        for (&body, &(offset, rotation)) in union.members.iter().zip(places) {
+            self.places[body as usize] = Place { union: slot, offset, rotation };
+        }
+        let lead = union.lead;
+        let records = &self.records;
+        let place = self.order.partition_point(|&other| records[other as usize].as_ref().is_some_and(|union| union.lead < lead));
+        self.order.insert(place, slot);
+        self.records[slot as usize] = Some(union);
+    }
+}
+
+/// Whether a dynamic body can be part of a union: axes locked in the world would have to be locked for all of it.
+fn can_join(body: &Body) -> bool {
+    body.is_dynamic() && !body.quarantined && body.locked_axes == crate::body::LockedAxes::default()
+}
+
+impl World {
+    /// Whether a joint leaves its bodies no freedom at all, and nothing but unions has to know of it.
+    fn is_weld(&self, slot: u32) -> bool {
+        let def = &self.joints[slot].def;
+        let rigid = matches!(def.kind, JointKind::Fixed) && def.linear.compliance == 0.0 && def.angular.compliance == 0.0;
+        // A soft bound ends at joints, and needs bodies on both sides.
+        rigid && !self.long_range.is_asked_at(self.joints.handle_of(slot))
+    }
+
+    /// Says that a joint is new, about to go, or another than it was.
+    pub(super) fn joint_changed(&mut self, slot: u32) {
+        let weld = self.is_weld(slot);
+        for index in self.joints[slot].bodies.into_iter().flatten() {
+            if weld || self.unions.place(index).union != NONE {
+                self.welds_changed(index);
+            }
+        }
+    }
+
+    /// Says that fixed joints of a body, its mass, or whether it can be part of a union have changed.
+    pub(super) fn welds_changed(&mut self, index: u32) {
+        let slot = self.unions.place(index).union;
+        let anchored_here: Vec<u32> = match self.bodies.get(index) {
+            // An anchor belongs to no union, and may hold several.
+            Some(body) if !body.is_dynamic() => self.unions_held_by(index),
+            _ => Vec::new(),
+        };
+        for slot in anchored_here.into_iter().chain((slot != NONE).then_some(slot)) {
+            if let Some(union) = self.unions.dissolve(slot) {
+                for &member in &union.members {
+                    self.set_anchored(member, Anchored::No);
+                    self.revisit_shapes(member);
+                }
+                self.unions.stale.extend_from_slice(&union.members);
+                self.long_range.graph_changed();
+            }
+        }
+        self.unions.stale.push(index);
+    }
+
+    /// Has what is near a body looked for: members of a union are no pairs, those of two are.
+    fn revisit_shapes(&mut self, index: u32) {
+        let Some(body) = self.bodies.get(index) else { return };
+        for &id in &body.shapes {
+            if let Ok(shape) = self.colliders.find(id) {
+                self.broad.revisit(shape);
+            }
+        }
+    }
+
+    fn unions_held_by(&self, anchor: u32) -> Vec<u32> {
+        let holds = |&&slot: &&u32| {
+            self.unions.records[slot as usize].as_ref().is_some_and(|union| union.anchors.binary_search(&anchor).is_ok())
+        };
+        self.unions.order.iter().filter(holds).copied().collect()
+    }
+
+    /// Has all unions made anew.
+    pub(super) fn all_welds_changed(&mut self) {
+        let welded: Vec<u32> =
+            self.bodies.iter().filter(|(_, body)| body.is_dynamic() && !body.joints.is_empty()).map(|(index, _)| index).collect();
+        for index in welded {
+            self.welds_changed(index);
+        }
+    }
+
+    fn set_anchored(&mut self, index: u32, anchored: Anchored) {
+        let Some(body) = self.bodies.get(index) else { return };
+        if body.anchored == anchored {
+            return;
+        }
+        self.wake_body(index);
+        let body = &mut self.bodies[index];
+        body.anchored = anchored;
+        if anchored != Anchored::No {
+            (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+            (body.held, body.calm_for) = (false, 0);
+        }
+        self.movers_sorted = false;
+        self.wake_around(index);
+        self.note_mover(index);
+        self.topology_changed();
+    }
+
+    /// Brings unions up to date with the joints, and their motion with what was done to members.
+    pub(super) fn form_unions(&mut self) {
+        self.flood_unions();
+        self.drive_anchored(false);
+        self.gather_members(false);
+        self.settle_movers();
+    }
+
+    /// The same within a step, where joints have broken: unions that are left have their motion and forces of this step already.
+    pub(super) fn form_unions_again(&mut self) {
+        self.flood_unions();
+        self.drive_anchored(true);
+        self.gather_members(true);
+        self.settle_movers();
+    }
+
+    /// Gives the members of a union that is about to break the velocities that the host gave each, before the union shared them.
+    pub(super) fn take_back_jolts(&mut self, index: u32) {
+        let Self { unions, bodies, .. } = self;
+        let Some(union) = unions.of_mut(index) else { return };
+        for (&member, jolt) in union.members.iter().zip(&union.jolts) {
+            let body = &mut bodies[member];
+            body.linear_velocity -= jolt.force.as_vec3() * body.inverse_mass();
+            body.angular_velocity -= body.world_inverse_inertia() * jolt.torque.as_vec3();
+        }
+        union.jolts.clear();
+    }
+
+    /// Makes unions of what has changed since the last flood.
+    pub(super) fn flood_unions(&mut self) {
+        if self.unions.stale.is_empty() {
+            return;
+        }
+        let mut open = std::mem::take(&mut self.unions.stale);
+        open.sort_unstable();
+        open.dedup();
+        self.unions.places.resize(self.bodies.slot_count(), Place::OUTSIDE);
+        for number in 0..open.len() {
+            let index = open[number];
+            let begins = self.bodies.get(index).is_some_and(can_join) && self.unions.place(index).union == NONE;
+            if begins && self.def.long_range.enabled && self.def.long_range.union {
+                let component = self.component(index);
+                self.form(component, None);
+            }
+        }
+        open.clear();
+        self.unions.stale = open;
+        self.long_range.graph_changed();
+    }
+
+    /// What fixed joints connect to a body, not through anchors.
+    fn component(&self, start: u32) -> Component {
+        let mut component = Component::default();
+        let mut seen = std::collections::BTreeSet::from([start]);
+        let mut next = vec![start];
+        while let Some(index) = next.pop() {
+            component.members.push(index);
+            for slot in self.bodies[index].joints.iter().filter_map(|&id| self.joints.find(id).ok()) {
+                let joint = &self.joints[slot];
+                if !self.is_weld(slot) {
+                    continue;
+                }
+                let other = if joint.bodies[0] == Some(index) { joint.bodies[1] } else { joint.bodies[0] };
+                match other {
+                    None => component.to_world = true,
+                    Some(other) if can_join(&self.bodies[other]) => {
+                        if seen.insert(other) {
+                            next.push(other);
+                        }
+                    }
+                    Some(other) if !self.bodies[other].is_dynamic() => component.anchors.push(other),
+                    Some(_) => continue,
+                }
+                component.welds.push(slot);
+            }
+        }
+        for list in [&mut component.members, &mut component.anchors, &mut component.welds] {
+            list.sort_unstable();
+            list.dedup();
+        }
+        component
+    }
+
+    /// Makes a union of a component, where it is one; `carried` is the motion that it is known to have.
+    fn form(&mut self, component: Component, carried: Option<&CarriedUnion>) {
+        let Component { members, anchors, welds, to_world } = component;
+        let driven = anchors.iter().any(|&index| self.bodies[index].kind == BodyKind::Kinematic);
+        let anchor = match (&anchors[..], to_world) {
+            ([], false) => Anchor::Free,
+            ([only], false) if driven => Anchor::Driven(*only),
+            _ if !driven => Anchor::Still,
+            // Two things hold it that may move against each other: joints between bodies say what comes of it.
+            _ => return,
+        };
+        if members.len() < 2 && anchor == Anchor::Free {
+            return;
+        }
+        let rest = self.rest_state(&members, &anchors, &welds, anchor);
+        let frames = if anchor == Anchor::Free { &rest.frames[..] } else { &rest.frames[1..] };
+        let masses: Vec<MassProperties> = members.iter().filter_map(|&index| self.bodies[index].mass).collect();
+        let compound = Compound::new(frames, &masses);
+        let wanted = welds.iter().any(|&slot| wants_load(&self.joints[slot].def));
+        let union = Union {
+            lead: members[0],
+            anchor,
+            covariances: Covariances::new(&masses, &compound.places),
+            held: Frame { position: compound.center, rotation: DQuat::IDENTITY },
+            outer: self.outer_joints(&members, &welds),
+            mass: compound.mass,
+            residual: (rest.residual.0 as f32, rest.residual.1 as f32),
+            motion: carried.map_or(UnionMotion::ORIGIN, |carried| carried.motion),
+            before: carried.and_then(|carried| carried.before),
+            members,
+            anchors,
+            welds,
+            wanted,
+            pushes: Vec::new(),
+            jolts: Vec::new(),
+            stiffness: OnceLock::new(),
+            loads: OnceLock::new(),
+        };
+        let members = union.members.clone();
+        self.unions.insert(union, &compound.places);
+        if carried.is_some() {
+            return;
+        }
+        if anchor == Anchor::Free {
+            self.begin_free(members[0]);
+            return;
+        }
+        for &index in &members {
+            self.set_anchored(index, if anchor == Anchor::Still { Anchored::Still } else { Anchored::Driven });
+        }
+        self.put_anchored(members[0]);
+    }
+
+    /// Poses that satisfy all welds: of the anchor first, where there is one, then of the members, from centres of mass; further
+    /// anchors follow.
+    fn rest_state(&self, members: &[u32], anchors: &[u32], welds: &[u32], anchor: Anchor) -> RestState {
+        let base = self.frame_of_anchor(anchors);
+        let shift = u32::from(anchor != Anchor::Free);
+        let number = |index: u32| members.binary_search(&index).ok().map(|place| place as u32 + shift);
+        let mut list = Vec::with_capacity(welds.len());
+        for &slot in welds {
+            let joint = &self.joints[slot];
+            let end = |side: usize| {
+                let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
+                let own = Frame { position: frame.position, rotation: frame.rotation.as_dquat().normalize() };
+                match joint.bodies[side] {
+                    Some(index) if self.bodies[index].is_dynamic() => {
+                        let center = self.bodies[index].local_center.as_dvec3();
+                        (number(index), Frame { position: own.position - center, ..own })
+                    }
+                    // All that is static has one frame, in which the first anchor stands.
+                    Some(index) => (Some(0), base.inverse().then(&frame_of(&self.bodies[index]).then(&own))),
+                    None => (Some(0), base.inverse().then(&own)),
+                }
+            };
+            let ((a, frame_a), (b, frame_b)) = (end(0), end(1));
+            if let (Some(a), Some(b)) = (a, b) {
+                list.push(Weld { members: [a, b], frames: [frame_a, frame_b] });
+            }
+        }
+        RestState::conform(members.len() + shift as usize, &list)
+    }
+
+    fn frame_of_anchor(&self, anchors: &[u32]) -> Frame {
+        anchors.first().map_or(Frame::IDENTITY, |&index| frame_of(&self.bodies[index]))
+    }
+
+    /// Joints of members whose other end is elsewhere, but for those that hold the union to its anchor.
+    fn outer_joints(&self, members: &[u32], welds: &[u32]) -> Vec<u32> {
+        let mut outer = Vec::new();
+        for slot in members.iter().flat_map(|&index| &self.bodies[index].joints).filter_map(|&id| self.joints.find(id).ok()) {
+            let joint = &self.joints[slot];
+            let inside = |body: &Option<u32>| body.is_some_and(|index| members.binary_search(&index).is_ok());
+            if !joint.bodies.iter().all(inside) && welds.binary_search(&slot).is_err() {
+                outer.push(slot);
+            }
+        }
+        outer.sort_unstable();
+        outer.dedup();
+        outer
+    }
+
+    /// Takes the members of a new free union as they are.
+    fn begin_free(&mut self, lead: u32) {
+        let Some(union) = self.unions.of(lead) else { return };
+        let place = self.unions.place(lead);
+        // Where the lead alone would have it: only a place to start from.
+        let rotation = (self.bodies[lead].rotation * place.rotation.conjugate()).normalize();
+        let center = self.bodies[lead].center - (rotation * place.offset).as_dvec3();
+        let motion = UnionMotion { center, rotation, ..UnionMotion::ORIGIN };
+        for index in union.members.clone() {
+            self.bodies[index].history = History::NONE;
+        }
+        if let Some(union) = self.unions.of_mut(lead) {
+            union.motion = motion;
+        }
+    }
+
+    /// Gives unions whose members were moved or pushed by the host the motion of all of them together.
+    fn gather_members(&mut self, again: bool) {
+        for number in 0..self.unions.order.len() {
+            let slot = self.unions.order[number];
+            let Some(union) = &mut self.unions.records[slot as usize] else { continue };
+            if again && union.before.is_some() {
+                continue;
+            }
+            // Loads of a step are gone with the next one.
+            union.loads.take();
+            union.jolts.clear();
+            union.pushes.clear();
+            if union.anchor == Anchor::Free && self.bodies[union.lead].is_mover() {
+                self.gather(slot);
+                if let Some(union) = &mut self.unions.records[slot as usize] {
+                    union.before = Some(union.motion);
+                }
+            }
+        }
+        for number in 0..self.unions.pushed.len() {
+            let index = self.unions.pushed[number];
+            let Some(body) = self.bodies.get(index) else { continue };
+            let push = (index, body.force, body.torque);
+            if let Some(union) = self.unions.of_mut(index).filter(|union| union.pushes.iter().all(|push| push.0 != index)) {
+                union.pushes.push(push);
+            }
+        }
+    }
+
+    /// Says that a joint has other limits.
+    pub(super) fn limits_changed(&mut self, slot: u32) {
+        for index in self.joints[slot].bodies.into_iter().flatten() {
+            let joints = &self.joints;
+            if let Some(union) = self.unions.of_mut(index) {
+                union.wanted = union.welds.iter().any(|&slot| wants_load(&joints[slot].def));
+            }
+        }
+    }
+
+    fn gather(&mut self, slot: u32) {
+        let Self { unions, bodies, colliders, .. } = self;
+        let Unions { records, places, scratch, .. } = unions;
+        let Some(union) = &mut records[slot as usize] else { return };
+        let (mut moved, mut pushed) = (false, false);
+        for &index in &union.members {
+            let (body, place) = (&bodies[index], &places[index as usize]);
+            let expected = union.motion.at(place.offset, place.rotation);
+            moved |= body.center != expected.center || body.rotation != expected.rotation;
+            pushed |= body.linear_velocity != expected.linear || body.angular_velocity != expected.angular;
+            if body.force != Vec3::ZERO || body.torque != Vec3::ZERO {
+                union.pushes.push((index, body.force, body.torque));
+            }
+        }
+        if !moved && !pushed {
+            return;
+        }
+        scratch.loose.clear();
+        scratch.places.clear();
+        for &index in &union.members {
+            let (body, place) = (&bodies[index], &places[index as usize]);
+            let Some(mass) = body.mass else { return };
+            let motion = UnionMotion {
+                center: body.center,
+                rotation: body.rotation,
+                linear: body.linear_velocity,
+                angular: body.angular_velocity,
+            };
+            scratch.loose.push(Loose { mass, motion });
+            scratch.places.push((place.offset, place.rotation));
+        }
+        if moved {
+            (union.motion.center, union.motion.rotation) =
+                union.covariances.fit_pose(&scratch.loose, &scratch.places, union.motion.rotation);
+        }
+        (union.motion.linear, union.motion.angular) = fit_velocity(&scratch.loose, &union.mass, union.motion.rotation);
+        if union.before.is_some() && !moved {
+            union.jolts.extend(scratch.loose.iter().zip(&scratch.places).map(|(loose, &(offset, rotation))| {
+                let Loose { mass, motion } = loose;
+                let fitted = union.motion.at(offset, rotation);
+                let inertia = inertia_of(mass, motion.rotation.as_dquat().normalize());
+                Wrench {
+                    force: (fitted.linear - motion.linear).as_dvec3() * f64::from(mass.mass),
+                    torque: inertia * (fitted.angular - motion.angular).as_dvec3(),
+                }
+            }));
+        }
+        for &index in &union.members {
+            follow(&mut bodies[index], &union.motion, &places[index as usize]);
+            if moved {
+                shapes_follow(&bodies[index], colliders);
+            }
+        }
+    }
+
+    /// Gives what kinematic bodies hold their velocity.
+    fn drive_anchored(&mut self, again: bool) {
+        for number in 0..self.unions.order.len() {
+            let Some(union) = &self.unions.records[self.unions.order[number] as usize] else { continue };
+            let Anchor::Driven(anchor) = union.anchor else { continue };
+            let driver = &self.bodies[anchor];
+            let (center, linear, angular) = (driver.center, driver.linear_velocity, driver.angular_velocity);
+            let lead = union.lead;
+            if let Some(union) = self.unions.of_mut(lead) {
+                let old = union.motion;
+                union.motion.linear = linear + angular.cross((union.motion.center - center).as_vec3());
+                union.motion.angular = angular;
+                union.before = match union.before {
+                    // One that is new has moved like this before.
+                    None => Some(union.motion),
+                    Some(before) if again => Some(before),
+                    Some(_) => Some(old),
+                };
+            }
+            let Some(union) = self.unions.of(lead) else { continue };
+            for number in 0..union.members.len() {
+                let index = union.members[number];
+                let body = &mut self.bodies[index];
+                let was_mover = body.is_mover();
+                body.linear_velocity = linear + angular.cross((body.center - center).as_vec3());
+                body.angular_velocity = angular;
+                if body.is_mover() && !was_mover {
+                    self.movers.push(index);
+                }
+            }
+            self.movers_sorted = false;
+        }
+    }
+
+    /// Ends the step of what is anchored: what kinematic bodies hold is put where those are now, and pushes are spent.
+    pub(super) fn carry_anchored(&mut self) {
+        for number in 0..self.unions.order.len() {
+            let Some(union) = &self.unions.records[self.unions.order[number] as usize] else { continue };
+            if matches!(union.anchor, Anchor::Driven(_)) && self.bodies[union.lead].is_mover() {
+                let lead = union.lead;
+                let motion = self.anchored_motion(lead);
+                self.place_members(lead, motion);
+            }
+        }
+        for index in std::mem::take(&mut self.unions.pushed) {
+            if self.bodies.get(index).is_some_and(|body| body.anchored != Anchored::No) {
+                (self.bodies[index].force, self.bodies[index].torque) = (Vec3::ZERO, Vec3::ZERO);
+            }
+        }
+    }
+
+    /// Where an anchored union stands, by its anchor.
+    fn anchored_motion(&self, lead: u32) -> UnionMotion {
+        let Some(union) = self.unions.of(lead) else { return UnionMotion::ORIGIN };
+        let at = self.frame_of_anchor(&union.anchors).then(&union.held);
+        UnionMotion { center: at.position, rotation: at.rotation.as_quat(), ..UnionMotion::ORIGIN }
+    }
+
+    /// Puts the members of a new anchored union where they belong.
+    fn put_anchored(&mut self, lead: u32) {
+        let motion = self.anchored_motion(lead);
+        self.place_members(lead, motion);
+        let members = self.unions.of(lead).map(|union| union.members.clone()).unwrap_or_default();
+        for index in members {
+            (self.bodies[index].linear_velocity, self.bodies[index].angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+            self.refresh_boxes(index);
+            self.wake_around(index);
+        }
+    }
+
+    /// Gives a union this pose, and its members with it; velocities stay.
+    pub(super) fn place_members(&mut self, lead: u32, motion: UnionMotion) {
+        let Self { unions, bodies, colliders, .. } = self;
+        let slot = unions.place(lead).union;
+        let Some(union) = unions.records.get_mut(slot as usize).and_then(Option::as_mut) else { return };
+        union.motion = UnionMotion { linear: union.motion.linear, angular: union.motion.angular, ..motion };
+        for &index in &union.members {
+            let place = &unions.places[index as usize];
+            let at = union.motion.at(place.offset, place.rotation);
+            let body = &mut bodies[index];
+            (body.center, body.rotation) = (at.center, at.rotation);
+            shapes_follow(body, colliders);
+        }
+    }
+
+    /// What unions carry from step to step, and the bodies to flood from.
+    pub(super) fn carried_unions(&self) -> (Vec<u32>, Vec<CarriedUnion>) {
+        let carried = |union: &Union| CarriedUnion { lead: union.lead, motion: union.motion, before: union.before };
+        (self.unions.stale.clone(), self.unions.iter().map(carried).collect())
+    }
+
+    /// Makes all unions anew after a restore, with what they carried.
+    pub(super) fn restart_unions(&mut self, stale: Vec<u32>, pushed: Vec<u32>, carried: &[CarriedUnion]) {
+        self.unions = Unions { places: vec![Place::OUTSIDE; self.bodies.slot_count()], ..Unions::default() };
+        for union in carried {
+            if self.bodies.get(union.lead).is_some_and(can_join) && self.unions.place(union.lead).union == NONE {
+                let component = self.component(union.lead);
+                self.form(component, Some(union));
+            }
+        }
+        (self.unions.stale, self.unions.pushed) = (stale, pushed);
+    }
+}
+
+/// Centre of mass and axes of a body.
+fn frame_of(body: &Body) -> Frame {
+    Frame { position: body.pose().position, rotation: body.rotation.as_dquat().normalize() }
+}
+
+/// Gives a member the motion that it has in its union.
+fn follow(body: &mut Body, union: &UnionMotion, place: &Place) {
+    let motion = union.at(place.offset, place.rotation);
+    (body.center, body.rotation) = (motion.center, motion.rotation);
+    (body.linear_velocity, body.angular_velocity) = (motion.linear, motion.angular);
+}
+
+fn shapes_follow(body: &Body, colliders: &mut Pool<Collider, ShapeId>) {
+    for &id in &body.shapes {
+        if let Ok(shape) = colliders.find(id) {
+            colliders[shape].follow(body);
+        }
+    }
+}
