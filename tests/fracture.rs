@@ -99,6 +99,7 @@ fn each_limit_is_told_apart() {
         let mut world = world(weightless());
         let (body, joint) = held_cube(&mut world, strength);
         for _ in 0..10 {
+            println!("{limit:?} {:?} {:?}", world.broken(), world.joint_stress(joint));
             world.add_force(body, borne_force).unwrap();
             world.add_torque(body, borne_torque).unwrap();
             world.step(DT).unwrap();
@@ -179,8 +180,9 @@ fn no_momentum_is_lost_when_a_free_vase_shatters_on_a_free_ball() {
     for _ in 0..240 {
         world.step(DT).unwrap();
         let now = momenta(&world, &bodies);
+        // To be seen where it fails.
         println!(
-            "{} {} solves {}: {:.2e} {:.2e}",
+            "step {}, {} splits, solved {} times: {:.2e} {:.2e}",
             world.report().step,
             world.splits().len(),
             world.report().counts.solves,
@@ -348,7 +350,7 @@ fn a_joint_wears_out_and_says_so() {
 
 #[test]
 fn a_wall_of_bricks_lets_a_ball_through_that_it_cannot_stop() {
-    let run = Run::watched(scene("brick_wall", &[("bricks", "60"), ("seconds", "2")]), |view| {
+    let run = Run::watched(scene("brick_wall", &[("bricks", "60"), ("mass", "1000"), ("seconds", "2")]), |view| {
         let v = view.engine.linear_velocity(view.bodies.len() - 1).z;
         let left = (0..view.joints.len()).filter(|&j| view.engine.has_joint(j)).count();
         println!("{} {v} {left}", view.step);

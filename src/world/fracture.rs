@@ -202,7 +202,7 @@ impl World {
         let is_solved = |&body: &u32| {
             let record = &self.bodies[body];
             // What stands like its anchor is not solved, and bears its load all the same.
-            let stands = self.unions.of(body).is_some_and(|union| union.anchor == Anchor::Still);
+            let stands = self.unions.of(body).is_some_and(|union| union.anchor != Anchor::Free);
             record.is_dynamic() && (stands || (record.is_mover() && !record.held))
         };
         joint.bodies.iter().flatten().any(is_solved).then(|| {
@@ -219,7 +219,8 @@ impl World {
             halfway(now, self.rotation_after(body)) * now.conjugate()
         });
         let axes = (turned * self.end(joint, 0).frame).conjugate();
-        JointLoad { force: axes * joint.force, torque: axes * joint.torque }
+        let (force, torque) = self.load_inside(slot).unwrap_or((joint.force, joint.torque));
+        JointLoad { force: axes * force, torque: axes * torque }
     }
 
     /// Rotation of a body at the end of the solve.
@@ -255,18 +256,19 @@ impl World {
         });
         self.report.counts.joints_broken += 1;
         let (linear, angular) = (axes * load.force * (part * dt), axes * load.torque * (part * dt));
-        if let Some(body) = bodies.into_iter().flatten().next() {
+        if matches!(def.kind, JointKind::Fixed) {
+            self.fracture.seeds.push(bodies);
+        }
+        if let Some(body) = bodies.into_iter().flatten().find(|&body| self.bodies[body].is_dynamic()) {
             self.take_back_jolts(body);
         }
+        // What stood like its anchor has a mass of its own again once the joint is gone.
+        self.remove_joint(slot);
         for (body, sign) in bodies.into_iter().zip([-1.0, 1.0]) {
             if let Some(body) = body.filter(|_| part * dt > 0.0) {
                 self.push(body, point, linear * sign, angular * sign);
             }
         }
-        if matches!(def.kind, JointKind::Fixed) {
-            self.fracture.seeds.push(bodies);
-        }
-        self.remove_joint(slot);
     }
 
     /// An impulse (N·s) at a point and one about it (N·m·s).

@@ -15,6 +15,7 @@ use glam::{DMat3, DVec3, Quat, Vec3};
 use super::World;
 use super::unions::{Anchor, Union};
 use crate::collide::pairs::WorldManifold;
+use crate::fracture::Strength;
 use crate::joint::JointDef;
 use crate::report::JointOverload;
 use crate::solve::contact::ContactImpulses;
@@ -135,7 +136,8 @@ impl World {
         }
         self.take_outer_joints(union, &mut needed);
         // Loads are means over the step, and so are the axes that they are found in.
-        let turn = halfway(union.before.map_or(after.rotation, |before| before.rotation), after.rotation).as_dquat().normalize();
+        let began = union.before.filter(|_| union.anchor != Anchor::Still).map_or(after.rotation, |before| before.rotation);
+        let turn = halfway(began, after.rotation).as_dquat().normalize();
         let own = turn.conjugate();
         for wrench in &mut needed {
             (wrench.force, wrench.torque) = (own * wrench.force, own * wrench.torque);
@@ -242,10 +244,17 @@ impl World {
                 let lever = frame.position - self.bodies[index].local_center.as_dvec3();
                 place.offset.as_dvec3() + place.rotation.as_dquat().normalize() * lever
             });
-            Bond { members, point }
+            Bond { members, point, stiffness: stiffness_of(&joint.def.strength) }
         });
         BondStiffness::new(bodies.collect(), bonds.collect())
     }
+}
+
+/// What a joint's strength says of its stiffness: that of a bond of the same area (N per unit stress) and radius r, ℓ² = r²/4.
+fn stiffness_of(strength: &Strength) -> Option<[f64; 2]> {
+    let (pull, bend) = (f64::from(strength.tension), f64::from(strength.bending));
+    let is_bond = pull > 0.0 && bend > 0.0 && pull.is_finite() && bend.is_finite();
+    is_bond.then(|| [pull, (2.0 * bend / pull).powi(2)])
 }
 
 /// The rotation halfway between two that are close.

@@ -275,6 +275,7 @@ impl World {
     }
 
     fn set_anchored(&mut self, index: u32, anchored: Anchored) {
+        let wanted = self.unions.of(index).is_some_and(|union| union.wanted);
         let Some(body) = self.bodies.get(index) else { return };
         if body.anchored == anchored {
             return;
@@ -283,7 +284,10 @@ impl World {
         let body = &mut self.bodies[index];
         body.anchored = anchored;
         if anchored != Anchored::No {
-            (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+            // Where joints want to know, a velocity becomes a blow to them.
+            if anchored == Anchored::Driven || !wanted {
+                (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+            }
             (body.held, body.calm_for) = (false, 0);
         }
         self.movers_sorted = false;
@@ -505,11 +509,15 @@ impl World {
             union.loads.take();
             union.jolts.clear();
             union.pushes.clear();
-            if union.anchor == Anchor::Free && self.bodies[union.lead].is_mover() {
+            if union.anchor != Anchor::Free && union.wanted {
+                self.gather_pushes(slot);
+            } else if union.anchor == Anchor::Free && self.bodies[union.lead].is_mover() {
                 self.gather(slot);
-                if let Some(union) = &mut self.unions.records[slot as usize] {
-                    union.before = Some(union.motion);
-                }
+            }
+            if let Some(union) = &mut self.unions.records[slot as usize]
+                && !matches!(union.anchor, Anchor::Driven(_))
+            {
+                union.before = Some(union.motion);
             }
         }
         for number in 0..self.unions.pushed.len() {
@@ -522,11 +530,46 @@ impl World {
         }
     }
 
+    /// Notes what the host did to the members of an anchored union: forces act on its joints, and so do impulses, which end there.
+    fn gather_pushes(&mut self, slot: u32) {
+        let Self { unions, bodies, .. } = self;
+        let Unions { records, pushed, .. } = unions;
+        let Some(union) = &mut records[slot as usize] else { return };
+        let still = union.anchor == Anchor::Still;
+        for (number, &index) in union.members.iter().enumerate() {
+            let body = &mut bodies[index];
+            if body.force != Vec3::ZERO || body.torque != Vec3::ZERO {
+                union.pushes.push((index, body.force, body.torque));
+                pushed.push(index);
+            }
+            if still && (body.linear_velocity != Vec3::ZERO || body.angular_velocity != Vec3::ZERO) {
+                let Some(mass) = body.mass else { continue };
+                union.jolts.resize(union.members.len(), Wrench::default());
+                let inertia = inertia_of(&mass, body.rotation.as_dquat().normalize());
+                union.jolts[number] = Wrench {
+                    force: -body.linear_velocity.as_dvec3() * f64::from(mass.mass),
+                    torque: -(inertia * body.angular_velocity.as_dvec3()),
+                };
+                (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+            }
+        }
+        pushed.sort_unstable();
+        pushed.dedup();
+    }
+
     /// Says that a joint has other limits.
     pub(super) fn limits_changed(&mut self, slot: u32) {
         for index in self.joints[slot].bodies.into_iter().flatten() {
+            // What was found when asked for is what the records hold from now on.
+            let lead = self.unions.of(index).filter(|union| !union.wanted).map(|union| union.lead);
+            for slot in lead.and_then(|lead| self.unions.of(lead)).map(|union| union.welds.clone()).unwrap_or_default() {
+                if let Some(load) = self.load_inside(slot) {
+                    (self.joints[slot].force, self.joints[slot].torque) = load;
+                }
+            }
             let joints = &self.joints;
             if let Some(union) = self.unions.of_mut(index) {
+                union.stiffness.take();
                 union.wanted = union.welds.iter().any(|&slot| wants_load(&joints[slot].def));
             }
         }
@@ -651,7 +694,6 @@ impl World {
         self.place_members(lead, motion);
         let members = self.unions.of(lead).map(|union| union.members.clone()).unwrap_or_default();
         for index in members {
-            (self.bodies[index].linear_velocity, self.bodies[index].angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
             self.refresh_boxes(index);
             self.wake_around(index);
         }
