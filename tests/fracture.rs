@@ -46,10 +46,13 @@ fn populate(scene: &Scene, def: WorldDef) -> (World, Vec<BodyId>, Vec<JointId>) 
     (world, bodies, joints)
 }
 
-const BREAKING_VASE: &[(&str, &str)] = &[("break", "1000000")];
+const BREAKING_VASE: &[(&str, &str)] = &[("break", "2000000")];
 
-fn breaking_vase() -> Scene {
-    scene("vase", BREAKING_VASE)
+/// So weak that hardly a weld is left.
+const SHATTERING_VASE: &[(&str, &str)] = &[("break", "1000000")];
+
+fn shattering_vase() -> Scene {
+    scene("vase", SHATTERING_VASE)
 }
 
 #[test]
@@ -72,12 +75,6 @@ fn a_blow_breaks_at_its_impulse_over_the_window_at_any_step() {
             world.add_impulse(body, Vec3::Y * impulse).unwrap();
             for _ in 0..rate {
                 world.step(1.0 / rate as f32).unwrap();
-                if let Some(joint) = world.joints().next() {
-                    let f = world.joint_state(joint).unwrap().force;
-                    if f.length() > 1e-3 {
-                        println!("{rate} {impulse}: {} {}", f / rate as f32, world.joint_stress(joint).unwrap().share);
-                    }
-                }
             }
             assert_eq!(world.joint_count() == 0, breaks, "{impulse} N·s within 0.1 s against 100 N, {rate} steps a second");
         }
@@ -99,7 +96,6 @@ fn each_limit_is_told_apart() {
         let mut world = world(weightless());
         let (body, joint) = held_cube(&mut world, strength);
         for _ in 0..10 {
-            println!("{limit:?} {:?} {:?}", world.broken(), world.joint_stress(joint));
             world.add_force(body, borne_force).unwrap();
             world.add_torque(body, borne_torque).unwrap();
             world.step(DT).unwrap();
@@ -127,27 +123,24 @@ fn each_limit_is_told_apart() {
 
 #[test]
 fn the_same_joints_of_a_vase_break_at_any_number_of_iterations() {
+    let all = scene("vase", BREAKING_VASE).joints.len();
     let broken_at = |iterations: &str| {
         let run = Run::of("vase", &[BREAKING_VASE, &[("iterations", iterations)]].concat());
-        let joints = run.engine.world().joint_count();
-        println!("{iterations} iterations: {joints} joints left, {} pieces", run.error("pieces"));
-        let all = scene("vase", BREAKING_VASE).joints.len();
         (0..all).filter(|&joint| run.world().joint_def(run.engine.joint_id(joint)).is_err()).collect::<Vec<usize>>()
     };
-    let all = breaking_vase().joints.len();
     let reference = broken_at("50");
-    assert!(reference.len() > all / 10 && reference.len() < all, "{} of {all} joints break", reference.len());
+    assert!(reference.len() >= 5, "{} of {all} joints break", reference.len());
     for iterations in ["5", "10"] {
         let broken = broken_at(iterations);
         let differ = (0..all).filter(|joint| broken.contains(joint) != reference.contains(joint)).count();
-        println!("{iterations} against 50 iterations: {differ} of {all} joints differ");
+        println!("{iterations} and 50 iterations: {} and {} joints, {differ} of {all} differ", broken.len(), reference.len());
         assert!(differ * 10 <= all, "{iterations} and 50 iterations: {differ} of {all} joints differ, bound a tenth");
     }
 }
 
 #[test]
 fn a_vase_breaks_with_the_same_bits_on_any_number_of_threads() {
-    let on = |threads| Run::on_threads(breaking_vase(), threads).world().state_hash();
+    let on = |threads| Run::on_threads(shattering_vase(), threads).world().state_hash();
     assert_eq!(on(2), on(1), "state hashes on two threads and on one");
 }
 
@@ -165,46 +158,70 @@ fn momenta(world: &World, bodies: &[BodyId]) -> (DVec3, DVec3) {
     total
 }
 
+/// Greatest change of momentum, and of angular momentum, in a step with a split, each over the first of these scales (kg·m/s and
+/// kg·m²/s), and the number of splits.
+fn change_at_splits(world: &mut World, bodies: &[BodyId], scales: (f64, f64)) -> (f64, f64, usize) {
+    let mut before = momenta(world, bodies);
+    let mut worst = (0.0_f64, 0.0_f64, 0);
+    for _ in 0..120 {
+        world.step(DT).unwrap();
+        let now = momenta(world, bodies);
+        if !world.splits().is_empty() {
+            worst.0 = worst.0.max(now.0.distance(before.0) / scales.0);
+            worst.1 = worst.1.max(now.1.distance(before.1) / scales.1);
+            worst.2 += world.splits().len();
+        }
+        before = now;
+    }
+    println!("{} splits: momentum changes by {:.2e}, angular momentum by {:.2e}", worst.2, worst.0, worst.1);
+    worst
+}
+
+#[test]
+fn a_vase_that_spins_apart_keeps_its_momentum() {
+    // The hoops of the vase bear m ω² r per piece at 15 rad/s: 300 N, where the welds bear 160 N. Nothing touches: contacts have
+    // errors of their own.
+    let mut scene = scene("vase", &[("break", "20000"), ("fast", "off")]);
+    scene.bodies.remove(0);
+    for joint in &mut scene.joints {
+        (joint.a, joint.b) = (joint.a.map(|body| body - 1), joint.b.map(|body| body - 1));
+    }
+    let center = scene.bodies.iter().map(|body| body.pose.position).sum::<DVec3>() / scene.bodies.len() as f64;
+    let axis = scene.bodies[0].pose.rotation * Vec3::Y;
+    for body in &mut scene.bodies {
+        let lever = (body.pose.position - center).as_vec3();
+        body.angular_velocity = axis * 15.0;
+        body.linear_velocity = Vec3::new(3.0, 0.0, 0.0) + body.angular_velocity.cross(lever);
+        body.pose.position -= center;
+        body.shapes.iter_mut().for_each(|shape| shape.filter.collides_with = 0);
+    }
+    let (mut world, bodies, _) = populate(&scene, WorldDef { gravity: Vec3::ZERO, ..scene.world });
+    let (linear, angular) = momenta(&world, &bodies);
+    let (linear, angular, splits) = change_at_splits(&mut world, &bodies, (linear.length(), angular.length()));
+    assert!(splits > 0, "it stays whole");
+    assert!(linear <= 1e-5, "momentum changes by {linear:.2e} of itself in a step with a split, bound 1e-5");
+    assert!(angular <= 1e-5, "angular momentum changes by {angular:.2e} of itself in a step with a split, bound 1e-5");
+}
+
 #[test]
 fn no_momentum_is_lost_when_a_free_vase_shatters_on_a_free_ball() {
-    let mut scene = breaking_vase();
+    let mut scene = scene("vase", &[("break", "1000000"), ("fast", "off")]);
     let ball = ShapeDef { density: 500.0, ..ShapeDef::new(Shape::ball(0.5).unwrap()) };
     scene.bodies[0] = BodyDef::dynamic(Pose::at_xyz(0.1, 0.9, 0.0)).with_shape(ball);
     for body in &mut scene.bodies[1..] {
         body.linear_velocity = Vec3::new(0.0, -6.0, 0.0);
     }
     let (mut world, bodies, _) = populate(&scene, WorldDef { gravity: Vec3::ZERO, ..scene.world });
-    let mut before = momenta(&world, &bodies);
-    let scale = (before.0.length(), before.0.length());
-    let (mut splits, mut worst) = (0, (0.0_f64, 0.0_f64));
-    for _ in 0..240 {
-        world.step(DT).unwrap();
-        let now = momenta(&world, &bodies);
-        // To be seen where it fails.
-        println!(
-            "step {}, {} splits, solved {} times: {:.2e} {:.2e}",
-            world.report().step,
-            world.splits().len(),
-            world.report().counts.solves,
-            now.0.distance(before.0) / scale.0,
-            now.1.distance(before.1) / scale.1
-        );
-        if !world.splits().is_empty() {
-            splits += world.splits().len();
-            worst.0 = worst.0.max(now.0.distance(before.0) / scale.0);
-            worst.1 = worst.1.max(now.1.distance(before.1) / scale.1);
-        }
-        before = now;
-    }
-    println!("{splits} splits; worst change of momentum {:.2e}, of angular momentum {:.2e}", worst.0, worst.1);
+    let scale = momenta(&world, &bodies).0.length();
+    // Angular momentum is for the spinning vase: overlaps that contacts recover move masses without a trace in their velocities.
+    let (linear, _, splits) = change_at_splits(&mut world, &bodies, (scale, scale));
     assert!(splits > 0, "the vase does not break");
-    assert!(worst.0 <= 1e-5, "momentum changes by {:.2e} of itself in a step with a split, bound 1e-5", worst.0);
-    assert!(worst.1 <= 1e-5, "angular momentum changes by {:.2e} of momentum × 1 m, bound 1e-5", worst.1);
+    assert!(linear <= 1e-5, "momentum changes by {linear:.2e} of itself in a step with a split, bound 1e-5");
 }
 
 #[test]
 fn the_pieces_of_a_split_hold_all_that_the_union_held() {
-    let (mut world, bodies, _) = populate(&breaking_vase(), breaking_vase().world);
+    let (mut world, bodies, _) = populate(&shattering_vase(), shattering_vase().world);
     let mut splits = 0;
     for _ in 0..240 {
         world.step(DT).unwrap();
@@ -237,7 +254,7 @@ fn nothing_breaks_in_ten_minutes_at_four_fifths_of_its_limit() {
         let mut held = hand;
         for index in 0..4 {
             let body = cube(world, DVec3::X * (0.2 * f64::from(index) + 0.1));
-            let (on_a, on_b) = (if held == hand { Vec3::X * 0.1 } else { Vec3::X * 0.1 }, Vec3::X * -0.1);
+            let (on_a, on_b) = (Vec3::X * 0.1, Vec3::X * -0.1);
             world.create_joint(&JointDef::new(JointKind::Fixed, held, body).at(on_a, on_b)).unwrap();
             held = body;
         }
@@ -271,7 +288,7 @@ fn nothing_breaks_in_ten_minutes_at_four_fifths_of_its_limit() {
 #[test]
 fn what_a_server_broke_makes_its_client_the_same() {
     for most in [4096, 5] {
-        let scene = breaking_vase();
+        let scene = shattering_vase();
         let fracture = FractureSettings { by_load: true, most };
         let (mut server, _, joints) = populate(&scene, WorldDef { fracture, ..scene.world });
         let (mut client, ..) =
@@ -350,18 +367,21 @@ fn a_joint_wears_out_and_says_so() {
 
 #[test]
 fn a_wall_of_bricks_lets_a_ball_through_that_it_cannot_stop() {
-    let run = Run::watched(scene("brick_wall", &[("bricks", "60"), ("mass", "1000"), ("seconds", "2")]), |view| {
-        let v = view.engine.linear_velocity(view.bodies.len() - 1).z;
-        let left = (0..view.joints.len()).filter(|&j| view.engine.has_joint(j)).count();
-        println!("{} {v} {left}", view.step);
-    });
-    let ball = run.engine.body_id(run.world().body_count() - 1);
+    let keys = [("bricks", "60"), ("mass", "1000"), ("seconds", "2")];
+    let run = Run::of("brick_wall", &keys);
+    let ball = run.engine.body_id(run.world().bodies().count() - 1);
     let (speed, z) = (run.world().linear_velocity(ball).unwrap().z, run.world().pose(ball).unwrap().position.z);
     println!("{} joints broken, {} pieces, ball at {z:.2} m with {speed:.2} m/s", run.error("broken"), run.error("pieces"));
     run.is("non_finite", 0.0);
-    assert!(run.error("broken") > 5.0 && z > 0.5 && speed < 15.0, "ball at {z} m with {speed} m/s");
-    let hard = Run::of("brick_wall", &[("bricks", "60"), ("seconds", "2"), ("stress", "1e9")]);
+    assert!(run.error("broken") > 5.0 && z > 1.0 && (1.0..15.0).contains(&speed), "ball at {z} m with {speed} m/s");
+    let hard = Run::of("brick_wall", &[&keys[..], &[("stress", "1e9")]].concat());
     hard.is("broken", 0.0);
+}
+
+#[test]
+fn a_wall_of_bricks_stands_until_it_is_hit() {
+    let run = Run::of("brick_wall", &[("bricks", "60"), ("seconds", "0.4")]);
+    run.is("broken", 0.0);
 }
 
 #[test]
@@ -382,3 +402,4 @@ fn bad_numbers_are_refused_by_name() {
     world.apply_fractures(&[joint]).unwrap();
     assert_eq!(world.joint_stress(joint).unwrap_err().argument, "joint");
 }
+

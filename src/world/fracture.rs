@@ -1,9 +1,10 @@
 //! Stages that read what joints bear, break those that bear too much, and tell what has come apart.
 //!
 //! Nothing that the solver computes reaches the records before [`World::store_results`], so a step in which joints break is simply
-//! solved again from the same state without them, a few times at most: what a blow has freed meets the rest of the blow by itself,
-//! and what then bears too much breaks in the same step. Joints still past a limit after the last time are *condemned*: they break
-//! at the start of the next step, as do those beyond the step's budget.
+//! solved again from the same state without them: what a blow has freed meets the rest of the blow by itself. A joint is judged
+//! once a step, by what it bears while all of them hold. What is left is judged in the next step, its window holding what it bore
+//! in this one: judged at once it would be by contacts of the fragments, that no number of sweeps has worked out yet. Joints beyond
+//! the step's budget are *condemned*: they break at the start of the next step.
 //!
 //! A joint bears a part of the step before it breaks: as much of its load as takes it to its limit. That part, the least among the
 //! joints that break in one island together, is given to its two bodies as one impulse at one point, which keeps momentum and adds
@@ -21,9 +22,6 @@ use crate::fracture::strain::Judgement;
 use crate::fracture::{BreakCause, FractureSettings, JointBreak, JointLoad, JointStress, Piece, Split, Strength};
 use crate::id::{JointId, in_world};
 use crate::joint::{Joint, JointKind};
-
-/// Times that a step is solved again at most: a crack runs on from step to step, a blow is over in one.
-const MOST_ROUNDS: u32 = 8;
 
 /// What the stages keep.
 #[derive(Debug, Default)]
@@ -129,11 +127,8 @@ impl World {
         if self.fracture.limited.is_empty() && self.fracture.asked.is_empty() {
             return;
         }
-        for round in 0..MOST_ROUNDS {
-            self.choose_what_breaks(dt, round);
-            if self.fracture.breaking.is_empty() {
-                break;
-            }
+        self.choose_what_breaks(dt);
+        if !self.fracture.breaking.is_empty() {
             let breaking = std::mem::take(&mut self.fracture.breaking);
             for joint in &breaking {
                 // The islands break each at its own time.
@@ -149,32 +144,40 @@ impl World {
     }
 
     /// Lists the joints that break now, at most as many as the step's budget has left.
-    fn choose_what_breaks(&mut self, dt: f32, round: u32) {
+    fn choose_what_breaks(&mut self, dt: f32) {
         let mut breaking = std::mem::take(&mut self.fracture.breaking);
         breaking.clear();
+        let mut condemned = Vec::new();
         for &slot in &self.fracture.limited {
             let Some((load, judgement)) = self.judge(slot, dt).filter(|(_, judgement)| judgement.breaks()) else { continue };
             if self.may_break(slot) {
                 let cause = if judgement.share > 1.0 { BreakCause::Load } else { BreakCause::Damage };
                 breaking.push(self.breaking(slot, load, judgement, cause, dt));
+            } else {
+                condemned.push(slot);
             }
         }
-        // What the host asks for and would not break by itself goes last, once nothing else does.
-        if breaking.is_empty() || round + 1 == MOST_ROUNDS {
-            for &id in &self.fracture.asked {
-                let Ok(slot) = self.joints.find(id) else { continue };
-                if breaking.iter().all(|other| other.slot != slot) {
-                    let load = self.step_load(slot);
-                    let judgement = self.joints[slot].strain.as_ref().map_or_else(
-                        || judgement_of(&Strength::UNBREAKABLE, load),
-                        |strain| strain.judge(&self.joints[slot].def.strength, &load, dt),
-                    );
-                    breaking.push(self.breaking(slot, load, judgement, BreakCause::Applied, dt));
-                }
+        for &id in &self.fracture.asked {
+            let Ok(slot) = self.joints.find(id) else { continue };
+            if breaking.iter().all(|other| other.slot != slot) {
+                let load = self.step_load(slot);
+                let judgement = self.joints[slot].strain.as_ref().map_or_else(
+                    || judgement_of(&Strength::UNBREAKABLE, load),
+                    |strain| strain.judge(&self.joints[slot].def.strength, &load, dt),
+                );
+                breaking.push(self.breaking(slot, load, judgement, BreakCause::Applied, dt));
             }
         }
         breaking.sort_unstable_by_key(|joint| joint.slot);
-        breaking.truncate(self.def.fracture.most.saturating_sub(self.report.counts.joints_broken) as usize);
+        let room = self.def.fracture.most.saturating_sub(self.report.counts.joints_broken) as usize;
+        for late in breaking.drain(room.min(breaking.len())..).filter(|late| late.cause != BreakCause::Applied) {
+            condemned.push(late.slot);
+        }
+        for slot in condemned {
+            if let Some(strain) = &mut self.joints[slot].strain {
+                strain.condemned = true;
+            }
+        }
         self.fracture.breaking = breaking;
     }
 
@@ -306,7 +309,6 @@ impl World {
             let Some((load, judgement)) = self.judge(slot, dt) else { continue };
             let joint = &mut self.joints[slot];
             if let Some(strain) = &mut joint.strain {
-                strain.condemned |= judgement.breaks();
                 strain.note(&joint.def.strength, &load, dt);
                 self.report.counts.joints_condemned += u32::from(strain.condemned);
                 // What wears out goes on wearing.
