@@ -402,4 +402,3 @@ fn bad_numbers_are_refused_by_name() {
     world.apply_fractures(&[joint]).unwrap();
     assert_eq!(world.joint_stress(joint).unwrap_err().argument, "joint");
 }
-

@@ -27,8 +27,9 @@ pub unsafe extern "C" fn ls_cells_seeds(shape: *const LsShapeDef, count: usize, 
     call("ls_cells_seeds", || {
         let floats = count.checked_mul(3).ok_or_else(too_many)?;
         let out = host!(OutArray::new, out, floats);
+        let shape = host!(sized::read, shape);
         // SAFETY: the header asks for a definition whose pointers are valid.
-        let shape: ShapeDef = unsafe { host!(sized::read, shape).to_core() }?;
+        let shape: ShapeDef = unsafe { shape.to_core() }?;
         let seeds = Cells::random_seeds(shape.shape.geometry(), count, seed)?;
         out.write(seeds.into_iter().flat_map(|point| point.to_array()));
         Ok(())
@@ -76,9 +77,9 @@ pub unsafe extern "C" fn ls_world_cells_create(
         let floats = seed_count.checked_mul(3).ok_or_else(too_many)?;
         let seeds: Vec<Vec3> = host!(slice, seeds, floats).chunks_exact(3).map(Vec3::from_slice).collect();
         let material = host!(pointer::read, material).into();
-        let body = LsBodyDef { shape_count: 0, ..host!(sized::read, body) };
+        let (body, shape) = (LsBodyDef { shape_count: 0, ..host!(sized::read, body) }, host!(sized::read, shape));
         // SAFETY: the header asks for definitions whose pointers are valid.
-        let (body, shape) = unsafe { (body.to_core()?, host!(sized::read, shape).to_core()?) };
+        let (body, shape) = unsafe { (body.to_core()?, shape.to_core()?) };
         let cells = Cells::cut(shape.shape.geometry(), &seeds)?;
         let fit = [bodies.room_for(cells.cells.len()), joints.room_for(cells.bonds.len())];
         fit.into_iter().collect::<Outcome<()>>()?;

@@ -59,6 +59,10 @@ const REUSE_ROTATION: f32 = 5.0e-4;
 /// Factor on relative motion in the margin that manifolds are made for, so that a slightly greater speed does not remake them.
 const MARGIN_RESERVE: f32 = 1.5;
 
+/// Cosine of the turn of a normal from which on multipliers are not carried over. Where bodies are pressed deep into one another the
+/// axis of least overlap jumps, and what held up a column of falling bodies would push sideways against nothing.
+const LEAST_ALIGNMENT: f32 = 0.9;
+
 /// Share of the old multipliers that matching features must have taken for them to be kept point by point.
 const ALL_TAKEN: f32 = 0.999;
 
@@ -88,7 +92,7 @@ impl Pair {
             self.version = self.version.wrapping_add(1);
             let margin = still + motion * MARGIN_RESERVE;
             narrow::collide(&a.shape, &b.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
-            self.carry_over(&scratch.manifolds);
+            self.carry_over(&scratch.manifolds, &mut scratch.carried);
             self.made_for = Some((relative, margin));
         } else {
             self.follow(&relative);
@@ -138,14 +142,16 @@ impl Pair {
     }
 
     /// Takes new manifolds, with the multipliers of the old points that they continue.
-    fn carry_over(&mut self, fresh: &[Manifold]) {
-        let old_count = self.manifolds.len();
-        for manifold in fresh {
-            let old = self.manifolds[..old_count].iter().find(|old| old.geometry.part == manifold.part);
+    fn carry_over(&mut self, fresh: &[Manifold], carried: &mut Vec<CarriedManifold>) {
+        carried.clear();
+        carried.extend(fresh.iter().map(|manifold| {
+            let old = self.manifolds.iter().find(|old| old.geometry.part == manifold.part);
             let impulses = old.map_or(ContactImpulses::default(), |old| continued(old, manifold));
-            self.manifolds.push(CarriedManifold { geometry: *manifold, impulses });
-        }
-        self.manifolds.drain(..old_count);
+            CarriedManifold { geometry: *manifold, impulses }
+        }));
+        // Old and new are never here together: most pairs have one manifold, and room for that alone.
+        self.manifolds.clear();
+        self.manifolds.extend_from_slice(carried);
     }
 
     /// Multiplies all multipliers.
@@ -179,7 +185,7 @@ fn continued(old: &CarriedManifold, new: &Manifold) -> ContactImpulses {
         }
     }
     let total: f32 = old.impulses.normal[..old_points.len()].iter().sum();
-    if total == 0.0 {
+    if total == 0.0 || old.geometry.normal.dot(new.normal) < LEAST_ALIGNMENT {
         return ContactImpulses::default();
     }
     if taken < total * ALL_TAKEN {
@@ -211,6 +217,7 @@ fn spread(old: &CarriedManifold, new_points: &[ManifoldPoint]) -> [f32; 4] {
 pub(crate) struct PairScratch {
     narrow: Scratch,
     manifolds: Vec<Manifold>,
+    carried: Vec<CarriedManifold>,
 }
 
 /// All pairs of a world.
@@ -401,5 +408,28 @@ impl WorldManifold {
             world.lever_b[i] = offset_b + rotation_b * point.on_b;
         }
         world
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pressed(normal: Vec3) -> Manifold {
+        let mut manifold = Manifold { normal, count: 1, ..Manifold::default() };
+        manifold.points[0].feature = 7;
+        manifold
+    }
+
+    #[test]
+    fn a_multiplier_stays_with_its_direction() {
+        let impulses = ContactImpulses { normal: [5.0, 0.0, 0.0, 0.0], friction: Vec3::X, ..ContactImpulses::default() };
+        let old = CarriedManifold { geometry: pressed(Vec3::Y), impulses };
+        let after_turn = |degrees: f32| continued(&old, &pressed(Quat::from_rotation_z(degrees.to_radians()) * Vec3::Y));
+        assert_eq!(after_turn(0.0), impulses);
+        assert_eq!(after_turn(10.0), impulses);
+        // The axis of least overlap has jumped from one face to the next.
+        assert_eq!(after_turn(90.0), ContactImpulses::default());
+        assert_eq!(after_turn(180.0), ContactImpulses::default());
     }
 }

@@ -99,6 +99,16 @@ impl Batch {
         self.penetration = 0.0;
     }
 
+    /// Bodies enlisted so far.
+    pub(crate) fn body_count(&self) -> u32 {
+        self.bodies.len() as u32 - 1
+    }
+
+    /// Bodies that it has had room for.
+    pub(crate) fn room(&self) -> usize {
+        self.bodies.capacity()
+    }
+
     /// Says that the bodies enlisted from here on are those of another island.
     pub(crate) fn begin_island(&mut self) {
         self.islands.push(self.bodies.len() as u32);

@@ -3,9 +3,10 @@
 use super::World;
 use super::unions::Anchor;
 use crate::island::UnionFind;
+use crate::solve::batch::Batch;
 
 /// Bodies after which a batch takes no further island. It must not depend on the number of threads.
-const BATCH_BODIES: usize = 64;
+const BATCH_BODIES: u32 = 64;
 
 /// Where each body is in the batches of this step.
 #[derive(Debug, Default)]
@@ -15,10 +16,14 @@ pub(super) struct Groups {
     /// Island of each mover, by body slot.
     pub island: Vec<u32>,
     sizes: Vec<u32>,
+    /// Slots that each island takes in its batch: one for a body, one for a union.
+    slots: Vec<u32>,
     /// First member of each island in `members`.
     starts: Vec<u32>,
     /// Movers that are dynamic, sorted by island.
     pub members: Vec<u32>,
+    /// Bodies of each batch.
+    batch_sizes: Vec<u32>,
 }
 
 impl Groups {
@@ -104,6 +109,7 @@ impl World {
         groups.island.resize(bodies.slot_count(), 0);
         groups.place.resize(bodies.slot_count(), (0, 0));
         groups.sizes.clear();
+        groups.slots.clear();
         (report.counts.unions, report.counts.union_members) = (0, 0);
         for union in unions.iter().filter(|union| union.anchor == Anchor::Free && bodies[union.lead].is_mover()) {
             report.counts.unions += 1;
@@ -115,11 +121,13 @@ impl World {
             if root == body {
                 groups.island[body as usize] = groups.sizes.len() as u32;
                 groups.sizes.push(0);
+                groups.slots.push(0);
             }
             // The root is the lowest member, so it has its number already.
             let island = groups.island[root as usize];
             groups.island[body as usize] = island;
             groups.sizes[island as usize] += 1;
+            groups.slots[island as usize] += u32::from(unions.moving(body).is_none_or(|union| union.lead == body));
         }
         groups.starts.clear();
         groups.starts.push(0);
@@ -144,36 +152,58 @@ impl World {
     }
 
     fn make_batches(&mut self) {
-        let Self { groups, batches, batch_count, unions, report, hold, .. } = self;
-        *batch_count = 0;
-        let mut filled = BATCH_BODIES;
-        for island in 0..groups.sizes.len() {
-            if hold.islands[island] {
-                continue;
+        self.size_batches();
+        self.give_room_to_batches();
+        let Self { groups, batches, unions, hold, .. } = self;
+        let mut batch = 0;
+        for island in (0..groups.sizes.len()).filter(|&island| !hold.islands[island]) {
+            if batches[batch].body_count() >= groups.batch_sizes[batch] {
+                batch += 1;
             }
-            if filled >= BATCH_BODIES {
-                if batches.len() == *batch_count {
-                    batches.push(Default::default());
-                }
-                batches[*batch_count].clear();
-                *batch_count += 1;
-                filled = 0;
-            }
-            let batch = *batch_count - 1;
             batches[batch].begin_island();
             for member in groups.starts[island]..groups.starts[island + 1] {
                 let body = groups.members[member as usize];
                 // Members are sorted, so the lead has its slot already.
-                match unions.moving(body).filter(|union| union.lead != body) {
-                    Some(union) => groups.place[body as usize] = groups.place[union.lead as usize],
-                    None => {
-                        groups.place[body as usize] = (batch as u32, batches[batch].enlist(body));
-                        filled += 1;
-                    }
-                }
+                groups.place[body as usize] = match unions.moving(body).filter(|union| union.lead != body) {
+                    Some(union) => groups.place[union.lead as usize],
+                    None => (batch as u32, batches[batch].enlist(body)),
+                };
             }
         }
+    }
+
+    /// Counts the bodies of each batch, all of which are emptied.
+    fn size_batches(&mut self) {
+        let Self { groups, batches, batch_count, report, hold, .. } = self;
+        groups.batch_sizes.clear();
+        for (&size, _) in groups.slots.iter().zip(&hold.islands).filter(|&(_, &held)| !held) {
+            match groups.batch_sizes.last_mut().filter(|filled| **filled < BATCH_BODIES) {
+                Some(filled) => *filled += size,
+                None => groups.batch_sizes.push(size),
+            }
+        }
+        *batch_count = groups.batch_sizes.len();
+        if batches.len() < *batch_count {
+            batches.resize_with(*batch_count, Default::default);
+        }
+        batches[..*batch_count].iter_mut().for_each(Batch::clear);
         report.counts.batches = *batch_count as u32;
+    }
+
+    /// Lets a batch that needs more room than it has change places with the one that has the most: an island's number changes from
+    /// step to step, and without this every batch would keep the memory of the largest island that it ever was.
+    fn give_room_to_batches(&mut self) {
+        let Self { groups, batches, .. } = self;
+        let need = |batch: usize| groups.batch_sizes.get(batch).map_or(0, |&size| size as usize);
+        for batch in 0..groups.batch_sizes.len() {
+            if batches[batch].room() < need(batch)
+                && let Some(roomiest) = (0..batches.len()).max_by_key(|&other| batches[other].room())
+                && batches[roomiest].room() > batches[batch].room()
+                && need(roomiest) < need(batch)
+            {
+                batches.swap(batch, roomiest);
+            }
+        }
     }
 
     fn hand_out_contacts(&mut self) {

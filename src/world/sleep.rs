@@ -35,9 +35,9 @@ impl World {
         if !self.bodies[index].is_dynamic() {
             return Err(Error::new(ErrorKind::NotApplicable, "body", "only dynamic bodies sleep"));
         }
-        if self.bodies[index].is_awake() && self.bodies[index].is_mover() && self.bodies[index].is_free() {
+        self.flood_unions();
+        if self.bodies[index].is_mover() && self.bodies[index].is_free() {
             self.settle_movers();
-            self.flood_unions();
             self.group_islands();
             let island = self.groups.island[index as usize];
             let members = self.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();

@@ -18,6 +18,7 @@ use crate::report::*;
 use crate::shape_def::*;
 use crate::strength::*;
 use crate::support::*;
+use crate::union::*;
 use crate::version::*;
 use crate::world_def::*;
 

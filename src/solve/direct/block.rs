@@ -156,6 +156,9 @@ fn product_of<const K: usize, const WA: usize, const W: usize, const SUBTRACT: b
 
 #[inline(always)]
 fn product_of_any<const SUBTRACT: bool>(c: &mut [Lanes], a: &[Lanes], b: &[Lanes], m: usize, k: usize, w: usize) {
+    if w == 0 || k == 0 {
+        return;
+    }
     for (row_c, row_a) in c[..m * w].chunks_exact_mut(w).zip(a[..m * width(k)].chunks_exact(width(k))) {
         if !SUBTRACT {
             row_c.fill(ZERO);
@@ -173,6 +176,7 @@ fn product_of_any<const SUBTRACT: bool>(c: &mut [Lanes], a: &[Lanes], b: &[Lanes
 #[inline(always)]
 pub(super) fn subtract_rows(x: &mut [Lanes], l: &[Lanes], y: &[Lanes], m: usize) {
     match y.len() {
+        0 => {}
         1 => subtract_rows_of::<1>(x, l, y, m),
         2 => subtract_rows_of::<2>(x, l, y, m),
         w => {
@@ -210,7 +214,7 @@ pub(super) fn add_product(into: &mut Lanes, a: &Lanes, b: &Lanes) {
 #[inline(always)]
 pub(super) fn add_columns(y: &mut [Lanes], l: &[Lanes], x: &[Lanes], m: usize, sign: f64) {
     let w = y.len();
-    for (i, row) in l[..m * w].chunks_exact(w).enumerate() {
+    for (i, row) in l[..m * w].chunks_exact(w.max(1)).enumerate() {
         let share = sign * x[i / 4][i % 4];
         for (lanes, other) in y.iter_mut().zip(row) {
             add_scaled(lanes, share, other);

@@ -211,6 +211,10 @@ fn add_narrow(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
 #[inline(always)]
 fn add_wide(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
     let (row_w, w) = (rows.linear.len() / 3, columns.linear.len() / 3);
+    if w == 0 {
+        // A joint of which no row takes part.
+        return;
+    }
     let mass = [mass.x, mass.y, mass.z];
     for (i, row) in block.chunks_exact_mut(w).enumerate() {
         for (lane, into) in row.iter_mut().enumerate() {

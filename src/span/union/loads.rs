@@ -23,7 +23,7 @@ use crate::solve::direct::factor::{Factor, Plan, factorize, substitute};
 /// Rows of a member: displacement and rotation.
 const ROWS: usize = 6;
 
-/// Lanes of four that hold the rows of a member.
+/// Lanes of four numbers that the factor gives a row of a block, and a member in a vector.
 const LANES: usize = ROWS.div_ceil(4);
 
 /// A force (N) and a torque (N·m).
@@ -152,10 +152,8 @@ impl BondStiffness {
             blocks.push((start, hold));
         }
         for (start, block) in blocks {
-            let values = self.factor.block_mut(start);
-            for (number, add) in block.into_iter().enumerate() {
-                let (row, column) = (number / ROWS, number % ROWS);
-                values[row * LANES + column / 4][column % 4] += add;
+            for (row, add) in self.factor.block_mut(start).chunks_mut(LANES).zip(block.chunks(ROWS)) {
+                row.as_flattened_mut().iter_mut().zip(add).for_each(|(value, add)| *value += add);
             }
         }
     }
@@ -167,16 +165,18 @@ impl BondStiffness {
         if !self.anchored {
             self.balance(&mut needed);
         }
-        let mut u: Vec<[f64; 4]> = Vec::with_capacity(LANES * needed.len());
-        for Wrench { force: f, torque: t } in &needed {
-            u.extend([[f.x, f.y, f.z, t.x], [t.y, t.z, 0.0, 0.0]]);
+        let mut u = vec![[0.0; 4]; self.factor.len()];
+        for (lanes, wrench) in u.chunks_mut(LANES).zip(&needed) {
+            let numbers = lanes.as_flattened_mut();
+            numbers[..3].copy_from_slice(&wrench.force.to_array());
+            numbers[3..ROWS].copy_from_slice(&wrench.torque.to_array());
         }
         // K u = −n, and the load on B is −D J u: both signs are left out.
         substitute(&self.factor, &self.plan, &mut u);
         let moved = |member: Option<u32>, point: DVec3| {
             member.map_or((DVec3::ZERO, DVec3::ZERO), |member| {
-                let [low, high] = [u[LANES * member as usize], u[LANES * member as usize + 1]];
-                let (shift, turn) = (DVec3::new(low[0], low[1], low[2]), DVec3::new(low[3], high[0], high[1]));
+                let own = u[LANES * member as usize..].as_flattened();
+                let (shift, turn) = (DVec3::from_slice(own), DVec3::from_slice(&own[3..]));
                 (shift + turn.cross(point - self.bodies[member as usize].center), turn)
             })
         };
