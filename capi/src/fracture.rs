@@ -34,7 +34,7 @@ pub struct LsJointBreak {
     pub force: [f32; 3],
     /// Mean torque on B about its point, world axes (N m).
     pub torque: [f32; 3],
-    /// Its share of the limit that it broke at; above 1 if by load.
+    /// Its load as a fraction of the limit that it broke at; above 1 if by load.
     pub share: f32,
     /// LS_LIMIT_ constant: that limit.
     pub limit: i32,
@@ -103,11 +103,11 @@ pub struct LsJointStress {
     pub force: [f32; 3],
     /// Mean torque on B about the joint's point, axes of the joint's frame on A (N m).
     pub torque: [f32; 3],
-    /// Its share of the nearest limit: 1 breaks; 0 without limits.
+    /// Its load as a fraction of the nearest limit: 1 breaks; 0 without limits.
     pub share: f32,
     /// LS_LIMIT_ constant: that limit.
     pub limit: i32,
-    /// How worn it is, 0 to 1.
+    /// Its wear, a fraction: 1 breaks.
     pub damage: f32,
 }
 
@@ -328,7 +328,7 @@ pub unsafe extern "C" fn ls_joint_stress_get(world: LsWorld, joint: LsJoint, out
 /// @param world   the world; any value is safe
 /// @param joints  count handles
 /// @param count   number of handles; 0 is allowed
-/// @param out     room for count shares: 1 breaks; filled on LS_OK in the order of the handles; one bad handle, and none is written
+/// @param out     room for count fractions of a limit, 1 breaks; filled on LS_OK in the order of the handles; one bad handle, and none is written
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_OUT_OF_RANGE
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
@@ -353,7 +353,7 @@ pub unsafe extern "C" fn ls_world_joint_shares_get(
 /// Joints that bear at least a share of a limit, those closest to breaking first.
 ///
 /// @param world     the world; any value is safe
-/// @param least     share from which on they are listed, >= 0; 1 breaks
+/// @param least     fraction of a limit from which on they are listed, >= 0; 1 breaks
 /// @param out       room for capacity handles, filled on LS_OK; may be NULL if capacity is 0
 /// @param capacity  number of handles that fit
 /// @param count     number of joints, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL

@@ -43,7 +43,7 @@ pub struct LsStrength {
     pub window: f32,
     /// Not 0: loads below the limits wear the joint out; default 0.
     pub wears: u32,
-    /// Share of a limit from which it wears, 0 to below 1; read if wears; default 0.5.
+    /// Fraction of a limit from which it wears, 0 to below 1; read if wears; default 0.5.
     pub damage_from: f32,
     /// Time after which a new joint at its limit is worn out (s), > 0; read if wears; default 1.
     pub damage_time: f32,
@@ -55,17 +55,17 @@ pub struct LsStrength {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct LsBondMaterial {
-    /// Greatest tensile stress (Pa), >= 0.
+    /// Greatest tensile stress (N/m^2, which is Pa), >= 0.
     pub tension: f32,
-    /// Greatest compressive stress (Pa), >= 0.
+    /// Greatest compressive stress (N/m^2, which is Pa), >= 0.
     pub compression: f32,
-    /// Greatest shear stress (Pa), >= 0.
+    /// Greatest shear stress (N/m^2, which is Pa), >= 0.
     pub shear: f32,
     /// Time over which loads are averaged (s), above 0, at most 10.
     pub window: f32,
     /// Not 0: loads below the limits wear bonds out, as in LsStrength.
     pub wears: u32,
-    /// Share of a limit from which a bond wears, 0 to below 1; read if wears.
+    /// Fraction of a limit from which a bond wears, 0 to below 1; read if wears.
     pub damage_from: f32,
     /// Time after which a new bond at its limit is worn out (s), > 0; read if wears.
     pub damage_time: f32,
