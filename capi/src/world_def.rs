@@ -57,13 +57,17 @@ pub struct LsWorldDef {
     pub joint_capacity: u32,
     /// Not used; 0.
     pub reserved: u32,
+    /// Not 0: groups that stand still on supporting contacts are held where they are until anything touches them; default 1.
+    pub hold: u32,
+    /// Not 0: every step ends with the support analysis, as after ls_support_enable; default 0.
+    pub support: u32,
     /// Whether and how fast joints break.
     pub fracture: LsFractureSettings,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsWorldDef {
-    const SIZES: &'static [usize] = &[64, 72];
+    const SIZES: &'static [usize] = &[64, 72, 80];
 }
 
 // SAFETY: begins with struct_size.
@@ -108,8 +112,8 @@ impl TryFrom<LsWorldDef> for WorldDef {
             threads: def.threads,
             sleep: def.sleep.into(),
             restitution_threshold: def.restitution_threshold,
-            hold: true,
-            support: false,
+            hold: def.hold != 0,
+            support: def.support != 0,
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
             fracture: def.fracture.into(),
@@ -137,6 +141,8 @@ impl From<&WorldDef> for LsWorldDef {
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
             reserved: 0,
+            hold: def.hold.into(),
+            support: def.support.into(),
             fracture: def.fracture.into(),
         }
     }

@@ -4,7 +4,8 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 9] = ["hello", "chain", "bulk", "misuse", "edit", "queries", "debug_draw", "rollback", "fixed_step"];
+const SAMPLES: [&str; 11] =
+    ["hello", "chain", "bulk", "misuse", "edit", "queries", "debug_draw", "rollback", "tower", "keystone", "fixed_step"];
 
 fn sample(name: &str) -> std::path::PathBuf {
     common::repository().join("examples_c").join(format!("{name}.c"))
@@ -113,6 +114,18 @@ fn what_is_drawn_is_what_is_there() {
 fn a_host_that_goes_back_gets_the_same_bits_again() {
     let output = run(&mut LIBRARY.compile(&sample("rollback"), Language::C99, Linkage::Static));
     assert!(output.contains("120 steps, the same bits twice") && output.contains("snapshot: is corrupted"), "{output}");
+}
+
+#[test]
+fn a_tower_counts_its_supported_blocks_through_its_collapse() {
+    let output = run(&mut LIBRARY.compile(&sample("tower"), Language::C99, Linkage::Static));
+    assert!(output.lines().count() == 16 && output.contains("1.00 s: 400 of 400 blocks supported"), "{output}");
+}
+
+#[test]
+fn what_is_said_to_fall_without_a_post_falls() {
+    let output = run(&mut LIBRARY.compile(&sample("keystone"), Language::C99, Linkage::Static));
+    assert!(output.contains("support is lost by 2: lintel; finial;") && output.contains("block aside  stands"), "{output}");
 }
 
 #[test]

@@ -52,6 +52,8 @@ const SKY: Vec3 = Vec3::new(0.78, 0.85, 0.93);
 const GROUND: Vec3 = Vec3::new(0.52, 0.53, 0.52);
 const GRID: Vec3 = Vec3::new(0.40, 0.41, 0.41);
 const FIXED: Vec3 = Vec3::new(0.30, 0.31, 0.33);
+const SUPPORTED: Vec3 = Vec3::new(0.72, 0.16, 0.12);
+const UNSUPPORTED: Vec3 = Vec3::new(0.66, 0.66, 0.62);
 
 /// A colour for the `index`th body, told apart from its neighbours.
 pub fn color_of(index: usize) -> Vec3 {
@@ -60,11 +62,16 @@ pub fn color_of(index: usize) -> Vec3 {
     Vec3::new(wave(0.0), wave(2.0 / 3.0), wave(1.0 / 3.0))
 }
 
-/// Everything of a running scene that is to be seen.
+/// Everything of a running scene that is to be seen. Where the engine judges support, what is supported is red.
 pub fn of_engine(engine: &dyn Engine, bodies: &[(usize, &BodyDef)]) -> Vec<Drawn> {
     let mut drawn = Vec::new();
     for &(body, def) in bodies {
-        let color = if def.kind == BodyKind::Dynamic { color_of(body) } else { FIXED };
+        let color = match engine.is_supported(body) {
+            _ if def.kind != BodyKind::Dynamic => FIXED,
+            Some(true) => SUPPORTED,
+            Some(false) => UNSUPPORTED,
+            None => color_of(body),
+        };
         for shape in &def.shapes {
             let LocalPose { position, rotation } = shape.local_pose;
             let pose = engine.pose(body).transform(&Pose { position: position.as_dvec3(), rotation });

@@ -4,6 +4,7 @@ use super::birth::Birth;
 use super::bound::BatchBounds;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
+use super::contact_kernels;
 use super::direct::Direct;
 use super::joint::{BatchJoints, JointEntry};
 use super::load_pass::LoadPass;
@@ -197,7 +198,10 @@ impl Batch {
     /// Prepares the rows of all manifolds that have a lane; points closer than `reach` (m) count as touching.
     pub(crate) fn set_contacts(&mut self, reach: f32) {
         for (input, &(block, lane)) in self.inputs.iter().zip(&self.lanes).filter(|(_, (block, _))| *block != HELD) {
-            self.contacts[block as usize].set_lane(lane as usize, input, &self.velocities, reach);
+            self.contacts[block as usize].set_lane(lane as usize, input, reach);
+        }
+        for block in &mut self.contacts {
+            contact_kernels::set_masses(block, &self.velocities);
         }
     }
 

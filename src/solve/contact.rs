@@ -10,18 +10,15 @@
 //!
 //! Points and normal are those of the start of the step; separations follow the bodies' displacements linearly.
 
-use glam::{Mat2, Mat4, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
-use super::state::{BodyMotion, BodyVelocity};
+use super::state::BodyMotion;
 use crate::material::PairMaterial;
 
 /// Manifolds in a block.
 pub(crate) const LANES: usize = 8;
 /// Points of a manifold.
 pub(crate) const POINTS: usize = 4;
-
-/// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
-const REGULARISATION: f32 = 1.0e-3;
 
 /// Share of its limit below which a friction multiplier is dropped before it becomes denormal.
 pub(crate) const NEGLIGIBLE_FRICTION: f32 = 1.0e-9;
@@ -170,8 +167,8 @@ impl ContactBlock {
         has_faces: false,
     };
 
-    /// Prepares one manifold in lane `l`; points closer than `reach` (m) count as touching.
-    pub(crate) fn set_lane(&mut self, l: usize, input: &ContactInput, velocities: &[BodyVelocity], reach: f32) {
+    /// Prepares one manifold in lane `l`, all but its effective masses; points closer than `reach` (m) count as touching.
+    pub(crate) fn set_lane(&mut self, l: usize, input: &ContactInput, reach: f32) {
         let n = input.normal;
         let (t1, t2) = tangents(n);
 
@@ -195,7 +192,6 @@ impl ContactBlock {
         self.count[l] = count as u8;
         self.has_faces |= count > 1;
         self.has_rolling |= input.material.rolling > 0.0;
-        self.set_masses(l, velocities);
         if count == POINTS {
             self.level(l, reach);
         }
@@ -219,61 +215,9 @@ impl ContactBlock {
         }
     }
 
-    /// Forms the effective masses of lane `l` from the bodies' inertia of now.
-    fn set_masses(&mut self, l: usize, velocities: &[BodyVelocity]) {
-        let (a, b) = (&velocities[self.a[l] as usize], &velocities[self.b[l] as usize]);
-        let (inertia_a, inertia_b) = (a.inverse_inertia.to_mat3(), b.inverse_inertia.to_mat3());
-        let inverse_mass = a.inverse_mass + b.inverse_mass;
-        let count = self.count[l] as usize;
-        let (n, t1) = (get(&self.normal, l), get(&self.tangent, l));
-        let t2 = n.cross(t1);
-
-        let along_normal = n.dot(inverse_mass * n);
-        let mut torque_a = [Vec3::ZERO; POINTS];
-        let mut torque_b = [Vec3::ZERO; POINTS];
-        for i in 0..count {
-            torque_a[i] = get(&self.lever_a[i], l).cross(n);
-            torque_b[i] = get(&self.lever_b[i], l).cross(n);
-        }
-        let mut pair = 0;
-        for i in 0..POINTS {
-            let (response_a, response_b) = (inertia_a * torque_a[i], inertia_b * torque_b[i]);
-            let entry = |j: usize| along_normal + response_a.dot(torque_a[j]) + response_b.dot(torque_b[j]);
-            if i < count {
-                let diagonal = entry(i);
-                self.diagonal[i][l] = diagonal;
-                self.inverse_diagonal[i][l] = invert(diagonal);
-            }
-            for j in i + 1..POINTS {
-                self.coupling[pair][l] = if j < count { entry(j) } else { 0.0 };
-                pair += 1;
-            }
-        }
-        if count > 1 {
-            self.set_inverse(l, count);
-        }
-
-        let (center_a, center_b) = (get(&self.center_a, l), get(&self.center_b, l));
-        let response = |u: Vec3, v: Vec3| {
-            u.dot(inverse_mass * v)
-                + center_a.cross(u).dot(inertia_a * center_a.cross(v))
-                + center_b.cross(u).dot(inertia_b * center_b.cross(v))
-        };
-        put_inverse2(&mut self.tangent_mass, l, response(t1, t1), response(t1, t2), response(t2, t2));
-        let angular = inertia_a + inertia_b;
-        self.twist_mass[l] = invert(n.dot(angular * n));
-        if self.has_rolling {
-            put_inverse2(&mut self.rolling_mass, l, t1.dot(angular * t1), t1.dot(angular * t2), t2.dot(angular * t2));
-        }
-    }
-
-    /// Forms the effective masses anew where the inertia of a body has been.
-    pub(crate) fn refresh_masses(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
-        for l in 0..LANES {
-            if self.count[l] > 0 && (motions[self.a[l] as usize].refreshed || motions[self.b[l] as usize].refreshed) {
-                self.set_masses(l, velocities);
-            }
-        }
+    /// Whether the inertia of any of its bodies has been formed anew.
+    pub(crate) fn is_refreshed(&self, motions: &[BodyMotion]) -> bool {
+        self.a.iter().chain(&self.b).any(|&slot| motions[slot as usize].refreshed)
     }
 
     /// Evens out the load of four touching points in lane `l` without changing its force or moments.
@@ -301,28 +245,6 @@ impl ContactBlock {
             for i in 0..POINTS {
                 self.lambda[i][l] = lambda[i] - shift[i];
             }
-        }
-    }
-
-    /// Inverts the matrix of lane `l`. Four points of a face have a matrix of rank three; [`REGULARISATION`] makes it regular
-    /// and picks the multipliers of least norm.
-    fn set_inverse(&mut self, l: usize, count: usize) {
-        let [a01, a02, a03, a12, a13, a23] = self.coupling.map(|lane| lane[l]);
-        let mut d: [f32; POINTS] = std::array::from_fn(|i| self.diagonal[i][l]);
-        let extra = d.iter().fold(0.0_f32, |most, &x| most.max(x)) * REGULARISATION;
-        for (i, entry) in d.iter_mut().enumerate() {
-            *entry = if i < count { *entry + extra } else { 1.0 };
-        }
-        let matrix = Mat4::from_cols_array_2d(&[
-            [d[0], a01, a02, a03],
-            [a01, d[1], a12, a13],
-            [a02, a12, d[2], a23],
-            [a03, a13, a23, d[3]],
-        ]);
-        let inverse = matrix.as_dmat4().inverse();
-        let entries = [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
-        for (lane, (i, j)) in self.inverse.iter_mut().zip(entries) {
-            lane[l] = if i.max(j) < count { inverse.col(i)[j] as f32 } else { 0.0 };
         }
     }
 
@@ -367,18 +289,4 @@ fn put(lanes: &mut Lane3, l: usize, v: Vec3) {
 
 fn get(lanes: &Lane3, l: usize) -> Vec3 {
     Vec3::new(lanes[0][l], lanes[1][l], lanes[2][l])
-}
-
-fn put_inverse2(lanes: &mut [Lane; 3], l: usize, m11: f32, m12: f32, m22: f32) {
-    let matrix = Mat2::from_cols_array(&[m11, m12, m12, m22]);
-    // Bodies that cannot turn make one direction immovable: leave those rows out rather than divide by nothing.
-    let inverse =
-        if m11 > 0.0 && m22 > 0.0 && matrix.determinant() > f32::EPSILON * m11 * m22 { matrix.inverse() } else { Mat2::ZERO };
-    lanes[0][l] = inverse.x_axis.x;
-    lanes[1][l] = inverse.x_axis.y;
-    lanes[2][l] = inverse.y_axis.y;
-}
-
-fn invert(x: f32) -> f32 {
-    if x > 0.0 { 1.0 / x } else { 0.0 }
 }

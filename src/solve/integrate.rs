@@ -33,9 +33,15 @@ pub(crate) fn apply_forces(velocity: &mut BodyVelocity, motion: &mut BodyMotion,
     }
     let free = velocity.inverse_mass.cmpgt(Vec3::ZERO);
     velocity.linear += Vec3::select(free, motion.acceleration * h, Vec3::ZERO);
-    velocity.angular += velocity.inverse_inertia.mul(motion.torque) * h;
-    velocity.linear /= 1.0 + h * motion.linear_damping;
-    velocity.angular /= 1.0 + h * motion.angular_damping;
+    if motion.torque != Vec3::ZERO {
+        velocity.angular += velocity.inverse_inertia.mul(motion.torque) * h;
+    }
+    if motion.linear_damping != 0.0 {
+        velocity.linear /= 1.0 + h * motion.linear_damping;
+    }
+    if motion.angular_damping != 0.0 {
+        velocity.angular /= 1.0 + h * motion.angular_damping;
+    }
     limit_speeds(velocity, h);
 }
 
@@ -98,8 +104,10 @@ pub(crate) fn skew(v: Vec3) -> Mat3 {
 pub(crate) fn rotated(rotation: Quat, vector: Vec3) -> Quat {
     let half = vector * 0.5;
     let x = half.length_squared();
-    let sine_over_angle = 1.0 - x / 6.0 * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0)));
-    let cosine = 1.0 - x / 2.0 * (1.0 - x / 12.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0 * (1.0 - x / 90.0))));
+    let [s1, s2, s3, s4] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0].map(|term: f32| x * term);
+    let sine_over_angle = 1.0 - s1 * (1.0 - s2 * (1.0 - s3 * (1.0 - s4)));
+    let [c1, c2, c3, c4, c5] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0].map(|term: f32| x * term);
+    let cosine = 1.0 - c1 * (1.0 - c2 * (1.0 - c3 * (1.0 - c4 * (1.0 - c5))));
     let axis = half * sine_over_angle;
     (Quat::from_xyzw(axis.x, axis.y, axis.z, cosine) * rotation).normalize()
 }

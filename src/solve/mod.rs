@@ -20,6 +20,7 @@ pub(crate) mod load_pass;
 mod rotation;
 pub(crate) mod state;
 pub(crate) mod taut;
+mod wide;
 
 use batch::Batch;
 use contact::POINTS;
@@ -129,8 +130,8 @@ impl Batch {
         }
         self.direct.couple(joints, &mut self.velocities, &mut self.motions, h);
         if self.motions.iter().any(|motion| motion.refreshed) {
-            for block in &mut self.contacts {
-                block.refresh_masses(&self.velocities, &self.motions);
+            for block in self.contacts.iter_mut().filter(|block| block.is_refreshed(&self.motions)) {
+                contact_kernels::set_masses(block, &self.velocities);
             }
         }
     }
@@ -142,7 +143,7 @@ impl Batch {
     }
 
     fn recover_positions(&mut self, dt: f32) {
-        contact_kernels::find_worst_overlap(&self.contacts, &self.motions, &mut self.penetration);
+        contact_kernels::end_step(&mut self.contacts, &self.motions, &mut self.penetration);
         let overlaps = self.penetration > NEGLIGIBLE_OVERLAP;
         self.penetration = self.penetration.max(self.direct.penetration() as f32);
         if !overlaps {
@@ -153,7 +154,7 @@ impl Batch {
         self.recovery_lambdas.clear();
         self.recovery_lambdas.resize(self.contacts.len(), [[0.0; contact::LANES]; POINTS]);
         for _ in 0..contact_kernels::RECOVERY_SWEEPS {
-            contact_kernels::recover(&self.contacts, &mut self.recovery_lambdas, &mut self.pushes, &self.motions, dt);
+            contact_kernels::recover(&self.contacts, &mut self.recovery_lambdas, &mut self.pushes, dt);
         }
         for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
             motion.displace(push.linear, push.angular);

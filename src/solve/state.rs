@@ -14,6 +14,7 @@ const MAX_PUSH_TURN: f32 = 0.5;
 
 /// Symmetric 3×3 matrix: xx, yy, zz, xy, xz, yz.
 #[derive(Debug, Clone, Copy, Default)]
+#[repr(transparent)]
 pub(crate) struct Symmetric([f32; 6]);
 
 impl Symmetric {
@@ -45,17 +46,38 @@ impl Symmetric {
 pub(crate) struct BodyVelocity {
     /// Velocity of the centre of mass (m/s).
     pub linear: Vec3,
-    /// Inverse mass along the world axes (1/kg); zero where locked.
-    pub inverse_mass: Vec3,
     /// Angular velocity (rad/s).
     pub angular: Vec3,
+    /// Inverse mass along the world axes (1/kg); zero where locked.
+    pub inverse_mass: Vec3,
     /// Inverse inertia in world axes (1/(kg·m²)).
     pub inverse_inertia: Symmetric,
+    /// Fills the line, so that it can be read as numbers.
+    pub unused: f32,
 }
 
 impl BodyVelocity {
-    pub(crate) const FIXED: Self =
-        Self { linear: Vec3::ZERO, inverse_mass: Vec3::ZERO, angular: Vec3::ZERO, inverse_inertia: Symmetric::ZERO };
+    pub(crate) const FIXED: Self = Self::new(Vec3::ZERO, Symmetric::ZERO);
+
+    /// A body at rest.
+    pub(crate) const fn new(inverse_mass: Vec3, inverse_inertia: Symmetric) -> Self {
+        Self { linear: Vec3::ZERO, angular: Vec3::ZERO, inverse_mass, inverse_inertia, unused: 0.0 }
+    }
+
+    /// Its numbers in order: linear and angular velocity, inverse mass, inverse inertia, and one without meaning.
+    #[inline(always)]
+    pub(crate) fn halves(&self) -> [&[f32; 8]; 2] {
+        // SAFETY: the struct is `repr(C)` and made of 16 `f32` without padding, as its size says.
+        let halves = unsafe { &*std::ptr::from_ref(self).cast::<[[f32; 8]; 2]>() };
+        [&halves[0], &halves[1]]
+    }
+
+    /// Linear and angular velocity, and the first two numbers of the inverse mass.
+    #[inline(always)]
+    pub(crate) fn first_half_mut(&mut self) -> &mut [f32; 8] {
+        // SAFETY: as in `halves`; any numbers may be written.
+        unsafe { &mut *std::ptr::from_mut(self).cast::<[f32; 8]>() }
+    }
 
     /// The same body at rest, to gather displacements in.
     pub(crate) fn at_rest(&self) -> Self {
@@ -70,21 +92,24 @@ impl BodyVelocity {
     }
 }
 
+const _: () = assert!(size_of::<BodyVelocity>() == 16 * size_of::<f32>());
+
 /// Motion of a body since the start of the step, and what integration needs to know of it.
 #[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
 pub(crate) struct BodyMotion {
     /// Displacement of the centre of mass since the start of the step (m).
     pub displacement: Vec3,
     /// Sum of the substeps' rotation vectors since the start of the step (rad).
     pub turn: Vec3,
+    pub linear_damping: f32,
+    pub angular_damping: f32,
     /// Rotation now.
     pub rotation: Quat,
     /// Acceleration by gravity and by the host's forces (m/s²).
     pub acceleration: Vec3,
     /// The host's torque (N·m).
     pub torque: Vec3,
-    pub linear_damping: f32,
-    pub angular_damping: f32,
     /// Principal moments of inertia (kg·m²).
     pub inertia: Vec3,
     /// Rotation of the principal axes in the body.
@@ -142,6 +167,13 @@ impl BodyMotion {
         constrained: false,
         refreshed: false,
     };
+
+    /// Displacement, turn, and two numbers more.
+    #[inline(always)]
+    pub(crate) fn moved(&self) -> &[f32; 8] {
+        // SAFETY: the struct is `repr(C)` and begins with eight `f32`: two vectors and two dampings.
+        unsafe { &*std::ptr::from_ref(self).cast::<[f32; 8]>() }
+    }
 
     /// Moves a dynamic body by a displacement (m) and a rotation vector (rad, at most [`MAX_PUSH_TURN`]).
     pub(crate) fn displace(&mut self, displacement: Vec3, turn: Vec3) {

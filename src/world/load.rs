@@ -138,12 +138,8 @@ impl Records<'_> {
         }
         let inertia = mass.principal_inertia;
         let inverse = crate::shape::inertia_tensor(1.0 / inertia, rotation * mass.inertia_frame);
-        let velocity = BodyVelocity {
-            linear,
-            inverse_mass: Vec3::splat(1.0 / mass.mass),
-            angular,
-            inverse_inertia: Symmetric::from_mat3(inverse),
-        };
+        let at_rest = BodyVelocity::new(Vec3::splat(1.0 / mass.mass), Symmetric::from_mat3(inverse));
+        let velocity = BodyVelocity { linear, angular, ..at_rest };
         let jointed = !union.outer.is_empty();
         let motion = BodyMotion {
             rotation,
@@ -165,11 +161,11 @@ impl Records<'_> {
 
     fn body_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
         let body = &self.bodies[index];
+        let inverse_mass = body.inverse_mass() * crate::body::free_axes(body.locked_axes.translation);
         let velocity = BodyVelocity {
             linear: body.linear_velocity,
-            inverse_mass: body.inverse_mass() * crate::body::free_axes(body.locked_axes.translation),
             angular: body.angular_velocity,
-            inverse_inertia: Symmetric::from_mat3(body.world_inverse_inertia()),
+            ..BodyVelocity::new(inverse_mass, Symmetric::from_mat3(body.world_inverse_inertia()))
         };
         let mass = body.mass.as_ref();
         let inertia = mass.map_or(Vec3::ONE, |mass| mass.principal_inertia);

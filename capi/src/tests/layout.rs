@@ -113,7 +113,7 @@ fn layouts() -> Vec<Layout> {
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
             struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_threshold, body_capacity,
-            joint_capacity, reserved, fracture
+            joint_capacity, reserved, hold, support, fracture
         }
         LsStepReport {
             step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
@@ -169,7 +169,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsLongRangeDef", 60),
         ("LsBound", 96),
         ("LsSoftBound", 12),
-        ("LsWorldDef", 72),
+        ("LsWorldDef", 80),
         ("LsStepReport", 96),
         ("LsMoved", 88),
         ("LsContactPair", 32),

@@ -1,0 +1,140 @@
+//! Effective masses of a block's rows.
+
+use super::super::contact::{ContactBlock, LANES, Lane, POINTS};
+use super::super::state::BodyVelocity;
+use super::super::wide::{Wide, Wide3};
+use super::rows::{Side, load_all};
+
+/// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
+const REGULARISATION: f32 = 1.0e-3;
+
+/// Rows and columns of the entries of an inverse, in the order in which a block keeps them.
+const ENTRIES: [(usize, usize); 10] = [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+
+#[inline(always)]
+pub(super) fn set<W: Wide>(block: &mut ContactBlock, velocities: &[BodyVelocity]) {
+    let (side_a, side_b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
+    let inverse_mass = side_a.inverse_mass() + side_b.inverse_mass();
+    let n = Wide3::load(&block.normal);
+    let t1 = Wide3::load(&block.tangent);
+    let t2 = n.cross(t1);
+
+    set_normal(block, n, n.dot(inverse_mass.scale(n)), &side_a, &side_b);
+
+    let (center_a, center_b) = (Wide3::load(&block.center_a), Wide3::load(&block.center_b));
+    let (arm_a1, arm_a2) = (center_a.cross(t1), center_a.cross(t2));
+    let (arm_b1, arm_b2) = (center_b.cross(t1), center_b.cross(t2));
+    let (push1, push2) = (inverse_mass.scale(t1), inverse_mass.scale(t2));
+    let (turn_a1, turn_a2) = (side_a.response(arm_a1), side_a.response(arm_a2));
+    let (turn_b1, turn_b2) = (side_b.response(arm_b1), side_b.response(arm_b2));
+    let m11 = t1.dot(push1) + arm_a1.dot(turn_a1) + arm_b1.dot(turn_b1);
+    let m12 = t1.dot(push2) + arm_a1.dot(turn_a2) + arm_b1.dot(turn_b2);
+    let m22 = t2.dot(push2) + arm_a2.dot(turn_a2) + arm_b2.dot(turn_b2);
+    put_inverse2(&mut block.tangent_mass, m11, m12, m22);
+
+    invert(n.dot(side_a.response(n) + side_b.response(n))).store(&mut block.twist_mass);
+    if block.has_rolling {
+        let (turn1, turn2) = (side_a.response(t1) + side_b.response(t1), side_a.response(t2) + side_b.response(t2));
+        put_inverse2(&mut block.rolling_mass, t1.dot(turn1), t1.dot(turn2), t2.dot(turn2));
+    }
+}
+
+/// A_ij = n·M⁻¹n + (r_i×n)·I⁻¹(r_j×n), summed over both sides, and its inverses.
+#[inline(always)]
+fn set_normal<W: Wide>(block: &mut ContactBlock, n: Wide3<W>, along_normal: W, side_a: &Side<W>, side_b: &Side<W>) {
+    let points = if block.has_faces { POINTS } else { 1 };
+    let zero = W::zero();
+    let mut exists = [[0.0; LANES]; POINTS];
+    for i in 0..points {
+        for l in 0..LANES {
+            exists[i][l] = f32::from(u8::from(i < usize::from(block.count[l])));
+        }
+    }
+    let exists = load_all::<W, POINTS>(&exists);
+    let mut torque = [(Wide3::zero(), Wide3::zero()); POINTS];
+    for i in 0..points {
+        torque[i] = (Wide3::load(&block.lever_a[i]).cross(n), Wide3::load(&block.lever_b[i]).cross(n));
+    }
+    let mut pair = 0;
+    for i in 0..points {
+        let (turn_a, turn_b) = (side_a.response(torque[i].0), side_b.response(torque[i].1));
+        let entry = along_normal + turn_a.dot(torque[i].0) + turn_b.dot(torque[i].1);
+        let diagonal = W::select(exists[i].above(zero), entry, zero);
+        diagonal.store(&mut block.diagonal[i]);
+        invert(diagonal).store(&mut block.inverse_diagonal[i]);
+        for j in i + 1..points {
+            // Points exist in order: where j does, i does.
+            let entry = along_normal + turn_a.dot(torque[j].0) + turn_b.dot(torque[j].1);
+            W::select(exists[j].above(zero), entry, zero).store(&mut block.coupling[pair]);
+            pair += 1;
+        }
+    }
+    if block.has_faces {
+        set_inverse(block);
+    }
+}
+
+/// Inverts the matrix of each lane. Four points of a face have a matrix of rank three; [`REGULARISATION`] makes it regular and picks
+/// the multipliers of least norm. A = L D Lᵀ, A⁻¹ = Mᵀ D⁻¹ M with M = L⁻¹, in `f64`.
+#[inline(always)]
+fn set_inverse(block: &mut ContactBlock) {
+    let ContactBlock { diagonal, coupling, inverse, count, .. } = block;
+    let lanes: &mut [Lane; 10] = inverse;
+    for l in 0..LANES {
+        let extra =
+            f64::from(diagonal.iter().fold(0.0_f32, |most, lane| if lane[l] > most { lane[l] } else { most }) * REGULARISATION);
+        // A point alone is solved by its diagonal.
+        let exists = [0, 1, 2, 3].map(|i: usize| count[l] > 1 && diagonal[i][l] > 0.0);
+        let d = [0, 1, 2, 3].map(|i: usize| if exists[i] { f64::from(diagonal[i][l]) + extra } else { 1.0 });
+        let [c01, c02, c03, c12, c13, c23] = coupling.map(|lane| f64::from(lane[l]));
+
+        let g0 = 1.0 / d[0];
+        let (l10, l20, l30) = (c01 * g0, c02 * g0, c03 * g0);
+        let g1 = 1.0 / (d[1] - l10 * c01);
+        let (e12, e13) = (c12 - l10 * c02, c13 - l10 * c03);
+        let (l21, l31) = (e12 * g1, e13 * g1);
+        let g2 = 1.0 / (d[2] - l20 * c02 - l21 * e12);
+        let e23 = c23 - l20 * c03 - l21 * e13;
+        let l32 = e23 * g2;
+        let g3 = 1.0 / (d[3] - l30 * c03 - l31 * e13 - l32 * e23);
+
+        let (m10, m21, m32) = (-l10, -l21, -l32);
+        let m20 = -l20 - l21 * m10;
+        let m31 = -l31 - l32 * m21;
+        let m30 = -l30 - l31 * m10 - l32 * m20;
+        let entries = [
+            g0 + m10 * m10 * g1 + m20 * m20 * g2 + m30 * m30 * g3,
+            g1 + m21 * m21 * g2 + m31 * m31 * g3,
+            g2 + m32 * m32 * g3,
+            g3,
+            m10 * g1 + m20 * m21 * g2 + m30 * m31 * g3,
+            m20 * g2 + m30 * m32 * g3,
+            m30 * g3,
+            m21 * g2 + m31 * m32 * g3,
+            m31 * g3,
+            m32 * g3,
+        ];
+        for (k, (i, j)) in ENTRIES.into_iter().enumerate() {
+            lanes[k][l] = if exists[i] && exists[j] { entries[k] as f32 } else { 0.0 };
+        }
+    }
+}
+
+#[inline(always)]
+fn invert<W: Wide>(x: W) -> W {
+    W::select(x.above(W::zero()), W::splat(1.0) / x, W::zero())
+}
+
+/// Inverse of [[m11, m12], [m12, m22]]: 11, 12, 22.
+///
+/// Bodies that cannot turn make one direction immovable: those rows are left out rather than divided by nothing.
+#[inline(always)]
+fn put_inverse2<W: Wide>(lanes: &mut [Lane; 3], m11: W, m12: W, m22: W) {
+    let zero = W::zero();
+    let determinant = m11 * m22 - m12 * m12;
+    let is_regular = determinant.above(W::splat(f32::EPSILON) * m11 * m22);
+    let scale = W::select(is_regular, W::splat(1.0) / determinant, zero);
+    (m22 * scale).store(&mut lanes[0]);
+    (-m12 * scale).store(&mut lanes[1]);
+    (m11 * scale).store(&mut lanes[2]);
+}

@@ -1,0 +1,228 @@
+//! What the kernels share: the bodies of a block in lanes, and its normal rows.
+
+use super::super::contact::{ContactBlock, LANES, Lane, POINTS};
+use super::super::state::{BodyMotion, BodyVelocity};
+use super::super::wide::{Wide, Wide3};
+
+/// Sweeps over the 4×4 matrix of a manifold within one visit.
+const INNER_SWEEPS: usize = 4;
+
+/// One number for each point of each manifold.
+pub(super) type Points<W> = [W; POINTS];
+
+/// Velocities and inverse masses of one side of a block.
+pub(super) struct Side<W> {
+    pub linear: Wide3<W>,
+    pub angular: Wide3<W>,
+    inverse_mass: Wide3<W>,
+    /// xx, yy, zz, xy, xz, yz.
+    inverse_inertia: [W; 6],
+}
+
+impl<W: Wide> Side<W> {
+    #[inline(always)]
+    pub fn gather(slots: &[u32; LANES], velocities: &[BodyVelocity]) -> Self {
+        let mut rows = [[W::zero(); LANES]; 2];
+        for l in 0..LANES {
+            let [first, second] = velocities[slots[l] as usize].halves();
+            (rows[0][l], rows[1][l]) = (W::load(first), W::load(second));
+        }
+        let [lx, ly, lz, ax, ay, az, mx, my] = W::transpose(rows[0]);
+        let [mz, xx, yy, zz, xy, xz, yz, _] = W::transpose(rows[1]);
+        Self {
+            linear: Wide3::new(lx, ly, lz),
+            angular: Wide3::new(ax, ay, az),
+            inverse_mass: Wide3::new(mx, my, mz),
+            inverse_inertia: [xx, yy, zz, xy, xz, yz],
+        }
+    }
+
+    #[inline(always)]
+    pub fn scatter(&self, slots: &[u32; LANES], velocities: &mut [BodyVelocity]) {
+        let Self { linear, angular, inverse_mass, .. } = self;
+        let rows = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z, inverse_mass.x, inverse_mass.y];
+        let rows = W::transpose(rows);
+        for l in 0..LANES {
+            rows[l].store(velocities[slots[l] as usize].first_half_mut());
+        }
+    }
+
+    /// Applies an impulse and an angular impulse to every lane.
+    #[inline(always)]
+    pub fn apply(&mut self, impulse: Wide3<W>, torque: Wide3<W>) {
+        self.linear = self.linear + self.inverse_mass.scale(impulse);
+        self.turn(torque);
+    }
+
+    /// Applies an angular impulse to every lane.
+    #[inline(always)]
+    pub fn turn(&mut self, torque: Wide3<W>) {
+        let [xx, yy, zz, xy, xz, yz] = self.inverse_inertia;
+        self.angular.x = self.angular.x + (xx * torque.x + xy * torque.y + xz * torque.z);
+        self.angular.y = self.angular.y + (xy * torque.x + yy * torque.y + yz * torque.z);
+        self.angular.z = self.angular.z + (xz * torque.x + yz * torque.y + zz * torque.z);
+    }
+
+    #[inline(always)]
+    pub fn inverse_mass(&self) -> Wide3<W> {
+        self.inverse_mass
+    }
+
+    /// I⁻¹ v.
+    #[inline(always)]
+    pub fn response(&self, v: Wide3<W>) -> Wide3<W> {
+        let [xx, yy, zz, xy, xz, yz] = self.inverse_inertia;
+        Wide3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
+    }
+}
+
+#[inline(always)]
+pub(super) fn load_all<W: Wide, const N: usize>(lanes: &[Lane; N]) -> [W; N] {
+    let mut all = [W::zero(); N];
+    for i in 0..N {
+        all[i] = W::load(&lanes[i]);
+    }
+    all
+}
+
+#[inline(always)]
+pub(super) fn load_points<W: Wide>(lanes: &[Lane; POINTS]) -> Points<W> {
+    load_all(lanes)
+}
+
+#[inline(always)]
+fn product<W: Wide>(row: &Points<W>, column: &Points<W>) -> W {
+    row[0] * column[0] + row[1] * column[1] + row[2] * column[2] + row[3] * column[3]
+}
+
+#[inline(always)]
+pub(super) fn store_points<W: Wide, const N: usize>(points: &Points<W>, lanes: &mut [Lane; POINTS]) {
+    for i in 0..N {
+        points[i].store(&mut lanes[i]);
+    }
+}
+
+/// Displacements and turns of one side of a block since the start of the step.
+#[inline(always)]
+fn moved<W: Wide>(slots: &[u32; LANES], motions: &[BodyMotion]) -> (Wide3<W>, Wide3<W>) {
+    let mut rows = [W::zero(); LANES];
+    for l in 0..LANES {
+        rows[l] = W::load(motions[slots[l] as usize].moved());
+    }
+    let [x, y, z, turn_x, turn_y, turn_z, _, _] = W::transpose(rows);
+    (Wide3::new(x, y, z), Wide3::new(turn_x, turn_y, turn_z))
+}
+
+/// Separation of the first `N` points with the bodies displaced as `motions` say (m).
+#[inline(always)]
+pub(super) fn separations<W: Wide, const N: usize>(block: &ContactBlock, motions: &[BodyMotion]) -> Points<W> {
+    let (moved_a, turned_a) = moved::<W>(&block.a, motions);
+    let (moved_b, turned_b) = moved::<W>(&block.b, motions);
+    let n = Wide3::load(&block.normal);
+    let shift = n.dot(moved_b - moved_a);
+    let (axis_a, axis_b) = (n.cross(turned_a), n.cross(turned_b));
+    let mut separation = load_points::<W>(&block.separation);
+    for i in 0..N {
+        // n·(θ×r) = r·(n×θ)
+        let turning = Wide3::load(&block.lever_b[i]).dot(axis_b) - Wide3::load(&block.lever_a[i]).dot(axis_a);
+        separation[i] = separation[i] + (shift + turning);
+    }
+    separation
+}
+
+/// J v of every normal row.
+#[inline(always)]
+pub(super) fn normal_rates<W: Wide, const N: usize>(block: &ContactBlock, side_a: &Side<W>, side_b: &Side<W>) -> Points<W> {
+    let n = Wide3::load(&block.normal);
+    let approach = n.dot(side_b.linear - side_a.linear);
+    // n·(ω×r) = r·(n×ω)
+    let (axis_a, axis_b) = (n.cross(side_a.angular), n.cross(side_b.angular));
+    let mut rates = [W::zero(); POINTS];
+    for i in 0..N {
+        let turning = Wide3::load(&block.lever_b[i]).dot(axis_b) - Wide3::load(&block.lever_a[i]).dot(axis_a);
+        rates[i] = approach + turning;
+    }
+    rates
+}
+
+/// Multipliers λ ≥ 0 of every manifold, from `residual` = J v + b at the multipliers `old`.
+///
+/// Where all points press, the regularised inverse gives them at once. Elsewhere, and for what it leaves, projected
+/// Gauss–Seidel on the manifold's own matrix. Without the inverse, the few inner sweeps leave a face's load uneven and tall
+/// columns buckle.
+#[inline(always)]
+pub(super) fn solve_manifolds<W: Wide, const N: usize>(
+    block: &ContactBlock,
+    mut residual: Points<W>,
+    old: &Points<W>,
+) -> Points<W> {
+    let zero = W::zero();
+    let mut lambda = *old;
+    if N == 1 {
+        lambda[0] = (lambda[0] - residual[0] * W::load(&block.inverse_diagonal[0])).max(zero);
+        return lambda;
+    }
+    let step = regular_step::<W>(block, &residual, &lambda);
+    for i in 0..POINTS {
+        lambda[i] = lambda[i] + step[i];
+    }
+    let [d0, d1, d2, d3] = load_points::<W>(&block.diagonal);
+    let [c01, c02, c03, c12, c13, c23] = load_all::<W, 6>(&block.coupling);
+    let matrix = [[d0, c01, c02, c03], [c01, d1, c12, c13], [c02, c12, d2, c23], [c03, c13, c23, d3]];
+    for i in 0..POINTS {
+        residual[i] = residual[i] + product(&matrix[i], &step);
+    }
+    let inverse_diagonal = load_points::<W>(&block.inverse_diagonal);
+    for _ in 0..INNER_SWEEPS {
+        for i in 0..POINTS {
+            let new = (lambda[i] - residual[i] * inverse_diagonal[i]).max(zero);
+            let change = new - lambda[i];
+            lambda[i] = new;
+            for j in 0..POINTS {
+                residual[j] = residual[j] + matrix[j][i] * change;
+            }
+        }
+    }
+    lambda
+}
+
+/// −(A + ε)⁻¹ residual where that leaves all multipliers ≥ 0, else nothing.
+#[inline(always)]
+fn regular_step<W: Wide>(block: &ContactBlock, residual: &Points<W>, lambda: &Points<W>) -> Points<W> {
+    let [b00, b11, b22, b33, b01, b02, b03, b12, b13, b23] = load_all::<W, 10>(&block.inverse);
+    let inverse = [[b00, b01, b02, b03], [b01, b11, b12, b13], [b02, b12, b22, b23], [b03, b13, b23, b33]];
+    let zero = W::zero();
+    let (mut step, mut least) = ([zero; POINTS], zero);
+    for i in 0..POINTS {
+        let sum = product(&inverse[i], residual);
+        step[i] = -sum;
+        least = least.min(lambda[i] - sum);
+    }
+    let some_would_pull = zero.above(least);
+    for i in 0..POINTS {
+        step[i] = W::select(some_would_pull, zero, step[i]);
+    }
+    step
+}
+
+/// Applies the difference of two sets of normal multipliers.
+#[inline(always)]
+pub(super) fn push_apart<W: Wide, const N: usize>(
+    block: &ContactBlock,
+    new: &Points<W>,
+    old: &Points<W>,
+    side_a: &mut Side<W>,
+    side_b: &mut Side<W>,
+) {
+    let n = Wide3::load(&block.normal);
+    let mut sum = W::zero();
+    let (mut arm_a, mut arm_b) = (Wide3::zero(), Wide3::zero());
+    for i in 0..N {
+        let change = new[i] - old[i];
+        sum = sum + change;
+        arm_a = arm_a + Wide3::load(&block.lever_a[i]) * change;
+        arm_b = arm_b + Wide3::load(&block.lever_b[i]) * change;
+    }
+    side_a.apply(n * -sum, -arm_a.cross(n));
+    side_b.apply(n * sum, arm_b.cross(n));
+}

@@ -1,0 +1,128 @@
+//! Registers and plain arrays give the same bits.
+
+use glam::{Quat, Vec3};
+use proptest::prelude::*;
+
+use super::super::contact::{ContactImpulses, ContactInput, LANES};
+use super::super::state::{MotionKind, Symmetric};
+use super::*;
+use crate::material::PairMaterial;
+use crate::solve::wide::Wide;
+
+/// Everything that a kernel reads or writes.
+#[derive(Debug, Clone)]
+struct Scene {
+    block: ContactBlock,
+    velocities: Vec<BodyVelocity>,
+    motions: Vec<BodyMotion>,
+}
+
+fn vector(size: f32) -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(-size..size).prop_map(Vec3::from_array)
+}
+
+fn body() -> impl Strategy<Value = (BodyVelocity, BodyMotion)> {
+    (vector(3.0), vector(5.0), vector(0.01), vector(0.02), 0.01..100.0_f32, 0.01..10.0_f32).prop_map(
+        |(linear, angular, displacement, turn, mass, girth)| {
+            let rotation = Quat::from_scaled_axis(angular);
+            let inertia = crate::shape::inertia_tensor(Vec3::new(1.0, girth, 2.0) / mass, rotation);
+            let mass = BodyVelocity::new(Vec3::splat(1.0 / mass), Symmetric::from_mat3(inertia));
+            let velocity = BodyVelocity { linear, angular, ..mass };
+            (velocity, BodyMotion { displacement, turn, kind: MotionKind::Tumbling, ..BodyMotion::FIXED })
+        },
+    )
+}
+
+fn manifold() -> impl Strategy<Value = ContactInput> {
+    let points = prop::array::uniform4((vector(1.0), vector(1.0), -0.01..0.01_f32, -1.0..2.0_f32));
+    (vector(1.0), points, 1..=4_usize, 0.0..1.0_f32, 0.0..0.1_f32, 0.0..1.0_f32, vector(1.0)).prop_map(
+        |(normal, points, count, friction, rolling, restitution, tangential)| ContactInput {
+            a: 0,
+            b: 0,
+            normal: normal.try_normalize().unwrap_or(Vec3::Y),
+            lever_a: points.map(|point| point.0),
+            lever_b: points.map(|point| point.1),
+            separation: points.map(|point| point.2),
+            count,
+            material: PairMaterial { friction, restitution, rolling, spinning: 0.01 },
+            impulses: ContactImpulses {
+                normal: points.map(|point| point.3.max(0.0)),
+                friction: tangential,
+                twist: 0.1,
+                rolling: tangential * 0.1,
+            },
+        },
+    )
+}
+
+/// A block in which some lanes are empty or stand on the world.
+fn scene() -> impl Strategy<Value = Scene> {
+    (prop::collection::vec((manifold(), body(), body(), any::<bool>()), 0..=LANES), any::<bool>()).prop_map(|(lanes, single)| {
+        let mut block = ContactBlock::EMPTY;
+        let (mut velocities, mut motions) = (vec![BodyVelocity::FIXED], vec![BodyMotion::FIXED]);
+        for (l, (mut input, a, b, on_world)) in lanes.into_iter().enumerate() {
+            let mut enlist = |(velocity, motion)| {
+                velocities.push(velocity);
+                motions.push(motion);
+                velocities.len() as u32 - 1
+            };
+            input.a = if on_world { 0 } else { enlist(a) };
+            input.b = enlist(b);
+            input.count = if single { 1 } else { input.count };
+            block.set_lane(l, &input, 1.0e-3);
+        }
+        Scene { block, velocities, motions }
+    })
+}
+
+fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
+    let Scene { block, mut velocities, motions } = scene.clone();
+    let mut blocks = [block];
+    let mut worst = 0.0;
+    masses::set::<W>(&mut blocks[0], &velocities);
+    warm_start::all::<W>(&mut blocks, &mut velocities, &motions, 0.004);
+    sweep::all::<W>(&mut blocks, &mut velocities, false);
+    sweep::all::<W>(&mut blocks, &mut velocities, true);
+    recover::restitute::<W>(&mut blocks, &mut velocities, 0.1);
+    recover::end_step::<W>(&mut blocks, &motions, &mut worst);
+    let mut pushes: Vec<_> = velocities.iter().map(BodyVelocity::at_rest).collect();
+    let mut lambdas = [[[0.0; LANES]; POINTS]];
+    recover::all::<W>(&blocks, &mut lambdas, &mut pushes, 0.016);
+
+    let block = &blocks[0];
+    let rows = block.lambda.iter().chain(&block.tangent_lambda).chain(&block.rolling_lambda).chain(&lambdas[0]);
+    let masses = block.diagonal.iter().chain(&block.inverse).chain(&block.coupling).chain(&block.tangent_mass);
+    let single = [block.twist_lambda, block.twist_mass, [worst; LANES]];
+    let lanes = rows.chain(masses).chain(&single).flatten();
+    let bodies = velocities.iter().chain(&pushes).flat_map(|body| body.halves().into_iter().flatten());
+    lanes.chain(bodies).map(|x| x.to_bits()).collect()
+}
+
+#[cfg(target_arch = "x86_64")]
+proptest! {
+    #[test]
+    fn registers_and_arrays_give_the_same_bits(scene in scene()) {
+        prop_assume!(std::arch::is_x86_feature_detected!("avx2"));
+        #[target_feature(enable = "avx2")]
+        fn run_in_registers(scene: &Scene) -> Vec<u32> {
+            run::<super::super::wide::avx2::Avx2>(scene)
+        }
+        // SAFETY: the processor has AVX2, as has just been found.
+        let registers = unsafe { run_in_registers(&scene) };
+        prop_assert_eq!(registers, run::<Plain>(&scene));
+    }
+}
+
+proptest! {
+    #[test]
+    fn a_block_never_pulls_and_stays_finite(scene in scene()) {
+        let Scene { block, mut velocities, motions } = scene;
+        let mut blocks = [block];
+        masses::set::<Plain>(&mut blocks[0], &velocities);
+        warm_start::all::<Plain>(&mut blocks, &mut velocities, &motions, 0.004);
+        sweep::all::<Plain>(&mut blocks, &mut velocities, false);
+        let least = blocks[0].lambda.iter().flatten().fold(0.0_f32, |least, &lambda| least.min(lambda));
+        prop_assert!(least >= 0.0, "a point pulls with {least} N·s");
+        prop_assert!(velocities.iter().all(|body| body.linear.is_finite() && body.angular.is_finite()));
+    }
+}
