@@ -332,13 +332,8 @@ pub unsafe extern "C" fn ls_joint_stress_get(world: LsWorld, joint: LsJoint, out
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_OUT_OF_RANGE
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_joint_shares_get(
-    world: LsWorld,
-    joints: *const LsJoint,
-    count: usize,
-    out: *mut f32,
-) -> LsResult {
-    call("ls_world_joint_shares_get", || {
+pub unsafe extern "C" fn ls_joint_shares_get(world: LsWorld, joints: *const LsJoint, count: usize, out: *mut f32) -> LsResult {
+    call("ls_joint_shares_get", || {
         let (joints, out) = (host!(slice, joints, count), host!(OutArray::new, out, count));
         read(world, |world| {
             let joints: Vec<JointId> = joints.iter().map(|&joint| joint.into()).collect();

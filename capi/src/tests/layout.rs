@@ -166,7 +166,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsJointStress", 36),
         ("LsJointState", 36),
         ("LsBoundKindDef", 20),
-        ("LsLongRangeDef", 60),
+        ("LsLongRangeDef", 64),
         ("LsBound", 96),
         ("LsSoftBound", 12),
         ("LsWorldDef", 80),
