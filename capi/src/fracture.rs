@@ -328,7 +328,8 @@ pub unsafe extern "C" fn ls_joint_stress_get(world: LsWorld, joint: LsJoint, out
 /// @param world   the world; any value is safe
 /// @param joints  count handles
 /// @param count   number of handles; 0 is allowed
-/// @param out     room for count fractions of a limit, 1 breaks; filled on LS_OK in the order of the handles; one bad handle, and none is written
+/// @param out     room for count fractions of a limit, 1 breaks, filled on LS_OK in the order of the handles; one bad handle,
+///                and none is written
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_OUT_OF_RANGE
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]

@@ -3025,14 +3025,12 @@ LsResult ls_joint_stress_get(LsWorld world, LsJoint joint, LsJointStress *out, s
  * @param world   the world; any value is safe
  * @param joints  count handles
  * @param count   number of handles; 0 is allowed
- * @param out     room for count fractions of a limit, 1 breaks; filled on LS_OK in the order of the handles; one bad handle, and none is written
+ * @param out     room for count fractions of a limit, 1 breaks, filled on LS_OK in the order of the handles; one bad handle,
+ *                and none is written
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_OUT_OF_RANGE
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_joint_shares_get(LsWorld world,
-                                   const LsJoint *joints,
-                                   size_t count,
-                                   float *out);
+LsResult ls_joint_shares_get(LsWorld world, const LsJoint *joints, size_t count, float *out);
 
 /**
  * Joints that bear at least a share of a limit, those closest to breaking first.
