@@ -149,7 +149,6 @@ fn long_range_bounds_roll_back_with_what_they_carry() {
 #[test]
 fn what_breaks_rolls_back_to_any_step() {
     rolls_back("vase", &[("break", "1000000")], 100, 200, 1);
-    rolls_back("brick_wall", &[("bricks", "30")], 60, 60, 1);
 }
 
 #[test]
