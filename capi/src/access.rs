@@ -28,6 +28,9 @@ pub(crate) struct Hosted {
     pub published: Published,
     pub overload_handler: Option<OverloadHandler>,
     pub fracture_handlers: FractureHandlers,
+    /// Who publishes its steps to other processes.
+    #[cfg(feature = "stream")]
+    pub streams: crate::stream_host::Streams,
 }
 
 /// A place for one world; empty once the world is destroyed.
@@ -39,16 +42,15 @@ pub(crate) struct WorldCell {
 
 impl WorldCell {
     pub(crate) fn new(world: World) -> Self {
-        Self {
-            hosted: RwLock::new(Some(Hosted {
-                world,
-                published: Published::default(),
-                overload_handler: None,
-                fracture_handlers: FractureHandlers::default(),
-            })),
-            callbacks: CallbackThread::default(),
-            poisoned: AtomicBool::new(false),
-        }
+        let hosted = Hosted {
+            world,
+            published: Published::default(),
+            overload_handler: None,
+            fracture_handlers: FractureHandlers::default(),
+            #[cfg(feature = "stream")]
+            streams: Default::default(),
+        };
+        Self { hosted: RwLock::new(Some(hosted)), callbacks: CallbackThread::default(), poisoned: AtomicBool::new(false) }
     }
 
     fn try_read(&self) -> Outcome<RwLockReadGuard<'_, Option<Hosted>>> {

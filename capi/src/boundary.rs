@@ -32,6 +32,7 @@ fn report(function: &'static str, failure: &Failure) -> LsResult {
         Failure::Refused(_, argument, problem) => {
             (log::LS_LOG_WARNING, Message::new(format_args!("{function}: {argument}: {problem}")))
         }
+        Failure::Described(_, what) => (log::LS_LOG_WARNING, Message::new(format_args!("{function}: {what}"))),
         Failure::Panicked(what) => {
             (log::LS_LOG_ERROR, Message::new(format_args!("{function}: the library failed inside this call: {what}")))
         }

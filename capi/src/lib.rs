@@ -59,6 +59,11 @@ mod fracture;
 
 mod cells;
 
+mod stream_def;
+
+mod stream;
+mod stream_reader;
+
 // What the header does not show.
 mod access;
 mod boundary;
@@ -69,6 +74,10 @@ mod pointer;
 mod published;
 mod registry;
 mod sized;
+#[cfg(feature = "stream")]
+mod stream_host;
+#[cfg(feature = "stream")]
+mod stream_reading;
 
 #[cfg(test)]
 mod tests;

@@ -57,11 +57,20 @@ pub const LS_ERROR_OTHER: LsResult = 22;
 /// Bytes that are no snapshot, of another version of the library, cut short or corrupted.
 pub const LS_ERROR_INVALID_SNAPSHOT: LsResult = 23;
 
+/// A stream or a recording of another version.
+pub const LS_ERROR_STREAM_INCOMPATIBLE: LsResult = 24;
+/// Bytes of a stream or a recording that make no sense.
+pub const LS_ERROR_STREAM_CORRUPT: LsResult = 25;
+/// The system refuses shared memory or a file; the message says which, and why.
+pub const LS_ERROR_STREAM_SYSTEM: LsResult = 26;
+
 /// A call that did not succeed.
 #[derive(Debug)]
 pub enum Failure {
     /// Refused: the code, the argument at fault, and what is wrong with it.
     Refused(LsResult, &'static str, &'static str),
+    /// Refused, for a reason that no list of reasons has: the code, and the whole message.
+    Described(LsResult, String),
     /// Caught on its way out: what the panic said.
     Panicked(String),
 }
@@ -71,7 +80,7 @@ pub(crate) type Outcome<T> = Result<T, Failure>;
 impl Failure {
     pub(crate) fn code(&self) -> LsResult {
         match *self {
-            Self::Refused(code, ..) => code,
+            Self::Refused(code, ..) | Self::Described(code, _) => code,
             Self::Panicked(_) => LS_ERROR_PANIC,
         }
     }
@@ -135,6 +144,9 @@ pub extern "C" fn ls_result_name(result: LsResult) -> *const c_char {
         LS_ERROR_PANIC => c"LS_ERROR_PANIC",
         LS_ERROR_OTHER => c"LS_ERROR_OTHER",
         LS_ERROR_INVALID_SNAPSHOT => c"LS_ERROR_INVALID_SNAPSHOT",
+        LS_ERROR_STREAM_INCOMPATIBLE => c"LS_ERROR_STREAM_INCOMPATIBLE",
+        LS_ERROR_STREAM_CORRUPT => c"LS_ERROR_STREAM_CORRUPT",
+        LS_ERROR_STREAM_SYSTEM => c"LS_ERROR_STREAM_SYSTEM",
         _ => c"unknown result",
     };
     name.as_ptr()

@@ -44,6 +44,8 @@ pub extern "C" fn ls_world_step(world: LsWorld, dt: f32) -> LsResult {
         let step = |hosted: &mut Hosted| {
             hosted.world.step(dt)?;
             hosted.published.expire();
+            #[cfg(feature = "stream")]
+            hosted.streams.publish(&hosted.world);
             Ok(())
         };
         edit_then_call_back(world, step, |hosted| call_back(world, hosted))

@@ -33,6 +33,9 @@ const NOT_YET: &[&str] = &[
     "would_lose_support",
 ];
 
+/// Methods that only streams need.
+const FOR_STREAMS: &[&str] = &["structure_version"];
+
 const NOUNS: [&str; 4] = ["world", "body", "shape", "joint"];
 
 /// Every public method of `World`, from the files that hold its `impl` blocks.
@@ -92,7 +95,10 @@ fn every_public_method_of_a_world_has_a_function_in_c() {
             |(_, function)| functions.contains(*function),
         )
     };
-    let missing: Vec<&String> = methods.iter().filter(|method| !known(method) && !NOT_YET.contains(&method.as_str())).collect();
+    let missing: Vec<&String> = methods
+        .iter()
+        .filter(|method| !known(method) && !NOT_YET.contains(&method.as_str()) && !FOR_STREAMS.contains(&method.as_str()))
+        .collect();
     println!("{} methods, {} functions", methods.len(), functions.len());
     assert!(methods.len() > 80, "only {} methods were found", methods.len());
     assert!(missing.is_empty(), "without a function in C, or one that this test does not find: {missing:?}");

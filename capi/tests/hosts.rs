@@ -4,8 +4,21 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 11] =
-    ["hello", "chain", "bulk", "misuse", "edit", "queries", "debug_draw", "rollback", "tower", "keystone", "fixed_step"];
+const SAMPLES: [&str; 13] = [
+    "hello",
+    "chain",
+    "bulk",
+    "misuse",
+    "edit",
+    "queries",
+    "debug_draw",
+    "rollback",
+    "tower",
+    "keystone",
+    "fixed_step",
+    "publish",
+    "renderer",
+];
 
 fn sample(name: &str) -> std::path::PathBuf {
     common::repository().join("examples_c").join(format!("{name}.c"))
@@ -182,6 +195,26 @@ fn the_host_s_job_system_gives_the_bits_of_the_library_s_own_threads() {
     assert!(lines.iter().all(|line| line[1..4] == lines[0][1..4]), "{output}");
     let jobs = |name: &str| lines.iter().find(|line| line[0] == name).and_then(|line| line[4].parse::<u32>().ok());
     assert!(["host-1", "host-2", "host-4", "inline", "idle"].iter().all(|name| jobs(name) >= Some(60)), "{output}");
+}
+
+#[test]
+fn a_library_without_streams_has_their_functions_and_says_so() {
+    for name in ["publish", "renderer"] {
+        let output = run(&mut LIBRARY.compile(&sample(name), Language::C99, Linkage::Static));
+        assert_eq!(output, "this library was built without streams\n", "{name}");
+    }
+    run(&mut LIBRARY.compile(&host("no_streams"), Language::C99, Linkage::Static));
+}
+
+#[test]
+fn a_library_without_streams_does_not_depend_on_iceoryx2() {
+    let tree = |features: &[&str]| {
+        let mut cargo = std::process::Command::new(env!("CARGO"));
+        cargo.args(["tree", "--offline", "--package", "longspan-capi", "--edges", "normal", "--prefix", "none"]);
+        run(cargo.args(features).current_dir(common::repository()))
+    };
+    assert!(!tree(&[]).contains("iceoryx2"));
+    assert!(tree(&["--features", "stream"]).contains("iceoryx2 v"), "the feature is what brings it");
 }
 
 #[test]

@@ -319,6 +319,147 @@
 /** Bound: asked for by the host between two joints. */
 #define LS_BOUND_SOFT 2
 
+/** Reader status: there is a newer frame. */
+#define LS_STREAM_FRAME 0
+
+/** Reader status: nothing new. */
+#define LS_STREAM_NOTHING 1
+
+/** Reader status: no publisher is there. The reader goes on looking for one. */
+#define LS_STREAM_GONE 2
+
+/** Reader status: the recording is over. */
+#define LS_STREAM_END 3
+
+/** Recording end: it was finished. */
+#define LS_STREAM_RECORDING_FINISHED 0
+
+/** Recording end: it was cut short. */
+#define LS_STREAM_RECORDING_CUT 1
+
+/** Recording end: some of it is damaged and left out. */
+#define LS_STREAM_RECORDING_DAMAGED 2
+
+/** Event: the joint `a` carried more than its limit; values: force (N), torque (N m). */
+#define LS_STREAM_EVENT_OVERLOAD 1
+
+/** Event: the joint `a` broke; values: force (N), torque (N m), as at the moment of breaking. */
+#define LS_STREAM_EVENT_BROKEN 2
+
+/** Event: a piece `b` has split off the union `a`; 0 for a single body. */
+#define LS_STREAM_EVENT_SPLIT 3
+
+/** Event: the body `a` is supported from now on. */
+#define LS_STREAM_EVENT_SUPPORT_GAINED 4
+
+/** Event: the body `a` is no longer supported. */
+#define LS_STREAM_EVENT_SUPPORT_LOST 5
+
+/** Event: the body `a` had a state that is NaN or infinite, and is taken out of the simulation. */
+#define LS_STREAM_EVENT_QUARANTINED 6
+
+/** Event: a contact between the bodies `a` and `b` began. */
+#define LS_STREAM_EVENT_CONTACT_BEGAN 7
+
+/** Event: a contact between the bodies `a` and `b` ended. */
+#define LS_STREAM_EVENT_CONTACT_ENDED 8
+
+/** Section of LsStreamMotion. */
+#define LS_STREAM_SECTION_MOTION 1
+
+/** Section of LsStreamContact. */
+#define LS_STREAM_SECTION_CONTACT 2
+
+/** Section of LsStreamJointLoad. */
+#define LS_STREAM_SECTION_JOINT_LOAD 3
+
+/** Section of LsStreamBound. */
+#define LS_STREAM_SECTION_BOUND 4
+
+/** Section of LsStreamPlane. */
+#define LS_STREAM_SECTION_PLANE 5
+
+/** Layer of a stream: contacts of awake bodies, in every frame. */
+#define LS_STREAM_LAYER_CONTACTS 1
+
+/** Layer of a stream: what each joint carries, in every frame. */
+#define LS_STREAM_LAYER_JOINT_LOADS 2
+
+/** Layer of a stream: long-range bounds, in every frame. */
+#define LS_STREAM_LAYER_BOUNDS 4
+
+/** Layer of a stream: planes of hinge chains, in every frame. */
+#define LS_STREAM_LAYER_PLANES 8
+
+/** Layer of a stream: an event for each contact that begins or ends. */
+#define LS_STREAM_LAYER_CONTACT_EVENTS 16
+
+/** All layers that this version knows. */
+#define LS_STREAM_LAYER_ALL 31
+
+/** Body flag: it sleeps. */
+#define LS_STREAM_BODY_ASLEEP 1
+
+/** Body flag: whether it is supported is known. */
+#define LS_STREAM_BODY_SUPPORT_KNOWN 2
+
+/** Body flag: it is supported. */
+#define LS_STREAM_BODY_SUPPORTED 4
+
+/** Body flag: it is a piece of something that broke. */
+#define LS_STREAM_BODY_BROKEN 8
+
+/** The first eight bytes of every message: "LSSTREAM". */
+#define LS_STREAM_MAGIC 5566806834311025484
+
+/** Number of the library's binary interface, which is part of the names of streams; LS_ABI_VERSION. */
+#define LS_STREAM_ABI 0
+
+/** Number of the schema: another one means bytes that a reader of this one cannot read. */
+#define LS_STREAM_SCHEMA 1
+
+/** Channel of frames: one message a published step, the latest wins. */
+#define LS_STREAM_CHANNEL_HOT 1
+
+/** Channel of records: ordered, none is left out, as long as a reader does not fall behind by more than the history. */
+#define LS_STREAM_CHANNEL_COLD 2
+
+/** Message flag: the whole scene begins to be told anew with this message. */
+#define LS_STREAM_CYCLE_BEGINS 1
+
+/** Message flag: with this message the whole scene has been told. */
+#define LS_STREAM_CYCLE_ENDS 2
+
+/** Message flag: state_hash is that of the world after the step. */
+#define LS_STREAM_HAS_STATE_HASH 4
+
+/** Section of LsStreamBody. */
+#define LS_STREAM_SECTION_BODY 32
+
+/** Section of LsStreamShape. */
+#define LS_STREAM_SECTION_SHAPE 33
+
+/** Section of LsStreamJoint. */
+#define LS_STREAM_SECTION_JOINT 34
+
+/** Section of LsStreamGone, for bodies. */
+#define LS_STREAM_SECTION_BODY_GONE 35
+
+/** Section of LsStreamGone, for shapes. */
+#define LS_STREAM_SECTION_SHAPE_GONE 36
+
+/** Section of LsStreamGone, for joints. */
+#define LS_STREAM_SECTION_JOINT_GONE 37
+
+/** Section of one LsStreamGeometry, its vertices (3 floats each) and its triangles (3 uint32_t each). */
+#define LS_STREAM_SECTION_GEOMETRY 38
+
+/** Section of LsStreamEvent. */
+#define LS_STREAM_SECTION_EVENT 39
+
+/** Section of LsStreamWorld. */
+#define LS_STREAM_SECTION_WORLD 40
+
 /**
  * What a call returns: LS_OK, or one of the LS_ERROR_ constants. Unless a function says otherwise, a call that fails has
  * changed nothing and has written nothing through its pointers. New codes may be added: treat an unknown one as a failure.
@@ -1243,6 +1384,369 @@ typedef struct LsBondMaterial {
     float damage_half_life;
 } LsBondMaterial;
 
+/** Everything a stream starts with. Fill it with ls_stream_def_init first. */
+typedef struct LsStreamDef {
+    /** Size of this struct in the host, set by ls_stream_def_init. */
+    uint32_t struct_size;
+    /** A frame every so many steps, at least 1; default 1. */
+    uint32_t every;
+    /** What readers look for: 1 to 63 letters, digits, '_', '-' and '.'; NULL, the default, for "world". */
+    const char *name;
+    /**
+     * Room in which publishers and readers find each other, named alike; NULL, the default, for that of all who ask for none.
+     * Only processes of the same user meet, whatever the room.
+     */
+    const char *domain;
+    /** LS_STREAM_LAYER_ bits: what frames hold besides motion; default 0. */
+    uint32_t layers;
+    /** Most readers at a time, 1 to 64; default 8. Each costs memory for four frames. */
+    uint32_t readers;
+    /** Bodies to have room for from the start; default 0, for those that are there. More are found room for when they come. */
+    uint32_t body_capacity;
+    /** Not 0: each frame carries the hash of the world's state; default 1. */
+    uint32_t state_hash;
+} LsStreamDef;
+
+/** Names a stream. Passed by value; any value is safe. */
+typedef struct LsStream {
+    /** Opaque bits, zero for none; they may be stored, compared, and handed back later. */
+    uint64_t id;
+} LsStream;
+
+/** What a stream has done so far. Later versions append fields. */
+typedef struct LsStreamStats {
+    /** Frames published. */
+    uint64_t frames;
+    /** Messages published on the cold channel. */
+    uint64_t records;
+    /** Messages that could not be placed; a reader that is late loses frames without being counted here. */
+    uint64_t dropped;
+    /** Bytes published. */
+    uint64_t bytes;
+    /** What the last publication took (s). */
+    double seconds;
+} LsStreamStats;
+
+/** A stream that can be read. The layout of this struct never changes. */
+typedef struct LsStreamSource {
+    /** Its name, closed by a zero. */
+    char name[64];
+    /** Number of the process that publishes it. */
+    uint32_t process;
+    /** Number of the stream in that process. */
+    uint32_t number;
+    /** Its schema; this library reads LS_STREAM_SCHEMA. */
+    uint32_t schema;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsStreamSource;
+
+/** Everything a reader starts with. Fill it with ls_stream_reader_def_init first. */
+typedef struct LsStreamReaderDef {
+    /** Size of this struct in the host, set by ls_stream_reader_def_init. */
+    uint32_t struct_size;
+    /** Not used; 0. */
+    uint32_t reserved;
+    /** Name of the stream; NULL, the default, for any. It need not be there yet. */
+    const char *name;
+    /** Room of the publisher; see LsStreamDef. */
+    const char *domain;
+    /** File of a recording to read in place of a stream; NULL, the default, for none. */
+    const char *recording;
+} LsStreamReaderDef;
+
+/** Names a reader of a stream. Passed by value; any value is safe. */
+typedef struct LsStreamReader {
+    /** Opaque bits, zero for none; they may be stored, compared, and handed back later. */
+    uint64_t id;
+} LsStreamReader;
+
+/** What every message begins with. */
+typedef struct LsStreamHeader {
+    /** LS_STREAM_MAGIC. */
+    uint64_t magic;
+    /** LS_STREAM_SCHEMA. */
+    uint32_t schema;
+    /** Bytes of this header; sections begin after them. */
+    uint32_t header_size;
+    /** Hash of the names, offsets and sizes of all fields as the publisher was compiled. */
+    uint64_t layout_hash;
+    /** Bytes of the message, this header included. */
+    uint64_t length;
+    /** A number that differs between any two lives of a publisher. */
+    uint64_t session;
+    /** Number of the message on its channel, from 1, without gaps. */
+    uint64_t sequence;
+    /** Number of the step that it is about. */
+    uint64_t step;
+    /** Simulated time at the end of that step (s). */
+    double time;
+    /** Hash of the poses and velocities of all bodies of the world, as ls_world_state_hash_get gives it; see flags. */
+    uint64_t state_hash;
+    /** Hash of all bytes after this header. */
+    uint64_t content_hash;
+    /** Messages that the publisher could not place so far. */
+    uint64_t dropped;
+    /** LS_STREAM_CHANNEL_ constant. */
+    uint32_t channel;
+    /** Number of sections. */
+    uint32_t section_count;
+    /** Bodies in the world. */
+    uint32_t body_count;
+    /** Shapes in the world. */
+    uint32_t shape_count;
+    /** Joints in the world. */
+    uint32_t joint_count;
+    /** LS_STREAM_ message flags. */
+    uint32_t flags;
+    /** How often the whole scene has begun to be told. */
+    uint64_t cycle;
+    /** When it was published, by the system's clock: nanoseconds since 1970 began. */
+    uint64_t clock;
+} LsStreamHeader;
+
+/** What a reader found. Later versions append fields. */
+typedef struct LsStreamPoll {
+    /** LS_STREAM_FRAME, LS_STREAM_NOTHING, LS_STREAM_GONE or LS_STREAM_END. */
+    int32_t status;
+    /** 1 for the first frame of a publisher that has begun, or begun anew; else 0. */
+    uint32_t is_first;
+    /** 1 if the whole world has been told and nothing was missed since; else 0. */
+    uint32_t is_complete;
+    /** Not used; 0. */
+    uint32_t reserved;
+    /** Frames that were published since the last one and could not be read any more. */
+    uint64_t lost_frames;
+    /** Messages of the cold channel that were missed. */
+    uint64_t lost_records;
+    /** Header of the last frame; all zero before the first. */
+    struct LsStreamHeader frame;
+} LsStreamPoll;
+
+/** The world that a stream is of. */
+typedef struct LsStreamWorld {
+    /** Bytes of the stream's name in UTF-8, then zeroes. */
+    uint8_t name[64];
+    /** Number of the process that steps it. */
+    uint64_t process;
+    /** Gravity (m/s^2). */
+    float gravity[3];
+    /** Substeps a step. */
+    uint32_t substeps;
+    /** Sweeps a substep. */
+    uint32_t iterations;
+    /** 1 if the support analysis is on, else 0. */
+    uint32_t support;
+    /** LS_STREAM_LAYER_ bits of what its frames hold besides motion. */
+    uint32_t layers;
+    /** Every how many steps a frame is published. */
+    uint32_t every;
+} LsStreamWorld;
+
+/** A body as it was when the record was written. It replaces what was known of the body. */
+typedef struct LsStreamBody {
+    /** The body. */
+    uint64_t body;
+    /** The word its host gave it. */
+    uint64_t user_word;
+    /** Rigid union that it is a member of; 0 for none. */
+    uint64_t union_id;
+    /** Step after which it stood here. */
+    uint64_t step;
+    /** Position of its frame (m). */
+    double position[3];
+    /** Rotation of its frame, unit quaternion: x, y, z, w. */
+    float rotation[4];
+    /** Velocity of its centre of mass (m/s). */
+    float linear_velocity[3];
+    /** Angular velocity, world axes (rad/s). */
+    float angular_velocity[3];
+    /** LS_STREAM_BODY_ flags. */
+    uint32_t flags;
+    /** LS_BODY_ constant. */
+    int32_t kind;
+    /** Mass (kg); 0 unless it is dynamic. */
+    float mass;
+    /** LS_SUPPORT_ constant, if the flags say that support is known. */
+    int32_t support;
+    /** How far its centre of mass lies inside the hull of its supporting contacts (m); 0 where that is not known or infinite. */
+    float support_margin;
+    /** Load that rests on it (N), if known. */
+    float support_load;
+} LsStreamBody;
+
+/** A shape of a body, or one part of a compound shape. */
+typedef struct LsStreamShape {
+    /** The shape. */
+    uint64_t shape;
+    /** Its body. */
+    uint64_t body;
+    /** The word its host gave it. */
+    uint64_t user_word;
+    /** LS_SHAPE_ constant, never LS_SHAPE_COMPOUND: hulls, meshes and height fields come with triangles (LsStreamGeometry). */
+    int32_t kind;
+    /** Number of the part, from 0. */
+    uint32_t part;
+    /** Number of parts, 1 unless the shape is a compound. */
+    uint32_t part_count;
+    /** Not used; 0. */
+    uint32_t reserved;
+    /** Position in the body's frame (m). */
+    float position[3];
+    /** Rotation in the body's frame, unit quaternion: x, y, z, w. */
+    float rotation[4];
+    /** Ball: radius. Box: half extents. Capsule, cylinder and cone, along y: half height, radius. Half-space: normal. (m) */
+    float size[3];
+    /** Coefficient of friction. */
+    float friction;
+    /** Coefficient of restitution. */
+    float restitution;
+} LsStreamShape;
+
+/** A joint as it was when the record was written. */
+typedef struct LsStreamJoint {
+    /** The joint. */
+    uint64_t joint;
+    /** The word its host gave it. */
+    uint64_t user_word;
+    /** First body; 0 for the world. */
+    uint64_t body_a;
+    /** Second body; 0 for the world. */
+    uint64_t body_b;
+    /** Joint frame on body A, in its frame, or in the world's (m). */
+    double position_a[3];
+    /** Joint frame on body B, in its frame, or in the world's (m). */
+    double position_b[3];
+    /** Rotation of the joint frame on body A, unit quaternion: x, y, z, w. */
+    float rotation_a[4];
+    /** Rotation of the joint frame on body B, unit quaternion: x, y, z, w. */
+    float rotation_b[4];
+    /** LS_JOINT_ constant. */
+    int32_t kind;
+    /** Not used; 0. */
+    uint32_t flags;
+    /** Force above which it is overloaded (N); 0 for no limit. */
+    float break_force;
+    /** Torque above which it is overloaded (N m); 0 for no limit. */
+    float break_torque;
+} LsStreamJoint;
+
+/** A point of a contact in a stream. */
+typedef struct LsStreamContactPoint {
+    /** Halfway between the two surfaces (m). */
+    double position[3];
+    /** Distance of the surfaces along the normal (m), negative if they overlap. */
+    float separation;
+    /** Force along the normal in the last substep (N), >= 0. */
+    float normal_force;
+} LsStreamContactPoint;
+
+/** A contact between two bodies after a step. */
+typedef struct LsStreamContact {
+    /** One body. */
+    uint64_t body_a;
+    /** The other. */
+    uint64_t body_b;
+    /** Unit normal, from A to B. */
+    float normal[3];
+    /** Number of points, 1 to 4. */
+    uint32_t point_count;
+    /** Friction on B, mean over the last substep (N). */
+    float friction_force[3];
+    /** Not used; 0. */
+    uint32_t reserved;
+    /** The points; those beyond point_count are zero. */
+    struct LsStreamContactPoint points[4];
+} LsStreamContact;
+
+/** What a joint carries after a step. */
+typedef struct LsStreamJointLoad {
+    /** The joint. */
+    uint64_t joint;
+    /** Force that it carries, mean over the step (N). */
+    float force;
+    /** Torque that it carries, mean over the step (N m). */
+    float torque;
+    /** Fraction of its limit: the greater of force / break_force and torque / break_torque; 0 for a joint without limits. */
+    float share;
+    /** Distance between the joint points beyond what the joint allows (m). */
+    float gap;
+} LsStreamJointLoad;
+
+/** A long-range bound after a step. */
+typedef struct LsStreamBound {
+    /** Joint at its near end. */
+    uint64_t near_joint;
+    /** Joint at its far end. */
+    uint64_t far_joint;
+    /** The point at its near end (m). */
+    double near_point[3];
+    /** The point at its far end (m). */
+    double far_point[3];
+    /** Distance of the two points (m). */
+    float distance;
+    /** Greatest distance (m). */
+    float upper;
+    /** Least distance (m), 0 for none. */
+    float lower;
+    /** Tension, mean over the step (N); negative where the lower bound pushes. */
+    float tension;
+    /** LS_BOUND_ constant. */
+    uint32_t kind;
+    /** Level in the hierarchy; 0 for other kinds. */
+    uint32_t level;
+    /** 1 if it had anything to do in the step, else 0. */
+    uint32_t active;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsStreamBound;
+
+/** The common plane of a chain of hinges after a step. */
+typedef struct LsStreamPlane {
+    /** Number of the chain. */
+    uint64_t chain;
+    /** A point in the plane, in the middle of the chain (m). */
+    double point[3];
+    /** Unit normal. */
+    float normal[3];
+    /** Distance of the chain's farthest body from the point (m). */
+    float radius;
+} LsStreamPlane;
+
+/** Something that happened in a step. */
+typedef struct LsStreamEvent {
+    /** The step. */
+    uint64_t step;
+    /** What it happened to: see the kinds. */
+    uint64_t a;
+    /** And what else. */
+    uint64_t b;
+    /** The word that the host gave `a`. */
+    uint64_t user_word;
+    /** LS_STREAM_EVENT_ constant. */
+    uint32_t kind;
+    /** Not used; 0. */
+    uint32_t reserved;
+    /** Numbers as the kinds say, (N) and (N m). */
+    float values[4];
+} LsStreamEvent;
+
+/** A recording as a whole. Later versions append fields. */
+typedef struct LsStreamRecording {
+    /** First step of which there is a frame. */
+    uint64_t first_step;
+    /** Last step of which there is a frame. */
+    uint64_t last_step;
+    /** Number of frames. */
+    uint64_t frames;
+    /** First byte of what is missing or damaged; 0 if nothing is. */
+    uint64_t offset;
+    /** LS_STREAM_RECORDING_ constant. */
+    int32_t end;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsStreamRecording;
+
 /** The call did what it says. */
 #define LS_OK 0
 
@@ -1314,6 +1818,17 @@ typedef struct LsBondMaterial {
 
 /** Bytes that are no snapshot, of another version of the library, cut short or corrupted. */
 #define LS_ERROR_INVALID_SNAPSHOT 23
+
+/** A stream or a recording of another version. */
+#define LS_ERROR_STREAM_INCOMPATIBLE 24
+
+/** Bytes of a stream or a recording that make no sense. */
+#define LS_ERROR_STREAM_CORRUPT 25
+
+/** The system refuses shared memory or a file; the message says which, and why. */
+#define LS_ERROR_STREAM_SYSTEM 26
+
+
 
 #ifdef __cplusplus
 extern "C" {
@@ -3092,6 +3607,319 @@ LsResult ls_world_cells_create(LsWorld world,
                                LsJoint *joints,
                                size_t joint_capacity,
                                size_t *joint_count);
+
+/* Streams --------------------------------------------------------------------------------------------------------- */
+
+/**
+ * Fills a stream definition with defaults.
+ *
+ * @param def   filled on LS_OK
+ * @param size  sizeof *def as the host knows it
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_stream_def_init(LsStreamDef *def, size_t size);
+
+/**
+ * Begins to publish a world to other processes of this user, through shared memory; docs/stream.md has the bytes.
+ *
+ * From now on each ls_world_step ends with a publication, which never waits and never fails: what cannot be placed is counted.
+ * Leftovers of publishers that died are removed here. A world may have several streams.
+ * @param world  the world; any value is safe
+ * @param def    filled by ls_stream_def_init and changed as wanted; read during the call
+ * @param out    the stream, on LS_OK; it ends with ls_stream_close, or with its world
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_OUT_OF_RANGE,
+ *         LS_ERROR_STREAM_SYSTEM
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_stream_open(LsWorld world, const LsStreamDef *def, LsStream *out);
+
+/**
+ * Ends a stream.
+ *
+ * @param stream  the stream; any value is safe
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE, a world error
+ * Threads: edit of its world. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_stream_close(LsStream stream);
+
+/**
+ * Lets readers in that have come since the last step, and gives them what they are to have; for a host that is not stepping its
+ * world now. A step does it too.
+ *
+ * @param stream  the stream; any value is safe
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE, a world error
+ * Threads: edit of its world. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_stream_serve(LsStream stream);
+
+/**
+ * What a stream has done so far.
+ *
+ * @param stream  the stream; any value is safe
+ * @param out     filled on LS_OK
+ * @param size    sizeof *out as the host knows it
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE, a world error,
+ *         LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: read of its world. Callbacks: allowed.
+ */
+LsResult ls_stream_stats_get(LsStream stream, LsStreamStats *out, size_t size);
+
+/**
+ * Streams that are published now by processes of this user.
+ *
+ * @param domain    see LsStreamDef; may be NULL
+ * @param out       room for capacity sources, filled on LS_OK; may be NULL if capacity is 0
+ * @param capacity  number of sources that fit
+ * @param count     number of streams, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_ARGUMENT, LS_ERROR_OUT_OF_RANGE, LS_ERROR_BUFFER_TOO_SMALL,
+ *         LS_ERROR_STREAM_SYSTEM
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_stream_sources_get(const char *domain, LsStreamSource *out, size_t capacity, size_t *count);
+
+/**
+ * Fills a reader definition with defaults.
+ *
+ * @param def   filled on LS_OK
+ * @param size  sizeof *def as the host knows it
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_def_init(LsStreamReaderDef *def, size_t size);
+
+/**
+ * Makes a reader of a stream, or of a recording. A stream need not be there yet, may end, and may begin anew: the reader finds it.
+ *
+ * What comes from a publisher is checked and never believed: no bytes of it make the reader fail in another way than by an error.
+ * @param def  filled by ls_stream_reader_def_init and changed as wanted; read during the call
+ * @param out  the reader, on LS_OK; the host ends it with ls_stream_reader_close
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_OUT_OF_RANGE,
+ *         LS_ERROR_STREAM_SYSTEM, LS_ERROR_STREAM_INCOMPATIBLE, LS_ERROR_STREAM_CORRUPT
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_open(const LsStreamReaderDef *def, LsStreamReader *out);
+
+/**
+ * Ends a reader; its arrays end here. A file that it records is finished.
+ *
+ * @param reader  the reader; any value is safe
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_STREAM_SYSTEM
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_close(LsStreamReader reader);
+
+/**
+ * Takes in all that has come, and says what that was. Of a recording it takes the next frame.
+ *
+ * @param reader   the reader; any value is safe
+ * @param timeout  how long to wait for a frame (s), 0 to 3600; 0 only looks. Who waits costs the publisher nothing.
+ * @param out      filled on LS_OK
+ * @param size     sizeof *out as the host knows it
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY (another thread uses the reader), LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_STREAM_SYSTEM, LS_ERROR_STREAM_INCOMPATIBLE (a stream of another version),
+ *         LS_ERROR_STREAM_CORRUPT (a message made no sense and was left out; the next call goes on)
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_poll(LsStreamReader reader, float timeout, LsStreamPoll *out, size_t size);
+
+/**
+ * Takes in the next frame, not the newest: for who wants each of them.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     filled on LS_OK
+ * @param size    sizeof *out as the host knows it
+ * @return as ls_stream_reader_poll, LS_ERROR_NULL_ARGUMENT and LS_ERROR_STRUCT_SIZE among them
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_next(LsStreamReader reader, LsStreamPoll *out, size_t size);
+
+/**
+ * Goes to the frame of a step of a recording, or the last one before it.
+ *
+ * @param reader  the reader of a recording; any value is safe
+ * @param step    number of the step
+ * @param out     filled on LS_OK
+ * @param size    sizeof *out as the host knows it
+ * @return as ls_stream_reader_poll, LS_ERROR_NULL_ARGUMENT and LS_ERROR_STRUCT_SIZE among them; LS_ERROR_OUT_OF_RANGE if the
+ *         reader reads a live stream
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_seek(LsStreamReader reader, uint64_t step, LsStreamPoll *out, size_t size);
+
+/**
+ * Settings of the world that the stream is of.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     filled on LS_OK; all zero before they have been told
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_world(LsStreamReader reader, LsStreamWorld *out);
+
+/**
+ * Bodies as the last frame left them, by handle.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+ *                or _close for this reader; do not follow it if the count is 0
+ * @param count   number of elements
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_bodies(LsStreamReader reader, const LsStreamBody **out, size_t *count);
+
+/**
+ * Shapes, by handle and part.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+ *                or _close for this reader; do not follow it if the count is 0
+ * @param count   number of elements
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_shapes(LsStreamReader reader, const LsStreamShape **out, size_t *count);
+
+/**
+ * Joints, by handle.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+ *                or _close for this reader; do not follow it if the count is 0
+ * @param count   number of elements
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_joints(LsStreamReader reader, const LsStreamJoint **out, size_t *count);
+
+/**
+ * Contacts of the last frame; none unless the stream has LS_STREAM_LAYER_CONTACTS.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+ *                or _close for this reader; do not follow it if the count is 0
+ * @param count   number of elements
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_contacts(LsStreamReader reader, const LsStreamContact **out, size_t *count);
+
+/**
+ * What joints carry in the last frame; none unless the stream has LS_STREAM_LAYER_JOINT_LOADS.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+ *                or _close for this reader; do not follow it if the count is 0
+ * @param count   number of elements
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_joint_loads(LsStreamReader reader, const LsStreamJointLoad **out, size_t *count);
+
+/**
+ * Long-range bounds of the last frame; none unless the stream has LS_STREAM_LAYER_BOUNDS.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+ *                or _close for this reader; do not follow it if the count is 0
+ * @param count   number of elements
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_bounds(LsStreamReader reader, const LsStreamBound **out, size_t *count);
+
+/**
+ * Planes of hinge chains in the last frame; none unless the stream has LS_STREAM_LAYER_PLANES.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+ *                or _close for this reader; do not follow it if the count is 0
+ * @param count   number of elements
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_planes(LsStreamReader reader, const LsStreamPlane **out, size_t *count);
+
+/**
+ * What happened, as far as the last call of ls_stream_reader_poll, _next or _seek brought it: the oldest first.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+ *                or _close for this reader; do not follow it if the count is 0
+ * @param count   number of elements
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_events(LsStreamReader reader, const LsStreamEvent **out, size_t *count);
+
+/**
+ * Triangles of a part of a shape that a few numbers do not describe: a hull, a mesh, a height field.
+ *
+ * @param reader          the reader; any value is safe
+ * @param shape           LsStreamShape.shape
+ * @param part            LsStreamShape.part
+ * @param vertices        three floats each, in the part's frame (m), owned by the reader as its other arrays are
+ * @param vertex_count    number of vertices; 0 if they have not come yet, or the part has none
+ * @param triangles       three numbers of vertices each, counter-clockwise seen from outside, each less than vertex_count
+ * @param triangle_count  number of triangles
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_mesh(LsStreamReader reader,
+                               uint64_t shape,
+                               uint32_t part,
+                               const float (**vertices)[3],
+                               size_t *vertex_count,
+                               const uint32_t (**triangles)[3],
+                               size_t *triangle_count);
+
+/**
+ * Hash of what the reader knows: the step, and handles, poses, velocities and flags of all bodies, and the joints. The same frame
+ * of a recording has the same.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     filled on LS_OK
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_hash(LsStreamReader reader, uint64_t *out);
+
+/**
+ * Records from now on all that the reader takes in.
+ *
+ * @param reader  the reader of a live stream; any value is safe
+ * @param file    path of the file, replaced if it is there; NULL finishes the file under way
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_OUT_OF_RANGE, LS_ERROR_STREAM_SYSTEM; not LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_record(LsStreamReader reader, const char *file);
+
+/**
+ * What is known of a recording as a whole.
+ *
+ * @param reader  the reader of a recording; any value is safe
+ * @param out     filled on LS_OK
+ * @param size    sizeof *out as the host knows it
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_NOT_APPLICABLE (a live stream)
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_recording_get(LsStreamReader reader, LsStreamRecording *out, size_t size);
 
 #ifdef __cplusplus
 }  // extern "C"

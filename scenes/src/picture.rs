@@ -14,6 +14,7 @@ use longspan::glam::{DVec3, Mat3, Quat, Vec2, Vec3};
 use longspan::{BodyDef, BodyKind, Geometry, LocalPose, Pose};
 
 use crate::engine::Engine;
+pub use mesh::points_and_triangles;
 use mesh::{Triangle, add_triangles};
 use raster::{DepthMap, Projection, rasterize};
 

@@ -33,6 +33,34 @@ pub(crate) struct CarriedManifold {
     pub impulses: ContactImpulses,
 }
 
+/// Separation of an unloaded point up to which it belongs to the region of a pressed face, over the smaller shape's extent.
+const TOUCHING_SHARE: f32 = 1.0e-3;
+
+/// Points of a pressed manifold that are pressed or touch, as bits; none where nothing is pressed. `extent` is the lesser least
+/// extent of the two shapes (m).
+pub(crate) fn touching(manifold: &CarriedManifold, extent: f32) -> u8 {
+    let points = &manifold.geometry.points[..manifold.geometry.count as usize];
+    let is_pressed = |i: usize| manifold.impulses.normal[i] > 0.0;
+    if !(0..points.len()).any(is_pressed) {
+        return 0;
+    }
+    let touches = |i: usize| is_pressed(i) || points[i].separation <= TOUCHING_SHARE * extent;
+    (0..points.len()).fold(0, |bits, i| bits | u8::from(touches(i)) << i)
+}
+
+/// The bits of all manifolds of a pair in order, four each; [`TOO_MANY`] where there is no room for them.
+pub(crate) fn pack_touching(bits: impl Iterator<Item = u8>) -> u64 {
+    let (mut packed, mut count) = (0, 0);
+    for bits in bits {
+        packed |= u64::from(bits).checked_shl(4 * count).unwrap_or(0);
+        count += 1;
+    }
+    if count < u64::BITS / 4 { packed } else { TOO_MANY }
+}
+
+/// What [`pack_touching`] says of a pair of which it can tell nothing.
+pub(crate) const TOO_MANY: u64 = u64::MAX;
+
 /// Two shapes near each other.
 #[derive(Debug, Clone)]
 pub(crate) struct Pair {
@@ -45,6 +73,10 @@ pub(crate) struct Pair {
     pub updated: bool,
     /// Counts the manifolds that the slot has had.
     pub version: u32,
+    /// Lesser least extent of the two shapes (m).
+    pub extent: f32,
+    /// Which points touched at the end of the last step, where somebody wants to know.
+    pub touching: u64,
     /// Whether a point may close its separation within the step.
     pub may_touch: bool,
     /// Whether a normal impulse acted in the last step.
@@ -82,6 +114,8 @@ impl Pair {
             made_for: None,
             updated: false,
             version: 0,
+            extent: 0.0,
+            touching: 0,
             may_touch: false,
             in_contact: false,
             active: false,
@@ -94,7 +128,8 @@ impl Pair {
         let ((position_a, rotation_a), (position_b, rotation_b)) = (a.place, b.place);
         let inverse_a = rotation_a.conjugate();
         let relative = Pose3::from_parts(inverse_a * (position_b - position_a).as_vec3(), inverse_a * rotation_b);
-        self.updated = !self.still_good(&relative, still + motion, a.least_extent.min(b.least_extent));
+        self.extent = a.least_extent.min(b.least_extent);
+        self.updated = !self.still_good(&relative, still + motion, self.extent);
         if self.updated {
             self.version = self.version.wrapping_add(1);
             let margin = still + motion * MARGIN_RESERVE;

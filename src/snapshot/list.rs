@@ -196,6 +196,9 @@ stored!(Pair { key, material, manifolds, made_for, may_touch, in_contact } anew 
     updated: false,
     // The support analysis is made anew.
     version: 0,
+    touching: 0,
+    // Of the shapes.
+    extent: 0.0,
     // Follows from the table that the pair is in.
     active: false,
 });

@@ -7,6 +7,7 @@ use super::fast::Path;
 use super::pairs::contact_pair;
 use super::unions::Anchor;
 use crate::body::BodyKind;
+use crate::collide::pairs::{pack_touching, touching};
 use crate::collide::sweep::PathStart;
 use crate::report::{JointOverload, Moved};
 use crate::solve::direct::history::History;
@@ -191,11 +192,15 @@ impl World {
 
     /// Lists pairs whose contact began or ended.
     pub(super) fn report_contacts(&mut self) {
-        let Self { pairs, colliders, bodies, events, .. } = self;
+        let Self { pairs, colliders, bodies, events, support, .. } = self;
+        let watches = support.is_some();
         for number in 0..pairs.active().len() {
             let (key, slot) = pairs.active()[number];
             let pair = pairs.get_mut(slot);
             let now = pair.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
+            if watches {
+                pair.touching = pack_touching(pair.manifolds.iter().map(|manifold| touching(manifold, pair.extent)));
+            }
             if now != pair.in_contact {
                 pair.in_contact = now;
                 let list = if now { &mut events.contact_began } else { &mut events.contact_ended };

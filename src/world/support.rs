@@ -10,8 +10,9 @@ use glam::{Quat, Vec3};
 
 use super::World;
 use crate::body::{Body, BodyKind};
-use crate::collide::pairs::PairKey;
+use crate::collide::pairs::{Pair, PairKey, TOO_MANY, pack_touching};
 use crate::joint::{Axis, Joint, JointKind, Motor};
+use crate::span::support::slip::Slip;
 use crate::span::support::verdict::SupportChange;
 use crate::span::support::{Graph, Node, NodeKind};
 pub(super) use site::{Frame, Site};
@@ -21,6 +22,13 @@ const TURN: f32 = 5.0e-4;
 
 /// Steps for which a body must be supported before that is an event: contacts come and go while something settles.
 const GAIN_STEPS: u8 = 6;
+
+/// Its links are to be made anew.
+const TURNED: u8 = 1;
+/// So fast that its links may slide or leave.
+const FAST: u8 = 2;
+/// Judged when it came to rest.
+const HELD: u8 = 4;
 
 /// The analysis of a world, and what it was made from.
 #[derive(Debug, Default)]
@@ -32,6 +40,8 @@ pub(super) struct SupportState {
     records: Vec<Record>,
     /// Rotation of each body that its links were made for, and whether it has turned since.
     turns: Vec<(Quat, bool)>,
+    /// What may have changed the links of each body since the last update: [`TURNED`], [`FAST`], [`HELD`].
+    signs: Vec<u8>,
     kinematic: Vec<u32>,
     releases: u64,
     /// Pairs that have fallen asleep since the last update: they are at rest now, and looked at once more.
@@ -54,6 +64,10 @@ struct Record {
     /// Of each manifold: which points are pressed or touch, and whether it holds.
     states: Vec<(u8, bool)>,
     links: Vec<u32>,
+    bodies: [u32; 2],
+    /// The points of all states, and whether all hold.
+    touching: u64,
+    all_hold: bool,
 }
 
 impl SupportState {
@@ -120,6 +134,9 @@ impl SupportState {
             is_same &= now == *state;
             *state = now;
         }
+        record.bodies = [site.shapes.0.body, site.shapes.1.body];
+        record.touching = pack_touching(record.states.iter().map(|state| state.0));
+        record.all_hold = record.states.iter().all(|state| state.1);
         let turned = |body: u32| turns[body as usize].1;
         if is_same && !turned(site.shapes.0.body) && !turned(site.shapes.1.body) {
             return;
@@ -139,6 +156,19 @@ impl SupportState {
 }
 
 impl Record {
+    /// Whether nothing that its links were made from can have changed.
+    fn is_up_to_date(&self, pair: &Pair, signs: &[u8]) -> bool {
+        if pair.manifolds.is_empty() {
+            return self.links.is_empty();
+        }
+        if self.key != Some(pair.key) {
+            return false;
+        }
+        let signs = self.bodies.iter().fold(0, |all, &body| all | signs[body as usize]);
+        let is_same = self.version == pair.version && self.touching == pair.touching && pair.touching != TOO_MANY;
+        signs & HELD != 0 || (signs == 0 && is_same && self.all_hold)
+    }
+
     fn clear(&mut self) {
         self.key = None;
         self.states.clear();
@@ -234,6 +264,7 @@ impl World {
         if std::mem::take(&mut state.bodies_changed) {
             let count = self.bodies.slot_count();
             state.turns.resize(count, (Quat::IDENTITY, false));
+            state.signs.resize(count, 0);
             state.said.resize(count, false);
             state.kinematic.clear();
             for index in 0..count as u32 {
@@ -277,17 +308,28 @@ impl World {
                 if !is_near {
                     (*made_for, *turned) = (body.rotation, true);
                 }
+                let reaches = body.shapes.iter().filter_map(|&id| colliders.find(id).ok()).map(|shape| colliders[shape].reach);
+                let speed = body.linear_velocity.length() + body.angular_velocity.length() * reaches.fold(0.0, f32::max);
+                // Of two bodies each may have half of it; not-a-number counts as fast.
+                let is_slow = speed <= 0.5 * Slip::STILL_HOLDS;
+                let sign = |holds: bool, sign: u8| if holds { sign } else { 0 };
+                state.signs[index as usize] = sign(*turned, TURNED) | sign(!is_slow, FAST) | sign(body.held, HELD);
             }
         }
         let (is_new, mut fell_asleep) = (std::mem::take(&mut state.is_new), std::mem::take(&mut state.fell_asleep));
-        let mut sync = |slot: u32| state.sync_pair(&Site::new(pairs.get(slot), slot, colliders, bodies), frame);
+        let unknown = Record::default();
         for &(key, slot) in pairs.active() {
+            let pair = pairs.get(slot);
+            if !is_new && state.records.get(slot as usize).unwrap_or(&unknown).is_up_to_date(pair, &state.signs) {
+                continue;
+            }
             let (a, b) = key.shapes();
             // What is held was judged when it came to rest.
             if is_new || !(bodies[colliders[a].body].held || bodies[colliders[b].body].held) {
-                sync(slot);
+                state.sync_pair(&Site::new(pair, slot, colliders, bodies), frame);
             }
         }
+        let mut sync = |slot: u32| state.sync_pair(&Site::new(pairs.get(slot), slot, colliders, bodies), frame);
         // What was dropped meanwhile has no contacts any more.
         fell_asleep.drain(..).filter(|&slot| pairs.get(slot).has_points()).for_each(&mut sync);
         if is_new {
@@ -297,6 +339,7 @@ impl World {
         for &index in movers {
             if let Some((_, turned)) = state.turns.get_mut(index as usize) {
                 *turned = false;
+                state.signs[index as usize] = 0;
             }
         }
     }

@@ -10,7 +10,7 @@
 use iceoryx2::config::Config;
 use iceoryx2::node::{Node, NodeBuilder};
 use iceoryx2::port::publisher::Publisher as Port;
-use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{
     Alignment, AllocationStrategy, BackpressureStrategy, CallbackProgression, NodeName, NodeState, PortFactory,
@@ -58,7 +58,7 @@ pub(crate) struct Room {
     pub bytes: usize,
 }
 
-/// What a process is to iceoryx2. Making one also removes what processes left behind that died.
+/// What a process is to iceoryx2.
 pub(crate) fn node(config: &Config) -> Result<Node<Carrier>> {
     let name = NodeName::new("longspan").map_err(system("node"))?;
     let builder = NodeBuilder::new().name(&name).config(config).signal_handling_mode(SignalHandlingMode::Disabled);
@@ -166,6 +166,10 @@ impl Inlet {
             Err(PublishSubscribeOpenError::IncompatibleTypes | PublishSubscribeOpenError::VersionMismatch) => {
                 return Err(Problem::Incompatible("the channel carries something else".into()));
             }
+            Err(PublishSubscribeOpenError::ExceedsMaxNumberOfNodes) => {
+                node.try_cleanup_dead_nodes();
+                return Ok(None);
+            }
             Err(
                 PublishSubscribeOpenError::DoesNotExist
                 | PublishSubscribeOpenError::IsMarkedForDestruction
@@ -174,8 +178,15 @@ impl Inlet {
             ) => return Ok(None),
             Err(error) => return Err(Problem::System(format!("a channel cannot be read: {error:?}"))),
         };
-        let port = service.subscriber_builder().create().map_err(system("a channel cannot be read"))?;
-        Ok(Some(Self { port, service }))
+        let port = match service.subscriber_builder().create() {
+            Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => {
+                // Readers that died hold their places until somebody clears up.
+                node.try_cleanup_dead_nodes();
+                service.subscriber_builder().create()
+            }
+            port => port,
+        };
+        Ok(Some(Self { port: port.map_err(system("a channel cannot be read"))?, service }))
     }
 
     /// Copies the next message into `into`, which is as long as the message afterwards.

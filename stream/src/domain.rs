@@ -4,14 +4,15 @@
 //! open it, and nobody else's leftovers are in the way. A domain is a room of its own inside that folder.
 
 use std::fs;
-use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
 use std::path::PathBuf;
 
 use iceoryx2::config::Config;
+use iceoryx2::node::Node;
 use iceoryx2::prelude::{CallbackProgression, FileName, LogLevel, Path, SemanticString, Service, ServiceName, set_log_level};
 use longspan_stream_schema::{LS_STREAM_ABI, LS_STREAM_SCHEMA};
 
-use crate::channel::Carrier;
+use crate::channel::{self, Carrier};
 use crate::problem::{Problem, Result};
 
 /// Most letters of a stream's or a domain's name.
@@ -69,7 +70,44 @@ impl Domain {
         let mut config = Config::default();
         config.global.set_root_path(&path);
         config.global.prefix = name(self.prefix())?;
+        // Readers come and go, and are killed; the fewer of them clear up, the fewer are killed while they do.
+        config.global.node.cleanup_dead_nodes_on_creation = false;
+        config.global.node.cleanup_dead_nodes_on_destruction = false;
+        config.global.service.cleanup_dead_nodes_on_open = false;
         Ok(config)
+    }
+
+    /// Joins the domain. Nobody clears it from now on until the membership ends.
+    pub(crate) fn join(&self, config: &Config) -> Result<Membership> {
+        let lock = self.lock()?;
+        lock.lock_shared()?;
+        Ok(Membership { node: channel::node(config)?, _lock: lock })
+    }
+
+    /// Removes everything that is left, if no process lives that is a member.
+    ///
+    /// iceoryx2 removes what a dead process left, file by file; one that dies while it does that, or while it starts, can leave files
+    /// that nobody is told of. They are found here, by their place. That nobody lives is known by the lock, which the kernel takes
+    /// from a process that dies.
+    pub(crate) fn clear(&self) {
+        let Ok(lock) = self.lock() else { return };
+        if lock.try_lock().is_err() {
+            return;
+        }
+        for part in ["nodes", "services"] {
+            let _ = fs::remove_dir_all(self.folder().join(part));
+        }
+        let prefix = self.prefix();
+        for entry in fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
+            if entry.file_name().to_string_lossy().starts_with(&prefix) {
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
+
+    /// A file that members lock together, and who clears up alone. It stays.
+    fn lock(&self) -> Result<fs::File> {
+        Ok(fs::File::create(self.folder().join("lock"))?)
     }
 
     /// All streams that are published now, or were until their process died.
@@ -91,6 +129,15 @@ impl Domain {
     }
 }
 
+/// A process as a member of a domain.
+#[derive(Debug)]
+pub(crate) struct Membership {
+    /// What it is to iceoryx2.
+    pub node: Node<Carrier>,
+    /// Held until the node is gone.
+    _lock: fs::File,
+}
+
 /// The number of the user whose process this is.
 fn user() -> u32 {
     fs::metadata("/proc/self").map_or(0, |of_self| of_self.uid())
@@ -105,8 +152,11 @@ fn own_folder(folder: &std::path::Path) -> Result<()> {
         _ => {}
     }
     let found = fs::symlink_metadata(folder)?;
-    if !found.is_dir() || found.uid() != user() || found.mode() & 0o077 != 0 {
-        return Err(Problem::System(format!("{} is not a folder that only this user can enter", folder.display())));
+    if !found.is_dir() || found.uid() != user() {
+        return Err(Problem::System(format!("{} is not a folder of this user", folder.display())));
+    }
+    if found.mode() & 0o077 != 0 {
+        fs::set_permissions(folder, fs::Permissions::from_mode(0o700))?;
     }
     Ok(())
 }

@@ -3,10 +3,9 @@
 use std::time::{Duration, Instant};
 
 use iceoryx2::config::Config;
-use iceoryx2::node::Node;
 
-use crate::channel::{Carrier, Inlet, Received, node};
-use crate::domain::{Domain, Source};
+use crate::channel::{Inlet, Received};
+use crate::domain::{Domain, Membership, Source};
 use crate::foreign::OwnMemory;
 use crate::problem::{Problem, Result};
 use longspan_stream_schema::LS_STREAM_SCHEMA;
@@ -30,7 +29,7 @@ pub(crate) struct Live {
     name: String,
     config: Config,
     /// Cleared when nobody is there, so that a reader that waits holds nothing.
-    node: Option<Node<Carrier>>,
+    membership: Option<Membership>,
     attached: Option<Attached>,
     memory: OwnMemory,
     looked: Option<Instant>,
@@ -49,7 +48,7 @@ impl Live {
             domain: domain.clone(),
             name: name.to_owned(),
             config: domain.config()?,
-            node: None,
+            membership: None,
             attached: None,
             memory: OwnMemory::open()?,
             looked: None,
@@ -73,11 +72,11 @@ impl Live {
                 wrong_schema = Some(source.schema);
                 continue;
             }
-            let node = match self.node.take() {
-                Some(node) => node,
-                None => node(&self.config)?,
+            let membership = match self.membership.take() {
+                Some(membership) => membership,
+                None => self.domain.join(&self.config)?,
             };
-            let node = self.node.insert(node);
+            let node = &self.membership.insert(membership).node;
             let (Some(hot), Some(cold)) = (Inlet::open(node, &source, "hot")?, Inlet::open(node, &source, "cold")?) else {
                 continue;
             };
@@ -119,9 +118,10 @@ impl Live {
 
     /// Removes what dead processes left.
     fn clean(&mut self) {
-        if let Some(node) = self.node.take() {
-            node.try_cleanup_dead_nodes();
+        if let Some(membership) = self.membership.take() {
+            membership.node.try_cleanup_dead_nodes();
         }
+        self.domain.clear();
     }
 
     fn is_time(&mut self) -> bool {
@@ -130,5 +130,13 @@ impl Live {
             self.looked = Some(Instant::now());
         }
         due
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        self.attached = None;
+        self.membership = None;
+        self.domain.clear();
     }
 }

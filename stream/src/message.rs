@@ -1,5 +1,7 @@
 //! Messages: how they are put together, and how one that comes from anywhere is taken apart.
 
+use std::time::{SystemTime, UNIX_EPOCH};
+
 use bytemuck::Zeroable;
 use longspan_stream_schema::{
     ContentHash, LAYOUT_HASH, LS_STREAM_CHANNEL_COLD, LS_STREAM_CHANNEL_HOT, LS_STREAM_MAGIC, LS_STREAM_SCHEMA, LsStreamHeader,
@@ -13,6 +15,11 @@ pub(crate) const SECTION: usize = size_of::<LsStreamSection>();
 
 /// Longest message that a reader takes (bytes); more than a million bodies that all move.
 pub(crate) const MAX_MESSAGE: usize = 1 << 28;
+
+/// The system's clock (ns since 1970 began).
+pub(crate) fn clock() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
+}
 
 /// A header with all that does not depend on the content.
 pub(crate) fn header(channel: u32, session: u64) -> LsStreamHeader {

@@ -2,9 +2,8 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::Instant;
 
-use iceoryx2::node::Node;
 use longspan::World;
 use longspan_stream_schema::{
     LS_STREAM_LAYER_ALL, LS_STREAM_LAYER_BOUNDS, LS_STREAM_LAYER_CONTACTS, LS_STREAM_LAYER_JOINT_LOADS, LsStreamHeader,
@@ -12,9 +11,9 @@ use longspan_stream_schema::{
 };
 
 use crate::capture::{BLOCK, Cold, Hot, header_of};
-use crate::channel::{Carrier, Outlet, Room, node};
-use crate::domain::{Domain, Source, check_name};
-use crate::message::SECTION;
+use crate::channel::{Outlet, Room};
+use crate::domain::{Domain, Membership, Source, check_name};
+use crate::message::{SECTION, clock};
 use crate::problem::{Problem, Result};
 
 /// Frames that wait for a reader. Two would do for one that only wants the latest; a recorder that is held up for a moment wants all.
@@ -120,7 +119,26 @@ pub struct Publisher {
     /// The channel failed from within; nothing is published any more.
     failed: bool,
     /// After the ports, which it outlives.
-    _node: Node<Carrier>,
+    membership: Membership,
+    /// Last of all.
+    _clearer: Clearer,
+}
+
+/// Clears up when everything else is gone.
+#[derive(Debug)]
+struct Clearer(Domain);
+
+impl Drop for Clearer {
+    fn drop(&mut self) {
+        self.0.clear();
+    }
+}
+
+impl Drop for Publisher {
+    fn drop(&mut self) {
+        // While the channels are still there: what dead readers had of them goes with them.
+        let _ = catch_unwind(AssertUnwindSafe(|| self.membership.node.try_cleanup_dead_nodes()));
+    }
 }
 
 /// Streams of this process so far.
@@ -135,14 +153,18 @@ impl Publisher {
     /// Names the field of `def` that is out of range; says why shared memory cannot be used.
     pub fn open(world: &World, def: &PublisherDef) -> Result<Self> {
         def.check()?;
-        let node = node(&def.domain.config()?)?;
+        let config = def.domain.config()?;
+        def.domain.clear();
+        let membership = def.domain.join(&config)?;
+        let node = &membership.node;
+        node.try_cleanup_dead_nodes();
         let source = Source::new(&def.name, std::process::id(), STREAMS.fetch_add(1, Ordering::Relaxed));
         let readers = def.readers as usize;
         let hot_room = Room { name: "hot", buffer: HOT_BUFFER, history: 1, bytes: def.frame_bytes(world) };
         let cold_room = Room { name: "cold", buffer: COLD_BUFFER, history: COLD_BUFFER, bytes: BLOCK };
         // Readers look for the hot channel: it comes last.
-        let cold_outlet = Outlet::open(&node, &source, cold_room, readers)?;
-        let hot_outlet = Outlet::open(&node, &source, hot_room, readers)?;
+        let cold_outlet = Outlet::open(node, &source, cold_room, readers)?;
+        let hot_outlet = Outlet::open(node, &source, hot_room, readers)?;
         let session = session(source.number);
         let mut publisher = Self {
             source,
@@ -155,7 +177,8 @@ impl Publisher {
             steps: 0,
             stats: PublisherStats::default(),
             failed: false,
-            _node: node,
+            membership,
+            _clearer: Clearer(def.domain.clone()),
             def: def.clone(),
         };
         publisher.tell(world, true);
@@ -237,7 +260,7 @@ impl Publisher {
             dropped: self.stats.dropped,
             ..header_of(world, session, self.def.state_hash)
         };
-        let sent = self.hot_outlet.send(length, |slate| self.hot.write(world, &self.cold.flags, start, slate));
+        let sent = self.hot_outlet.send(length, |slate| self.hot.write(world, &self.cold, start, slate));
         self.stats.frames += u64::from(sent);
         self.stats.dropped += u64::from(!sent);
         self.stats.bytes += length as u64;
@@ -262,6 +285,5 @@ fn about(world: &World, def: &PublisherDef) -> LsStreamWorld {
 
 /// Differs between any two streams that a reader could take for one.
 fn session(number: u32) -> u64 {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64);
-    (now ^ (u64::from(std::process::id()) << 40) ^ u64::from(number)).max(1)
+    (clock() ^ (u64::from(std::process::id()) << 40) ^ u64::from(number)).max(1)
 }

@@ -249,7 +249,7 @@ impl Counts {
             Channel::Cold => (&mut self.cold_sequence, &mut self.lost_records),
         };
         if *last != 0 {
-            *lost += sequence.saturating_sub(*last + 1);
+            *lost = lost.saturating_add(sequence.saturating_sub(last.saturating_add(1)));
         }
         *last = sequence;
     }

@@ -215,7 +215,7 @@ impl Scene {
 
     fn apply_cold(&mut self, message: &Message<'_>) -> Result<()> {
         let LsStreamHeader { sequence, flags, .. } = message.header;
-        if self.cold_sequence + 1 != sequence {
+        if self.cold_sequence.wrapping_add(1) != sequence {
             self.missed_records();
         }
         self.cold_sequence = sequence;

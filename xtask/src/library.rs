@@ -24,9 +24,15 @@ pub fn cargo() -> Command {
 impl Library {
     /// Builds the library, and asks cargo where it went: the folder depends on settings that are the user's.
     pub fn build() -> Outcome<Self> {
-        println!("building the library: cargo build --release -p longspan-capi");
+        Self::build_with(&[])
+    }
+
+    /// As [`build`](Self::build), with more arguments for cargo.
+    pub fn build_with(arguments: &[&str]) -> Outcome<Self> {
+        println!("building the library: cargo build --release -p longspan-capi {}", arguments.join(" "));
         let mut command = cargo();
         command.args(["build", "--release", "--package", "longspan-capi", "--message-format", "json-render-diagnostics"]);
+        command.args(arguments);
         let messages = printed(command.stderr(Stdio::inherit()))?;
         let folder = folder_of_static_library(&messages).ok_or("cargo says nothing of liblongspan.a")?;
         let library = Self { folder };

@@ -10,6 +10,7 @@ mod install;
 mod library;
 mod readme;
 mod samples;
+mod streams;
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -19,6 +20,7 @@ const USAGE: &str = "cargo xtask COMMAND
     demo      builds the library and the C samples, hangs ten tonnes on a chain, and draws it (also: cargo demo)
     header    writes include/longspan/longspan.h and capi/abi/baseline.txt anew
     samples   compiles every C sample as C99 and as C++11 without a warning, and runs it
+    streams   builds the library with streams; runs a host in C, and one that watches, records and plays it
     install PREFIX   installs shared and static library, header, pkg-config file and CMake package (DESTDIR is honoured)
     consumers builds and runs a program for each way to take the installed library
     readme    compiles and runs the C example of README.md by the compiler lines given there";
@@ -31,6 +33,7 @@ fn main() -> ExitCode {
         ["demo"] => demo::run(),
         ["header"] => write_header(),
         ["samples"] => samples::run(),
+        ["streams"] => streams::run(),
         ["readme"] => readme::run(),
         ["install", prefix] => install::run(prefix),
         ["consumers"] => consumers::run(),

@@ -5,6 +5,8 @@ use std::mem::offset_of;
 use std::path::Path;
 use std::process::Command;
 
+use longspan_stream_schema::*;
+
 use crate::body_def::*;
 use crate::events::*;
 use crate::fracture::*;
@@ -16,6 +18,7 @@ use crate::math::*;
 use crate::query_def::*;
 use crate::report::*;
 use crate::shape_def::*;
+use crate::stream_def::*;
 use crate::strength::*;
 use crate::support::*;
 use crate::union::*;
@@ -129,6 +132,46 @@ fn layouts() -> Vec<Layout> {
         LsRay { origin, direction, length }
         LsRayHit { shape, body, point, normal, distance }
         LsNearestPoint { shape, body, point, distance, reserved }
+        LsStream { id }
+        LsStreamReader { id }
+        LsStreamDef { struct_size, every, name, domain, layers, readers, body_capacity, state_hash }
+        LsStreamStats { frames, records, dropped, bytes, seconds }
+        LsStreamReaderDef { struct_size, reserved, name, domain, recording }
+        LsStreamPoll { status, is_first, is_complete, reserved, lost_frames, lost_records, frame }
+        LsStreamSource { name, process, number, schema, reserved }
+        LsStreamRecording { first_step, last_step, frames, offset, end, reserved }
+        LsStreamHeader {
+            magic, schema, header_size, layout_hash, length, session, sequence, step, time, state_hash, content_hash, dropped,
+            channel, section_count, body_count, shape_count, joint_count, flags, cycle, clock
+        }
+        LsStreamSection { kind, stride, count, flags, length, reserved }
+        LsStreamMotion {
+            body, user_word, union_id, position, rotation, linear_velocity, angular_velocity, flags, reserved
+        }
+        LsStreamContactPoint { position, separation, normal_force }
+        LsStreamContact { body_a, body_b, normal, point_count, friction_force, reserved, points }
+        LsStreamJointLoad { joint, force, torque, share, gap }
+        LsStreamBound {
+            near_joint, far_joint, near_point, far_point, distance, upper, lower, tension, kind, level, active, reserved
+        }
+        LsStreamPlane { chain, point, normal, radius }
+        LsStreamBody {
+            body, user_word, union_id, step, position, rotation, linear_velocity, angular_velocity, flags, kind, mass, support,
+            support_margin, support_load
+        }
+        LsStreamShape {
+            shape, body, user_word, kind, part, part_count, reserved, position, rotation, size, friction, restitution
+        }
+        LsStreamJoint {
+            joint, user_word, body_a, body_b, position_a, position_b, rotation_a, rotation_b, kind, flags, break_force,
+            break_torque
+        }
+        LsStreamGone { id, step }
+        LsStreamGeometry {
+            shape, part, vertex_total, triangle_total, first_vertex, vertex_count, first_triangle, triangle_count, reserved
+        }
+        LsStreamWorld { name, process, gravity, substeps, iterations, support, layers, every }
+        LsStreamEvent { step, a, b, user_word, kind, reserved, values }
     }
 }
 
@@ -181,6 +224,15 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsRay", 40),
         ("LsRayHit", 56),
         ("LsNearestPoint", 48),
+        ("LsStreamHeader", 128),
+        ("LsStreamSection", 32),
+        ("LsStreamMotion", 96),
+        ("LsStreamBody", 136),
+        ("LsStreamShape", 96),
+        ("LsStreamJoint", 128),
+        ("LsStreamEvent", 56),
+        ("LsStreamDef", 40),
+        ("LsStreamPoll", 160),
     ];
     for (name, size) in promised {
         let layout = layouts().into_iter().find(|layout| layout.name == name).expect("the list of layouts is complete");

@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 
 /// Where a new part of the header begins: its first function, and its name.
-const PARTS: [(&str, &str); 9] = [
+const PARTS: [(&str, &str); 10] = [
     ("ls_result_name", "The library"),
     ("ls_shape_def_init", "Definitions"),
     ("ls_world_create", "Worlds"),
@@ -18,6 +18,7 @@ const PARTS: [(&str, &str); 9] = [
     ("ls_body_create", "Bodies"),
     ("ls_shape_attach", "Shapes"),
     ("ls_joint_create", "Joints"),
+    ("ls_stream_def_init", "Streams"),
 ];
 
 fn generate() -> String {

@@ -23,7 +23,7 @@ pub(super) fn reach(geometry: &Geometry) -> f64 {
         Geometry::Ball { radius } => f64::from(*radius),
         Geometry::Capsule { half_height, radius } => f64::from(half_height + radius),
         Geometry::HalfSpace { .. } => f64::INFINITY,
-        other => points_and_triangles(other).0.iter().map(|point| f64::from(point.length())).fold(0.0, f64::max),
+        other => points_and_triangles(other, SEGMENTS).0.iter().map(|point| f64::from(point.length())).fold(0.0, f64::max),
     }
 }
 
@@ -38,7 +38,7 @@ pub(super) fn add_triangles(body: &Drawn, center: DVec3, triangles: &mut Vec<Tri
     }
     let turn = body.pose.rotation;
     let offset = (body.pose.position - center).as_vec3();
-    let (points, indices) = points_and_triangles(&body.geometry);
+    let (points, indices) = points_and_triangles(&body.geometry, SEGMENTS);
     for corners in indices {
         let local = corners.map(|index| points[index as usize]);
         let flat = (local[1] - local[0]).cross(local[2] - local[0]).normalize_or_zero();
@@ -58,19 +58,20 @@ fn smooth_normal(geometry: &Geometry, point: Vec3) -> Option<Vec3> {
     }
 }
 
-fn points_and_triangles(geometry: &Geometry) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+/// Points (m) and triangles of a form, round ones with so many segments around.
+pub fn points_and_triangles(geometry: &Geometry, segments: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     match geometry {
-        Geometry::Ball { radius } => Ball::new(*radius).to_trimesh(SEGMENTS, SEGMENTS / 2),
+        Geometry::Ball { radius } => Ball::new(*radius).to_trimesh(segments, segments / 2),
         Geometry::Box { half_extents } => Cuboid::new(*half_extents).to_trimesh(),
         Geometry::Capsule { half_height, radius } => {
             let ends = [-half_height, *half_height].map(|y| Vector::new(0.0, y, 0.0));
-            Capsule::new(ends[0], ends[1], *radius).to_trimesh(SEGMENTS, SEGMENTS / 2)
+            Capsule::new(ends[0], ends[1], *radius).to_trimesh(segments, segments / 2)
         }
-        Geometry::Cylinder { half_height, radius } => Cylinder::new(*half_height, *radius).to_trimesh(SEGMENTS),
-        Geometry::Cone { half_height, radius } => Cone::new(*half_height, *radius).to_trimesh(SEGMENTS),
+        Geometry::Cylinder { half_height, radius } => Cylinder::new(*half_height, *radius).to_trimesh(segments),
+        Geometry::Cone { half_height, radius } => Cone::new(*half_height, *radius).to_trimesh(segments),
         Geometry::Compound { parts } => {
             let place = |(pose, part): &(LocalPose, Geometry)| {
-                let points = points_and_triangles(part).0.into_iter();
+                let points = points_and_triangles(part, segments).0.into_iter();
                 points.map(|point| pose.position + pose.rotation * point).collect::<Vec<_>>()
             };
             (parts.iter().flat_map(place).collect(), Vec::new())

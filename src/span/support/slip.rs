@@ -40,6 +40,9 @@ impl Slip {
         }
     }
 
+    /// Speed up to which a manifold that held before holds, whatever its friction is (m/s).
+    pub(crate) const STILL_HOLDS: f32 = SLIDING_SPEED;
+
     /// Speed up to which a manifold is found to hold whatever it did before and whatever its friction is (m/s).
     pub(crate) const ALWAYS_HOLDS: f32 = HOLDING_SPEED;
 }

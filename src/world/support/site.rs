@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use crate::body::Body;
 use crate::collide::collider::Collider;
-use crate::collide::pairs::{CarriedManifold, Pair, WorldManifold};
+use crate::collide::pairs::{CarriedManifold, Pair, WorldManifold, touching};
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::solve::contact::tangents;
 use crate::span::support::Link;
@@ -12,9 +12,6 @@ use crate::span::support::slip::Slip;
 
 /// Least cosine between a contact's normal and the vertical for one body to stand on the other.
 const MIN_RISE: f32 = 0.3;
-
-/// Separation of an unloaded point up to which it belongs to the region of a pressed face, over the smaller shape's extent.
-const TOUCHING_SHARE: f32 = 1.0e-3;
 
 /// Up, and two axes across it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,14 +57,9 @@ impl<'a> Site<'a> {
 
     /// Points of a manifold that take part, as bits, if it is pressed; and whether it holds, given that it held before or not.
     pub(in crate::world) fn state(&self, manifold: &CarriedManifold, held: bool) -> (u8, bool) {
-        let load: f32 = manifold.impulses.normal.iter().sum();
-        if load <= 0.0 {
+        let points = touching(manifold, self.shapes.0.least_extent.min(self.shapes.1.least_extent));
+        if points == 0 {
             return (0, held);
-        }
-        let reach = TOUCHING_SHARE * self.shapes.0.least_extent.min(self.shapes.1.least_extent);
-        let mut points = 0;
-        for (i, point) in manifold.geometry.points[..manifold.geometry.count as usize].iter().enumerate() {
-            points |= u8::from(manifold.impulses.normal[i] > 0.0 || point.separation <= reach) << i;
         }
         let (a, b) = self.bodies;
         let (linear, turning) =
@@ -84,7 +76,7 @@ impl<'a> Site<'a> {
             slip: (rate - world.normal * approach).length(),
             approach,
             friction: manifold.impulses.friction.length(),
-            limit: self.pair.material.friction * load,
+            limit: self.pair.material.friction * manifold.impulses.normal.iter().sum::<f32>(),
         };
         (points, slip.holds(held))
     }

@@ -39,7 +39,7 @@ pub struct LsStreamEvent {
     pub kind: u32,
     /// Not used; 0.
     pub reserved: u32,
-    /// Numbers: see the kinds.
+    /// Numbers as the kinds say, (N) and (N m).
     pub values: [f32; 4],
 }
 

@@ -49,7 +49,7 @@ pub struct LsStreamMotion {
     pub union_id: u64,
     /// Position of its frame (m).
     pub position: [f64; 3],
-    /// Rotation of its frame: x, y, z, w.
+    /// Rotation of its frame, unit quaternion: x, y, z, w.
     pub rotation: [f32; 4],
     /// Velocity of its centre of mass (m/s).
     pub linear_velocity: [f32; 3],
@@ -103,7 +103,7 @@ pub struct LsStreamJointLoad {
     pub force: f32,
     /// Torque that it carries, mean over the step (N m).
     pub torque: f32,
-    /// The greater of force / break_force and torque / break_torque; 0 for a joint without limits.
+    /// Fraction of its limit: the greater of force / break_force and torque / break_torque; 0 for a joint without limits.
     pub share: f32,
     /// Distance between the joint points beyond what the joint allows (m).
     pub gap: f32,

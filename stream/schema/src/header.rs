@@ -65,8 +65,8 @@ pub struct LsStreamHeader {
     pub flags: u32,
     /// How often the whole scene has begun to be told.
     pub cycle: u64,
-    /// Not used; 0.
-    pub reserved: u64,
+    /// When it was published, by the system's clock: nanoseconds since 1970 began.
+    pub clock: u64,
 }
 
 /// What every section of a message begins with.

@@ -41,7 +41,7 @@ macro_rules! records {
 records! {
     LsStreamHeader {
         magic, schema, header_size, layout_hash, length, session, sequence, step, time, state_hash, content_hash, dropped,
-        channel, section_count, body_count, shape_count, joint_count, flags, cycle, reserved,
+        channel, section_count, body_count, shape_count, joint_count, flags, cycle, clock,
     }
     LsStreamSection { kind, stride, count, flags, length, reserved }
     LsStreamMotion {

@@ -38,7 +38,7 @@ pub struct LsStreamBody {
     pub step: u64,
     /// Position of its frame (m).
     pub position: [f64; 3],
-    /// Rotation of its frame: x, y, z, w.
+    /// Rotation of its frame, unit quaternion: x, y, z, w.
     pub rotation: [f32; 4],
     /// Velocity of its centre of mass (m/s).
     pub linear_velocity: [f32; 3],
@@ -78,7 +78,7 @@ pub struct LsStreamShape {
     pub reserved: u32,
     /// Position in the body's frame (m).
     pub position: [f32; 3],
-    /// Rotation in the body's frame: x, y, z, w.
+    /// Rotation in the body's frame, unit quaternion: x, y, z, w.
     pub rotation: [f32; 4],
     /// Ball: radius. Box: half extents. Capsule, cylinder and cone, along y: half height, radius. Half-space: normal. (m)
     pub size: [f32; 3],
@@ -104,9 +104,9 @@ pub struct LsStreamJoint {
     pub position_a: [f64; 3],
     /// Joint frame on body B, in its frame, or in the world's (m).
     pub position_b: [f64; 3],
-    /// Rotation of the joint frame on body A: x, y, z, w.
+    /// Rotation of the joint frame on body A, unit quaternion: x, y, z, w.
     pub rotation_a: [f32; 4],
-    /// Rotation of the joint frame on body B: x, y, z, w.
+    /// Rotation of the joint frame on body B, unit quaternion: x, y, z, w.
     pub rotation_b: [f32; 4],
     /// LS_JOINT_ constant.
     pub kind: i32,

@@ -14,7 +14,7 @@ use longspan_stream_schema::{
 use super::census::Census;
 use super::meshes::{Meshes, Surface};
 use super::records;
-use crate::message::{Sections, header};
+use crate::message::{Sections, clock, header};
 
 /// Content of a message on the cold channel at most (bytes): about 200 bodies with a shape each.
 pub(crate) const BLOCK: usize = 32 * 1024;
@@ -58,6 +58,8 @@ pub(crate) struct Cold {
     joints: Census,
     /// What is known of each body beside its state, by place: `LS_STREAM_BODY_` flags.
     pub flags: Vec<u32>,
+    /// Rigid union of each body, by place; 0 for none.
+    pub unions: Vec<u64>,
     knows_support: bool,
     meshes: Meshes,
     news: VecDeque<News>,
@@ -78,6 +80,7 @@ impl Cold {
             shapes: Census::default(),
             joints: Census::default(),
             flags: Vec::new(),
+            unions: Vec::new(),
             knows_support: false,
             meshes: Meshes::default(),
             news: VecDeque::new(),
@@ -138,11 +141,23 @@ impl Cold {
             joints.each_new(|joint| news.borrow_mut().push_back(News::Joint(joint)));
             self.knows_support = false;
         }
+        self.note_unions(world);
         self.about.gravity = world.gravity().to_array();
         let on = world.supported_count().is_ok();
         if on != self.knows_support {
             self.knows_support = on;
             self.note_support(world);
+        }
+    }
+
+    /// Takes down who is a member of which rigid union; the body that names the union is its number.
+    fn note_unions(&mut self, world: &World) {
+        self.unions.clear();
+        for union in world.unions() {
+            self.unions.resize(self.flags.len(), 0);
+            for member in world.union_members(union.lead).into_iter().flatten() {
+                self.unions[member.place()] = union.lead.to_bits();
+            }
         }
     }
 
@@ -269,7 +284,8 @@ impl Cold {
 
     fn tell_body(&mut self, world: &World, body: BodyId, ship: Ship<'_>) {
         let flags = self.flags.get(body.place()).copied().unwrap_or(0);
-        if let Ok(record) = records::body(world, body, flags) {
+        let union = self.unions.get(body.place()).copied().unwrap_or(0);
+        if let Ok(record) = records::body(world, body, flags, union) {
             self.make_room(world, size_of_val(&record), ship);
             self.block.push(&record);
         }
@@ -350,6 +366,7 @@ impl Cold {
             joint_count: world.joint_count() as u32,
             flags: std::mem::take(&mut self.block_flags),
             cycle: self.cycle,
+            clock: clock(),
             ..header(LS_STREAM_CHANNEL_COLD, self.session)
         };
         let content = self.block.finish(&mut header);

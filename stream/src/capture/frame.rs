@@ -6,9 +6,9 @@ use longspan_stream_schema::{
     LS_STREAM_LAYER_CONTACTS, LS_STREAM_LAYER_JOINT_LOADS, LsStreamHeader, LsStreamMotion, LsStreamSection, Wire,
 };
 
-use super::records;
+use super::{Cold, records};
 use crate::channel::Slate;
-use crate::message::{HEADER, SECTION, Sections, header};
+use crate::message::{HEADER, SECTION, Sections, clock, header};
 
 /// Builds frames.
 #[derive(Debug, Default)]
@@ -34,8 +34,8 @@ impl Hot {
         SECTION + world.moved().len() * size_of::<LsStreamMotion>() + self.layers.bytes.len()
     }
 
-    /// Writes the content of a frame, and returns its header. `flags` are those of each body, by its place.
-    pub(crate) fn write(&self, world: &World, flags: &[u32], start: LsStreamHeader, slate: &mut Slate<'_>) -> LsStreamHeader {
+    /// Writes the content of a frame, and returns its header. `known` has what is said of bodies beside their motion.
+    pub(crate) fn write(&self, world: &World, known: &Cold, start: LsStreamHeader, slate: &mut Slate<'_>) -> LsStreamHeader {
         let moved = world.moved();
         let mut hash = ContentHash::default();
         let mut put = |bytes: &[u8]| {
@@ -51,29 +51,30 @@ impl Hot {
             ..LsStreamSection::default()
         }));
         for moved in moved {
-            put(bytemuck::bytes_of(&motion(moved, flags)));
+            put(bytemuck::bytes_of(&motion(moved, known)));
         }
         put(&self.layers.bytes);
         LsStreamHeader {
             section_count: 1 + self.layers.count,
             length: (HEADER + SECTION + length + self.layers.bytes.len()) as u64,
             content_hash: hash.finish(),
+            clock: clock(),
             ..start
         }
     }
 }
 
-fn motion(moved: &Moved, flags: &[u32]) -> LsStreamMotion {
-    let known = flags.get(moved.body.place()).copied().unwrap_or(0);
+fn motion(moved: &Moved, known: &Cold) -> LsStreamMotion {
+    let flags = known.flags.get(moved.body.place()).copied().unwrap_or(0);
     LsStreamMotion {
         body: moved.body.to_bits(),
         user_word: moved.user_word,
-        union_id: 0,
+        union_id: known.unions.get(moved.body.place()).copied().unwrap_or(0),
         position: moved.pose.position.to_array(),
         rotation: moved.pose.rotation.to_array(),
         linear_velocity: moved.linear_velocity.to_array(),
         angular_velocity: moved.angular_velocity.to_array(),
-        flags: known | if moved.fell_asleep { LS_STREAM_BODY_ASLEEP } else { 0 },
+        flags: flags | if moved.fell_asleep { LS_STREAM_BODY_ASLEEP } else { 0 },
         reserved: 0,
     }
 }

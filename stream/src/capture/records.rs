@@ -51,7 +51,7 @@ fn finite_or_zero(value: f32) -> f32 {
     if value.is_finite() { value } else { 0.0 }
 }
 
-pub(super) fn body(world: &World, body: BodyId, flags: u32) -> longspan::Result<LsStreamBody> {
+pub(super) fn body(world: &World, body: BodyId, flags: u32, union_id: u64) -> longspan::Result<LsStreamBody> {
     let pose = world.pose(body)?;
     let support = world.support(body).ok();
     let load = if support.is_some() { world.load_on(body).unwrap_or(0.0) } else { 0.0 };
@@ -59,7 +59,7 @@ pub(super) fn body(world: &World, body: BodyId, flags: u32) -> longspan::Result<
     Ok(LsStreamBody {
         body: body.to_bits(),
         user_word: world.user_word(body)?,
-        union_id: 0,
+        union_id,
         step: world.step_count(),
         position: pose.position.to_array(),
         rotation: pose.rotation.to_array(),

@@ -1,6 +1,8 @@
 //! What the tests of streams share.
 #![allow(dead_code)]
 
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use longspan::glam::Vec3;
@@ -24,7 +26,7 @@ impl Room {
         PublisherDef { name: name.into(), domain: self.domain.clone(), ..PublisherDef::default() }
     }
 
-    /// Names of all shared memory and files of the domain but for iceoryx2's folders and the one file that it keeps for good.
+    /// Names of all shared memory and files of the domain but for the one file that iceoryx2 keeps for good, and our own lock.
     pub fn leftovers(&self) -> Vec<String> {
         let mut found = names("/dev/shm".as_ref(), &self.domain.prefix());
         let mut open = vec![self.domain.folder()];
@@ -34,7 +36,7 @@ impl Room {
                 if path.is_dir() { open.push(path) } else { found.push(path.display().to_string()) }
             }
         }
-        found.retain(|name| !name.contains("global_mgmt"));
+        found.retain(|name| !name.contains("global_mgmt") && !name.ends_with("/lock"));
         found.sort();
         found
     }
@@ -103,4 +105,27 @@ pub fn attach(room: &Room, name: &str, publishers: &mut [Publisher]) -> Reader {
     let poll = reader.wait(Duration::from_secs(5)).unwrap();
     assert!(matches!(poll, Poll::Frame { is_first: true, .. }), "{name}: {poll:?}");
     reader
+}
+
+/// `examples/stream_peer.rs`, started and ready.
+pub fn peer(words: &[&str]) -> Child {
+    let here = std::env::current_exe().unwrap();
+    let program = here.parent().and_then(|deps| deps.parent()).unwrap().join("examples/stream_peer");
+    let mut child = Command::new(program).args(words).stdout(Stdio::piped()).spawn().expect("cargo builds examples for tests");
+    let mut line = String::new();
+    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
+    assert_eq!(line, "ready\n");
+    child
+}
+
+/// What was given to [`Room::new`], and the number of this process.
+pub fn domain_name(room: &Room) -> String {
+    let folder = room.domain.folder();
+    folder.file_name().unwrap().to_str().unwrap().trim_start_matches("d-").to_owned()
+}
+
+/// Ends a process at once, as if it had crashed.
+pub fn kill(mut child: Child) {
+    child.kill().unwrap();
+    child.wait().unwrap();
 }
