@@ -104,7 +104,7 @@ int main(void)
     }
     expect(standing == BLOCKS, "a tower that stands is supported, every block of it");
     expect(fewest < BLOCKS, "what the ball throws about is not supported");
-    expect(supported > BLOCKS / 2, "most of the tower is supported again, or still");
+    expect(supported > fewest, "what comes to rest is supported again");
     check(ls_world_destroy(world));
     return 0;
 }

@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # Installs what building longspan and its C samples takes besides Rust, on Debian and Ubuntu: a C and a C++ compiler.
-# With --ci also what the full set of checks uses: valgrind, pkg-config, cmake and make.
+# With --ci also what the full set of checks uses: valgrind, pkg-config, cmake and make; with --hosts what the hosts with a window
+# do: SDL 2, OpenGL, Irrlicht and a virtual display.
 set -euo pipefail
 
 packages=(gcc g++ libc6-dev)
 case "${1:-}" in
     "") ;;
     --ci) packages+=(valgrind pkg-config cmake make) ;;
-    *) echo "usage: setup/install.sh [--ci]" >&2; exit 2 ;;
+    --hosts) packages+=(libsdl2-dev libgl1-mesa-dev libgl1-mesa-dri libirrlicht-dev xvfb xauth) ;;
+    *) echo "usage: setup/install.sh [--ci | --hosts]" >&2; exit 2 ;;
 esac
 
 if ! command -v apt-get >/dev/null; then

@@ -177,6 +177,8 @@ pub(crate) struct Body {
     pub calm_for: u8,
     /// Whether it keeps its pose in this step because nothing could move it.
     pub held: bool,
+    /// Whether it has woken since what moved was last listed.
+    pub woke: bool,
     /// Whether fixed joints make it part of something that does not move, or that the host moves.
     pub anchored: Anchored,
     /// Last substep, for stepping to second order.
@@ -236,6 +238,7 @@ impl Body {
             age: 0,
             steady_for: u8::MAX,
             calm_for: 0,
+            woke: false,
             held: false,
             anchored: Anchored::No,
             history: History::NONE,

@@ -391,12 +391,48 @@ pub(crate) struct Joint {
     pub acted: [Vec3; 2],
     /// What it has borne of late, if it can break.
     pub strain: Option<Box<Strain>>,
+    /// Stops that pressed at the end of the last step, as bits: 2 × axis, and one more for the upper one.
+    pub pressed: u32,
 }
 
 impl Joint {
     pub(crate) fn new(def: JointDef, bodies: [Option<u32>; 2]) -> Self {
         let strain = def.strength.can_break().then(Box::default);
-        Self { def, bodies, impulses: JointImpulses::ZERO, force: Vec3::ZERO, torque: Vec3::ZERO, acted: [Vec3::ZERO; 2], strain }
+        Self {
+            def,
+            bodies,
+            impulses: JointImpulses::ZERO,
+            force: Vec3::ZERO,
+            torque: Vec3::ZERO,
+            acted: [Vec3::ZERO; 2],
+            strain,
+            pressed: 0,
+        }
+    }
+
+    /// Stops that press now, by their multipliers.
+    pub(crate) fn pressed_stops(&self) -> u32 {
+        let pressing = |row: usize| self.impulses.scalar[row] > 0.0;
+        let both =
+            |axis: usize, row: usize| u32::from(pressing(row)) << (2 * axis) | u32::from(pressing(row + 1)) << (2 * axis + 1);
+        let between = |limits: &Limits, axis: usize, row: usize| if limits.min < limits.max { both(axis, row) } else { 0 };
+        match &self.def.kind {
+            JointKind::Fixed => 0,
+            JointKind::Hinge { limits, .. } | JointKind::Prismatic { limits, .. } | JointKind::Distance { limits, .. } => {
+                between(limits, 0, 0)
+            }
+            // The row of the swing is its only stop, the upper one of axis 1.
+            JointKind::Spherical { twist_limits, .. } => between(twist_limits, 0, 1) | u32::from(pressing(0)) << 3,
+            JointKind::Generic { linear, angular } => {
+                let axes = linear.iter().chain(angular).enumerate();
+                axes.map(|(axis, def)| between(&def.limits, axis, 3 * axis)).fold(0, |all, one| all | one)
+            }
+        }
+    }
+
+    /// Axis and side of each of these stops.
+    pub(crate) fn stops(bits: u32) -> impl Iterator<Item = (u8, bool)> {
+        (0..12_u8).filter(move |bit| bits >> bit & 1 == 1).map(|bit| (bit / 2, bit % 2 == 1))
     }
 
     /// Starts the next step from nothing.

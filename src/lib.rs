@@ -41,6 +41,7 @@ mod mass;
 mod material;
 mod pose;
 mod query;
+mod record;
 mod report;
 mod settings;
 mod shape;
@@ -67,9 +68,12 @@ pub use mass::{MASS_RANGE, Mass, MassProperties};
 pub use material::{CombineRule, Material};
 pub use pose::Pose;
 pub use query::{MAX_QUERY_LENGTH, NearestPoint, QueryFilter, Ray, RayHit};
-pub use report::{Contact, ContactPair, ContactPoint, JointOverload, Moved, Residuals, StepCounts, StepReport, StepTimings};
+pub use record::{Divergence, RecordedWorld, RecordingSink, Replay, Replayed};
+pub use report::{
+    Contact, ContactPair, ContactPoint, Hit, JointOverload, JointStop, Moved, Residuals, StepCounts, StepReport, StepTimings,
+};
 pub use settings::{MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};
 pub use span::support::verdict::{BodySupport, SupportChange, Verdict};
 pub use workers::ParallelFor;
-pub use world::{UnionInfo, World};
+pub use world::{Profiler, UnionInfo, World};

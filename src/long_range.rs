@@ -39,6 +39,10 @@ pub struct LongRangeDef {
     pub soft: bool,
     /// Whether bodies that rigid fixed joints connect move as one; otherwise such joints are solved one by one.
     pub union: bool,
+    /// Whether chains of parallel hinges are kept in one plane.
+    pub plane_position: bool,
+    /// Whether the axes of such chains are kept parallel.
+    pub plane_axis: bool,
     /// Levels of the hierarchy, 1 to 16; `None` for as many as the graph of joints asks for.
     pub levels: Option<u32>,
 }
@@ -51,6 +55,8 @@ impl Default for LongRangeDef {
             hierarchy: BoundKindDef::RIGID,
             soft: true,
             union: true,
+            plane_position: true,
+            plane_axis: true,
             levels: None,
         }
     }

@@ -101,7 +101,7 @@ pub(crate) fn resolve(mass: Mass, shapes: &[ShapeDef]) -> Result<MassProperties>
 fn combined(shapes: &[ShapeDef]) -> Result<MassProperties> {
     let parts: Vec<MassProperties> = shapes
         .iter()
-        .filter(|shape| shape.density > 0.0)
+        .filter(|shape| shape.density > 0.0 && !shape.sensor)
         .filter_map(|shape| Some(shape.shape.mass_properties(shape.density)?.placed(shape.local_pose)))
         .collect();
     if let [single] = parts[..] {

@@ -62,6 +62,10 @@ pub struct StepCounts {
     pub moved: u32,
     /// Dynamic bodies awake that were held where they are, not solved.
     pub bodies_held: u32,
+    /// Hinge chains awake.
+    pub planes: u32,
+    /// Of those, how often one was put back into its plane, over all substeps.
+    pub planes_corrected: u32,
     /// Unions awake and free, each solved as one body.
     pub unions: u32,
     /// Bodies that moved as members of those.
@@ -109,6 +113,8 @@ pub struct Moved {
     pub angular_velocity: Vec3,
     /// Whether it fell asleep at the end of the step.
     pub fell_asleep: bool,
+    /// Whether it woke in the step, or since the one before it.
+    pub woke: bool,
 }
 
 /// Two shapes in contact.
@@ -122,6 +128,35 @@ pub struct ContactPair {
     pub body_a: BodyId,
     /// Body of `shape_b`.
     pub body_b: BodyId,
+}
+
+/// A contact whose shapes met fast.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// The shapes and bodies.
+    pub pair: ContactPair,
+    /// Where they touch now, the middle of the pressed points (m).
+    pub point: DVec3,
+    /// Unit vector from A to B.
+    pub normal: Vec3,
+    /// Greatest speed at which points approached each other at the start of a step (m/s).
+    pub approach_speed: f32,
+    /// Impulse along the normal over the steps of the hit, one or two, rebound included (N·s).
+    pub impulse: f32,
+}
+
+/// A joint that has come to one of its stops.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct JointStop {
+    /// The joint.
+    pub joint: JointId,
+    /// The host's word on it.
+    pub user_word: u64,
+    /// Which coordinate: 0 for the only one of a hinge, prismatic or distance joint and for the twist of a spherical one, 1 for
+    /// its swing; 0 to 2 for the translations and 3 to 5 for the rotations of a generic joint.
+    pub axis: u8,
+    /// Whether it is the upper stop.
+    pub upper: bool,
 }
 
 /// A joint whose load passed its limit in the last step.
@@ -160,6 +195,16 @@ impl Contact {
         self.count += 1;
     }
 
+    /// Force along the normal of all its points (N), ≥ 0.
+    pub fn normal_force(&self) -> f32 {
+        self.points().iter().map(|point| point.normal_force).sum()
+    }
+
+    /// Its whole force on B, along the normal and of friction (N).
+    pub fn force(&self) -> Vec3 {
+        self.normal * self.normal_force() + self.friction_force
+    }
+
     /// Its points, one to four.
     pub fn points(&self) -> &[ContactPoint] {
         &self.points[..self.count as usize]
@@ -184,6 +229,11 @@ pub(crate) struct Events {
     pub contact_began: Vec<ContactPair>,
     pub contact_ended: Vec<ContactPair>,
     pub overloaded: Vec<JointOverload>,
+    pub hits: Vec<Hit>,
+    pub joint_stops: Vec<JointStop>,
+    /// Of each pair, the sensor first.
+    pub sensor_began: Vec<ContactPair>,
+    pub sensor_ended: Vec<ContactPair>,
     pub quarantined: Vec<BodyId>,
     pub broken: Vec<JointBreak>,
     pub splits: Vec<Split>,
@@ -200,6 +250,10 @@ impl Events {
         self.contact_began.clear();
         self.contact_ended.clear();
         self.overloaded.clear();
+        self.hits.clear();
+        self.joint_stops.clear();
+        self.sensor_began.clear();
+        self.sensor_ended.clear();
         self.quarantined.clear();
         self.broken.clear();
         self.splits.clear();

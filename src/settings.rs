@@ -65,6 +65,8 @@ pub struct WorldDef {
     pub fracture: FractureSettings,
     /// Approach speed above which contacts rebound (m/s), ≥ 0.
     pub restitution_threshold: f32,
+    /// Approach speed above which contacts are listed as hits (m/s), ≥ 0; infinity, the default, for never, which costs nothing.
+    pub hit_threshold: f32,
     /// Whether islands that stand still on supporting contacts are held where they are, until anything touches them.
     pub hold: bool,
     /// Whether every step ends with the support analysis: which bodies are held up, and by what. Costs nothing if not.
@@ -87,6 +89,7 @@ impl Default for WorldDef {
             long_range: LongRangeDef::default(),
             fracture: FractureSettings::default(),
             restitution_threshold: 1.0,
+            hit_threshold: f32::INFINITY,
             hold: true,
             support: false,
             body_capacity: 0,
@@ -120,6 +123,7 @@ impl WorldDef {
         self.long_range.check()?;
         self.fracture.check()?;
         check::not_negative("restitution_threshold", self.restitution_threshold)?;
+        check::bound("hit_threshold", self.hit_threshold)?;
         Ok(())
     }
 }

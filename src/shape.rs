@@ -236,6 +236,8 @@ pub struct ShapeDef {
     pub filter: CollisionFilter,
     /// The host's own word; the world only hands it back.
     pub user_word: u64,
+    /// Whether it only tells what it overlaps: it touches nothing, no query finds it, and it has no mass.
+    pub sensor: bool,
 }
 
 impl ShapeDef {
@@ -251,7 +253,15 @@ impl ShapeDef {
             density: Self::DEFAULT_DENSITY,
             filter: CollisionFilter::default(),
             user_word: 0,
+            sensor: false,
         }
+    }
+
+    /// The same as a sensor.
+    #[must_use]
+    pub fn sensing(mut self) -> Self {
+        self.sensor = true;
+        self
     }
 
     pub(crate) fn checked(mut self, body_is_dynamic: bool) -> Result<Self> {

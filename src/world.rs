@@ -3,6 +3,8 @@
 //! [`World::step`] is the whole pipeline as a table of contents; each line is a stage in a file of its own under `world/`.
 //! Nothing below this module knows `World`: stages hand plain arrays to `collide` and `solve` and take plain arrays back.
 
+use std::ffi::CStr;
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::body::Body;
@@ -35,6 +37,7 @@ mod pairs;
 mod query;
 mod read;
 mod redefine;
+mod sense;
 mod shapes;
 mod sleep;
 mod snapshot;
@@ -71,6 +74,7 @@ pub struct World {
     batches: Vec<Batch>,
     batch_count: usize,
     events: Events,
+    sensing: sense::Sensing,
     /// Bodies that this step gave a non-finite state.
     broken: Vec<u32>,
     /// The support analysis, where the host wants it.
@@ -81,6 +85,7 @@ pub struct World {
     last_dt: f32,
     scratch: Scratch,
     threads: Workers,
+    profiler: Option<Arc<dyn Profiler>>,
     /// Last, so that the world's number is free again only when everything else is gone.
     _tag: WorldTag,
 }
@@ -124,6 +129,7 @@ impl World {
             batches: Vec::new(),
             batch_count: 0,
             events: Events::default(),
+            sensing: sense::Sensing::default(),
             broken: Vec::new(),
             support: None,
             report: StepReport::default(),
@@ -131,6 +137,7 @@ impl World {
             last_dt: 0.0,
             scratch: Scratch::default(),
             threads,
+            profiler: None,
             _tag: tag,
         };
         world.bodies.reserve(def.body_capacity as usize);
@@ -145,26 +152,34 @@ impl World {
     /// `dt` outside 1e-6 … 1 s; nothing has moved then.
     pub fn step(&mut self, dt: f32) -> Result<&StepReport> {
         check::step_length(dt)?;
-        let mut clock = Clock::start();
+        let mut clock = Clock::start(self.profiler.clone());
+        clock.enter(c"find pairs");
         self.begin_step(dt);
         self.form_unions();
         self.find_pairs(dt);
         self.report.timings.broad_phase = clock.lap();
+        clock.enter(c"update contacts");
         self.update_contacts(dt);
         self.report.timings.narrow_phase = clock.lap();
+        clock.enter(c"group islands");
+        self.note_approaches();
         self.wake_what_is_touched();
         self.group_islands();
         self.derive_long_range();
         self.hand_out_bounds();
         self.report.timings.islands = clock.lap();
+        clock.enter(c"solve");
         self.solve_batches(dt);
         self.read_joint_loads(dt);
         self.break_overloaded(dt);
         self.report.timings.solve = clock.lap();
+        clock.enter(c"finish");
         self.store_results(dt);
         self.stop_fast_bodies();
         self.report_splits();
         self.report_contacts();
+        self.report_hits();
+        self.sense();
         self.put_quiet_islands_to_sleep(dt);
         self.judge_support();
         self.list_moved();
@@ -193,6 +208,11 @@ impl World {
         &self.def
     }
 
+    /// Number of this world, as its handles have it.
+    pub(crate) fn tag(&self) -> u16 {
+        self._tag.number()
+    }
+
     /// Simulated time (s).
     pub fn time(&self) -> f64 {
         self.report.time
@@ -205,8 +225,13 @@ impl World {
 
     /// Has a job system of the host do the independent parts of steps, or the world's own threads again. The bits of a step do
     /// not depend on it.
-    pub fn set_parallel_for(&mut self, jobs: Option<std::sync::Arc<dyn ParallelFor>>) {
+    pub fn set_parallel_for(&mut self, jobs: Option<Arc<dyn ParallelFor>>) {
         self.threads.set_host(jobs);
+    }
+
+    /// Has a profiler told where steps are, or no longer. The bits of a step do not depend on it.
+    pub fn set_profiler(&mut self, profiler: Option<Arc<dyn Profiler>>) {
+        self.profiler = profiler;
     }
 
     /// Acceleration of free fall (m/s²).
@@ -237,16 +262,46 @@ impl std::fmt::Debug for World {
     }
 }
 
-/// Wall time of the stages of a step.
+/// A profiler of the host, which is told where a step is.
+pub trait Profiler: Send + Sync {
+    /// A zone of this name begins on the calling thread, inside those that have not ended yet.
+    fn begin(&self, zone: &'static CStr);
+    /// The zone that began last on the calling thread ends.
+    fn end(&self, zone: &'static CStr);
+}
+
+/// Wall time of the stages of a step, and their zones.
 struct Clock {
     start: Instant,
     last: Instant,
+    profiler: Option<Arc<dyn Profiler>>,
+    inner: Option<&'static CStr>,
 }
 
 impl Clock {
-    fn start() -> Self {
+    const STEP: &CStr = c"longspan step";
+
+    fn start(profiler: Option<Arc<dyn Profiler>>) -> Self {
+        if let Some(profiler) = &profiler {
+            profiler.begin(Self::STEP);
+        }
         let now = Instant::now();
-        Self { start: now, last: now }
+        Self { start: now, last: now, profiler, inner: None }
+    }
+
+    /// Begins the zone of a stage, which ends the one before it.
+    fn enter(&mut self, zone: &'static CStr) {
+        self.leave();
+        if let Some(profiler) = &self.profiler {
+            profiler.begin(zone);
+            self.inner = Some(zone);
+        }
+    }
+
+    fn leave(&mut self) {
+        if let (Some(profiler), Some(zone)) = (&self.profiler, self.inner.take()) {
+            profiler.end(zone);
+        }
     }
 
     fn lap(&mut self) -> f32 {
@@ -258,5 +313,14 @@ impl Clock {
 
     fn total(&self) -> f32 {
         (self.last - self.start).as_secs_f32()
+    }
+}
+
+impl Drop for Clock {
+    fn drop(&mut self) {
+        self.leave();
+        if let Some(profiler) = &self.profiler {
+            profiler.end(Self::STEP);
+        }
     }
 }

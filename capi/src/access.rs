@@ -10,9 +10,10 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
 
-use ls_core::World;
+use ls_core::{RecordedWorld, World};
 
 use crate::callback::{self, CallbackThread};
+use crate::callbacks::LsCallbacks;
 use crate::fracture::FractureHandlers;
 use crate::handle::LsWorld;
 use crate::log;
@@ -23,11 +24,12 @@ use crate::world_events::OverloadHandler;
 
 /// A world and what belongs to it on this side of the boundary.
 pub(crate) struct Hosted {
-    pub world: World,
+    pub world: RecordedWorld,
     /// Arrays of the last step in C's layout, filled when asked for.
     pub published: Published,
     pub overload_handler: Option<OverloadHandler>,
     pub fracture_handlers: FractureHandlers,
+    pub callbacks: LsCallbacks,
     /// Who publishes its steps to other processes.
     #[cfg(feature = "stream")]
     pub streams: crate::stream_host::Streams,
@@ -43,10 +45,11 @@ pub(crate) struct WorldCell {
 impl WorldCell {
     pub(crate) fn new(world: World) -> Self {
         let hosted = Hosted {
-            world,
+            world: RecordedWorld::new(world),
             published: Published::default(),
             overload_handler: None,
             fracture_handlers: FractureHandlers::default(),
+            callbacks: LsCallbacks::default(),
             #[cfg(feature = "stream")]
             streams: Default::default(),
         };
@@ -112,7 +115,7 @@ pub(crate) fn read_hosted<R>(world: LsWorld, work: impl FnOnce(&Hosted) -> Outco
 }
 
 /// Work that changes a world.
-pub(crate) fn edit<R>(world: LsWorld, work: impl FnOnce(&mut World) -> ls_core::Result<R>) -> Outcome<R> {
+pub(crate) fn edit<R>(world: LsWorld, work: impl FnOnce(&mut RecordedWorld) -> ls_core::Result<R>) -> Outcome<R> {
     edit_hosted(world, |hosted| Ok(work(&mut hosted.world)?))
 }
 

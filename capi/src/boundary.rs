@@ -38,6 +38,7 @@ fn report(function: &'static str, failure: &Failure) -> LsResult {
         }
     };
     log::emit(level, &message);
+    log::abort_if_told(level);
     last_error::set(message);
     failure.code()
 }

@@ -2,7 +2,7 @@
 //!
 //! Arrays of these structs are handed out by pointer, so their layout never changes.
 
-use ls_core::{Contact, ContactPair, JointOverload, Moved};
+use ls_core::{BodyId, Contact, ContactPair, Hit, JointOverload, JointStop, Moved};
 
 use crate::handle::{LsBody, LsJoint, LsShape};
 use crate::math::LsPose;
@@ -23,8 +23,8 @@ pub struct LsMoved {
     pub angular_velocity: [f32; 3],
     /// 1 if it fell asleep in this step, else 0.
     pub fell_asleep: u32,
-    /// Not used; 0.
-    pub reserved: u32,
+    /// 1 if it woke in this step or since the one before it, else 0.
+    pub woke: u32,
 }
 
 /// Two shapes that touch, or touched, and their bodies. The layout of this struct never changes.
@@ -39,6 +39,39 @@ pub struct LsContactPair {
     pub body_a: LsBody,
     /// Body of the second shape.
     pub body_b: LsBody,
+}
+
+/// A contact whose shapes met fast. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsHit {
+    /// The shapes and their bodies.
+    pub pair: LsContactPair,
+    /// Where they touch, the middle of the pressed points (m).
+    pub point: [f64; 3],
+    /// Unit normal, from A to B.
+    pub normal: [f32; 3],
+    /// Greatest speed at which points approached each other at the start of a step (m/s).
+    pub approach_speed: f32,
+    /// Impulse along the normal over the steps of the hit, one or two, rebound included (N s).
+    pub impulse: f32,
+    /// Not used; 0.
+    pub reserved: u32,
+}
+
+/// A joint that has come to one of its stops. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsJointStop {
+    /// The joint.
+    pub joint: LsJoint,
+    /// The word its host gave it.
+    pub user_word: u64,
+    /// Which coordinate: 0 for the only one of a hinge, prismatic or distance joint and for the twist of a spherical one, 1 for its
+    /// swing; 0 to 2 for the translations and 3 to 5 for the rotations of a generic joint.
+    pub axis: u32,
+    /// 1 if it is the upper stop, else 0.
+    pub upper: u32,
 }
 
 /// A joint whose load passed its break_force or break_torque in a step. The layout of this struct never changes.
@@ -94,7 +127,7 @@ impl From<&Moved> for LsMoved {
             linear_velocity: moved.linear_velocity.to_array(),
             angular_velocity: moved.angular_velocity.to_array(),
             fell_asleep: moved.fell_asleep.into(),
-            reserved: 0,
+            woke: moved.woke.into(),
         }
     }
 }
@@ -107,6 +140,32 @@ impl From<&ContactPair> for LsContactPair {
             body_a: pair.body_a.into(),
             body_b: pair.body_b.into(),
         }
+    }
+}
+
+impl From<&Hit> for LsHit {
+    fn from(hit: &Hit) -> Self {
+        Self {
+            pair: (&hit.pair).into(),
+            point: hit.point.to_array(),
+            normal: hit.normal.to_array(),
+            approach_speed: hit.approach_speed,
+            impulse: hit.impulse,
+            reserved: 0,
+        }
+    }
+}
+
+impl From<&JointStop> for LsJointStop {
+    fn from(stop: &JointStop) -> Self {
+        let JointStop { joint, user_word, axis, upper } = *stop;
+        Self { joint: joint.into(), user_word, axis: axis.into(), upper: upper.into() }
+    }
+}
+
+impl LsBody {
+    pub(crate) fn of(body: &BodyId) -> Self {
+        (*body).into()
     }
 }
 

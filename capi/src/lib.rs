@@ -11,6 +11,7 @@ mod version;
 
 mod last_error;
 mod log;
+mod memory;
 
 mod handle;
 mod math;
@@ -27,11 +28,13 @@ mod events;
 mod report;
 mod world_def;
 
+mod callbacks;
 mod world;
 mod world_events;
 mod world_settings;
 
 mod jobs;
+mod profiler;
 
 mod query_def;
 
@@ -40,6 +43,8 @@ mod query;
 mod draw;
 
 mod snapshot;
+
+mod record;
 
 mod body;
 mod body_motion;

@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 use std::ffi::{c_char, c_void};
+use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use crate::boundary::call;
@@ -36,6 +37,9 @@ struct Handler {
 // SAFETY: the pointer is only handed back, and the header says that this happens on any thread that calls the library.
 unsafe impl Send for Handler {}
 
+/// Messages up to this level end the process.
+static ABORT_LEVEL: AtomicI32 = AtomicI32::new(LS_LOG_OFF);
+
 static HANDLER: Mutex<Option<Handler>> = Mutex::new(None);
 
 thread_local! {
@@ -62,6 +66,27 @@ pub(crate) fn emit(level: i32, message: &Message) {
     // SAFETY: the host promised a function of this type that accepts its own pointer.
     as_host(|| unsafe { callback(level, message.as_ptr(), user) });
     INSIDE.set(false);
+}
+
+/// Ends the process if a message of this level is one that the host does not want to live on with; after it was logged.
+pub(crate) fn abort_if_told(level: i32) {
+    if level <= ABORT_LEVEL.load(Ordering::Relaxed) {
+        std::process::abort();
+    }
+}
+
+/// Sets whether a mistake ends the process (abort) where it happens, after it was logged, so that a debugger stops there.
+///
+/// @param level  LS_LOG_OFF, the default: never; LS_LOG_ERROR: when the library itself fails; LS_LOG_WARNING: also when a call is
+///               refused
+/// @return LS_OK, LS_ERROR_INVALID_ENUM
+/// Threads: any thread at any time. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_abort_level_set(level: i32) -> LsResult {
+    call("ls_abort_level_set", || {
+        ABORT_LEVEL.store(enums::log_level(level)?, Ordering::Relaxed);
+        Ok(())
+    })
 }
 
 /// Sets the function that receives log messages of all worlds; at the start there is none.

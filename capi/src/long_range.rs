@@ -49,11 +49,15 @@ pub struct LsLongRangeDef {
     pub soft: u32,
     /// Not 0: bodies that rigid fixed joints connect move as one, see ls_body_union; default 1.
     pub unions: u32,
+    /// Not 0: chains of hinges with parallel axes are kept in one plane; default 1.
+    pub plane_position: u32,
+    /// Not 0: the axes of such chains are kept parallel; default 1.
+    pub plane_axis: u32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsLongRangeDef {
-    const SIZES: &'static [usize] = &[56, 60, 64];
+    const SIZES: &'static [usize] = &[56, 60, 64, 72];
 }
 
 // SAFETY: begins with struct_size.
@@ -222,6 +226,8 @@ impl From<&LsLongRangeDef> for LongRangeDef {
             hierarchy: (&def.hierarchy).into(),
             soft: def.soft != 0,
             union: def.unions != 0,
+            plane_position: def.plane_position != 0,
+            plane_axis: def.plane_axis != 0,
             levels: (def.levels != 0).then_some(def.levels),
         }
     }
@@ -238,6 +244,8 @@ impl From<&LongRangeDef> for LsLongRangeDef {
             reserved: 0,
             soft: def.soft.into(),
             unions: def.union.into(),
+            plane_position: def.plane_position.into(),
+            plane_axis: def.plane_axis.into(),
         }
     }
 }

@@ -5,7 +5,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crate::events::{LsContactPair, LsJointOverload, LsMoved};
+use crate::access::Hosted;
+use crate::events::{LsContactPair, LsHit, LsJointOverload, LsJointStop, LsMoved};
 use crate::fracture::{LsJointBreak, LsPiece, LsSplit};
 use crate::handle::LsBody;
 
@@ -15,6 +16,11 @@ pub(crate) struct Published {
     pub contact_began: Array<LsContactPair>,
     pub contact_ended: Array<LsContactPair>,
     pub overloaded: Array<LsJointOverload>,
+    pub hits: Array<LsHit>,
+    pub joint_stops: Array<LsJointStop>,
+    pub sensor_began: Array<LsContactPair>,
+    pub sensor_ended: Array<LsContactPair>,
+    pub sensed: Array<LsContactPair>,
     pub quarantined: Array<LsBody>,
     pub broken: Array<LsJointBreak>,
     pub splits: Array<LsSplit>,
@@ -29,6 +35,11 @@ impl Published {
         self.contact_began.expire();
         self.contact_ended.expire();
         self.overloaded.expire();
+        self.hits.expire();
+        self.joint_stops.expire();
+        self.sensor_began.expire();
+        self.sensor_ended.expire();
+        self.sensed.expire();
         self.quarantined.expire();
         self.broken.expire();
         self.splits.expire();
@@ -36,6 +47,30 @@ impl Published {
         self.piece_bodies.expire();
     }
 }
+
+/// Where each array of the last step is, and how long it is.
+macro_rules! arrays {
+    ($($name:ident: $element:ty = $from:path),* $(,)?) => {
+        impl Hosted {
+            $(pub(crate) fn $name(&self) -> (*const $element, usize) {
+                self.published.$name.get(self.world.$name().iter().map($from))
+            })*
+        }
+    };
+}
+
+arrays!(
+    moved: LsMoved = LsMoved::from,
+    contact_began: LsContactPair = LsContactPair::from,
+    contact_ended: LsContactPair = LsContactPair::from,
+    overloaded: LsJointOverload = LsJointOverload::from,
+    hits: LsHit = LsHit::from,
+    joint_stops: LsJointStop = LsJointStop::from,
+    sensor_began: LsContactPair = LsContactPair::from,
+    sensor_ended: LsContactPair = LsContactPair::from,
+    sensed: LsContactPair = LsContactPair::from,
+    quarantined: LsBody = LsBody::of,
+);
 
 pub(crate) struct Array<T>(Mutex<Content<T>>);
 

@@ -72,6 +72,21 @@ pub unsafe extern "C" fn ls_shape_user_word_get(world: LsWorld, shape: LsShape, 
     })
 }
 
+/// Whether a shape only tells what it overlaps; ls_shape_def_set changes it.
+///
+/// @param world  the world; any value is safe
+/// @param shape  a shape of that world; any value is safe
+/// @param out    1 if it does, else 0; filled on LS_OK
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_shape_sensor_get(world: LsWorld, shape: LsShape, out: *mut u32) -> LsResult {
+    call("ls_shape_sensor_get", || {
+        let out = host!(Out::new, out);
+        read(world, |world| out.write(world.is_sensor(shape.into())?.into()))
+    })
+}
+
 /// Sets the host's own word of a shape.
 ///
 /// @param world  the world; any value is safe

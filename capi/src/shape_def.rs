@@ -127,11 +127,16 @@ pub struct LsShapeDef {
     pub filter: LsCollisionFilter,
     /// The host's own word; the library only hands it back.
     pub user_word: u64,
+    /// Not 0: a sensor, which only tells what it overlaps (ls_world_sensor_began): it touches nothing, no query finds it, and it
+    /// has no mass; default 0.
+    pub sensor: u32,
+    /// Not used; 0.
+    pub reserved: u32,
 }
 
 // SAFETY: numbers and raw pointers without padding.
 unsafe impl Versioned for LsShapeDef {
-    const SIZES: &'static [usize] = &[192];
+    const SIZES: &'static [usize] = &[192, 200];
 }
 
 // SAFETY: begins with struct_size.
@@ -164,6 +169,8 @@ impl Default for LsShapeDef {
             material: Material::default().into(),
             filter: CollisionFilter::default().into(),
             user_word: 0,
+            sensor: 0,
+            reserved: 0,
         }
     }
 }
@@ -225,6 +232,7 @@ impl From<&ShapeDef> for LsShapeDef {
             material: def.material.into(),
             filter: def.filter.into(),
             user_word: def.user_word,
+            sensor: def.sensor.into(),
             ..Self::of_geometry(def.shape.geometry(), def.local_pose)
         }
     }
@@ -281,6 +289,7 @@ impl LsShapeDef {
             density: self.density,
             filter: self.filter.into(),
             user_word: self.user_word,
+            sensor: self.sensor != 0,
         })
     }
 

@@ -61,13 +61,16 @@ pub struct LsWorldDef {
     pub hold: u32,
     /// Not 0: every step ends with the support analysis, as after ls_support_enable; default 0.
     pub support: u32,
+    /// Approach speed above which contacts are listed by ls_world_hits (m/s), >= 0; default INFINITY, which is never and costs
+    /// nothing.
+    pub hit_threshold: f32,
     /// Whether and how fast joints break.
     pub fracture: LsFractureSettings,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsWorldDef {
-    const SIZES: &'static [usize] = &[64, 72, 80];
+    const SIZES: &'static [usize] = &[64, 72, 76, 84];
 }
 
 // SAFETY: begins with struct_size.
@@ -112,6 +115,7 @@ impl TryFrom<LsWorldDef> for WorldDef {
             threads: def.threads,
             sleep: def.sleep.into(),
             restitution_threshold: def.restitution_threshold,
+            hit_threshold: def.hit_threshold,
             hold: def.hold != 0,
             support: def.support != 0,
             body_capacity: def.body_capacity,
@@ -143,6 +147,7 @@ impl From<&WorldDef> for LsWorldDef {
             reserved: 0,
             hold: def.hold.into(),
             support: def.support.into(),
+            hit_threshold: def.hit_threshold,
             fracture: def.fracture.into(),
         }
     }

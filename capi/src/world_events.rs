@@ -4,7 +4,7 @@ use std::ffi::c_void;
 
 use crate::access::{Hosted, edit_hosted, edit_then_call_back, read_hosted};
 use crate::boundary::call;
-use crate::events::{LsContactPair, LsJointOverload, LsMoved};
+use crate::events::{LsContactPair, LsHit, LsJointOverload, LsJointStop, LsMoved};
 use crate::float_environment::as_host;
 use crate::handle::{LsBody, LsWorld};
 use crate::last_error::Message;
@@ -59,6 +59,7 @@ fn call_back(world: LsWorld, hosted: &Hosted) {
         log::emit(log::LS_LOG_WARNING, &message);
     }
     crate::fracture::call_back(world, hosted);
+    hosted.callbacks.run(world, hosted);
     if let Some(OverloadHandler { callback, user }) = hosted.overload_handler {
         for overload in hosted.world.overloaded().iter().map(LsJointOverload::from) {
             // SAFETY: the host promised a function of this type that accepts its own pointer.
@@ -100,7 +101,7 @@ pub unsafe extern "C" fn ls_world_overload_callback_set(
 pub unsafe extern "C" fn ls_world_moved(world: LsWorld, out: *mut *const LsMoved, count: *mut usize) -> LsResult {
     call("ls_world_moved", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
-        publish(world, &out, &count, |hosted| hosted.published.moved.get(hosted.world.moved().iter().map(LsMoved::from)))
+        publish(world, &out, &count, Hosted::moved)
     })
 }
 
@@ -116,9 +117,7 @@ pub unsafe extern "C" fn ls_world_moved(world: LsWorld, out: *mut *const LsMoved
 pub unsafe extern "C" fn ls_world_contact_began(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
     call("ls_world_contact_began", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
-        publish(world, &out, &count, |hosted| {
-            hosted.published.contact_began.get(hosted.world.contact_began().iter().map(LsContactPair::from))
-        })
+        publish(world, &out, &count, Hosted::contact_began)
     })
 }
 
@@ -134,9 +133,7 @@ pub unsafe extern "C" fn ls_world_contact_began(world: LsWorld, out: *mut *const
 pub unsafe extern "C" fn ls_world_contact_ended(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
     call("ls_world_contact_ended", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
-        publish(world, &out, &count, |hosted| {
-            hosted.published.contact_ended.get(hosted.world.contact_ended().iter().map(LsContactPair::from))
-        })
+        publish(world, &out, &count, Hosted::contact_ended)
     })
 }
 
@@ -152,9 +149,7 @@ pub unsafe extern "C" fn ls_world_contact_ended(world: LsWorld, out: *mut *const
 pub unsafe extern "C" fn ls_world_overloaded(world: LsWorld, out: *mut *const LsJointOverload, count: *mut usize) -> LsResult {
     call("ls_world_overloaded", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
-        publish(world, &out, &count, |hosted| {
-            hosted.published.overloaded.get(hosted.world.overloaded().iter().map(LsJointOverload::from))
-        })
+        publish(world, &out, &count, Hosted::overloaded)
     })
 }
 
@@ -171,9 +166,90 @@ pub unsafe extern "C" fn ls_world_overloaded(world: LsWorld, out: *mut *const Ls
 pub unsafe extern "C" fn ls_world_quarantined(world: LsWorld, out: *mut *const LsBody, count: *mut usize) -> LsResult {
     call("ls_world_quarantined", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
-        publish(world, &out, &count, |hosted| {
-            hosted.published.quarantined.get(hosted.world.quarantined().iter().copied().map(LsBody::from))
-        })
+        publish(world, &out, &count, Hosted::quarantined)
+    })
+}
+
+/// Contacts of the last step whose shapes met faster than the world's hit_threshold, with the impulse.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_hits(world: LsWorld, out: *mut *const LsHit, count: *mut usize) -> LsResult {
+    call("ls_world_hits", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, Hosted::hits)
+    })
+}
+
+/// Joints that came to a stop of theirs in the last step: a limit that did not press before it presses now.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_joint_stops(world: LsWorld, out: *mut *const LsJointStop, count: *mut usize) -> LsResult {
+    call("ls_world_joint_stops", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, Hosted::joint_stops)
+    })
+}
+
+/// Shapes that began to overlap a sensor in the last step; of each pair, the sensor comes first.
+///
+/// A sensor sees, at the end of each step, every shape of another body that its filter accepts and that is no sensor itself, unless
+/// both bodies are static.
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_sensor_began(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
+    call("ls_world_sensor_began", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, Hosted::sensor_began)
+    })
+}
+
+/// Shapes that ceased to overlap a sensor in the last step, or of which either was destroyed since the step before it; of each
+/// pair, the sensor comes first.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_sensor_ended(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
+    call("ls_world_sensor_ended", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, Hosted::sensor_ended)
+    })
+}
+
+/// Everything that overlapped a sensor at the end of the last step; of each pair, the sensor comes first.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_sensed(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
+    call("ls_world_sensed", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, Hosted::sensed)
     })
 }
 

@@ -33,6 +33,17 @@ pub unsafe extern "C" fn ls_world_sleep_settings_set(world: LsWorld, settings: *
     })
 }
 
+/// Sets the approach speed above which contacts are listed by ls_world_hits.
+///
+/// @param world  the world; any value is safe
+/// @param speed  (m/s), >= 0; INFINITY for never
+/// @return LS_OK, a world error, LS_ERROR_NOT_FINITE (NaN), LS_ERROR_OUT_OF_RANGE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_world_hit_threshold_set(world: LsWorld, speed: f32) -> LsResult {
+    call("ls_world_hit_threshold_set", || edit(world, |world| world.set_hit_threshold(speed)))
+}
+
 /// Sets the approach speed below which nothing bounces.
 ///
 /// @param world  the world; any value is safe

@@ -4,7 +4,7 @@ mod common;
 
 use common::{LIBRARY, Language, Linkage, WARNINGS, run};
 
-const SAMPLES: [&str; 13] = [
+const SAMPLES: [&str; 16] = [
     "hello",
     "chain",
     "bulk",
@@ -12,12 +12,15 @@ const SAMPLES: [&str; 13] = [
     "edit",
     "queries",
     "debug_draw",
+    "events",
+    "record",
     "rollback",
     "tower",
     "keystone",
     "fixed_step",
     "publish",
     "renderer",
+    "track",
 ];
 
 fn sample(name: &str) -> std::path::PathBuf {
@@ -34,9 +37,17 @@ fn samples_and_header_compile_without_a_warning_as_c_and_as_cpp() {
         LIBRARY.compile(&sample(name), Language::Cpp11, Linkage::Static);
     }
     let header = common::repository().join("include/longspan/longspan.h");
-    for (compiler, standard, language) in
-        [("cc", "c99", "c"), ("cc", "c11", "c"), ("g++", "c++11", "c++"), ("g++", "c++17", "c++"), ("g++", "c++20", "c++")]
-    {
+    // C23 is c2x to compilers that came before it.
+    for (compiler, standard, language) in [
+        ("cc", "c99", "c"),
+        ("cc", "c11", "c"),
+        ("cc", "c17", "c"),
+        ("cc", "c2x", "c"),
+        ("g++", "c++11", "c++"),
+        ("g++", "c++14", "c++"),
+        ("g++", "c++17", "c++"),
+        ("g++", "c++20", "c++"),
+    ] {
         run(std::process::Command::new(compiler)
             .args(WARNINGS)
             .arg(format!("-std={standard}"))
@@ -121,6 +132,26 @@ fn questions_are_answered_and_filtered_as_the_host_says() {
 fn what_is_drawn_is_what_is_there() {
     let output = run(&mut LIBRARY.compile(&sample("debug_draw"), Language::C99, Linkage::Static));
     assert!(output.lines().count() == 14 && output.contains("the rope's ends: slack"), "{output}");
+}
+
+#[test]
+fn a_step_tells_of_hits_sensors_and_stops() {
+    let output = run(&mut LIBRARY.compile(&sample("events"), Language::C99, Linkage::Static));
+    assert!(output.contains("entered 1, left 1") && output.lines().count() == 3, "{output}");
+}
+
+#[test]
+fn a_recording_is_played_to_the_same_bits_and_a_change_in_it_is_named() {
+    let output = run(&mut LIBRARY.compile(&sample("record"), Language::C99, Linkage::Static));
+    assert!(output.contains("the same bits: yes") && output.contains("add_impulse in step 31"), "{output}");
+}
+
+#[test]
+fn a_host_s_allocator_profiler_and_policy_are_asked() {
+    for linkage in [Linkage::Static, Linkage::Dynamic] {
+        let output = run(&mut LIBRARY.compile(&host("hooks"), Language::C99, linkage));
+        assert!(output.contains("longspan step;find pairs;update contacts;group islands;solve;finish;"), "{output}");
+    }
 }
 
 #[test]

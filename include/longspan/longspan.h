@@ -280,6 +280,12 @@
 /** Layer: boxes that the broad phase keeps. */
 #define LS_DRAW_BOXES 4096
 
+/**
+ * Recording: the hash of the world's state follows every call, not steps only. Finds the very call that first differs; costs as
+ * much as reading all bodies, for each call.
+ */
+#define LS_RECORD_HASH_EVERY_CALL 1
+
 /** The body stands: its centre of mass lies over the hull of the supporting contacts below it. */
 #define LS_SUPPORT_SUPPORTED 0
 
@@ -490,6 +496,50 @@ typedef struct LsVersion {
  */
 typedef void (*LsLogCallback)(int32_t level, const char *message, void *user);
 
+/**
+ * Gives memory; given in an LsAllocator. Called on any thread that uses the library or that it started.
+ * @param size       number of bytes, > 0
+ * @param alignment  a power of two
+ * @param user       as given in the LsAllocator
+ * @return memory of that size and alignment, or NULL, which ends the process
+ */
+typedef void *(*LsAllocateCallback)(size_t size, size_t alignment, void *user);
+
+/**
+ * Takes memory back; given in an LsAllocator. Called on any thread.
+ * @param memory     as the allocate callback gave it
+ * @param size       as asked for then
+ * @param alignment  as asked for then
+ * @param user       as given in the LsAllocator
+ */
+typedef void (*LsReleaseCallback)(void *memory, size_t size, size_t alignment, void *user);
+
+/**
+ * Who gives the library its memory. The layout of this struct never changes.
+ *
+ * The callbacks must return normally (no exception, no longjmp) and must not call the library.
+ */
+typedef struct LsAllocator {
+    /** Gives memory; not NULL. */
+    LsAllocateCallback allocate;
+    /** Takes it back; not NULL. */
+    LsReleaseCallback release;
+    /** Handed back to the callbacks. */
+    void *user;
+} LsAllocator;
+
+/** Memory that the library holds. Later versions append fields. */
+typedef struct LsMemory {
+    /** Bytes held now, by all worlds together. */
+    uint64_t bytes;
+    /** Most bytes held at any time. */
+    uint64_t peak_bytes;
+    /** Blocks held now. */
+    uint64_t blocks;
+    /** Blocks asked for so far: a step that allocates nothing leaves it as it is. */
+    uint64_t allocations;
+} LsMemory;
+
 /** Surface of a shape. */
 typedef struct LsMaterial {
     /** Coulomb friction coefficient, >= 0; default 0.5. */
@@ -571,6 +621,13 @@ typedef struct LsShapeDef {
     struct LsCollisionFilter filter;
     /** The host's own word; the library only hands it back. */
     uint64_t user_word;
+    /**
+     * Not 0: a sensor, which only tells what it overlaps (ls_world_sensor_began): it touches nothing, no query finds it, and it
+     * has no mass; default 0.
+     */
+    uint32_t sensor;
+    /** Not used; 0. */
+    uint32_t reserved;
 } LsShapeDef;
 
 /** Where something is: position in double, rotation in float precision. */
@@ -823,6 +880,11 @@ typedef struct LsWorldDef {
     uint32_t hold;
     /** Not 0: every step ends with the support analysis, as after ls_support_enable; default 0. */
     uint32_t support;
+    /**
+     * Approach speed above which contacts are listed by ls_world_hits (m/s), >= 0; default INFINITY, which is never and costs
+     * nothing.
+     */
+    float hit_threshold;
     /** Whether and how fast joints break. */
     struct LsFractureSettings fracture;
 } LsWorldDef;
@@ -832,6 +894,143 @@ typedef struct LsWorld {
     /** Opaque bits, zero for none; they may be stored, compared, and handed back later. */
     uint64_t id;
 } LsWorld;
+
+/** Names a shape on a body of one world. Passed by value; any value is safe. */
+typedef struct LsShape {
+    /** Opaque bits, zero for none; they may be stored, compared, and handed back later. */
+    uint64_t id;
+} LsShape;
+
+/** Two shapes that touch, or touched, and their bodies. The layout of this struct never changes. */
+typedef struct LsContactPair {
+    /** First shape; its handle may be stale in an array of contacts that ended. */
+    struct LsShape shape_a;
+    /** Second shape. */
+    struct LsShape shape_b;
+    /** Body of the first shape. */
+    struct LsBody body_a;
+    /** Body of the second shape. */
+    struct LsBody body_b;
+} LsContactPair;
+
+/**
+ * Receives pairs of shapes of a step; given in an LsCallbacks.
+ *
+ * Each callback of an LsCallbacks is called once a step, if there is anything to tell, after the solve on the thread that steps,
+ * under its own floating-point settings, in the order in which they stand in the struct. They must return normally (no exception,
+ * no longjmp). Inside them reads of the world work, on other threads too; edits return LS_ERROR_WORLD_LOCKED.
+ * @param world  the world that steps
+ * @param pairs  count pairs: the array of the function of the same name, valid as long as that
+ * @param count  number of pairs, > 0
+ * @param user   as given in the LsCallbacks
+ */
+typedef void (*LsPairsCallback)(struct LsWorld world, const struct LsContactPair *pairs, size_t count, void *user);
+
+/** A contact whose shapes met fast. The layout of this struct never changes. */
+typedef struct LsHit {
+    /** The shapes and their bodies. */
+    struct LsContactPair pair;
+    /** Where they touch, the middle of the pressed points (m). */
+    double point[3];
+    /** Unit normal, from A to B. */
+    float normal[3];
+    /** Greatest speed at which points approached each other at the start of a step (m/s). */
+    float approach_speed;
+    /** Impulse along the normal over the steps of the hit, one or two, rebound included (N s). */
+    float impulse;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsHit;
+
+/**
+ * Receives the hits of a step; given in an LsCallbacks, see LsPairsCallback.
+ * @param world  the world that steps
+ * @param hits   count hits: the array of ls_world_hits
+ * @param count  number of hits, > 0
+ * @param user   as given in the LsCallbacks
+ */
+typedef void (*LsHitsCallback)(struct LsWorld world, const struct LsHit *hits, size_t count, void *user);
+
+/** Names a joint of one world. Passed by value; any value is safe. */
+typedef struct LsJoint {
+    /** Opaque bits, zero for none; they may be stored, compared, and handed back later. */
+    uint64_t id;
+} LsJoint;
+
+/** A joint that has come to one of its stops. The layout of this struct never changes. */
+typedef struct LsJointStop {
+    /** The joint. */
+    struct LsJoint joint;
+    /** The word its host gave it. */
+    uint64_t user_word;
+    /**
+     * Which coordinate: 0 for the only one of a hinge, prismatic or distance joint and for the twist of a spherical one, 1 for its
+     * swing; 0 to 2 for the translations and 3 to 5 for the rotations of a generic joint.
+     */
+    uint32_t axis;
+    /** 1 if it is the upper stop, else 0. */
+    uint32_t upper;
+} LsJointStop;
+
+/**
+ * Receives the joints that came to a stop in a step; given in an LsCallbacks, see LsPairsCallback.
+ * @param world  the world that steps
+ * @param stops  count joints: the array of ls_world_joint_stops
+ * @param count  number of joints, > 0
+ * @param user   as given in the LsCallbacks
+ */
+typedef void (*LsJointStopsCallback)(struct LsWorld world, const struct LsJointStop *stops, size_t count, void *user);
+
+/** A body that moved in a step, or fell asleep at its end. The layout of this struct never changes. */
+typedef struct LsMoved {
+    /** The body. */
+    struct LsBody body;
+    /** The word its host gave it. */
+    uint64_t user_word;
+    /** Its frame in the world. */
+    struct LsPose pose;
+    /** Velocity of its centre of mass (m/s). */
+    float linear_velocity[3];
+    /** Angular velocity, world axes (rad/s). */
+    float angular_velocity[3];
+    /** 1 if it fell asleep in this step, else 0. */
+    uint32_t fell_asleep;
+    /** 1 if it woke in this step or since the one before it, else 0. */
+    uint32_t woke;
+} LsMoved;
+
+/**
+ * Receives the bodies that moved in a step; given in an LsCallbacks, see LsPairsCallback.
+ * @param world  the world that steps
+ * @param moved  count bodies: the array of ls_world_moved
+ * @param count  number of bodies, > 0
+ * @param user   as given in the LsCallbacks
+ */
+typedef void (*LsMovedCallback)(struct LsWorld world, const struct LsMoved *moved, size_t count, void *user);
+
+/** Who is told what a step did. Fill it with ls_callbacks_init first. */
+typedef struct LsCallbacks {
+    /** Size of this struct in the host, set by ls_callbacks_init. */
+    uint32_t struct_size;
+    /** Not used; 0. */
+    uint32_t reserved;
+    /** Handed back to all callbacks; default NULL. */
+    void *user;
+    /** Receives contacts that began; NULL, the default, for none. */
+    LsPairsCallback contact_began;
+    /** Receives contacts that ended; default NULL. */
+    LsPairsCallback contact_ended;
+    /** Receives hits; default NULL. */
+    LsHitsCallback hits;
+    /** Receives shapes that began to overlap sensors; default NULL. */
+    LsPairsCallback sensor_began;
+    /** Receives shapes that ceased to overlap sensors; default NULL. */
+    LsPairsCallback sensor_ended;
+    /** Receives joints that came to a stop; default NULL. */
+    LsJointStopsCallback joint_stops;
+    /** Receives bodies that moved; default NULL. */
+    LsMovedCallback moved;
+} LsCallbacks;
 
 /** Report of a step. Later versions append fields. */
 typedef struct LsStepReport {
@@ -885,30 +1084,6 @@ typedef struct LsStepReport {
     uint32_t union_members;
 } LsStepReport;
 
-/** Names a joint of one world. Passed by value; any value is safe. */
-typedef struct LsJoint {
-    /** Opaque bits, zero for none; they may be stored, compared, and handed back later. */
-    uint64_t id;
-} LsJoint;
-
-/** Names a shape on a body of one world. Passed by value; any value is safe. */
-typedef struct LsShape {
-    /** Opaque bits, zero for none; they may be stored, compared, and handed back later. */
-    uint64_t id;
-} LsShape;
-
-/** Two shapes that touch, or touched, and their bodies. The layout of this struct never changes. */
-typedef struct LsContactPair {
-    /** First shape; its handle may be stale in an array of contacts that ended. */
-    struct LsShape shape_a;
-    /** Second shape. */
-    struct LsShape shape_b;
-    /** Body of the first shape. */
-    struct LsBody body_a;
-    /** Body of the second shape. */
-    struct LsBody body_b;
-} LsContactPair;
-
 /** A point of a contact. The layout of this struct never changes. */
 typedef struct LsContactPoint {
     /** Halfway between the two surfaces (m). */
@@ -958,24 +1133,6 @@ typedef struct LsJointOverload {
  */
 typedef void (*LsOverloadCallback)(struct LsWorld world, const struct LsJointOverload *overload, void *user);
 
-/** A body that moved in a step, or fell asleep at its end. The layout of this struct never changes. */
-typedef struct LsMoved {
-    /** The body. */
-    struct LsBody body;
-    /** The word its host gave it. */
-    uint64_t user_word;
-    /** Its frame in the world. */
-    struct LsPose pose;
-    /** Velocity of its centre of mass (m/s). */
-    float linear_velocity[3];
-    /** Angular velocity, world axes (rad/s). */
-    float angular_velocity[3];
-    /** 1 if it fell asleep in this step, else 0. */
-    uint32_t fell_asleep;
-    /** Not used; 0. */
-    uint32_t reserved;
-} LsMoved;
-
 /**
  * Does the parts begin, begin + 1, ... end - 1 of a job; given to an LsParallelForCallback, which calls it on any threads.
  * @param job    as given to the callback
@@ -996,6 +1153,16 @@ typedef void (*LsJobFunction)(void *job, size_t begin, size_t end);
  * @param user   as given to ls_world_parallel_for_set
  */
 typedef void (*LsParallelForCallback)(size_t count, LsJobFunction run, void *job, void *user);
+
+/**
+ * Told that a zone of a step begins or ends; given to ls_world_profiler_set.
+ *
+ * Zones nest: "longspan step" around one for each stage. Called on the thread that steps, under its own floating-point settings.
+ * It must return normally (no exception, no longjmp). The world that steps cannot be used inside it.
+ * @param name  UTF-8, lives as long as the library: the same pointer each time
+ * @param user  as given to ls_world_profiler_set
+ */
+typedef void (*LsZoneCallback)(const char *name, void *user);
 
 /**
  * Has the last word on a shape whose box a query meets.
@@ -1124,6 +1291,46 @@ typedef struct LsDraw {
     double radius;
 } LsDraw;
 
+/**
+ * Takes the next bytes of a recording; given to ls_world_record_start.
+ *
+ * Called on the thread whose call is recorded, under its own floating-point settings, while the world is held: inside it every
+ * call with that world returns LS_ERROR_WORLD_BUSY. It must return normally (no exception, no longjmp).
+ * @param data  valid during the call
+ * @param size  number of bytes
+ * @param user  as given to ls_world_record_start
+ * @return 0; anything else ends the recording
+ */
+typedef int32_t (*LsRecordCallback)(const void *data, size_t size, void *user);
+
+/** What a replay has done. Later versions append fields. */
+typedef struct LsReplay {
+    /** Calls read, those included that had been refused. */
+    uint64_t calls;
+    /** Calls that had been refused; they changed nothing and are not made again. */
+    uint64_t refused;
+    /** Steps taken. */
+    uint64_t steps;
+    /** 1 if something came out otherwise than recorded: nothing was played after that. Else 0, and so are the fields of it below. */
+    uint32_t diverged;
+    /** 1 if the recording ends in the middle of a call, as after a crash; else 0. */
+    uint32_t cut_short;
+    /** Number of the call that differs, from 0. */
+    uint64_t call;
+    /** Steps taken when it was made, itself included. */
+    uint64_t step;
+    /** What was recorded: the hash of the state, or what the call returned. */
+    uint64_t recorded;
+    /** What came out now. */
+    uint64_t found;
+    /** 1 if the two are hashes of the state, 0 if they are what the call returned. */
+    uint32_t in_state;
+    /** Not used; 0. */
+    uint32_t reserved;
+    /** Name of the call that differs, without "ls_", in words of the library; ends with a zero. */
+    char method[40];
+} LsReplay;
+
 /** What a joint does at the end of the last step. Later versions append fields. */
 typedef struct LsJointState {
     /** Coordinate of the free axis: angle (rad), translation or distance (m); 0 for other kinds. */
@@ -1189,6 +1396,10 @@ typedef struct LsLongRangeDef {
     uint32_t soft;
     /** Not 0: bodies that rigid fixed joints connect move as one, see ls_body_union; default 1. */
     uint32_t unions;
+    /** Not 0: chains of hinges with parallel axes are kept in one plane; default 1. */
+    uint32_t plane_position;
+    /** Not 0: the axes of such chains are kept parallel; default 1. */
+    uint32_t plane_axis;
 } LsLongRangeDef;
 
 /**
@@ -1865,6 +2076,16 @@ LsResult ls_version(LsVersion *out);
 const char *ls_last_error_message(void);
 
 /**
+ * Sets whether a mistake ends the process (abort) where it happens, after it was logged, so that a debugger stops there.
+ *
+ * @param level  LS_LOG_OFF, the default: never; LS_LOG_ERROR: when the library itself fails; LS_LOG_WARNING: also when a call is
+ *               refused
+ * @return LS_OK, LS_ERROR_INVALID_ENUM
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_abort_level_set(int32_t level);
+
+/**
  * Sets the function that receives log messages of all worlds; at the start there is none.
  *
  * @param callback  called on any thread that calls the library; NULL for none
@@ -1874,6 +2095,26 @@ const char *ls_last_error_message(void);
  * Threads: any thread at any time. Callbacks: allowed.
  */
 LsResult ls_log_callback_set(LsLogCallback callback, int32_t level, void *user);
+
+/**
+ * Sets who gives the library its memory: the first call that a host makes, before any other.
+ *
+ * @param allocator  read during the call; NULL for the system's own
+ * @return LS_OK, LS_ERROR_NULL_ARGUMENT (a function in it is NULL), LS_ERROR_NOT_APPLICABLE (the library holds memory already:
+ *         ls_memory_get says how much)
+ * Threads: one thread, while no other is inside the library. Callbacks: LS_ERROR_NOT_APPLICABLE.
+ */
+LsResult ls_allocator_set(const LsAllocator *allocator);
+
+/**
+ * Memory that the library holds.
+ *
+ * @param out   filled on LS_OK
+ * @param size  sizeof *out as the host knows it
+ * @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_memory_get(LsMemory *out, size_t size);
 
 /* Definitions ----------------------------------------------------------------------------------------------------- */
 
@@ -1916,6 +2157,26 @@ LsResult ls_joint_def_init(LsJointDef *def, size_t size);
  * Threads: any thread at any time. Callbacks: allowed.
  */
 LsResult ls_world_def_init(LsWorldDef *def, size_t size);
+
+/**
+ * Fills a set of callbacks with none.
+ *
+ * @param callbacks  filled on LS_OK
+ * @param size       sizeof *callbacks as the host knows it
+ * @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_callbacks_init(LsCallbacks *callbacks, size_t size);
+
+/**
+ * Sets who is told what each step did; at the start nobody is. The arrays that tell the same are there anyway.
+ *
+ * @param world      the world; any value is safe
+ * @param callbacks  filled by ls_callbacks_init and changed as wanted; read during the call
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_callbacks_set(LsWorld world, const LsCallbacks *callbacks);
 
 /* Worlds ---------------------------------------------------------------------------------------------------------- */
 
@@ -2184,6 +2445,69 @@ LsResult ls_world_overloaded(LsWorld world, const LsJointOverload **out, size_t 
 LsResult ls_world_quarantined(LsWorld world, const LsBody **out, size_t *count);
 
 /**
+ * Contacts of the last step whose shapes met faster than the world's hit_threshold, with the impulse.
+ *
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_hits(LsWorld world, const LsHit **out, size_t *count);
+
+/**
+ * Joints that came to a stop of theirs in the last step: a limit that did not press before it presses now.
+ *
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_joint_stops(LsWorld world, const LsJointStop **out, size_t *count);
+
+/**
+ * Shapes that began to overlap a sensor in the last step; of each pair, the sensor comes first.
+ *
+ * A sensor sees, at the end of each step, every shape of another body that its filter accepts and that is no sensor itself, unless
+ * both bodies are static.
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_sensor_began(LsWorld world, const LsContactPair **out, size_t *count);
+
+/**
+ * Shapes that ceased to overlap a sensor in the last step, or of which either was destroyed since the step before it; of each
+ * pair, the sensor comes first.
+ *
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_sensor_ended(LsWorld world, const LsContactPair **out, size_t *count);
+
+/**
+ * Everything that overlapped a sensor at the end of the last step; of each pair, the sensor comes first.
+ *
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_sensed(LsWorld world, const LsContactPair **out, size_t *count);
+
+/**
  * Sets how much work a step does, from the next step on.
  *
  * @param world       the world; any value is safe
@@ -2203,6 +2527,16 @@ LsResult ls_world_effort_set(LsWorld world, uint32_t substeps, uint32_t iteratio
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_world_sleep_settings_set(LsWorld world, const LsSleepSettings *settings);
+
+/**
+ * Sets the approach speed above which contacts are listed by ls_world_hits.
+ *
+ * @param world  the world; any value is safe
+ * @param speed  (m/s), >= 0; INFINITY for never
+ * @return LS_OK, a world error, LS_ERROR_NOT_FINITE (NaN), LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_hit_threshold_set(LsWorld world, float speed);
 
 /**
  * Sets the approach speed below which nothing bounces.
@@ -2225,6 +2559,19 @@ LsResult ls_world_restitution_threshold_set(LsWorld world, float speed);
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_world_parallel_for_set(LsWorld world, LsParallelForCallback callback, void *user);
+
+/**
+ * Sets the functions that are told where a world's steps are; at the start there are none. The bits of a step do not depend on
+ * them.
+ *
+ * @param world  the world; any value is safe
+ * @param begin  told that a zone begins; NULL, as end, for none
+ * @param end    told that a zone ends; NULL, as begin, for none
+ * @param user   handed back to both; must stay valid until others are set or the world is destroyed
+ * @return LS_OK, a world error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_profiler_set(LsWorld world, LsZoneCallback begin, LsZoneCallback end, void *user);
 
 /**
  * Fills a query filter with defaults: every shape counts.
@@ -2449,6 +2796,66 @@ LsResult ls_world_save(LsWorld world, void *buffer, size_t capacity, size_t *siz
  */
 LsResult ls_world_restore(LsWorld world, const void *snapshot, size_t snapshot_size);
 
+/* Recordings ------------------------------------------------------------------------------------------------------ */
+
+/**
+ * Begins to record: the world as it is now, and from then on every call that changes it, with the hash of its state after each
+ * step. A recording of this world that is under way ends.
+ *
+ * Calls that are refused are listed. What does not reach the state is not: reads, threads and job systems, callbacks.
+ * @param world     the world; any value is safe
+ * @param callback  takes the bytes, in order; not NULL
+ * @param flags     0 or LS_RECORD_HASH_EVERY_CALL
+ * @param user      handed back to the callback; must stay valid until the recording ends or the world is destroyed
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_INVALID_ENUM, LS_ERROR_UNSUPPORTED (the callback refused)
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_record_start(LsWorld world, LsRecordCallback callback, uint32_t flags, void *user);
+
+/**
+ * As ls_world_record_start, into a file: what was there before is gone.
+ *
+ * Each call is written when it is made, so that the file of a program that crashed holds all calls but the one that crashed.
+ * @param world  the world; any value is safe
+ * @param path   name of the file, UTF-8, ends with a zero
+ * @param flags  0 or LS_RECORD_HASH_EVERY_CALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_INVALID_ENUM, LS_ERROR_UNSUPPORTED (the file took nothing),
+ *         LS_ERROR_OTHER (the file cannot be made)
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_record_to_file(LsWorld world, const char *path, uint32_t flags);
+
+/**
+ * Ends the recording of a world.
+ *
+ * @param world  the world; any value is safe
+ * @return LS_OK, a world error, LS_ERROR_NOT_APPLICABLE (it is not recorded), LS_ERROR_UNSUPPORTED (the file or callback has
+ *         refused a part of the recording, which ended there)
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_record_stop(LsWorld world);
+
+/**
+ * Plays a recording in a world of its own, to its end or to the first call that comes out otherwise than recorded.
+ *
+ * A difference is no failure of this call: the report names it. The same version of the library, on any machine, gives none.
+ * @param recording       the bytes, as they were written
+ * @param recording_size  number of bytes
+ * @param most_steps      after so many steps the replay stops; UINT64_MAX for all
+ * @param out             the world as the replay left it, on LS_OK, for the host to look at, go on with and destroy; may be NULL
+ * @param report          what was done, filled on LS_OK
+ * @param size            sizeof *report as the host knows it
+ * @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_SNAPSHOT (the bytes are not a recording of this
+ *         version, or a call in it makes no sense), LS_ERROR_CAPACITY_EXCEEDED
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_recording_replay(const void *recording,
+                             size_t recording_size,
+                             uint64_t most_steps,
+                             LsWorld *out,
+                             LsReplay *report,
+                             size_t size);
+
 /* Bodies ---------------------------------------------------------------------------------------------------------- */
 
 /**
@@ -2484,6 +2891,19 @@ LsResult ls_body_destroy(LsWorld world, LsBody body);
  * Threads: read. Callbacks: allowed.
  */
 LsResult ls_body_kind_get(LsWorld world, LsBody body, int32_t *out);
+
+/**
+ * Makes a body static, kinematic or dynamic, and wakes it and what it touches.
+ *
+ * A body that becomes static stops; one that becomes dynamic has the mass that it was made with or given.
+ * @param world  the world; any value is safe
+ * @param body   a body of that world; any value is safe
+ * @param kind   LS_BODY_ constant
+ * @return LS_OK, a world error, a handle error, LS_ERROR_INVALID_ENUM, LS_ERROR_OUT_OF_RANGE (it would have no mass),
+ *         LS_ERROR_NOT_APPLICABLE (a shape cannot be on a dynamic body, or a joint would be left without one)
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_body_kind_set(LsWorld world, LsBody body, int32_t kind);
 
 /**
  * The host's own word of a body.
@@ -2940,6 +3360,17 @@ LsResult ls_shape_body_get(LsWorld world, LsShape shape, LsBody *out);
  * Threads: read. Callbacks: allowed.
  */
 LsResult ls_shape_user_word_get(LsWorld world, LsShape shape, uint64_t *out);
+
+/**
+ * Whether a shape only tells what it overlaps; ls_shape_def_set changes it.
+ *
+ * @param world  the world; any value is safe
+ * @param shape  a shape of that world; any value is safe
+ * @param out    1 if it does, else 0; filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_shape_sensor_get(LsWorld world, LsShape shape, uint32_t *out);
 
 /**
  * Sets the host's own word of a shape.

@@ -3,7 +3,7 @@
 //! n boxes of 1 kg, 0.2 m long (half-extents 0.1 × 0.04 × 0.05 m along, across, up), lie as a regular polygon in the x–y plane;
 //! hinges along z at its corners. With `offset=on` links n/3 + 1 … 2n/3 − 1 lie 0.3 m higher, and the two links between low and
 //! high are taller by half of that each way and stand 0.15 m up. Zero gravity; link 0 starts with 50 m/s along z: an impulse of
-//! 50 N·s at its centre.
+//! 50 N·s at its centre, or of `impulse`.
 
 use std::f64::consts::TAU;
 
@@ -11,16 +11,17 @@ use longspan::glam::{DQuat, DVec2, DVec3, Vec3};
 use longspan::{JointKind, Pose};
 
 use crate::assemble::{solid, x_to};
-use crate::metrics::{AngularMomentumError, HingePlane, JointGap, LinearMomentumError, PlaneMember};
+use crate::metrics::{AngularMomentumError, HingePlane, JointGap, LinearMomentumError, Moved, PlaneMember};
 use crate::params::{Params, SceneError};
 use crate::scene::{Scene, cuboid, start_in, weightless};
 
 const LENGTH: f64 = 0.2;
 const RAISE: f64 = 0.3;
-const IMPULSE: f32 = 50.0;
+const IMPULSE: f64 = 50.0;
 
 pub(crate) fn hinge_loop(params: &mut Params) -> Result<Scene, SceneError> {
     let count = params.count("n", 132, 6..=5000)?;
+    let impulse = params.number("impulse", IMPULSE, 0.0..=1000.0)?;
     let raise = if params.switch("offset", true)? { RAISE } else { 0.0 };
     let mut scene = start_in(weightless(), params, 2.0)?;
 
@@ -48,11 +49,14 @@ pub(crate) fn hinge_loop(params: &mut Params) -> Result<Scene, SceneError> {
         let place = Pose::at(corner(index + 1).extend(at)).rotated(x_to(DVec3::Z));
         scene.join(links[index], links[next], JointKind::HINGE, &place);
     }
-    scene.bodies[links[0]].linear_velocity = Vec3::Z * IMPULSE;
+    scene.bodies[links[0]].linear_velocity = Vec3::Z * impulse as f32;
 
     let member = |(index, &body): (usize, &usize)| PlaneMember { body, axis: Vec3::Z, offset: height(index) };
     scene.judge(HingePlane::new(links.iter().enumerate().map(member).collect()));
     let steps = scene.steps;
+    if impulse == 0.0 {
+        scene.judge(Moved::after(steps, Some(links)));
+    }
     scene.judge(JointGap::over_last(steps));
     scene.judge(LinearMomentumError::default());
     scene.judge(AngularMomentumError::default());

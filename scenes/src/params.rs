@@ -152,6 +152,8 @@ impl Params {
                     "support" => (world.support, world.hold) = (on, on),
                     "soft" => world.long_range.soft = on,
                     "union" => world.long_range.union = on,
+                    "plane_position" => world.long_range.plane_position = on,
+                    "plane_axis" => world.long_range.plane_axis = on,
                     "hierarchy" => world.long_range.hierarchy.enabled = on,
                     _ if on => return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() }),
                     _ => {}

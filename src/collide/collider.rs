@@ -29,6 +29,7 @@ pub(crate) struct Collider {
     pub density: f32,
     pub filter: CollisionFilter,
     pub user_word: u64,
+    pub sensor: bool,
     /// Distance from the body's centre of mass to the farthest point of the shape (m).
     pub reach: f32,
     /// Least extent of the shape's own box (m).
@@ -52,6 +53,7 @@ impl Collider {
             density: def.density,
             filter: def.filter,
             user_word: def.user_word,
+            sensor: def.sensor,
             reach: 0.0,
             least_extent: own_box.extents().min_element(),
             place: (DVec3::ZERO, Quat::IDENTITY),
@@ -71,6 +73,7 @@ impl Collider {
             density: self.density,
             filter: self.filter,
             user_word: self.user_word,
+            sensor: self.sensor,
         }
     }
 
@@ -89,6 +92,13 @@ impl Collider {
     /// Takes note of where the body is now.
     pub(crate) fn follow(&mut self, body: &Body) {
         self.place = self.world_pose(body);
+    }
+
+    /// Pose of another shape in this one's frame.
+    pub(crate) fn relative(&self, other: &Self) -> Pose3 {
+        let ((position, rotation), (other_position, other_rotation)) = (self.place, other.place);
+        let inverse = rotation.conjugate();
+        Pose3::from_parts(inverse * (other_position - position).as_vec3(), inverse * other_rotation)
     }
 
     /// World position of the shape's origin (m), and its rotation, on a body anywhere.

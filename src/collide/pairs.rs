@@ -67,7 +67,7 @@ pub(crate) struct Pair {
     pub key: PairKey,
     pub material: PairMaterial,
     pub manifolds: Vec<CarriedManifold>,
-    /// Pose of B's shape in A's, and margin, that the manifolds were made for.
+    /// Pose of B's shape in A's, and margin, that the manifolds were made for, rounded as in [`coarse`] and [`rounded_down`].
     pub made_for: Option<(Pose3, f32)>,
     /// Whether the narrow phase made new manifolds in the last step.
     pub updated: bool,
@@ -81,6 +81,10 @@ pub(crate) struct Pair {
     pub may_touch: bool,
     /// Whether a normal impulse acted in the last step.
     pub in_contact: bool,
+    /// Greatest speed at which points have approached each other in the hit under way (m/s); zero if there is none.
+    pub approach: f32,
+    /// Impulse along the normal in the hit under way (N·s).
+    pub blow: f32,
     pub active: bool,
 }
 
@@ -106,7 +110,7 @@ const LEAST_ALIGNMENT: f32 = 0.9;
 const ALL_TAKEN: f32 = 0.999;
 
 impl Pair {
-    fn new(key: PairKey, material: PairMaterial) -> Self {
+    pub(crate) fn new(key: PairKey, material: PairMaterial) -> Self {
         Self {
             key,
             material,
@@ -118,6 +122,8 @@ impl Pair {
             touching: 0,
             may_touch: false,
             in_contact: false,
+            approach: 0.0,
+            blow: 0.0,
             active: false,
         }
     }
@@ -125,9 +131,7 @@ impl Pair {
     /// Brings the manifolds up to date with the bodies' poses.
     pub(crate) fn update(&mut self, a: &Collider, b: &Collider, motion: f32, scratch: &mut PairScratch) {
         let still = contact_margin(a, b);
-        let ((position_a, rotation_a), (position_b, rotation_b)) = (a.place, b.place);
-        let inverse_a = rotation_a.conjugate();
-        let relative = Pose3::from_parts(inverse_a * (position_b - position_a).as_vec3(), inverse_a * rotation_b);
+        let relative = a.relative(b);
         self.extent = a.least_extent.min(b.least_extent);
         self.updated = !self.still_good(&relative, still + motion, self.extent);
         if self.updated {
@@ -135,7 +139,7 @@ impl Pair {
             let margin = still + motion * MARGIN_RESERVE;
             narrow::collide(&a.shape, &b.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
             self.carry_over(&scratch.manifolds, &mut scratch.carried);
-            self.made_for = Some((relative, margin));
+            self.made_for = Some((coarse(&relative, pose_unit(a, b)), rounded_down(margin)));
         } else {
             self.follow(&relative);
         }
@@ -163,7 +167,12 @@ impl Pair {
 
     /// Whether the relative pose is close enough to the one the manifolds were made for, and the margin no larger.
     fn still_good(&self, relative: &Pose3, margin: f32, extent: f32) -> bool {
-        let Some((made_for, made_with)) = &self.made_for else {
+        self.made_for.is_some_and(|(_, made_with)| margin <= made_with) && self.is_near(relative, extent)
+    }
+
+    /// Whether the pose that the manifolds were made for is near enough to this one for them to be kept.
+    pub(crate) fn is_near(&self, relative: &Pose3, extent: f32) -> bool {
+        let Some((made_for, _)) = &self.made_for else {
             return false;
         };
         let shift = (relative.translation - made_for.translation).length();
@@ -171,7 +180,7 @@ impl Pair {
         let turn = (Quat::from_xyzw(p.x, p.y, p.z, p.w) - Quat::from_xyzw(q.x, q.y, q.z, q.w)).length() * 2.0;
         let between_faces = self.manifolds.iter().all(|manifold| manifold.geometry.count >= FACE_POINTS);
         let reuse = if between_faces && !self.manifolds.is_empty() { REUSE_OF_FACES } else { REUSE };
-        margin <= *made_with && shift <= extent * reuse && turn <= reuse
+        shift <= extent * reuse && turn <= reuse
     }
 
     /// Moves the kept points with the shapes: their separations follow, the points stay where they are on the surfaces.
@@ -211,6 +220,41 @@ impl Pair {
             manifold.impulses = ContactImpulses::default();
         }
     }
+}
+
+/// Steps of the pose that a pair remembers, in shares of the smaller shape's extent and in radians: an eighth or a fourth of what it
+/// is compared by, so that a pair at rest takes a few bits of a snapshot.
+const SHIFT_STEP: f32 = 1.0 / 8192.0;
+pub(crate) const TURN_STEP: f32 = 1.0 / 16384.0;
+
+/// Bits of a margin that are remembered.
+const MARGIN_BITS: u32 = 0xffff_e000;
+
+/// Step of the translation that a pair of these shapes remembers (m), a power of two; the rotation's is [`TURN_STEP`].
+pub(crate) fn pose_unit(a: &Collider, b: &Collider) -> f32 {
+    const EXPONENT: u32 = 0x7f80_0000;
+    f32::from_bits(a.least_extent.min(b.least_extent).to_bits() & EXPONENT) * SHIFT_STEP
+}
+
+/// A pose in steps of `unit` and [`TURN_STEP`].
+pub(crate) fn coarse(pose: &Pose3, unit: f32) -> Pose3 {
+    let (p, q) = (pose.translation, pose.rotation);
+    let turn = |x: f32| in_steps(x, TURN_STEP);
+    Pose3::from_parts(
+        Vec3::from_array(p.to_array().map(|x| in_steps(x, unit))),
+        Quat::from_xyzw(turn(q.x), turn(q.y), turn(q.z), turn(q.w)),
+    )
+}
+
+fn in_steps(x: f32, unit: f32) -> f32 {
+    // Added to a number whose last bit is one, a float is rounded to whole numbers.
+    const ONES: f32 = 12_582_912.0;
+    let steps = x / unit;
+    if steps.abs() < 4.0e6 { ((steps + ONES) - ONES) * unit } else { x }
+}
+
+fn rounded_down(margin: f32) -> f32 {
+    f32::from_bits(margin.to_bits() & MARGIN_BITS)
 }
 
 /// Multipliers of `old` for the points of `new`: point by point where features match, or else the same force and moments.

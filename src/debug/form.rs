@@ -182,8 +182,8 @@ mod tests {
     fn outlines_and_surfaces_fill_the_box_of_their_form() {
         let forms = [
             (Geometry::Box { half_extents: Vec3::new(0.1, 0.2, 0.3) }, 12, 12),
-            (Geometry::Ball { radius: 0.5 }, 72, 200),
-            (Geometry::Capsule { half_height: 0.5, radius: 0.2 }, 100, 200),
+            (Geometry::Ball { radius: 0.5 }, 72, 100),
+            (Geometry::Capsule { half_height: 0.5, radius: 0.2 }, 100, 100),
             (Geometry::Cylinder { half_height: 0.5, radius: 0.2 }, 52, 80),
             (Geometry::Cone { half_height: 0.5, radius: 0.2 }, 28, 40),
             (Geometry::ConvexHull { points: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z] }, 6, 4),

@@ -3,25 +3,25 @@
 //! Whoever adds a field to one of these types is stopped here by the compiler, and lists it: as stored, or as made anew with the
 //! value that it then gets. The fields of `World` itself are listed in the same way in `world/snapshot.rs`.
 
-use glam::{DVec3, Quat};
+use glam::{DVec3, Quat, Vec3};
+use parry3d::bounding_volume::Aabb;
 
+use super::contacts::{FarPose, ManifoldRow, PairRow, PointRow};
 use super::stored::{Reader, Stored, Writer, stored, stored_enum};
-use crate::body::{Anchored, Body, BodyKind, LockedAxes, SleepState};
+use crate::body::{Anchored, Body, BodyDef, BodyKind, LockedAxes, SleepState};
 use crate::collide::collider::Collider;
-use crate::collide::narrow::{Manifold, ManifoldPoint};
-use crate::collide::pairs::{CarriedManifold, Pair, PairKey};
+use crate::collide::pairs::PairKey;
 use crate::fracture::strain::{Span, Strain};
 use crate::fracture::{Damage, FractureSettings, Strength};
 use crate::id::{JointId, Slot};
 use crate::joint::{Axis, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
 use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
-use crate::material::{CombineRule, Material, PairMaterial};
+use crate::material::{CombineRule, Material};
 use crate::pose::Pose;
 use crate::report::ContactPair;
 use crate::settings::{SleepSettings, Solver, WorldDef};
-use crate::shape::CollisionFilter;
-use crate::solve::contact::ContactImpulses;
+use crate::shape::{CollisionFilter, ShapeDef};
 use crate::solve::direct::history::History;
 use crate::span::union::UnionMotion;
 use crate::world::{AskedBound, CarriedBound, CarriedUnion};
@@ -39,6 +39,8 @@ pub(crate) struct WorldRow {
     /// Shapes whose neighbours are to be looked for.
     pub changed: Runs,
     pub ended_by_edits: Vec<ContactPair>,
+    /// What sensors overlap, the sensor first.
+    pub sensed: Vec<ContactPair>,
     /// Bodies of which it was said that they are supported, and those of which something else may be said soon.
     pub said_supported: Runs,
     pub watched: Vec<(u32, u8)>,
@@ -65,6 +67,13 @@ pub(crate) struct Displaced {
     pub place: (DVec3, Quat),
 }
 
+/// The box that a shape could not leave when its body last moved, where that is not the one it has by itself.
+#[derive(Debug)]
+pub(crate) struct LastBox {
+    pub shape: u32,
+    pub tight_box: Aabb,
+}
+
 /// A sleeping island; its pairs are the next so many of the table of pairs that sleep.
 #[derive(Debug)]
 pub(crate) struct IslandRow {
@@ -82,6 +91,7 @@ stored!(WorldRow {
     movers_sorted,
     changed,
     ended_by_edits,
+    sensed,
     said_supported,
     watched,
     bounds_stale,
@@ -102,6 +112,7 @@ stored!(WorldDef {
     threads,
     sleep,
     restitution_threshold,
+    hit_threshold,
     body_capacity,
     joint_capacity,
     support,
@@ -110,7 +121,7 @@ stored!(WorldDef {
     fracture,
 });
 stored!(FractureSettings { by_load, most });
-stored!(LongRangeDef { enabled, attachment, hierarchy, soft, union, levels });
+stored!(LongRangeDef { enabled, attachment, hierarchy, soft, union, plane_position, plane_axis, levels });
 stored!(CarriedUnion { lead, motion, before });
 stored!(AskedBound { joints, bound });
 stored!(SoftBound { share, softness });
@@ -119,6 +130,7 @@ stored!(CarriedBound { kind, level, upper, lower, ends, impulses, far_force, act
 stored!(SleepSettings { enabled, linear_speed, angular_speed, time });
 stored!(ContactPair { shape_a, shape_b, body_a, body_b });
 stored!(Displaced { shape, place });
+stored!(fixed LastBox { shape, tight_box });
 stored!(IslandRow { bodies, pairs });
 
 stored!(Body {
@@ -141,7 +153,6 @@ stored!(Body {
     user_word,
     target,
     driven,
-    contact_force,
     shapes,
     joints,
     sleep,
@@ -151,22 +162,44 @@ stored!(Body {
     steady_for,
     calm_for,
     held,
+    woke,
     anchored,
+} anew {
+    // The sum of what its contacts carry.
+    contact_force: Vec3::ZERO,
 });
+stored!(BodyDef {
+    kind,
+    pose,
+    linear_velocity,
+    angular_velocity,
+    mass,
+    locked_axes,
+    linear_damping,
+    angular_damping,
+    gravity_scale,
+    can_sleep,
+    fast,
+    user_word,
+    shapes,
+});
+stored!(ShapeDef { shape, local_pose, material, density, filter, user_word, sensor });
 stored!(LockedAxes { translation, rotation });
 stored!(MassProperties { mass, center_of_mass, principal_inertia, inertia_frame });
 stored!(Pose { position, rotation });
 
 stored!(Collider {
-    body, shape, local_pose, material, density, filter, user_word, reach, least_extent, tight_box, fat_box,
+    body, shape, local_pose, material, density, filter, user_word, sensor, reach, least_extent, fat_box,
 } anew {
+    // Of a shape at rest, but for those that are listed; of one that moves, the next step makes it anew.
+    tight_box: Aabb::new_invalid(),
     // Follows its body, but for what is displaced.
     place: (DVec3::ZERO, Quat::IDENTITY),
 });
 stored!(Material { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule });
 stored!(CollisionFilter { member_of, collides_with });
 
-stored!(Joint { def, bodies, impulses, force, torque, acted, strain });
+stored!(Joint { def, bodies, impulses, force, torque, acted, strain, pressed });
 stored!(Strain { spans, damage, condemned });
 stored!(Span { time, linear, angular });
 stored!(Strength { tension, compression, shear, bending, torsion, window, damage });
@@ -190,21 +223,6 @@ stored!(JointImpulses { point, angular, scalar });
 stored!(Softness { compliance, damping });
 stored!(Limits { min, max });
 stored!(Axis { limits, motor });
-
-stored!(Pair { key, material, manifolds, made_for, may_touch, in_contact } anew {
-    // Of the last step's count.
-    updated: false,
-    // The support analysis is made anew.
-    version: 0,
-    touching: 0,
-    // Of the shapes.
-    extent: 0.0,
-    // Follows from the table that the pair is in.
-    active: false,
-});
-stored!(PairMaterial { friction, restitution, rolling, spinning });
-stored!(CarriedManifold { geometry, impulses });
-stored!(ContactImpulses { normal, friction, twist, rolling });
 
 stored_enum!(BoundKind { 0 => Attachment {}, 1 => Hierarchy {}, 2 => Soft {} });
 stored_enum!(Solver { 0 => Auto {}, 1 => GaussSeidel {}, 2 => Direct {} });
@@ -245,6 +263,7 @@ pub(crate) const LISTED: &[&str] = &[
     UnionMotion::FIELDS,
     SleepSettings::FIELDS,
     Displaced::FIELDS,
+    LastBox::FIELDS,
     IslandRow::FIELDS,
     Body::FIELDS,
     History::FIELDS,
@@ -259,9 +278,10 @@ pub(crate) const LISTED: &[&str] = &[
     FractureSettings::FIELDS,
     JointDef::FIELDS,
     JointImpulses::FIELDS,
-    Pair::FIELDS,
-    PairMaterial::FIELDS,
-    ContactImpulses::FIELDS,
+    PairRow::FIELDS,
+    FarPose::FIELDS,
+    ManifoldRow::FIELDS,
+    PointRow::FIELDS,
 ];
 
 impl Default for Axis {
@@ -288,35 +308,6 @@ impl Stored for PairKey {
     fn take(input: &mut Reader) -> Option<Self> {
         let (a, b) = Stored::take(input)?;
         (a < b).then(|| Self::new(a, b))
-    }
-}
-
-/// Only the points that a manifold has.
-impl Stored for Manifold {
-    fn put(&self, out: &mut Writer) {
-        let Self { normal, points, count, part } = self;
-        count.put(out);
-        part.put(out);
-        normal.put(out);
-        for ManifoldPoint { on_a, on_b, separation, feature } in &points[..usize::from(*count)] {
-            on_a.put(out);
-            on_b.put(out);
-            separation.put(out);
-            feature.put(out);
-        }
-    }
-    fn take(input: &mut Reader) -> Option<Self> {
-        let mut manifold =
-            Self { count: Stored::take(input)?, part: Stored::take(input)?, normal: Stored::take(input)?, ..Self::default() };
-        for point in manifold.points.get_mut(..usize::from(manifold.count))? {
-            *point = ManifoldPoint {
-                on_a: Stored::take(input)?,
-                on_b: Stored::take(input)?,
-                separation: Stored::take(input)?,
-                feature: Stored::take(input)?,
-            };
-        }
-        (manifold.count > 0).then_some(manifold)
     }
 }
 

@@ -3,7 +3,7 @@
 //! ```text
 //! header     magic, format, form, length, checksum
 //! forms      every distinct geometry, once
-//! tables     world, bodies, shapes, joints, pairs, sleeping islands: one after the other
+//! tables     world, bodies, shapes, joints, pairs and their contacts, sleeping islands: one after the other
 //! ```
 //!
 //! `list.rs` is the one place that says what is stored. It takes records apart field by field, so a new field that is not listed
@@ -14,6 +14,7 @@
 //! written as its difference from the row before, in as many bytes as that takes: two bits for each word, then the bytes. What is
 //! stored does not depend on where it is stored: slots of the pair cache are numbered anew, and the broad phase is built anew.
 
+pub(crate) mod contacts;
 pub(crate) mod forms;
 mod list;
 pub(crate) mod seal;
@@ -23,7 +24,7 @@ pub(crate) mod table;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use list::{Displaced, IslandRow, LISTED, Runs, WorldRow};
+pub(crate) use list::{Displaced, IslandRow, LISTED, LastBox, Runs, WorldRow};
 
 use crate::error::{Error, ErrorKind};
 

@@ -45,6 +45,8 @@ const MAX_DEPTH: u32 = 4;
 pub(crate) trait Stored: Sized {
     /// What is stored, by name.
     const FIELDS: &'static str = "";
+    /// Whether rows of it all have as many words as the first.
+    const FIXED: bool = false;
     fn put(&self, out: &mut Writer);
     fn take(input: &mut Reader) -> Option<Self>;
 }
@@ -52,6 +54,19 @@ pub(crate) trait Stored: Sized {
 /// Stores a struct field by field. Every field is named: those that are stored, and those that are made anew with the value they
 /// get. A field that is not named does not compile.
 macro_rules! stored {
+    (fixed $name:ident { $($field:ident),* $(,)? }) => {
+        impl $crate::snapshot::stored::Stored for $name {
+            const FIELDS: &'static str = stringify!($name { $($field),* });
+            const FIXED: bool = true;
+            fn put(&self, out: &mut $crate::snapshot::stored::Writer) {
+                let Self { $($field,)* } = self;
+                $($crate::snapshot::stored::Stored::put($field, out);)*
+            }
+            fn take(input: &mut $crate::snapshot::stored::Reader) -> Option<Self> {
+                Some(Self { $($field: $crate::snapshot::stored::Stored::take(input)?,)* })
+            }
+        }
+    };
     ($(#[$meta:meta])* $name:ident { $($field:ident),* $(,)? } $(anew { $($anew:ident: $value:expr),* $(,)? })?) => {
         impl $crate::snapshot::stored::Stored for $name {
             const FIELDS: &'static str = stringify!($name { $($field),* });

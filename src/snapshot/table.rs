@@ -22,9 +22,21 @@ impl<'a> Output<'a> {
         for row in rows {
             self.row.words.clear();
             row.put(&mut self.row);
+            if !T::FIXED || self.last.is_empty() {
+                self.length();
+            }
             self.difference();
             std::mem::swap(&mut self.row.words, &mut self.last);
         }
+    }
+
+    /// Writes a row by itself, which `put` writes.
+    pub(crate) fn row_of(&mut self, put: impl FnOnce(&mut Writer)) {
+        self.last.clear();
+        self.row.words.clear();
+        put(&mut self.row);
+        self.length();
+        self.difference();
     }
 
     /// Seven bits a byte, the lowest first; the highest bit says that more follow.
@@ -36,14 +48,30 @@ impl<'a> Output<'a> {
         self.bytes.push(value as u8);
     }
 
-    /// Length of the row against that of the last one, then for each four words a byte of how long their differences are (two
-    /// bits each, the first lowest), and those differences.
-    fn difference(&mut self) {
+    /// Length of the row against that of the last one.
+    fn length(&mut self) {
         let change = self.row.words.len() as i64 - self.last.len() as i64;
-        let zigzag = ((change << 1) ^ (change >> 63)) as u64;
-        self.number(zigzag);
+        self.number(((change << 1) ^ (change >> 63)) as u64);
+    }
+
+    /// For each four words a byte of how long their differences from those of the last row are (two bits each, the first lowest),
+    /// and those differences.
+    fn difference(&mut self) {
         let (words, last) = (&self.row.words, &self.last);
+        let is_masked = words.len() > MASKED;
+        let mut mask_at = 0;
         for (group, four) in words.chunks(4).enumerate() {
+            if is_masked && group % 8 == 0 {
+                mask_at = self.bytes.len();
+                self.bytes.push(0);
+            }
+            let is_same = |(i, word): (usize, &u32)| last.get(group * 4 + i).copied().unwrap_or(0) == *word;
+            if is_masked {
+                if four.iter().enumerate().all(is_same) {
+                    continue;
+                }
+                self.bytes[mask_at] |= 1 << (group % 8);
+            }
             let at = self.bytes.len();
             self.bytes.push(0);
             for (i, &word) in four.iter().enumerate() {
@@ -56,6 +84,9 @@ impl<'a> Output<'a> {
         }
     }
 }
+
+/// Words of a row above which a byte for each eight groups of four tells which of them differ at all.
+const MASKED: usize = 16;
 
 /// Bytes of a difference, by its two bits: floats of about the same size agree in their highest byte, numbers in their upper two.
 const LENGTHS: [usize; 4] = [0, 2, 3, 4];
@@ -112,16 +143,42 @@ impl<'a> Input<'a> {
         None
     }
 
+    /// Reads a row that [`Output::row_of`] has written.
+    pub(crate) fn row_of<T>(&mut self, take: impl FnOnce(&mut Reader) -> Option<T>) -> Option<T> {
+        self.row.clear();
+        self.length()?;
+        self.row_with(take)
+    }
+
     fn row<T: Stored>(&mut self) -> Option<T> {
+        if !T::FIXED || self.row.is_empty() {
+            self.length()?;
+        }
+        self.row_with(T::take)
+    }
+
+    fn length(&mut self) -> Option<()> {
         let zigzag = self.number()?;
         let change = (zigzag >> 1) as i64 ^ -((zigzag & 1) as i64);
         let len = usize::try_from(change.checked_add(self.row.len() as i64)?).ok()?;
-        // Each four words take a byte or more.
-        if len / 4 > self.bytes.len() {
+        // Each 32 words take a byte or more.
+        if len / 32 > self.bytes.len() {
             return None;
         }
         self.row.resize(len, 0);
+        Some(())
+    }
+
+    fn row_with<T>(&mut self, take: impl FnOnce(&mut Reader) -> Option<T>) -> Option<T> {
+        let len = self.row.len();
+        let mut mask = u8::MAX;
         for group in 0..len.div_ceil(4) {
+            if len > MASKED && group % 8 == 0 {
+                mask = self.byte()?;
+            }
+            if mask >> (group % 8) & 1 == 0 {
+                continue;
+            }
             let codes = self.byte()?;
             for i in 0..4 {
                 let length = LENGTHS[usize::from(codes >> (2 * i) & 3)];
@@ -134,7 +191,7 @@ impl<'a> Input<'a> {
             }
         }
         let mut reader = Reader { words: &self.row, forms: self.forms, tag: self.tag, depth: 0 };
-        let value = T::take(&mut reader)?;
+        let value = take(&mut reader)?;
         reader.words.is_empty().then_some(value)
     }
 }

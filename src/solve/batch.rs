@@ -8,6 +8,7 @@ use super::contact_kernels;
 use super::direct::Direct;
 use super::joint::{BatchJoints, JointEntry};
 use super::load_pass::LoadPass;
+use super::plane::Planes;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::taut::TautRows;
 
@@ -44,6 +45,9 @@ pub(crate) struct Batch {
     pub bound_slots: Vec<u32>,
     pub bounds: BatchBounds,
     pub taut: TautRows,
+    /// Hinge chains, by number in the world's list and as planes.
+    pub chains: Vec<u32>,
+    pub planes: Planes,
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
     pub direct: Direct,
@@ -90,6 +94,8 @@ impl Batch {
         self.bound_slots.clear();
         self.bounds.clear();
         self.taut.clear();
+        self.chains.clear();
+        self.planes.clear();
         self.direct.clear();
         self.lanes.clear();
         self.tally.clear();
@@ -212,6 +218,14 @@ impl Batch {
             return self.direct.impulses_of(number);
         }
         self.contacts[block as usize].impulses(lane as usize)
+    }
+
+    /// Impulse along the normal of a manifold over the step (N·s), where multipliers are added up.
+    pub(crate) fn contact_blow(&self, number: usize) -> f32 {
+        if self.lanes[number].0 == HELD {
+            return self.direct.blow_of(number);
+        }
+        self.tally.get(number).map_or(0.0, |sum| sum.normal.iter().sum())
     }
 
     /// Adds the multipliers of a substep to the sums.

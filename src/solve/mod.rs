@@ -17,6 +17,7 @@ mod dispatch;
 pub(crate) mod integrate;
 pub(crate) mod joint;
 pub(crate) mod load_pass;
+pub(crate) mod plane;
 mod rotation;
 pub(crate) mod state;
 pub(crate) mod taut;
@@ -53,6 +54,7 @@ impl Batch {
         self.prepare_load_pass(settings.gravity, h);
         for substep in 0..settings.substeps {
             self.apply_forces(joints, h);
+            self.planes.note_momentum(&self.velocities, &self.motions);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
             self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, false);
             self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.predicted, h);
@@ -88,10 +90,12 @@ impl Batch {
             self.bounds.keep_impulses();
             self.bounds.add_loads();
             self.taut.add_loads();
+            self.planes.fit_velocities(&mut self.velocities, &self.motions, h);
             self.advance(h);
             self.bounds.project(&self.velocities, &mut self.motions, h);
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
+            self.planes.project(&mut self.velocities, &mut self.motions);
             self.direct.settle(joints, &self.velocities, &mut self.motions);
             if substep + 1 < settings.substeps {
                 self.add_to_tally();

@@ -16,6 +16,7 @@
 //! | `soft.rs` | asked for between two joints, with give (§3.3) |
 //! | `weight.rs` | which bodies bounds are for |
 //! | `load.rs` | which joints a bound carries load past |
+//! | `plane.rs` | chains of parallel hinges, and their planes (§3.4) |
 //! | `union/` | what fixed joints make one body (§3.5) |
 //! | `support.rs` | which bodies stand on the ground (§3.6) |
 //! | `eigen.rs` | principal axes |
@@ -26,6 +27,7 @@ pub(crate) mod eigen;
 pub(crate) mod graph;
 pub(crate) mod hierarchy;
 pub(crate) mod load;
+pub(crate) mod plane;
 pub(crate) mod soft;
 pub(crate) mod support;
 pub(crate) mod union;

@@ -8,7 +8,7 @@ use crate::collide::collider::Collider;
 use crate::collide::pairs::{PairKey, WorldManifold};
 use crate::error::Result;
 use crate::id::BodyId;
-use crate::report::{Contact, ContactPair, ContactPoint, JointOverload, Moved};
+use crate::report::{Contact, ContactPair, ContactPoint, Hit, JointOverload, JointStop, Moved};
 
 impl World {
     /// Bodies whose pose changed in the last step, those that fell asleep at its end included, in order of creation slot.
@@ -30,6 +30,32 @@ impl World {
     /// Joints whose load passed their limit in the last step.
     pub fn overloaded(&self) -> &[JointOverload] {
         &self.events.overloaded
+    }
+
+    /// Contacts whose shapes met faster than [`WorldDef::hit_threshold`](crate::WorldDef::hit_threshold) in the last step.
+    pub fn hits(&self) -> &[Hit] {
+        &self.events.hits
+    }
+
+    /// Joints that came to a stop of theirs in the last step.
+    pub fn joint_stops(&self) -> &[JointStop] {
+        &self.events.joint_stops
+    }
+
+    /// Shapes that began to overlap a sensor in the last step; of each pair, the sensor comes first.
+    pub fn sensor_began(&self) -> &[ContactPair] {
+        &self.events.sensor_began
+    }
+
+    /// Shapes that ceased to overlap a sensor in the last step, or of which either was destroyed since the step before it:
+    /// handles of what was are stale.
+    pub fn sensor_ended(&self) -> &[ContactPair] {
+        &self.events.sensor_ended
+    }
+
+    /// Everything that overlaps a sensor at the end of the last step, by sensor; of each pair, the sensor comes first.
+    pub fn sensed(&self) -> &[ContactPair] {
+        &self.sensing.overlaps
     }
 
     /// Bodies that the last step would have given a non-finite state: they stay where they were, without contacts, until the
@@ -70,11 +96,21 @@ impl World {
         Ok(all.flat_map(|(key, slot)| self.contacts_of_pair(key, slot)))
     }
 
+    /// Gives every body the sum of the forces of its contacts, as after a restore.
+    pub(super) fn add_up_contact_forces(&mut self) {
+        let slots: Vec<(PairKey, u32)> = self.pairs.all().enumerate().map(|(slot, pair)| (pair.key, slot as u32)).collect();
+        for (key, slot) in slots {
+            let force: Vec3 = self.contacts_of_pair(key, slot).map(|contact| contact.force()).sum();
+            let (a, b) = key.shapes();
+            self.bodies[self.colliders[a].body].contact_force -= force;
+            self.bodies[self.colliders[b].body].contact_force += force;
+        }
+    }
+
     fn force_on_fixed(&self, index: u32) -> Vec3 {
         let mut force = Vec3::ZERO;
         for contact in self.contacts_of(self.bodies.handle_of(index)).into_iter().flatten() {
-            let on_b =
-                contact.normal * contact.points().iter().map(|point| point.normal_force).sum::<f32>() + contact.friction_force;
+            let on_b = contact.force();
             force += if contact.pair.body_b == self.bodies.handle_of(index) { on_b } else { -on_b };
         }
         force

@@ -108,7 +108,8 @@ impl World {
                 continue;
             }
             let (at, rotation) = shape.world_pose(body);
-            let (color, world) = (color_of(body), |point: Vec3| at + (rotation * point).as_dvec3());
+            let (color, world) =
+                (if shape.sensor { Color::GREEN } else { color_of(body) }, |point: Vec3| at + (rotation * point).as_dvec3());
             if pen.wants(DrawLayers::SHAPES) {
                 form::outline(shape.shape.parry(), &mut |from, to| pen.line(world(from), world(to), color));
             }

@@ -18,9 +18,11 @@ use crate::solve::batch::Batch;
 use crate::solve::bound::BoundEntry;
 use crate::solve::contact::ContactInput;
 use crate::solve::joint::JointEntry;
+use crate::solve::plane::{PlaneEntry, PlaneHold, PlaneMember};
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::taut::TautEntry;
 use crate::span::Derived;
+use crate::span::plane::Chain;
 use crate::span::union::UnionMotion;
 use crate::workers::for_each_chunk;
 
@@ -35,6 +37,7 @@ struct Records<'a> {
     joints: &'a Pool<Joint, JointId>,
     bounds: &'a [BoundRecord],
     long_range: &'a LongRangeDef,
+    chains: &'a [Chain],
     /// Bodies whose joints are left to sweeps.
     swept: &'a [bool],
     span: &'a Derived,
@@ -69,11 +72,12 @@ impl World {
             joints: &self.joints,
             bounds: &self.long_range.records,
             long_range: &self.def.long_range,
+            chains: &self.long_range.chains,
             swept: &self.long_range.swept,
             span: &self.long_range.derived,
             place: &self.groups.place,
             unions: &self.unions,
-            tallied: self.unions.iter().any(|union| union.wanted),
+            tallied: self.def.hit_threshold < f32::INFINITY || self.unions.iter().any(|union| union.wanted),
             gravity: self.def.gravity,
             solver: self.def.solver,
             reach: self.def.gravity.length() * substep * substep,
@@ -107,6 +111,7 @@ impl Records<'_> {
         self.list_joints(batch);
         self.lay_out(batch, settings);
         self.fill_bounds(batch);
+        self.fill_planes(batch);
     }
 
     /// State of what has the slot of this body: the body, or the union that it leads.
@@ -326,6 +331,44 @@ impl Records<'_> {
                 taut: false,
                 acted: false,
             });
+        }
+    }
+
+    fn fill_planes(&self, batch: &mut Batch) {
+        batch.planes.parts = (self.long_range.plane_position, self.long_range.plane_axis);
+        for number in 0..batch.chains.len() {
+            let chain = &self.chains[batch.chains[number] as usize];
+            let first = batch.planes.members.len() as u32;
+            let mut reference = None;
+            for member in &chain.members {
+                let end = self.joint_end(batch, &self.joints[member.end.0], member.end.1 as usize);
+                let origin = end.origin - *reference.get_or_insert(end.origin);
+                batch.planes.members.push(PlaneMember { slot: end.slot, axis: member.axis, height: member.height, origin });
+            }
+            let hold = chain.anchor.map(|anchor| {
+                let end = self.joint_end(batch, &self.joints[anchor.end.0], anchor.end.1 as usize);
+                PlaneHold {
+                    slot: end.slot,
+                    origin: end.origin - reference.unwrap_or(end.origin),
+                    lever: end.lever,
+                    axis: end.frame * Vec3::X * anchor.sign,
+                    height: anchor.height,
+                }
+            });
+            let members = (first, batch.planes.members.len() as u32);
+            let alone = chain.members.iter().all(|member| self.has_no_other(member.body, &chain.joints));
+            batch.planes.entries.push(PlaneEntry { members, hold, size: chain.size, alone });
+        }
+        batch.planes.drop_solved(&batch.motions);
+        batch.planes.note_contacts(batch.motions.len(), batch.inputs.iter().map(|input| (input.a, input.b)));
+    }
+
+    /// Whether all joints of what this body stands for are among these.
+    fn has_no_other(&self, index: u32, joints: &[u32]) -> bool {
+        let is_one = |slot: u32| joints.binary_search(&slot).is_ok();
+        match self.unions.moving(index) {
+            Some(union) => union.outer.iter().all(|&slot| is_one(slot)),
+            None => self.bodies[index].joints.iter().filter_map(|&id| self.joints.find(id).ok()).all(is_one),
         }
     }
 

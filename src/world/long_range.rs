@@ -4,13 +4,14 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::World;
 use super::unions::Unions;
-use crate::body::Body;
+use crate::body::{Body, LockedAxes};
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointDef, JointKind, Softness};
 use crate::long_range::{BoundKind, BoundState, LongRangeDef, SoftBound};
 use crate::span::graph::{Link, Turn};
 use crate::span::load::NodeId;
+use crate::span::plane::{Chain, Hinge, HingeEnd, find_chains};
 use crate::span::soft::Request;
 use crate::span::{Bound, Choice, Derived, JointSide};
 
@@ -69,6 +70,8 @@ pub(super) struct LongRange {
     /// Whether joints, limits, joint frames or masses have changed since bounds were derived.
     stale: bool,
     pub derived: Derived,
+    /// Hinge chains, by their lowest joint.
+    pub chains: Vec<Chain>,
     pub records: Vec<BoundRecord>,
     previous: Vec<BoundRecord>,
     /// What the host asked for, by its joints.
@@ -122,6 +125,11 @@ impl World {
                 long_range.derived.graph.links.extend(link_of(slot, joint, unions, bodies));
             }
         }
+        long_range.chains.clear();
+        if settings.enabled && (settings.plane_position || settings.plane_axis) {
+            let hinges: Vec<Hinge> = joints.iter().filter_map(|(slot, joint)| hinge_of(slot, joint, unions, bodies)).collect();
+            long_range.chains = find_chains(&hinges);
+        }
         let requests = long_range.requests(joints, settings);
         let choice =
             Choice { attachment: settings.attachment.enabled, hierarchy: settings.hierarchy.enabled, levels: settings.levels };
@@ -134,6 +142,12 @@ impl World {
     /// Hands the bounds of everything awake to the batches of their far bodies.
     pub(super) fn hand_out_bounds(&mut self) {
         let Self { groups, batches, long_range, bodies, movers, report, .. } = self;
+        for (number, chain) in long_range.chains.iter().enumerate() {
+            if let Some(first) = chain.members.first().filter(|first| bodies[first.body].is_mover() && !bodies[first.body].held) {
+                batches[groups.place[first.body as usize].0 as usize].chains.push(number as u32);
+                report.counts.planes += 1;
+            }
+        }
         if long_range.records.is_empty() {
             return;
         }
@@ -404,6 +418,34 @@ fn turn_of(def: &JointDef, frames: [Quat; 2]) -> Option<Turn> {
         }
         JointKind::Distance { .. } | JointKind::Prismatic { .. } => None,
     }
+}
+
+/// The joint as a hinge of a chain, if it is one without give between bodies that may turn as they like.
+fn hinge_of(slot: u32, joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyId>) -> Option<Hinge> {
+    let def = &joint.def;
+    let rigid = def.linear.compliance == 0.0 && def.angular.compliance == 0.0;
+    if !rigid || !matches!(def.kind, JointKind::Hinge { .. }) {
+        return None;
+    }
+    let end = |side: usize| {
+        let frame = if side == 0 { &def.frame_a } else { &def.frame_b };
+        let fixed = HingeEnd { body: None, axis: frame.rotation * Vec3::X, point: Vec3::ZERO };
+        let Some(index) = joint.bodies[side] else { return Some(fixed) };
+        let body = &bodies[index];
+        if !body.is_free() {
+            return Some(fixed);
+        }
+        let point = frame.position.as_vec3() - body.local_center;
+        let Some(union) = unions.moving(index) else {
+            let unlocked = body.locked_axes == LockedAxes::default();
+            return unlocked.then_some(HingeEnd { body: Some(index), point, ..fixed });
+        };
+        let place = unions.place(index);
+        Some(HingeEnd { body: Some(union.lead), axis: place.rotation * fixed.axis, point: place.offset + place.rotation * point })
+    };
+    let ends = [end(0)?, end(1)?];
+    let same = ends[0].body == ends[1].body;
+    (!same).then_some(Hinge { joint: slot, ends })
 }
 
 /// The joint as a link between what moves as one: a union stands under its lead, in its own frame. `None` for joints inside one.

@@ -1,5 +1,6 @@
 //! Stages of a step that find pairs of shapes and bring their contacts up to date.
 
+use glam::DVec3;
 use parry3d::bounding_volume::BoundingVolume;
 use rayon::prelude::*;
 
@@ -8,10 +9,11 @@ use super::unions::Unions;
 use crate::body::Body;
 use crate::collide::broad::still_near;
 use crate::collide::collider::{Collider, own_margin};
-use crate::collide::pairs::{Fate, Pair, PairKey, PairScratch};
+use crate::collide::pairs::{Fate, Pair, PairKey, PairScratch, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
 use crate::material::PairMaterial;
+use crate::report::{Contact, Hit};
 use crate::workers::for_each_chunk;
 
 /// Active pairs below which the narrow phase stays on one thread.
@@ -124,6 +126,69 @@ impl World {
     }
 }
 
+impl World {
+    /// Notes of every pair how fast its points approach each other, where that is fast enough for a hit.
+    pub(super) fn note_approaches(&mut self) {
+        let Self { pairs, colliders, bodies, def, .. } = self;
+        if def.hit_threshold == f32::INFINITY {
+            return;
+        }
+        pairs.for_each_active(|pair| {
+            if pair.may_touch {
+                pair.approach = pair.approach.max(approach(pair, colliders, bodies, def.hit_threshold));
+            }
+        });
+    }
+
+    /// Lists pairs of shapes that met fast: once the approach is over, for speculative contacts spread it over two steps.
+    pub(super) fn report_hits(&mut self) {
+        let threshold = self.def.hit_threshold;
+        if threshold == f32::INFINITY {
+            return;
+        }
+        for number in 0..self.pairs.active().len() {
+            let (key, slot) = self.pairs.active()[number];
+            let pair = self.pairs.get(slot);
+            if pair.approach == 0.0 || approach(pair, &self.colliders, &self.bodies, threshold) > 0.0 {
+                continue;
+            }
+            let (approach_speed, impulse) = (pair.approach, pair.blow);
+            let heaviest = |a: &Contact, b: &Contact| a.normal_force().total_cmp(&b.normal_force());
+            if let Some(contact) = self.contacts_of_pair(key, slot).max_by(heaviest).filter(|_| impulse > 0.0) {
+                let points = contact.points();
+                let point = points.iter().map(|point| point.position).sum::<DVec3>() / points.len() as f64;
+                self.events.hits.push(Hit { pair: contact.pair, point, normal: contact.normal, approach_speed, impulse });
+            }
+            let pair = self.pairs.get_mut(slot);
+            (pair.approach, pair.blow) = (0.0, 0.0);
+        }
+    }
+}
+
+/// Greatest speed at which points of a pair approach each other (m/s), if it is above a threshold; else zero.
+fn approach(pair: &Pair, colliders: &Pool<Collider, ShapeId>, bodies: &Pool<Body, BodyId>, threshold: f32) -> f32 {
+    let (a, b) = pair.key.shapes();
+    let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
+    let (body_a, body_b) = (&bodies[shape_a.body], &bodies[shape_b.body]);
+    let linear = body_b.linear_velocity - body_a.linear_velocity;
+    let turning = body_a.angular_velocity.length() * shape_a.reach + body_b.angular_velocity.length() * shape_b.reach;
+    if linear.length() + turning <= threshold {
+        return 0.0;
+    }
+    let mut greatest = 0.0;
+    for manifold in &pair.manifolds {
+        let world = WorldManifold::new(&manifold.geometry, (shape_a, body_a), (shape_b, body_b));
+        for i in 0..manifold.geometry.count as usize {
+            let turning = body_b.angular_velocity.cross(world.lever_b[i]) - body_a.angular_velocity.cross(world.lever_a[i]);
+            let speed = -(linear + turning).dot(world.normal);
+            if speed > threshold {
+                greatest = speed.max(greatest);
+            }
+        }
+    }
+    greatest
+}
+
 /// How far two shapes can move against each other in a step (m).
 fn relative_motion(a: (&Collider, &Body), b: (&Collider, &Body), gravity: glam::Vec3, dt: f32) -> f32 {
     let fall = |body: &Body| if body.is_free() && body.is_mover() { body.gravity_scale } else { 0.0 };
@@ -140,7 +205,7 @@ pub(super) fn may_collide(
     joints: &Pool<Joint, JointId>,
     unions: &Unions,
 ) -> bool {
-    if a.body == b.body || !a.filter.accepts(&b.filter) {
+    if a.body == b.body || a.sensor || b.sensor || !a.filter.accepts(&b.filter) {
         return false;
     }
     let (body_a, body_b) = (&bodies[a.body], &bodies[b.body]);

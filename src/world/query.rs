@@ -198,6 +198,9 @@ impl World {
 
     fn counts(&self, slot: u32, filter: &QueryFilter) -> bool {
         let collider = &self.colliders[slot];
+        if collider.sensor {
+            return false;
+        }
         let (shape, body) = (self.colliders.handle_of(slot), self.bodies.handle_of(collider.body));
         filter.accepts(shape, &collider.filter, body, self.bodies[collider.body].kind)
     }
@@ -206,7 +209,7 @@ impl World {
     fn candidates(&self, path: &Segment) -> Vec<(f64, u32)> {
         let mut found: Vec<(f64, u32)> = Vec::new();
         self.broad.along(|mins, maxs| path.enters(mins, maxs), &mut found);
-        for &slot in self.escaped.0.get_or_init(|| self.find_escaped()) {
+        for slot in self.escaped_shapes() {
             // An edit may have destroyed it since.
             if let Some(collider) = self.colliders.get(slot)
                 && let Some(entry) = path.enters_box(&collider.world_box(0.0))
@@ -218,6 +221,11 @@ impl World {
         found.dedup_by_key(|&mut (_, slot)| slot);
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         found
+    }
+
+    /// Shapes that an impact carried out of their kept box in the last step; an edit may have destroyed some since.
+    pub(super) fn escaped_shapes(&self) -> impl Iterator<Item = u32> + '_ {
+        self.escaped.0.get_or_init(|| self.find_escaped()).iter().copied()
     }
 
     fn find_escaped(&self) -> Vec<u32> {

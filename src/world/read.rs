@@ -136,6 +136,11 @@ impl World {
         Ok(self.colliders[self.colliders.find(shape)?].material)
     }
 
+    /// Whether the shape only tells what it overlaps.
+    pub fn is_sensor(&self, shape: ShapeId) -> Result<bool> {
+        Ok(self.colliders[self.colliders.find(shape)?].sensor)
+    }
+
     /// What the shape collides with.
     pub fn filter(&self, shape: ShapeId) -> Result<CollisionFilter> {
         Ok(self.colliders[self.colliders.find(shape)?].filter)

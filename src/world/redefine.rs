@@ -1,9 +1,11 @@
 //! Changing what a live world was made with: forms of shapes, frames of joints, effort, sleep.
 
+use glam::Vec3;
+
 use super::World;
 use crate::body::BodyKind;
-use crate::error::Result;
-use crate::id::{JointId, ShapeId};
+use crate::error::{Error, ErrorKind, Result};
+use crate::id::{BodyId, JointId, ShapeId};
 use crate::joint::JointDef;
 use crate::mass;
 use crate::pose::Pose;
@@ -44,10 +46,72 @@ impl World {
         self.wake_around(index);
         self.forget_contacts_of(index);
         self.colliders[slot].redefine(&def, self.bodies[index].local_center);
+        self.sensing.note(slot, def.sensor);
         self.apply_mass(index, mass);
         self.refresh_boxes(index);
         self.wake_around(index);
         self.note_mover(index);
+        Ok(())
+    }
+
+    /// Makes a body static, kinematic or dynamic, and wakes it and what it touches. A body that becomes static stops; one that
+    /// becomes dynamic has the mass that it was made with or given.
+    ///
+    /// # Errors
+    /// The handle is not a body of this world; a shape of the body cannot be on a dynamic one, or it would have no mass; a joint
+    /// would be left without a dynamic body.
+    pub fn set_body_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<()> {
+        let index = self.bodies.find(body)?;
+        if self.bodies[index].kind == kind {
+            return Ok(());
+        }
+        let mass = if kind == BodyKind::Dynamic {
+            let defs = self.shape_defs(index);
+            let defs = defs.into_iter().map(|def| def.checked(true)).collect::<Result<Vec<_>>>()?;
+            Some(mass::resolve(self.bodies[index].mass_source, &defs)?)
+        } else {
+            self.check_joints_without(index)?;
+            None
+        };
+        self.wake_body(index);
+        self.wake_around(index);
+        self.forget_contacts_of(index);
+        self.forget_joints_of(index);
+        let record = &mut self.bodies[index];
+        record.kind = kind;
+        (record.target, record.driven, record.history, record.age) = (None, false, History::NONE, 0);
+        if kind == BodyKind::Static {
+            (record.linear_velocity, record.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+        }
+        if kind != BodyKind::Dynamic {
+            (record.force, record.torque) = (Vec3::ZERO, Vec3::ZERO);
+            (record.contact_force, record.held) = (Vec3::ZERO, false);
+        }
+        self.apply_mass(index, mass);
+        self.topology_changed();
+        self.long_range.graph_changed();
+        self.welds_changed(index);
+        for joint in self.bodies[index].joints.clone() {
+            if let Ok(slot) = self.joints.find(joint) {
+                self.joint_changed(slot);
+            }
+        }
+        self.refresh_boxes(index);
+        self.wake_around(index);
+        self.note_mover(index);
+        self.movers_sorted = false;
+        self.settle_movers();
+        Ok(())
+    }
+
+    /// Refuses what would leave a joint without a dynamic body.
+    fn check_joints_without(&self, index: u32) -> Result<()> {
+        let is_dynamic = |other: u32| other != index && self.bodies[other].is_dynamic();
+        for joint in self.bodies[index].joints.iter().filter_map(|&id| self.joints.find(id).ok()) {
+            if !self.joints[joint].bodies.into_iter().flatten().any(is_dynamic) {
+                return Err(Error::new(ErrorKind::NotApplicable, "kind", "would leave a joint without a dynamic body"));
+            }
+        }
         Ok(())
     }
 
@@ -117,6 +181,14 @@ impl World {
     /// The speed is negative or not finite.
     pub fn set_restitution_threshold(&mut self, speed: f32) -> Result<()> {
         self.change_def(|def| def.restitution_threshold = speed)
+    }
+
+    /// Sets the approach speed above which contacts are listed as hits (m/s), ≥ 0; infinity for never.
+    ///
+    /// # Errors
+    /// The speed is negative or NaN.
+    pub fn set_hit_threshold(&mut self, speed: f32) -> Result<()> {
+        self.change_def(|def| def.hit_threshold = speed)
     }
 
     fn change_def(&mut self, edit: impl FnOnce(&mut WorldDef)) -> Result<()> {

@@ -95,6 +95,7 @@ impl World {
         let body = &self.bodies[index];
         let collider = Collider::new(index, def, body.local_center);
         let (slot, id) = self.colliders.insert(collider)?;
+        self.sensing.note(slot, def.sensor);
         self.bodies[index].shapes.push(id);
         self.refresh_box(slot);
         Ok(id)
@@ -103,6 +104,7 @@ impl World {
     pub(super) fn remove_collider(&mut self, slot: u32) {
         self.drop_pairs_of_shape(slot);
         self.broad.remove(slot);
+        self.sensing.note(slot, false);
         let id = self.colliders.handle_of(slot);
         if let Some(collider) = self.colliders.remove(slot) {
             self.bodies[collider.body].shapes.retain(|&other| other != id);

@@ -1,11 +1,13 @@
 //! A whole world into bytes, and back.
 
 use glam::{DVec3, Quat};
+use parry3d::bounding_volume::Aabb;
 
 use super::fracture::Fracture;
+use super::sense::Sensing;
 use super::{CarriedBound, CarriedUnion, World};
 use crate::body::{Anchored, Body, SleepState};
-use crate::collide::collider::Collider;
+use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::{Pair, PairCache};
 use crate::error::Result;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
@@ -13,9 +15,10 @@ use crate::island::{SleepingIsland, SleepingIslands};
 use crate::joint::Joint;
 use crate::report::{Events, StepReport};
 use crate::settings::WorldDef;
+use crate::snapshot::contacts;
 use crate::snapshot::forms::{KnownForms, NumberedForms};
 use crate::snapshot::table::{Input, Output};
-use crate::snapshot::{Displaced, IslandRow, LISTED, Runs, WorldRow, refused, seal};
+use crate::snapshot::{Displaced, IslandRow, LISTED, LastBox, Runs, WorldRow, refused, seal};
 
 /// What a snapshot makes of a world, complete and checked.
 struct Image {
@@ -52,6 +55,8 @@ impl World {
             support,
             // Carried bounds and what was asked for are stored, and derived bounds made anew.
             long_range,
+            // What is a sensor follows from the shapes.
+            sensing,
             // Likewise.
             unions,
             fracture,
@@ -65,6 +70,7 @@ impl World {
             scratch: _,
             // Belong to the world that is restored, whatever it holds.
             threads: _,
+            profiler: _,
             _tag: _,
         } = self;
         // The last step's events are gone after a restore; what edits have ended since will be told by the next step.
@@ -73,12 +79,16 @@ impl World {
             contact_began: _,
             contact_ended: _,
             overloaded: _,
+            hits: _,
+            joint_stops: _,
+            sensor_began: _,
+            sensor_ended: _,
             quarantined: _,
-            ended_by_edits,
             broken: _,
             splits: _,
             pieces: _,
             piece_bodies: _,
+            ended_by_edits,
         } = events;
         let (bounds_stale, carried_bounds) = self.carried_bounds();
         let (stale_unions, carried_unions) = self.carried_unions();
@@ -97,6 +107,7 @@ impl World {
             movers_sorted: *movers_sorted,
             changed: Runs(broad.changed().to_vec()),
             ended_by_edits: ended_by_edits.clone(),
+            sensed: sensing.overlaps.clone(),
             said_supported: Runs(said_supported),
             watched,
             bounds_stale,
@@ -119,10 +130,15 @@ impl World {
             .map(|(shape, collider)| Displaced { shape, place: collider.place })
             .collect();
         tables.table(displaced.iter());
-        let active: Vec<&Pair> = pairs.active().iter().map(|&(_, slot)| pairs.get(slot)).collect();
-        tables.table(active.into_iter());
+        let last_boxes: Vec<LastBox> = colliders
+            .iter()
+            .filter(|(_, shape)| !is_boxed_anew(&bodies[shape.body]) && !same_box(&shape.tight_box, &box_at_rest(shape)))
+            .map(|(slot, shape)| LastBox { shape: slot, tight_box: shape.tight_box })
+            .collect();
+        tables.table(last_boxes.iter());
+        contacts::write(&mut tables, pairs.active().iter().map(|&(_, slot)| pairs.get(slot)), colliders);
         let asleep: Vec<&Pair> = sleeping.pairs().map(|slot| pairs.get(slot)).collect();
-        tables.table(asleep.into_iter());
+        contacts::write(&mut tables, asleep.into_iter(), colliders);
         let island = |island: &Option<SleepingIsland>| {
             island
                 .as_ref()
@@ -167,11 +183,27 @@ impl World {
         self.restart_long_range(row.bounds_stale, &bounds, row.asked_bounds);
         self.fracture = Fracture::restored(row.asked_fractures);
         self.report = report;
+        self.add_up_contact_forces();
         self.broken.clear();
         self.forget_escaped();
+        self.sensing = Sensing::of(&self.colliders, row.sensed);
         self.restart_support(&row.said_supported.0, row.watched);
         Ok(())
     }
+}
+
+/// Whether the next step makes the boxes of a body's shapes anew.
+fn is_boxed_anew(body: &Body) -> bool {
+    body.is_mover() && !body.held
+}
+
+fn box_at_rest(shape: &Collider) -> Aabb {
+    shape.world_box(own_margin(shape))
+}
+
+fn same_box(a: &Aabb, b: &Aabb) -> bool {
+    a.mins.to_array().map(f32::to_bits) == b.mins.to_array().map(f32::to_bits)
+        && a.maxs.to_array().map(f32::to_bits) == b.maxs.to_array().map(f32::to_bits)
 }
 
 fn same_place(a: (DVec3, Quat), b: (DVec3, Quat)) -> bool {
@@ -197,7 +229,15 @@ impl Image {
             colliders.get(shape)?;
             colliders[shape].place = place;
         }
-        let (active, asleep) = (input.table::<Pair>()?, input.table::<Pair>()?);
+        for slot in 0..colliders.slot_count() as u32 {
+            if let Some(shape) = colliders.get_mut(slot) {
+                shape.tight_box = box_at_rest(shape);
+            }
+        }
+        for LastBox { shape, tight_box } in input.table::<LastBox>()? {
+            colliders.get_mut(shape)?.tight_box = tight_box;
+        }
+        let (active, asleep) = (contacts::read(input, &colliders)?, contacts::read(input, &colliders)?);
         let mut next = active.len() as u32;
         let mut islands = Vec::new();
         for island in input.table::<Option<IslandRow>>()? {
@@ -306,5 +346,6 @@ impl Image {
 fn shape_makes_sense(shape: &Collider) -> bool {
     shape.place.0.is_finite()
         && shape.material.check().is_ok()
+        && !(shape.reach.is_nan() || shape.least_extent.is_nan())
         && shape.fat_box.is_some_and(|kept| kept.mins.cmple(kept.maxs).all())
 }

@@ -9,7 +9,8 @@ use super::unions::Anchor;
 use crate::body::BodyKind;
 use crate::collide::pairs::{pack_touching, touching};
 use crate::collide::sweep::PathStart;
-use crate::report::{JointOverload, Moved};
+use crate::joint::Joint;
+use crate::report::{JointOverload, JointStop, Moved};
 use crate::solve::direct::history::History;
 use crate::span::union::UnionMotion;
 
@@ -30,6 +31,7 @@ impl World {
             let batch = &self.batches[number];
             let (report, residuals) = (&mut self.report.counts, &mut self.report.residuals);
             report.colors = report.colors.max(batch.color_count);
+            report.planes_corrected += batch.planes.corrected;
             residuals.joint_gap = residuals.joint_gap.max(batch.joint_gap);
             residuals.penetration = residuals.penetration.max(batch.penetration);
         }
@@ -129,6 +131,9 @@ impl World {
                 continue;
             }
             carried.impulses = impulses;
+            if pair.approach > 0.0 {
+                pair.blow += batch.contact_blow(i);
+            }
             let (a, b) = pair.key.shapes();
             let normal = batch.contact_normal(i);
             let force = (normal * impulses.normal.iter().sum::<f32>() + impulses.friction) / substep;
@@ -147,6 +152,11 @@ impl World {
                 joint.forget_impulses();
                 continue;
             }
+            let pressed = joint.pressed_stops();
+            for (axis, upper) in Joint::stops(pressed & !joint.pressed) {
+                events.joint_stops.push(JointStop { joint: handle, user_word: joint.def.user_word, axis, upper });
+            }
+            joint.pressed = pressed;
             let (force, torque) = (joint.force.length(), joint.torque.length());
             if force > joint.def.break_force || torque > joint.def.break_torque {
                 events.overloaded.push(JointOverload { joint: handle, user_word: joint.def.user_word, force, torque });
@@ -213,10 +223,12 @@ impl World {
     pub(super) fn list_moved(&mut self) {
         let Self { movers, bodies, events, report, .. } = self;
         for &index in movers.iter() {
-            let body = &bodies[index];
+            let body = &mut bodies[index];
             if body.quarantined || (body.held && body.is_awake()) {
                 continue;
             }
+            let woke = std::mem::take(&mut body.woke);
+            let body = &bodies[index];
             events.moved.push(Moved {
                 body: bodies.handle_of(index),
                 user_word: body.user_word,
@@ -224,6 +236,7 @@ impl World {
                 linear_velocity: body.linear_velocity,
                 angular_velocity: body.angular_velocity,
                 fell_asleep: !body.is_awake(),
+                woke,
             });
         }
         report.counts.moved = events.moved.len() as u32;

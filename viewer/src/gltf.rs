@@ -80,7 +80,13 @@ pub fn write(mut reader: Reader, to: &Path) -> Outcome<()> {
 
 impl Document {
     /// Appends numbers, and an accessor to them.
-    fn add(&mut self, values: &[f32], per_element: usize, kind: json::accessor::Type, bounds: bool) -> json::Index<json::Accessor> {
+    fn add(
+        &mut self,
+        values: &[f32],
+        per_element: usize,
+        kind: json::accessor::Type,
+        bounds: bool,
+    ) -> json::Index<json::Accessor> {
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let extreme = |pick: fn(f32, f32) -> f32| {
             let of = |axis: usize| values.iter().skip(axis).step_by(per_element).copied().reduce(pick).unwrap_or(0.0);
@@ -178,8 +184,7 @@ impl Document {
             let times = self.add(&track.times, 1, json::accessor::Type::Scalar, true);
             let places = self.add(track.places.as_flattened(), 3, json::accessor::Type::Vec3, false);
             let turns = self.add(track.turns.as_flattened(), 4, json::accessor::Type::Vec4, false);
-            for (output, path) in
-                [(places, json::animation::Property::Translation), (turns, json::animation::Property::Rotation)]
+            for (output, path) in [(places, json::animation::Property::Translation), (turns, json::animation::Property::Rotation)]
             {
                 let sampler = samplers.len() as u32;
                 samplers.push(json::animation::Sampler {

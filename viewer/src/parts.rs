@@ -4,7 +4,9 @@ use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{Geometry, Pose};
 use longspan_scenes::picture::{Drawn, color_of};
 use longspan_stream::Scene;
-use longspan_stream::schema::{LS_STREAM_BODY_ASLEEP, LS_STREAM_BODY_SUPPORT_KNOWN, LS_STREAM_BODY_SUPPORTED, LsStreamBody, LsStreamShape};
+use longspan_stream::schema::{
+    LS_STREAM_BODY_ASLEEP, LS_STREAM_BODY_SUPPORT_KNOWN, LS_STREAM_BODY_SUPPORTED, LsStreamBody, LsStreamShape,
+};
 
 /// What is shown beside the bodies.
 #[derive(Debug, Clone, Copy)]
@@ -111,7 +113,8 @@ fn add_spans(scene: &Scene, layers: Layers, size: f32, drawn: &mut Vec<(u64, Dra
         for load in scene.joint_loads() {
             let Some(joint) = scene.joint(load.joint) else { continue };
             let local = DVec3::from_array(joint.position_a).as_vec3();
-            let at = scene.body(joint.body_a).map_or(DVec3::from_array(joint.position_a), |body| pose_of(body).transform_point(local));
+            let at =
+                scene.body(joint.body_a).map_or(DVec3::from_array(joint.position_a), |body| pose_of(body).transform_point(local));
             dot(at, 2.5 * thin, heat(load.share));
         }
     }
@@ -140,10 +143,7 @@ fn add_spans(scene: &Scene, layers: Layers, size: f32, drawn: &mut Vec<(u64, Dra
                 0,
                 Drawn {
                     geometry: Geometry::Cylinder { half_height: 0.5 * thin, radius: plane.radius },
-                    pose: Pose {
-                        position: DVec3::from_array(plane.point),
-                        rotation: Quat::from_rotation_arc(Vec3::Y, normal),
-                    },
+                    pose: Pose { position: DVec3::from_array(plane.point), rotation: Quat::from_rotation_arc(Vec3::Y, normal) },
                     color: Vec3::new(0.3, 0.5, 0.9),
                 },
             ));

@@ -39,6 +39,7 @@ struct View {
     distance: f32,
     framed: bool,
     dragging: bool,
+    wants_picture: bool,
     mouse: (f32, f32),
     problem: String,
     status: String,
@@ -69,6 +70,7 @@ pub fn open(reader: Reader, domain: &Domain, shot: Option<String>) -> Outcome<()
         distance: 10.0,
         framed: false,
         dragging: false,
+        wants_picture: false,
         mouse: (0.0, 0.0),
         problem: String::new(),
         status: String::new(),
@@ -88,9 +90,11 @@ async fn run(mut view: View, shot: Option<String>) {
         view.frame(&parts);
         view.draw(&parts);
         view.write();
+        if std::mem::take(&mut view.wants_picture) {
+            save(&format!("longspan-{}.png", view.reader.scene().frame().step));
+        }
         if let Some(file) = shot.as_ref().filter(|_| start.elapsed().as_secs_f32() > SHOT_AFTER) {
-            next_frame().await;
-            get_screen_data().export_png(file);
+            save(file);
             return;
         }
         if is_key_down(KeyCode::Escape) {
@@ -98,6 +102,13 @@ async fn run(mut view: View, shot: Option<String>) {
         }
         next_frame().await;
     }
+}
+
+/// Saves what has been drawn of this frame.
+fn save(file: &str) {
+    // Changing the camera is what makes macroquad draw what it has collected; after the frame the buffer means nothing any more.
+    set_default_camera();
+    get_screen_data().export_png(file);
 }
 
 impl View {
@@ -191,7 +202,7 @@ impl View {
             self.next_source();
         }
         if is_key_pressed(KeyCode::F12) {
-            get_screen_data().export_png(&format!("longspan-{here}.png"));
+            self.wants_picture = true;
         }
     }
 
@@ -292,7 +303,10 @@ impl View {
             lines.extend([
                 format!("body {:#x}  word {}  union {:#x}", body.body, body.user_word, body.union_id),
                 format!("at {x:.4} {y:.4} {z:.4} m  {speed:.3} m/s  {turn:.3} rad/s  {:.3} kg", body.mass),
-                format!("support {}  margin {:.4} m  load {:.1} N  flags {:#x}", body.support, body.support_margin, body.support_load, body.flags),
+                format!(
+                    "support {}  margin {:.4} m  load {:.1} N  flags {:#x}",
+                    body.support, body.support_margin, body.support_load, body.flags
+                ),
             ]);
         }
         let worst = scene.joint_loads().iter().max_by(|a, b| a.share.total_cmp(&b.share).then(a.force.total_cmp(&b.force)));

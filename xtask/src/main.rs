@@ -6,6 +6,7 @@
 mod compiler;
 mod consumers;
 mod demo;
+mod hosts;
 mod install;
 mod library;
 mod readme;
@@ -23,6 +24,7 @@ const USAGE: &str = "cargo xtask COMMAND
     streams   builds the library with streams; runs a host in C, and one that watches, records and plays it
     install PREFIX   installs shared and static library, header, pkg-config file and CMake package (DESTDIR is honoured)
     consumers builds and runs a program for each way to take the installed library
+    hosts     builds the hosts with a window, runs them under a virtual display, and looks at their pictures
     readme    compiles and runs the C example of README.md by the compiler lines given there";
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
         ["demo"] => demo::run(),
         ["header"] => write_header(),
         ["samples"] => samples::run(),
+        ["hosts"] => hosts::run(),
         ["streams"] => streams::run(),
         ["readme"] => readme::run(),
         ["install", prefix] => install::run(prefix),

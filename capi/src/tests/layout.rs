@@ -8,6 +8,8 @@ use std::process::Command;
 use longspan_stream_schema::*;
 
 use crate::body_def::*;
+use crate::callbacks::*;
+use crate::draw::*;
 use crate::events::*;
 use crate::fracture::*;
 use crate::handle::*;
@@ -15,7 +17,9 @@ use crate::joint::*;
 use crate::joint_def::*;
 use crate::long_range::*;
 use crate::math::*;
+use crate::memory::*;
 use crate::query_def::*;
+use crate::record::*;
 use crate::report::*;
 use crate::shape_def::*;
 use crate::stream_def::*;
@@ -74,7 +78,7 @@ fn layouts() -> Vec<Layout> {
         LsShapeDef {
             struct_size, kind, half_extents, half_height, radius, normal, points, point_count, triangles, triangle_count,
             heights, height_count, rows, columns, size_x, size_z, parts, part_count, local_position, local_rotation, density,
-            material, filter, user_word
+            material, filter, user_word, sensor, reserved
         }
         LsMassProperties { mass, center_of_mass, principal_inertia, inertia_frame }
         LsMass { kind, properties }
@@ -110,24 +114,37 @@ fn layouts() -> Vec<Layout> {
         LsJointStress { force, torque, share, limit, damage }
         LsJointState { position, velocity, force, torque, gap }
         LsBoundKindDef { enabled, upper, lower }
-        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft, unions }
+        LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft, unions, plane_position, plane_axis }
         LsSoftBound { share, softness }
         LsBound { near_joint, far_joint, points, kind, level, distance, upper, lower, tension, active, reserved }
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
             struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_threshold, body_capacity,
-            joint_capacity, reserved, hold, support, fracture
+            joint_capacity, reserved, hold, support, hit_threshold, fracture
         }
         LsStepReport {
             step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
             joints, batches, colors, moved, joint_gap, penetration, broad_phase_time, narrow_phase_time, island_time,
             solve_time, finish_time, total_time, unions, union_members
         }
-        LsMoved { body, user_word, pose, linear_velocity, angular_velocity, fell_asleep, reserved }
+        LsMoved { body, user_word, pose, linear_velocity, angular_velocity, fell_asleep, woke }
         LsContactPair { shape_a, shape_b, body_a, body_b }
         LsContactPoint { position, separation, normal_force }
         LsContact { pair, normal, friction_force, point_count, reserved, points }
         LsJointOverload { joint, user_word, force, torque }
+        LsHit { pair, point, normal, approach_speed, impulse, reserved }
+        LsJointStop { joint, user_word, axis, upper }
+        LsCallbacks {
+            struct_size, reserved, user, contact_began, contact_ended, hits, sensor_began, sensor_ended, joint_stops, moved
+        }
+        LsDraw {
+            struct_size, layers, line, triangle, text, user, force_scale, velocity_scale, mark_size, only_near, center, radius
+        }
+        LsReplay {
+            calls, refused, steps, diverged, cut_short, call, step, recorded, found, in_state, reserved, method
+        }
+        LsAllocator { allocate, release, user }
+        LsMemory { bytes, peak_bytes, blocks, allocations }
         LsQueryFilter { struct_size, member_of, collides_with, kinds, ignored, ignored_count, accept, user }
         LsRay { origin, direction, length }
         LsRayHit { shape, body, point, normal, distance }
@@ -194,7 +211,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsPose", 40),
         ("LsMaterial", 24),
         ("LsMass", 48),
-        ("LsShapeDef", 192),
+        ("LsShapeDef", 200),
         ("LsBodyDef", 168),
         ("LsMotor", 20),
         ("LsSphericalMotor", 44),
@@ -212,12 +229,19 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsLongRangeDef", 64),
         ("LsBound", 96),
         ("LsSoftBound", 12),
-        ("LsWorldDef", 80),
+        ("LsWorldDef", 84),
         ("LsStepReport", 96),
         ("LsMoved", 88),
         ("LsContactPair", 32),
         ("LsContact", 192),
         ("LsJointOverload", 24),
+        ("LsHit", 80),
+        ("LsJointStop", 24),
+        ("LsCallbacks", 72),
+        ("LsDraw", 88),
+        ("LsReplay", 112),
+        ("LsAllocator", 24),
+        ("LsMemory", 32),
         ("LsSupport", 8),
         ("LsSupportChange", 24),
         ("LsQueryFilter", 48),

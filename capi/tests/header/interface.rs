@@ -104,8 +104,9 @@ impl Interface {
                 broken.push(format!("struct {name} is gone"));
                 continue;
             };
-            let shared = now.fields.iter().take(old.fields.len());
-            if !old.fields.iter().eq(shared) {
+            let same = |(old, now): (&String, &String)| old == now || is_named_reserve(old, now);
+            let is_shorter = now.fields.len() < old.fields.len();
+            if is_shorter || !old.fields.iter().zip(&now.fields).all(same) {
                 broken.push(format!("struct {name}: its fields were {:?} and are {:?}", old.fields, now.fields));
             } else if now.fields.len() > old.fields.len() && !old.grows {
                 broken.push(format!("struct {name} never grows, and has a new field"));
@@ -130,6 +131,12 @@ impl fmt::Display for Interface {
         }
         Ok(())
     }
+}
+
+/// Whether a field that was kept in reserve, and was zero, has been given a name.
+fn is_named_reserve(old: &str, now: &str) -> bool {
+    let (was, is) = (old.rsplit_once(' '), now.rsplit_once(' '));
+    matches!((was, is), (Some((type_before, "reserved")), Some((type_now, _))) if type_before == type_now)
 }
 
 fn without_comments(text: &str) -> String {

@@ -48,6 +48,8 @@ pub(crate) struct Touch {
     lambda: [f64; POINTS],
     tangential: DVec3,
     twist: f64,
+    /// Sum of the normals' multipliers over the substeps (N·s).
+    blow: f64,
 }
 
 impl Touch {
@@ -77,6 +79,7 @@ impl Touch {
             tangential: input.impulses.friction.as_dvec3() * sign,
             // The normal turns with the sign, so that the push about it does not.
             twist: f64::from(input.impulses.twist),
+            blow: 0.0,
         }
     }
 
@@ -140,6 +143,7 @@ impl Touch {
         for (lambda, row) in self.lambda.iter_mut().zip(&system.rows[first..first + self.count]) {
             *lambda = row.impulse.max(0.0);
         }
+        self.blow += self.lambda[..self.count].iter().sum::<f64>();
         let (t1, t2) = tangents(self.normal.as_vec3());
         if let [u, v, w] = &system.rows[first + self.count..first + self.count + 3] {
             self.tangential = t1.as_dvec3() * u.impulse + t2.as_dvec3() * v.impulse;
@@ -151,6 +155,11 @@ impl Touch {
         self.lambda.iter_mut().for_each(|lambda| *lambda *= factor);
         self.tangential *= factor;
         self.twist *= factor;
+    }
+
+    /// Impulse along the normal over the step (N·s).
+    pub(crate) fn blow(&self) -> f32 {
+        self.blow as f32
     }
 
     /// Multipliers in the manifold's own terms.

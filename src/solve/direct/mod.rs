@@ -243,6 +243,12 @@ impl Direct {
         found.map_or(ContactImpulses::default(), |found| self.impulses[found].1)
     }
 
+    /// Impulse along the normal of a contact that it holds, over the step (N·s).
+    pub(crate) fn blow_of(&self, number: usize) -> f32 {
+        let touches = self.articulations().iter().flat_map(|articulation| &articulation.touches);
+        touches.filter(|touch| touch.number as usize == number).map(Touch::blow).sum()
+    }
+
     /// Worst overlap of the contacts that it holds (m).
     pub(crate) fn penetration(&self) -> f64 {
         self.articulations().iter().map(|articulation| articulation.outcome.penetration).fold(0.0, f64::max)

@@ -1,0 +1,383 @@
+//! Keeping hinge chains in their plane (Müller et al. 2017, §3.4): velocities first, then what is left of positions.
+//!
+//! **Plane.** Where an end is fixed, it gives the plane. Otherwise the plane is the one that the members reach with the least work: with
+//! x_i the centre of mass moved back along its own axis a_i by its height, r_i = x_i − x̄ (weighed by mass) and I_i the mean inertia
+//! across the axis, its normal n minimises
+//!
+//! ```text
+//! Σ m_i (r_i·n)² + I_i (1 − (a_i·n)²) = nᵀ A n + const,      A = Σ m_i r_i r_iᵀ − I_i a_i a_iᵀ,
+//! ```
+//!
+//! the eigenvector of the smallest eigenvalue. The second term is what tells the plane of a straight chain, where all r_i are in one
+//! line. At the minimum moving all members into the plane turns the whole by nothing, to first order.
+//!
+//! **Velocities** before bodies move: a motion within the plane, and one rigid motion of all. Each member keeps what it does within
+//! the plane, v_i − n (n·v_i) and n (n·ω_i); the rest is replaced by the rigid motion that restores both momenta,
+//!
+//! ```text
+//! v_i' = v_i − n (n·v_i) + n V + Ω × r_i,    ω_i' = n (n·ω_i) + Ω,    V = Σ m_i n·v_i / M,    Ω = J⁻¹ (L − L'),
+//! ```
+//!
+//! J being the inertia of all as one body, L' the angular momentum without Ω. With a fixed plane the rigid motion is that of its anchor.
+//!
+//! **Positions** after bodies have moved: members turn until a_i = n, and shift along n. Velocities do not hear of it, but for the
+//! rigid motion that keeps the angular momentum.
+
+use glam::{DMat3, DQuat, DVec3, Vec3};
+
+use super::integrate;
+use super::state::{BodyMotion, BodyVelocity};
+use crate::span::eigen::symmetric_eigen;
+
+/// Distance from the plane below which nothing is done, over the chain's mean lever.
+const FLAT: f64 = 1.0e-4;
+
+/// Angle from the normal below which nothing is done (rad).
+const ALIGNED: f64 = 1.0e-4;
+
+/// Most that a member turns at once (rad).
+const MOST_TURN: f64 = 0.5;
+
+/// A member of a chain in its batch.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlaneMember {
+    pub slot: u32,
+    /// Normal in the body's axes.
+    pub axis: Vec3,
+    pub height: f32,
+    /// Where displacements count from, from there for the first member (m).
+    pub origin: DVec3,
+}
+
+/// What fixes a plane.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlaneHold {
+    pub slot: u32,
+    /// As for members.
+    pub origin: DVec3,
+    /// Joint point from there, and normal, in the body's axes.
+    pub lever: Vec3,
+    pub axis: Vec3,
+    /// The joint point over the plane (m).
+    pub height: f32,
+}
+
+/// A chain in its batch; its members are a range of all.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlaneEntry {
+    pub members: (u32, u32),
+    pub hold: Option<PlaneHold>,
+    pub size: f32,
+    /// Whether nothing but its own hinges acts between its members and anything else.
+    pub alone: bool,
+}
+
+/// All chains of a batch.
+#[derive(Debug, Default)]
+pub(crate) struct Planes {
+    pub entries: Vec<PlaneEntry>,
+    pub members: Vec<PlaneMember>,
+    /// Whether the position part and the axis part act.
+    pub parts: (bool, bool),
+    /// Chains that were put back into their plane in this step.
+    pub corrected: u32,
+    states: Vec<State>,
+    /// Angular momentum about the centre of mass of each chain at the start of the substep, forces applied.
+    spins: Vec<DVec3>,
+    /// Chain of each slot.
+    owners: Vec<u32>,
+}
+
+/// A member as it is, in `f64`.
+#[derive(Debug, Clone, Copy)]
+struct State {
+    mass: f64,
+    inertia: DMat3,
+    center: DVec3,
+    axis: DVec3,
+    linear: DVec3,
+    angular: DVec3,
+    height: f64,
+}
+
+impl State {
+    fn of(member: &PlaneMember, velocity: &BodyVelocity, motion: &BodyMotion) -> Self {
+        let frame = DMat3::from_quat((motion.rotation.as_dquat() * motion.inertia_frame.as_dquat()).normalize());
+        let tensor = frame * DMat3::from_diagonal(motion.inertia.as_dvec3()) * frame.transpose();
+        Self {
+            mass: 1.0 / f64::from(velocity.inverse_mass.max_element()),
+            inertia: tensor,
+            center: member.origin + motion.displacement.as_dvec3(),
+            axis: motion.rotation.as_dquat().normalize() * member.axis.as_dvec3(),
+            linear: velocity.linear.as_dvec3(),
+            angular: velocity.angular.as_dvec3(),
+            height: f64::from(member.height),
+        }
+    }
+
+    /// Mean inertia about directions across the axis.
+    fn across(&self) -> f64 {
+        let trace = self.inertia.x_axis.x + self.inertia.y_axis.y + self.inertia.z_axis.z;
+        0.5 * (trace - self.axis.dot(self.inertia * self.axis))
+    }
+
+    /// Centre of mass moved back by its height.
+    fn foot(&self) -> DVec3 {
+        self.center - self.axis * self.height
+    }
+}
+
+fn outer(a: DVec3) -> DMat3 {
+    DMat3::from_cols(a * a.x, a * a.y, a * a.z)
+}
+
+fn steiner(r: DVec3, mass: f64) -> DMat3 {
+    (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - outer(r)) * mass
+}
+
+/// A plane, and the rigid motion of what fixes it.
+struct Plane {
+    point: DVec3,
+    normal: DVec3,
+    driven: Option<Driven>,
+}
+
+/// Velocity of a point of the anchor, and its angular velocity.
+struct Driven {
+    point: DVec3,
+    linear: DVec3,
+    angular: DVec3,
+}
+
+/// Sums over all members as one rigid body.
+struct Whole {
+    mass: f64,
+    center: DVec3,
+    spin: DVec3,
+}
+
+impl Whole {
+    fn of(states: &[State]) -> Self {
+        let mass: f64 = states.iter().map(|state| state.mass).sum();
+        let center = states.iter().map(|state| state.center * state.mass).sum::<DVec3>() / mass;
+        Self { mass, center, spin: spin(states, center) }
+    }
+}
+
+/// Angular momentum about a point.
+fn spin(states: &[State], about: DVec3) -> DVec3 {
+    states.iter().map(|state| (state.center - about).cross(state.linear * state.mass) + state.inertia * state.angular).sum()
+}
+
+/// Adds the rigid rotation about `whole.center` that gives the members its angular momentum again.
+fn restore_spin(states: &mut [State], whole: &Whole) {
+    let inertia =
+        states.iter().fold(DMat3::ZERO, |sum, state| sum + state.inertia + steiner(state.center - whole.center, state.mass));
+    if !(inertia.determinant() > 0.0) {
+        return;
+    }
+    let turn = inertia.inverse() * (whole.spin - spin(states, whole.center));
+    for state in states {
+        state.linear += turn.cross(state.center - whole.center);
+        state.angular += turn;
+    }
+}
+
+impl Planes {
+    pub(crate) fn clear(&mut self) {
+        self.entries.clear();
+        self.members.clear();
+        self.corrected = 0;
+    }
+
+    /// Forgets chains that a direct solve has moved already.
+    pub(crate) fn drop_solved(&mut self, motions: &[BodyMotion]) {
+        let members = &self.members;
+        self.entries.retain(|entry| members_of(members, entry).iter().any(|member| !motions[member.slot as usize].direct));
+    }
+
+    /// Says that something outside acts on chains whose members touch it; `ends` are the slots of contacts.
+    pub(crate) fn note_contacts(&mut self, slots: usize, ends: impl Iterator<Item = (u32, u32)>) {
+        if self.entries.is_empty() {
+            return;
+        }
+        self.owners.clear();
+        self.owners.resize(slots, u32::MAX);
+        for (number, entry) in self.entries.iter().enumerate() {
+            for member in members_of(&self.members, entry) {
+                self.owners[member.slot as usize] = number as u32;
+            }
+        }
+        for (a, b) in ends {
+            let owners = [a, b].map(|slot| self.owners[slot as usize]);
+            for owner in owners.into_iter().filter(|&owner| owners[0] != owners[1] && owner != u32::MAX) {
+                self.entries[owner as usize].alone = false;
+            }
+        }
+    }
+
+    /// Notes what angular momentum chains have that nothing else acts on: rows and projections must leave it at that.
+    pub(crate) fn note_momentum(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        let Self { entries, members, states, spins, .. } = self;
+        spins.clear();
+        for entry in entries.iter() {
+            let members = members_of(members, entry);
+            let is_free = entry.alone && entry.hold.is_none();
+            if is_free {
+                load(states, members, velocities, motions);
+            }
+            spins.push(if is_free { Whole::of(states).spin } else { DVec3::ZERO });
+        }
+    }
+
+    /// Makes velocities those of chains that stay flat.
+    pub(crate) fn fit_velocities(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
+        let Self { entries, members, states, parts, .. } = self;
+        for entry in entries.iter() {
+            let members = members_of(members, entry);
+            load(states, members, velocities, motions);
+            let Some(plane) = plane_of(entry, states, velocities, motions) else { continue };
+            let before = Whole::of(states);
+            let normal = plane.normal;
+            let drift = states.iter().map(|state| normal.dot(state.linear) * state.mass).sum::<f64>() / before.mass;
+            let old: Vec<(DVec3, DVec3)> = states.iter().map(|state| (state.linear, state.angular)).collect();
+            for state in states.iter_mut() {
+                if parts.0 {
+                    state.linear += normal * (drift - normal.dot(state.linear));
+                }
+                if parts.1 {
+                    state.angular = normal * normal.dot(state.angular);
+                }
+            }
+            match &plane.driven {
+                None => restore_spin(states, &before),
+                Some(driven) => {
+                    for state in states.iter_mut() {
+                        let carried = driven.linear + driven.angular.cross(state.center - driven.point);
+                        if parts.0 {
+                            state.linear += normal * (normal.dot(carried) - drift);
+                        }
+                        if parts.1 {
+                            state.angular += driven.angular - normal * normal.dot(driven.angular);
+                        }
+                    }
+                }
+            }
+            let change = |(state, old): (&State, &(DVec3, DVec3))| {
+                let across = (state.angular - old.1) - normal * normal.dot(state.angular - old.1);
+                (normal.dot(state.linear - old.0).abs() * f64::from(h) > 0.1 * FLAT * f64::from(entry.size))
+                    || across.length() * f64::from(h) > 0.1 * ALIGNED
+            };
+            if states.iter().zip(&old).any(change) {
+                store_velocities(states, members, velocities);
+            }
+        }
+    }
+
+    /// Puts members back into their plane; what that does to the angular momentum is taken back.
+    pub(crate) fn project(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
+        let Self { entries, members, states, parts, corrected, spins, .. } = self;
+        for (entry, &spin) in entries.iter().zip(spins.iter()) {
+            let members = members_of(members, entry);
+            load(states, members, velocities, motions);
+            let Some(plane) = plane_of(entry, states, velocities, motions) else { continue };
+            let distance = |state: &State| (state.foot() - plane.point).dot(plane.normal).abs();
+            let angle = |state: &State| state.axis.cross(plane.normal).length();
+            let off = parts.0 && states.iter().any(|state| distance(state) > FLAT * f64::from(entry.size));
+            let askew = parts.1 && states.iter().any(|state| angle(state) > ALIGNED);
+            let mut before = Whole::of(states);
+            if entry.alone && plane.driven.is_none() {
+                before.spin = spin;
+            }
+            if !off && !askew {
+                if entry.alone && plane.driven.is_none() {
+                    restore_spin(states, &before);
+                    store_velocities(states, members, velocities);
+                }
+                continue;
+            }
+            *corrected += 1;
+            // Where the plane is free, its height is where the feet are once all axes are aligned.
+            let total: f64 = states.iter().map(|state| state.mass).sum();
+            let level = |state: &State| {
+                let axis = if parts.1 { plane.normal } else { state.axis };
+                (state.center - axis * state.height - plane.point).dot(plane.normal)
+            };
+            let mean = states.iter().map(|state| level(state) * state.mass).sum::<f64>() / total;
+            let free_mean = if plane.driven.is_none() { mean } else { 0.0 };
+            for (member, state) in members.iter().zip(states.iter_mut()) {
+                let motion = &mut motions[member.slot as usize];
+                let shift = if parts.0 { plane.normal * (free_mean - level(state)) } else { DVec3::ZERO };
+                let turn = if parts.1 { turn_onto(state.axis, plane.normal) } else { DVec3::ZERO };
+                motion.displacement += shift.as_vec3();
+                motion.turn += turn.as_vec3();
+                motion.rotation = integrate::rotated(motion.rotation, turn.as_vec3());
+                *state = State {
+                    linear: state.linear,
+                    angular: state.angular,
+                    ..State::of(member, &velocities[member.slot as usize], motion)
+                };
+            }
+            if plane.driven.is_none() {
+                restore_spin(states, &before);
+                store_velocities(states, members, velocities);
+            }
+        }
+    }
+}
+
+fn members_of<'a>(members: &'a [PlaneMember], entry: &PlaneEntry) -> &'a [PlaneMember] {
+    &members[entry.members.0 as usize..entry.members.1 as usize]
+}
+
+fn load(states: &mut Vec<State>, members: &[PlaneMember], velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+    states.clear();
+    states.extend(
+        members.iter().map(|member| State::of(member, &velocities[member.slot as usize], &motions[member.slot as usize])),
+    );
+}
+
+fn store_velocities(states: &[State], members: &[PlaneMember], velocities: &mut [BodyVelocity]) {
+    for (state, member) in states.iter().zip(members) {
+        let velocity = &mut velocities[member.slot as usize];
+        velocity.linear = state.linear.as_vec3();
+        velocity.angular = state.angular.as_vec3();
+    }
+}
+
+/// Rotation vector that takes one unit vector onto another.
+fn turn_onto(from: DVec3, to: DVec3) -> DVec3 {
+    let across = from.cross(to);
+    let sine = across.length();
+    if sine < 1.0e-12 {
+        return DVec3::ZERO;
+    }
+    across * (libm::atan2(sine, from.dot(to)).min(MOST_TURN) / sine)
+}
+
+fn plane_of(entry: &PlaneEntry, states: &[State], velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<Plane> {
+    if let Some(hold) = &entry.hold {
+        let (velocity, motion) = (&velocities[hold.slot as usize], &motions[hold.slot as usize]);
+        let rotation: DQuat = motion.rotation.as_dquat().normalize();
+        let (normal, arm) = (rotation * hold.axis.as_dvec3(), rotation * hold.lever.as_dvec3());
+        let center = hold.origin + motion.displacement.as_dvec3();
+        let driven = Driven { point: center, linear: velocity.linear.as_dvec3(), angular: velocity.angular.as_dvec3() };
+        return Some(Plane { point: center + arm - normal * f64::from(hold.height), normal, driven: Some(driven) });
+    }
+    let total: f64 = states.iter().map(|state| state.mass).sum();
+    let point = states.iter().map(|state| state.foot() * state.mass).sum::<DVec3>() / total;
+    let mut matrix = DMat3::ZERO;
+    for state in states {
+        matrix += outer(state.foot() - point) * state.mass - outer(state.axis) * state.across();
+    }
+    let (values, vectors) = symmetric_eigen(matrix);
+    let normal = if values.x <= values.y && values.x <= values.z {
+        vectors.x_axis
+    } else if values.y <= values.z {
+        vectors.y_axis
+    } else {
+        vectors.z_axis
+    };
+    let sign: f64 = states.iter().map(|state| state.axis.dot(normal) * state.mass).sum();
+    (normal.is_finite() && sign != 0.0).then(|| Plane { point, normal: normal * sign.signum(), driven: None })
+}

@@ -1,0 +1,191 @@
+//! What a step tells of hits, sensors, stops and waking, and what a body's kind may become.
+
+use longspan::glam::{Quat, Vec3};
+use longspan::{
+    BodyDef, BodyId, BodyKind, ErrorKind, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef,
+    World, WorldDef,
+};
+
+const DT: f32 = 1.0 / 60.0;
+
+fn world(hit_threshold: f32) -> World {
+    let mut world = World::new(&WorldDef { hit_threshold, ..WorldDef::default() }).unwrap();
+    let floor = ShapeDef::new(Shape::new(Geometry::HalfSpace { normal: Vec3::Y }).unwrap());
+    world.create_body(&BodyDef::fixed(Pose::IDENTITY).with_shape(floor)).unwrap();
+    world
+}
+
+fn run(world: &mut World, steps: u32) {
+    for _ in 0..steps {
+        world.step(DT).unwrap();
+    }
+}
+
+fn ball(world: &mut World, height: f64, restitution: f32) -> BodyId {
+    let mut shape = ShapeDef::new(Shape::ball(0.5).unwrap());
+    shape.material = Material { restitution, ..Material::default() };
+    let def = BodyDef { mass: Mass::Total(2.0), ..BodyDef::dynamic(Pose::at_xyz(0.0, height, 0.0)) };
+    world.create_body(&def.with_shape(shape)).unwrap()
+}
+
+#[test]
+fn a_hit_says_how_fast_and_how_hard() {
+    for restitution in [0.0, 0.5, 1.0] {
+        let mut world = world(1.0);
+        ball(&mut world, 3.5, restitution);
+        let fallen = (2.0 * 9.81 * 3.0_f32).sqrt();
+        let hit = (0..60).find_map(|_| {
+            world.step(DT).unwrap();
+            world.hits().first().copied()
+        });
+        let hit = hit.expect("it falls in less than a second");
+        let expected = 2.0 * fallen * (1.0 + restitution);
+        println!(
+            "restitution {restitution}: {:.3} m/s of {fallen:.3}, {:.3} N·s of {expected:.3}",
+            hit.approach_speed, hit.impulse
+        );
+        assert!((hit.approach_speed - fallen).abs() < 9.81 * DT, "a step's fall is the most that it may miss");
+        assert!((hit.impulse / expected - 1.0).abs() < 0.05, "{} N·s, expected {expected}", hit.impulse);
+        assert!((hit.normal.y.abs() - 1.0).abs() < 1e-5 && hit.point.y.abs() < 0.05);
+    }
+}
+
+#[test]
+fn what_is_slow_or_not_asked_for_is_no_hit() {
+    for threshold in [8.0, f32::INFINITY] {
+        let mut world = world(threshold);
+        ball(&mut world, 3.5, 0.0);
+        for _ in 0..60 {
+            world.step(DT).unwrap();
+            assert!(world.hits().is_empty());
+        }
+    }
+    let mut world = world(1.0);
+    assert_eq!(world.set_hit_threshold(-1.0).unwrap_err().argument, "hit_threshold");
+}
+
+#[test]
+fn a_sensor_sees_what_enters_and_leaves_and_pushes_nothing() {
+    let fall = |with_sensor: bool| {
+        let mut world = world(f32::INFINITY);
+        let body = ball(&mut world, 6.0, 0.0);
+        let (mut began, mut ended) = (Vec::new(), Vec::new());
+        if with_sensor {
+            let zone = ShapeDef::new(Shape::cuboid(Vec3::ONE).unwrap()).sensing();
+            world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, 3.0, 0.0)).with_shape(zone)).unwrap();
+        }
+        for step in 0..90 {
+            world.step(DT).unwrap();
+            began.extend(world.sensor_began().iter().map(|pair| (step, pair.body_b == body)));
+            ended.extend(world.sensor_ended().iter().map(|pair| (step, pair.body_b == body)));
+        }
+        (world.pose(body).unwrap(), began, ended)
+    };
+    let ((free, ..), (seen, began, ended)) = (fall(false), fall(true));
+    assert_eq!(free, seen, "the fall is the same, bit for bit");
+    // From 6 m its lowest point is at 4 m after 0.55 s, its highest at 2 m after 0.96 s.
+    assert!(matches!(began[..], [(32..=34, true)]) && matches!(ended[..], [(56..=59, true)]), "{began:?} {ended:?}");
+}
+
+#[test]
+fn a_sensor_ends_with_what_it_sees() {
+    let mut world = world(f32::INFINITY);
+    let body = ball(&mut world, 0.5, 0.0);
+    let zone = ShapeDef::new(Shape::cuboid(Vec3::ONE).unwrap()).sensing();
+    let mut def = BodyDef::dynamic(Pose::at_xyz(0.0, 1.0, 0.0));
+    assert_eq!(world.create_body(&def.clone().with_shape(zone.clone())).unwrap_err().argument, "mass", "a sensor has no mass");
+    def.kind = BodyKind::Kinematic;
+    let zone_body = world.create_body(&def.with_shape(zone)).unwrap();
+    world.step(DT).unwrap();
+    assert_eq!((world.sensed().len(), world.sensor_began().len()), (2, 2), "the ball, and the floor, for it may move");
+    let mut saved = Vec::new();
+    world.save(&mut saved);
+    world.destroy_body(body).unwrap();
+    world.step(DT).unwrap();
+    assert_eq!((world.sensed().len(), world.sensor_ended().len()), (1, 1));
+    assert_eq!(world.sensor_ended()[0].body_b, body);
+    world.restore(&saved).unwrap();
+    world.step(DT).unwrap();
+    assert_eq!((world.sensed().len(), world.sensor_began().len()), (2, 0), "what was overlapped then still is");
+    world.destroy_body(zone_body).unwrap();
+    world.step(DT).unwrap();
+    assert_eq!((world.sensed().len(), world.sensor_ended().len()), (0, 2));
+}
+
+#[test]
+fn a_joint_that_comes_to_its_stop_says_which_once() {
+    let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, ..WorldDef::default() }).unwrap();
+    let bar = ShapeDef::new(Shape::cuboid(Vec3::new(0.5, 0.1, 0.1)).unwrap());
+    let body = world.create_body(&BodyDef::dynamic(Pose::IDENTITY).with_shape(bar)).unwrap();
+    let drive =
+        |target| JointKind::Hinge { limits: Limits::new(-0.4, 0.6), motor: Motor::Velocity { target, max_force: 1000.0 } };
+    let mut def = JointDef::new(drive(1.0), BodyId::NULL, body);
+    (def.user_word, def.frame_a.rotation, def.frame_b.rotation) = (9, Quat::IDENTITY, Quat::IDENTITY);
+    let joint = world.create_joint(&def).unwrap();
+    let mut stops = Vec::new();
+    for step in 0..240 {
+        if step == 120 {
+            world.set_joint_kind(joint, drive(-1.0)).unwrap();
+        }
+        world.step(DT).unwrap();
+        stops.extend(world.joint_stops().iter().map(|stop| (step, stop.joint == joint, stop.user_word, stop.axis, stop.upper)));
+    }
+    println!("{stops:?}, {:?}", world.joint_state(joint).unwrap().position);
+    assert_eq!(stops.len(), 2, "{stops:?}");
+    assert!(matches!(stops[0], (30..=40, true, 9, 0, true)) && matches!(stops[1], (175..=185, true, 9, 0, false)), "{stops:?}");
+}
+
+#[test]
+fn what_wakes_says_so() {
+    let mut world = world(f32::INFINITY);
+    let body = ball(&mut world, 0.5, 0.0);
+    let slept = (0..120).find(|_| {
+        world.step(DT).unwrap();
+        world.moved().iter().any(|moved| moved.fell_asleep)
+    });
+    assert!(slept.is_some() && !world.is_awake(body).unwrap());
+    world.step(DT).unwrap();
+    assert!(world.moved().is_empty());
+    world.add_impulse(body, Vec3::Y).unwrap();
+    world.step(DT).unwrap();
+    assert!(matches!(world.moved(), [moved] if moved.woke && moved.body == body), "{:?}", world.moved());
+    world.step(DT).unwrap();
+    assert!(matches!(world.moved(), [moved] if !moved.woke));
+}
+
+#[test]
+fn a_body_may_become_another_kind_while_the_world_lives() {
+    let mut world = world(f32::INFINITY);
+    let (lower, upper) = (ball(&mut world, 0.5, 0.0), ball(&mut world, 1.5, 0.0));
+    run(&mut world, 60);
+    // The upper one stays where it is when the lower one is gone, as long as it is static.
+    world.set_body_kind(upper, BodyKind::Static).unwrap();
+    world.destroy_body(lower).unwrap();
+    let height = |world: &World| world.pose(upper).unwrap().position.y;
+    let before = height(&world);
+    run(&mut world, 30);
+    assert_eq!(height(&world), before);
+    assert_eq!(world.mass_properties(upper).unwrap(), None);
+    world.set_body_kind(upper, BodyKind::Dynamic).unwrap();
+    assert_eq!(world.mass_properties(upper).unwrap().map(|mass| mass.mass), Some(2.0), "it has its mass back");
+    run(&mut world, 90);
+    assert!((height(&world) - 0.5).abs() < 1e-3, "it has fallen to {} m", height(&world));
+    world.set_body_kind(upper, BodyKind::Kinematic).unwrap();
+    world.set_linear_velocity(upper, Vec3::Y).unwrap();
+    run(&mut world, 60);
+    assert!((height(&world) - 1.5).abs() < 1e-2, "it has risen to {} m", height(&world));
+}
+
+#[test]
+fn a_kind_that_a_body_cannot_have_is_refused() {
+    let mut world = world(f32::INFINITY);
+    let floor = world.bodies().next().unwrap();
+    assert_eq!(world.set_body_kind(floor, BodyKind::Dynamic).unwrap_err().kind, ErrorKind::NotApplicable, "no solid");
+    let body = ball(&mut world, 2.0, 0.0);
+    world.create_joint(&JointDef::new(JointKind::SPHERICAL, BodyId::NULL, body)).unwrap();
+    let error = world.set_body_kind(body, BodyKind::Static).unwrap_err();
+    assert_eq!((error.kind, error.argument), (ErrorKind::NotApplicable, "kind"));
+    let mut saved = Vec::new();
+    world.save(&mut saved);
+    world.restore(&saved).unwrap();
+}
