@@ -48,6 +48,14 @@ fn a_bridge_holds_together_under_who_walks_over_it() {
 }
 
 #[test]
+fn a_sheet_of_joints_that_repeat_each_other_hangs_still() {
+    // Flat, it has a thousand rows that others imply.
+    let run = Run::of("joint_grid", &[("n", "34"), ("seconds", "0.25")]);
+    run.keeps("joint_gap_m", 1e-6, "m");
+    run.keeps("mean_speed_end", 1e-6, "m/s");
+}
+
+#[test]
 fn a_loop_of_hinges_stays_in_its_plane_and_keeps_its_momentum() {
     let run = Run::of("hinge_loop", &[]);
     run.keeps("plane_rms_m", 1e-4, "m");

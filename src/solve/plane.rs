@@ -173,7 +173,7 @@ fn spin(states: &[State], about: DVec3) -> DVec3 {
 fn restore_spin(states: &mut [State], whole: &Whole) {
     let inertia =
         states.iter().fold(DMat3::ZERO, |sum, state| sum + state.inertia + steiner(state.center - whole.center, state.mass));
-    if !(inertia.determinant() > 0.0) {
+    if inertia.determinant().is_nan() || inertia.determinant() <= 0.0 {
         return;
     }
     let turn = inertia.inverse() * (whole.spin - spin(states, whole.center));

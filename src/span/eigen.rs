@@ -23,19 +23,13 @@ pub(crate) fn symmetric_eigen(matrix: DMat3) -> (DVec3, DMat3) {
             let t = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());
             let c = 1.0 / (t * t + 1.0).sqrt();
             let s = t * c;
-            for row in 0..3 {
-                let (x, y) = (a[row][p], a[row][q]);
-                (a[row][p], a[row][q]) = (c * x - s * y, s * x + c * y);
+            for row in &mut a {
+                let (x, y) = (row[p], row[q]);
+                (row[p], row[q]) = (c * x - s * y, s * x + c * y);
             }
-            for column in 0..3 {
-                let (x, y) = (a[p][column], a[q][column]);
-                (a[p][column], a[q][column]) = (c * x - s * y, s * x + c * y);
-            }
+            rotate_rows(&mut a, p, q, c, s);
             // Columns of `v` are its first index.
-            for row in 0..3 {
-                let (x, y) = (v[p][row], v[q][row]);
-                (v[p][row], v[q][row]) = (c * x - s * y, s * x + c * y);
-            }
+            rotate_rows(&mut v, p, q, c, s);
         }
     }
     let mut vectors = DMat3::from_cols_array_2d(&v);
@@ -43,6 +37,13 @@ pub(crate) fn symmetric_eigen(matrix: DMat3) -> (DVec3, DMat3) {
         vectors.z_axis = -vectors.z_axis;
     }
     (DVec3::new(a[0][0], a[1][1], a[2][2]), vectors)
+}
+
+/// Turns two rows into each other, by the angle of this cosine and sine.
+fn rotate_rows(m: &mut [[f64; 3]; 3], p: usize, q: usize, c: f64, s: f64) {
+    let (row_p, row_q) = (m[p], m[q]);
+    m[p] = std::array::from_fn(|k| c * row_p[k] - s * row_q[k]);
+    m[q] = std::array::from_fn(|k| s * row_p[k] + c * row_q[k]);
 }
 
 #[cfg(test)]

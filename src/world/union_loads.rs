@@ -119,7 +119,7 @@ impl World {
 
     /// Loads of all joints of a union, world axes, about their points.
     fn loads_of(&self, union: &Union, after: &UnionMotion, contacts: &[Wrench], dt: f32) -> Vec<Wrench> {
-        if !(dt > 0.0) {
+        if dt <= 0.0 {
             return vec![Wrench::default(); union.welds.len()];
         }
         let stiffness = union.stiffness.get_or_init(|| self.bond_stiffness(union));

@@ -333,8 +333,7 @@ impl World {
         open.sort_unstable();
         open.dedup();
         self.unions.places.resize(self.bodies.slot_count(), Place::OUTSIDE);
-        for number in 0..open.len() {
-            let index = open[number];
+        for &index in &open {
             let begins = self.bodies.get(index).is_some_and(can_join) && self.unions.place(index).union == NONE;
             if begins && self.def.long_range.enabled && self.def.long_range.union {
                 let component = self.component(index);

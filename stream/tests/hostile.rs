@@ -99,7 +99,7 @@ fn whatever_a_publisher_says_is_taken_in_or_refused() {
                     let other = &good[random.below(good.len())];
                     let (from, count) = (random.below(other.len()) & !7, 8 * random.below(32));
                     let piece = &other[from..other.len().min(from + count)];
-                    let at = (HEADER + random.below(message.len().saturating_sub(HEADER)) & !7).min(message.len());
+                    let at = ((HEADER + random.below(message.len().saturating_sub(HEADER))) & !7).min(message.len());
                     message.splice(at..at, piece.iter().copied());
                 }
             }

@@ -1,5 +1,7 @@
 //! Effective masses of a block's rows.
 
+#![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
+
 use super::super::contact::{ContactBlock, LANES, Lane, POINTS};
 use super::super::state::BodyVelocity;
 use super::super::wide::{Wide, Wide3};

@@ -1,5 +1,7 @@
 //! After the substeps: rebounds, and overlaps out of positions.
 
+#![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
+
 use super::super::contact::{ContactBlock, LANES, Lane, POINTS};
 use super::super::state::{BodyMotion, BodyVelocity};
 use super::super::wide::Wide;

@@ -1,5 +1,7 @@
 //! What the kernels share: the bodies of a block in lanes, and its normal rows.
 
+#![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
+
 use super::super::contact::{ContactBlock, LANES, Lane, POINTS};
 use super::super::state::{BodyMotion, BodyVelocity};
 use super::super::wide::{Wide, Wide3};

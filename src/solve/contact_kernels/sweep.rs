@@ -1,5 +1,7 @@
 //! One sweep over the contact rows.
 
+#![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
+
 use super::super::contact::{ContactBlock, NEGLIGIBLE_FRICTION, POINTS};
 use super::super::state::BodyVelocity;
 use super::super::wide::{Wide, Wide3};

@@ -5,8 +5,6 @@
 //!
 //! Plain loops over arrays, since what is not inlined is compiled without the wide registers of its caller.
 
-#![expect(clippy::needless_range_loop, reason = "an index runs over rows, lanes and numbers in lanes alike")]
-
 /// Four numbers side by side.
 pub(super) type Lanes = [f64; 4];
 
@@ -90,6 +88,16 @@ pub(super) fn columns3(l: &Block3, x: &Lanes) -> Lanes {
     let mut product = ZERO;
     for j in 0..4 {
         product[j] = l[0][j] * x[0] + l[1][j] * x[1] + l[2][j] * x[2];
+    }
+    product
+}
+
+/// U x.
+#[inline(always)]
+pub(super) fn rows3(u: &Block3, x: &Lanes) -> Lanes {
+    let mut product = ZERO;
+    for i in 0..3 {
+        product[i] = u[i][0] * x[0] + u[i][1] * x[1] + u[i][2] * x[2];
     }
     product
 }
@@ -210,6 +218,20 @@ pub(super) fn add_product(into: &mut Lanes, a: &Lanes, b: &Lanes) {
     }
 }
 
+/// x = U y, with U of m × m.
+#[inline(always)]
+pub(super) fn set_rows(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usize) {
+    let w = y.len();
+    x.fill(ZERO);
+    for (i, row) in u[..m * w].chunks_exact(w).enumerate() {
+        let mut products = ZERO;
+        for (a, b) in row.iter().zip(y) {
+            add_product(&mut products, a, b);
+        }
+        x[i / 4][i % 4] = sum(&products);
+    }
+}
+
 /// y += sign · Lᵀ x, with L of m × k.
 #[inline(always)]
 pub(super) fn add_columns(y: &mut [Lanes], l: &[Lanes], x: &[Lanes], m: usize, sign: f64) {
@@ -234,97 +256,93 @@ pub(super) fn transpose(into: &mut [Lanes], from: &[Lanes], m: usize, k: usize) 
     }
 }
 
-/// A pivot this much smaller than the diagonal was before elimination is noise.
+/// A pivot this much smaller than the row's diagonal was before any elimination is noise.
 const SINGULAR: f64 = 1.0e-14;
 
 /// Most rows of a block.
 pub(super) const MAX_ROWS: usize = 24;
 
-/// Inverts a symmetric positive definite matrix of n × n in place; a row that depends on those before it gets no multiplier.
+/// Turns a symmetric positive definite matrix A of n × n, lower triangle, into U = L⁻ᵀ, with A = L Lᵀ: so A⁻¹ = U Uᵀ.
+///
+/// `before` is the diagonal before anything was eliminated. A row that depends on those before it gets no multiplier: its column
+/// of U is 0. The inverse itself would not do: rows that repeat others leave blocks of condition 1e9 and more, whose inverse is off
+/// by as much of rounding, and later pivots with it; that of the root is off by its square root.
 #[inline(always)]
-pub(super) fn invert(a: &mut [Lanes], n: usize) {
+pub(super) fn invert_root(a: &mut [Lanes], n: usize, before: &[Lanes]) {
     match n {
-        3 => invert_of::<3, 1>(a),
-        4 => invert_of::<4, 1>(a),
-        5 => invert_of::<5, 2>(a),
-        6 => invert_of::<6, 2>(a),
-        _ => invert_any(a, n, width(n)),
+        3 => invert_root_of::<3, 1>(a, before),
+        4 => invert_root_of::<4, 1>(a, before),
+        5 => invert_root_of::<5, 2>(a, before),
+        6 => invert_root_of::<6, 2>(a, before),
+        _ => invert_root_any(a, n, width(n), before),
     }
 }
 
-/// As [`invert_any`], in loops of constant length.
+/// As [`invert_root_any`], in loops of constant length.
 #[inline(always)]
-fn invert_of<const N: usize, const W: usize>(values: &mut [Lanes]) {
+fn invert_root_of<const N: usize, const W: usize>(values: &mut [Lanes], before: &[Lanes]) {
     let values: &mut [[Lanes; W]; N] =
         values[..N * W].as_chunks_mut::<W>().0.first_chunk_mut().expect("the slice is N rows of W lanes");
-    let mut a = *values;
-    let mut own = [0.0; N];
-    for i in 0..N {
-        own[i] = a[i][i / 4][i % 4];
+    let before: &[Lanes; W] = before.first_chunk().expect("a diagonal has as many lanes as a row");
+    let (mut a, mut t, mut scale) = (*values, [[ZERO; W]; N], [0.0; N]);
+    for k in 0..N {
+        t[k][k / 4][k % 4] = 1.0;
     }
     for k in 0..N {
         let pivot = a[k][k / 4][k % 4];
-        if pivot <= SINGULAR * own[k] || !pivot.is_finite() {
-            a[k] = [ZERO; W];
-            for i in 0..N {
-                a[i][k / 4][k % 4] = 0.0;
-            }
+        if !is_sound(pivot, before[k / 4][k % 4]) {
             continue;
         }
-        let inverse = 1.0 / pivot;
-        a[k][k / 4][k % 4] = 1.0;
-        for j in 0..W {
-            for value in &mut a[k][j] {
-                *value *= inverse;
-            }
-        }
-        for i in 0..N {
-            if i != k {
-                let share = -a[i][k / 4][k % 4];
-                a[i][k / 4][k % 4] = 0.0;
-                for j in 0..W {
-                    let other = a[k][j];
-                    add_scaled(&mut a[i][j], share, &other);
-                }
+        scale[k] = 1.0 / pivot.sqrt();
+        for i in k + 1..N {
+            let share = -a[i][k / 4][k % 4] / pivot;
+            for j in 0..W {
+                let (row_a, row_t) = (a[k][j], t[k][j]);
+                add_scaled(&mut a[i][j], share, &row_a);
+                add_scaled(&mut t[i][j], share, &row_t);
             }
         }
     }
-    *values = a;
+    *values = [[ZERO; W]; N];
+    for k in 0..N {
+        for i in k..N {
+            values[k][i / 4][i % 4] = scale[i] * t[i][k / 4][k % 4];
+        }
+    }
 }
 
-/// Gauss–Jordan steps on the diagonal.
 #[inline(always)]
-fn invert_any(a: &mut [Lanes], n: usize, w: usize) {
+fn is_sound(pivot: f64, before: f64) -> bool {
+    pivot > SINGULAR * before && pivot.is_finite()
+}
+
+/// Eliminates below each pivot, in the matrix and in a unit matrix beside it, which becomes the inverse of L with a diagonal of 1.
+#[inline(always)]
+fn invert_root_any(a: &mut [Lanes], n: usize, w: usize, before: &[Lanes]) {
     let a = &mut a[..n * w];
-    let mut own = [0.0; MAX_ROWS];
-    let mut pivot_row = [ZERO; width(MAX_ROWS)];
-    for (i, value) in own[..n].iter_mut().enumerate() {
-        *value = a[i * w + i / 4][i % 4];
+    let (mut t, mut scale) = ([ZERO; MAX_ROWS * width(MAX_ROWS)], [0.0; MAX_ROWS]);
+    for k in 0..n {
+        t[k * w + k / 4][k % 4] = 1.0;
     }
     for k in 0..n {
         let pivot = a[k * w + k / 4][k % 4];
-        if pivot <= SINGULAR * own[k] || !pivot.is_finite() {
-            a[k * w..(k + 1) * w].fill(ZERO);
-            for i in 0..n {
-                a[i * w + k / 4][k % 4] = 0.0;
-            }
+        if !is_sound(pivot, before[k / 4][k % 4]) {
             continue;
         }
-        let inverse = 1.0 / pivot;
-        // The pivot's row and column are left out by making them those of a step that is already done.
-        a[k * w + k / 4][k % 4] = 1.0;
-        for (lanes, row) in pivot_row[..w].iter_mut().zip(&mut a[k * w..(k + 1) * w]) {
-            row.iter_mut().for_each(|value| *value *= inverse);
-            *lanes = *row;
-        }
-        for i in 0..n {
-            if i != k {
-                let share = -a[i * w + k / 4][k % 4];
-                a[i * w + k / 4][k % 4] = 0.0;
-                for (lanes, other) in a[i * w..(i + 1) * w].iter_mut().zip(&pivot_row[..w]) {
-                    add_scaled(lanes, share, other);
-                }
+        scale[k] = 1.0 / pivot.sqrt();
+        for i in k + 1..n {
+            let share = -a[i * w + k / 4][k % 4] / pivot;
+            for j in 0..w {
+                let (row_a, row_t) = (a[k * w + j], t[k * w + j]);
+                add_scaled(&mut a[i * w + j], share, &row_a);
+                add_scaled(&mut t[i * w + j], share, &row_t);
             }
+        }
+    }
+    a.fill(ZERO);
+    for k in 0..n {
+        for i in k..n {
+            a[k * w + i / 4][i % 4] = scale[i] * t[i * w + k / 4][k % 4];
         }
     }
 }
@@ -336,8 +354,9 @@ mod tests {
     #[test]
     fn a_dependent_row_gets_no_multiplier() {
         let mut a = [[2.0, 2.0, 0.5, 0.0], [2.0, 2.0, 0.5, 0.0], [0.5, 0.5, 1.0, 0.0]];
-        invert(&mut a, 3);
-        assert!(a.iter().flatten().all(|value| value.is_finite()), "the inverse is {a:?}");
+        invert_root(&mut a, 3, &[[2.0, 2.0, 1.0, 0.0]]);
+        assert!(a.iter().flatten().all(|value| value.is_finite()), "the root is {a:?}");
         assert_eq!(a[1], ZERO, "the second row repeats the first");
+        assert_eq!([a[0][1], a[2][1]], [0.0; 2], "no other row pushes for it");
     }
 }

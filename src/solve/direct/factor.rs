@@ -1,10 +1,11 @@
-//! Sparse symmetric factorisation A = L D Lᵀ in blocks, `f64`.
+//! Sparse symmetric factorisation A = W Wᵀ in blocks (Cholesky), `f64`.
 //!
 //! A node is a group of rows that belong together, up to a number fixed by the [`Plan`]; how many take part may change from one
-//! factorisation to the next, the structure does not. D⁻¹ is formed block by block, so that a solve is products only.
+//! factorisation to the next, the structure does not. Each diagonal block is kept as the inverse of its root, so that a solve is
+//! products only.
 //!
 //! ```text
-//! for each column k:   D_k = A_kk,   L_ik = A_ik D_k⁻¹,   A_ij −= L_ik A_jkᵀ   for all i ≥ j coupled to k
+//! for each column k:   A_kk = L Lᵀ,   U_k = L⁻ᵀ,   W_ik = A_ik U_k,   A_ij −= W_ik W_jkᵀ   for all i ≥ j coupled to k
 //! ```
 
 use std::ops::Range;
@@ -121,6 +122,8 @@ pub(crate) struct Factor {
     /// First lane of each node in vectors.
     starts: Vec<u32>,
     scratch: Vec<Lanes>,
+    /// Diagonal before anything is eliminated, laid out as vectors.
+    pub diagonal: Vec<Lanes>,
     /// Whether all nodes have three rows.
     is_uniform: bool,
 }
@@ -140,6 +143,8 @@ impl Factor {
             next += width(rows as usize) as u32;
         }
         self.starts.push(next);
+        self.diagonal.clear();
+        self.diagonal.resize(next as usize, ZERO);
         self.is_uniform = self.rows.iter().all(|&rows| rows as usize == POINT);
     }
 
@@ -192,19 +197,19 @@ fn substitute_body(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
 
 #[inline(always)]
 fn factorize_points(factor: &mut Factor, plan: &Plan) {
-    let Factor { values, scratch, .. } = factor;
+    let Factor { values, scratch, diagonal: before, .. } = factor;
     let mut targets = plan.targets.iter();
     for (place, &node) in plan.order.iter().enumerate() {
         let diagonal = plan.diagonal[node as usize] as usize;
-        block::invert(&mut values[diagonal..], POINT);
-        let inverse = *block::block3(&values[diagonal..]);
+        block::invert_root(&mut values[diagonal..], POINT, &before[node as usize..]);
+        let root = *block::block3(&values[diagonal..]);
         let column = plan.column(place);
-        // A_ik is kept aside and transposed, as the updates need it beside L_ik.
+        // The updates need the transposed beside W_ik.
         let kept = &mut scratch.as_chunks_mut::<POINT>().0[..column.len()];
         for (kept, &(_, start)) in kept.iter_mut().zip(column) {
             let a = block::block3_mut(&mut values[start as usize..]);
+            *a = block::product3(a, &root);
             *kept = block::transposed3(a);
-            *a = block::product3(a, &inverse);
         }
         for (i, kept) in kept.iter().enumerate() {
             for (&(_, start), &target) in column[i..].iter().zip(&mut targets) {
@@ -219,27 +224,27 @@ fn factorize_points(factor: &mut Factor, plan: &Plan) {
 #[inline(always)]
 fn substitute_points(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
     for (place, &node) in plan.order.iter().enumerate() {
-        let own = x[node as usize];
+        let root = block::block3(&factor.values[plan.diagonal[node as usize] as usize..]);
+        let own = block::columns3(root, &x[node as usize]);
+        x[node as usize] = own;
         for &(other, start) in plan.column(place) {
             let into = &mut x[other as usize];
             *into = block::minus_rows3(into, block::block3(&factor.values[start as usize..]), &own);
         }
     }
     for (place, &node) in plan.order.iter().enumerate().rev() {
-        // The inverse is symmetric: its rows are its columns.
-        let inverse = block::block3(&factor.values[plan.diagonal[node as usize] as usize..]);
-        let mut own = block::columns3(inverse, &x[node as usize]);
+        let mut own = x[node as usize];
         for &(other, start) in plan.column(place) {
             let block = block::block3(&factor.values[start as usize..]);
             own = block::minus(&own, &block::columns3(block, &x[other as usize]));
         }
-        x[node as usize] = own;
+        x[node as usize] = block::rows3(block::block3(&factor.values[plan.diagonal[node as usize] as usize..]), &own);
     }
 }
 
 #[inline(always)]
 fn factorize_any(factor: &mut Factor, plan: &Plan) {
-    let Factor { values, rows, scratch, .. } = factor;
+    let Factor { values, rows, scratch, starts, diagonal: before, .. } = factor;
     let mut target = 0;
     for place in 0..plan.order.len() {
         let node = plan.order[place] as usize;
@@ -250,15 +255,15 @@ fn factorize_any(factor: &mut Factor, plan: &Plan) {
             continue;
         }
         let (diagonal, wk) = (plan.diagonal[node] as usize, width(k));
-        block::invert(&mut values[diagonal..], k);
+        block::invert_root(&mut values[diagonal..], k, &before[starts[node] as usize..]);
         let mut from = 0;
         for &(other, start) in column {
             let (m, start) = (rows[other as usize] as usize, start as usize);
-            block::transpose(&mut scratch[from..], &values[start..start + m * wk], m, k);
-            let (before, after) = values.split_at_mut(start);
+            let (early, late) = values.split_at_mut(start);
             let kept = &mut scratch[from + k * width(m)..];
-            kept[..m * wk].copy_from_slice(&after[..m * wk]);
-            block::set_product(&mut after[..m * wk], kept, &before[diagonal..diagonal + k * wk], m, k);
+            kept[..m * wk].copy_from_slice(&late[..m * wk]);
+            block::set_product(&mut late[..m * wk], kept, &early[diagonal..diagonal + k * wk], m, k);
+            block::transpose(&mut scratch[from..], &values[start..start + m * wk], m, k);
             from += k * width(m);
         }
         let mut from = 0;
@@ -268,6 +273,9 @@ fn factorize_any(factor: &mut Factor, plan: &Plan) {
                 let (m, start) = (rows[lower as usize] as usize, start as usize);
                 let into = plan.targets[target] as usize;
                 target += 1;
+                if m == 0 || n == 0 {
+                    continue;
+                }
                 // Columns are stored one after another and a target belongs to a later one, or is diagonal.
                 let [from_block, into_block] = disjoint(values, start, m * wk, into, m * width(n));
                 block::subtract_product(into_block, from_block, &scratch[from..from + k * width(n)], m, k, n);
@@ -282,8 +290,14 @@ fn substitute_any(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
     let mut own = [ZERO; width(MAX_ROWS)];
     for (place, &node) in plan.order.iter().enumerate() {
         let lanes = factor.lanes(node as usize);
+        if lanes.is_empty() {
+            continue;
+        }
         let own = &mut own[..lanes.len()];
-        own.copy_from_slice(&x[lanes]);
+        own.fill(ZERO);
+        let root = &factor.values[plan.diagonal[node as usize] as usize..];
+        block::add_columns(own, root, &x[lanes.clone()], factor.rows(node as usize), 1.0);
+        x[lanes].copy_from_slice(own);
         for &(other, start) in plan.column(place) {
             let into = &mut x[factor.lanes(other as usize)];
             block::subtract_rows(into, &factor.values[start as usize..], own, factor.rows(other as usize));
@@ -291,15 +305,17 @@ fn substitute_any(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
     }
     for (place, &node) in plan.order.iter().enumerate().rev() {
         let lanes = factor.lanes(node as usize);
+        if lanes.is_empty() {
+            continue;
+        }
         let own = &mut own[..lanes.len()];
-        own.fill(ZERO);
-        let inverse = &factor.values[plan.diagonal[node as usize] as usize..];
-        block::add_columns(own, inverse, &x[lanes.clone()], factor.rows(node as usize), 1.0);
+        own.copy_from_slice(&x[lanes.clone()]);
         for &(other, start) in plan.column(place) {
             let from = &x[factor.lanes(other as usize)];
             block::add_columns(own, &factor.values[start as usize..], from, factor.rows(other as usize), -1.0);
         }
-        x[lanes].copy_from_slice(own);
+        let root = &factor.values[plan.diagonal[node as usize] as usize..];
+        block::set_rows(&mut x[lanes], root, own, factor.rows(node as usize));
     }
 }
 

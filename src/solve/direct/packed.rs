@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::block::{Lanes, ZERO, add_product, add_scaled, sum};
+use super::block::{Lanes, MAX_ROWS, ZERO, add_product, add_scaled, sum, width};
 use super::body::DirectBody;
 use super::factor::Factor;
 use super::row::{Row, State};
@@ -147,11 +147,14 @@ fn assemble_body(factor: &mut Factor, packed: &Packed, nodes: &[Node], topology:
             let (mass, own) = (bodies[node.bodies[side] as usize].inverse_mass, packed.half(&lanes, side));
             if w == 1 { add_narrow(block, &own, &own, mass) } else { add_wide(block, &own, &own, mass) }
         }
+        let mut diagonals = [ZERO; width(MAX_ROWS)];
         for i in 0..k {
             let gamma = packed.gamma[lanes.start + i / 4][i % 4];
             let diagonal = &mut block[i * w + i / 4][i % 4];
             *diagonal += gamma + topology.regularization * *diagonal;
+            diagonals[i / 4][i % 4] = *diagonal;
         }
+        factor.diagonal[lanes].copy_from_slice(&diagonals[..w]);
     }
     for coupling in &topology.couplings {
         let (late, early) = (factor.lanes(coupling.late as usize), factor.lanes(coupling.early as usize));

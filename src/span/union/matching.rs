@@ -88,7 +88,7 @@ fn rotation_of(moment: DMat3, mut rotation: DQuat) -> DQuat {
         let torque: DVec3 = columns.iter().map(|(own, wanted)| own.cross(*wanted)).sum();
         let hold: f64 = columns.iter().map(|(own, wanted)| own.dot(*wanted)).sum();
         let turn = torque / (hold.abs() + f64::MIN_POSITIVE);
-        if !(turn.length_squared() > NEGLIGIBLE_TURN * NEGLIGIBLE_TURN) {
+        if turn.is_nan() || turn.length_squared() <= NEGLIGIBLE_TURN * NEGLIGIBLE_TURN {
             break;
         }
         let angle = turn.length();
