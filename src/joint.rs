@@ -11,6 +11,8 @@ use glam::{Quat, Vec3};
 
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
+use crate::fracture::Strength;
+use crate::fracture::strain::Strain;
 use crate::id::BodyId;
 use crate::pose::Pose;
 
@@ -229,6 +231,8 @@ pub struct JointDef {
     pub break_force: f32,
     /// Torque at which the joint is reported as overloaded (N·m), infinity for never.
     pub break_torque: f32,
+    /// What it bears before it breaks.
+    pub strength: Strength,
     /// Whether the two bodies collide with each other.
     pub collide_connected: bool,
     /// The host's own word; the world only hands it back.
@@ -249,6 +253,7 @@ impl JointDef {
             limit: Softness::RIGID,
             break_force: f32::INFINITY,
             break_torque: f32::INFINITY,
+            strength: Strength::UNBREAKABLE,
             collide_connected: false,
             user_word: 0,
         }
@@ -270,6 +275,7 @@ impl JointDef {
         self.limit.check("limit.compliance", "limit.damping")?;
         check::bound("break_force", self.break_force)?;
         check::bound("break_torque", self.break_torque)?;
+        self.strength.check()?;
         self.kind = self.kind.checked()?;
         Ok(self)
     }
@@ -381,11 +387,29 @@ pub(crate) struct Joint {
     /// Force and torque on B, mean over the last step.
     pub force: Vec3,
     pub torque: Vec3,
+    /// Impulse on B of the last substep, if a direct solve took it (N·s, N·m·s).
+    pub acted: [Vec3; 2],
+    /// What it has borne of late, if it can break.
+    pub strain: Option<Box<Strain>>,
     /// Stops that pressed at the end of the last step, as bits: 2 × axis, and one more for the upper one.
     pub pressed: u32,
 }
 
 impl Joint {
+    pub(crate) fn new(def: JointDef, bodies: [Option<u32>; 2]) -> Self {
+        let strain = def.strength.can_break().then(Box::default);
+        Self {
+            def,
+            bodies,
+            impulses: JointImpulses::ZERO,
+            force: Vec3::ZERO,
+            torque: Vec3::ZERO,
+            acted: [Vec3::ZERO; 2],
+            strain,
+            pressed: 0,
+        }
+    }
+
     /// Stops that press now, by their multipliers.
     pub(crate) fn pressed_stops(&self) -> u32 {
         let pressing = |row: usize| self.impulses.scalar[row] > 0.0;
@@ -416,5 +440,9 @@ impl Joint {
         self.impulses = JointImpulses::ZERO;
         self.force = Vec3::ZERO;
         self.torque = Vec3::ZERO;
+        self.acted = [Vec3::ZERO; 2];
+        if let Some(strain) = &mut self.strain {
+            strain.spans = Default::default();
+        }
     }
 }

@@ -32,6 +32,7 @@ mod check;
 mod collide;
 mod debug;
 mod error;
+mod fracture;
 mod id;
 mod island;
 mod joint;
@@ -55,6 +56,10 @@ pub use body::{BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEE
 pub use check::{MAX_COORDINATE, STEP_RANGE};
 pub use debug::{Color, DebugDraw, DrawLayers, DrawOptions};
 pub use error::{Error, ErrorKind, Result};
+pub use fracture::voronoi::{Bond, Cell, Cells, MAX_CELLS, Material as BondMaterial};
+pub use fracture::{
+    BreakCause, BreakLimit, Damage, FractureSettings, JointBreak, JointLoad, JointStress, MAX_WINDOW, Piece, Split, Strength,
+};
 pub use glam;
 pub use id::{BodyId, Handle, JointId, MAX_OBJECTS, ShapeId};
 pub use joint::{Axis, JointDef, JointKind, JointState, Limits, Motor, Softness, SphericalMotor};

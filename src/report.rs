@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use crate::fracture::{JointBreak, Piece, Split};
 use crate::id::{BodyId, JointId, ShapeId};
 use crate::pose::Pose;
 
@@ -41,6 +42,12 @@ pub struct StepCounts {
     pub contact_points: u32,
     /// Joints solved.
     pub joints: u32,
+    /// Joints that broke.
+    pub joints_broken: u32,
+    /// Joints past a limit that break in the steps to come.
+    pub joints_condemned: u32,
+    /// Times that the step was solved, more than once where joints broke.
+    pub solves: u32,
     /// Long-range bounds derived in this step; 0 where no graph of joints has changed.
     pub bounds_derived: u32,
     /// Long-range bounds of bodies awake.
@@ -263,6 +270,10 @@ pub(crate) struct Events {
     pub sensor_ended: Vec<ContactPair>,
     pub quarantined: Vec<BodyId>,
     pub articulations: Vec<ArticulationReport>,
+    pub broken: Vec<JointBreak>,
+    pub splits: Vec<Split>,
+    pub pieces: Vec<Piece>,
+    pub piece_bodies: Vec<BodyId>,
     /// Contacts that edits ended since the last step: the next step lists them, for a host that reads after each step.
     pub ended_by_edits: Vec<ContactPair>,
 }
@@ -280,6 +291,10 @@ impl Events {
         self.sensor_ended.clear();
         self.quarantined.clear();
         self.articulations.clear();
+        self.broken.clear();
+        self.splits.clear();
+        self.pieces.clear();
+        self.piece_bodies.clear();
         self.take_edits();
     }
 

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
+use crate::fracture::FractureSettings;
 use crate::long_range::LongRangeDef;
 
 /// How joints are solved.
@@ -87,6 +88,8 @@ pub struct WorldDef {
     pub sleep: SleepSettings,
     /// What is derived from the joints.
     pub long_range: LongRangeDef,
+    /// Whether and how fast joints break.
+    pub fracture: FractureSettings,
     /// Approach speed above which contacts rebound (m/s), ≥ 0.
     pub restitution_threshold: f32,
     /// Approach speed above which contacts are listed as hits (m/s), ≥ 0; infinity, the default, for never, which costs nothing.
@@ -112,6 +115,7 @@ impl Default for WorldDef {
             threads: 1,
             sleep: SleepSettings::default(),
             long_range: LongRangeDef::default(),
+            fracture: FractureSettings::default(),
             restitution_threshold: 1.0,
             hit_threshold: f32::INFINITY,
             hold: true,
@@ -151,6 +155,7 @@ impl WorldDef {
         check::not_negative("sleep.angular_speed", self.sleep.angular_speed)?;
         check::not_negative("sleep.time", self.sleep.time)?;
         self.long_range.check()?;
+        self.fracture.check()?;
         check::not_negative("restitution_threshold", self.restitution_threshold)?;
         check::bound("hit_threshold", self.hit_threshold)?;
         Ok(())

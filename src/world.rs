@@ -22,10 +22,12 @@ use crate::solve::batch::Batch;
 use crate::workers::{ParallelFor, Workers};
 
 mod bodies;
+mod cells;
 mod contacts;
 mod draw;
 mod fast;
 mod forces;
+mod fracture;
 mod group;
 mod hold;
 mod joints;
@@ -68,6 +70,7 @@ pub struct World {
     long_range: long_range::LongRange,
     groups: group::Groups,
     hold: hold::Hold,
+    fracture: fracture::Fracture,
     batches: Vec<Batch>,
     batch_count: usize,
     events: Events,
@@ -122,6 +125,7 @@ impl World {
             long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
             hold: hold::Hold::default(),
+            fracture: fracture::Fracture::default(),
             batches: Vec::new(),
             batch_count: 0,
             events: Events::default(),
@@ -166,11 +170,13 @@ impl World {
         self.report.timings.islands = clock.lap();
         clock.enter(c"solve");
         self.solve_batches(dt);
+        self.read_joint_loads(dt);
+        self.break_overloaded(dt);
         self.report.timings.solve = clock.lap();
         clock.enter(c"finish");
         self.store_results(dt);
-        self.find_union_loads(dt);
         self.stop_fast_bodies();
+        self.report_splits();
         self.report_contacts();
         self.report_hits();
         self.sense();
@@ -187,6 +193,7 @@ impl World {
         self.forget_escaped();
         let (step, time) = (self.report.step + 1, self.report.time + f64::from(dt));
         self.report = StepReport { step, time, ..StepReport::default() };
+        self.break_condemned();
         self.drive_kinematic_bodies(dt);
         self.settle_movers();
     }

@@ -153,6 +153,11 @@ fn long_range_bounds_roll_back_with_what_they_carry() {
 }
 
 #[test]
+fn what_breaks_rolls_back_to_any_step() {
+    rolls_back("vase", &[("break", "1000000")], 100, 200, 1);
+}
+
+#[test]
 fn a_pile_that_falls_asleep_rolls_back_to_any_step() {
     rolls_back("pile", &[("n", "150")], 300, 300, 1);
     rolls_back("resting", &[], 120, 200, 1);

@@ -14,6 +14,7 @@ use ls_core::{RecordedWorld, World};
 
 use crate::callback::{self, CallbackThread};
 use crate::callbacks::LsCallbacks;
+use crate::fracture::FractureHandlers;
 use crate::handle::LsWorld;
 use crate::log;
 use crate::published::Published;
@@ -27,6 +28,7 @@ pub(crate) struct Hosted {
     /// Arrays of the last step in C's layout, filled when asked for.
     pub published: Published,
     pub overload_handler: Option<OverloadHandler>,
+    pub fracture_handlers: FractureHandlers,
     pub callbacks: LsCallbacks,
     /// Who publishes its steps to other processes.
     #[cfg(feature = "stream")]
@@ -46,6 +48,7 @@ impl WorldCell {
             world: RecordedWorld::new(world),
             published: Published::default(),
             overload_handler: None,
+            fracture_handlers: FractureHandlers::default(),
             callbacks: LsCallbacks::default(),
             #[cfg(feature = "stream")]
             streams: Default::default(),

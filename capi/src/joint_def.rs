@@ -1,7 +1,7 @@
 //! What a joint starts with, as C describes it: one flat struct, of which each kind reads its own fields.
 
 use ls_core::glam::{Quat, Vec3};
-use ls_core::{Axis, JointDef, JointKind, Limits, Motor, Pose, Softness, SphericalMotor};
+use ls_core::{Axis, JointDef, JointKind, Limits, Motor, Pose, Softness, SphericalMotor, Strength};
 
 use crate::boundary::call;
 use crate::enums;
@@ -10,6 +10,7 @@ use crate::math::LsPose;
 use crate::pointer::host;
 use crate::result::{Failure, LS_ERROR_UNSUPPORTED, LsResult, Outcome};
 use crate::sized::{Definition, SizedOut, Versioned};
+use crate::strength::LsStrength;
 
 /// Joint kind: nothing moves.
 pub const LS_JOINT_FIXED: i32 = 0;
@@ -141,11 +142,13 @@ pub struct LsJointDef {
     pub linear_axes: [LsAxis; 3],
     /// Generic: rotation about x, y, z; default locked at zero.
     pub angular_axes: [LsAxis; 3],
+    /// What the joint bears before it breaks; default unbreakable.
+    pub strength: LsStrength,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsJointDef {
-    const SIZES: &'static [usize] = &[400];
+    const SIZES: &'static [usize] = &[400, 440];
 }
 
 // SAFETY: begins with struct_size.
@@ -177,6 +180,7 @@ impl Default for LsJointDef {
             spherical_motor: SphericalMotor::Off.into(),
             linear_axes: [locked; 3],
             angular_axes: [locked; 3],
+            strength: Strength::UNBREAKABLE.into(),
         }
     }
 }
@@ -206,6 +210,7 @@ impl TryFrom<&LsJointDef> for JointDef {
             limit: def.limit.into(),
             break_force: def.break_force,
             break_torque: def.break_torque,
+            strength: def.strength.into(),
             collide_connected: def.collide_connected != 0,
             user_word: def.user_word,
         })
@@ -254,6 +259,7 @@ impl TryFrom<&JointDef> for LsJointDef {
             break_torque: def.break_torque,
             collide_connected: def.collide_connected.into(),
             user_word: def.user_word,
+            strength: def.strength.into(),
             ..Self::default()
         };
         c.set_kind(&def.kind)?;

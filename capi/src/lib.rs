@@ -20,6 +20,8 @@ mod shape_def;
 
 mod body_def;
 
+mod strength;
+
 mod joint_def;
 
 mod events;
@@ -57,6 +59,10 @@ mod support;
 mod long_range;
 
 mod union;
+
+mod fracture;
+
+mod cells;
 
 mod stream_def;
 

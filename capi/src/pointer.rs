@@ -70,6 +70,15 @@ impl<T> Buffer<T> {
         unsafe { Ok(Self { elements: OutArray::new(elements, capacity, name)?, count: Out::new(count, "count")? }) }
     }
 
+    /// Whether so many values fit; if not, writes their number.
+    pub(crate) fn room_for(&self, needed: usize) -> Outcome<()> {
+        if needed > self.elements.len {
+            self.count.write(needed)?;
+            return Err(Failure::Refused(LS_ERROR_BUFFER_TOO_SMALL, "capacity", "is less than the number written to count"));
+        }
+        Ok(())
+    }
+
     /// Writes all bytes and their number, or only their number if they do not fit.
     pub(crate) fn fill_bytes(&self, bytes: &[u8]) -> Outcome<()>
     where

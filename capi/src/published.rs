@@ -7,6 +7,7 @@ use std::sync::{Mutex, PoisonError};
 
 use crate::access::Hosted;
 use crate::events::{LsArticulation, LsContactPair, LsHit, LsJointOverload, LsJointStop, LsMoved};
+use crate::fracture::{LsJointBreak, LsPiece, LsSplit};
 use crate::handle::LsBody;
 
 #[derive(Default)]
@@ -22,6 +23,10 @@ pub(crate) struct Published {
     pub sensed: Array<LsContactPair>,
     pub quarantined: Array<LsBody>,
     pub articulations: Array<LsArticulation>,
+    pub broken: Array<LsJointBreak>,
+    pub splits: Array<LsSplit>,
+    pub pieces: Array<LsPiece>,
+    pub piece_bodies: Array<LsBody>,
 }
 
 impl Published {
@@ -38,6 +43,10 @@ impl Published {
         self.sensed.expire();
         self.quarantined.expire();
         self.articulations.expire();
+        self.broken.expire();
+        self.splits.expire();
+        self.pieces.expire();
+        self.piece_bodies.expire();
     }
 }
 

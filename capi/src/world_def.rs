@@ -8,6 +8,7 @@ use crate::enums;
 use crate::pointer::host;
 use crate::result::{Failure, LsResult, Outcome};
 use crate::sized::{Definition, SizedOut, Versioned};
+use crate::strength::LsFractureSettings;
 
 /// Solver: the library chooses per group of bodies.
 pub const LS_SOLVER_AUTO: i32 = 0;
@@ -88,11 +89,13 @@ pub struct LsWorldDef {
     /// Approach speed above which contacts are listed by ls_world_hits (m/s), >= 0; default INFINITY, which is never and costs
     /// nothing.
     pub hit_threshold: f32,
+    /// Whether and how fast joints break.
+    pub fracture: LsFractureSettings,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsWorldDef {
-    const SIZES: &'static [usize] = &[64, 72, 76];
+    const SIZES: &'static [usize] = &[64, 72, 76, 84];
 }
 
 // SAFETY: begins with struct_size.
@@ -142,6 +145,7 @@ impl TryFrom<LsWorldDef> for WorldDef {
             support: def.support != 0,
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
+            fracture: def.fracture.into(),
             ..Self::default()
         })
     }
@@ -169,6 +173,7 @@ impl From<&WorldDef> for LsWorldDef {
             hold: def.hold.into(),
             support: def.support.into(),
             hit_threshold: def.hit_threshold,
+            fracture: def.fracture.into(),
         }
     }
 }

@@ -58,6 +58,7 @@ fn call_back(world: LsWorld, hosted: &Hosted) {
         let message = Message::new(format_args!("ls_world_step: body {id:#x} is no longer finite and was quarantined"));
         log::emit(log::LS_LOG_WARNING, &message);
     }
+    crate::fracture::call_back(world, hosted);
     hosted.callbacks.run(world, hosted);
     if let Some(OverloadHandler { callback, user }) = hosted.overload_handler {
         for overload in hosted.world.overloaded().iter().map(LsJointOverload::from) {
@@ -271,7 +272,7 @@ pub unsafe extern "C" fn ls_world_sensed(world: LsWorld, out: *mut *const LsCont
     })
 }
 
-fn publish<T>(
+pub(crate) fn publish<T>(
     world: LsWorld,
     out: &Out<*const T>,
     count: &Out<usize>,

@@ -12,6 +12,8 @@ const OTHERWISE: &[(&str, &str)] = &[
     ("contacts_of", "ls_body_contacts_get"),
     ("bodies", "ls_world_bodies_get"),
     ("joints", "ls_world_joints_get"),
+    ("joint_shares_into", "ls_joint_shares_get"),
+    ("create_cells", "ls_world_cells_create"),
     ("contacts", "ls_world_contacts_get"),
     ("set_support", "ls_support_enable"),
     ("support", "ls_support_of"),

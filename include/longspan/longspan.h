@@ -163,6 +163,30 @@
 /** Locked axis: no rotation about the world's z axis. */
 #define LS_LOCK_ROTATION_Z 32
 
+/** Limit of a joint: pulled apart along its axis. */
+#define LS_LIMIT_TENSION 0
+
+/** Limit of a joint: pressed together along its axis. */
+#define LS_LIMIT_COMPRESSION 1
+
+/** Limit of a joint: pushed across its axis. */
+#define LS_LIMIT_SHEAR 2
+
+/** Limit of a joint: bent across its axis. */
+#define LS_LIMIT_BENDING 3
+
+/** Limit of a joint: twisted about its axis. */
+#define LS_LIMIT_TORSION 4
+
+/** Cause of a break: the mean load passed a limit. */
+#define LS_BREAK_LOAD 0
+
+/** Cause of a break: the joint was worn out. */
+#define LS_BREAK_DAMAGE 1
+
+/** Cause of a break: ls_world_apply_fractures named the joint, and it had not passed a limit. */
+#define LS_BREAK_APPLIED 2
+
 /** Joint kind: nothing moves. */
 #define LS_JOINT_FIXED 0
 
@@ -725,6 +749,37 @@ typedef struct LsAxis {
 } LsAxis;
 
 /**
+ * What a joint bears before it breaks. Loads are those on body B in axes of the joint's frame on A, whose x axis is taken to
+ * point from A to B; INFINITY is never. The layout of this struct never changes.
+ *
+ * Loads are compared as their mean over the window: an impulse J counts as J / window whatever the length of the step, a steady
+ * load as itself. Damage grows by (share - damage_from) / (1 - damage_from) / damage_time a second while the joint bears more
+ * than damage_from of a limit, and halves every damage_half_life; at 1 the joint breaks.
+ */
+typedef struct LsStrength {
+    /** Greatest force that pulls B away from A along the axis (N), >= 0; default INFINITY. */
+    float tension;
+    /** Greatest force that presses B against A along the axis (N), >= 0; default INFINITY. */
+    float compression;
+    /** Greatest force across the axis (N), >= 0; default INFINITY. */
+    float shear;
+    /** Greatest torque across the axis (N m), >= 0; default INFINITY. */
+    float bending;
+    /** Greatest torque about the axis (N m), >= 0; default INFINITY. */
+    float torsion;
+    /** Time over which loads are averaged (s), above 0, at most 10; default 1/60. A longer step is a window of its own. */
+    float window;
+    /** Not 0: loads below the limits wear the joint out; default 0. */
+    uint32_t wears;
+    /** Fraction of a limit from which it wears, 0 to below 1; read if wears; default 0.5. */
+    float damage_from;
+    /** Time after which a new joint at its limit is worn out (s), > 0; read if wears; default 1. */
+    float damage_time;
+    /** Time in which damage halves (s), > 0, INFINITY if it stays; read if wears; default INFINITY. */
+    float damage_half_life;
+} LsStrength;
+
+/**
  * Everything a joint starts with. Fill it with ls_joint_def_init first.
  *
  * A joint ties a frame on body A to a frame on body B. The joint axis is the x axis of both frames. Either body may be the null
@@ -773,6 +828,8 @@ typedef struct LsJointDef {
     struct LsAxis linear_axes[3];
     /** Generic: rotation about x, y, z; default locked at zero. */
     struct LsAxis angular_axes[3];
+    /** What the joint bears before it breaks; default unbreakable. */
+    struct LsStrength strength;
 } LsJointDef;
 
 /** When bodies fall asleep. */
@@ -786,6 +843,14 @@ typedef struct LsSleepSettings {
     /** How long all bodies of a group must be quiet before it falls asleep (s); default 0.5. */
     float time;
 } LsSleepSettings;
+
+/** Whether and how fast joints break. The layout of this struct never changes. */
+typedef struct LsFractureSettings {
+    /** Not 0: joints break by their own load; default 1. If 0, only what ls_world_apply_fractures names does, as on a client. */
+    uint32_t by_load;
+    /** Most joints that break in a step, >= 1; the rest do in the steps after, in order of their handles; default 4096. */
+    uint32_t most;
+} LsFractureSettings;
 
 /** Everything a world starts with. Fill it with ls_world_def_init first. */
 typedef struct LsWorldDef {
@@ -820,6 +885,8 @@ typedef struct LsWorldDef {
      * nothing.
      */
     float hit_threshold;
+    /** Whether and how fast joints break. */
+    struct LsFractureSettings fracture;
 } LsWorldDef;
 
 /** Names a world. Passed by value; any value is safe. */
@@ -1448,6 +1515,138 @@ typedef struct LsUnion {
     /** Worst angle by which its joints contradict one another (rad). */
     float angle_residual;
 } LsUnion;
+
+/** A joint that broke in a step. It is gone: its handle is stale. The layout of this struct never changes. */
+typedef struct LsJointBreak {
+    /** The joint that was. */
+    struct LsJoint joint;
+    /** The word its host gave it. */
+    uint64_t user_word;
+    /** Its first body; null is the world. */
+    struct LsBody body_a;
+    /** Its second body; null is the world. */
+    struct LsBody body_b;
+    /** Where it was (m). */
+    double point[3];
+    /** Number of the step. */
+    uint64_t step;
+    /** Mean force on B over its window, world axes (N). */
+    float force[3];
+    /** Mean torque on B about its point, world axes (N m). */
+    float torque[3];
+    /** Its load as a fraction of the limit that it broke at; above 1 if by load. */
+    float share;
+    /** LS_LIMIT_ constant: that limit. */
+    int32_t limit;
+    /** LS_BREAK_ constant: why it broke. */
+    int32_t cause;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsJointBreak;
+
+/**
+ * Receives the joints that broke in a step, one call each, in the order of ls_world_broken.
+ *
+ * Called after the solve on the thread that steps, under its own floating-point settings. It must return normally (no
+ * exception, no longjmp). Inside it, reads of the world work, on other threads too; edits return LS_ERROR_WORLD_LOCKED.
+ * @param world   the world that steps
+ * @param broken  the joint and its load, valid during the call
+ * @param user    as given to ls_world_break_callback_set
+ */
+typedef void (*LsBreakCallback)(struct LsWorld world, const struct LsJointBreak *broken, void *user);
+
+/**
+ * A rigid union, which is the dynamic bodies that fixed joints connect, that fell into pieces in a step, or lost its anchor. The
+ * layout of this struct never changes.
+ */
+typedef struct LsSplit {
+    /** Its member of the lowest slot, which is in the first piece too. */
+    struct LsBody first_body;
+    /** Its centre of mass at the end of the step (m). */
+    double center[3];
+    /** Number of the step. */
+    uint64_t step;
+    /** Number of its members. */
+    uint32_t body_count;
+    /** Its mass (kg). */
+    float mass;
+    /** Velocity of its centre of mass (m/s). */
+    float linear_velocity[3];
+    /** 1 if a fixed joint tied it to the world or to a body that is not dynamic, else 0. */
+    uint32_t anchored;
+    /** Its first piece in the array of ls_world_pieces. */
+    uint32_t first_piece;
+    /** Number of its pieces. */
+    uint32_t piece_count;
+} LsSplit;
+
+/**
+ * Receives the unions that fell into pieces in a step, one call each, in the order of ls_world_splits, after all broken joints.
+ *
+ * Called like LsBreakCallback; ls_world_pieces and ls_world_piece_bodies work inside it.
+ * @param world  the world that steps
+ * @param split  the union, valid during the call
+ * @param user   as given to ls_world_split_callback_set
+ */
+typedef void (*LsSplitCallback)(struct LsWorld world, const struct LsSplit *split, void *user);
+
+/** What is left of a union: a smaller one, or a single body. The layout of this struct never changes. */
+typedef struct LsPiece {
+    /** Its member of the lowest slot. */
+    struct LsBody first_body;
+    /** Its centre of mass at the end of the step (m). */
+    double center[3];
+    /** Its first member in the array of ls_world_piece_bodies. */
+    uint32_t first_member;
+    /** Number of its members. */
+    uint32_t body_count;
+    /** Its mass (kg). */
+    float mass;
+    /** Velocity of its centre of mass (m/s). */
+    float linear_velocity[3];
+    /** Angular velocity: that of a rigid body with its angular momentum (rad/s). */
+    float angular_velocity[3];
+    /** 1 if a fixed joint still ties it to the world or to a body that is not dynamic, else 0. */
+    uint32_t anchored;
+    /** 1 if the union had an anchor and this piece has none, else 0. */
+    uint32_t cut_loose;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsPiece;
+
+/** What a joint bears at present. Later versions append fields. */
+typedef struct LsJointStress {
+    /** Mean force on B over the window, axes of the joint's frame on A (N). */
+    float force[3];
+    /** Mean torque on B about the joint's point, axes of the joint's frame on A (N m). */
+    float torque[3];
+    /** Its load as a fraction of the nearest limit: 1 breaks; 0 without limits. */
+    float share;
+    /** LS_LIMIT_ constant: that limit. */
+    int32_t limit;
+    /** Its wear, a fraction: 1 breaks. */
+    float damage;
+} LsJointStress;
+
+/** What bonds the cells of a solid. The layout of this struct never changes. */
+typedef struct LsBondMaterial {
+    /** Greatest tensile stress (N/m^2, which is Pa), >= 0. */
+    float tension;
+    /** Greatest compressive stress (N/m^2, which is Pa), >= 0. */
+    float compression;
+    /** Greatest shear stress (N/m^2, which is Pa), >= 0. */
+    float shear;
+    /** Time over which loads are averaged (s), above 0, at most 10. */
+    float window;
+    /** Not 0: loads below the limits wear bonds out, as in LsStrength. */
+    uint32_t wears;
+    /** Fraction of a limit from which a bond wears, 0 to below 1; read if wears. */
+    float damage_from;
+    /** Time after which a new bond at its limit is worn out (s), > 0; read if wears. */
+    float damage_time;
+    /** Time in which damage halves (s), > 0, INFINITY if it stays; read if wears. */
+    float damage_half_life;
+} LsBondMaterial;
 
 /** Everything a stream starts with. Fill it with ls_stream_def_init first. */
 typedef struct LsStreamDef {
@@ -3724,6 +3923,197 @@ LsResult ls_body_union_members(LsWorld world, LsBody body, LsBody *out, size_t c
  * Threads: read. Callbacks: allowed.
  */
 LsResult ls_world_unions(LsWorld world, LsUnion *out, size_t capacity, size_t *count);
+
+/**
+ * Sets the function that receives broken joints; at the start there is none.
+ *
+ * @param world     the world; any value is safe
+ * @param callback  called by ls_world_step; NULL for none
+ * @param user      handed back to the callback; must stay valid until another callback is set or the world is destroyed
+ * @return LS_OK, a world error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_break_callback_set(LsWorld world, LsBreakCallback callback, void *user);
+
+/**
+ * Sets the function that receives unions that fell into pieces; at the start there is none.
+ *
+ * @param world     the world; any value is safe
+ * @param callback  called by ls_world_step; NULL for none
+ * @param user      handed back to the callback; must stay valid until another callback is set or the world is destroyed
+ * @return LS_OK, a world error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_split_callback_set(LsWorld world, LsSplitCallback callback, void *user);
+
+/**
+ * Joints that broke in the last step, in the order in which they did.
+ *
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_broken(LsWorld world, const LsJointBreak **out, size_t *count);
+
+/**
+ * Unions that fell into pieces in the last step, by their lowest member.
+ *
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_splits(LsWorld world, const LsSplit **out, size_t *count);
+
+/**
+ * The pieces of all splits of the last step, split by split.
+ *
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_pieces(LsWorld world, const LsPiece **out, size_t *count);
+
+/**
+ * The members of all pieces of the last step, piece by piece.
+ *
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_piece_bodies(LsWorld world, const LsBody **out, size_t *count);
+
+/**
+ * Has joints break in the next step, where a step breaks joints: what ls_world_broken lists on a server makes a client that was
+ * in the same state before the step the same after it, bit for bit.
+ *
+ * The part of a handle that says which world it is of is not looked at. Joints that have been destroyed are passed over; lists
+ * given before the same step add up.
+ * @param world   the world; any value is safe
+ * @param joints  count handles
+ * @param count   number of handles; 0 is allowed
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_apply_fractures(LsWorld world, const LsJoint *joints, size_t count);
+
+/**
+ * Sets whether and how fast joints break.
+ *
+ * @param world     the world; any value is safe
+ * @param settings  read during the call
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_fracture_settings_set(LsWorld world, const LsFractureSettings *settings);
+
+/**
+ * Sets what a joint bears before it breaks.
+ *
+ * @param world     the world; any value is safe
+ * @param joint     a joint of that world; any value is safe
+ * @param strength  read during the call
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_joint_strength_set(LsWorld world, LsJoint joint, const LsStrength *strength);
+
+/**
+ * What a joint bears at present, against what it can.
+ *
+ * @param world  the world; any value is safe
+ * @param joint  a joint of that world; any value is safe
+ * @param out    filled on LS_OK
+ * @param size   sizeof *out as the host knows it
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_joint_stress_get(LsWorld world, LsJoint joint, LsJointStress *out, size_t size);
+
+/**
+ * How close many joints are to breaking.
+ *
+ * @param world   the world; any value is safe
+ * @param joints  count handles
+ * @param count   number of handles; 0 is allowed
+ * @param out     room for count fractions of a limit, 1 breaks, filled on LS_OK in the order of the handles; one bad handle,
+ *                and none is written
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_OUT_OF_RANGE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_joint_shares_get(LsWorld world, const LsJoint *joints, size_t count, float *out);
+
+/**
+ * Joints that bear at least a share of a limit, those closest to breaking first.
+ *
+ * @param world     the world; any value is safe
+ * @param least     fraction of a limit from which on they are listed, >= 0; 1 breaks
+ * @param out       room for capacity handles, filled on LS_OK; may be NULL if capacity is 0
+ * @param capacity  number of handles that fit
+ * @param count     number of joints, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_joints_near_breaking(LsWorld world, float least, LsJoint *out, size_t capacity, size_t *count);
+
+/**
+ * Points spread evenly at random through a box or a convex hull, to cut it by; the same for the same seed on every machine.
+ *
+ * @param shape  a box or convex hull
+ * @param count  number of points, 1 to 65536
+ * @param seed   any value
+ * @param out    room for 3 * count floats: x, y, z of each point, in the shape's frame (m); filled on LS_OK
+ * @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_APPLICABLE,
+ *         LS_ERROR_DEGENERATE, and what ls_shape_attach returns about a shape
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_cells_seeds(const LsShapeDef *shape, size_t count, uint64_t seed, float *out);
+
+/**
+ * Cuts a box or a convex hull into the Voronoi cells of seeds: a body with a convex hull for each cell, and a fixed joint at each
+ * face that two cells share, its x axis the face's normal, its limits the face's area times the stresses of the material. The
+ * same seeds give the same cells.
+ *
+ * @param world           the world; any value is safe
+ * @param body            pose and velocity of the solid, and what else its cells have in common; its shapes and mass are not used
+ * @param shape           the solid; density, material and filter are those of its cells; local_position and local_rotation are not used
+ * @param seeds           3 * seed_count floats: x, y, z of each seed, in the frame of the solid (m); none may be there twice
+ * @param seed_count      1 to 65536
+ * @param material        what the joints bear
+ * @param bodies          room for body_capacity handles, filled on LS_OK in the order of the seeds whose cells are not empty
+ * @param body_capacity   number of handles that fit; seed_count always suffices
+ * @param body_count      number of cells, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @param joints          room for joint_capacity handles, filled on LS_OK; may be NULL if joint_capacity is 0
+ * @param joint_capacity  number of handles that fit
+ * @param joint_count     number of joints, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_NOT_APPLICABLE, LS_ERROR_DEGENERATE, LS_ERROR_BUFFER_TOO_SMALL, and what ls_body_create and ls_joint_create
+ *         return about definitions
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_world_cells_create(LsWorld world,
+                               const LsBodyDef *body,
+                               const LsShapeDef *shape,
+                               const float *seeds,
+                               size_t seed_count,
+                               const LsBondMaterial *material,
+                               LsBody *bodies,
+                               size_t body_capacity,
+                               size_t *body_count,
+                               LsJoint *joints,
+                               size_t joint_capacity,
+                               size_t *joint_count);
 
 /* Streams --------------------------------------------------------------------------------------------------------- */
 

@@ -5,8 +5,8 @@ use longspan::glam::DVec3;
 use crate::params::{Params, SceneError};
 use crate::scene::Scene;
 use crate::{
-    arm, branching, bridge, cable_car, cantilever, chain, closed_form, crossbow, crowd, free, friction, gallery, hinge_loop,
-    idle, impact, machines, masonry, pile, ragdoll, stack, stress, track, vase, violent,
+    arm, branching, bridge, cable_car, cantilever, chain, closed_form, crossbow, crowd, fracture, free, friction, gallery,
+    hinge_loop, idle, impact, machines, masonry, pile, ragdoll, stack, stress, track, vase, violent,
 };
 
 /// A scene that can be built.
@@ -36,6 +36,8 @@ pub const CATALOGUE: &[Entry] = &[
     entry("track", "a track of 132 links driven over a step by its sprockets", track::track),
     entry("crossbow", "a bow of limited hinges, modelled bent, with its arrow", crossbow::crossbow),
     entry("vase", "a vase of welded pieces dropped on its edge", vase::vase),
+    entry("brick_wall", "a wall of Voronoi bricks hit by a ball", fracture::brick_wall),
+    entry("breaking_beam", "a cantilever of fixed joints under growing gravity", fracture::breaking_beam),
     entry("heavy_on_light", "nine boxes of 100 kg carry a tenth that is far heavier", stack::heavy_on_light),
     entry("tower", "a ring-shaped tower of stone blocks stands, then is hit", stack::tower),
     entry("column", "equal boxes on one another for a minute", stack::column),

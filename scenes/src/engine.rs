@@ -34,6 +34,11 @@ pub trait Engine {
         let _ = joint;
         None
     }
+    /// Whether the joint is still there: `false` once it has broken, in an engine whose joints do.
+    fn has_joint(&self, joint: usize) -> bool {
+        let _ = joint;
+        true
+    }
     /// Net contact force on the body, mean over the last step (N), of an engine that reports it.
     fn contact_force(&self, body: usize) -> Option<Vec3> {
         let _ = body;

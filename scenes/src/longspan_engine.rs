@@ -126,6 +126,10 @@ impl Engine for LongspanEngine {
         self.world.joint_state(self.joints[joint]).ok().map(|state| state.force)
     }
 
+    fn has_joint(&self, joint: usize) -> bool {
+        self.world.joint_def(self.joints[joint]).is_ok()
+    }
+
     fn contact_force(&self, body: usize) -> Option<Vec3> {
         self.world.contact_force(self.bodies[body]).ok()
     }

@@ -77,6 +77,10 @@ impl Engine for Shifted<'_> {
         self.engine.joint_force(joint)
     }
 
+    fn has_joint(&self, joint: usize) -> bool {
+        self.engine.has_joint(joint)
+    }
+
     fn contact_force(&self, body: usize) -> Option<Vec3> {
         self.engine.contact_force(body)
     }

@@ -1,6 +1,7 @@
 //! Arguments and answers of calls as bytes.
 
 use crate::body::{BodyDef, BodyKind, LockedAxes};
+use crate::fracture::{FractureSettings, Strength};
 use crate::id::{BodyId, JointId, ShapeId, without_world};
 use crate::joint::{JointDef, JointKind, Softness};
 use crate::long_range::{LongRangeDef, SoftBound};
@@ -146,6 +147,9 @@ plain_arguments!(
     ArticulationSettings,
     LongRangeDef,
     Option<SoftBound>,
+    Strength,
+    FractureSettings,
+    Vec<JointId>,
 );
 
 impl Argument for ShapeDef {

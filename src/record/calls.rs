@@ -8,6 +8,7 @@ use super::RecordedWorld;
 use super::argument::{Answer, Argument, Pages};
 use crate::body::{BodyDef, BodyKind, LockedAxes};
 use crate::error::Result;
+use crate::fracture::{FractureSettings, Strength};
 use crate::id::{BodyId, JointId, ShapeId};
 use crate::joint::{JointDef, JointKind, Softness};
 use crate::long_range::{LongRangeDef, SoftBound};
@@ -130,5 +131,8 @@ recorded! {
     41 set_gravity(val gravity: Vec3) -> ();
     42 set_hit_threshold(val speed: f32) -> ();
     43 set_body_kind(val body: BodyId, val kind: BodyKind) -> ();
-    45 set_articulation_settings(val settings: ArticulationSettings) -> ();
+    48 set_joint_strength(val joint: JointId, val strength: Strength) -> ();
+    45 set_fracture_settings(val settings: FractureSettings) -> ();
+    46 apply_fractures(ref joints: Vec<JointId>) -> ();
+    47 set_articulation_settings(val settings: ArticulationSettings) -> ();
 }

@@ -11,7 +11,9 @@ use super::stored::{Reader, Stored, Writer, stored, stored_enum};
 use crate::body::{Anchored, Body, BodyDef, BodyKind, LockedAxes, SleepState};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::PairKey;
-use crate::id::Slot;
+use crate::fracture::strain::{Span, Strain};
+use crate::fracture::{Damage, FractureSettings, Strength};
+use crate::id::{JointId, Slot};
 use crate::joint::{Axis, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
 use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
@@ -50,6 +52,8 @@ pub(crate) struct WorldRow {
     pub pushed: Runs,
     /// Soft bounds that the host asked for.
     pub asked_bounds: Vec<AskedBound>,
+    /// Joints that are to break in the next step because the host says so.
+    pub asked_fractures: Vec<JointId>,
     pub free_bodies: Runs,
     pub free_shapes: Runs,
     pub free_joints: Runs,
@@ -94,6 +98,7 @@ stored!(WorldRow {
     stale_unions,
     pushed,
     asked_bounds,
+    asked_fractures,
     free_bodies,
     free_shapes,
     free_joints,
@@ -114,8 +119,10 @@ stored!(WorldDef {
     hold,
     long_range,
     articulations,
+    fracture,
 });
 stored!(ArticulationSettings { error_target, most_substeps, halving_budget });
+stored!(FractureSettings { by_load, most });
 stored!(LongRangeDef { enabled, attachment, hierarchy, soft, union, plane_position, plane_axis, levels });
 stored!(CarriedUnion { lead, motion, before });
 stored!(AskedBound { joints, bound });
@@ -194,7 +201,11 @@ stored!(Collider {
 stored!(Material { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule });
 stored!(CollisionFilter { member_of, collides_with });
 
-stored!(Joint { def, bodies, impulses, force, torque, pressed });
+stored!(Joint { def, bodies, impulses, force, torque, acted, strain, pressed });
+stored!(Strain { spans, damage, condemned });
+stored!(Span { time, linear, angular });
+stored!(Strength { tension, compression, shear, bending, torsion, window, damage });
+stored!(Damage { from, time, half_life });
 stored!(JointDef {
     kind,
     body_a,
@@ -206,6 +217,7 @@ stored!(JointDef {
     limit,
     break_force,
     break_torque,
+    strength,
     collide_connected,
     user_word,
 });
@@ -261,6 +273,11 @@ pub(crate) const LISTED: &[&str] = &[
     Collider::FIELDS,
     Material::FIELDS,
     Joint::FIELDS,
+    Strain::FIELDS,
+    Span::FIELDS,
+    Strength::FIELDS,
+    Damage::FIELDS,
+    FractureSettings::FIELDS,
     JointDef::FIELDS,
     JointImpulses::FIELDS,
     PairRow::FIELDS,

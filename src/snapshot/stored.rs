@@ -170,6 +170,15 @@ impl<T: Stored> Stored for Option<T> {
     }
 }
 
+impl<T: Stored> Stored for Box<T> {
+    fn put(&self, out: &mut Writer) {
+        (**self).put(out);
+    }
+    fn take(input: &mut Reader) -> Option<Self> {
+        T::take(input).map(Box::new)
+    }
+}
+
 impl<A: Stored, B: Stored> Stored for (A, B) {
     fn put(&self, out: &mut Writer) {
         self.0.put(out);

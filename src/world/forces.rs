@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::World;
+use super::unions::Anchor;
 use crate::body::{Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, checked_velocity};
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
@@ -100,7 +101,11 @@ impl World {
         checked_velocity("impulse", angular, MAX_ANGULAR_SPEED)?;
         self.bodies[index].linear_velocity = linear;
         self.bodies[index].angular_velocity = angular;
-        self.keep_anchored(index);
+        // An impulse on what is anchored ends in its joints with the next step, where those want to know.
+        let is_felt = self.unions.of(index).is_some_and(|union| union.wanted && union.anchor == Anchor::Still);
+        if !is_felt {
+            self.keep_anchored(index);
+        }
         self.wake_body(index);
         Ok(())
     }

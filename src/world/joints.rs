@@ -5,7 +5,7 @@ use glam::{DVec3, Quat, Vec3};
 use super::World;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId};
-use crate::joint::{Joint, JointDef, JointImpulses, JointKind, JointState, Softness};
+use crate::joint::{Joint, JointDef, JointKind, JointState, Softness};
 use crate::solve::direct::history::History;
 use crate::solve::joint::{coordinate, gap_of, placement_of};
 
@@ -24,8 +24,8 @@ impl World {
         if !bodies.into_iter().flatten().any(|index| self.bodies[index].is_dynamic()) {
             return Err(Error::new(ErrorKind::NotApplicable, "body_a", "a joint needs at least one dynamic body"));
         }
-        let joint = Joint { def, bodies, impulses: JointImpulses::ZERO, force: Vec3::ZERO, torque: Vec3::ZERO, pressed: 0 };
-        let (slot, id) = self.joints.insert(joint)?;
+        let (slot, id) = self.joints.insert(Joint::new(def, bodies))?;
+        self.fracture.joints_changed();
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.push(id);
             // What moved without the joint says nothing about how it will move with it.
@@ -47,9 +47,16 @@ impl World {
     /// The handle is not a joint of this world.
     pub fn destroy_joint(&mut self, joint: JointId) -> Result<()> {
         let slot = self.joints.find_to_destroy(joint)?;
+        self.remove_joint(slot);
+        Ok(())
+    }
+
+    /// Takes a joint out and wakes its bodies.
+    pub(super) fn remove_joint(&mut self, slot: u32) {
         self.joint_changed(slot);
-        let bodies = self.joints[slot].bodies;
+        let (joint, bodies) = (self.joints.handle_of(slot), self.joints[slot].bodies);
         self.joints.remove(slot);
+        self.fracture.joints_changed();
         self.topology_changed();
         self.long_range.graph_changed();
         for index in bodies.into_iter().flatten() {
@@ -63,7 +70,6 @@ impl World {
                 }
             }
         }
-        Ok(())
     }
 
     /// The joint's definition as it is now.

@@ -65,8 +65,7 @@ impl World {
             restitution_threshold: self.def.restitution_threshold,
         };
         let substep = dt / self.def.substeps as f32;
-        let impulse_scale = if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 };
-        self.scale_held(impulse_scale);
+        let impulse_scale = self.impulse_scale(substep);
         let records = Records {
             bodies: &self.bodies,
             colliders: &self.colliders,
@@ -95,8 +94,13 @@ impl World {
             (_, Some(host)) if batches.len() > 1 => for_each_chunk(host, batches, 1, |batch| batch.iter_mut().for_each(work)),
             _ => batches.iter_mut().for_each(work),
         }
-        self.last_substep = substep;
-        self.last_dt = dt;
+    }
+}
+
+impl World {
+    /// Ratio of a substep of this length (s) to the last one's.
+    pub(super) fn impulse_scale(&self, substep: f32) -> f32 {
+        if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 }
     }
 }
 
@@ -251,6 +255,7 @@ impl Records<'_> {
                 impulses: scaled_joint(&joint.impulses, self.impulse_scale),
                 linear_sum: Vec3::ZERO,
                 angular_sum: Vec3::ZERO,
+                acted: joint.acted,
             });
         }
     }

@@ -161,28 +161,18 @@ impl World {
         }
     }
 
-    /// Writes multipliers back, and adds what bounds carry to the loads of the joints that they lead past.
-    pub(super) fn store_bounds(&mut self, dt: f32) {
-        let Self { batches, batch_count, long_range, joints, report, .. } = self;
+    /// Adds what bounds carry to the loads of the joints that they lead past.
+    pub(super) fn add_bound_loads(&mut self, dt: f32) {
+        let Self { batches, batch_count, long_range, joints, .. } = self;
         if long_range.records.is_empty() {
             return;
         }
         let LongRange { derived, records, .. } = long_range;
         derived.paths.unload();
-        for batch in &batches[..*batch_count] {
-            for entry in &batch.bounds.entries {
-                let record = &mut records[entry.bound as usize];
-                record.active = entry.acted;
-                report.counts.bounds_active += u32::from(entry.acted);
-                let force = entry.far_sum / dt;
-                if force.is_finite() && entry.impulses.iter().all(|impulse| impulse.is_finite()) {
-                    record.impulses = entry.impulses;
-                    record.far_force = force;
-                    derived.paths.load(record.bound.path, force);
-                } else {
-                    record.impulses = [0.0; 2];
-                    record.far_force = Vec3::ZERO;
-                }
+        for entry in batches[..*batch_count].iter().flat_map(|batch| &batch.bounds.entries) {
+            let force = entry.far_sum / dt;
+            if force.is_finite() && entry.impulses.iter().all(|impulse| impulse.is_finite()) {
+                derived.paths.load(records[entry.bound as usize].bound.path, force);
             }
         }
         for batch in &batches[..*batch_count] {
@@ -200,6 +190,22 @@ impl World {
             let on_b = if beyond.side == 1 { force } else { -force };
             joints[links[beyond.link as usize].joint].force += on_b;
         });
+    }
+
+    /// Writes multipliers back.
+    pub(super) fn store_bounds(&mut self, dt: f32) {
+        let Self { batches, batch_count, long_range: LongRange { records, .. }, report, .. } = self;
+        for entry in batches[..*batch_count].iter().flat_map(|batch| &batch.bounds.entries) {
+            let record = &mut records[entry.bound as usize];
+            record.active = entry.acted;
+            report.counts.bounds_active += u32::from(entry.acted);
+            let force = entry.far_sum / dt;
+            if force.is_finite() && entry.impulses.iter().all(|impulse| impulse.is_finite()) {
+                (record.impulses, record.far_force) = (entry.impulses, force);
+            } else {
+                (record.impulses, record.far_force) = ([0.0; 2], Vec3::ZERO);
+            }
+        }
     }
 
     /// Changes what is derived, and wakes everything.

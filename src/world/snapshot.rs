@@ -3,6 +3,7 @@
 use glam::{DVec3, Quat};
 use parry3d::bounding_volume::Aabb;
 
+use super::fracture::Fracture;
 use super::sense::Sensing;
 use super::{CarriedBound, CarriedUnion, World};
 use crate::body::{Anchored, Body, SleepState};
@@ -58,6 +59,7 @@ impl World {
             sensing,
             // Likewise.
             unions,
+            fracture,
             // Made anew from the rest by whoever needs them next.
             escaped: _,
             hold: _,
@@ -83,6 +85,10 @@ impl World {
             sensor_ended: _,
             quarantined: _,
             articulations: _,
+            broken: _,
+            splits: _,
+            pieces: _,
+            piece_bodies: _,
             ended_by_edits,
         } = events;
         let (bounds_stale, carried_bounds) = self.carried_bounds();
@@ -109,6 +115,7 @@ impl World {
             stale_unions: Runs(stale_unions),
             pushed: Runs(unions.pushed.clone()),
             asked_bounds: long_range.soft.clone(),
+            asked_fractures: fracture.asked().to_vec(),
             free_bodies: Runs(bodies.free().to_vec()),
             free_shapes: Runs(colliders.free().to_vec()),
             free_joints: Runs(joints.free().to_vec()),
@@ -175,6 +182,7 @@ impl World {
         self.long_range.soft.clone_from(&row.asked_bounds);
         self.restart_unions(row.stale_unions.0, row.pushed.0, &unions);
         self.restart_long_range(row.bounds_stale, &bounds, row.asked_bounds);
+        self.fracture = Fracture::restored(row.asked_fractures);
         self.report = report;
         self.add_up_contact_forces();
         self.broken.clear();
@@ -303,6 +311,7 @@ impl Image {
         let ends = [(joint.bodies[0], joint.def.body_a), (joint.bodies[1], joint.def.body_b)];
         ends.into_iter().all(named)
             && joint.def.checked().is_ok()
+            && joint.strain.is_some() == joint.def.strength.can_break()
             && joint.bodies.iter().flatten().any(|&body| self.bodies[body].is_dynamic())
     }
 

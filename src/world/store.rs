@@ -20,11 +20,14 @@ const ROTATION_TOLERANCE: f32 = 1.0e-3;
 impl World {
     /// Writes poses, velocities and multipliers back.
     pub(super) fn store_results(&mut self, dt: f32) {
+        let substep = dt / self.def.substeps as f32;
+        self.scale_held(self.impulse_scale(substep));
+        (self.last_substep, self.last_dt) = (substep, dt);
         self.scratch.paths.clear();
         for number in 0..self.batch_count {
             self.store_bodies(number, dt);
             self.store_contacts(number, dt);
-            self.store_joints(number, dt);
+            self.store_joints(number);
             let batch = &self.batches[number];
             let (report, residuals) = (&mut self.report.counts, &mut self.report.residuals);
             report.colors = report.colors.max(batch.color_count);
@@ -38,6 +41,7 @@ impl World {
                 self.events.articulations.push(report);
             }
         }
+        self.report_union_overloads();
         self.store_bounds(dt);
         for index in std::mem::take(&mut self.broken) {
             self.quarantine(index);
@@ -144,15 +148,13 @@ impl World {
         }
     }
 
-    fn store_joints(&mut self, number: usize, dt: f32) {
+    fn store_joints(&mut self, number: usize) {
         let Self { batches, joints, events, .. } = self;
         for entry in batches[number].joints.entries.iter().chain(batches[number].direct.entries()) {
             let handle = joints.handle_of(entry.joint);
             let joint = &mut joints[entry.joint];
-            joint.impulses = entry.impulses;
-            joint.force = entry.linear_sum / dt;
-            joint.torque = entry.angular_sum / dt;
-            if !joint.force.is_finite() || !joint.torque.is_finite() || !entry.impulses.is_finite() {
+            (joint.impulses, joint.acted) = (entry.impulses, entry.acted);
+            if !entry.impulses.is_finite() {
                 joint.forget_impulses();
                 continue;
             }

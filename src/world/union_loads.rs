@@ -10,58 +10,81 @@
 //! and [`BondStiffness`] distributes it. Contacts count with their mean over the step's substeps where loads are wanted in every
 //! step, else with their last substep.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3, Quat, Vec3};
 
 use super::World;
 use super::unions::{Anchor, Union};
 use crate::collide::pairs::WorldManifold;
+use crate::fracture::Strength;
 use crate::joint::JointDef;
 use crate::report::JointOverload;
 use crate::solve::contact::ContactImpulses;
-use crate::span::union::inertia_of;
 use crate::span::union::loads::{Body, Bond, BondStiffness, Wrench};
+use crate::span::union::{UnionMotion, inertia_of};
 
 /// Whether somebody wants to know the load of a joint in every step.
 pub(super) fn wants_load(def: &JointDef) -> bool {
-    def.break_force < f32::INFINITY || def.break_torque < f32::INFINITY
+    def.strength.can_break() || def.break_force < f32::INFINITY || def.break_torque < f32::INFINITY
 }
 
 /// Impulses of a contact manifold in a step, over its substeps: pair, manifold of the pair, mean.
 type Mean = (u32, u32, ContactImpulses);
 
 impl World {
-    /// Writes the loads of joints inside unions into their records, where they are wanted.
+    /// Writes the loads of joints inside unions into their records, where they are wanted, before the solve is stored.
     pub(super) fn find_union_loads(&mut self, dt: f32) {
-        if self.unions.is_empty() {
-            return;
-        }
         let leads: Vec<u32> = self.unions.iter().filter(|union| union.wanted).map(|union| union.lead).collect();
         if leads.is_empty() {
             return;
         }
-        let means = self.mean_impulses();
+        let contacts = self.contact_wrenches(&self.mean_impulses(), dt);
         for lead in leads {
             let Some(union) = self.unions.of(lead) else { continue };
             if union.anchor == Anchor::Free && !self.bodies[lead].is_mover() {
                 continue;
             }
-            let loads = self.loads_of(union, &means, dt);
+            let loads = self.loads_of(union, &self.motion_after(union), &contacts, dt);
             let welds = union.welds.clone();
             for (&slot, load) in welds.iter().zip(&loads) {
-                let handle = self.joints.handle_of(slot);
                 let joint = &mut self.joints[slot];
                 (joint.force, joint.torque) = (load.force.as_vec3(), load.torque.as_vec3());
                 if !joint.force.is_finite() || !joint.torque.is_finite() {
                     (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
-                    continue;
-                }
-                let (force, torque) = (joint.force.length(), joint.torque.length());
-                if force > joint.def.break_force || torque > joint.def.break_torque {
-                    self.events.overloaded.push(JointOverload { joint: handle, user_word: joint.def.user_word, force, torque });
                 }
             }
         }
-        self.events.overloaded.sort_unstable_by_key(|overload| self.joints.find(overload.joint).unwrap_or(u32::MAX));
+    }
+
+    /// Lists joints inside unions that are above the load at which they are reported.
+    pub(super) fn report_union_overloads(&mut self) {
+        let Self { unions, joints, events, bodies, .. } = self;
+        let moves = |union: &&Union| union.anchor != Anchor::Free || bodies[union.lead].is_mover();
+        for &slot in unions.iter().filter(|union| union.wanted).filter(moves).flat_map(|union| &union.welds) {
+            let joint = &joints[slot];
+            let (force, torque) = (joint.force.length(), joint.torque.length());
+            if force > joint.def.break_force || torque > joint.def.break_torque {
+                let user_word = joint.def.user_word;
+                events.overloaded.push(JointOverload { joint: joints.handle_of(slot), user_word, force, torque });
+            }
+        }
+        events.overloaded.sort_unstable_by_key(|overload| joints.find(overload.joint).unwrap_or(u32::MAX));
+    }
+
+    /// How a union moves at the end of the solve.
+    pub(super) fn motion_after(&self, union: &Union) -> UnionMotion {
+        let (batch, slot) = self.groups.place.get(union.lead as usize).copied().unwrap_or_default();
+        match self.batches.get(batch as usize) {
+            Some(batch) if union.anchor == Anchor::Free && batch.bodies.get(slot as usize) == Some(&union.lead) => {
+                let (velocity, motion) = (&batch.velocities[slot as usize], &batch.motions[slot as usize]);
+                UnionMotion {
+                    center: union.motion.center + motion.displacement.as_dvec3(),
+                    rotation: motion.rotation,
+                    linear: velocity.linear,
+                    angular: velocity.angular,
+                }
+            }
+            _ => union.motion,
+        }
     }
 
     /// Load of a joint inside a union in the last step: force (N) and torque (N·m) about the joint point on body B, world axes.
@@ -73,7 +96,10 @@ impl World {
         if union.wanted {
             return Some((joint.force, joint.torque));
         }
-        let loads = union.loads.get_or_init(|| self.loads_of(union, &[], self.last_dt));
+        let loads = union.loads.get_or_init(|| {
+            let contacts = self.contact_wrenches(&[], self.last_dt);
+            self.loads_of(union, &union.motion, &contacts, self.last_dt)
+        });
         let load = loads.get(number)?;
         Some((load.force.as_vec3(), load.torque.as_vec3()))
     }
@@ -92,19 +118,26 @@ impl World {
     }
 
     /// Loads of all joints of a union, world axes, about their points.
-    fn loads_of(&self, union: &Union, means: &[Mean], dt: f32) -> Vec<Wrench> {
+    fn loads_of(&self, union: &Union, after: &UnionMotion, contacts: &[Wrench], dt: f32) -> Vec<Wrench> {
         if dt <= 0.0 {
             return vec![Wrench::default(); union.welds.len()];
         }
         let stiffness = union.stiffness.get_or_init(|| self.bond_stiffness(union));
-        let mut needed: Vec<Wrench> = union.members.iter().map(|&index| self.inertial_need(union, index, dt)).collect();
+        let mut needed: Vec<Wrench> = union.members.iter().map(|&index| self.inertial_need(union, after, index, dt)).collect();
         for (wrench, jolt) in needed.iter_mut().zip(&union.jolts) {
             wrench.force += jolt.force / f64::from(dt);
             wrench.torque += jolt.torque / f64::from(dt);
         }
-        self.take_contacts(union, means, dt, &mut needed);
+        for (need, &index) in needed.iter_mut().zip(&union.members) {
+            if let Some(contact) = contacts.get(index as usize) {
+                need.force -= contact.force;
+                need.torque -= contact.torque;
+            }
+        }
         self.take_outer_joints(union, &mut needed);
-        let turn = union.motion.rotation.as_dquat().normalize();
+        // Loads are means over the step, and so are the axes that they are found in.
+        let began = union.before.filter(|_| union.anchor != Anchor::Still).map_or(after.rotation, |before| before.rotation);
+        let turn = halfway(began, after.rotation).as_dquat().normalize();
         let own = turn.conjugate();
         for wrench in &mut needed {
             (wrench.force, wrench.torque) = (own * wrench.force, own * wrench.torque);
@@ -117,7 +150,7 @@ impl World {
     }
 
     /// Change of a member's momentum over the step, less weight and the host's forces.
-    fn inertial_need(&self, union: &Union, index: u32, dt: f32) -> Wrench {
+    fn inertial_need(&self, union: &Union, after: &UnionMotion, index: u32, dt: f32) -> Wrench {
         let body = &self.bodies[index];
         let Some(mass) = &body.mass else { return Wrench::default() };
         let kilograms = f64::from(mass.mass);
@@ -129,7 +162,7 @@ impl World {
             .map_or((DVec3::ZERO, DVec3::ZERO), |&(_, force, torque)| (force.as_dvec3(), torque.as_dvec3()));
         let mut need = Wrench { force: -gravity - push, torque: -twist };
         if let Some(before) = union.before.filter(|_| union.anchor != Anchor::Still) {
-            let [old, new] = [&before, &union.motion].map(|motion| self.unions.motion_of(index, motion));
+            let [old, new] = [&before, after].map(|motion| self.unions.motion_of(index, motion));
             let spin =
                 |rotation: glam::Quat, angular: Vec3| inertia_of(mass, rotation.as_dquat().normalize()) * angular.as_dvec3();
             need.force += (new.linear - old.linear).as_dvec3() * (kilograms / f64::from(dt));
@@ -138,14 +171,15 @@ impl World {
         need
     }
 
-    /// Takes from what members need what contacts give them.
-    fn take_contacts(&self, union: &Union, means: &[Mean], dt: f32, needed: &mut [Wrench]) {
+    /// What contacts do to each member of a union, by slot: about its centre.
+    fn contact_wrenches(&self, means: &[Mean], dt: f32) -> Vec<Wrench> {
+        let mut wrenches = vec![Wrench::default(); self.bodies.slot_count()];
         let per_substep = f64::from(self.def.substeps as f32 / dt);
         let asleep = self.sleeping.pairs().map(|slot| (self.pairs.get(slot).key, slot));
         for (key, slot) in self.pairs.active().iter().copied().chain(asleep) {
             let (a, b) = key.shapes();
             let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
-            let member = |index: u32| union.members.binary_search(&index).ok();
+            let member = |index: u32| self.unions.number_of(index).map(|_| index as usize);
             let ends = [member(shape_a.body), member(shape_b.body)];
             if ends == [None; 2] {
                 continue;
@@ -162,11 +196,12 @@ impl World {
                 for (end, sign, levers) in [(ends[0], -1.0, &world.lever_a), (ends[1], 1.0, &world.lever_b)] {
                     let Some(end) = end else { continue };
                     let (force, torque) = impulses.wrench(world.normal, &levers[..carried.geometry.count as usize]);
-                    needed[end].force -= force.as_dvec3() * (sign * per_substep);
-                    needed[end].torque -= torque.as_dvec3() * (sign * per_substep);
+                    wrenches[end].force += force.as_dvec3() * (sign * per_substep);
+                    wrenches[end].torque += torque.as_dvec3() * (sign * per_substep);
                 }
             }
         }
+        wrenches
     }
 
     /// Takes from what members need what joints to others give them.
@@ -209,8 +244,21 @@ impl World {
                 let lever = frame.position - self.bodies[index].local_center.as_dvec3();
                 place.offset.as_dvec3() + place.rotation.as_dquat().normalize() * lever
             });
-            Bond { members, point }
+            Bond { members, point, stiffness: stiffness_of(&joint.def.strength) }
         });
         BondStiffness::new(bodies.collect(), bonds.collect())
     }
+}
+
+/// What a joint's strength says of its stiffness: that of a bond of the same area (N per unit stress) and radius r, ℓ² = r²/4.
+fn stiffness_of(strength: &Strength) -> Option<[f64; 2]> {
+    let (pull, bend) = (f64::from(strength.tension), f64::from(strength.bending));
+    let is_bond = pull > 0.0 && bend > 0.0 && pull.is_finite() && bend.is_finite();
+    is_bond.then(|| [pull, (2.0 * bend / pull).powi(2)])
+}
+
+/// The rotation halfway between two that are close.
+pub(super) fn halfway(a: Quat, b: Quat) -> Quat {
+    let b = if a.dot(b) < 0.0 { -b } else { b };
+    (a + b).normalize()
 }

@@ -174,10 +174,6 @@ impl Unions {
         self.order.iter().filter_map(|&slot| self.records[slot as usize].as_ref())
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.order.is_empty()
-    }
-
     /// Removes the union in this slot; its members belong to none then.
     fn dissolve(&mut self, slot: u32) -> Option<Union> {
         let union = self.records.get_mut(slot as usize)?.take()?;
@@ -279,6 +275,7 @@ impl World {
     }
 
     fn set_anchored(&mut self, index: u32, anchored: Anchored) {
+        let wanted = self.unions.of(index).is_some_and(|union| union.wanted);
         let Some(body) = self.bodies.get(index) else { return };
         if body.anchored == anchored {
             return;
@@ -287,7 +284,10 @@ impl World {
         let body = &mut self.bodies[index];
         body.anchored = anchored;
         if anchored != Anchored::No {
-            (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+            // Where joints want to know, a velocity becomes a blow to them.
+            if anchored == Anchored::Driven || !wanted {
+                (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+            }
             (body.held, body.calm_for) = (false, 0);
         }
         self.movers_sorted = false;
@@ -299,9 +299,29 @@ impl World {
     /// Brings unions up to date with the joints, and their motion with what was done to members.
     pub(super) fn form_unions(&mut self) {
         self.flood_unions();
-        self.drive_anchored();
-        self.gather_members();
+        self.drive_anchored(false);
+        self.gather_members(false);
         self.settle_movers();
+    }
+
+    /// The same within a step, where joints have broken: unions that are left have their motion and forces of this step already.
+    pub(super) fn form_unions_again(&mut self) {
+        self.flood_unions();
+        self.drive_anchored(true);
+        self.gather_members(true);
+        self.settle_movers();
+    }
+
+    /// Gives the members of a union that is about to break the velocities that the host gave each, before the union shared them.
+    pub(super) fn take_back_jolts(&mut self, index: u32) {
+        let Self { unions, bodies, .. } = self;
+        let Some(union) = unions.of_mut(index) else { return };
+        for (&member, jolt) in union.members.iter().zip(&union.jolts) {
+            let body = &mut bodies[member];
+            body.linear_velocity -= jolt.force.as_vec3() * body.inverse_mass();
+            body.angular_velocity -= body.world_inverse_inertia() * jolt.torque.as_vec3();
+        }
+        union.jolts.clear();
     }
 
     /// Makes unions of what has changed since the last flood.
@@ -477,19 +497,26 @@ impl World {
     }
 
     /// Gives unions whose members were moved or pushed by the host the motion of all of them together.
-    fn gather_members(&mut self) {
+    fn gather_members(&mut self, again: bool) {
         for number in 0..self.unions.order.len() {
             let slot = self.unions.order[number];
             let Some(union) = &mut self.unions.records[slot as usize] else { continue };
+            if again && union.before.is_some() {
+                continue;
+            }
             // Loads of a step are gone with the next one.
             union.loads.take();
             union.jolts.clear();
             union.pushes.clear();
-            if union.anchor == Anchor::Free && self.bodies[union.lead].is_mover() {
+            if union.anchor != Anchor::Free && union.wanted {
+                self.gather_pushes(slot);
+            } else if union.anchor == Anchor::Free && self.bodies[union.lead].is_mover() {
                 self.gather(slot);
-                if let Some(union) = &mut self.unions.records[slot as usize] {
-                    union.before = Some(union.motion);
-                }
+            }
+            if let Some(union) = &mut self.unions.records[slot as usize]
+                && !matches!(union.anchor, Anchor::Driven(_))
+            {
+                union.before = Some(union.motion);
             }
         }
         for number in 0..self.unions.pushed.len() {
@@ -502,11 +529,46 @@ impl World {
         }
     }
 
+    /// Notes what the host did to the members of an anchored union: forces act on its joints, and so do impulses, which end there.
+    fn gather_pushes(&mut self, slot: u32) {
+        let Self { unions, bodies, .. } = self;
+        let Unions { records, pushed, .. } = unions;
+        let Some(union) = &mut records[slot as usize] else { return };
+        let still = union.anchor == Anchor::Still;
+        for (number, &index) in union.members.iter().enumerate() {
+            let body = &mut bodies[index];
+            if body.force != Vec3::ZERO || body.torque != Vec3::ZERO {
+                union.pushes.push((index, body.force, body.torque));
+                pushed.push(index);
+            }
+            if still && (body.linear_velocity != Vec3::ZERO || body.angular_velocity != Vec3::ZERO) {
+                let Some(mass) = body.mass else { continue };
+                union.jolts.resize(union.members.len(), Wrench::default());
+                let inertia = inertia_of(&mass, body.rotation.as_dquat().normalize());
+                union.jolts[number] = Wrench {
+                    force: -body.linear_velocity.as_dvec3() * f64::from(mass.mass),
+                    torque: -(inertia * body.angular_velocity.as_dvec3()),
+                };
+                (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+            }
+        }
+        pushed.sort_unstable();
+        pushed.dedup();
+    }
+
     /// Says that a joint has other limits.
     pub(super) fn limits_changed(&mut self, slot: u32) {
         for index in self.joints[slot].bodies.into_iter().flatten() {
+            // What was found when asked for is what the records hold from now on.
+            let lead = self.unions.of(index).filter(|union| !union.wanted).map(|union| union.lead);
+            for slot in lead.and_then(|lead| self.unions.of(lead)).map(|union| union.welds.clone()).unwrap_or_default() {
+                if let Some(load) = self.load_inside(slot) {
+                    (self.joints[slot].force, self.joints[slot].torque) = load;
+                }
+            }
             let joints = &self.joints;
             if let Some(union) = self.unions.of_mut(index) {
+                union.stiffness.take();
                 union.wanted = union.welds.iter().any(|&slot| wants_load(&joints[slot].def));
             }
         }
@@ -568,7 +630,7 @@ impl World {
     }
 
     /// Gives what kinematic bodies hold their velocity.
-    fn drive_anchored(&mut self) {
+    fn drive_anchored(&mut self, again: bool) {
         for number in 0..self.unions.order.len() {
             let Some(union) = &self.unions.records[self.unions.order[number] as usize] else { continue };
             let Anchor::Driven(anchor) = union.anchor else { continue };
@@ -576,9 +638,15 @@ impl World {
             let (center, linear, angular) = (driver.center, driver.linear_velocity, driver.angular_velocity);
             let lead = union.lead;
             if let Some(union) = self.unions.of_mut(lead) {
-                union.before = Some(union.motion);
+                let old = union.motion;
                 union.motion.linear = linear + angular.cross((union.motion.center - center).as_vec3());
                 union.motion.angular = angular;
+                union.before = match union.before {
+                    // One that is new has moved like this before.
+                    None => Some(union.motion),
+                    Some(before) if again => Some(before),
+                    Some(_) => Some(old),
+                };
             }
             let Some(union) = self.unions.of(lead) else { continue };
             for number in 0..union.members.len() {
@@ -625,7 +693,6 @@ impl World {
         self.place_members(lead, motion);
         let members = self.unions.of(lead).map(|union| union.members.clone()).unwrap_or_default();
         for index in members {
-            (self.bodies[index].linear_velocity, self.bodies[index].angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
             self.refresh_boxes(index);
             self.wake_around(index);
         }

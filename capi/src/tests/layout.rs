@@ -11,6 +11,7 @@ use crate::body_def::*;
 use crate::callbacks::*;
 use crate::draw::*;
 use crate::events::*;
+use crate::fracture::*;
 use crate::handle::*;
 use crate::joint::*;
 use crate::joint_def::*;
@@ -22,6 +23,7 @@ use crate::record::*;
 use crate::report::*;
 use crate::shape_def::*;
 use crate::stream_def::*;
+use crate::strength::*;
 use crate::support::*;
 use crate::union::*;
 use crate::version::*;
@@ -92,8 +94,24 @@ fn layouts() -> Vec<Layout> {
         LsJointDef {
             struct_size, kind, body_a, body_b, frame_a, frame_b, linear, angular, limit, limits, swing_limit, spring_length,
             has_spring, break_force, break_torque, collide_connected, user_word, motor, spherical_motor, linear_axes,
-            angular_axes
+            angular_axes, strength
         }
+        LsStrength {
+            tension, compression, shear, bending, torsion, window, wears, damage_from, damage_time, damage_half_life
+        }
+        LsBondMaterial { tension, compression, shear, window, wears, damage_from, damage_time, damage_half_life }
+        LsFractureSettings { by_load, most }
+        LsJointBreak {
+            joint, user_word, body_a, body_b, point, step, force, torque, share, limit, cause, reserved
+        }
+        LsSplit {
+            first_body, center, step, body_count, mass, linear_velocity, anchored, first_piece, piece_count
+        }
+        LsPiece {
+            first_body, center, first_member, body_count, mass, linear_velocity, angular_velocity, anchored, cut_loose,
+            reserved
+        }
+        LsJointStress { force, torque, share, limit, damage }
         LsJointState { position, velocity, force, torque, gap }
         LsBoundKindDef { enabled, upper, lower }
         LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft, unions, plane_position, plane_axis }
@@ -102,7 +120,7 @@ fn layouts() -> Vec<Layout> {
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
             struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_threshold, body_capacity,
-            joint_capacity, reserved, hold, support, hit_threshold
+            joint_capacity, reserved, hold, support, hit_threshold, fracture
         }
         LsStepReport {
             step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
@@ -198,13 +216,20 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsMotor", 20),
         ("LsSphericalMotor", 44),
         ("LsAxis", 28),
-        ("LsJointDef", 400),
+        ("LsJointDef", 440),
+        ("LsStrength", 40),
+        ("LsBondMaterial", 32),
+        ("LsFractureSettings", 8),
+        ("LsJointBreak", 104),
+        ("LsSplit", 72),
+        ("LsPiece", 80),
+        ("LsJointStress", 36),
         ("LsJointState", 36),
         ("LsBoundKindDef", 20),
-        ("LsLongRangeDef", 60),
+        ("LsLongRangeDef", 64),
         ("LsBound", 96),
         ("LsSoftBound", 12),
-        ("LsWorldDef", 76),
+        ("LsWorldDef", 84),
         ("LsStepReport", 96),
         ("LsMoved", 88),
         ("LsContactPair", 32),

@@ -1,5 +1,6 @@
 //! What judges a run: errors computed from poses and velocities alone, by the same code for every engine.
 
+mod breakage;
 mod energy;
 mod held;
 mod hinge;
@@ -13,6 +14,7 @@ mod settling;
 mod solid;
 mod trajectory;
 
+pub use breakage::{Breakage, FirstBreak};
 pub use energy::{AngularMomentumError, EnergyError, EnergyGrowth, EnergyRise, LinearMomentumError, energy_of};
 pub use held::Held;
 pub use hinge::{HingeError, HingeOvershoot, SwingOvershoot, hinge_angle};

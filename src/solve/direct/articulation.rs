@@ -16,7 +16,7 @@
 //!
 //! A substep that ends with an error beyond the tolerance, and not well below what it began with, is undone and taken as two halves.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3};
 
 use super::block::MAX_ROWS;
 use super::body::DirectBody;
@@ -167,7 +167,7 @@ pub(crate) struct Outcome {
 struct Saved {
     rates: Vec<Rate>,
     stances: Vec<Stance>,
-    joints: Vec<(JointImpulses, Vec3, Vec3)>,
+    joints: Vec<JointEntry>,
     touches: Vec<Touch>,
 }
 
@@ -486,7 +486,7 @@ impl Articulation {
         saved.rates.clone_from(&self.rates);
         saved.stances.clone_from(&self.stances);
         saved.joints.clear();
-        saved.joints.extend(self.entries.iter().map(|entry| (entry.impulses, entry.linear_sum, entry.angular_sum)));
+        saved.joints.extend_from_slice(&self.entries);
         saved.touches.clone_from(&self.touches);
     }
 
@@ -494,9 +494,7 @@ impl Articulation {
         let saved = &self.saved[depth as usize];
         self.rates.clone_from(&saved.rates);
         self.stances.clone_from(&saved.stances);
-        for (entry, joint) in self.entries.iter_mut().zip(&saved.joints) {
-            (entry.impulses, entry.linear_sum, entry.angular_sum) = *joint;
-        }
+        self.entries.clone_from(&saved.joints);
         self.touches.clone_from(&saved.touches);
     }
 

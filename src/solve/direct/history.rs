@@ -31,7 +31,7 @@ pub(crate) struct SecondOrder {
     /// Ratio ω of its length to that of the one before.
     pub ratio: f64,
     /// Share s of the last change by which its start is extrapolated.
-    extrapolation: f64,
+    pub extrapolation: f64,
     /// Length of its Euler part over its own.
     pub euler_share: f64,
 }

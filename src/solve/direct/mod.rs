@@ -276,7 +276,7 @@ impl Direct {
 
     /// Hands the multipliers of a substep back to the joints.
     pub(crate) fn keep_impulses(&mut self) {
-        self.coupled().for_each(|articulation| articulation.keep_impulses(1.0));
+        self.coupled().for_each(|articulation| articulation.keep_impulses(1.0, 0.0));
     }
 
     /// Mends the positions of the articulations that touch what moves.

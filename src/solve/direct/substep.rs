@@ -1,6 +1,6 @@
 //! One substep of an articulation: forces, rows, the solve, and new poses.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::{Articulation, Mode};
 use super::history::{History, SecondOrder};
@@ -40,7 +40,7 @@ impl Articulation {
         self.system.settled = true;
         let most_passes = if self.touches.is_empty() { PASSES } else { CONTACT_PASSES };
         self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
-        self.keep_impulses(full / h);
+        self.keep_impulses(full / h, if mode == Mode::SecondOrder { self.order.extrapolation } else { 0.0 });
         for (i, body) in self.bodies.iter().enumerate() {
             let (stance, rate) = (&mut self.stances[i], &mut self.rates[i]);
             if mode == Mode::SecondOrder {
@@ -192,8 +192,10 @@ impl Articulation {
 
     /// Hands the multipliers back to the joints and adds them to their loads.
     ///
-    /// `scale` is the length of the whole substep over that of the one they were found for.
-    pub(super) fn keep_impulses(&mut self, scale: f64) {
+    /// `scale` is the length of the whole substep over that of the one they were found for. Of the last substep's impulse the share
+    /// `carried` acts in this one, as the velocities that it changed are extrapolated: loads count what changes momentum, and a
+    /// blow counts once.
+    pub(super) fn keep_impulses(&mut self, scale: f64, carried: f64) {
         let Self { entries, system, links, stances, touches, .. } = self;
         for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {
             let (mut point, mut angular) = (DVec3::ZERO, DVec3::ZERO);
@@ -214,8 +216,10 @@ impl Articulation {
             }
             entry.impulses.point = point.as_vec3();
             entry.impulses.angular = angular.as_vec3();
-            entry.linear_sum += (point + linear_load).as_vec3();
-            entry.angular_sum += (angular + angular_load).as_vec3();
+            let acted = |found: DVec3, last: Vec3| (found / scale + last.as_dvec3() * carried).as_vec3();
+            entry.acted = [acted(point + linear_load, entry.acted[0]), acted(angular + angular_load, entry.acted[1])];
+            entry.linear_sum += entry.acted[0];
+            entry.angular_sum += entry.acted[1];
         }
         for (index, touch) in touches.iter_mut().enumerate() {
             touch.keep_impulses(system, index);

@@ -59,6 +59,8 @@ pub(crate) struct JointEntry {
     /// Sums over the substeps of the impulses on B (N·s, N·m·s).
     pub linear_sum: Vec3,
     pub angular_sum: Vec3,
+    /// Of the last substep, if a direct solve took it.
+    pub acted: [Vec3; 2],
 }
 
 /// Rows of one joint in this substep.

@@ -2,12 +2,13 @@
 //!
 //! The union moves as one body, so each member's motion is known, and with it the wrench that its joints together must exert: mass
 //! times acceleration less all that acts on it from outside (d'Alembert). In a tree of joints statics alone decides what each
-//! carries. In loops the joints' compliance decides: every joint is taken as equally stiff, with rotational stiffness ℓ² times the
-//! linear one, ℓ² being the mean square of the levers from members' centres to joint points. With u the small displacements and
+//! carries. In loops the joints' compliance decides. A joint that can break is as stiff as it is strong: a bond of area A and radius
+//! r bears σA in tension and σAr/4 in bending, and has stiffnesses in the ratio of A and Ar²/4. Others are all equally stiff, with
+//! rotational stiffness ℓ² times the linear one, ℓ² being the mean square of the levers from members' centres to joint points. With u the small displacements and
 //! rotations of the members,
 //!
 //! ```text
-//! K u = −n,    K = Σ_joints J_jᵀ D J_j,    D = diag(1, 1, 1, ℓ², ℓ², ℓ²),    load of joint j on its body B = −D J_j u,
+//! K u = −n,    K = Σ_joints J_jᵀ D J_j,    D = k diag(1, 1, 1, ℓ², ℓ², ℓ²),    load of joint j on its body B = −D J_j u,
 //! ```
 //!
 //! J_j u being the displacement and rotation of B against A at the joint. K is a graph Laplacian in blocks of six; in the union's
@@ -38,6 +39,8 @@ pub(crate) struct Bond {
     pub members: [Option<u32>; 2],
     /// Joint point (m).
     pub point: DVec3,
+    /// Linear stiffness k against that of the others, and the square of the length ℓ (m²), where its strength says them.
+    pub stiffness: Option<[f64; 2]>,
 }
 
 /// A member as its inertia counts in the balance.
@@ -56,6 +59,8 @@ pub(crate) struct BondStiffness {
     bonds: Vec<Bond>,
     /// Square of the length that makes rotations comparable with displacements (m²).
     turning: f64,
+    /// Linear stiffness where a joint's strength says nothing: the mean of the others.
+    usual: f64,
     anchored: bool,
     plan: Plan,
     factor: Factor,
@@ -80,10 +85,17 @@ impl BondStiffness {
         pairs.dedup();
         let rows = vec![ROWS as u32; bodies.len()];
         let plan = Plan::new(&rows, &rows, &pairs, u64::MAX).expect("no limit is set");
-        let mut stiffness = Self { bodies, bonds, turning, anchored, plan, factor: Factor::default() };
+        let said = || bonds.iter().filter_map(|bond| bond.stiffness);
+        let usual = if said().count() > 0 { said().map(|[linear, _]| linear).sum::<f64>() / said().count() as f64 } else { 1.0 };
+        let mut stiffness = Self { bodies, bonds, turning, usual, anchored, plan, factor: Factor::default() };
         stiffness.assemble();
         factorize(&mut stiffness.factor, &stiffness.plan);
         stiffness
+    }
+
+    /// Linear and rotational stiffness of a bond.
+    fn stiffness_of(&self, bond: &Bond) -> [f64; 2] {
+        bond.stiffness.map_or([self.usual, self.usual * self.turning], |[linear, turning]| [linear, linear * turning])
     }
 
     /// J of a member at a bond: rates of displacement and rotation at the point, [1, −[r]×; 0, 1], negative for side A.
@@ -102,9 +114,10 @@ impl BondStiffness {
 
     fn assemble(&mut self) {
         self.factor.start(&self.plan, &vec![ROWS as u32; self.bodies.len()]);
-        let weight = |row: usize| if row < 3 { 1.0 } else { self.turning };
         let mut blocks: Vec<(u32, [f64; ROWS * ROWS])> = Vec::new();
         for bond in &self.bonds {
+            let [linear, angular] = self.stiffness_of(bond);
+            let weight = |row: usize| if row < 3 { linear } else { angular };
             let ends: Vec<(u32, [[f64; ROWS]; ROWS], f64)> = (0..2)
                 .filter_map(|side| {
                     let member = bond.members[side]?;
@@ -134,7 +147,7 @@ impl BondStiffness {
             let start = self.plan.diagonal(0);
             let mut hold = [0.0; ROWS * ROWS];
             for i in 0..ROWS {
-                hold[i * ROWS + i] = weight(i);
+                hold[i * ROWS + i] = if i < 3 { self.usual } else { self.usual * self.turning };
             }
             blocks.push((start, hold));
         }
@@ -169,7 +182,8 @@ impl BondStiffness {
         };
         let load = |bond: &Bond| {
             let [a, b] = bond.members.map(|member| moved(member, bond.point));
-            Wrench { force: b.0 - a.0, torque: (b.1 - a.1) * self.turning }
+            let [linear, angular] = self.stiffness_of(bond);
+            Wrench { force: (b.0 - a.0) * linear, torque: (b.1 - a.1) * angular }
         };
         self.bonds.iter().map(load).collect()
     }
@@ -202,7 +216,7 @@ mod tests {
     }
 
     fn bond(a: Option<u32>, b: Option<u32>, x: f64, y: f64) -> Bond {
-        Bond { members: [a, b], point: DVec3::new(x, y, 0.0) }
+        Bond { members: [a, b], point: DVec3::new(x, y, 0.0), stiffness: None }
     }
 
     #[test]
