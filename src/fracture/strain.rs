@@ -165,7 +165,8 @@ mod tests {
 
     #[test]
     fn what_is_mended_within_the_window_counts_as_nothing() {
-        let noise = greatest_share(240, |from, to| if (from * 240.0).round() as u32 % 2 == 0 { to - from } else { from - to });
+        let noise =
+            greatest_share(240, |from, to| if ((from * 240.0).round() as u32).is_multiple_of(2) { to - from } else { from - to });
         assert!(noise <= 0.05, "an alternating load of 1 N counts as {noise}");
     }
 

@@ -125,7 +125,7 @@ fn layouts() -> Vec<Layout> {
         LsStepReport {
             step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
             joints, batches, colors, moved, joint_gap, penetration, broad_phase_time, narrow_phase_time, island_time,
-            solve_time, finish_time, total_time, unions, union_members
+            solve_time, finish_time, total_time, unions, union_members, joint_angle, reserved
         }
         LsMoved { body, user_word, pose, linear_velocity, angular_velocity, fell_asleep, woke }
         LsContactPair { shape_a, shape_b, body_a, body_b }
@@ -230,7 +230,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsBound", 96),
         ("LsSoftBound", 12),
         ("LsWorldDef", 84),
-        ("LsStepReport", 96),
+        ("LsStepReport", 104),
         ("LsMoved", 88),
         ("LsContactPair", 32),
         ("LsContact", 192),
