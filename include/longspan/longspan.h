@@ -2011,6 +2011,44 @@ typedef struct LsStreamRecording {
     uint32_t reserved;
 } LsStreamRecording;
 
+/** What every section of a message begins with. */
+typedef struct LsStreamSection {
+    /** LS_STREAM_SECTION_ constant; one that a reader does not know is skipped. */
+    uint32_t kind;
+    /** Bytes from one record to the next. */
+    uint32_t stride;
+    /** Number of records. */
+    uint32_t count;
+    /** Not used; 0. */
+    uint32_t flags;
+    /** Bytes of the records, padding to a multiple of 8 included. */
+    uint64_t length;
+    /** Not used; 0. */
+    uint64_t reserved;
+} LsStreamSection;
+
+/** A body that moved in a step. */
+typedef struct LsStreamMotion {
+    /** The body. */
+    uint64_t body;
+    /** The word its host gave it. */
+    uint64_t user_word;
+    /** Rigid union that it is a member of; 0 for none. */
+    uint64_t union_id;
+    /** Position of its frame (m). */
+    double position[3];
+    /** Rotation of its frame, unit quaternion: x, y, z, w. */
+    float rotation[4];
+    /** Velocity of its centre of mass (m/s). */
+    float linear_velocity[3];
+    /** Angular velocity, world axes (rad/s). */
+    float angular_velocity[3];
+    /** LS_STREAM_BODY_ flags. */
+    uint32_t flags;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsStreamMotion;
+
 /** The call did what it says. */
 #define LS_OK 0
 

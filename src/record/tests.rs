@@ -13,6 +13,9 @@ use crate::{BodyDef, Geometry, JointDef, JointKind, Pose, Shape, ShapeDef, World
 /// Methods that change nothing of what a replay sees: who does the work, and who watches.
 const NOT_STATE: [&str; 2] = ["set_parallel_for", "set_profiler"];
 
+/// Made of calls each of which is recorded.
+const COMPOSED: [&str; 1] = ["create_cells"];
+
 /// Names of all public methods of `World` that take it to change it, from the source.
 fn changing_methods() -> BTreeSet<String> {
     let mut methods = BTreeSet::new();
@@ -40,7 +43,8 @@ fn changing_methods() -> BTreeSet<String> {
 
 #[test]
 fn every_method_that_changes_a_world_is_recorded() {
-    let listed: BTreeSet<String> = (0..1000).filter_map(calls::name_of).chain(NOT_STATE).map(str::to_owned).collect();
+    let listed: BTreeSet<String> =
+        (0..1000).filter_map(calls::name_of).chain(NOT_STATE).chain(COMPOSED).map(str::to_owned).collect();
     let methods = changing_methods();
     assert!(methods.len() > 40, "only {} methods were found", methods.len());
     let missing: Vec<&String> = methods.difference(&listed).collect();

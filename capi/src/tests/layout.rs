@@ -226,7 +226,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsJointStress", 36),
         ("LsJointState", 36),
         ("LsBoundKindDef", 20),
-        ("LsLongRangeDef", 64),
+        ("LsLongRangeDef", 72),
         ("LsBound", 96),
         ("LsSoftBound", 12),
         ("LsWorldDef", 84),
