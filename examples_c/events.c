@@ -52,6 +52,7 @@ static void on_hits(LsWorld world, const LsHit *hits, size_t count, void *user)
 static void on_stops(LsWorld world, const LsJointStop *stops, size_t count, void *user)
 {
     (void)world;
+    printf("stop: %d, upper %d, axis %d, word %d\n", (int)count, (int)stops[0].upper, (int)stops[0].axis, (int)stops[0].user_word);
     expect(count == 1 && stops[0].upper == 1 && stops[0].axis == 0 && stops[0].user_word == 77, "the door's upper stop");
     ++((Seen *)user)->stops;
 }

@@ -27,6 +27,7 @@ const OTHERWISE: &[(&str, &str)] = &[
     ("load_between", "ls_support_load_between"),
     ("path_to_ground", "ls_support_path"),
     ("would_lose_support", "ls_support_lost_without"),
+    ("union_of", "ls_body_union"),
 ];
 
 /// Methods that only streams need.

@@ -145,8 +145,8 @@ mod tests {
     }
 
     #[test]
-    fn features_of_later_versions_are_refused_by_name() {
-        assert!(problem("pile", &set("union", "on")).contains("not available"));
+    fn every_solver_and_kind_of_constraint_can_be_chosen() {
+        assert_eq!(problem("pile", &set("union", "off")), "");
         assert_eq!(problem("pile", &set("solver", "direct")), "");
         assert_eq!(problem("pile", &set("long_range", "off")), "");
         assert_eq!(problem("pile", &set("solver", "gs")), "");

@@ -41,14 +41,6 @@ pub enum SceneError {
         /// What it may be.
         expected: String,
     },
-    /// The library has no such feature.
-    #[error("{key}={value} is not available in this version of the library")]
-    Unavailable {
-        /// The key.
-        key: String,
-        /// The value given.
-        value: String,
-    },
     /// The library refused a part of the scene.
     #[error("the library refuses the scene: {0}")]
     Refused(#[from] longspan::Error),
@@ -155,7 +147,6 @@ impl Params {
                     "plane_position" => world.long_range.plane_position = on,
                     "plane_axis" => world.long_range.plane_axis = on,
                     "hierarchy" => world.long_range.hierarchy.enabled = on,
-                    _ if on => return Err(SceneError::Unavailable { key: kind.into(), value: "on".into() }),
                     _ => {}
                 }
             }

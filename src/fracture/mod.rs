@@ -3,11 +3,13 @@
 //! A joint's load is the force f and the torque τ about its point that it exerts on body B, in axes of its frame on A. With x the
 //! joint axis, taken to point from A to B,
 //!
-//!     tension      max(−f·x, 0)      B is held back from leaving along +x           (N)
-//!     compression  max(f·x, 0)       B is kept from coming closer                   (N)
-//!     shear        |f − (f·x) x|                                                    (N)
-//!     bending      |τ − (τ·x) x|                                                    (N·m)
-//!     torsion      |τ·x|                                                            (N·m)
+//! ```text
+//! tension      max(−f·x, 0)      B is held back from leaving along +x           (N)
+//! compression  max(f·x, 0)       B is kept from coming closer                   (N)
+//! shear        |f − (f·x) x|                                                    (N)
+//! bending      |τ − (τ·x) x|                                                    (N·m)
+//! torsion      |τ·x|                                                            (N·m)
+//! ```
 //!
 //! each against a limit of its own; the greatest ratio is the joint's *share* of what it bears. Loads are compared as their mean
 //! over a window of time, never as a peak: a blow of impulse J counts as J / window whatever the length of the step or of the

@@ -154,7 +154,8 @@ impl World {
     fn make_batches(&mut self) {
         self.size_batches();
         self.give_room_to_batches();
-        let Self { groups, batches, unions, hold, .. } = self;
+        let Self { groups, batches, batch_count, unions, hold, .. } = self;
+        batches[..*batch_count].iter_mut().for_each(Batch::clear);
         let mut batch = 0;
         for island in (0..groups.sizes.len()).filter(|&island| !hold.islands[island]) {
             if batches[batch].body_count() >= groups.batch_sizes[batch] {
@@ -172,7 +173,7 @@ impl World {
         }
     }
 
-    /// Counts the bodies of each batch, all of which are emptied.
+    /// Counts the bodies of each batch.
     fn size_batches(&mut self) {
         let Self { groups, batches, batch_count, report, hold, .. } = self;
         groups.batch_sizes.clear();
@@ -186,7 +187,6 @@ impl World {
         if batches.len() < *batch_count {
             batches.resize_with(*batch_count, Default::default);
         }
-        batches[..*batch_count].iter_mut().for_each(Batch::clear);
         report.counts.batches = *batch_count as u32;
     }
 
