@@ -2049,6 +2049,36 @@ typedef struct LsStreamMotion {
     uint32_t reserved;
 } LsStreamMotion;
 
+/** Some triangles of a shape that has no simple form: the whole may come in several of these. */
+typedef struct LsStreamGeometry {
+    /** The shape. */
+    uint64_t shape;
+    /** Number of the shape's part. */
+    uint32_t part;
+    /** Vertices of the whole. */
+    uint32_t vertex_total;
+    /** Triangles of the whole. */
+    uint32_t triangle_total;
+    /** First vertex of these. */
+    uint32_t first_vertex;
+    /** Number of vertices that follow. */
+    uint32_t vertex_count;
+    /** First triangle of these. */
+    uint32_t first_triangle;
+    /** Number of triangles that follow the vertices, as three numbers of vertices of the whole each. */
+    uint32_t triangle_count;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsStreamGeometry;
+
+/** A body, shape or joint that is no more. */
+typedef struct LsStreamGone {
+    /** Its handle. */
+    uint64_t id;
+    /** Step before which it went. */
+    uint64_t step;
+} LsStreamGone;
+
 /** The call did what it says. */
 #define LS_OK 0
 
