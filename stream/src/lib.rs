@@ -9,11 +9,11 @@
 //! There are two channels. On the *hot* one each published step is one message with all that moved; a reader that is late gets the
 //! latest. On the *cold* one go what a world consists of and what happened to it, in order and without gaps. Whoever joins late
 //! needs no answer from the publisher: beside what changes, the publisher tells the whole scene over and over, a little with each
-//! step ([`capture`]), and a [`Scene`] is complete as soon as it has been told once.
+//! step (`capture`), and a [`Scene`] is complete as soon as it has been told once.
 //!
 //! The publisher never waits, never allocates in a step and never reads what readers could have written. A reader takes every
-//! message out of shared memory before it looks at it, and believes nothing ([`message`]). The bytes are those of
-//! `longspan-stream-schema`; iceoryx2 carries them ([`channel`]).
+//! message out of shared memory before it looks at it, and believes nothing (`message`). The bytes are those of
+//! `longspan-stream-schema`; iceoryx2 carries them (`channel`).
 
 #![deny(unsafe_code)]
 
