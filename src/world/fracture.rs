@@ -16,12 +16,12 @@ use super::World;
 use super::union_loads::halfway;
 use super::unions::Anchor;
 use crate::body::SleepState;
-use crate::check;
-use crate::error::{Error, ErrorKind, Result};
 use crate::fracture::strain::Judgement;
-use crate::fracture::{BreakCause, FractureSettings, JointBreak, JointLoad, JointStress, Piece, Split, Strength};
-use crate::id::{JointId, in_world};
+use crate::fracture::{BreakCause, JointBreak, JointLoad, Piece, Split, Strength};
+use crate::id::JointId;
 use crate::joint::{Joint, JointKind};
+
+mod query;
 
 /// What the stages keep.
 #[derive(Debug, Default)]
@@ -486,129 +486,4 @@ struct Motion {
 fn judgement_of(strength: &Strength, load: JointLoad) -> Judgement {
     let (share, limit) = strength.share(&load);
     Judgement { load, share, limit, damage: 0.0 }
-}
-
-/// What the host asks and is told.
-impl World {
-    /// Sets what a joint bears before it breaks; what it has borne so far is kept while it can break.
-    ///
-    /// # Errors
-    /// The handle is not a joint of this world; a number of `strength` is out of range.
-    pub fn set_joint_strength(&mut self, joint: JointId, strength: Strength) -> Result<()> {
-        strength.check()?;
-        let slot = self.joints.find(joint)?;
-        let record = &mut self.joints[slot];
-        record.def.strength = strength;
-        record.strain = match record.strain.take() {
-            kept if strength.can_break() => kept.or_else(|| Some(Box::default())),
-            _ => None,
-        };
-        self.fracture.joints_changed();
-        self.limits_changed(slot);
-        Ok(())
-    }
-
-    /// Sets whether and how fast joints break.
-    ///
-    /// # Errors
-    /// The budget is zero.
-    pub fn set_fracture_settings(&mut self, settings: FractureSettings) -> Result<()> {
-        settings.check()?;
-        self.def.fracture = settings;
-        Ok(())
-    }
-
-    /// Has these joints break in the next step, in the place where a step breaks joints: what a server's step broke, as listed in
-    /// its [`broken`](Self::broken), makes a client that was in the same state before the step the same after it, bit for bit.
-    ///
-    /// Of the handles, the number of the world is not looked at: they come from another world with the same content. Joints that
-    /// have been destroyed are passed over. Lists given before the same step add up.
-    ///
-    /// # Errors
-    /// A handle is no joint's; nothing has changed then.
-    pub fn apply_fractures(&mut self, joints: &[JointId]) -> Result<()> {
-        let tag = self._tag.number();
-        let named = |error: Error| Error { argument: "joints", ..error };
-        let mut asked = Vec::with_capacity(joints.len());
-        for &joint in joints {
-            match self.joints.find(in_world(joint, tag)) {
-                Ok(slot) => asked.push(self.joints.handle_of(slot)),
-                Err(Error { kind: ErrorKind::StaleHandle, .. }) => {}
-                Err(error) => return Err(named(error)),
-            }
-        }
-        self.fracture.asked.append(&mut asked);
-        self.fracture.asked.sort_unstable();
-        self.fracture.asked.dedup();
-        Ok(())
-    }
-
-    /// Joints that broke in the last step, in the order in which they did.
-    pub fn broken(&self) -> &[JointBreak] {
-        &self.events.broken
-    }
-
-    /// Unions that fell into pieces in the last step, by their lowest member.
-    pub fn splits(&self) -> &[Split] {
-        &self.events.splits
-    }
-
-    /// The pieces of all splits of the last step, split by split, each by its lowest member.
-    pub fn pieces(&self) -> &[Piece] {
-        &self.events.pieces
-    }
-
-    /// The members of all pieces, piece by piece, by slot.
-    pub fn piece_bodies(&self) -> &[crate::id::BodyId] {
-        &self.events.piece_bodies
-    }
-
-    /// What a joint bears at present, against what it can. Without limits the share is 0 and the load that of the last step.
-    ///
-    /// # Errors
-    /// The handle is not a joint of this world.
-    pub fn joint_stress(&self, joint: JointId) -> Result<JointStress> {
-        Ok(self.stress_of(self.joints.find(joint)?))
-    }
-
-    /// As the share of [`joint_stress`](Self::joint_stress), for many joints at once.
-    ///
-    /// # Errors
-    /// `out` is not as long as `joints`, or a handle is not a joint of this world; nothing is written then.
-    pub fn joint_shares_into(&self, joints: &[JointId], out: &mut [f32]) -> Result<()> {
-        if joints.len() != out.len() {
-            return Err(Error::new(ErrorKind::OutOfRange, "out", "is not as long as the list of joints"));
-        }
-        for &joint in joints {
-            self.joints.find(joint)?;
-        }
-        for (&joint, share) in joints.iter().zip(out) {
-            *share = self.joint_stress(joint)?.share;
-        }
-        Ok(())
-    }
-
-    /// Joints that bear at least this share of a limit, those closest to breaking first.
-    ///
-    /// # Errors
-    /// `least` is NaN or negative.
-    pub fn joints_near_breaking(&self, least: f32) -> Result<Vec<(JointId, f32)>> {
-        check::bound("least", least)?;
-        let limited = self.joints.iter().filter(|(_, joint)| joint.strain.is_some());
-        let shares = limited.map(|(slot, _)| (self.joints.handle_of(slot), self.stress_of(slot).share));
-        let mut near: Vec<(JointId, f32)> = shares.filter(|&(_, share)| share >= least).collect();
-        near.sort_by(|a, b| b.1.total_cmp(&a.1));
-        Ok(near)
-    }
-
-    fn stress_of(&self, slot: u32) -> JointStress {
-        let joint = &self.joints[slot];
-        let strength = &joint.def.strength;
-        let (load, damage) = match &joint.strain {
-            Some(strain) => (strain.present(strength), strain.damage),
-            None => (self.step_load(slot), 0.0),
-        };
-        let (share, limit) = strength.share(&load);
-        JointStress { load, share, limit, damage }
-    }
 }
