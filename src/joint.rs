@@ -235,6 +235,8 @@ pub struct JointDef {
     pub strength: Strength,
     /// Whether the two bodies collide with each other.
     pub collide_connected: bool,
+    /// Whether long-range constraints are derived from it: bounds past it, planes of hinges, unions of fixed joints.
+    pub long_range: bool,
     /// The host's own word; the world only hands it back.
     pub user_word: u64,
 }
@@ -255,6 +257,7 @@ impl JointDef {
             break_torque: f32::INFINITY,
             strength: Strength::UNBREAKABLE,
             collide_connected: false,
+            long_range: true,
             user_word: 0,
         }
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::id::JointId;
+use crate::id::{BodyId, JointId};
 use crate::joint::Softness;
 pub use crate::span::BoundKind;
 
@@ -95,6 +95,39 @@ impl SoftBound {
         }
         Ok(())
     }
+}
+
+/// A chain of joints as the last step left it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChainState {
+    /// Its links, from the first joint to the second.
+    pub links: Vec<ChainLink>,
+    /// Length at rest: the sum of its links (m).
+    pub rest_length: f32,
+    /// Length now: with what each joint is apart, those at both ends among them (m).
+    pub length: f32,
+    /// By what share of its length at rest it is longer than that.
+    pub stretch: f32,
+}
+
+impl ChainState {
+    /// Greatest tension of a link (N); the least push where all are pushed together.
+    pub fn greatest_tension(&self) -> f32 {
+        self.links.iter().map(|link| link.tension).fold(f32::NEG_INFINITY, f32::max)
+    }
+}
+
+/// A link of a chain: a body between two joints.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChainLink {
+    /// The body; of a union, the member at the first joint.
+    pub body: BodyId,
+    /// The joints at its two ends.
+    pub joints: [JointId; 2],
+    /// Distance of the two joints on it (m).
+    pub length: f32,
+    /// Force that the two pull it apart with, mean over the last step (N); negative where they push.
+    pub tension: f32,
 }
 
 /// A bound as the last step left it.

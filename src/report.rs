@@ -54,6 +54,8 @@ pub struct StepCounts {
     pub bounds: u32,
     /// Of those, how many were taut or nearly so.
     pub bounds_active: u32,
+    /// Of those, how many were so slack that the step did not look at them again.
+    pub bounds_skipped: u32,
     /// Batches of islands solved independently.
     pub batches: u32,
     /// Greatest number of contact colours in a batch.
@@ -124,6 +126,8 @@ pub struct StepTimings {
     pub narrow_phase: f32,
     /// Waking and grouping islands.
     pub islands: f32,
+    /// Deriving long-range constraints where joints have changed, and handing them out.
+    pub long_range: f32,
     /// Preparing rows and solving them.
     pub solve: f32,
     /// Writing back, sweeping fast bodies, sleep, events.

@@ -23,6 +23,7 @@ use crate::workers::{ParallelFor, Workers};
 
 mod bodies;
 mod cells;
+mod chain;
 mod contacts;
 mod draw;
 mod fast;
@@ -165,9 +166,11 @@ impl World {
         self.note_approaches();
         self.wake_what_is_touched();
         self.group_islands();
+        self.report.timings.islands = clock.lap();
+        clock.enter(c"derive long range");
         self.derive_long_range();
         self.hand_out_bounds();
-        self.report.timings.islands = clock.lap();
+        self.report.timings.long_range = clock.lap();
         clock.enter(c"solve");
         self.solve_batches(dt);
         self.read_joint_loads(dt);

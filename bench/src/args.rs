@@ -42,6 +42,8 @@ pub enum Command {
         #[arg(long, default_value_t = 100, value_parser = at_least_one)]
         seeds: usize,
     },
+    /// Takes the time of deriving long-range constraints, of whole worlds and after one joint is gone, and prints a table (Markdown)
+    DeriveTable,
     /// Runs a scene on our engine and draws its end
     Picture(Picture),
     /// Draws bodies from a text file, one a line: `box hx hy hz  px py pz  qx qy qz qw`, `ball r …`, `capsule half_height r …`, `cylinder half_height r …`

@@ -1,6 +1,7 @@
 //! The command line: runs scenes on engines, lists them, plots results, draws pictures.
 
 mod args;
+mod derive_table;
 mod draw;
 mod line;
 mod plot;
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
         Command::List => session::list(),
         Command::Plot { file, out_dir, error } => plot::plot(&file, &out_dir, error.as_deref()),
         Command::StressTable { seeds } => stress_table::print(seeds as u64),
+        Command::DeriveTable => derive_table::print(),
         Command::Picture(picture) => draw::picture(&picture),
         Command::Draw { file, out, size } => draw::draw_file(&file, &out, size),
     };

@@ -160,6 +160,18 @@ pub extern "C" fn ls_joint_break_set(world: LsWorld, joint: LsJoint, break_force
     call("ls_joint_break_set", || edit(world, |world| world.set_joint_break(joint.into(), break_force, break_torque)))
 }
 
+/// Says whether long-range constraints are derived from a joint, and wakes its bodies. Without it a chain ends there.
+///
+/// @param world    the world; any value is safe
+/// @param joint    a joint of that world; any value is safe
+/// @param enabled  not 0: bounds lead past it, it may be in a plane of hinges, and, fixed, in a union; 0: none of these
+/// @return LS_OK, a world error, a handle error
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_joint_long_range_set(world: LsWorld, joint: LsJoint, enabled: u32) -> LsResult {
+    call("ls_joint_long_range_set", || edit(world, |world| world.set_joint_long_range(joint.into(), enabled != 0)))
+}
+
 /// Sets where a joint is on its bodies and wakes them; the joint carries nothing over, as after a teleport.
 ///
 /// @param world    the world; any value is safe

@@ -144,11 +144,15 @@ pub struct LsJointDef {
     pub angular_axes: [LsAxis; 3],
     /// What the joint bears before it breaks; default unbreakable.
     pub strength: LsStrength,
+    /// Not 0: long-range constraints are derived from it: bounds past it, planes of hinges, unions of fixed joints; default 1.
+    pub long_range: u32,
+    /// Not used; 0.
+    pub reserved: u32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsJointDef {
-    const SIZES: &'static [usize] = &[400, 440];
+    const SIZES: &'static [usize] = &[400, 440, 448];
 }
 
 // SAFETY: begins with struct_size.
@@ -181,6 +185,8 @@ impl Default for LsJointDef {
             linear_axes: [locked; 3],
             angular_axes: [locked; 3],
             strength: Strength::UNBREAKABLE.into(),
+            long_range: 1,
+            reserved: 0,
         }
     }
 }
@@ -212,6 +218,7 @@ impl TryFrom<&LsJointDef> for JointDef {
             break_torque: def.break_torque,
             strength: def.strength.into(),
             collide_connected: def.collide_connected != 0,
+            long_range: def.long_range != 0,
             user_word: def.user_word,
         })
     }
@@ -260,6 +267,7 @@ impl TryFrom<&JointDef> for LsJointDef {
             collide_connected: def.collide_connected.into(),
             user_word: def.user_word,
             strength: def.strength.into(),
+            long_range: def.long_range.into(),
             ..Self::default()
         };
         c.set_kind(&def.kind)?;

@@ -60,11 +60,23 @@ pub struct LsStepReport {
     pub joint_angle: f32,
     /// Not used; 0.
     pub reserved: u32,
+    /// Long-range bounds derived in this step; 0 where nothing has changed that they follow from.
+    pub bounds_derived: u32,
+    /// Long-range bounds of bodies awake.
+    pub bounds: u32,
+    /// Of those, how many were taut or nearly so.
+    pub bounds_active: u32,
+    /// Of those, how many were so slack that the step did not look at them again.
+    pub bounds_skipped: u32,
+    /// Hinge chains kept in a plane.
+    pub planes: u32,
+    /// Wall time of deriving long-range constraints and handing them out (s).
+    pub long_range_time: f32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsStepReport {
-    const SIZES: &'static [usize] = &[96, 104, 112];
+    const SIZES: &'static [usize] = &[96, 104, 112, 136];
 }
 
 impl From<&StepReport> for LsStepReport {
@@ -97,6 +109,12 @@ impl From<&StepReport> for LsStepReport {
             union_members: counts.union_members,
             joint_angle: report.residuals.joint_angle,
             reserved: 0,
+            bounds_derived: counts.bounds_derived,
+            bounds: counts.bounds,
+            bounds_active: counts.bounds_active,
+            bounds_skipped: counts.bounds_skipped,
+            planes: counts.planes,
+            long_range_time: timings.long_range,
         }
     }
 }

@@ -830,6 +830,10 @@ typedef struct LsJointDef {
     struct LsAxis angular_axes[3];
     /** What the joint bears before it breaks; default unbreakable. */
     struct LsStrength strength;
+    /** Not 0: long-range constraints are derived from it: bounds past it, planes of hinges, unions of fixed joints; default 1. */
+    uint32_t long_range;
+    /** Not used; 0. */
+    uint32_t reserved;
 } LsJointDef;
 
 /** When bodies fall asleep. */
@@ -1086,6 +1090,18 @@ typedef struct LsStepReport {
     float joint_angle;
     /** Not used; 0. */
     uint32_t reserved;
+    /** Long-range bounds derived in this step; 0 where nothing has changed that they follow from. */
+    uint32_t bounds_derived;
+    /** Long-range bounds of bodies awake. */
+    uint32_t bounds;
+    /** Of those, how many were taut or nearly so. */
+    uint32_t bounds_active;
+    /** Of those, how many were so slack that the step did not look at them again. */
+    uint32_t bounds_skipped;
+    /** Hinge chains kept in a plane. */
+    uint32_t planes;
+    /** Wall time of deriving long-range constraints and handing them out (s). */
+    float long_range_time;
 } LsStepReport;
 
 /** A point of a contact. The layout of this struct never changes. */
@@ -1491,6 +1507,32 @@ typedef struct LsBound {
     /** Not used; 0. */
     uint32_t reserved;
 } LsBound;
+
+/** A chain of joints as the last step left it. Later versions append fields. */
+typedef struct LsChainState {
+    /** Links: bodies between two joints. */
+    uint32_t link_count;
+    /** Length at rest: the sum of its links (m). */
+    float rest_length;
+    /** Length now: with what each joint is apart, those at both ends among them (m). */
+    float length;
+    /** By what share of its length at rest it is longer than that. */
+    float stretch;
+    /** Greatest tension of a link, mean over the last step (N); negative where all are pushed together. */
+    float greatest_tension;
+} LsChainState;
+
+/** A link of a chain: a body between two joints. The layout of this struct never changes. */
+typedef struct LsChainLink {
+    /** The body; of a union, the member at the first joint. */
+    struct LsBody body;
+    /** The joints at its two ends. */
+    struct LsJoint joints[2];
+    /** Distance of the two joints on it (m). */
+    float length;
+    /** Force that the two pull it apart with, mean over the last step (N); negative where they push. */
+    float tension;
+} LsChainLink;
 
 /** Bodies that rigid fixed joints make one, as the last step left them. The layout of this struct never changes. */
 typedef struct LsUnion {
@@ -3707,6 +3749,17 @@ LsResult ls_joint_softness_set(LsWorld world,
 LsResult ls_joint_break_set(LsWorld world, LsJoint joint, float break_force, float break_torque);
 
 /**
+ * Says whether long-range constraints are derived from a joint, and wakes its bodies. Without it a chain ends there.
+ *
+ * @param world    the world; any value is safe
+ * @param joint    a joint of that world; any value is safe
+ * @param enabled  not 0: bounds lead past it, it may be in a plane of hinges, and, fixed, in a union; 0: none of these
+ * @return LS_OK, a world error, a handle error
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_joint_long_range_set(LsWorld world, LsJoint joint, uint32_t enabled);
+
+/**
  * Sets where a joint is on its bodies and wakes them; the joint carries nothing over, as after a teleport.
  *
  * @param world    the world; any value is safe
@@ -3954,6 +4007,41 @@ LsResult ls_world_soft_bound_remove(LsWorld world, LsJoint joint_a, LsJoint join
  * Threads: read. Callbacks: allowed.
  */
 LsResult ls_world_bounds_get(LsWorld world, LsBound *out, size_t capacity, size_t *count);
+
+/**
+ * How far the chain between two joints is stretched, and what it bears. It leads along the shortest path past bodies that joints can
+ * move and joints that hold two points together without give.
+ *
+ * @param world    the world; any value is safe
+ * @param joint_a  a joint of that world; any value is safe
+ * @param joint_b  another one, connected to it; any value is safe
+ * @param out      filled on LS_OK
+ * @param size     sizeof *out as the host knows it
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_NOT_APPLICABLE (the two are the
+ *         same, or no chain connects them)
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_chain_state_get(LsWorld world, LsJoint joint_a, LsJoint joint_b, LsChainState *out, size_t size);
+
+/**
+ * The links of the chain between two joints, from the first joint to the second, as ls_chain_state_get finds it.
+ *
+ * @param world     the world; any value is safe
+ * @param joint_a   a joint of that world; any value is safe
+ * @param joint_b   another one, connected to it; any value is safe
+ * @param out       room for `capacity` links, may be NULL if that is 0
+ * @param capacity  how many fit
+ * @param count     set to how many there are on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL (nothing is written to `out`
+ *         then), LS_ERROR_NOT_APPLICABLE (the two are the same, or no chain connects them)
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_chain_links_get(LsWorld world,
+                            LsJoint joint_a,
+                            LsJoint joint_b,
+                            LsChainLink *out,
+                            size_t capacity,
+                            size_t *count);
 
 /**
  * The union that a dynamic body belongs to. Joints made or changed since the last step count from the next one on, and until then

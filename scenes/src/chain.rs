@@ -48,7 +48,7 @@ pub(crate) fn add_chain(scene: &mut Scene, n: usize, weight: f32, turn: Quat) ->
 }
 
 fn n_and_ratio(params: &mut Params) -> Result<(usize, f32), SceneError> {
-    Ok((params.count("n", 30, 1..=2000)?, params.number("ratio", 1.0e4, 1.0e-3..=1.0e9)? as f32))
+    Ok((params.count("n", 30, 1..=10_000)?, params.number("ratio", 1.0e4, 1.0e-3..=1.0e9)? as f32))
 }
 
 pub(crate) fn hanging_chain(params: &mut Params) -> Result<Scene, SceneError> {

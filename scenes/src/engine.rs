@@ -1,7 +1,7 @@
 //! The door every engine comes through: a scene knows this trait and nothing else of who runs it.
 
 use longspan::glam::Vec3;
-use longspan::{BodyDef, JointDef, MassProperties, Pose, SoftBound};
+use longspan::{BodyDef, BoundState, JointDef, MassProperties, Pose, SoftBound};
 
 /// A physics engine that can run a scene: ours or a peer's.
 pub trait Engine {
@@ -62,6 +62,10 @@ pub trait Engine {
     fn is_supported(&self, body: usize) -> Option<bool> {
         let _ = body;
         None
+    }
+    /// Long-range bounds as the last step left them, of an engine that has them.
+    fn bounds(&self) -> Vec<BoundState> {
+        Vec::new()
     }
     /// Whether the body is simulated at present.
     fn is_awake(&self, body: usize) -> bool {

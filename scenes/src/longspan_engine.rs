@@ -1,7 +1,7 @@
 //! Our engine behind the scenes' trait.
 
 use longspan::glam::Vec3;
-use longspan::{BodyDef, BodyId, JointId, MassProperties, Pose, Result, World, WorldDef};
+use longspan::{BodyDef, BodyId, BoundState, JointId, MassProperties, Pose, Result, World, WorldDef};
 
 use crate::engine::{Effort, Engine, SceneJoint, SceneSoftBound};
 
@@ -149,6 +149,10 @@ impl Engine for LongspanEngine {
 
     fn is_supported(&self, body: usize) -> Option<bool> {
         self.world.support(self.bodies[body]).ok().map(|support| support.verdict.is_supported())
+    }
+
+    fn bounds(&self) -> Vec<BoundState> {
+        self.world.bounds().collect()
     }
 
     fn is_awake(&self, body: usize) -> bool {

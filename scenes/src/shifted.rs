@@ -1,7 +1,7 @@
 //! An engine seen from another origin: the same scene far away, with nothing in the scene or its metrics aware of it.
 
 use longspan::glam::{DVec3, Vec3};
-use longspan::{BodyDef, MassProperties, Pose};
+use longspan::{BodyDef, BoundState, MassProperties, Pose};
 
 use crate::engine::{Engine, SceneJoint, SceneSoftBound};
 
@@ -99,6 +99,10 @@ impl Engine for Shifted<'_> {
 
     fn is_supported(&self, body: usize) -> Option<bool> {
         self.engine.is_supported(body)
+    }
+
+    fn bounds(&self) -> Vec<BoundState> {
+        self.engine.bounds()
     }
 
     fn is_awake(&self, body: usize) -> bool {

@@ -135,4 +135,5 @@ recorded! {
     45 set_fracture_settings(val settings: FractureSettings) -> ();
     46 apply_fractures(ref joints: Vec<JointId>) -> ();
     47 set_articulation_settings(val settings: ArticulationSettings) -> ();
+    49 set_joint_long_range(val joint: JointId, val long_range: bool) -> ();
 }

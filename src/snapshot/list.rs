@@ -219,6 +219,7 @@ stored!(JointDef {
     break_torque,
     strength,
     collide_connected,
+    long_range,
     user_word,
 });
 stored!(JointImpulses { point, angular, scalar });

@@ -3,7 +3,9 @@
 //! A sweep carries load through one contact at a time, so a column built at rest would first sink under multipliers of zero,
 //! then rebound. Where bodies at rest stand on contacts that have no history, this pass walks down from the top, and splits each
 //! body's weight and what it carries over the points under it: of all λ ≥ 0 along the normals that balance force along gravity
-//! and moment about the two horizontal axes, those of least norm. The sweeps start from there. What moves, or has multipliers already, is left alone, so nothing is held up that must fall.
+//! and moment about the two horizontal axes, those of least norm. The sweeps start from there. What moves, has multipliers
+//! already, or has nothing under it that stands on what cannot move, is left alone, so nothing is held up that must fall: a load
+//! handed down to a light body in free fall would shoot it off.
 
 use glam::{DVec3, Vec3};
 
@@ -27,6 +29,10 @@ pub(crate) struct Birth {
     /// Number of unvisited bodies that stand on each slot, and whether the slot's contacts are all new.
     waiting: Vec<u32>,
     new: Vec<bool>,
+    /// Whether a slot is, or stands on, what cannot move; and those from which this is still to be handed up.
+    grounded: Vec<bool>,
+    open: Vec<u32>,
+    above: Vec<(u32, u32)>,
     load: Vec<(DVec3, DVec3)>,
     queue: Vec<u32>,
     points: Vec<Point>,
@@ -66,11 +72,12 @@ impl Birth {
                 self.queue.push(slot);
             }
         }
+        self.find_grounded(batch);
         let mut next = 0;
         while next < self.queue.len() {
             let slot = self.queue[next];
             next += 1;
-            if self.new[slot as usize] {
+            if self.new[slot as usize] && self.grounded[slot as usize] {
                 self.split_load(batch, slot, up.as_dvec3(), h);
             }
             for support in self.first[slot as usize]..self.first[slot as usize + 1] {
@@ -87,6 +94,26 @@ impl Birth {
 
     fn has_supports(&self, slot: u32) -> bool {
         self.first[slot as usize] < self.first[slot as usize + 1]
+    }
+
+    /// Notes what stands, over however many others, on what cannot move.
+    fn find_grounded(&mut self, batch: &Batch) {
+        let Self { supports, grounded, open, above, .. } = self;
+        above.clear();
+        above.extend(supports.iter().map(|support| (support.lower, support.upper)));
+        above.sort_unstable();
+        grounded.clear();
+        grounded.extend(batch.motions.iter().map(|motion| !motion.is_dynamic()));
+        open.clear();
+        open.extend((0..grounded.len() as u32).filter(|&slot| grounded[slot as usize]));
+        while let Some(lower) = open.pop() {
+            let first = above.partition_point(|&(below, _)| below < lower);
+            for &(_, upper) in above[first..].iter().take_while(|&&(below, _)| below == lower) {
+                if !std::mem::replace(&mut grounded[upper as usize], true) {
+                    open.push(upper);
+                }
+            }
+        }
     }
 
     /// Lists the supporting manifolds; a body is new if all of its are without multipliers and at rest.

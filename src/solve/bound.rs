@@ -141,11 +141,14 @@ struct Span {
 pub(crate) struct BatchBounds {
     pub entries: Vec<BoundEntry>,
     rows: Vec<BoundRow>,
+    /// Bounds that are no entries, because they are too slack to close within the step.
+    pub skipped: u32,
 }
 
 impl BatchBounds {
     pub(crate) fn clear(&mut self) {
         self.entries.clear();
+        self.skipped = 0;
     }
 
     /// Builds this substep's rows; `predicted` holds the poses that the velocities of now lead to, and `applied` says whether
@@ -274,7 +277,8 @@ impl BoundEntry {
     }
 
     /// Gradient of the distance, taken between start and predicted end by how stiff the tension makes the turning of the bodies,
-    /// as joints do.
+    /// as joints do. At the start it is at right angles to the mean of the substeps before and after, so the row does no work; halfway
+    /// to the end a weight of 1:10,000 let go from the horizontal would lose ten times as much energy.
     fn gradient(&self, start: &Span, end: &Span, velocities: &[BodyVelocity], h: f32) -> Gradient {
         let tension = self.impulses[UPPER].max(self.impulses[LOWER]);
         let ease = |slot: u32, lever: Vec3| turning_ease(&velocities[slot as usize], lever);

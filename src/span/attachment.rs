@@ -14,8 +14,9 @@ use std::collections::BinaryHeap;
 use super::bounds::{AngleRange, Reach};
 use super::graph::Graph;
 use super::load::NodeId;
+use super::part::Part;
 use super::weight::Weight;
-use super::{Bound, BoundKind, Derived, InnerJoint, JointSide};
+use super::{Bound, BoundKind, InnerJoint, JointSide};
 
 /// Attachments that a joint keeps bounds to, the nearest.
 const MAX_ATTACHMENTS: usize = 4;
@@ -45,27 +46,27 @@ struct Candidate {
 }
 
 /// Adds the bounds of all attachments.
-pub(super) fn derive(derived: &mut Derived, weights: &[Weight]) {
-    let labels = reach_out(derived);
-    let targets = targets(&derived.graph, weights, &labels);
+pub(super) fn derive(part: &mut Part, weights: &[Weight]) {
+    let labels = reach_out(part);
+    let targets = targets(&part.graph, weights, &labels);
     let mut inner: Vec<(u32, u32)> = targets.iter().enumerate().map(|(label, &target)| (target, label as u32)).collect();
     inner.retain(|&(target, label)| {
-        let has_bound = is_worth(&derived.graph, weights, &labels[target as usize]);
+        let has_bound = is_worth(&part.graph, weights, &labels[target as usize]);
         target != label && has_bound && labels[label as usize].parent.is_some()
     });
     inner.sort_unstable();
     let mut inner = inner.into_iter().peekable();
     for (number, label) in labels.iter().enumerate().filter(|(_, label)| label.parent.is_some()) {
-        if !is_worth(&derived.graph, weights, label) {
+        if !is_worth(&part.graph, weights, label) {
             continue;
         }
-        let first = derived.inner.len() as u32;
+        let first = part.inner.len() as u32;
         while let Some((_, at)) = inner.next_if(|&(target, _)| target == number as u32) {
             let at = &labels[at as usize];
             let (before, after) = (at.reach.upper as f32, (label.length - at.length) as f32);
-            derived.inner.push(InnerJoint { end: at.beyond, before, after, path: at.path });
+            part.inner.push(InnerJoint { end: at.beyond, before, after, path: at.path });
         }
-        derived.bounds.push(Bound {
+        part.bounds.push(Bound {
             kind: BoundKind::Attachment,
             level: 0,
             near: label.source,
@@ -73,15 +74,15 @@ pub(super) fn derive(derived: &mut Derived, weights: &[Weight]) {
             upper: label.reach.upper as f32,
             lower: label.reach.lower as f32,
             path: label.path,
-            inner: (first, derived.inner.len() as u32),
+            inner: (first, part.inner.len() as u32),
             request: None,
         });
     }
 }
 
 /// Every joint as reached from its nearest attachments, in the order of path length.
-fn reach_out(derived: &mut Derived) -> Vec<Label> {
-    let Derived { graph, paths, .. } = derived;
+fn reach_out(part: &mut Part) -> Vec<Label> {
+    let Part { graph, paths, .. } = part;
     let mut labels: Vec<Label> = Vec::new();
     let mut kept = vec![[u32::MAX; MAX_ATTACHMENTS]; graph.links.len()];
     let mut queue = BinaryHeap::new();

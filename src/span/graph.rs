@@ -45,8 +45,6 @@ impl Turn {
 /// A joint that holds two points together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Link {
-    /// The caller's number for the joint.
-    pub joint: u32,
     /// Bodies; `None` for the world.
     pub bodies: [Option<u32>; 2],
     /// Joint points in their bodies' frames (m).
@@ -66,14 +64,15 @@ pub(crate) struct Graph {
 }
 
 impl Graph {
-    pub(crate) fn clear(&mut self, bodies: usize) {
-        self.links.clear();
-        self.masses.clear();
-        self.masses.resize(bodies, f32::INFINITY);
+    /// Links between bodies of these masses.
+    pub(crate) fn new(links: Vec<Link>, masses: Vec<f32>) -> Self {
+        let mut graph = Self { links, masses, ..Self::default() };
+        graph.connect();
+        graph
     }
 
     /// Lists the links of each body.
-    pub(crate) fn connect(&mut self) {
+    fn connect(&mut self) {
         let Self { links, masses, starts, ends } = self;
         let sides = || {
             links.iter().enumerate().flat_map(|(link, joint)| {

@@ -19,8 +19,9 @@ use std::collections::BinaryHeap;
 use super::bounds::{AngleRange, Reach};
 use super::graph::Graph;
 use super::load::{LoadPaths, NodeId};
+use super::part::Part;
 use super::weight::Weight;
-use super::{Bound, BoundKind, Derived, InnerJoint, JointSide};
+use super::{Bound, BoundKind, InnerJoint, JointSide};
 
 /// Heavy bodies to which an end of a joint has edges of level 0, the nearest.
 const MAX_NEIGHBOURS: usize = 3;
@@ -51,31 +52,31 @@ struct Edge {
 const LONG_EDGE: u32 = 8;
 
 /// Adds the bounds of all levels, the coarsest first.
-pub(super) fn derive(derived: &mut Derived, weights: &[Weight], levels: Option<u32>) {
+pub(super) fn derive(part: &mut Part, weights: &[Weight], levels: Option<u32>) {
     let heavy: Vec<bool> = weights.iter().map(|&weight| weight == Weight::Heavy).collect();
     let mut crossed = Vec::new();
-    let edges = neighbours(&derived.graph, &heavy, &mut derived.paths, &mut crossed);
+    let edges = neighbours(&part.graph, &heavy, &mut part.paths, &mut crossed);
     let mut strung = vec![false; heavy.len()];
     let is_long = |edge: &&Edge| edge.crossed.1 - edge.crossed.0 > LONG_EDGE;
     for edge in edges.iter().filter(is_long) {
         let sides = &crossed[edge.crossed.0 as usize..edge.crossed.1 as usize];
-        for body in sides.iter().flat_map(|&side| [side, side.other()]).filter_map(|side| derived.graph.dynamic_body(side)) {
+        for body in sides.iter().flat_map(|&side| [side, side.other()]).filter_map(|side| part.graph.dynamic_body(side)) {
             strung[body as usize] = true;
         }
     }
-    add_levels(derived, edges, &mut crossed, levels);
+    add_levels(part, edges, &mut crossed, levels);
     if strung.contains(&true) {
-        let edges = neighbours(&derived.graph, &strung, &mut derived.paths, &mut crossed);
-        add_levels(derived, edges, &mut crossed, levels);
+        let edges = neighbours(&part.graph, &strung, &mut part.paths, &mut crossed);
+        add_levels(part, edges, &mut crossed, levels);
     }
 }
 
 /// Adds the bounds of these edges and of all levels above them.
-fn add_levels(derived: &mut Derived, edges: Vec<Edge>, crossed: &mut Vec<JointSide>, levels: Option<u32>) {
-    let has_limits = derived.graph.links.iter().any(|link| link.turn.limits());
+fn add_levels(part: &mut Part, edges: Vec<Edge>, crossed: &mut Vec<JointSide>, levels: Option<u32>) {
+    let has_limits = part.graph.links.iter().any(|link| link.turn.limits());
     let mut all = vec![edges];
     for _ in 0..levels.unwrap_or(DEFAULT_LEVELS) {
-        let level = joined(&derived.graph, &all[all.len() - 1], &mut derived.paths, crossed);
+        let level = joined(&part.graph, &all[all.len() - 1], &mut part.paths, crossed);
         if level.is_empty() {
             break;
         }
@@ -84,12 +85,12 @@ fn add_levels(derived: &mut Derived, edges: Vec<Edge>, crossed: &mut Vec<JointSi
     for (number, edges) in all.iter().enumerate().rev() {
         for edge in edges.iter().filter(|edge| edge.length > 0.0) {
             let sides = &crossed[edge.crossed.0 as usize..edge.crossed.1 as usize];
-            let reach = has_limits.then(|| reach_along(&derived.graph, sides));
-            let first = derived.inner.len() as u32;
+            let reach = has_limits.then(|| reach_along(&part.graph, sides));
+            let first = part.inner.len() as u32;
             if number == 0 {
-                add_inner(derived, edge, sides);
+                add_inner(part, edge, sides);
             }
-            derived.bounds.push(Bound {
+            part.bounds.push(Bound {
                 kind: BoundKind::Hierarchy,
                 level: number as u8,
                 near: edge.ends[0],
@@ -97,7 +98,7 @@ fn add_levels(derived: &mut Derived, edges: Vec<Edge>, crossed: &mut Vec<JointSi
                 upper: reach.map_or(edge.length, |reach| reach.upper) as f32,
                 lower: reach.map_or(0.0, |reach| reach.lower) as f32,
                 path: edge.path,
-                inner: (first, derived.inner.len() as u32),
+                inner: (first, part.inner.len() as u32),
                 request: None,
             });
         }
@@ -253,13 +254,13 @@ fn reach_along(graph: &Graph, sides: &[JointSide]) -> Reach {
 }
 
 /// Adds the joints between the ends of an edge, which it pulls straight when it is taut.
-fn add_inner(derived: &mut Derived, edge: &Edge, sides: &[JointSide]) {
+fn add_inner(part: &mut Part, edge: &Edge, sides: &[JointSide]) {
     let mut before = edge.length;
     let mut path = edge.path;
     for pair in sides.windows(2).skip(1).rev() {
-        before -= derived.graph.segment(pair[0], pair[1].other());
-        path = derived.paths.before(path);
+        before -= part.graph.segment(pair[0], pair[1].other());
+        path = part.paths.before(path);
         let after = edge.length - before;
-        derived.inner.push(InnerJoint { end: pair[0], before: before as f32, after: after as f32, path });
+        part.inner.push(InnerJoint { end: pair[0], before: before as f32, after: after as f32, path });
     }
 }

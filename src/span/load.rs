@@ -15,6 +15,11 @@ pub(crate) struct NodeId(u32);
 
 impl NodeId {
     pub(crate) const NONE: Self = Self(u32::MAX);
+
+    /// The same path among others that come after so many.
+    pub(crate) fn moved_by(self, offset: u32) -> Self {
+        if self == Self::NONE { self } else { Self(self.0 + offset) }
+    }
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -35,6 +40,16 @@ pub(crate) struct LoadPaths {
 impl LoadPaths {
     pub(crate) fn clear(&mut self) {
         self.nodes.clear();
+    }
+
+    /// Adds the paths of a part, with the joints that they cross named anew; returns what their numbers grow by.
+    pub(crate) fn append(&mut self, other: &Self, side: impl Fn(JointSide) -> JointSide) -> u32 {
+        let offset = self.nodes.len() as u32;
+        self.nodes.extend(other.nodes.iter().map(|node| Node {
+            parents: node.parents.map(|(path, sign)| (path.moved_by(offset), sign)),
+            crossed: node.crossed.map(&side),
+        }));
+        offset
     }
 
     /// The path `before` and the joint at its end; `beyond` is that joint's far side.

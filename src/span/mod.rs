@@ -16,6 +16,7 @@
 //! | `soft.rs` | asked for between two joints, with give (§3.3) |
 //! | `weight.rs` | which bodies bounds are for |
 //! | `load.rs` | which joints a bound carries load past |
+//! | `part.rs` | connected parts, and which of them are derived anew |
 //! | `plane.rs` | chains of parallel hinges, and their planes (§3.4) |
 //! | `union/` | what fixed joints make one body (§3.5) |
 //! | `support.rs` | which bodies stand on the ground (§3.6) |
@@ -27,14 +28,15 @@ pub(crate) mod eigen;
 pub(crate) mod graph;
 pub(crate) mod hierarchy;
 pub(crate) mod load;
+pub(crate) mod part;
 pub(crate) mod plane;
 pub(crate) mod soft;
 pub(crate) mod support;
 pub(crate) mod union;
 pub(crate) mod weight;
 
-use graph::Graph;
-use load::{LoadPaths, NodeId};
+use load::NodeId;
+pub(crate) use part::{Derived, Input, PartBounds};
 
 /// Why a bound is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,7 +76,7 @@ pub(crate) struct Bound {
     pub lower: f32,
     /// Where its load goes.
     pub path: NodeId,
-    /// Its joints in between, as a range of [`Derived::inner`].
+    /// Its joints in between, as a range of the list of inner joints.
     pub inner: (u32, u32),
     /// What the host asked for, by its place among the requests.
     pub request: Option<u32>,
@@ -91,37 +93,9 @@ pub(crate) struct InnerJoint {
 }
 
 /// What is derived, and how far.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Choice {
     pub attachment: bool,
     pub hierarchy: bool,
     pub levels: Option<u32>,
-}
-
-/// Everything derived from a graph.
-#[derive(Debug, Default)]
-pub(crate) struct Derived {
-    pub graph: Graph,
-    pub bounds: Vec<Bound>,
-    /// Joints on the paths of bounds.
-    pub inner: Vec<InnerJoint>,
-    pub paths: LoadPaths,
-}
-
-impl Derived {
-    /// Derives all bounds anew; `graph` holds the joints as they are.
-    pub(crate) fn rebuild(&mut self, choice: Choice, soft: &[soft::Request]) {
-        self.bounds.clear();
-        self.inner.clear();
-        self.paths.clear();
-        self.graph.connect();
-        soft::derive(self, soft);
-        let weights = weight::weigh(&self.graph);
-        if choice.hierarchy {
-            hierarchy::derive(self, &weights, choice.levels);
-        }
-        if choice.attachment {
-            attachment::derive(self, &weights);
-        }
-    }
 }

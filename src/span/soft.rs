@@ -9,12 +9,13 @@ use std::collections::BinaryHeap;
 use super::bounds::{AngleRange, Reach};
 use super::graph::Graph;
 use super::load::NodeId;
-use super::{Bound, BoundKind, Derived, JointSide};
+use super::part::Part;
+use super::{Bound, BoundKind, JointSide};
 
 /// What the host asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Request {
-    /// The two joints, by their places in the graph.
+    /// The two joints.
     pub links: [u32; 2],
     /// Share of the upper bound that the lower one is.
     pub share: f32,
@@ -29,30 +30,30 @@ struct Candidate {
     parent: Option<u32>,
 }
 
-/// Adds a bound for each request whose joints are connected.
-pub(super) fn derive(derived: &mut Derived, requests: &[Request]) {
-    for (number, request) in requests.iter().enumerate() {
-        let Some(sides) = shortest_path(&derived.graph, request.links) else { continue };
+/// Adds a bound for each of these requests, by number, whose joints are connected.
+pub(super) fn derive(part: &mut Part, requests: &[(u32, Request)]) {
+    for &(number, request) in requests {
+        let Some(sides) = shortest_path(&part.graph, request.links) else { continue };
         let mut reach = Reach::START;
         for (crossed, pair) in sides.windows(2).enumerate() {
             let angle = match crossed.checked_sub(1) {
                 None => AngleRange::FREE,
-                Some(earlier) => derived.graph.angle(sides[earlier], pair[0].other(), pair[1].other()),
+                Some(earlier) => part.graph.angle(sides[earlier], pair[0].other(), pair[1].other()),
             };
-            reach = reach.extended(derived.graph.segment(pair[0], pair[1].other()), angle);
+            reach = reach.extended(part.graph.segment(pair[0], pair[1].other()), angle);
         }
-        let path = sides.iter().fold(NodeId::NONE, |before, &side| derived.paths.crossing(before, side));
+        let path = sides.iter().fold(NodeId::NONE, |before, &side| part.paths.crossing(before, side));
         let (first, last) = (sides[0], sides[sides.len() - 1]);
-        derived.bounds.push(Bound {
+        part.bounds.push(Bound {
             kind: BoundKind::Soft,
             level: 0,
-            near: heavier(&derived.graph, first.other(), first),
-            far: heavier(&derived.graph, last.other(), last),
+            near: heavier(&part.graph, first.other(), first),
+            far: heavier(&part.graph, last.other(), last),
             upper: reach.upper as f32,
             lower: reach.upper as f32 * request.share,
             path,
             inner: (0, 0),
-            request: Some(number as u32),
+            request: Some(number),
         });
     }
 }

@@ -117,6 +117,19 @@ impl World {
         Ok(())
     }
 
+    /// Says whether long-range constraints are derived from a joint: bounds past it, planes of hinges, unions of fixed joints; and
+    /// wakes its bodies. Without it a chain ends there.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world.
+    pub fn set_joint_long_range(&mut self, joint: JointId, long_range: bool) -> Result<()> {
+        let slot = self.joints.find(joint)?;
+        if self.joints[slot].def.long_range != long_range {
+            self.change_joint(slot, |def| def.long_range = long_range);
+        }
+        Ok(())
+    }
+
     /// What the joint does at the end of the last step.
     ///
     /// # Errors

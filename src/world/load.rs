@@ -29,6 +29,10 @@ use crate::workers::for_each_chunk;
 /// Relative difference of principal moments below which a body is taken as round.
 const ROUND: f32 = 1.0e-5;
 
+/// How much faster than the fastest body of its batch a body may become in one step by what others do to it: an elastic blow from
+/// one that is far heavier doubles its speed.
+const OUTPACED: f32 = 2.0;
+
 /// Everything that a batch reads.
 struct Records<'a> {
     bodies: &'a Pool<Body, BodyId>,
@@ -49,6 +53,8 @@ struct Records<'a> {
     solver: Solver,
     /// Gap that gravity closes within a substep (m).
     reach: f32,
+    /// Length of the step (s).
+    dt: f32,
     /// Ratio of this step's substep to the last one's, by which carried multipliers grow.
     impulse_scale: f32,
 }
@@ -82,6 +88,7 @@ impl World {
             gravity: self.def.gravity,
             solver: self.def.solver,
             reach: self.def.gravity.length() * substep * substep,
+            dt,
             impulse_scale,
         };
         let work = |batch: &mut Batch| {
@@ -292,6 +299,7 @@ impl Records<'_> {
             return;
         }
         batch.mark_swept();
+        let pace = Pace::of(batch);
         for number in 0..batch.bound_slots.len() {
             let slot = batch.bound_slots[number];
             let record = &self.bounds[slot as usize];
@@ -299,11 +307,15 @@ impl Records<'_> {
             if !batch.swept[far.slot as usize] || near.slot == far.slot {
                 continue;
             }
+            if self.is_too_slack(batch, &pace, record, [&near, &far]) {
+                batch.bounds.skipped += 1;
+                continue;
+            }
             let [upper_give, lower_give] = World::bound_give(self.long_range, record);
             let number = batch.bounds.entries.len() as u32;
             for inner in record.bound.inner.0..record.bound.inner.1 {
                 let at = &self.span.inner[inner as usize];
-                let joint = &self.joints[self.span.graph.links[at.end.link as usize].joint];
+                let joint = &self.joints[at.end.link];
                 let own = self.joint_end(batch, joint, at.end.side as usize);
                 batch.taut.entries.push(TautEntry {
                     inner,
@@ -333,6 +345,19 @@ impl Records<'_> {
                 acted: false,
             });
         }
+    }
+
+    /// Whether a bound cannot close within the step: no body of the batch becomes faster than the fastest is, or than gravity and
+    /// forces make it, by more than [`OUTPACED`].
+    fn is_too_slack(&self, batch: &Batch, pace: &Pace, record: &BoundRecord, ends: [&JointEnd; 2]) -> bool {
+        let [near, far] = ends.map(|end| end.origin + (batch.motions[end.slot as usize].rotation * end.lever).as_dvec3());
+        let distance = (far - near).length() as f32;
+        let levers = ends[0].lever.length() + ends[1].lever.length();
+        let dt = self.dt;
+        let way = OUTPACED * dt * (2.0 * (pace.speed + pace.acceleration * dt) + pace.spin * levers);
+        let BoundRecord { bound, impulses, .. } = record;
+        let lower_is_far = bound.lower <= 0.0 || distance - way > bound.lower;
+        *impulses == [0.0; 2] && lower_is_far && distance + way < bound.upper
     }
 
     fn fill_planes(&self, batch: &mut Batch) {
@@ -395,6 +420,23 @@ impl Records<'_> {
             };
         }
         JointEnd { slot, origin: body.center, lever, frame: frame.rotation }
+    }
+}
+
+/// Greatest speed (m/s), spin (rad/s) and acceleration (m/s²) in a batch.
+struct Pace {
+    speed: f32,
+    spin: f32,
+    acceleration: f32,
+}
+
+impl Pace {
+    fn of(batch: &Batch) -> Self {
+        let speeds = batch.velocities.iter();
+        let [speed, spin] =
+            speeds.fold([0.0_f32; 2], |[v, w], body| [v.max(body.linear.length_squared()), w.max(body.angular.length_squared())]);
+        let acceleration = batch.motions.iter().map(|motion| motion.acceleration.length_squared()).fold(0.0, f32::max);
+        Self { speed: speed.sqrt(), spin: spin.sqrt(), acceleration: acceleration.sqrt() }
     }
 }
 

@@ -13,7 +13,10 @@ use crate::span::graph::{Link, Turn};
 use crate::span::load::NodeId;
 use crate::span::plane::{Chain, Hinge, HingeEnd, find_chains};
 use crate::span::soft::Request;
-use crate::span::{Bound, Choice, Derived, JointSide};
+use crate::span::{Bound, Choice, Derived, Input, JointSide, PartBounds};
+
+/// Level of a record that another has taken over; there are no such bounds.
+const TAKEN: u8 = u8::MAX;
 
 /// A bound, and what steps leave in it.
 #[derive(Debug, Clone, Copy)]
@@ -41,6 +44,11 @@ impl BoundRecord {
 
     fn key(&self) -> (BoundKind, [(u32, u8); 2]) {
         (self.bound.kind, self.ends)
+    }
+
+    fn take_over(&mut self, old: &mut Self) {
+        (self.impulses, self.far_force, self.active) = (old.impulses, old.far_force, old.active);
+        old.bound.level = TAKEN;
     }
 }
 
@@ -112,31 +120,36 @@ impl World {
         }
         let Self { long_range, joints, bodies, unions, def, .. } = self;
         long_range.stale = false;
-        long_range.derived.graph.clear(bodies.slot_count());
         let settings = &def.long_range;
+        let mut input = Input { masses: vec![f32::INFINITY; bodies.slot_count()], ..Input::default() };
+        long_range.chains.clear();
         if settings.enabled {
             for (slot, body) in bodies.iter().filter(|(_, body)| body.is_free()) {
                 if let Some(mass) = &body.mass {
-                    long_range.derived.graph.masses[slot as usize] =
-                        unions.moving(slot).map_or(mass.mass, |union| union.mass.mass);
+                    input.masses[slot as usize] = unions.moving(slot).map_or(mass.mass, |union| union.mass.mass);
                 }
             }
+            input.links.resize(joints.slot_count(), None);
             for (slot, joint) in joints.iter() {
-                long_range.derived.graph.links.extend(link_of(slot, joint, unions, bodies));
+                input.links[slot as usize] = link_of(joint, unions, bodies);
+            }
+            input.choice = Choice {
+                attachment: settings.attachment.enabled,
+                hierarchy: settings.hierarchy.enabled,
+                levels: settings.levels,
+            };
+            if settings.plane_position || settings.plane_axis {
+                let hinges: Vec<Hinge> =
+                    joints.iter().filter_map(|(slot, joint)| hinge_of(slot, joint, unions, bodies)).collect();
+                long_range.chains = find_chains(&hinges);
             }
         }
-        long_range.chains.clear();
-        if settings.enabled && (settings.plane_position || settings.plane_axis) {
-            let hinges: Vec<Hinge> = joints.iter().filter_map(|(slot, joint)| hinge_of(slot, joint, unions, bodies)).collect();
-            long_range.chains = find_chains(&hinges);
-        }
-        let requests = long_range.requests(joints, settings);
-        let choice =
-            Choice { attachment: settings.attachment.enabled, hierarchy: settings.hierarchy.enabled, levels: settings.levels };
-        long_range.derived.rebuild(choice, &requests);
-        long_range.mark_swept(&requests);
+        input.requests = long_range.requests(joints, &input.links, settings);
+        long_range.derived.update(input);
+        long_range.mark_swept();
         long_range.take_over();
-        self.report.counts.bounds_derived = self.long_range.records.len() as u32;
+        let anew = self.long_range.derived.of_parts.iter().filter(|part| part.kept.is_none());
+        self.report.counts.bounds_derived = anew.map(|part| part.count).sum();
     }
 
     /// Hands the bounds of everything awake to the batches of their far bodies.
@@ -185,16 +198,21 @@ impl World {
                 }
             }
         }
-        let links = &derived.graph.links;
         derived.paths.hand_down(|beyond, force| {
             let on_b = if beyond.side == 1 { force } else { -force };
-            joints[links[beyond.link as usize].joint].force += on_b;
+            joints[beyond.link].force += on_b;
         });
     }
 
     /// Writes multipliers back.
     pub(super) fn store_bounds(&mut self, dt: f32) {
         let Self { batches, batch_count, long_range: LongRange { records, .. }, report, .. } = self;
+        // What is skipped is slack.
+        for &slot in batches[..*batch_count].iter().flat_map(|batch| &batch.bound_slots) {
+            let record = &mut records[slot as usize];
+            (record.impulses, record.far_force, record.active) = ([0.0; 2], Vec3::ZERO, false);
+        }
+        report.counts.bounds_skipped = batches[..*batch_count].iter().map(|batch| batch.bounds.skipped).sum();
         for entry in batches[..*batch_count].iter().flat_map(|batch| &batch.bounds.entries) {
             let record = &mut records[entry.bound as usize];
             record.active = entry.acted;
@@ -320,15 +338,11 @@ impl World {
 
 impl LongRange {
     /// What the host asked for, as the derivation wants it; what named a joint that is gone is dropped.
-    fn requests(&mut self, joints: &Pool<Joint, JointId>, settings: &LongRangeDef) -> Vec<Request> {
+    fn requests(&mut self, joints: &Pool<Joint, JointId>, links: &[Option<Link>], settings: &LongRangeDef) -> Vec<Request> {
         self.soft.retain(|asked| asked.joints.iter().all(|&joint| joints.find(joint).is_ok()));
         self.asked.clear();
-        let Self { derived, soft, asked, .. } = self;
-        let links = &derived.graph.links;
-        let place = |joint: JointId| {
-            let slot = joints.find(joint).ok()?;
-            links.binary_search_by_key(&slot, |link| link.joint).ok().map(|link| link as u32)
-        };
+        let Self { soft, asked, .. } = self;
+        let place = |joint: JointId| joints.find(joint).ok().filter(|&slot| links[slot as usize].is_some());
         let mut requests = Vec::new();
         for (number, AskedBound { joints: ends, bound }) in soft.iter().enumerate().filter(|_| settings.enabled && settings.soft)
         {
@@ -341,44 +355,48 @@ impl LongRange {
     }
 
     /// Notes all bodies connected to what the host asked a bound for.
-    fn mark_swept(&mut self, requests: &[Request]) {
-        let Self { derived, swept, .. } = self;
-        swept.clear();
-        if requests.is_empty() {
-            return;
-        }
-        let graph = &derived.graph;
-        swept.resize(graph.masses.len(), false);
-        let sides = |link: u32| [0, 1].map(|side| JointSide { link, side });
-        let mut open: Vec<u32> =
-            requests.iter().flat_map(|request| sides(request.links[0])).filter_map(|side| graph.dynamic_body(side)).collect();
-        while let Some(body) = open.pop() {
-            if !std::mem::replace(&mut swept[body as usize], true) {
-                open.extend(graph.ends_on(body).iter().filter_map(|end| graph.dynamic_body(end.other())));
-            }
+    fn mark_swept(&mut self) {
+        self.swept.clear();
+        for body in self.derived.bodies_with_requests() {
+            self.swept.resize(self.derived.input.masses.len(), false);
+            self.swept[body as usize] = true;
         }
     }
 
-    /// Makes records of the bounds just derived; those that were there before keep their multipliers.
+    /// Makes records of the bounds; those that were there before keep their multipliers.
     fn take_over(&mut self) {
         std::mem::swap(&mut self.records, &mut self.previous);
-        self.previous.sort_unstable_by_key(BoundRecord::key);
         let Self { derived, records, previous, starts, of_body, soft, asked, .. } = self;
-        let place = |end: JointSide| (derived.graph.links[end.link as usize].joint, end.side);
         records.clear();
         records.extend(derived.bounds.iter().map(|&bound| {
-            let ends = [place(bound.near), place(bound.far)];
+            let ends = [bound.near, bound.far].map(|end| (end.link, end.side));
             let asked_for = bound.request.and_then(|request| soft.get(asked[request as usize]));
             let softness = asked_for.map_or(Softness::RIGID, |asked| asked.bound.softness);
-            let mut record = BoundRecord { bound, ends, softness, impulses: [0.0; 2], far_force: Vec3::ZERO, active: false };
-            if let Ok(found) = previous.binary_search_by_key(&record.key(), BoundRecord::key) {
-                record.impulses = previous[found].impulses;
-            }
-            record
+            BoundRecord { bound, ends, softness, impulses: [0.0; 2], far_force: Vec3::ZERO, active: false }
         }));
-        let far_body = |bound: &Bound| derived.graph.dynamic_body(bound.far);
+        for &PartBounds { first, count, kept } in derived.of_parts.iter() {
+            if let Some(before) = kept {
+                let same = &mut previous[before as usize..(before + count) as usize];
+                for (record, old) in records[first as usize..].iter_mut().zip(same) {
+                    record.take_over(old);
+                }
+            }
+        }
+        previous.retain(|old| old.bound.level != TAKEN);
+        // Of records that say the same, the first is taken over first.
+        previous.sort_by_key(BoundRecord::key);
+        for part in derived.of_parts.iter().filter(|part| part.kept.is_none()) {
+            for record in &mut records[part.first as usize..(part.first + part.count) as usize] {
+                let first = previous.partition_point(|old| old.key() < record.key());
+                let same = previous[first..].iter_mut().take_while(|old| old.key() == record.key());
+                if let Some(old) = same.into_iter().find(|old| old.bound.level != TAKEN) {
+                    record.take_over(old);
+                }
+            }
+        }
+        let far_body = |bound: &Bound| derived.dynamic_body(bound.far);
         starts.clear();
-        starts.resize(derived.graph.masses.len() + 1, 0);
+        starts.resize(derived.input.masses.len() + 1, 0);
         for body in derived.bounds.iter().filter_map(far_body) {
             starts[body as usize + 1] += 1;
         }
@@ -420,11 +438,16 @@ fn turn_of(def: &JointDef, frames: [Quat; 2]) -> Option<Turn> {
     }
 }
 
+/// Whether a joint holds two points together without give.
+pub(super) fn holds_points(def: &JointDef) -> bool {
+    turn_of(def, [Quat::IDENTITY; 2]).is_some()
+}
+
 /// The joint as a hinge of a chain, if it is one without give between bodies that may turn as they like.
 fn hinge_of(slot: u32, joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyId>) -> Option<Hinge> {
     let def = &joint.def;
     let rigid = def.linear.compliance == 0.0 && def.angular.compliance == 0.0;
-    if !rigid || !matches!(def.kind, JointKind::Hinge { .. }) {
+    if !rigid || !def.long_range || !matches!(def.kind, JointKind::Hinge { .. }) {
         return None;
     }
     let end = |side: usize| {
@@ -448,9 +471,9 @@ fn hinge_of(slot: u32, joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyI
     (!same).then_some(Hinge { joint: slot, ends })
 }
 
-/// The joint as a link between what moves as one: a union stands under its lead, in its own frame. `None` for joints inside one.
-fn link_of(slot: u32, joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyId>) -> Option<Link> {
-    let end = |side: usize| {
+/// What a joint holds on each side, a union under its lead; its point and frame there.
+pub(super) fn ends_of(joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyId>) -> [(Option<u32>, Vec3, Quat); 2] {
+    [0, 1].map(|side: usize| {
         let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
         let point = frame.position.as_vec3();
         let Some(index) = joint.bodies[side] else { return (None, point, frame.rotation) };
@@ -458,11 +481,15 @@ fn link_of(slot: u32, joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyId
         let place = unions.place(index);
         let point = place.offset + place.rotation * (point - bodies[index].local_center);
         (Some(union.lead), point, (place.rotation * frame.rotation).normalize())
-    };
-    let (a, b) = (end(0), end(1));
-    if a.0.is_some() && a.0 == b.0 {
+    })
+}
+
+/// The joint as a link between what moves as one. `None` for joints inside a union, and for those without bounds past them.
+fn link_of(joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyId>) -> Option<Link> {
+    let [a, b] = ends_of(joint, unions, bodies);
+    if !joint.def.long_range || (a.0.is_some() && a.0 == b.0) {
         return None;
     }
     let turn = turn_of(&joint.def, [a.2, b.2])?;
-    Some(Link { joint: slot, bodies: [a.0, b.0], points: [a.1, b.1], turn })
+    Some(Link { bodies: [a.0, b.0], points: [a.1, b.1], turn })
 }

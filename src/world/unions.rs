@@ -215,7 +215,7 @@ impl World {
         let def = &self.joints[slot].def;
         let rigid = matches!(def.kind, JointKind::Fixed) && def.linear.compliance == 0.0 && def.angular.compliance == 0.0;
         // A soft bound ends at joints, and needs bodies on both sides.
-        rigid && !self.long_range.is_asked_at(self.joints.handle_of(slot))
+        rigid && def.long_range && !self.long_range.is_asked_at(self.joints.handle_of(slot))
     }
 
     /// Says that a joint is new, about to go, or another than it was.

@@ -94,7 +94,7 @@ fn layouts() -> Vec<Layout> {
         LsJointDef {
             struct_size, kind, body_a, body_b, frame_a, frame_b, linear, angular, limit, limits, swing_limit, spring_length,
             has_spring, break_force, break_torque, collide_connected, user_word, motor, spherical_motor, linear_axes,
-            angular_axes, strength
+            angular_axes, strength, long_range, reserved
         }
         LsStrength {
             tension, compression, shear, bending, torsion, window, wears, damage_from, damage_time, damage_half_life
@@ -116,6 +116,8 @@ fn layouts() -> Vec<Layout> {
         LsBoundKindDef { enabled, upper, lower }
         LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft, unions, plane_position, plane_axis }
         LsSoftBound { share, softness }
+        LsChainState { link_count, rest_length, length, stretch, greatest_tension }
+        LsChainLink { body, joints, length, tension }
         LsBound { near_joint, far_joint, points, kind, level, distance, upper, lower, tension, active, reserved }
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
@@ -125,7 +127,8 @@ fn layouts() -> Vec<Layout> {
         LsStepReport {
             step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
             joints, batches, colors, moved, joint_gap, penetration, broad_phase_time, narrow_phase_time, island_time,
-            solve_time, finish_time, total_time, unions, union_members, joint_angle, reserved
+            solve_time, finish_time, total_time, unions, union_members, joint_angle, reserved, bounds_derived, bounds,
+            bounds_active, bounds_skipped, planes, long_range_time
         }
         LsMoved { body, user_word, pose, linear_velocity, angular_velocity, fell_asleep, woke }
         LsContactPair { shape_a, shape_b, body_a, body_b }
@@ -216,7 +219,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsMotor", 20),
         ("LsSphericalMotor", 44),
         ("LsAxis", 28),
-        ("LsJointDef", 440),
+        ("LsJointDef", 448),
         ("LsStrength", 40),
         ("LsBondMaterial", 32),
         ("LsFractureSettings", 8),
@@ -230,7 +233,9 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsBound", 96),
         ("LsSoftBound", 12),
         ("LsWorldDef", 84),
-        ("LsStepReport", 112),
+        ("LsStepReport", 136),
+        ("LsChainState", 20),
+        ("LsChainLink", 32),
         ("LsMoved", 88),
         ("LsContactPair", 32),
         ("LsContact", 192),

@@ -296,6 +296,21 @@ impl BatchJoints {
             motions[entry.b as usize].displace(b.linear, b.angular);
         }
     }
+
+    /// Greatest distance of points that a joint holds together without give, as a share of its levers.
+    pub(crate) fn opening(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion]) -> f64 {
+        let opening = |entry: &JointEntry| {
+            let def = &joints[entry.joint].def;
+            let holds_points = matches!(def.kind, JointKind::Fixed | JointKind::Hinge { .. } | JointKind::Spherical { .. });
+            if !holds_points || def.linear.compliance > 0.0 {
+                return 0.0;
+            }
+            let levers = entry.local_lever[0].length() + entry.local_lever[1].length();
+            let points = entry.points(&motions[entry.a as usize].stance(), &motions[entry.b as usize].stance());
+            points.gap.length() / levers.max(f64::MIN_POSITIVE)
+        };
+        self.entries.iter().map(opening).fold(0.0, f64::max)
+    }
 }
 
 /// Gives a pair of bodies back the angular momentum that moving them by position rows would take.
