@@ -11,8 +11,15 @@ use crate::library::{Library, output_folder};
 use crate::{Outcome, printed, repository, succeed};
 
 /// Samples, how long each is watched until its picture is taken (s), and the moving body that is selected in it.
-const SCENES: [(&str, f32, usize); 7] =
-    [("chain", 3.0, 30), ("bridge", 3.0, 10), ("track", 3.0, 5), ("vase", 1.5, 3), ("tower", 2.2, 40), ("crossbow", 1.5, 2), ("keystone", 1.5, 2)];
+const SCENES: [(&str, f32, usize); 7] = [
+    ("chain", 3.0, 30),
+    ("bridge", 3.0, 10),
+    ("track", 3.0, 5),
+    ("vase", 1.5, 3),
+    ("tower", 2.2, 40),
+    ("crossbow", 1.5, 2),
+    ("keystone", 1.5, 2),
+];
 
 /// What a recorded scene is recorded for (s).
 const RECORDED: &str = "3";
