@@ -359,7 +359,7 @@ impl View {
                 let first = mesh.vertices.len() as u16;
                 mesh.vertices.extend(corners.map(|at| Vertex::new(at.x, at.y, at.z, 0.0, 0.0, color)));
                 mesh.indices.extend([first, first + 1, first + 2]);
-                if mesh.vertices.len() + 3 > CALL_VERTICES {
+                if mesh.vertices.len() + 6 > CALL_VERTICES {
                     draw_mesh(&mesh);
                     mesh.vertices.clear();
                     mesh.indices.clear();
