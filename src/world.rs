@@ -35,6 +35,7 @@ mod joints;
 mod load;
 mod long_range;
 mod pairs;
+mod planes;
 mod query;
 mod read;
 mod redefine;

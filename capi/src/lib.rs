@@ -58,6 +58,8 @@ mod support;
 
 mod long_range;
 
+mod chain;
+
 mod union;
 
 mod fracture;

@@ -1,10 +1,10 @@
 //! Long-range constraints: what a world derives from its joints, and what became of it.
 
-use ls_core::{BoundKind, BoundKindDef, BoundState, ChainLink, ChainState, LongRangeDef, SoftBound, Softness};
+use ls_core::{BoundKind, BoundKindDef, BoundState, LongRangeDef, PlaneState, SoftBound, Softness};
 
 use crate::access::{edit, read};
 use crate::boundary::call;
-use crate::handle::{LsBody, LsJoint, LsWorld};
+use crate::handle::{LsJoint, LsWorld};
 use crate::joint_def::LsSoftness;
 use crate::pointer::{self, Buffer, host};
 use crate::result::LsResult;
@@ -108,41 +108,6 @@ pub struct LsBound {
     pub reserved: u32,
 }
 
-/// A chain of joints as the last step left it. Later versions append fields.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[repr(C)]
-pub struct LsChainState {
-    /// Links: bodies between two joints.
-    pub link_count: u32,
-    /// Length at rest: the sum of its links (m).
-    pub rest_length: f32,
-    /// Length now: with what each joint is apart, those at both ends among them (m).
-    pub length: f32,
-    /// By what share of its length at rest it is longer than that.
-    pub stretch: f32,
-    /// Greatest tension of a link, mean over the last step (N); negative where all are pushed together.
-    pub greatest_tension: f32,
-}
-
-// SAFETY: numbers without padding.
-unsafe impl Versioned for LsChainState {
-    const SIZES: &'static [usize] = &[20];
-}
-
-/// A link of a chain: a body between two joints. The layout of this struct never changes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(C)]
-pub struct LsChainLink {
-    /// The body; of a union, the member at the first joint.
-    pub body: LsBody,
-    /// The joints at its two ends.
-    pub joints: [LsJoint; 2],
-    /// Distance of the two joints on it (m).
-    pub length: f32,
-    /// Force that the two pull it apart with, mean over the last step (N); negative where they push.
-    pub tension: f32,
-}
-
 /// Fills a definition of long-range constraints with defaults.
 ///
 /// @param def   filled on LS_OK
@@ -232,76 +197,56 @@ pub unsafe extern "C" fn ls_world_bounds_get(world: LsWorld, out: *mut LsBound, 
     })
 }
 
-/// How far the chain between two joints is stretched, and what it bears. It leads along the shortest path past bodies that joints can
-/// move and joints that hold two points together without give.
-///
-/// @param world    the world; any value is safe
-/// @param joint_a  a joint of that world; any value is safe
-/// @param joint_b  another one, connected to it; any value is safe
-/// @param out      filled on LS_OK
-/// @param size     sizeof *out as the host knows it
-/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_NOT_APPLICABLE (the two are the
-///         same, or no chain connects them)
-/// Threads: read. Callbacks: allowed.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_chain_state_get(
-    world: LsWorld,
-    joint_a: LsJoint,
-    joint_b: LsJoint,
-    out: *mut LsChainState,
-    size: usize,
-) -> LsResult {
-    call("ls_chain_state_get", || {
-        let out = host!(SizedOut::new, out, size);
-        read(world, |world| out.write(&(&world.chain(joint_a.into(), joint_b.into())?).into()))
-    })
+/// The common plane of a chain of hinges, as the last step left it. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsPlane {
+    /// The chain's joint of the lowest slot: it names the chain while both last.
+    pub joint: LsJoint,
+    /// The plane's point nearest to the middle of the chain (m).
+    pub point: [f64; 3],
+    /// Unit normal, along the axes of the hinges.
+    pub normal: [f32; 3],
+    /// Distance from the point of the member that is farthest from it (m).
+    pub radius: f32,
+    /// Root of the mean square of the distances by which members are off the plane (m).
+    pub deviation: f32,
+    /// Number of members: bodies, and rigid unions that count as one.
+    pub members: u32,
+    /// 1 if a hinge to something fixed gives the plane, else 0.
+    pub anchored: u32,
+    /// Not used; 0.
+    pub reserved: u32,
 }
 
-/// The links of the chain between two joints, from the first joint to the second, as ls_chain_state_get finds it.
+/// The plane of every chain of hinges that was found for the last step.
 ///
 /// @param world     the world; any value is safe
-/// @param joint_a   a joint of that world; any value is safe
-/// @param joint_b   another one, connected to it; any value is safe
-/// @param out       room for `capacity` links, may be NULL if that is 0
+/// @param out       room for `capacity` planes, may be NULL if that is 0
 /// @param capacity  how many fit
 /// @param count     set to how many there are on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
-/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL (nothing is written to `out`
-///         then), LS_ERROR_NOT_APPLICABLE (the two are the same, or no chain connects them)
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL (nothing is written to `out` then)
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_chain_links_get(
-    world: LsWorld,
-    joint_a: LsJoint,
-    joint_b: LsJoint,
-    out: *mut LsChainLink,
-    capacity: usize,
-    count: *mut usize,
-) -> LsResult {
-    call("ls_chain_links_get", || {
+pub unsafe extern "C" fn ls_world_planes_get(world: LsWorld, out: *mut LsPlane, capacity: usize, count: *mut usize) -> LsResult {
+    call("ls_world_planes_get", || {
         let buffer = host!(Buffer::new, out, capacity, count);
-        read(world, |world| {
-            let chain = world.chain(joint_a.into(), joint_b.into())?;
-            buffer.fill(|| chain.links.iter().map(LsChainLink::from))
-        })
+        read(world, |world| buffer.fill(|| world.planes().map(|plane| LsPlane::from(&plane))))
     })
 }
 
-impl From<&ChainState> for LsChainState {
-    fn from(chain: &ChainState) -> Self {
+impl From<&PlaneState> for LsPlane {
+    fn from(plane: &PlaneState) -> Self {
         Self {
-            link_count: chain.links.len() as u32,
-            rest_length: chain.rest_length,
-            length: chain.length,
-            stretch: chain.stretch,
-            greatest_tension: chain.greatest_tension(),
+            joint: plane.joint.into(),
+            point: plane.point.to_array(),
+            normal: plane.normal.to_array(),
+            radius: plane.radius,
+            deviation: plane.deviation,
+            members: plane.members,
+            anchored: plane.anchored.into(),
+            reserved: 0,
         }
-    }
-}
-
-impl From<&ChainLink> for LsChainLink {
-    fn from(link: &ChainLink) -> Self {
-        let &ChainLink { body, joints, length, tension } = link;
-        Self { body: body.into(), joints: joints.map(LsJoint::from), length, tension }
     }
 }
 

@@ -9,6 +9,7 @@ use longspan_stream_schema::*;
 
 use crate::body_def::*;
 use crate::callbacks::*;
+use crate::chain::*;
 use crate::draw::*;
 use crate::events::*;
 use crate::fracture::*;
