@@ -369,7 +369,8 @@ fn picked_up(held: usize) -> f32 {
 fn a_chain_behaves_the_same_wherever_it_is_picked_up() {
     let stretches: Vec<f32> = (0..=16).map(picked_up).collect();
     let most = stretches.iter().copied().fold(0.0_f32, f32::max);
-    assert!(most <= 1e-4, "stretched by at most {most:e}, bound 1e-4, by the joint that is held: {stretches:?}");
+    // Joints count as closed from 1e-4 of their levers on; a gap may be that wide at both ends of a link.
+    assert!(most <= 2e-4, "stretched by at most {most:e}, bound 2e-4, by the joint that is held: {stretches:?}");
 }
 
 #[test]
