@@ -284,7 +284,7 @@ impl Records<'_> {
         batch.color_contacts();
         batch.set_contacts(self.reach);
         let Batch { joints, coloring, motions, .. } = batch;
-        joints.sort_by_color(coloring, motions);
+        joints.lay_out(self.joints, coloring, motions, settings.dt / settings.substeps as f32);
     }
 
     fn fill_bounds(&self, batch: &mut Batch) {
@@ -329,7 +329,6 @@ impl Records<'_> {
                 lower_give,
                 impulses: record.impulses.map(|impulse| impulse * self.impulse_scale),
                 far_sum: Vec3::ZERO,
-                taut: false,
                 acted: false,
             });
         }
