@@ -17,6 +17,7 @@
 //! | `weight.rs` | which bodies bounds are for |
 //! | `load.rs` | which joints a bound carries load past |
 //! | `plane.rs` | chains of parallel hinges, and their planes (§3.4) |
+//! | `sheet.rs` | graphs that are left without bounds |
 //! | `union/` | what fixed joints make one body (§3.5) |
 //! | `support.rs` | which bodies stand on the ground (§3.6) |
 //! | `eigen.rs` | principal axes |
@@ -28,6 +29,7 @@ pub(crate) mod graph;
 pub(crate) mod hierarchy;
 pub(crate) mod load;
 pub(crate) mod plane;
+pub(crate) mod sheet;
 pub(crate) mod soft;
 pub(crate) mod support;
 pub(crate) mod union;

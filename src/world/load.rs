@@ -264,6 +264,7 @@ impl Records<'_> {
     fn lay_out(&self, batch: &mut Batch, settings: &StepSettings) {
         let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, .. } = batch;
         direct.group_slots(&joints.entries, motions);
+        direct.asked = self.solver == Solver::Direct;
         if self.solver == Solver::GaussSeidel {
             direct.clear();
         } else {

@@ -170,6 +170,20 @@ pub(crate) struct BatchBounds {
     places: Vec<(u32, u32)>,
     /// First block that may take another bound of each slot.
     next: Vec<u32>,
+    /// A block no earlier than each that may have room: itself if it has.
+    after: Vec<u32>,
+}
+
+/// First block with room from this one on; paths that led there are shortened.
+fn with_room(after: &mut [u32], mut block: u32) -> u32 {
+    while (block as usize) < after.len() && after[block as usize] != block {
+        let next = after[block as usize];
+        if let Some(&further) = after.get(next as usize) {
+            after[block as usize] = further;
+        }
+        block = next;
+    }
+    block
 }
 
 impl BatchBounds {
@@ -179,7 +193,7 @@ impl BatchBounds {
 
     /// Lays out lanes for substeps of length `h`.
     pub(crate) fn lay_out(&mut self, motions: &[BodyMotion], h: f32) {
-        let Self { entries, blocks, places, next, .. } = self;
+        let Self { entries, blocks, places, next, after } = self;
         blocks.clear();
         places.clear();
         if entries.is_empty() {
@@ -187,23 +201,23 @@ impl BatchBounds {
         }
         next.clear();
         next.resize(motions.len(), 0);
-        let mut open = 0;
+        after.clear();
         for entry in entries.iter() {
             let ends = [entry.near, entry.far].map(|slot| slot as usize).into_iter().filter(|&slot| motions[slot].is_dynamic());
-            let earliest = ends.clone().map(|slot| next[slot] as usize).fold(open, usize::max);
-            let is_full = |block: &BoundBlock| block.count as usize == LANES;
-            let block = (earliest..blocks.len()).find(|&block| !is_full(&blocks[block])).unwrap_or(blocks.len());
-            if block == blocks.len() {
+            let earliest = ends.clone().map(|slot| next[slot]).fold(0, u32::max);
+            let block = with_room(after, earliest);
+            if block as usize == blocks.len() {
                 blocks.push(BoundBlock::EMPTY);
+                after.push(block);
             }
-            let lane = blocks[block].count;
-            blocks[block].set(lane as usize, entry, h);
-            blocks[block].count += 1;
-            places.push((block as u32, lane));
-            ends.for_each(|slot| next[slot] = block as u32 + 1);
-            while blocks.get(open).is_some_and(is_full) {
-                open += 1;
+            let lanes = &mut blocks[block as usize];
+            lanes.set(lanes.count as usize, entry, h);
+            places.push((block, lanes.count));
+            lanes.count += 1;
+            if lanes.count as usize == LANES {
+                after[block as usize] = block + 1;
             }
+            ends.for_each(|slot| next[slot] = block + 1);
         }
     }
 
