@@ -17,6 +17,7 @@ mod dispatch;
 pub(crate) mod integrate;
 pub(crate) mod joint;
 pub(crate) mod load_pass;
+pub(crate) mod momentum;
 pub(crate) mod plane;
 mod rotation;
 mod side;
@@ -59,7 +60,6 @@ impl Batch {
         self.taut.lay_out(&self.bounds);
         for substep in 0..settings.substeps {
             self.apply_forces(joints, h);
-            self.planes.note_momentum(&self.velocities, &self.motions);
             self.joints.prepare(joints, &self.velocities, &self.motions, h, false);
             self.bounds.prepare(&self.velocities, &self.motions, &self.joints.outlooks, h, false);
             self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.outlooks, h);
@@ -98,6 +98,7 @@ impl Batch {
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
             self.planes.project(&mut self.velocities, &mut self.motions);
             self.direct.settle(joints, &self.velocities, &mut self.motions);
+            self.free.restore(&mut self.velocities, &self.motions);
             if substep + 1 < settings.substeps {
                 self.add_to_tally();
             }
@@ -106,6 +107,7 @@ impl Batch {
         self.add_to_tally();
         self.recover_positions(settings.dt);
         self.direct.settle(joints, &self.velocities, &mut self.motions);
+        self.free.restore(&mut self.velocities, &self.motions);
         self.joints.store();
         self.bounds.store();
         self.taut.store();
@@ -136,6 +138,11 @@ impl Batch {
     fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, h: f32) {
         for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
             integrate::apply_forces(velocity, motion, h);
+        }
+        // What is cut off of a speed is momentum too.
+        self.free.note(&self.velocities, &self.motions);
+        for (velocity, motion) in self.velocities.iter_mut().zip(&self.motions) {
+            integrate::limit_speeds(velocity, motion, h);
         }
         self.direct.couple(joints, &mut self.velocities, &mut self.motions, h);
         if self.motions.iter().any(|motion| motion.refreshed) {

@@ -41,7 +41,7 @@ impl World {
             self.group_islands();
             let island = self.groups.island[index as usize];
             let members = self.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();
-            self.put_island_to_sleep(members);
+            self.put_islands_to_sleep(vec![members]);
             self.settle_movers();
         }
         Ok(())
@@ -141,9 +141,7 @@ impl World {
             }
         }
         sleepy.retain(|members| !self.rests_on_a_mover(members));
-        for members in sleepy {
-            self.put_island_to_sleep(members);
-        }
+        self.put_islands_to_sleep(sleepy);
     }
 
     /// Whether a kinematic body that moves touches or holds one of these bodies.
@@ -162,37 +160,58 @@ impl World {
             })
     }
 
-    fn put_island_to_sleep(&mut self, members: Vec<u32>) {
-        for &index in &members {
-            let body = &mut self.bodies[index];
-            body.linear_velocity = glam::Vec3::ZERO;
-            body.angular_velocity = glam::Vec3::ZERO;
+    /// Takes islands and what touches in them out of the steps. All at once: a pass over the pairs for each of many small islands
+    /// would take as long as the square of their number.
+    fn put_islands_to_sleep(&mut self, islands: Vec<Vec<u32>>) {
+        if islands.is_empty() {
+            return;
         }
-        let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new() });
-        for &index in &members {
-            self.bodies[index].sleep = SleepState::Asleep { island: number };
+        let mut kept = std::collections::BTreeMap::new();
+        for members in islands {
+            for &index in &members {
+                let body = &mut self.bodies[index];
+                body.linear_velocity = glam::Vec3::ZERO;
+                body.angular_velocity = glam::Vec3::ZERO;
+            }
+            let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new() });
+            for &index in &members {
+                self.bodies[index].sleep = SleepState::Asleep { island: number };
+            }
+            kept.insert(number, Vec::new());
         }
         let Self { pairs, colliders, bodies, .. } = self;
-        let mut kept = Vec::new();
         pairs.retain_active(|key, slot, _| {
             let (a, b) = key.shapes();
             let (a, b) = (colliders[a].body, colliders[b].body);
             if bodies[a].is_mover() || bodies[b].is_mover() {
                 return Fate::Stay;
             }
-            let ours = |index: u32| bodies[index].sleep == SleepState::Asleep { island: number };
+            let island = |index: u32| match bodies[index].sleep {
+                SleepState::Asleep { island } => Some(island),
+                SleepState::Awake { .. } => None,
+            };
             let still = |index: u32| !bodies[index].is_free();
-            if (ours(a) && (ours(b) || still(b))) || (ours(b) && still(a)) {
-                kept.push(slot);
-                return Fate::Store;
+            let together = match (island(a), island(b)) {
+                (Some(of_a), Some(of_b)) => (of_a == of_b).then_some(of_a),
+                (Some(of_a), None) => still(b).then_some(of_a),
+                (None, Some(of_b)) => still(a).then_some(of_b),
+                (None, None) => None,
+            };
+            match together.and_then(|island| kept.get_mut(&island)) {
+                Some(kept) => {
+                    kept.push(slot);
+                    Fate::Store
+                }
+                // Between two sleeping islands: found again when either wakes.
+                None => Fate::Drop,
             }
-            // Between two sleeping islands: found again when either wakes.
-            Fate::Drop
         });
-        if let Some(support) = &mut self.support {
-            support.fell_asleep.extend_from_slice(&kept);
+        for (number, kept) in kept {
+            if let Some(support) = &mut self.support {
+                support.fell_asleep.extend_from_slice(&kept);
+            }
+            self.sleeping.set_pairs(number, kept);
         }
-        self.sleeping.set_pairs(number, kept);
         self.movers_sorted = false;
     }
 }
