@@ -1,7 +1,5 @@
 //! The bodies of a block, one side of it in lanes: gathered from the batch's arrays and scattered to them.
 
-#![expect(clippy::needless_range_loop, reason = "an index runs over lanes of several arrays alike")]
-
 use super::contact::LANES;
 use super::integrate::Outlook;
 use super::state::{BodyMotion, BodyVelocity};
