@@ -2,10 +2,13 @@
 
 use super::World;
 use crate::body::{BodyKind, SleepState};
-use crate::collide::pairs::Fate;
+use crate::collide::broad::still_near;
+use crate::collide::collider::Collider;
+use crate::collide::pairs::{Fate, PairKey};
 use crate::error::{Error, ErrorKind, Result};
-use crate::id::BodyId;
+use crate::id::{BodyId, Pool, ShapeId};
 use crate::island::SleepingIsland;
+use crate::material::PairMaterial;
 
 impl World {
     /// Whether a body is awake; static and kinematic bodies always are.
@@ -41,7 +44,7 @@ impl World {
             self.group_islands();
             let island = self.groups.island[index as usize];
             let members = self.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();
-            self.put_island_to_sleep(members);
+            self.put_islands_to_sleep(vec![members]);
             self.settle_movers();
         }
         Ok(())
@@ -68,7 +71,8 @@ impl World {
                 }
                 self.movers.extend_from_slice(&island.bodies);
                 self.movers_sorted = false;
-                self.pairs.activate_kept(&island.pairs);
+                let Self { pairs, colliders, .. } = self;
+                pairs.activate_kept(&island.pairs, |key| kept_material(colliders, key));
             }
         }
         if self.bodies[index].is_mover() {
@@ -86,8 +90,17 @@ impl World {
 
     /// Wakes, or no longer holds, everything whose box meets that of a shape of this body.
     pub(super) fn wake_around(&mut self, index: u32) {
+        self.wake_near(&self.bodies[index].shapes.clone());
+    }
+
+    /// The same for one shape of a body.
+    pub(super) fn wake_around_shape(&mut self, shape: ShapeId) {
+        self.wake_near(&[shape]);
+    }
+
+    fn wake_near(&mut self, shapes: &[ShapeId]) {
         let mut near = Vec::new();
-        for &id in &self.bodies[index].shapes {
+        for &id in shapes {
             if let Ok(shape) = self.colliders.find(id)
                 && let Some(region) = self.colliders[shape].fat_box
             {
@@ -141,8 +154,8 @@ impl World {
             }
         }
         sleepy.retain(|members| !self.rests_on_a_mover(members));
-        for members in sleepy {
-            self.put_island_to_sleep(members);
+        if !sleepy.is_empty() {
+            self.put_islands_to_sleep(sleepy);
         }
     }
 
@@ -162,37 +175,57 @@ impl World {
             })
     }
 
-    fn put_island_to_sleep(&mut self, members: Vec<u32>) {
-        for &index in &members {
-            let body = &mut self.bodies[index];
-            body.linear_velocity = glam::Vec3::ZERO;
-            body.angular_velocity = glam::Vec3::ZERO;
+    /// Puts islands to sleep, with one look at the active pairs for all of them.
+    fn put_islands_to_sleep(&mut self, islands: Vec<Vec<u32>>) {
+        let mut fresh = Vec::with_capacity(islands.len());
+        for members in islands {
+            let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new() });
+            for index in members {
+                let body = &mut self.bodies[index];
+                (body.linear_velocity, body.angular_velocity) = (glam::Vec3::ZERO, glam::Vec3::ZERO);
+                body.sleep = SleepState::Asleep { island: number };
+            }
+            fresh.push(number);
         }
-        let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new() });
-        for &index in &members {
-            self.bodies[index].sleep = SleepState::Asleep { island: number };
-        }
-        let Self { pairs, colliders, bodies, .. } = self;
-        let mut kept = Vec::new();
+        let in_order = fresh.clone();
+        fresh.sort_unstable();
+        let Self { pairs, colliders, bodies, sleeping, .. } = self;
         pairs.retain_active(|key, slot, _| {
             let (a, b) = key.shapes();
             let (a, b) = (colliders[a].body, colliders[b].body);
             if bodies[a].is_mover() || bodies[b].is_mover() {
                 return Fate::Stay;
             }
-            let ours = |index: u32| bodies[index].sleep == SleepState::Asleep { island: number };
+            let island = |index: u32| match bodies[index].sleep {
+                SleepState::Asleep { island } => fresh.binary_search(&island).is_ok().then_some(island),
+                SleepState::Awake { .. } => None,
+            };
             let still = |index: u32| !bodies[index].is_free();
-            if (ours(a) && (ours(b) || still(b))) || (ours(b) && still(a)) {
-                kept.push(slot);
-                return Fate::Store;
-            }
-            // Between two sleeping islands: found again when either wakes.
-            Fate::Drop
+            let keeper = match (island(a), island(b)) {
+                (Some(one), Some(other)) => (one == other).then_some(one),
+                (Some(one), None) => still(b).then_some(one),
+                (None, Some(other)) => still(a).then_some(other),
+                (None, None) => None,
+            };
+            let Some(keeper) = keeper else {
+                // Between two sleeping islands: found again when either wakes.
+                return Fate::Drop;
+            };
+            sleeping.keep_pair(keeper, slot);
+            Fate::Store
         });
         if let Some(support) = &mut self.support {
-            support.fell_asleep.extend_from_slice(&kept);
+            let kept = in_order.iter().filter_map(|&number| self.sleeping.islands()[number as usize].as_ref());
+            kept.for_each(|island| support.fell_asleep.extend_from_slice(&island.pairs));
         }
-        self.sleeping.set_pairs(number, kept);
         self.movers_sorted = false;
     }
+}
+
+/// Surfaces of a pair that a sleeping island kept, if it still is one: what is kinematic may have moved away from what sleeps beside
+/// it, or be gone.
+pub(super) fn kept_material(colliders: &Pool<Collider, ShapeId>, key: PairKey) -> Option<PairMaterial> {
+    let (a, b) = key.shapes();
+    let (a, b) = (colliders.get(a)?, colliders.get(b)?);
+    still_near(&a.fat_box, &b.fat_box).then(|| PairMaterial::combine(&a.material, &b.material))
 }

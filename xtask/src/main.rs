@@ -20,7 +20,7 @@ const USAGE: &str = "cargo xtask COMMAND
 
     demo      builds the library and the C samples, hangs ten tonnes on a chain, and draws it (also: cargo demo)
     header    writes include/longspan/longspan.h and capi/abi/baseline.txt anew
-    samples   compiles every C sample as C99 and as C++11 without a warning, and runs it
+    samples   looks for warnings in the header at every standard, compiles every C sample as C99 and as C++11, and runs it
     streams   builds the library with streams; runs a host in C, and one that watches, records and plays it
     install PREFIX   installs shared and static library, header, pkg-config file and CMake package (DESTDIR is honoured)
     consumers builds and runs a program for each way to take the installed library

@@ -217,6 +217,7 @@ impl Articulation {
             entry.impulses.point = point.as_vec3();
             entry.impulses.angular = angular.as_vec3();
             let acted = |found: DVec3, last: Vec3| (found / scale + last.as_dvec3() * carried).as_vec3();
+            entry.pressed |= entry.impulses.pressing();
             entry.acted = [acted(point + linear_load, entry.acted[0]), acted(angular + angular_load, entry.acted[1])];
             entry.linear_sum += entry.acted[0];
             entry.angular_sum += entry.acted[1];
