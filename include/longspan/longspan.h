@@ -281,6 +281,15 @@
 #define LS_DRAW_BOXES 4096
 
 /**
+ * Layer: planes of hinge chains: a square through them with its normal, and how far each body's centre of mass is off it, which
+ * the chain keeps.
+ */
+#define LS_DRAW_PLANES 8192
+
+/** Layer: unions: a line from the centre of mass of each to every body of it, and their number. */
+#define LS_DRAW_UNIONS 16384
+
+/**
  * Recording: the hash of the world's state follows every call, not steps only. Finds the very call that first differs; costs as
  * much as reading all bodies, for each call.
  */
