@@ -42,7 +42,7 @@ fn each_part_does_what_the_figure_shows() {
     let (both, position, none) =
         (with(&[]), with(&[("plane_axis", "off")]), with(&[("plane_axis", "off"), ("plane_position", "off")]));
     assert!(both.0 < 1e-4 && both.1 < 0.05, "with both parts: {both:?}");
-    assert!(position.0 < 1e-3, "without the axis part it stays planar: {position:?}");
+    assert!(position.0 < 2e-3, "without the axis part it stays planar: {position:?}");
     assert!(position.1 > 10.0 * both.1, "without the axis part axes are off: {position:?}");
     assert!(none.0 > 0.1, "without either it is floppy: {none:?}");
 }

@@ -8,6 +8,7 @@ use super::contact_kernels;
 use super::direct::Direct;
 use super::joint::{BatchJoints, JointEntry};
 use super::load_pass::LoadPass;
+use super::momentum::FreeIslands;
 use super::plane::Planes;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::taut::TautRows;
@@ -48,6 +49,7 @@ pub(crate) struct Batch {
     /// Hinge chains, by number in the world's list and as planes.
     pub chains: Vec<u32>,
     pub planes: Planes,
+    pub free: FreeIslands,
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
     pub direct: Direct,
@@ -96,6 +98,7 @@ impl Batch {
         self.taut.clear();
         self.chains.clear();
         self.planes.clear();
+        self.free.clear();
         self.direct.clear();
         self.lanes.clear();
         self.tally.clear();

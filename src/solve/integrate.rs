@@ -42,7 +42,6 @@ pub(crate) fn apply_forces(velocity: &mut BodyVelocity, motion: &mut BodyMotion,
     if motion.angular_damping != 0.0 {
         velocity.angular /= 1.0 + h * motion.angular_damping;
     }
-    limit_speeds(velocity, h);
 }
 
 /// Moves a body through a substep at its velocity.
@@ -50,10 +49,8 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
     if motion.kind == MotionKind::Fixed || motion.direct {
         return;
     }
-    if motion.is_dynamic() {
-        // Rows on bodies of tiny inertia can ask for any speed.
-        limit_speeds(velocity, h);
-    }
+    // Rows on bodies of tiny inertia can ask for any speed.
+    limit_speeds(velocity, motion, h);
     motion.displacement += velocity.linear * h;
     if motion.is_dynamic() && !motion.constrained {
         // The velocity has gained the whole substep's acceleration; a free path is a parabola.
@@ -126,7 +123,11 @@ fn refresh_inertia(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32)
     motion.turn_at_refresh = motion.turn;
 }
 
-fn limit_speeds(velocity: &mut BodyVelocity, h: f32) {
+/// Keeps speeds such that a substep stays within half a turn and the world.
+pub(crate) fn limit_speeds(velocity: &mut BodyVelocity, motion: &BodyMotion, h: f32) {
+    if !motion.is_dynamic() || motion.direct {
+        return;
+    }
     velocity.linear = settle(velocity.linear, MAX_LINEAR_SPEED);
     velocity.angular = settle(velocity.angular, MAX_ANGULAR_SPEED.min(MAX_TURN / h));
 }

@@ -17,6 +17,7 @@ mod dispatch;
 pub(crate) mod integrate;
 pub(crate) mod joint;
 pub(crate) mod load_pass;
+pub(crate) mod momentum;
 pub(crate) mod plane;
 mod rotation;
 pub(crate) mod state;
@@ -55,7 +56,6 @@ impl Batch {
         self.prepare_load_pass(settings.gravity, h);
         for substep in 0..settings.substeps {
             self.apply_forces(joints, h);
-            self.planes.note_momentum(&self.velocities, &self.motions);
             self.joints.prepare(joints, &self.velocities, &self.motions, h);
             self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, false);
             self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.predicted, h);
@@ -98,6 +98,7 @@ impl Batch {
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
             self.planes.project(&mut self.velocities, &mut self.motions);
             self.direct.settle(joints, &self.velocities, &mut self.motions);
+            self.free.restore(&mut self.velocities, &self.motions);
             if substep + 1 < settings.substeps {
                 self.add_to_tally();
             }
@@ -106,6 +107,7 @@ impl Batch {
         self.add_to_tally();
         self.recover_positions(settings.dt);
         self.direct.settle(joints, &self.velocities, &mut self.motions);
+        self.free.restore(&mut self.velocities, &self.motions);
         self.joint_gap = joint::worst_gap(self.joints.entries.iter().chain(self.direct.entries()), joints, &self.motions);
     }
 
@@ -132,6 +134,11 @@ impl Batch {
     fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, h: f32) {
         for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
             integrate::apply_forces(velocity, motion, h);
+        }
+        // What is cut off of a speed is momentum too.
+        self.free.note(&self.velocities, &self.motions);
+        for (velocity, motion) in self.velocities.iter_mut().zip(&self.motions) {
+            integrate::limit_speeds(velocity, motion, h);
         }
         self.direct.couple(joints, &mut self.velocities, &mut self.motions, h);
         if self.motions.iter().any(|motion| motion.refreshed) {

@@ -26,6 +26,7 @@
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use super::integrate;
+use super::momentum::{Inertia, Whole};
 use super::state::{BodyMotion, BodyVelocity};
 use crate::span::eigen::symmetric_eigen;
 
@@ -68,8 +69,6 @@ pub(crate) struct PlaneEntry {
     pub members: (u32, u32),
     pub hold: Option<PlaneHold>,
     pub size: f32,
-    /// Whether nothing but its own hinges acts between its members and anything else.
-    pub alone: bool,
 }
 
 /// All chains of a batch.
@@ -82,10 +81,8 @@ pub(crate) struct Planes {
     /// Chains that were put back into their plane in this step.
     pub corrected: u32,
     states: Vec<State>,
-    /// Angular momentum about the centre of mass of each chain at the start of the substep, forces applied.
-    spins: Vec<DVec3>,
-    /// Chain of each slot.
-    owners: Vec<u32>,
+    /// Velocities before they are fitted.
+    old: Vec<(DVec3, DVec3)>,
 }
 
 /// A member as it is, in `f64`.
@@ -131,10 +128,6 @@ fn outer(a: DVec3) -> DMat3 {
     DMat3::from_cols(a * a.x, a * a.y, a * a.z)
 }
 
-fn steiner(r: DVec3, mass: f64) -> DMat3 {
-    (DMat3::from_diagonal(DVec3::splat(r.length_squared())) - outer(r)) * mass
-}
-
 /// A plane, and the rigid motion of what fixes it.
 struct Plane {
     point: DVec3,
@@ -149,36 +142,25 @@ struct Driven {
     angular: DVec3,
 }
 
-/// Sums over all members as one rigid body.
-struct Whole {
-    mass: f64,
-    center: DVec3,
-    spin: DVec3,
-}
-
-impl Whole {
-    fn of(states: &[State]) -> Self {
-        let mass: f64 = states.iter().map(|state| state.mass).sum();
-        let center = states.iter().map(|state| state.center * state.mass).sum::<DVec3>() / mass;
-        Self { mass, center, spin: spin(states, center) }
-    }
-}
-
-/// Angular momentum about a point.
-fn spin(states: &[State], about: DVec3) -> DVec3 {
-    states.iter().map(|state| (state.center - about).cross(state.linear * state.mass) + state.inertia * state.angular).sum()
-}
-
-/// Adds the rigid rotation about `whole.center` that gives the members its angular momentum again.
-fn restore_spin(states: &mut [State], whole: &Whole) {
-    let inertia =
-        states.iter().fold(DMat3::ZERO, |sum, state| sum + state.inertia + steiner(state.center - whole.center, state.mass));
-    if inertia.determinant().is_nan() || inertia.determinant() <= 0.0 {
-        return;
-    }
-    let turn = inertia.inverse() * (whole.spin - spin(states, whole.center));
+fn whole(states: &[State]) -> Whole {
+    let mut whole = Whole::default();
     for state in states {
-        state.linear += turn.cross(state.center - whole.center);
+        whole.add(state.mass, state.center, state.linear, state.inertia * state.angular);
+    }
+    whole
+}
+
+/// Gives the members this angular momentum again, as one rotation of all.
+fn restore_spin(states: &mut [State], spin: DVec3) {
+    let now = whole(states);
+    let center = now.center();
+    let mut inertia = Inertia::ZERO;
+    for state in states.iter() {
+        inertia.add(state.mass, state.center - center, state.inertia);
+    }
+    let turn = inertia.rate_of(spin - now.spin());
+    for state in states {
+        state.linear += turn.cross(state.center - center);
         state.angular += turn;
     }
 }
@@ -190,57 +172,18 @@ impl Planes {
         self.corrected = 0;
     }
 
-    /// Forgets chains that a direct solve has moved already.
-    pub(crate) fn drop_solved(&mut self, motions: &[BodyMotion]) {
-        let members = &self.members;
-        self.entries.retain(|entry| members_of(members, entry).iter().any(|member| !motions[member.slot as usize].direct));
-    }
-
-    /// Says that something outside acts on chains whose members touch it; `ends` are the slots of contacts.
-    pub(crate) fn note_contacts(&mut self, slots: usize, ends: impl Iterator<Item = (u32, u32)>) {
-        if self.entries.is_empty() {
-            return;
-        }
-        self.owners.clear();
-        self.owners.resize(slots, u32::MAX);
-        for (number, entry) in self.entries.iter().enumerate() {
-            for member in members_of(&self.members, entry) {
-                self.owners[member.slot as usize] = number as u32;
-            }
-        }
-        for (a, b) in ends {
-            let owners = [a, b].map(|slot| self.owners[slot as usize]);
-            for owner in owners.into_iter().filter(|&owner| owners[0] != owners[1] && owner != u32::MAX) {
-                self.entries[owner as usize].alone = false;
-            }
-        }
-    }
-
-    /// Notes what angular momentum chains have that nothing else acts on: rows and projections must leave it at that.
-    pub(crate) fn note_momentum(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
-        let Self { entries, members, states, spins, .. } = self;
-        spins.clear();
-        for entry in entries.iter() {
-            let members = members_of(members, entry);
-            let is_free = entry.alone && entry.hold.is_none();
-            if is_free {
-                load(states, members, velocities, motions);
-            }
-            spins.push(if is_free { Whole::of(states).spin } else { DVec3::ZERO });
-        }
-    }
-
     /// Makes velocities those of chains that stay flat.
     pub(crate) fn fit_velocities(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
-        let Self { entries, members, states, parts, .. } = self;
+        let Self { entries, members, states, old, parts, .. } = self;
         for entry in entries.iter() {
             let members = members_of(members, entry);
             load(states, members, velocities, motions);
             let Some(plane) = plane_of(entry, states, velocities, motions) else { continue };
-            let before = Whole::of(states);
+            let before = whole(states);
             let normal = plane.normal;
-            let drift = states.iter().map(|state| normal.dot(state.linear) * state.mass).sum::<f64>() / before.mass;
-            let old: Vec<(DVec3, DVec3)> = states.iter().map(|state| (state.linear, state.angular)).collect();
+            let drift = states.iter().map(|state| normal.dot(state.linear) * state.mass).sum::<f64>() / before.mass();
+            old.clear();
+            old.extend(states.iter().map(|state| (state.linear, state.angular)));
             for state in states.iter_mut() {
                 if parts.0 {
                     state.linear += normal * (drift - normal.dot(state.linear));
@@ -250,7 +193,7 @@ impl Planes {
                 }
             }
             match &plane.driven {
-                None => restore_spin(states, &before),
+                None => restore_spin(states, before.spin()),
                 Some(driven) => {
                     for state in states.iter_mut() {
                         let carried = driven.linear + driven.angular.cross(state.center - driven.point);
@@ -268,7 +211,7 @@ impl Planes {
                 (normal.dot(state.linear - old.0).abs() * f64::from(h) > 0.1 * FLAT * f64::from(entry.size))
                     || across.length() * f64::from(h) > 0.1 * ALIGNED
             };
-            if states.iter().zip(&old).any(change) {
+            if states.iter().zip(&*old).any(change) {
                 store_velocities(states, members, velocities);
             }
         }
@@ -276,8 +219,8 @@ impl Planes {
 
     /// Puts members back into their plane; what that does to the angular momentum is taken back.
     pub(crate) fn project(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
-        let Self { entries, members, states, parts, corrected, spins, .. } = self;
-        for (entry, &spin) in entries.iter().zip(spins.iter()) {
+        let Self { entries, members, states, parts, corrected, .. } = self;
+        for entry in entries.iter() {
             let members = members_of(members, entry);
             load(states, members, velocities, motions);
             let Some(plane) = plane_of(entry, states, velocities, motions) else { continue };
@@ -285,17 +228,10 @@ impl Planes {
             let angle = |state: &State| state.axis.cross(plane.normal).length();
             let off = parts.0 && states.iter().any(|state| distance(state) > FLAT * f64::from(entry.size));
             let askew = parts.1 && states.iter().any(|state| angle(state) > ALIGNED);
-            let mut before = Whole::of(states);
-            if entry.alone && plane.driven.is_none() {
-                before.spin = spin;
-            }
             if !off && !askew {
-                if entry.alone && plane.driven.is_none() {
-                    restore_spin(states, &before);
-                    store_velocities(states, members, velocities);
-                }
                 continue;
             }
+            let before = whole(states);
             *corrected += 1;
             // Where the plane is free, its height is where the feet are once all axes are aligned.
             let total: f64 = states.iter().map(|state| state.mass).sum();
@@ -319,7 +255,7 @@ impl Planes {
                 };
             }
             if plane.driven.is_none() {
-                restore_spin(states, &before);
+                restore_spin(states, before.spin());
                 store_velocities(states, members, velocities);
             }
         }

@@ -2,6 +2,7 @@
 
 use super::World;
 use super::unions::Anchor;
+use crate::id::JointId;
 use crate::island::UnionFind;
 use crate::solve::batch::Batch;
 
@@ -249,9 +250,12 @@ impl World {
     fn hand_out_joints(&mut self) {
         let Self { groups, batches, joints, bodies, movers, unions, scratch, report, .. } = self;
         scratch.slots.clear();
+        let moved =
+            |slot: u32| joints[slot].bodies.into_iter().flatten().find(|&body| bodies[body].is_free() && bodies[body].is_mover());
         for &body in movers.iter().filter(|&&body| bodies[body].is_free() && !bodies[body].held) {
+            let own = |id: &JointId| joints.find(*id).ok().filter(|&slot| moved(slot) == Some(body));
             match unions.moving(body) {
-                None => scratch.slots.extend(bodies[body].joints.iter().filter_map(|&id| joints.find(id).ok())),
+                None => scratch.slots.extend(bodies[body].joints.iter().filter_map(own)),
                 Some(union) if union.lead == body => scratch.slots.extend_from_slice(&union.outer),
                 Some(_) => {}
             }
@@ -259,8 +263,7 @@ impl World {
         scratch.slots.sort_unstable();
         scratch.slots.dedup();
         for &slot in &scratch.slots {
-            let moved = joints[slot].bodies.into_iter().flatten().find(|&body| bodies[body].is_free() && bodies[body].is_mover());
-            if let Some(body) = moved {
+            if let Some(body) = moved(slot) {
                 batches[groups.place[body as usize].0 as usize].joint_slots.push(slot);
                 report.counts.joints += 1;
             }

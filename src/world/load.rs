@@ -22,7 +22,7 @@ use crate::solve::plane::{PlaneEntry, PlaneHold, PlaneMember};
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::taut::TautEntry;
 use crate::span::Derived;
-use crate::span::plane::Chain;
+use crate::span::plane::{Chain, Member};
 use crate::span::union::UnionMotion;
 use crate::workers::for_each_chunk;
 
@@ -113,6 +113,7 @@ impl Records<'_> {
         self.lay_out(batch, settings);
         self.fill_bounds(batch);
         self.fill_planes(batch);
+        self.find_free_islands(batch);
     }
 
     /// State of what has the slot of this body: the body, or the union that it leads.
@@ -289,15 +290,21 @@ impl Records<'_> {
     }
 
     fn fill_bounds(&self, batch: &mut Batch) {
-        if batch.bound_slots.is_empty() {
+        // Bounds are for what is swept: a direct solve needs none.
+        if batch.bound_slots.is_empty() || batch.joints.entries.is_empty() {
             return;
         }
         batch.mark_swept();
         for number in 0..batch.bound_slots.len() {
             let slot = batch.bound_slots[number];
             let record = &self.bounds[slot as usize];
+            let (joint, side) = record.ends[1];
+            let far = self.joints[joint].bodies[side as usize].map_or(WORLD_SLOT, |index| self.slot(batch, index));
+            if !batch.swept[far as usize] {
+                continue;
+            }
             let [near, far] = record.ends.map(|(joint, side)| self.joint_end(batch, &self.joints[joint], side as usize));
-            if !batch.swept[far.slot as usize] || near.slot == far.slot {
+            if near.slot == far.slot {
                 continue;
             }
             let [upper_give, lower_give] = World::bound_give(self.long_range, record);
@@ -340,6 +347,11 @@ impl Records<'_> {
         batch.planes.parts = (self.long_range.plane_position, self.long_range.plane_axis);
         for number in 0..batch.chains.len() {
             let chain = &self.chains[batch.chains[number] as usize];
+            // What a direct solve has moved is flat already.
+            let is_solved = |member: &Member| batch.motions[self.place[member.body as usize].1 as usize].direct;
+            if chain.members.iter().all(is_solved) {
+                continue;
+            }
             let first = batch.planes.members.len() as u32;
             let mut reference = None;
             for member in &chain.members {
@@ -358,20 +370,18 @@ impl Records<'_> {
                 }
             });
             let members = (first, batch.planes.members.len() as u32);
-            let alone = chain.members.iter().all(|member| self.has_no_other(member.body, &chain.joints));
-            batch.planes.entries.push(PlaneEntry { members, hold, size: chain.size, alone });
+            batch.planes.entries.push(PlaneEntry { members, hold, size: chain.size });
         }
-        batch.planes.drop_solved(&batch.motions);
-        batch.planes.note_contacts(batch.motions.len(), batch.inputs.iter().map(|input| (input.a, input.b)));
     }
 
-    /// Whether all joints of what this body stands for are among these.
-    fn has_no_other(&self, index: u32, joints: &[u32]) -> bool {
-        let is_one = |slot: u32| joints.binary_search(&slot).is_ok();
-        match self.unions.moving(index) {
-            Some(union) => union.outer.iter().all(|&slot| is_one(slot)),
-            None => self.bodies[index].joints.iter().filter_map(|&id| self.joints.find(id).ok()).all(is_one),
-        }
+    fn find_free_islands(&self, batch: &mut Batch) {
+        let Batch { islands, velocities, motions, inputs, joints, direct, free, bodies, .. } = batch;
+        let contacts = inputs.iter().map(|input| (input.a, input.b));
+        let ends = joints.entries.iter().chain(direct.entries()).map(|entry| (entry.a, entry.b));
+        free.find(islands, velocities, motions, contacts.chain(ends), |slot| {
+            let index = bodies[slot as usize];
+            self.unions.moving(index).map_or(self.bodies[index].center, |union| union.motion.center)
+        });
     }
 
     fn joint_end(&self, batch: &mut Batch, joint: &Joint, side: usize) -> JointEnd {

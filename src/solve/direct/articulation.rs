@@ -16,7 +16,7 @@
 //!
 //! A substep that ends with an error beyond the tolerance, and not well below what it began with, is undone and taken as two halves.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::block::MAX_ROWS;
 use super::body::DirectBody;
@@ -167,8 +167,16 @@ pub(crate) struct Outcome {
 struct Saved {
     rates: Vec<Rate>,
     stances: Vec<Stance>,
-    joints: Vec<JointEntry>,
+    joints: Vec<SavedJoint>,
     touches: Vec<Touch>,
+}
+
+/// What a substep changes of a joint.
+#[derive(Debug, Clone, Copy)]
+struct SavedJoint {
+    impulses: JointImpulses,
+    sums: [Vec3; 2],
+    acted: [Vec3; 2],
 }
 
 impl Articulation {
@@ -486,7 +494,11 @@ impl Articulation {
         saved.rates.clone_from(&self.rates);
         saved.stances.clone_from(&self.stances);
         saved.joints.clear();
-        saved.joints.extend_from_slice(&self.entries);
+        saved.joints.extend(self.entries.iter().map(|entry| SavedJoint {
+            impulses: entry.impulses,
+            sums: [entry.linear_sum, entry.angular_sum],
+            acted: entry.acted,
+        }));
         saved.touches.clone_from(&self.touches);
     }
 
@@ -494,7 +506,11 @@ impl Articulation {
         let saved = &self.saved[depth as usize];
         self.rates.clone_from(&saved.rates);
         self.stances.clone_from(&saved.stances);
-        self.entries.clone_from(&saved.joints);
+        for (entry, saved) in self.entries.iter_mut().zip(&saved.joints) {
+            entry.impulses = saved.impulses;
+            [entry.linear_sum, entry.angular_sum] = saved.sums;
+            entry.acted = saved.acted;
+        }
         self.touches.clone_from(&saved.touches);
     }
 

@@ -60,7 +60,7 @@ impl DirectBody {
     }
 
     /// Inertia in world axes (kg·m²).
-    fn inertia_at(&self, stance: &Stance) -> DMat3 {
+    pub(super) fn inertia_at(&self, stance: &Stance) -> DMat3 {
         if self.top.round {
             return DMat3::from_diagonal(self.top.inertia);
         }
@@ -192,12 +192,6 @@ impl DirectBody {
     pub(crate) fn free_mass(&self) -> Option<f64> {
         let free = self.is_dynamic() && self.top.free == DVec3::ONE && self.inverse_mass.min_element() > 0.0;
         free.then(|| 1.0 / self.inverse_mass.x)
-    }
-
-    /// Angular momentum about the centre of mass at this rate (N·m·s), and the inertia (kg·m²).
-    pub(crate) fn spin_momentum(&self, stance: &Stance, rate: &Rate) -> (DVec3, DMat3) {
-        let inertia = self.inertia_at(stance);
-        (inertia * rate.angular, inertia)
     }
 
     /// Angular momentum about the centre of mass at this rate (N·m·s).

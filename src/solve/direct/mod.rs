@@ -25,7 +25,6 @@ mod contacts;
 mod coupled;
 pub(crate) mod factor;
 pub(crate) mod history;
-mod momentum;
 mod order;
 mod packed;
 mod project;

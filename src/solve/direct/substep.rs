@@ -4,7 +4,6 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::{Articulation, Mode};
 use super::history::{History, SecondOrder};
-use super::momentum::Momentum;
 use super::row::Origin;
 use super::stiffness;
 use super::system::{CONTACT_PASSES, PASSES};
@@ -12,6 +11,7 @@ use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::joint::Stance;
 use crate::solve::joint::rows::{Phase, Rate};
+use crate::solve::momentum::{Inertia, Whole};
 use crate::solve::rotation;
 
 /// Transverse stiffness κ of a joint below which a smooth substep takes its Jacobian at the start, and above which at the predicted
@@ -89,7 +89,7 @@ impl Articulation {
             return None;
         }
         self.apply_forces(h);
-        let momentum = self.momentum().map(|momentum| momentum.angular);
+        let momentum = self.whole().map(|whole| whole.spin());
         for (rate, (_, began)) in self.rates.iter_mut().zip(&self.began) {
             *rate = *began;
         }
@@ -111,15 +111,32 @@ impl Articulation {
 
     /// Gives back what the substep took of the angular momentum.
     pub(super) fn keep_momentum(&mut self, expected: Option<DVec3>) {
-        if let (Some(expected), Some(now)) = (expected, self.momentum()) {
-            now.give_back(expected - now.angular, &self.bodies, &self.origins, &self.stances, &mut self.rates);
+        let (Some(expected), Some(now)) = (expected, self.whole()) else { return };
+        let center = now.center() + self.origins[1];
+        let Self { bodies, origins, stances, rates, .. } = self;
+        let mut inertia = Inertia::ZERO;
+        for i in 1..bodies.len() {
+            let Some(mass) = bodies[i].free_mass() else { return };
+            inertia.add(mass, origins[i] + stances[i].0 - center, bodies[i].inertia_at(&stances[i]));
+        }
+        let turn = inertia.rate_of(expected - now.spin());
+        for i in 1..bodies.len() {
+            rates[i].linear += turn.cross(origins[i] + stances[i].0 - center);
+            rates[i].angular += turn;
         }
     }
 
-    /// Momentum of an articulation that hangs on nothing.
-    fn momentum(&self) -> Option<Momentum> {
-        let Self { bodies, origins, stances, rates, .. } = self;
-        if self.hangs { None } else { Momentum::of(bodies, origins, stances, rates) }
+    /// Sums over an articulation that hangs on nothing, positions from the first body's origin.
+    fn whole(&self) -> Option<Whole> {
+        if self.hangs {
+            return None;
+        }
+        let mut whole = Whole::default();
+        for i in 1..self.bodies.len() {
+            let (body, stance, rate) = (&self.bodies[i], &self.stances[i], &self.rates[i]);
+            whole.add(body.free_mass()?, self.origins[i] - self.origins[1] + stance.0, rate.linear, body.spin(stance, rate));
+        }
+        Some(whole)
     }
 
     /// Adds the forces, and finds where the bodies would be at the end of the substep without any joint.
