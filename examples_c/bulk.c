@@ -4,9 +4,9 @@
  *
  * A renderer usually wants what moved (ls_world_moved): sleeping bodies cost nothing, and the user word finds the picture of
  * each body without a table. A host that wants certain bodies, moved or not, asks for them (ls_world_poses_get). */
-#include <string.h>
-
 #include "sample.h"
+
+#include <string.h>
 
 #define SIDE 10
 #define BODIES (SIDE * SIDE * SIDE)

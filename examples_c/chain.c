@@ -4,10 +4,10 @@
  *
  * ./chain MASS hangs another mass (kg) below it. ./chain MASS FILE also writes one line a body into the file, to draw a picture
  * from: kind, dimensions (half extents, or half height and radius), position, rotation (x y z w). */
-#include <math.h>
-#include <time.h>
 
 #include "sample.h"
+
+#include <math.h>
 
 #define LINKS 30
 #define JOINTS (LINKS + 1)
@@ -137,7 +137,7 @@ int main(int argc, char **argv)
 
     start = clock();
     for (step = 0; step < STEPS; ++step) {
-        check(ls_world_step(world, DT));
+        step_world(world, DT);
     }
     cpu = (double)(clock() - start) / CLOCKS_PER_SEC;
 

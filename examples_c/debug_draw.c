@@ -3,10 +3,10 @@
  *     cc debug_draw.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o debug_draw && ./debug_draw
  *
  * Two crates stand on the ground, and a rope of four links hangs from a hook, once loose and once with a weight on it. */
+#include "sample.h"
+
 #include <math.h>
 #include <string.h>
-
-#include "sample.h"
 
 #define LINKS 4
 

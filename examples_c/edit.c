@@ -3,9 +3,9 @@
  *     cc edit.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o edit && ./edit
  *
  * Exits with 1 at the first value that does not come back as it was set. */
-#include <string.h>
-
 #include "sample.h"
+
+#include <string.h>
 
 static int changes = 0;
 

@@ -3,9 +3,9 @@
  *     cc events.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o events && ./events
  *
  * A ball of one kilogram falls through a trigger onto a floor, and a door swings shut. */
-#include <math.h>
-
 #include "sample.h"
+
+#include <math.h>
 
 typedef struct Seen {
     int entered, left, hits, stops, began;

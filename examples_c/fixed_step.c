@@ -3,9 +3,9 @@
  *     cc fixed_step.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o fixed_step && ./fixed_step
  *
  * Frames of 1/144 s with a hiccup; prints how uneven the drawn motion of a falling ball is with and without it. */
-#include <math.h>
-
 #include "sample.h"
+
+#include <math.h>
 
 #define DT (1.0f / 60.0f)
 #define MOST_STEPS 4 /* more time than that is dropped: a host that cannot keep up must not fall behind for ever */

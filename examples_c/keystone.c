@@ -36,7 +36,7 @@ static LsBody create_block(LsWorld world, const float half[3], double x, double 
 static void step_for(LsWorld world, int steps)
 {
     while (steps-- > 0) {
-        check(ls_world_step(world, 1.0f / 60.0f));
+        step_world(world, 1.0f / 60.0f);
     }
 }
 

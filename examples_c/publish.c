@@ -4,29 +4,7 @@
  *
  * `./publish SECONDS` goes on for so long in real time (1 s unless said). The library must have been built with
  * `--features stream`; one without says so. */
-#define _POSIX_C_SOURCE 199309L
-#include <string.h>
-#include <time.h>
-
 #include "sample.h"
-
-static double now(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
-static void wait_until(double moment)
-{
-    double rest = moment - now();
-    if (rest > 0.0) {
-        struct timespec time;
-        time.tv_sec = (time_t)rest;
-        time.tv_nsec = (long)(1e9 * (rest - (double)time.tv_sec));
-        nanosleep(&time, NULL);
-    }
-}
 
 int main(int argc, char **argv)
 {

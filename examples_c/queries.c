@@ -1,9 +1,9 @@
 /* Questions to a world: what does a ray meet, what would a swept ball meet, what is in a region, what is nearest?
  *
  *     cc queries.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o queries && ./queries */
-#include <math.h>
-
 #include "sample.h"
+
+#include <math.h>
 
 #define BOXES 10
 

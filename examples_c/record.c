@@ -3,9 +3,9 @@
  *     cc record.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o record && ./record
  *
  * A host that records from the start can send a bug as a file: ls_recording_replay does it again, step by step. */
-#include <string.h>
-
 #include "sample.h"
+
+#include <string.h>
 
 typedef struct Tape {
     unsigned char *bytes;

@@ -5,11 +5,11 @@
  *
  * `./renderer SECONDS` watches for so long (1 s unless said), `./renderer SECONDS FILE` records what it sees,
  * `./renderer play FILE` plays a recording. */
+#include "sample.h"
+
 #include <math.h>
 #include <string.h>
 #include <time.h>
-
-#include "sample.h"
 
 #define COLUMNS 72
 #define ROWS 20

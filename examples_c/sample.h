@@ -1,9 +1,17 @@
-/* What the samples begin with: a call that fails ends the program, and a body of one shape takes one line. */
+/* What the samples begin with: a call that fails ends the program, a body of one shape takes one line, and a step is one that
+ * can be watched. Included before anything of the system's: it asks for a clock that C99 by itself does not have. */
 #ifndef SAMPLE_H
 #define SAMPLE_H
 
+#ifndef _POSIX_C_SOURCE
+#define _POSIX_C_SOURCE 199309L
+#endif
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
+#ifndef CLOCK_MONOTONIC
+#error "sample.h is to be included before the headers of the system"
+#endif
 
 #include "longspan/longspan.h"
 
@@ -48,6 +56,59 @@ static inline LsBody create_body(LsWorld world, int kind, int shape_kind, double
     def.shape_count = 1;
     check(ls_body_create(world, &def, &body));
     return body;
+}
+
+/* Time of a clock that is never set (s). */
+static inline double now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+static inline void wait_until(double moment)
+{
+    const double rest = moment - now();
+    if (rest > 0.0) {
+        struct timespec time;
+        time.tv_sec = (time_t)rest;
+        time.tv_nsec = (long)(1e9 * (rest - (double)time.tv_sec));
+        nanosleep(&time, NULL);
+    }
+}
+
+/* Publishes a world under a name with all that it has to show; with a library that has no streams the program ends here. */
+static inline LsStream publish_world(LsWorld world, const char *name)
+{
+    LsStreamDef def;
+    LsStream stream;
+    double start;
+    check(ls_stream_def_init(&def, sizeof def));
+    def.name = name;
+    def.layers = LS_STREAM_LAYER_ALL;
+    check(ls_stream_open(world, &def, &stream));
+    /* Whoever is waiting for it sees it from the first step on. */
+    for (start = now(); now() < start + 0.5; wait_until(now() + 0.02))
+        check(ls_stream_serve(stream));
+    return stream;
+}
+
+/* A step. With LONGSPAN_STREAM=NAME in the environment, this and all that follow are published under that name, in real time. */
+static inline void step_world(LsWorld world, float dt)
+{
+    static int is_watched = -1;
+    static double due;
+    if (is_watched < 0) {
+        const char *name = getenv("LONGSPAN_STREAM");
+        is_watched = name != NULL && name[0] != 0;
+        if (is_watched)
+            publish_world(world, name);
+        due = now();
+    }
+    check(ls_world_step(world, dt));
+    due += dt;
+    if (is_watched)
+        wait_until(due);
 }
 
 #endif

@@ -3,9 +3,10 @@
  *     cc tower.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o tower && ./tower
  *
  * The tower of Mueller et al. 2017, Fig. 12, smaller: 10 courses of 40 blocks, each half a block round from the one below. */
-#include <math.h>
 
 #include "sample.h"
+
+#include <math.h>
 
 #define RING 40
 #define COURSES 10
@@ -93,7 +94,7 @@ int main(void)
             check(ls_support_count(world, &standing));
             throw_ball(world);
         }
-        check(ls_world_step(world, 1.0f / 60.0f));
+        step_world(world, 1.0f / 60.0f);
         check(ls_support_count(world, &supported));
         if (step >= 60 && supported < fewest) {
             fewest = supported;

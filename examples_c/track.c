@@ -3,10 +3,11 @@
  *     cc track.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o track && ./track
  *
  * ./track off leaves the plates to their hinges alone: chains of parallel hinges are then not kept in their plane. */
-#include <math.h>
-#include <string.h>
 
 #include "sample.h"
+
+#include <math.h>
+#include <string.h>
 
 #define TEETH 20
 #define STRAIGHT 56
@@ -188,7 +189,7 @@ int main(int argc, char **argv)
     hull = create_vehicle(world, plates);
 
     for (step = 0; step < STEPS; ++step) {
-        check(ls_world_step(world, DT));
+        step_world(world, DT);
         check(ls_body_pose_get(world, hull, &at));
         for (i = 0; i < PLATES; ++i) {
             check(ls_body_pose_get(world, plates[i], &plate));

@@ -141,6 +141,8 @@ pub(crate) struct Pool<T, H> {
     len: usize,
     /// Rises with whatever comes or goes; no two pools of a process begin with the same. Never part of a state.
     version: u64,
+    /// Rises with whatever may have changed. Never part of a state.
+    changes: u64,
     tag: u16,
     handle: std::marker::PhantomData<H>,
 }
@@ -155,12 +157,17 @@ fn first_version() -> u64 {
 impl<T, H: Handle> Pool<T, H> {
     pub(crate) fn new(tag: &WorldTag) -> Self {
         let version = first_version();
-        Self { slots: Vec::new(), free: Vec::new(), len: 0, version, tag: tag.0, handle: std::marker::PhantomData }
+        Self { slots: Vec::new(), free: Vec::new(), len: 0, version, changes: 0, tag: tag.0, handle: std::marker::PhantomData }
     }
 
     /// A number that differs whenever other objects are in the pool.
     pub(crate) fn version(&self) -> u64 {
         self.version
+    }
+
+    /// Numbers that differ whenever any object has come, gone, or been open to change.
+    pub(crate) fn changes(&self) -> [u64; 2] {
+        [self.version, self.changes]
     }
 
     /// A pool with these places, of which these are free; `None` if that cannot be.
@@ -175,7 +182,7 @@ impl<T, H: Handle> Pool<T, H> {
             return None;
         }
         let len = slots.iter().filter(|slot| slot.value.is_some()).count();
-        Some(Self { slots, free, len, version: first_version(), tag, handle: std::marker::PhantomData })
+        Some(Self { slots, free, len, version: first_version(), changes: 0, tag, handle: std::marker::PhantomData })
     }
 
     /// Every place, in order.
@@ -270,6 +277,7 @@ impl<T, H: Handle> Pool<T, H> {
     }
 
     pub(crate) fn get_mut(&mut self, index: u32) -> Option<&mut T> {
+        self.changes += 1;
         self.slots.get_mut(index as usize)?.value.as_mut()
     }
 
@@ -288,6 +296,7 @@ impl<T, H: Handle> std::ops::Index<u32> for Pool<T, H> {
 
 impl<T, H: Handle> std::ops::IndexMut<u32> for Pool<T, H> {
     fn index_mut(&mut self, index: u32) -> &mut T {
+        self.changes += 1;
         self.slots[index as usize].value.as_mut().expect("slot indices inside a world name live objects")
     }
 }

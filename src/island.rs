@@ -84,10 +84,10 @@ impl SleepingIslands {
         }
     }
 
-    /// Has a sleeping island keep a pair.
-    pub(crate) fn keep_pair(&mut self, number: u32, pair: u32) {
+    /// Gives a sleeping island the pairs it keeps.
+    pub(crate) fn set_pairs(&mut self, number: u32, pairs: Vec<u32>) {
         if let Some(island) = &mut self.islands[number as usize] {
-            island.pairs.push(pair);
+            island.pairs = pairs;
         }
     }
 

@@ -63,7 +63,7 @@ pub use fracture::{
 pub use glam;
 pub use id::{BodyId, Handle, JointId, MAX_OBJECTS, ShapeId};
 pub use joint::{Axis, JointDef, JointKind, JointState, Limits, Motor, Softness, SphericalMotor};
-pub use long_range::{BoundKind, BoundKindDef, BoundState, LongRangeDef, MAX_LEVELS, SoftBound};
+pub use long_range::{BoundKind, BoundKindDef, BoundState, LongRangeDef, MAX_LEVELS, PlaneState, SoftBound};
 pub use mass::{MASS_RANGE, Mass, MassProperties};
 pub use material::{CombineRule, Material};
 pub use pose::Pose;

@@ -1,6 +1,6 @@
 //! Long-range constraints as a user sees them: what a world derives, and what can be read of it.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::JointId;
@@ -120,6 +120,25 @@ pub struct BoundState {
     pub tension: f32,
     /// Whether it had anything to do in the last step.
     pub active: bool,
+}
+
+/// The common plane of a chain of hinges, as the last step left it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaneState {
+    /// The chain's joint of the lowest slot: it names the chain while both last.
+    pub joint: JointId,
+    /// Number of its members: bodies, and rigid unions that count as one.
+    pub members: u32,
+    /// The plane's point nearest to the middle of the members (m).
+    pub point: DVec3,
+    /// Unit normal, along the axes of the hinges.
+    pub normal: Vec3,
+    /// Distance from `point` of the member whose centre of mass is farthest from it (m).
+    pub radius: f32,
+    /// Root of the mean square of the distances by which members are off the plane (m).
+    pub deviation: f32,
+    /// Whether a hinge to something fixed gives the plane.
+    pub anchored: bool,
 }
 
 impl BoundState {

@@ -34,6 +34,7 @@ mod joints;
 mod load;
 mod long_range;
 mod pairs;
+mod planes;
 mod query;
 mod read;
 mod redefine;

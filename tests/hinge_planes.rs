@@ -144,3 +144,25 @@ fn a_loop_left_alone_does_not_start_to_move() {
         run.keeps("drift_m", 1e-5, "m");
     }
 }
+
+#[test]
+fn a_chain_says_which_plane_it_is_kept_in() {
+    let mut world = World::new(&WorldDef::default()).unwrap();
+    let holder = world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, 0.0, 0.0))).unwrap();
+    let links = run_of(&mut world, Some(holder), 6);
+    assert_eq!(world.planes().count(), 0, "chains are found by a step");
+    for _ in 0..60 {
+        world.step(DT).unwrap();
+    }
+    let planes: Vec<_> = world.planes().collect();
+    let [plane] = planes[..] else { panic!("one chain: {planes:?}") };
+    assert_eq!((plane.members, plane.anchored), (6, true));
+    assert!(plane.normal.cross(Vec3::Z).length() < 1e-5, "its hinges turn about z: {plane:?}");
+    assert!(plane.point.z.abs() < 1e-6 && plane.deviation < 1e-4, "{plane:?}");
+    let farthest = links.iter().map(|&link| world.center_of_mass(link).unwrap().distance(plane.point)).fold(0.0, f64::max);
+    assert!((f64::from(plane.radius) - farthest).abs() < 1e-6, "{} m, and the farthest link is {farthest} m away", plane.radius);
+    world.destroy_body(links[3]).unwrap();
+    assert_eq!(world.planes().count(), 0, "a chain that has lost a member has no plane");
+    world.step(DT).unwrap();
+    assert!(world.planes().all(|plane| plane.members == 3), "three links are left on the holder");
+}

@@ -1,6 +1,6 @@
 //! Long-range constraints: what a world derives from its joints, and what became of it.
 
-use ls_core::{BoundKind, BoundKindDef, BoundState, LongRangeDef, SoftBound, Softness};
+use ls_core::{BoundKind, BoundKindDef, BoundState, LongRangeDef, PlaneState, SoftBound, Softness};
 
 use crate::access::{edit, read};
 use crate::boundary::call;
@@ -195,6 +195,59 @@ pub unsafe extern "C" fn ls_world_bounds_get(world: LsWorld, out: *mut LsBound, 
         let buffer = host!(Buffer::new, out, capacity, count);
         read(world, |world| buffer.fill(|| world.bounds().map(|bound| LsBound::from(&bound))))
     })
+}
+
+/// The common plane of a chain of hinges, as the last step left it. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsPlane {
+    /// The chain's joint of the lowest slot: it names the chain while both last.
+    pub joint: LsJoint,
+    /// The plane's point nearest to the middle of the chain (m).
+    pub point: [f64; 3],
+    /// Unit normal, along the axes of the hinges.
+    pub normal: [f32; 3],
+    /// Distance from the point of the member that is farthest from it (m).
+    pub radius: f32,
+    /// Root of the mean square of the distances by which members are off the plane (m).
+    pub deviation: f32,
+    /// Number of members: bodies, and rigid unions that count as one.
+    pub members: u32,
+    /// 1 if a hinge to something fixed gives the plane, else 0.
+    pub anchored: u32,
+    /// Not used; 0.
+    pub reserved: u32,
+}
+
+/// The plane of every chain of hinges that was found for the last step.
+///
+/// @param world     the world; any value is safe
+/// @param out       room for `capacity` planes, may be NULL if that is 0
+/// @param capacity  how many fit
+/// @param count     set to how many there are on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL (nothing is written to `out` then)
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_planes_get(world: LsWorld, out: *mut LsPlane, capacity: usize, count: *mut usize) -> LsResult {
+    call("ls_world_planes_get", || {
+        let buffer = host!(Buffer::new, out, capacity, count);
+        read(world, |world| buffer.fill(|| world.planes().map(|plane| LsPlane::from(&plane))))
+    })
+}
+
+impl From<&PlaneState> for LsPlane {
+    fn from(plane: &PlaneState) -> Self {
+        Self {
+            joint: plane.joint.into(),
+            point: plane.point.to_array(),
+            normal: plane.normal.to_array(),
+            radius: plane.radius,
+            deviation: plane.deviation,
+            members: plane.members,
+            anchored: plane.anchored.into(),
+            reserved: 0,
+        }
+    }
 }
 
 impl From<&LsSoftBound> for SoftBound {

@@ -3,8 +3,8 @@
 use std::ffi::c_char;
 
 use longspan_stream_schema::{
-    LsStreamBody, LsStreamBound, LsStreamContact, LsStreamEvent, LsStreamJoint, LsStreamJointLoad, LsStreamPlane, LsStreamShape,
-    LsStreamWorld,
+    LsStreamBody, LsStreamBound, LsStreamBreak, LsStreamContact, LsStreamEvent, LsStreamJoint, LsStreamJointLoad, LsStreamPiece,
+    LsStreamPlane, LsStreamShape, LsStreamWorld,
 };
 
 use crate::boundary::call;
@@ -329,6 +329,56 @@ pub unsafe extern "C" fn ls_stream_reader_events(
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.events();
+            out.write(found.as_ptr())?;
+            count.write(found.len())
+        })
+    })
+}
+
+/// Joints that broke since the last call of ls_stream_reader_poll, _next or _seek, the oldest first.
+///
+/// @param reader  the reader; any value is safe
+/// @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+///                or _close for this reader; do not follow it if the count is 0
+/// @param count   number of elements
+/// @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+/// Threads: one thread at a time for each reader. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_stream_reader_breaks(
+    reader: LsStreamReader,
+    out: *mut *const LsStreamBreak,
+    count: *mut usize,
+) -> LsResult {
+    streaming!("ls_stream_reader_breaks", [reader, out, count], {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        reading::with(reader, |state| {
+            let found = state.breaks();
+            out.write(found.as_ptr())?;
+            count.write(found.len())
+        })
+    })
+}
+
+/// Pieces of unions that fell apart since the last call of ls_stream_reader_poll, _next or _seek, the oldest first.
+///
+/// @param reader  the reader; any value is safe
+/// @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+///                or _close for this reader; do not follow it if the count is 0
+/// @param count   number of elements
+/// @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+/// Threads: one thread at a time for each reader. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_stream_reader_pieces(
+    reader: LsStreamReader,
+    out: *mut *const LsStreamPiece,
+    count: *mut usize,
+) -> LsResult {
+    streaming!("ls_stream_reader_pieces", [reader, out, count], {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        reading::with(reader, |state| {
+            let found = state.pieces();
             out.write(found.as_ptr())?;
             count.write(found.len())
         })

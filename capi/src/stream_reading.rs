@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, TryLockError};
 use std::time::Duration;
 
 use ls_stream::schema::{
-    LsStreamBody, LsStreamBound, LsStreamContact, LsStreamEvent, LsStreamJoint, LsStreamJointLoad, LsStreamPlane, LsStreamShape,
+    LsStreamBody, LsStreamBound, LsStreamBreak, LsStreamContact, LsStreamEvent, LsStreamJoint, LsStreamJointLoad, LsStreamPiece,
+    LsStreamPlane, LsStreamShape,
 };
 use ls_stream::{Domain, End, Poll, Reader};
 
@@ -65,6 +66,14 @@ impl Reading {
 
     pub(crate) fn events(&self) -> &[LsStreamEvent] {
         self.reader.scene().events()
+    }
+
+    pub(crate) fn breaks(&self) -> &[LsStreamBreak] {
+        self.reader.scene().breaks()
+    }
+
+    pub(crate) fn pieces(&self) -> &[LsStreamPiece] {
+        self.reader.scene().pieces()
     }
 
     fn expire(&mut self) {

@@ -31,7 +31,7 @@ const OTHERWISE: &[(&str, &str)] = &[
 ];
 
 /// Methods that only streams need.
-const FOR_STREAMS: &[&str] = &["structure_version"];
+const FOR_STREAMS: &[&str] = &["structure_version", "state_version"];
 
 const NOUNS: [&str; 4] = ["world", "body", "shape", "joint"];
 

@@ -358,10 +358,13 @@
 /** Event: the joint `a` carried more than its limit; values: force (N), torque (N m). */
 #define LS_STREAM_EVENT_OVERLOAD 1
 
-/** Event: the joint `a` broke; values: force (N), torque (N m), as at the moment of breaking. */
+/** Event: the joint `a` broke; values: mean force (N) and torque (N m) over its window. LsStreamBreak has the rest. */
 #define LS_STREAM_EVENT_BROKEN 2
 
-/** Event: a piece `b` has split off the union `a`; 0 for a single body. */
+/**
+ * Event: the union of the body `a` has fallen apart, or lost its anchor; one for each piece, and `b` is a body of it.
+ * LsStreamPiece has the rest.
+ */
 #define LS_STREAM_EVENT_SPLIT 3
 
 /** Event: the body `a` is supported from now on. */
@@ -421,7 +424,7 @@
 /** Body flag: it is supported. */
 #define LS_STREAM_BODY_SUPPORTED 4
 
-/** Body flag: it is a piece of something that broke. */
+/** Body flag: it is of a piece of something that fell apart since the stream was opened. */
 #define LS_STREAM_BODY_BROKEN 8
 
 /** The first eight bytes of every message: "LSSTREAM". */
@@ -474,6 +477,15 @@
 
 /** Section of LsStreamWorld. */
 #define LS_STREAM_SECTION_WORLD 40
+
+/** Section of LsStreamBreak. */
+#define LS_STREAM_SECTION_BREAK 41
+
+/** Section of LsStreamPiece. */
+#define LS_STREAM_SECTION_PIECE 42
+
+/** Joint flag: it can break. */
+#define LS_STREAM_JOINT_BREAKABLE 1
 
 /**
  * What a call returns: LS_OK, or one of the LS_ERROR_ constants. Unless a function says otherwise, a call that fails has
@@ -1501,6 +1513,26 @@ typedef struct LsBound {
     uint32_t reserved;
 } LsBound;
 
+/** The common plane of a chain of hinges, as the last step left it. The layout of this struct never changes. */
+typedef struct LsPlane {
+    /** The chain's joint of the lowest slot: it names the chain while both last. */
+    struct LsJoint joint;
+    /** The plane's point nearest to the middle of the chain (m). */
+    double point[3];
+    /** Unit normal, along the axes of the hinges. */
+    float normal[3];
+    /** Distance from the point of the member that is farthest from it (m). */
+    float radius;
+    /** Root of the mean square of the distances by which members are off the plane (m). */
+    float deviation;
+    /** Number of members: bodies, and rigid unions that count as one. */
+    uint32_t members;
+    /** 1 if a hinge to something fixed gives the plane, else 0. */
+    uint32_t anchored;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsPlane;
+
 /** Bodies that rigid fixed joints make one, as the last step left them. The layout of this struct never changes. */
 typedef struct LsUnion {
     /** Its dynamic body that was made first: it names the union while both last. Null for no union. */
@@ -1896,7 +1928,7 @@ typedef struct LsStreamJoint {
     float rotation_b[4];
     /** LS_JOINT_ constant. */
     int32_t kind;
-    /** Not used; 0. */
+    /** LS_STREAM_JOINT_ flags. */
     uint32_t flags;
     /** Force above which it is overloaded (N); 0 for no limit. */
     float break_force;
@@ -1940,7 +1972,10 @@ typedef struct LsStreamJointLoad {
     float force;
     /** Torque that it carries, mean over the step (N m). */
     float torque;
-    /** Fraction of its limit: the greater of force / break_force and torque / break_torque; 0 for a joint without limits. */
+    /**
+     * Fraction of its limit: the greatest of force / break_force, torque / break_torque and, if it can break, its mean load over
+     * the limit that it is nearest to; 0 for a joint without limits.
+     */
     float share;
     /** Distance between the joint points beyond what the joint allows (m). */
     float gap;
@@ -1976,13 +2011,13 @@ typedef struct LsStreamBound {
 
 /** The common plane of a chain of hinges after a step. */
 typedef struct LsStreamPlane {
-    /** Number of the chain. */
+    /** The chain's joint of the lowest slot: it names the chain while both last. */
     uint64_t chain;
-    /** A point in the plane, in the middle of the chain (m). */
+    /** The plane's point nearest to the middle of the chain (m). */
     double point[3];
-    /** Unit normal. */
+    /** Unit normal, along the axes of the hinges. */
     float normal[3];
-    /** Distance of the chain's farthest body from the point (m). */
+    /** Distance from the point of the member that is farthest from it (m). */
     float radius;
 } LsStreamPlane;
 
@@ -2003,6 +2038,58 @@ typedef struct LsStreamEvent {
     /** Numbers as the kinds say, (N) and (N m). */
     float values[4];
 } LsStreamEvent;
+
+/** A joint that broke. It is gone: its handle means nothing any more. */
+typedef struct LsStreamBreak {
+    /** The step. */
+    uint64_t step;
+    /** The joint that was. */
+    uint64_t joint;
+    /** The word its host gave it. */
+    uint64_t user_word;
+    /** Its first body; 0 for the world. */
+    uint64_t body_a;
+    /** Its second body; 0 for the world. */
+    uint64_t body_b;
+    /** Where it was (m). */
+    double point[3];
+    /** Mean force on B over its window, world axes (N). */
+    float force[3];
+    /** Mean torque on B about its point, world axes (N m). */
+    float torque[3];
+    /** Its load as a fraction of the limit that it broke at; above 1 if by load. */
+    float share;
+    /** LS_LIMIT_ constant: that limit. */
+    int32_t limit;
+    /** LS_BREAK_ constant: why it broke. */
+    int32_t cause;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsStreamBreak;
+
+/** A piece of a rigid union that fell apart, or lost its anchor. Which bodies are of it is told of them: LsStreamBody.union_id. */
+typedef struct LsStreamPiece {
+    /** The step. */
+    uint64_t step;
+    /** The union's member of the lowest slot: the same for all pieces of one union. */
+    uint64_t of_body;
+    /** The piece's member of the lowest slot. */
+    uint64_t first_body;
+    /** Its centre of mass at the end of the step (m). */
+    double center[3];
+    /** Velocity of its centre of mass (m/s). */
+    float linear_velocity[3];
+    /** Angular velocity: that of a rigid body with its angular momentum (rad/s). */
+    float angular_velocity[3];
+    /** Its mass (kg). */
+    float mass;
+    /** Number of its bodies. */
+    uint32_t body_count;
+    /** 1 if a fixed joint ties it to the world, or to a body that is not dynamic, else 0. */
+    uint32_t anchored;
+    /** 1 if it has lost its anchor, else 0. */
+    uint32_t cut_loose;
+} LsStreamPiece;
 
 /** A recording as a whole. Later versions append fields. */
 typedef struct LsStreamRecording {
@@ -3965,6 +4052,18 @@ LsResult ls_world_soft_bound_remove(LsWorld world, LsJoint joint_a, LsJoint join
 LsResult ls_world_bounds_get(LsWorld world, LsBound *out, size_t capacity, size_t *count);
 
 /**
+ * The plane of every chain of hinges that was found for the last step.
+ *
+ * @param world     the world; any value is safe
+ * @param out       room for `capacity` planes, may be NULL if that is 0
+ * @param capacity  how many fit
+ * @param count     set to how many there are on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL (nothing is written to `out` then)
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_planes_get(LsWorld world, LsPlane *out, size_t capacity, size_t *count);
+
+/**
  * The union that a dynamic body belongs to. Joints made or changed since the last step count from the next one on, and until then
  * their bodies belong to no union.
  *
@@ -4447,6 +4546,32 @@ LsResult ls_stream_reader_planes(LsStreamReader reader, const LsStreamPlane **ou
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
 LsResult ls_stream_reader_events(LsStreamReader reader, const LsStreamEvent **out, size_t *count);
+
+/**
+ * Joints that broke since the last call of ls_stream_reader_poll, _next or _seek, the oldest first.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+ *                or _close for this reader; do not follow it if the count is 0
+ * @param count   number of elements
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_breaks(LsStreamReader reader, const LsStreamBreak **out, size_t *count);
+
+/**
+ * Pieces of unions that fell apart since the last call of ls_stream_reader_poll, _next or _seek, the oldest first.
+ *
+ * @param reader  the reader; any value is safe
+ * @param out     the array, owned by the reader, on LS_OK; may be read until the next call of ls_stream_reader_poll, _next, _seek
+ *                or _close for this reader; do not follow it if the count is 0
+ * @param count   number of elements
+ * @return LS_OK, LS_ERROR_UNSUPPORTED, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE, LS_ERROR_STALE_HANDLE,
+ *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
+ * Threads: one thread at a time for each reader. Callbacks: allowed.
+ */
+LsResult ls_stream_reader_pieces(LsStreamReader reader, const LsStreamPiece **out, size_t *count);
 
 /**
  * Triangles of a part of a shape that a few numbers do not describe: a hull, a mesh, a height field.

@@ -4,6 +4,7 @@ use longspan::glam::Vec3;
 use longspan::{BodyDef, BodyId, JointId, MassProperties, Pose, Result, World, WorldDef};
 
 use crate::engine::{Effort, Engine, SceneJoint, SceneSoftBound};
+use crate::scene::Scene;
 
 /// A [`World`], its handles in order of creation, and the first call that it refused.
 pub struct LongspanEngine {
@@ -25,6 +26,27 @@ impl LongspanEngine {
             def.substeps = substeps;
         }
         Ok(Self { world: World::new(&def)?, bodies: Vec::new(), joints: Vec::new(), refusal: None })
+    }
+
+    /// A world with everything that a scene begins with, on one thread; what the scene's script does later is left to the caller.
+    ///
+    /// # Errors
+    /// What [`World::new`] refuses, or the first body, joint or bound that the world refuses.
+    pub fn start(scene: &Scene) -> Result<Self> {
+        let mut engine = Self::new(&scene.world, Effort::Default, 1)?;
+        for body in &scene.bodies {
+            engine.add_body(body);
+        }
+        for joint in &scene.joints {
+            engine.add_joint(joint);
+        }
+        for bound in &scene.soft_bounds {
+            engine.add_soft_bound(bound);
+        }
+        match engine.refusal.take() {
+            Some(refusal) => Err(refusal),
+            None => Ok(engine),
+        }
     }
 
     /// The world behind the trait.

@@ -151,9 +151,14 @@ impl World {
         Ok(self.colliders[self.colliders.find(shape)?].user_word)
     }
 
-    /// Numbers that differ whenever bodies, shapes or joints have come or gone; nothing else can be told from them.
-    pub fn structure_version(&self) -> [u64; 3] {
-        [self.bodies.version(), self.colliders.version(), self.joints.version()]
+    /// Numbers that differ whenever bodies, shapes, joints or unions have come or gone; nothing else can be told from them.
+    pub fn structure_version(&self) -> [u64; 4] {
+        [self.bodies.version(), self.colliders.version(), self.joints.version(), self.unions.version]
+    }
+
+    /// Numbers that differ whenever the [`state_hash`](Self::state_hash) may have changed; nothing else can be told from them.
+    pub fn state_version(&self) -> [u64; 2] {
+        self.bodies.changes()
     }
 
     /// Hash of the poses and velocities of all bodies, bit for bit, by their slots in order.

@@ -154,9 +154,7 @@ impl World {
             }
         }
         sleepy.retain(|members| !self.rests_on_a_mover(members));
-        if !sleepy.is_empty() {
-            self.put_islands_to_sleep(sleepy);
-        }
+        self.put_islands_to_sleep(sleepy);
     }
 
     /// Whether a kinematic body that moves touches or holds one of these bodies.
@@ -175,21 +173,26 @@ impl World {
             })
     }
 
-    /// Puts islands to sleep, with one look at the active pairs for all of them.
+    /// Takes islands and what touches in them out of the steps. All at once: a pass over the pairs for each of many small islands
+    /// would take as long as the square of their number.
     fn put_islands_to_sleep(&mut self, islands: Vec<Vec<u32>>) {
-        let mut fresh = Vec::with_capacity(islands.len());
-        for members in islands {
-            let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new() });
-            for index in members {
-                let body = &mut self.bodies[index];
-                (body.linear_velocity, body.angular_velocity) = (glam::Vec3::ZERO, glam::Vec3::ZERO);
-                body.sleep = SleepState::Asleep { island: number };
-            }
-            fresh.push(number);
+        if islands.is_empty() {
+            return;
         }
-        let in_order = fresh.clone();
-        fresh.sort_unstable();
-        let Self { pairs, colliders, bodies, sleeping, .. } = self;
+        let mut kept = std::collections::BTreeMap::new();
+        for members in islands {
+            for &index in &members {
+                let body = &mut self.bodies[index];
+                body.linear_velocity = glam::Vec3::ZERO;
+                body.angular_velocity = glam::Vec3::ZERO;
+            }
+            let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new() });
+            for &index in &members {
+                self.bodies[index].sleep = SleepState::Asleep { island: number };
+            }
+            kept.insert(number, Vec::new());
+        }
+        let Self { pairs, colliders, bodies, .. } = self;
         pairs.retain_active(|key, slot, _| {
             let (a, b) = key.shapes();
             let (a, b) = (colliders[a].body, colliders[b].body);
@@ -197,26 +200,30 @@ impl World {
                 return Fate::Stay;
             }
             let island = |index: u32| match bodies[index].sleep {
-                SleepState::Asleep { island } => fresh.binary_search(&island).is_ok().then_some(island),
+                SleepState::Asleep { island } => Some(island),
                 SleepState::Awake { .. } => None,
             };
             let still = |index: u32| !bodies[index].is_free();
-            let keeper = match (island(a), island(b)) {
-                (Some(one), Some(other)) => (one == other).then_some(one),
-                (Some(one), None) => still(b).then_some(one),
-                (None, Some(other)) => still(a).then_some(other),
+            let together = match (island(a), island(b)) {
+                (Some(of_a), Some(of_b)) => (of_a == of_b).then_some(of_a),
+                (Some(of_a), None) => still(b).then_some(of_a),
+                (None, Some(of_b)) => still(a).then_some(of_b),
                 (None, None) => None,
             };
-            let Some(keeper) = keeper else {
+            match together.and_then(|island| kept.get_mut(&island)) {
+                Some(kept) => {
+                    kept.push(slot);
+                    Fate::Store
+                }
                 // Between two sleeping islands: found again when either wakes.
-                return Fate::Drop;
-            };
-            sleeping.keep_pair(keeper, slot);
-            Fate::Store
+                None => Fate::Drop,
+            }
         });
-        if let Some(support) = &mut self.support {
-            let kept = in_order.iter().filter_map(|&number| self.sleeping.islands()[number as usize].as_ref());
-            kept.for_each(|island| support.fell_asleep.extend_from_slice(&island.pairs));
+        for (number, kept) in kept {
+            if let Some(support) = &mut self.support {
+                support.fell_asleep.extend_from_slice(&kept);
+            }
+            self.sleeping.set_pairs(number, kept);
         }
         self.movers_sorted = false;
     }

@@ -112,6 +112,8 @@ pub(super) struct Unions {
     pub stale: Vec<u32>,
     /// Anchored bodies that the host has pushed since the last step.
     pub pushed: Vec<u32>,
+    /// Counts up whenever a union is made or dissolved.
+    pub version: u64,
     scratch: Scratch,
 }
 
@@ -178,6 +180,7 @@ impl Unions {
     /// Removes the union in this slot; its members belong to none then.
     fn dissolve(&mut self, slot: u32) -> Option<Union> {
         let union = self.records.get_mut(slot as usize)?.take()?;
+        self.version += 1;
         for &body in union.members.iter().chain(&union.anchors) {
             if let Some(place) = self.places.get_mut(body as usize).filter(|place| place.union == slot) {
                 *place = Place::OUTSIDE;
@@ -189,6 +192,7 @@ impl Unions {
     }
 
     fn insert(&mut self, union: Union, places: &[(Vec3, Quat)]) {
+        self.version += 1;
         let slot = self.free.pop().unwrap_or_else(|| {
             self.records.push(None);
             self.records.len() as u32 - 1

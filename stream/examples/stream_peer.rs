@@ -1,74 +1,222 @@
 //! One side of a stream as a process of its own: for tests that kill it, and to measure.
 //!
 //! ```text
-//! stream_peer publish DOMAIN BODIES SECONDS RATE    steps a pile of boxes, RATE times a second (0: as fast as it can), with a stream
-//! stream_peer step    DOMAIN BODIES SECONDS RATE    the same without one, for comparison
-//! stream_peer read    DOMAIN SECONDS                reads each newest frame, and says what was lost and how old frames were
+//! stream_peer publish DOMAIN SCENE SECONDS RATE    steps a scene, RATE times a second (0: as fast as it can), with a stream
+//! stream_peer read    DOMAIN SECONDS               reads each newest frame, and says what was lost and how old frames were
+//!                                                  (0: until the publisher has gone)
+//! stream_peer measure DOMAIN SCENE STEPS RATE      what publishing costs, with three readers in three processes
+//! stream_peer endure  DOMAIN SCENE LIVES           publishes while a reader and another publisher are started, stopped and killed
+//! stream_peer future  DOMAIN SECONDS               a stream of a schema that is still to come
 //! ```
+//!
+//! SCENE is a scene of the library of scenes and its keys: `pile,n=10000`.
 
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use longspan::glam::Vec3;
-use longspan::{BodyDef, Pose, Shape, ShapeDef, World, WorldDef};
+use cpu_time::ThreadTime;
+use iceoryx2::config::Config;
+use iceoryx2::prelude::{FileName, LogLevel, NodeBuilder, Path as FolderName, SemanticString, ipc, set_log_level};
+use longspan::World;
+use longspan_scenes::{DT, LongspanEngine, build};
+use longspan_stream::schema::{LS_STREAM_ABI, LS_STREAM_SCHEMA};
 use longspan_stream::{Domain, Poll, Publisher, PublisherDef, Reader};
+
+/// Steps with a stream, then as many without, and so on: what the machine does meanwhile falls on both alike.
+const BLOCK: u32 = 20;
+
+/// Steps before times count.
+const WARM_UP: u32 = 60;
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let number = |index: usize| words.get(index).and_then(|word| word.parse::<f64>().ok()).unwrap_or(1.0);
-    let domain = Domain::named(words.get(1).map_or("", String::as_str)).expect("a name for a domain");
-    match words.first().map(String::as_str) {
-        Some("publish") => step(number(2) as usize, number(3), number(4), Some(&domain)),
-        Some("step") => step(number(2) as usize, number(3), number(4), None),
-        Some("read") => read(&domain, number(2)),
-        _ => eprintln!("publish DOMAIN BODIES SECONDS RATE, step DOMAIN BODIES SECONDS RATE, or read DOMAIN SECONDS"),
+    let word = |index: usize| words.get(index).map_or("", String::as_str);
+    let number = |index: usize| word(index).parse::<f64>().unwrap_or(1.0);
+    let domain = Domain::named(word(1)).expect("a name for a domain");
+    match word(0) {
+        "publish" => publish(&domain, world(word(2)), number(3), number(4)),
+        "measure" => measure(&domain, world(word(2)), number(3) as u32, number(4)),
+        "endure" => endure(&domain, world(word(2)), number(3) as u32),
+        "read" => read(&domain, number(2)),
+        "future" => future(&domain, number(2)),
+        other => panic!("no command {other}: see the top of stream_peer.rs"),
     }
 }
 
-/// Boxes in loose layers that go on moving for a while, on a floor.
-fn pile(count: usize) -> World {
-    let mut world = World::new(&WorldDef { body_capacity: count as u32 + 1, ..WorldDef::default() }).expect("a world");
-    let floor = Shape::cuboid(Vec3::new(200.0, 0.5, 200.0)).expect("a box");
-    world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, -0.5, 0.0)).with_shape(ShapeDef::new(floor))).expect("a floor");
-    let shape = Shape::cuboid(Vec3::new(0.25, 0.2, 0.22)).expect("a box");
-    let side = (count as f64 / 4.0).sqrt().ceil() as usize;
-    for index in 0..count {
-        let (x, z, y) = (index % side, index / side % side, index / (side * side));
-        let shift = 0.07 * ((index * 7919 % 13) as f64 - 6.0) / 6.0;
-        let pose = Pose::at_xyz(0.66 * x as f64 + shift, 0.5 + 0.66 * y as f64, 0.66 * z as f64 - shift);
-        world.create_body(&BodyDef::dynamic(pose).with_shape(ShapeDef::new(shape.clone()))).expect("a body");
-    }
-    world
+/// A scene's bodies and joints, on one thread.
+fn world(scene: &str) -> LongspanEngine {
+    let mut words = scene.split(',');
+    let name = words.next().unwrap_or_default();
+    let keys = words.map(|word| word.split_once('=').map(|(key, value)| (key.to_owned(), value.to_owned())).expect("KEY=VALUE"));
+    LongspanEngine::start(&build(name, &keys.collect::<Vec<_>>()).expect("a scene")).expect("a world")
 }
 
-fn step(count: usize, seconds: f64, rate: f64, domain: Option<&Domain>) {
-    let mut world = pile(count);
-    let def = domain.map(|domain| PublisherDef { domain: domain.clone(), name: "peer".into(), ..PublisherDef::default() });
-    let mut publisher = def.map(|def| Publisher::open(&world, &def).expect("a stream"));
+fn open(domain: &Domain, world: &World) -> Publisher {
+    let def = PublisherDef { domain: domain.clone(), name: "peer".into(), ..PublisherDef::default() };
+    Publisher::open(world, &def).expect("a stream")
+}
+
+/// Sleeps until this many periods of the rate are over.
+fn wait(start: Instant, periods: usize, rate: f64) {
+    if rate > 0.0 {
+        let due = start + Duration::from_secs_f64(periods as f64 / rate);
+        std::thread::sleep(due.saturating_duration_since(Instant::now()));
+    }
+}
+
+fn publish(domain: &Domain, mut engine: LongspanEngine, seconds: f64, rate: f64) {
+    let world = engine.world_mut();
+    let mut publisher = open(domain, world);
     println!("ready");
-    let (mut whole, mut publishing) = (Vec::new(), Vec::new());
+    let (mut stepping, mut publishing) = (Vec::new(), Vec::new());
     let start = Instant::now();
     while start.elapsed().as_secs_f64() < seconds {
-        let begin = Instant::now();
-        world.step(1.0 / 60.0).expect("a step");
-        if let Some(publisher) = &mut publisher {
-            publisher.publish(&world);
-            publishing.push(1e6 * publisher.stats().seconds);
-        }
-        whole.push(1e6 * begin.elapsed().as_secs_f64());
-        if rate > 0.0 {
-            let due = start + Duration::from_secs_f64(whole.len() as f64 / rate);
-            std::thread::sleep(due.saturating_duration_since(Instant::now()));
-        }
-        // A pile that has come to rest is thrown up again.
-        if world.awake_body_count() == 0 {
-            let bodies: Vec<_> = world.bodies().skip(1).collect();
-            bodies.into_iter().for_each(|body| world.set_linear_velocity(body, Vec3::Y).expect("a body"));
-        }
+        stepping.push(cpu(|| step(world)));
+        publishing.push(cpu(|| publisher.publish(world)));
+        wait(start, stepping.len(), rate);
     }
-    let dropped = publisher.map_or(0, |publisher| publisher.stats().dropped);
-    println!("{} steps, {dropped} dropped", whole.len());
-    print_times("step with publication", &mut whole);
-    print_times("publication", &mut publishing);
+    println!("{} steps, {} dropped", stepping.len(), publisher.stats().dropped);
+    print_times("step, CPU time", &mut stepping);
+    print_times("publication, CPU time", &mut publishing);
+}
+
+fn measure(domain: &Domain, mut engine: LongspanEngine, steps: u32, rate: f64) {
+    let world = engine.world_mut();
+    for _ in 0..WARM_UP {
+        step(world);
+    }
+    let mut publisher = open(domain, world);
+    let readers: Vec<Child> = (0..3).map(|_| reader(domain)).collect();
+    std::thread::sleep(Duration::from_millis(500));
+    let (mut with, mut without, mut publishing) = (Vec::new(), Vec::new(), Vec::new());
+    let start = Instant::now();
+    for number in 0..steps {
+        let streams = number / BLOCK % 2 == 0;
+        let own = cpu(|| step(world));
+        if streams {
+            with.push(own);
+            publishing.push(cpu(|| publisher.publish(world)));
+        } else {
+            without.push(own);
+        }
+        wait(start, number as usize + 1, rate);
+    }
+    let stats = *publisher.stats();
+    println!("{} of {} bodies awake, {} frames", world.awake_body_count(), world.body_count(), stats.frames);
+    println!("{} bytes a publication, {} dropped", stats.bytes / stats.frames.max(1), stats.dropped);
+    drop(publisher);
+    for mut reader in readers {
+        reader.wait().expect("a reader ends when its publisher has gone");
+    }
+    let share = 100.0 * median(&mut publishing) / median(&mut without);
+    let of_sum = 100.0 * publishing.iter().sum::<f64>() / with.iter().sum::<f64>();
+    print_times("step without publication, CPU time", &mut without);
+    print_times("step with publication, its own CPU time", &mut with);
+    print_times("publication, CPU time", &mut publishing);
+    println!("publication over step: {share:.2} % of medians, {of_sum:.2} % of sums");
+}
+
+/// This program as another process in the same domain.
+fn peer(command: &str, domain: &Domain, words: &[&str]) -> Command {
+    let folder = domain.folder();
+    let name = folder.file_name().and_then(|name| name.to_str()).and_then(|name| name.strip_prefix("d-")).unwrap_or_default();
+    let mut peer = Command::new(std::env::current_exe().expect("this program"));
+    peer.args([command, name]).args(words);
+    peer
+}
+
+/// A reader in a process of its own, which prints what it saw when the publisher has gone.
+fn reader(domain: &Domain) -> Child {
+    peer("read", domain, &["0"]).spawn().expect("a reader")
+}
+
+/// Steps of each part of a life: all well; the others hang; the others are dead, or not there yet.
+const PART: u32 = 15;
+
+fn endure(domain: &Domain, mut engine: LongspanEngine, lives: u32) {
+    let world = engine.world_mut();
+    let mut publisher = open(domain, world);
+    let mut times = [const { Vec::new() }; 4];
+    let [calm, disturbed, calm_publication, disturbed_publication] = &mut times;
+    let mut go_on = |steps: &mut Vec<f64>, publications: &mut Vec<f64>| {
+        for _ in 0..PART {
+            steps.push(cpu(|| step(world)));
+            publications.push(cpu(|| publisher.publish(world)));
+        }
+    };
+    for life in 0..lives {
+        go_on(calm, calm_publication);
+        let mut others = [peer("read", domain, &["0"]), peer("publish", domain, &["pile,n=30", "1000", "200"])]
+            .map(|mut other| other.stdout(Stdio::null()).spawn().expect("another process"));
+        let signal = |name: &str| {
+            let all = others.iter().map(|other| other.id().to_string());
+            Command::new("kill").arg(name).args(all).status().expect("kill is there");
+        };
+        go_on(disturbed, disturbed_publication);
+        signal("-STOP");
+        go_on(disturbed, disturbed_publication);
+        // Every other time they die as they hang.
+        if life % 2 == 0 {
+            signal("-CONT");
+            go_on(disturbed, disturbed_publication);
+        }
+        for other in &mut others {
+            other.kill().and_then(|()| other.wait()).expect("it was there");
+        }
+        go_on(disturbed, disturbed_publication);
+    }
+    let stats = *publisher.stats();
+    drop(publisher);
+    let left = leftovers(domain);
+    println!(
+        "{lives} lives, {} frames, {} records, {} dropped, {} files left",
+        stats.frames,
+        stats.records,
+        stats.dropped,
+        left.len()
+    );
+    for (what, times) in ["step, calm", "step, disturbed", "publication, calm", "publication, disturbed"].iter().zip(&mut times) {
+        print_times(what, times);
+    }
+    assert!(stats.dropped == 0 && left.is_empty(), "dropped or left: {left:?}");
+}
+
+/// All files of a domain but the lock, and the one that iceoryx2 keeps for good.
+fn leftovers(domain: &Domain) -> Vec<String> {
+    let prefix = domain.prefix();
+    let names = |folder: &Path| std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut left: Vec<PathBuf> = names(Path::new("/dev/shm")).collect();
+    left.retain(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&prefix)));
+    let mut open = vec![domain.folder()];
+    while let Some(folder) = open.pop() {
+        let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) = names(&folder).partition(|path| path.is_dir());
+        open.extend(folders);
+        left.extend(files);
+    }
+    let left = left.into_iter().map(|path| path.display().to_string());
+    left.filter(|name| !name.contains("global_mgmt") && !name.ends_with("/lock")).collect()
+}
+
+/// A service where readers of today find it, of the next schema.
+fn future(domain: &Domain, seconds: f64) {
+    set_log_level(LogLevel::Fatal);
+    // Whoever reads has made the folder.
+    let folder = domain.folder();
+    std::fs::create_dir_all(&folder).expect("a folder");
+    // As every member of a domain does, so that nobody clears it.
+    let lock = std::fs::File::create(folder.join("lock")).expect("a lock");
+    lock.lock_shared().expect("a lock");
+    let mut config = Config::default();
+    config.global.set_root_path(&FolderName::new(folder.to_str().expect("plain letters").as_bytes()).expect("a path"));
+    config.global.prefix = FileName::new(domain.prefix().as_bytes()).expect("a name");
+    let node = NodeBuilder::new().config(&config).create::<ipc::Service>().expect("a node");
+    let name = format!("longspan/abi{LS_STREAM_ABI}/schema{}/{}/1/future/hot", LS_STREAM_SCHEMA + 1, std::process::id());
+    let service = node.service_builder(&name.as_str().try_into().expect("a name")).publish_subscribe::<u64>();
+    let service = service.create().expect("a service");
+    let _publisher = service.publisher_builder().create().expect("a publisher");
+    println!("ready");
+    std::thread::sleep(Duration::from_secs_f64(seconds));
 }
 
 fn read(domain: &Domain, seconds: f64) {
@@ -76,7 +224,7 @@ fn read(domain: &Domain, seconds: f64) {
     println!("ready");
     let (mut ages, mut frames, mut lost, mut records, mut lives, mut problems) = (Vec::new(), 0, 0, 0, 0, 0);
     let start = Instant::now();
-    while start.elapsed().as_secs_f64() < seconds {
+    while seconds == 0.0 || start.elapsed().as_secs_f64() < seconds {
         match reader.wait(Duration::from_millis(50)) {
             Ok(Poll::Frame { lost_frames, lost_records, is_first }) => {
                 let clock = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64);
@@ -88,6 +236,7 @@ fn read(domain: &Domain, seconds: f64) {
                 }
                 (frames, lost, records) = (frames + 1, lost + lost_frames, records + lost_records);
             }
+            Ok(Poll::Gone) if seconds == 0.0 && frames > 0 => break,
             Ok(_) => {}
             Err(problem) => {
                 problems += 1;
@@ -100,6 +249,22 @@ fn read(domain: &Domain, seconds: f64) {
     println!("{frames} frames, {lost} lost, {records} records lost, {lives} lives, {problems} problems");
     println!("{bodies} bodies, complete: {complete}");
     print_times("age of a frame when it has been taken in", &mut ages);
+}
+
+fn step(world: &mut World) {
+    world.step(DT).expect("a step");
+}
+
+/// What work costs this thread (µs): time in which it does not run does not count.
+fn cpu(work: impl FnOnce()) -> f64 {
+    let start = ThreadTime::now();
+    work();
+    1e6 * start.elapsed().as_secs_f64()
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 fn print_times(what: &str, microseconds: &mut [f64]) {

@@ -172,29 +172,32 @@ pub struct Source {
     pub number: u32,
     /// Number of its schema; one that is not [`LS_STREAM_SCHEMA`] cannot be read.
     pub schema: u32,
+    /// Number of the binary interface of the library that publishes it; any can be read.
+    pub abi: u32,
 }
 
 impl Source {
     pub(crate) fn new(name: &str, process: u32, number: u32) -> Self {
-        Self { name: name.to_owned(), process, number, schema: LS_STREAM_SCHEMA }
+        Self { name: name.to_owned(), process, number, schema: LS_STREAM_SCHEMA, abi: LS_STREAM_ABI }
     }
 
     /// Name of the service that carries a channel.
     pub(crate) fn service(&self, channel: &str) -> Result<ServiceName> {
-        let Self { name, process, number, schema } = self;
-        let text = format!("{FAMILY}/abi{LS_STREAM_ABI}/schema{schema}/{process}/{number}/{name}/{channel}");
+        let Self { name, process, number, schema, abi } = self;
+        let text = format!("{FAMILY}/abi{abi}/schema{schema}/{process}/{number}/{name}/{channel}");
         ServiceName::new(&text).map_err(|_| Problem::Argument("name", "is too long"))
     }
 
     /// The stream of which this is the name of the hot channel.
     fn parse(service: &str) -> Option<Self> {
         let words: Vec<&str> = service.split('/').collect();
-        let [FAMILY, _abi, schema, process, number, name, "hot"] = words[..] else { return None };
+        let [FAMILY, abi, schema, process, number, name, "hot"] = words[..] else { return None };
         Some(Self {
             name: name.to_owned(),
             process: process.parse().ok()?,
             number: number.parse().ok()?,
             schema: schema.strip_prefix("schema")?.parse().ok()?,
+            abi: abi.strip_prefix("abi")?.parse().ok()?,
         })
     }
 }
@@ -208,7 +211,9 @@ mod tests {
         let source = Source::new("crane.left-2", 4711, 3);
         assert_eq!(Source::parse(source.service("hot").unwrap().as_str()), Some(source.clone()));
         assert_eq!(Source::parse(source.service("cold").unwrap().as_str()), None);
-        assert_eq!(Source::parse("longspan/abi0/schema9/1/2/x/hot").map(|source| source.schema), Some(9));
+        let other = Source::parse("longspan/abi7/schema9/1/2/x/hot").unwrap();
+        assert_eq!((other.schema, other.abi), (9, 7));
+        assert_eq!(Source::parse(other.service("hot").unwrap().as_str()), Some(other));
         for other in ["", "longspan", "camera/hot", "longspan/abi0/schemaX/1/2/x/hot"] {
             assert_eq!(Source::parse(other), None, "{other}");
         }

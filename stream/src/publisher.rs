@@ -10,7 +10,7 @@ use longspan_stream_schema::{
     LsStreamMotion, LsStreamWorld,
 };
 
-use crate::capture::{BLOCK, Cold, Hot, header_of};
+use crate::capture::{BLOCK, Cold, Hot};
 use crate::channel::{Outlet, Room};
 use crate::domain::{Domain, Membership, Source, check_name};
 use crate::message::{SECTION, clock};
@@ -258,7 +258,7 @@ impl Publisher {
         let start = LsStreamHeader {
             sequence: self.hot_sequence,
             dropped: self.stats.dropped,
-            ..header_of(world, session, self.def.state_hash)
+            ..self.hot.header(world, session, self.def.state_hash)
         };
         let sent = self.hot_outlet.send(length, |slate| self.hot.write(world, &self.cold, start, slate));
         self.stats.frames += u64::from(sent);

@@ -90,7 +90,7 @@ impl Reader {
         &self.scene
     }
 
-    /// Empties the list of events.
+    /// Empties the lists of events, breaks and pieces.
     pub fn forget_events(&mut self) {
         self.scene.forget_events();
     }

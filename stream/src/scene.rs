@@ -7,8 +7,8 @@ use longspan_stream_schema::{
     ContentHash, LS_STREAM_BODY_SUPPORT_KNOWN, LS_STREAM_BODY_SUPPORTED, LS_STREAM_CHANNEL_COLD, LS_STREAM_CHANNEL_HOT,
     LS_STREAM_CYCLE_BEGINS, LS_STREAM_CYCLE_ENDS, LS_STREAM_EVENT_SUPPORT_GAINED, LS_STREAM_EVENT_SUPPORT_LOST,
     LS_STREAM_SECTION_BODY_GONE, LS_STREAM_SECTION_GEOMETRY, LS_STREAM_SECTION_JOINT_GONE, LS_STREAM_SECTION_SHAPE_GONE,
-    LsStreamBody, LsStreamBound, LsStreamContact, LsStreamEvent, LsStreamGeometry, LsStreamGone, LsStreamHeader, LsStreamJoint,
-    LsStreamJointLoad, LsStreamMotion, LsStreamPlane, LsStreamShape, LsStreamWorld,
+    LsStreamBody, LsStreamBound, LsStreamBreak, LsStreamContact, LsStreamEvent, LsStreamGeometry, LsStreamGone, LsStreamHeader,
+    LsStreamJoint, LsStreamJointLoad, LsStreamMotion, LsStreamPiece, LsStreamPlane, LsStreamShape, LsStreamWorld,
 };
 
 use crate::message::{Message, Section, Sections, header};
@@ -64,6 +64,8 @@ pub struct Scene {
     bounds: Vec<LsStreamBound>,
     planes: Vec<LsStreamPlane>,
     events: Vec<LsStreamEvent>,
+    breaks: Vec<LsStreamBreak>,
+    pieces: Vec<LsStreamPiece>,
     /// Message with which the cycle under way began, if none was missed since.
     cycle_begin: Option<u64>,
     cold_sequence: u64,
@@ -141,9 +143,21 @@ impl Scene {
         &self.events
     }
 
-    /// Empties the list of events.
+    /// Joints that broke since then, the oldest first.
+    pub fn breaks(&self) -> &[LsStreamBreak] {
+        &self.breaks
+    }
+
+    /// Pieces of unions that fell apart since then, the oldest first.
+    pub fn pieces(&self) -> &[LsStreamPiece] {
+        &self.pieces
+    }
+
+    /// Empties the lists of events, breaks and pieces.
     pub fn forget_events(&mut self) {
         self.events.clear();
+        self.breaks.clear();
+        self.pieces.clear();
     }
 
     /// Hash of the step, of the handles, poses, velocities and flags of all bodies, and of the joints.
@@ -266,6 +280,10 @@ impl Scene {
         for event in section.records::<LsStreamEvent>() {
             self.apply_event(event?);
         }
+        collect(section, &mut self.breaks)?;
+        collect(section, &mut self.pieces)?;
+        self.breaks.truncate(MAX_EVENTS);
+        self.pieces.truncate(MAX_EVENTS);
         if section.kind == LS_STREAM_SECTION_GEOMETRY {
             self.apply_geometry(section.bytes())?;
         }

@@ -132,7 +132,7 @@ fn segments(room: &Room) -> Vec<std::fs::File> {
 #[test]
 fn damaged_shared_memory_is_noticed_and_outlived() {
     let room = Room::new("hostile_memory");
-    let words = ["publish", &common::domain_name(&room), "30", "10000", "1000"];
+    let words = ["publish", &common::domain_name(&room), "pile,n=30", "10000", "1000"];
     let mut publisher = common::peer(&words);
     let mut reader = Reader::attach(&room.domain, "").unwrap();
     let mut random = Random(99);
@@ -174,4 +174,21 @@ fn a_stream_of_another_schema_is_told_from_none() {
     bytes[8] = 2;
     let Err(Problem::Incompatible(what)) = Message::check(&bytes) else { panic!("it is taken for one of this schema") };
     assert!(what.contains("schema 2") && what.contains("reads 1"), "{what}");
+}
+
+#[test]
+fn a_reader_that_finds_only_a_stream_of_another_schema_says_so() {
+    let room = Room::new("future");
+    let other = common::peer(&["future", &common::domain_name(&room), "60"]);
+    let mut reader = Reader::attach(&room.domain, "future").unwrap();
+    let Err(Problem::Incompatible(what)) = reader.poll() else { panic!("it is read, or not found") };
+    assert_eq!(what, "a stream of this name has schema 2, this library reads 1");
+    assert_eq!(room.domain.sources().unwrap().iter().map(|source| source.schema).collect::<Vec<_>>(), [2]);
+    // One of this schema beside it is read all the same.
+    let world = falling_boxes(3);
+    let publisher = Publisher::open(&world, &room.def("future")).unwrap();
+    assert_eq!(common::until(&mut reader, Poll::Nothing), Poll::Nothing);
+    assert_eq!(reader.source(), Some(publisher.source()));
+    drop(reader);
+    common::kill(other);
 }

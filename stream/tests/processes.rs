@@ -20,19 +20,29 @@ fn signal(child: &Child, name: &str) {
 }
 
 #[test]
-fn readers_that_are_killed_leave_the_publisher_and_the_others_alone() {
+fn readers_that_are_stopped_and_killed_leave_the_publisher_and_the_others_alone() {
     let room = Room::new("readers_killed");
     let mut world = falling_boxes(50);
     let mut publisher = Publisher::open(&world, &room.def("host")).unwrap();
     let mut witness = common::attach(&room, "host", std::slice::from_mut(&mut publisher));
     for life in 0..lives() {
         let child = peer(&["read", &domain_name(&room), "60"]);
-        for _ in 0..20 {
-            world.step(DT).unwrap();
-            publisher.publish(&world);
-            std::thread::sleep(Duration::from_millis(1));
-            let poll = witness.wait(Duration::from_secs(5)).unwrap();
-            assert!(matches!(poll, Poll::Frame { lost_frames: 0, lost_records: 0, .. }), "life {life}: {poll:?}");
+        let mut publish = || {
+            for _ in 0..20 {
+                world.step(DT).unwrap();
+                publisher.publish(&world);
+                std::thread::sleep(Duration::from_millis(1));
+                let poll = witness.wait(Duration::from_secs(5)).unwrap();
+                assert!(matches!(poll, Poll::Frame { lost_frames: 0, lost_records: 0, .. }), "life {life}: {poll:?}");
+            }
+        };
+        publish();
+        signal(&child, "-STOP");
+        publish();
+        // Every other one dies as it hangs.
+        if life % 2 == 0 {
+            signal(&child, "-CONT");
+            publish();
         }
         kill(child);
     }
@@ -74,7 +84,7 @@ fn a_publisher_that_is_killed_is_found_again_and_nothing_of_it_stays() {
     let room = Room::new("publisher_killed");
     let mut reader = Reader::attach(&room.domain, "").unwrap();
     for life in 0..lives() {
-        let child = peer(&["publish", &domain_name(&room), "30", "60", "500"]);
+        let child = peer(&["publish", &domain_name(&room), "pile,n=30", "60", "500"]);
         let (mut firsts, mut frames) = (0, 0);
         let deadline = std::time::Instant::now() + Duration::from_secs(10);
         while frames < 70 && std::time::Instant::now() < deadline {
@@ -84,7 +94,7 @@ fn a_publisher_that_is_killed_is_found_again_and_nothing_of_it_stays() {
                 assert_eq!(lost_records, 0, "life {life}: no record is lost once the reader is there again");
             }
         }
-        assert_eq!((firsts, reader.scene().is_complete(), reader.scene().bodies().len()), (1, true, 31), "life {life}");
+        assert_eq!((firsts, reader.scene().is_complete(), reader.scene().bodies().len()), (1, true, 35), "life {life}");
         kill(child);
         assert_eq!(common::until(&mut reader, Poll::Gone), Poll::Gone, "life {life}");
     }
@@ -95,7 +105,7 @@ fn a_publisher_that_is_killed_is_found_again_and_nothing_of_it_stays() {
 #[test]
 fn what_everybody_left_behind_is_cleared_by_whoever_comes_next() {
     let room = Room::new("all_killed");
-    let publisher = peer(&["publish", &domain_name(&room), "30", "60", "500"]);
+    let publisher = peer(&["publish", &domain_name(&room), "pile,n=30", "60", "500"]);
     let reader = peer(&["read", &domain_name(&room), "60"]);
     std::thread::sleep(Duration::from_millis(500));
     kill(publisher);

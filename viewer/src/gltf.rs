@@ -231,3 +231,84 @@ impl Document {
         self.root.scene = Some(self.root.push(scene));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use ::gltf::animation::util::ReadOutputs;
+    use longspan::glam::Quat;
+    use longspan_scenes::{DT, LongspanEngine, build};
+    use longspan_stream::{Domain, Publisher, PublisherDef};
+
+    use super::*;
+
+    /// A recording of a chain that swings; it and the pose of one link in each of its frames.
+    fn recorded(folder: &Path) -> Vec<(f32, DVec3, [f32; 4])> {
+        let domain = Domain::named(&format!("gltf{}", std::process::id())).unwrap();
+        let scene = build("swinging_weight", &[("n".to_owned(), "6".to_owned())]).unwrap();
+        let mut engine = LongspanEngine::start(&scene).unwrap();
+        let last = engine.body_id(scene.bodies.len() - 1);
+        let world = engine.world_mut();
+        let def = PublisherDef { domain: domain.clone(), name: "gltf".into(), ..PublisherDef::default() };
+        let mut publisher = Publisher::open(world, &def).unwrap();
+        let mut reader = Reader::attach(&domain, "gltf").unwrap();
+        while reader.poll().unwrap() != Poll::Nothing {}
+        reader.record(Some(&folder.join("chain.lsr"))).unwrap();
+        let mut poses = Vec::new();
+        for _ in 0..40 {
+            world.step(DT).unwrap();
+            publisher.publish(world);
+            reader.wait(std::time::Duration::from_secs(5)).unwrap();
+            let pose = world.pose(last).unwrap();
+            poses.push((world.time() as f32, pose.position, pose.rotation.to_array()));
+        }
+        reader.record(None).unwrap();
+        poses
+    }
+
+    #[test]
+    fn another_reader_of_gltf_finds_every_frame() {
+        let folder = std::env::temp_dir().join(format!("longspan-gltf-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let poses = recorded(&folder);
+        write(Reader::open(&folder.join("chain.lsr")).unwrap(), &folder.join("chain.gltf")).unwrap();
+        // Checks the document against the format's rules, and every accessor against the buffer.
+        let (document, buffers, _) = ::gltf::import(folder.join("chain.gltf")).unwrap();
+        fs::remove_dir_all(&folder).unwrap();
+        let data = |buffer: ::gltf::Buffer<'_>| Some(&*buffers[buffer.index()].0);
+
+        let animation = document.animations().next().expect("one animation");
+        let mut tracks: BTreeMap<usize, (Vec<f32>, Vec<Vec3>, Vec<[f32; 4]>)> = BTreeMap::new();
+        for channel in animation.channels() {
+            let reader = channel.reader(data);
+            let track = tracks.entry(channel.target().node().index()).or_default();
+            track.0 = reader.read_inputs().expect("times").collect();
+            match reader.read_outputs().expect("values") {
+                ReadOutputs::Translations(places) => track.1 = places.map(Vec3::from_array).collect(),
+                ReadOutputs::Rotations(turns) => track.2 = turns.into_f32().collect(),
+                _ => panic!("neither places nor turns"),
+            }
+        }
+        // What is recorded begins with the frame that was there when the reader came.
+        let last = tracks.values().last().expect("the weight was made last, and moves");
+        let skipped = last.0.len() - poses.len();
+        assert!(skipped <= 1, "{} frames of {}", last.0.len(), poses.len());
+        let origin = poses[0].1 - last.1[skipped].as_dvec3();
+        assert!(origin.distance(origin.round()) < 1e-5, "the origin is a whole number of metres: {origin}");
+        for (frame, (time, place, turn)) in poses.iter().enumerate() {
+            let at = frame + skipped;
+            assert_eq!(last.0[at], *time, "frame {frame}");
+            // It was made of length one once more.
+            let turned = Quat::from_array(last.2[at]).abs_diff_eq(Quat::from_array(*turn), 2.0 * f32::EPSILON);
+            assert!(turned, "frame {frame}: {:?} for {turn:?}", last.2[at]);
+            let off = (last.1[at].as_dvec3() + origin.round()).distance(*place);
+            assert!(off < 1e-5, "frame {frame}: {off} m off");
+        }
+        for mesh in document.meshes() {
+            let primitive = mesh.primitives().next().expect("triangles");
+            let reader = primitive.reader(data);
+            let points = reader.read_positions().expect("points").count();
+            let corners: Vec<u32> = reader.read_indices().expect("triangles").into_u32().collect();
+            assert!(points > 3 && corners.len() % 3 == 0 && corners.iter().all(|&corner| (corner as usize) < points));
+        }
+    }
+}

@@ -27,7 +27,9 @@ const USAGE: &str = "longspan-viewer COMMAND
     --domain NAME    where to look for streams
     --step N         the frame of this step of a recording (else: its last)
     --size WxH       of pictures (960x600)
-    --shot OUT.png   watch and play: save the window after two seconds, and end";
+    --select N       watch and play: begin with the N-th moving body selected, from 0
+    --after SECONDS  --shot: how long to look before (2)
+    --shot OUT.png   watch and play: save the window after a while, and end";
 
 /// What the command line says.
 #[derive(Debug, Default)]
@@ -37,6 +39,8 @@ pub struct Options {
     step: Option<u64>,
     size: Option<(usize, usize)>,
     shot: Option<String>,
+    select: Option<usize>,
+    after: Option<f32>,
 }
 
 /// Any failure, as text.
@@ -51,6 +55,8 @@ fn options() -> Outcome<Options> {
             "--domain" => options.domain = value()?,
             "--step" => options.step = Some(value()?.parse()?),
             "--shot" => options.shot = Some(value()?),
+            "--select" => options.select = Some(value()?.parse()?),
+            "--after" => options.after = Some(value()?.parse()?),
             "--size" => {
                 let text = value()?;
                 let (width, height) = text.split_once('x').ok_or("--size is WIDTHxHEIGHT")?;
@@ -82,9 +88,9 @@ fn run(options: &Options) -> Outcome<()> {
             }
             Ok(())
         }
-        ["watch"] => window::open(Reader::attach(&domain, "")?, &domain, options.shot.clone()),
-        ["watch", name] => window::open(Reader::attach(&domain, name)?, &domain, options.shot.clone()),
-        ["play", file] => window::open(Reader::open(Path::new(file))?, &domain, options.shot.clone()),
+        ["watch"] => window::open(Reader::attach(&domain, "")?, &domain, options),
+        ["watch", name] => window::open(Reader::attach(&domain, name)?, &domain, options),
+        ["play", file] => window::open(Reader::open(Path::new(file))?, &domain, options),
         ["picture", from, to] => export::picture(&still(&domain, from, options.step)?, Path::new(to), size),
         ["turntable", from, to] => export::turntable(&still(&domain, from, options.step)?, Path::new(to), size),
         ["record", name, file, seconds] => record(&domain, name, file, seconds.parse()?),

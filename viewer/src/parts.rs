@@ -5,7 +5,7 @@ use longspan::{Geometry, Pose};
 use longspan_scenes::picture::{Drawn, color_of};
 use longspan_stream::Scene;
 use longspan_stream::schema::{
-    LS_STREAM_BODY_ASLEEP, LS_STREAM_BODY_SUPPORT_KNOWN, LS_STREAM_BODY_SUPPORTED, LsStreamBody, LsStreamShape,
+    LS_STREAM_BODY_ASLEEP, LS_STREAM_BODY_SUPPORT_KNOWN, LS_STREAM_BODY_SUPPORTED, LsStreamBody, LsStreamBound, LsStreamShape,
 };
 
 /// What is shown beside the bodies.
@@ -32,6 +32,7 @@ impl Layers {
 
 const FIXED: Vec3 = Vec3::new(0.30, 0.31, 0.33);
 const UNSUPPORTED: Vec3 = Vec3::new(0.85, 0.10, 0.08);
+const BROKEN: Vec3 = Vec3::new(1.0, 0.45, 0.0);
 
 /// From green over yellow to red.
 fn heat(share: f32) -> Vec3 {
@@ -90,10 +91,22 @@ pub fn of_scene(scene: &Scene, layers: Layers) -> Vec<(u64, Drawn)> {
 }
 
 /// A length in proportion to the scene (m): the middle of the distances of its bodies from each other.
-fn reach(drawn: &[(u64, Drawn)]) -> f32 {
+pub fn reach(drawn: &[(u64, Drawn)]) -> f32 {
     let finite = drawn.iter().map(|(_, part)| part.pose.position).filter(|position| position.length() < 1e5);
     let (min, max) = finite.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), at| (min.min(at), max.max(at)));
     if min.is_finite() { ((max - min).length() as f32).max(0.1) } else { 1.0 }
+}
+
+/// From 0 for a bound with a tenth of its length to spare, to 1 for one that has reached it.
+fn tightness(bound: &LsStreamBound) -> f32 {
+    let above = bound.upper - bound.distance;
+    let slack = if bound.lower > 0.0 { above.min(bound.distance - bound.lower) } else { above };
+    1.0 - 10.0 * slack / bound.upper.max(1e-6)
+}
+
+/// A place where a joint broke a moment ago.
+pub fn broken_at(at: [f64; 3], size: f32) -> Drawn {
+    Drawn { geometry: Geometry::Ball { radius: 0.006 * size }, pose: Pose::at(DVec3::from_array(at)), color: BROKEN }
 }
 
 /// Bounds, joints, contacts and planes.
@@ -119,19 +132,21 @@ fn add_spans(scene: &Scene, layers: Layers, size: f32, drawn: &mut Vec<(u64, Dra
         }
     }
     if layers.bounds {
+        let most = scene.bounds().iter().map(|bound| bound.tension.abs()).fold(0.0, f32::max);
         for bound in scene.bounds() {
             let [near, far] = [bound.near_point, bound.far_point].map(DVec3::from_array);
             let along = (far - near).as_vec3();
-            let tight = 1.0 - (bound.upper - bound.distance) / bound.upper.max(1e-6) * 20.0;
+            let load = if most > 0.0 { bound.tension.abs() / most } else { 0.0 };
             drawn.push((
                 0,
                 Drawn {
-                    geometry: Geometry::Capsule { half_height: 0.5 * along.length(), radius: thin },
+                    // The more it carries, the thicker.
+                    geometry: Geometry::Capsule { half_height: 0.5 * along.length(), radius: thin * (0.6 + 1.4 * load) },
                     pose: Pose {
                         position: 0.5 * (near + far),
                         rotation: Quat::from_rotation_arc(Vec3::Y, along.try_normalize().unwrap_or(Vec3::Y)),
                     },
-                    color: heat(tight),
+                    color: heat(tightness(bound)),
                 },
             ));
         }

@@ -1,16 +1,17 @@
 //! The window: turn, select, pause, scrub, choose a stream, save what is seen.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::time::Instant;
 
 use longspan::glam::{DVec3, Vec3 as Direction};
 use longspan_scenes::picture::{Drawn, points_and_triangles};
-use longspan_stream::{Domain, Poll, Reader};
+use longspan_stream::schema::{LS_STREAM_BODY_ASLEEP, LS_STREAM_BODY_SUPPORT_KNOWN};
+use longspan_stream::{Domain, Poll, Reader, Source};
 use macroquad::models::{Mesh, Vertex};
 use macroquad::prelude::*;
 
-use crate::Outcome;
-use crate::parts::{Layers, of_scene, pose_of};
+use crate::parts::{Layers, broken_at, of_scene, pose_of, reach};
+use crate::{Options, Outcome};
 
 /// Segments around what is round; a window has less time for a picture than a file.
 const SEGMENTS: u32 = 12;
@@ -19,12 +20,38 @@ const SEGMENTS: u32 = 12;
 const CALL_VERTICES: usize = 30_000;
 const CALL_INDICES: usize = 60_000;
 
-/// When a picture is taken that was asked for on the command line (s).
+/// When a picture is taken that was asked for on the command line (s), unless said.
 const SHOT_AFTER: f32 = 2.0;
 
+/// Part of the way to where everything fits that is gone with each picture.
+const FOLLOW: f32 = 0.08;
+
+/// Most frames of a recording that are played for one picture.
+const MOST_FRAMES: u32 = 16;
+
+/// Steps for which the place of a break is shown.
+const BREAKS_SEEN: u64 = 60;
+
+/// How often the window looks which streams there are (s).
+const LIST_EVERY: f32 = 1.0;
+
+/// What `LsStreamBody.support` means, by its number.
+const VERDICTS: [&str; 10] = [
+    "supported",
+    "held by joints",
+    "ground",
+    "touches nothing",
+    "slides",
+    "rests on what is not supported",
+    "outside the hull of its contacts",
+    "hangs loose",
+    "moving",
+    "no gravity",
+];
+
 const SKY: Color = Color::new(0.80, 0.87, 0.94, 1.0);
+const PAPER: Color = Color::new(1.0, 1.0, 1.0, 0.75);
 const TEXT: Color = Color::new(0.08, 0.09, 0.10, 1.0);
-const SELECTED: Color = Color::new(1.0, 1.0, 1.0, 1.0);
 
 struct View {
     reader: Reader,
@@ -41,12 +68,22 @@ struct View {
     dragging: bool,
     wants_picture: bool,
     mouse: (f32, f32),
+    /// Which of the moving bodies is to be selected at the start.
+    select_first: Option<usize>,
+    /// Time of a recording that is due to be played (s).
+    playing: f64,
+    /// Where joints broke in the last steps, and in which.
+    breaks: VecDeque<(u64, [f64; 3])>,
+    broken: usize,
+    /// All streams, and when they were looked for.
+    sources: Vec<Source>,
+    listed: Option<Instant>,
     problem: String,
     status: String,
 }
 
 /// Opens a window on a reader, until it is closed.
-pub fn open(reader: Reader, domain: &Domain, shot: Option<String>) -> Outcome<()> {
+pub fn open(reader: Reader, domain: &Domain, options: &Options) -> Outcome<()> {
     let conf = macroquad::conf::Conf {
         miniquad_conf: miniquad::conf::Conf {
             window_title: "longspan".to_owned(),
@@ -67,33 +104,43 @@ pub fn open(reader: Reader, domain: &Domain, shot: Option<String>) -> Outcome<()
         center: DVec3::ZERO,
         yaw: 0.4,
         pitch: 0.35,
-        distance: 10.0,
+        distance: 0.0,
         framed: false,
         dragging: false,
         wants_picture: false,
         mouse: (0.0, 0.0),
+        select_first: options.select,
+        playing: 0.0,
+        breaks: VecDeque::new(),
+        broken: 0,
+        sources: Vec::new(),
+        listed: None,
         problem: String::new(),
         status: String::new(),
     };
+    let shot = options.shot.clone().map(|file| (file, options.after.unwrap_or(SHOT_AFTER)));
     macroquad::Window::from_config(conf, run(view, shot));
     Ok(())
 }
 
-async fn run(mut view: View, shot: Option<String>) {
+async fn run(mut view: View, shot: Option<(String, f32)>) {
     let start = Instant::now();
     loop {
         view.advance();
+        view.list_sources();
         view.turn();
         view.keys();
         clear_background(SKY);
-        let parts = of_scene(view.reader.scene(), view.layers);
-        view.frame(&parts);
+        let mut parts = of_scene(view.reader.scene(), view.layers);
+        let size = reach(&parts);
+        parts.extend(view.breaks.iter().map(|&(_, at)| (0, broken_at(at, size))));
+        view.frame();
         view.draw(&parts);
         view.write();
         if std::mem::take(&mut view.wants_picture) {
             save(&format!("longspan-{}.png", view.reader.scene().frame().step));
         }
-        if let Some(file) = shot.as_ref().filter(|_| start.elapsed().as_secs_f32() > SHOT_AFTER) {
+        if let Some((file, _)) = shot.as_ref().filter(|(_, after)| start.elapsed().as_secs_f32() > *after) {
             save(file);
             return;
         }
@@ -112,12 +159,36 @@ fn save(file: &str) {
 }
 
 impl View {
+    /// Takes in what is live, or plays as much of a recording as the time since the last picture is worth.
     fn advance(&mut self) {
         if self.paused {
             return;
         }
         self.problem.clear();
-        let poll = if self.reader.recording().is_some() { self.reader.poll_next() } else { self.reader.poll() };
+        if self.reader.recording().is_none() {
+            let poll = self.reader.poll();
+            return self.note(poll);
+        }
+        // A computer that is too slow for that plays slowly; it does not leap.
+        self.playing += f64::from(get_frame_time()).min(0.25);
+        for _ in 0..MOST_FRAMES {
+            let before = self.reader.scene().frame().time;
+            if self.playing <= 0.0 {
+                return;
+            }
+            let poll = self.reader.poll_next();
+            let over = !matches!(poll, Ok(Poll::Frame { .. }));
+            self.note(poll);
+            if over {
+                self.playing = 0.0;
+                return;
+            }
+            self.playing -= (self.reader.scene().frame().time - before).max(0.0);
+        }
+        self.playing = 0.0;
+    }
+
+    fn note(&mut self, poll: longspan_stream::Result<Poll>) {
         self.status = match poll {
             Ok(Poll::Frame { lost_frames: 0, lost_records: 0, .. }) => String::new(),
             Ok(Poll::Frame { lost_frames, lost_records, .. }) => format!("lost {lost_frames} frames, {lost_records} records"),
@@ -129,7 +200,27 @@ impl View {
                 return;
             }
         };
+        self.note_events();
+    }
+
+    /// Keeps places of breaks for a while, and forgets what a recording or another stream that begins anew had told.
+    fn note_events(&mut self) {
+        let scene = self.reader.scene();
+        let now = scene.frame().step;
+        self.broken += scene.breaks().len();
+        self.breaks.extend(scene.breaks().iter().map(|joint| (joint.step, joint.point)));
+        self.breaks.retain(|&(step, _)| step <= now && now - step < BREAKS_SEEN);
+        if let Some(number) = self.select_first.take_if(|_| scene.is_complete()) {
+            self.selected = scene.bodies().filter(|body| body.kind != 0).nth(number).map(|body| body.body);
+        }
         self.reader.forget_events();
+    }
+
+    fn list_sources(&mut self) {
+        if self.reader.recording().is_none() && self.listed.is_none_or(|listed| listed.elapsed().as_secs_f32() > LIST_EVERY) {
+            self.listed = Some(Instant::now());
+            self.sources = self.domain.sources().unwrap_or_default();
+        }
     }
 
     /// Mouse: turns with the left button, selects with a click, comes nearer with the wheel; scrubs in the bar at the bottom.
@@ -140,7 +231,7 @@ impl View {
             if y > screen_height() - 24.0 && self.reader.recording().is_some() {
                 self.scrub(x / screen_width());
             } else if !is_mouse_button_pressed(MouseButton::Left) && dx.abs() + dy.abs() > 0.0 {
-                self.dragging = true;
+                (self.dragging, self.framed) = (true, true);
                 self.yaw -= 0.006 * dx;
                 self.pitch = (self.pitch + 0.006 * dy).clamp(-1.5, 1.5);
             }
@@ -150,6 +241,7 @@ impl View {
                 self.select(x, y);
             }
         }
+        self.framed |= mouse_wheel().1 != 0.0;
         self.distance *= (1.0 - 0.1 * mouse_wheel().1.clamp(-3.0, 3.0)).max(0.2);
         self.mouse = (x, y);
     }
@@ -216,18 +308,24 @@ impl View {
         }
     }
 
-    /// Stands back so far that everything fits, once.
-    fn frame(&mut self, parts: &[(u64, Drawn)]) {
-        if self.framed || parts.is_empty() {
+    /// Goes where everything that can move fits the window, and along with it, until somebody turns or comes nearer.
+    fn frame(&mut self) {
+        if self.framed {
             return;
         }
         let scene = self.reader.scene();
-        let moving = scene.bodies().filter(|body| body.kind != 0).map(|body| DVec3::from_array(body.position));
-        let (min, max) = moving.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), at| (min.min(at), max.max(at)));
-        if min.is_finite() {
-            self.center = 0.5 * (min + max);
-            self.distance = 1.3 * (max - min).length() as f32 + 3.0;
-            self.framed = true;
+        let mut boxed = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for shape in scene.shapes() {
+            let Some(body) = scene.body(shape.body).filter(|body| body.kind != 0) else { continue };
+            let reach = DVec3::splat(Direction::from_array(shape.size).length().into());
+            let at = pose_of(body).position;
+            boxed = (boxed.0.min(at - reach), boxed.1.max(at + reach));
+        }
+        if boxed.0.is_finite() {
+            let (center, distance) = (0.5 * (boxed.0 + boxed.1), 1.4 * (boxed.1 - boxed.0).length() as f32);
+            let share = if self.distance == 0.0 { 1.0 } else { FOLLOW };
+            self.center = self.center.lerp(center, share.into());
+            self.distance += share * (distance - self.distance);
         }
     }
 
@@ -256,11 +354,12 @@ impl View {
                 let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
                 let lit = 0.45 + 0.55 * (0.5 + 0.5 * normal.dot(light));
                 let shade = (part.color * lit).powf(1.0 / 2.2);
-                let color = if chosen { SELECTED } else { Color::new(shade.x, shade.y, shade.z, 1.0) };
+                let shade = if chosen { Direction::splat(0.6 + 0.4 * lit) } else { shade };
+                let color = Color::new(shade.x, shade.y, shade.z, 1.0);
                 let first = mesh.vertices.len() as u16;
                 mesh.vertices.extend(corners.map(|at| Vertex::new(at.x, at.y, at.z, 0.0, 0.0, color)));
                 mesh.indices.extend([first, first + 1, first + 2]);
-                if mesh.vertices.len() + 3 > CALL_VERTICES {
+                if mesh.vertices.len() + 6 > CALL_VERTICES {
                     draw_mesh(&mesh);
                     mesh.vertices.clear();
                     mesh.indices.clear();
@@ -293,19 +392,28 @@ impl View {
         let frame = scene.frame();
         let mut lines = vec![
             format!("step {}  {:.2} s  {} bodies  {} joints  hash {:016x}", frame.step, frame.time, scene.bodies().len(), scene.joints().len(), frame.state_hash),
-            format!("{} {}{}", self.status, self.problem, if self.paused { " paused" } else { "" }),
             "space pause  arrows step  tab next stream  S support  U unions  B bounds  J joints  C contacts  P planes  F frame  F12 picture".to_owned(),
         ];
+        let said = [self.status.as_str(), self.problem.as_str(), if self.paused { "paused" } else { "" }];
+        lines.extend(said.into_iter().filter(|line| !line.is_empty()).map(str::to_owned));
         if let Some(body) = self.selected.and_then(|body| scene.body(body)) {
             let [x, y, z] = body.position;
             let speed = Direction::from_array(body.linear_velocity).length();
             let turn = Direction::from_array(body.angular_velocity).length();
+            let known = body.flags & LS_STREAM_BODY_SUPPORT_KNOWN != 0;
+            let verdict = VERDICTS.get(body.support as usize).filter(|_| known).unwrap_or(&"support not judged");
+            let union = match scene.bodies().filter(|other| body.union_id != 0 && other.union_id == body.union_id).count() {
+                0 => "in no union".to_owned(),
+                members => format!("in a union of {members}"),
+            };
             lines.extend([
-                format!("body {:#x}  word {}  union {:#x}", body.body, body.user_word, body.union_id),
+                format!("body {:#x}  word {}  {union}", body.body, body.user_word),
                 format!("at {x:.4} {y:.4} {z:.4} m  {speed:.3} m/s  {turn:.3} rad/s  {:.3} kg", body.mass),
                 format!(
-                    "support {}  margin {:.4} m  load {:.1} N  flags {:#x}",
-                    body.support, body.support_margin, body.support_load, body.flags
+                    "{verdict}  margin {:.4} m  load {:.1} N  {}",
+                    body.support_margin,
+                    body.support_load,
+                    if body.flags & LS_STREAM_BODY_ASLEEP != 0 { "asleep" } else { "awake" }
                 ),
             ]);
         }
@@ -314,6 +422,22 @@ impl View {
             let [force, torque, share] = [load.force, load.torque, 100.0 * load.share];
             lines.push(format!("worst joint {:#x}: {force:.1} N, {torque:.1} N m, {share:.0} % of its limit", load.joint));
         }
+        if self.broken > 0 {
+            lines.push(format!("{} joints broke so far", self.broken));
+        }
+        if let Some(bound) = scene.bounds().iter().max_by(|a, b| a.tension.abs().total_cmp(&b.tension.abs())) {
+            lines.push(format!("{} bounds, the greatest tension {:.1} N", scene.bounds().len(), bound.tension));
+        }
+        for plane in scene.planes() {
+            let [x, y, z] = plane.normal;
+            lines.push(format!("plane of a chain of hinges, normal {x:.3} {y:.3} {z:.3}, {:.2} m around", plane.radius));
+        }
+        for source in &self.sources {
+            let here = if self.reader.source() == Some(source) { "> " } else { "  " };
+            lines.push(format!("{here}{} of process {}", source.name, source.process));
+        }
+        let width = lines.iter().map(|line| measure_text(line, None, 18, 1.0).width).fold(0.0, f32::max);
+        draw_rectangle(0.0, 0.0, width + 20.0, 18.0 * lines.len() as f32 + 10.0, PAPER);
         for (number, line) in lines.iter().enumerate() {
             draw_text(line, 10.0, 20.0 + 18.0 * number as f32, 18.0, TEXT);
         }

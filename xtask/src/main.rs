@@ -12,6 +12,7 @@ mod library;
 mod readme;
 mod samples;
 mod streams;
+mod viewer;
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -22,6 +23,8 @@ const USAGE: &str = "cargo xtask COMMAND
     header    writes include/longspan/longspan.h and capi/abi/baseline.txt anew
     samples   looks for warnings in the header at every standard, compiles every C sample as C99 and as C++11, and runs it
     streams   builds the library with streams; runs a host in C, and one that watches, records and plays it
+    streams LIVES   kills, stops and restarts readers and publishers so many times, and looks at step times and what is left
+    viewer [FOLDER] runs each C sample of a scene of the paper with a stream; watches, records and plays it; looks at the pictures
     install PREFIX   installs shared and static library, header, pkg-config file and CMake package (DESTDIR is honoured)
     consumers builds and runs a program for each way to take the installed library
     hosts     builds the hosts with a window, runs them under a virtual display, and looks at their pictures
@@ -37,6 +40,9 @@ fn main() -> ExitCode {
         ["samples"] => samples::run(),
         ["hosts"] => hosts::run(),
         ["streams"] => streams::run(),
+        ["viewer"] => viewer::run(None),
+        ["viewer", folder] => viewer::run(Some(folder)),
+        ["streams", lives] => streams::endure(lives),
         ["readme"] => readme::run(),
         ["install", prefix] => install::run(prefix),
         ["consumers"] => consumers::run(),

@@ -1,10 +1,12 @@
-//! A host in C that publishes, and a process in C that watches, records and plays it.
+//! A host in C that publishes, and a process in C that watches, records and plays it; what they say of a stream of another version;
+//! and what killing and stopping them does.
 
-use std::process::{Command, Stdio};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
 
 use crate::compiler::{Language, compile};
-use crate::library::{Library, output_folder};
-use crate::{Outcome, printed, repository};
+use crate::library::{Library, cargo, output_folder};
+use crate::{Outcome, printed, repository, succeed};
 
 pub fn run() -> Outcome<()> {
     let library = Library::build_with(&["--features", "stream"])?;
@@ -29,7 +31,46 @@ pub fn run() -> Outcome<()> {
     if frames(&seen) < 10 || frames(&played) < frames(&seen) {
         return Err("the watcher saw less than it should have".into());
     }
-    Ok(())
+    let peer = build_peer()?;
+    other_version(&peer, &folder.join("renderer"))
+}
+
+/// Kills, stops and restarts readers and publishers so many times.
+pub fn endure(lives: &str) -> Outcome<()> {
+    let peer = build_peer()?;
+    succeed(Command::new(peer).args(["endure", "endure", "pile,n=1000", lives]))?;
+    let mut tests = cargo();
+    tests.args(["test", "--release", "--package", "longspan-stream", "--test", "processes"]).env("LONGSPAN_LIVES", lives);
+    succeed(&mut tests)
+}
+
+/// `stream/examples/stream_peer.rs`, as cargo builds it.
+fn build_peer() -> Outcome<std::path::PathBuf> {
+    succeed(cargo().args(["build", "--release", "--package", "longspan-stream", "--example", "stream_peer"]))?;
+    Ok(output_folder("release/examples")?.join("stream_peer"))
+}
+
+/// Ends when it is dropped.
+struct Ended(Child);
+
+impl Drop for Ended {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A watcher in C says that the only stream there is of another version, and does not read it.
+fn other_version(peer: &Path, renderer: &Path) -> Outcome<()> {
+    let _future = Ended(Command::new(peer).args(["future", "", "60"]).stdout(Stdio::null()).spawn()?);
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    let output = Command::new(renderer).arg("1").output()?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    let said = said.lines().next().unwrap_or_default();
+    println!("of a stream of the next schema: {said}");
+    let frames = String::from_utf8_lossy(&output.stdout).contains("0 frames seen");
+    let holds = said.contains("schema 2") && said.contains("reads 1") && frames && output.status.success();
+    if holds { Ok(()) } else { Err("the watcher does not say that the stream is of another version".into()) }
 }
 
 fn last_line(text: &str) -> &str {

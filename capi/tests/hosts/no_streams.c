@@ -34,6 +34,8 @@ int main(void)
     const LsStreamBound *bounds;
     const LsStreamPlane *planes;
     const LsStreamEvent *events;
+    const LsStreamBreak *breaks;
+    const LsStreamPiece *pieces;
     const float(*vertices)[3];
     const uint32_t(*triangles)[3];
     size_t count, other;
@@ -61,6 +63,8 @@ int main(void)
     REFUSED(ls_stream_reader_bounds(reader, &bounds, &count));
     REFUSED(ls_stream_reader_planes(reader, &planes, &count));
     REFUSED(ls_stream_reader_events(reader, &events, &count));
+    REFUSED(ls_stream_reader_breaks(reader, &breaks, &count));
+    REFUSED(ls_stream_reader_pieces(reader, &pieces, &count));
     REFUSED(ls_stream_reader_mesh(reader, 1, 0, &vertices, &count, &triangles, &other));
     REFUSED(ls_stream_reader_hash(reader, &hash));
     REFUSED(ls_stream_reader_record(reader, NULL));

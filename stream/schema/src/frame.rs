@@ -34,7 +34,7 @@ pub const LS_STREAM_BODY_ASLEEP: u32 = 1;
 pub const LS_STREAM_BODY_SUPPORT_KNOWN: u32 = 2;
 /// Body flag: it is supported.
 pub const LS_STREAM_BODY_SUPPORTED: u32 = 4;
-/// Body flag: it is a piece of something that broke.
+/// Body flag: it is of a piece of something that fell apart since the stream was opened.
 pub const LS_STREAM_BODY_BROKEN: u32 = 8;
 
 /// A body that moved in a step.
@@ -103,7 +103,8 @@ pub struct LsStreamJointLoad {
     pub force: f32,
     /// Torque that it carries, mean over the step (N m).
     pub torque: f32,
-    /// Fraction of its limit: the greater of force / break_force and torque / break_torque; 0 for a joint without limits.
+    /// Fraction of its limit: the greatest of force / break_force, torque / break_torque and, if it can break, its mean load over
+    /// the limit that it is nearest to; 0 for a joint without limits.
     pub share: f32,
     /// Distance between the joint points beyond what the joint allows (m).
     pub gap: f32,
@@ -143,13 +144,13 @@ pub struct LsStreamBound {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct LsStreamPlane {
-    /// Number of the chain.
+    /// The chain's joint of the lowest slot: it names the chain while both last.
     pub chain: u64,
-    /// A point in the plane, in the middle of the chain (m).
+    /// The plane's point nearest to the middle of the chain (m).
     pub point: [f64; 3],
-    /// Unit normal.
+    /// Unit normal, along the axes of the hinges.
     pub normal: [f32; 3],
-    /// Distance of the chain's farthest body from the point (m).
+    /// Distance from the point of the member that is farthest from it (m).
     pub radius: f32,
 }
 

@@ -22,19 +22,26 @@ pub struct Record {
     pub size: usize,
     /// Its fields.
     pub fields: &'static [Field],
+    /// How many of them the schema began with; those behind were appended under the same number.
+    pub first: usize,
 }
 
+/// `Record { fields }`, or `Record { fields } + { fields that came later }`.
 macro_rules! records {
-    ($($record:ident { $($field:ident),* $(,)? })*) => {
+    ($($record:ident { $($field:ident),* $(,)? } $(+ { $($later:ident),* $(,)? })?)*) => {
         /// Every struct of the stream.
         pub const RECORDS: &[Record] = &[$(Record {
             name: stringify!($record),
             size: size_of::<$record>(),
-            fields: &[$(Field { name: stringify!($field), offset: offset_of!($record, $field) }),*],
+            fields: &[
+                $(Field { name: stringify!($field), offset: offset_of!($record, $field) },)*
+                $($(Field { name: stringify!($later), offset: offset_of!($record, $later) },)*)?
+            ],
+            first: { const FIRST: &[&str] = &[$(stringify!($field)),*]; FIRST.len() },
         }),*];
 
         // A field that is not listed does not compile: these patterns name all of them.
-        $(const _: fn($record) = |$record { $($field: _),* }| {};)*
+        $(const _: fn($record) = |$record { $($field: _,)* $($($later: _,)*)? }| {};)*
     };
 }
 
@@ -71,20 +78,29 @@ records! {
     }
     LsStreamWorld { name, process, gravity, substeps, iterations, support, layers, every }
     LsStreamEvent { step, a, b, user_word, kind, reserved, values }
+    LsStreamBreak {} + {
+        step, joint, user_word, body_a, body_b, point, force, torque, share, limit, cause, reserved,
+    }
+    LsStreamPiece {} + {
+        step, of_body, first_body, center, linear_velocity, angular_velocity, mass, body_count, anchored, cut_loose,
+    }
 }
 
-/// Hash of all names, offsets and sizes (FNV-1a): differs between two builds that number their schema alike and are not.
-pub const LAYOUT_HASH: u64 = layout_hash();
+/// Hash of names and offsets of all fields that the schema began with (FNV-1a): differs between two builds that number their schema
+/// alike and are not. What was appended since, fields at the end of records and kinds of records, does not count.
+pub const LAYOUT_HASH: u64 = layout_hash(RECORDS);
 
-const fn layout_hash() -> u64 {
+const fn layout_hash(records: &[Record]) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325;
     let mut record = 0;
-    while record < RECORDS.len() {
-        hash = mix_text(hash, RECORDS[record].name);
-        hash = mix(hash, RECORDS[record].size as u64);
-        let fields = RECORDS[record].fields;
+    while record < records.len() {
+        let Record { name, size, fields, first } = records[record];
+        if first > 0 {
+            hash = mix_text(hash, name);
+            hash = mix(hash, if first < fields.len() { fields[first].offset } else { size } as u64);
+        }
         let mut field = 0;
-        while field < fields.len() {
+        while field < first {
             hash = mix_text(hash, fields[field].name);
             hash = mix(hash, fields[field].offset as u64);
             field += 1;
@@ -106,4 +122,26 @@ const fn mix_text(mut hash: u64, text: &str) -> u64 {
 
 const fn mix(hash: u64, value: u64) -> u64 {
     (hash ^ value).wrapping_mul(0x0000_0100_0000_01b3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const A: Field = Field { name: "a", offset: 0 };
+    const B: Field = Field { name: "b", offset: 8 };
+    const C: Field = Field { name: "c", offset: 16 };
+
+    #[test]
+    fn what_is_appended_leaves_the_hash_and_what_is_changed_does_not() {
+        let record = |size, fields, first| Record { name: "R", size, fields, first };
+        let hash = |records: &[Record]| layout_hash(records);
+        let began = hash(&[record(16, &[A, B], 2)]);
+        assert_eq!(hash(&[record(24, &[A, B, C], 2)]), began, "a field at the end");
+        assert_eq!(hash(&[record(16, &[A, B], 2), Record { name: "S", ..record(8, &[A], 0) }]), began, "a record");
+        assert_ne!(hash(&[record(16, &[B, A], 2)]), began, "another order");
+        assert_ne!(hash(&[record(24, &[A, B], 2)]), began, "another size");
+        assert_ne!(hash(&[record(16, &[A, Field { offset: 4, ..B }], 2)]), began, "another place");
+        assert_ne!(hash(&[Record { name: "S", ..record(16, &[A, B], 2) }]), began, "another name");
+    }
 }

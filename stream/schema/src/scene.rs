@@ -23,6 +23,13 @@ pub const LS_STREAM_SECTION_GEOMETRY: u32 = 38;
 pub const LS_STREAM_SECTION_EVENT: u32 = 39;
 /// Section of LsStreamWorld.
 pub const LS_STREAM_SECTION_WORLD: u32 = 40;
+/// Section of LsStreamBreak.
+pub const LS_STREAM_SECTION_BREAK: u32 = 41;
+/// Section of LsStreamPiece.
+pub const LS_STREAM_SECTION_PIECE: u32 = 42;
+
+/// Joint flag: it can break.
+pub const LS_STREAM_JOINT_BREAKABLE: u32 = 1;
 
 /// A body as it was when the record was written. It replaces what was known of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
@@ -110,7 +117,7 @@ pub struct LsStreamJoint {
     pub rotation_b: [f32; 4],
     /// LS_JOINT_ constant.
     pub kind: i32,
-    /// Not used; 0.
+    /// LS_STREAM_JOINT_ flags.
     pub flags: u32,
     /// Force above which it is overloaded (N); 0 for no limit.
     pub break_force: f32,

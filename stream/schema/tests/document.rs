@@ -10,7 +10,7 @@ const END: &str = "<!-- tables end -->\n";
 
 fn tables() -> String {
     let mut text = format!("Layout hash: `{LAYOUT_HASH:#018x}`\n");
-    for Record { name, size, fields } in RECORDS {
+    for Record { name, size, fields, .. } in RECORDS {
         let _ = write!(text, "\n### {name}, {size} bytes\n\n| offset | bytes | field |\n|---|---|---|\n");
         for (index, field) in fields.iter().enumerate() {
             let end = fields.get(index + 1).map_or(*size, |next| next.offset);

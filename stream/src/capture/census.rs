@@ -42,6 +42,11 @@ impl Census {
         }
     }
 
+    /// The object at this place.
+    pub(super) fn at<H: Handle>(&self, place: usize) -> Option<H> {
+        self.now.get(place).filter(|&&bits| bits != 0).map(|&bits| H::from_bits(bits))
+    }
+
     /// The first object at `place` or behind it, and its place.
     pub(super) fn at_or_after<H: Handle>(&self, place: usize) -> Option<(usize, H)> {
         let found = self.now.get(place..)?.iter().position(|&bits| bits != 0)?;

@@ -4,11 +4,12 @@ use std::collections::VecDeque;
 
 use longspan::{BodyId, Handle, JointId, ShapeId, World};
 use longspan_stream_schema::{
-    LS_STREAM_BODY_SUPPORT_KNOWN, LS_STREAM_BODY_SUPPORTED, LS_STREAM_CHANNEL_COLD, LS_STREAM_CYCLE_BEGINS, LS_STREAM_CYCLE_ENDS,
-    LS_STREAM_EVENT_CONTACT_BEGAN, LS_STREAM_EVENT_CONTACT_ENDED, LS_STREAM_EVENT_OVERLOAD, LS_STREAM_EVENT_QUARANTINED,
-    LS_STREAM_EVENT_SUPPORT_GAINED, LS_STREAM_EVENT_SUPPORT_LOST, LS_STREAM_LAYER_CONTACT_EVENTS, LS_STREAM_SECTION_BODY_GONE,
-    LS_STREAM_SECTION_GEOMETRY, LS_STREAM_SECTION_JOINT_GONE, LS_STREAM_SECTION_SHAPE_GONE, LsStreamEvent, LsStreamGeometry,
-    LsStreamGone, LsStreamHeader, LsStreamShape, LsStreamWorld,
+    LS_STREAM_BODY_BROKEN, LS_STREAM_BODY_SUPPORT_KNOWN, LS_STREAM_BODY_SUPPORTED, LS_STREAM_CHANNEL_COLD,
+    LS_STREAM_CYCLE_BEGINS, LS_STREAM_CYCLE_ENDS, LS_STREAM_EVENT_CONTACT_BEGAN, LS_STREAM_EVENT_CONTACT_ENDED,
+    LS_STREAM_EVENT_OVERLOAD, LS_STREAM_EVENT_QUARANTINED, LS_STREAM_EVENT_SUPPORT_GAINED, LS_STREAM_EVENT_SUPPORT_LOST,
+    LS_STREAM_LAYER_CONTACT_EVENTS, LS_STREAM_SECTION_BODY_GONE, LS_STREAM_SECTION_GEOMETRY, LS_STREAM_SECTION_JOINT_GONE,
+    LS_STREAM_SECTION_SHAPE_GONE, LsStreamBreak, LsStreamEvent, LsStreamGeometry, LsStreamGone, LsStreamHeader, LsStreamPiece,
+    LsStreamShape, LsStreamWorld, Wire,
 };
 
 use super::census::Census;
@@ -23,7 +24,7 @@ pub(crate) const BLOCK: usize = 32 * 1024;
 const CYCLE_STEPS: usize = 60;
 
 /// Messages of changes in one step at most; the rest follows with the next ones. A world that is filled at once has many.
-const BLOCKS_A_STEP: u64 = 64;
+const BLOCKS_A_STEP: u64 = 16;
 
 /// Takes a message away: its header, and its content.
 pub(crate) type Ship<'a> = &'a mut dyn FnMut(&mut LsStreamHeader, &[u8]);
@@ -36,6 +37,8 @@ enum News {
     Joint(JointId),
     Gone(u32, LsStreamGone),
     Event(LsStreamEvent),
+    Break(LsStreamBreak),
+    Piece(LsStreamPiece),
 }
 
 /// Where the cursor of a cycle is.
@@ -52,7 +55,7 @@ enum Cursor {
 pub(crate) struct Cold {
     about: LsStreamWorld,
     session: u64,
-    version: Option<[u64; 3]>,
+    version: Option<[u64; 4]>,
     bodies: Census,
     shapes: Census,
     joints: Census,
@@ -60,6 +63,10 @@ pub(crate) struct Cold {
     pub flags: Vec<u32>,
     /// Rigid union of each body, by place; 0 for none.
     pub unions: Vec<u64>,
+    unions_before: Vec<u64>,
+    /// Places of the bodies that moved in the last step and in the one before it.
+    moving: Vec<u32>,
+    moving_before: Vec<u32>,
     knows_support: bool,
     meshes: Meshes,
     news: VecDeque<News>,
@@ -81,6 +88,9 @@ impl Cold {
             joints: Census::default(),
             flags: Vec::new(),
             unions: Vec::new(),
+            unions_before: Vec::new(),
+            moving: Vec::new(),
+            moving_before: Vec::new(),
             knows_support: false,
             meshes: Meshes::default(),
             news: VecDeque::new(),
@@ -111,6 +121,7 @@ impl Cold {
     pub(crate) fn tell(&mut self, world: &World, ship: Ship<'_>) {
         self.look(world);
         self.note_events(world);
+        self.note_rest(world);
         let start = self.shipped;
         while self.shipped - start < BLOCKS_A_STEP && self.tell_news(world, ship) {}
         self.tell_of_cycle(world, ship);
@@ -140,8 +151,8 @@ impl Cold {
             shapes.each_new(|shape| news.borrow_mut().push_back(News::Shape(shape)));
             joints.each_new(|joint| news.borrow_mut().push_back(News::Joint(joint)));
             self.knows_support = false;
+            self.note_unions(world);
         }
-        self.note_unions(world);
         self.about.gravity = world.gravity().to_array();
         let on = world.supported_count().is_ok();
         if on != self.knows_support {
@@ -150,14 +161,20 @@ impl Cold {
         }
     }
 
-    /// Takes down who is a member of which rigid union; the body that names the union is its number.
+    /// Takes down who is a member of which rigid union, which the union's lead names, and tells of those for whom that has changed.
     fn note_unions(&mut self, world: &World) {
-        self.unions.clear();
+        let Self { unions, unions_before, flags, news, bodies, .. } = self;
+        std::mem::swap(unions, unions_before);
+        unions.clear();
+        unions.resize(flags.len(), 0);
         for union in world.unions() {
-            self.unions.resize(self.flags.len(), 0);
             for member in world.union_members(union.lead).into_iter().flatten() {
-                self.unions[member.place()] = union.lead.to_bits();
+                unions[member.place()] = union.lead.to_bits();
             }
+        }
+        unions_before.resize(flags.len(), 0);
+        for (place, _) in unions.iter().zip(&*unions_before).enumerate().filter(|(_, (now, before))| now != before) {
+            news.extend(bodies.at::<BodyId>(place).map(News::Body));
         }
     }
 
@@ -173,11 +190,45 @@ impl Cold {
         }
     }
 
+    /// Has bodies told of once more that moved in the step before and did not in this one: frames will not say where they came to
+    /// rest, and who joins now has not seen those that did.
+    fn note_rest(&mut self, world: &World) {
+        let Self { moving, moving_before, bodies, news, .. } = self;
+        std::mem::swap(moving, moving_before);
+        moving.clear();
+        moving.extend(world.moved().iter().map(|moved| moved.body.place() as u32));
+        // Both are sorted.
+        let mut still = moving.iter().peekable();
+        for &place in moving_before.iter() {
+            while still.next_if(|&&other| other < place).is_some() {}
+            if still.peek() != Some(&&place) {
+                news.extend(bodies.at::<BodyId>(place as usize).map(News::Body));
+            }
+        }
+    }
+
     fn note_events(&mut self, world: &World) {
         let step = world.step_count();
         let Self { news, flags, .. } = self;
+        for joint in world.broken() {
+            let (event, record) = records::broken(joint);
+            news.extend([News::Event(event), News::Break(record)]);
+        }
+        for split in world.splits() {
+            for piece in &world.pieces()[split.pieces.0 as usize..split.pieces.1 as usize] {
+                let user_word = world.user_word(split.first_body).unwrap_or(0);
+                let (event, record) = records::piece(split, piece, user_word);
+                news.extend([News::Event(event), News::Piece(record)]);
+            }
+        }
+        for body in world.piece_bodies() {
+            if let Some(flags) = flags.get_mut(body.place()) {
+                *flags |= LS_STREAM_BODY_BROKEN;
+            }
+        }
         let mut note = |kind: u32, a: u64, b: u64, user_word: u64, values: [f32; 4]| {
-            news.push_back(News::Event(LsStreamEvent { step, a, b, user_word, kind, reserved: 0, values }));
+            let event = LsStreamEvent { step, a, b, user_word, kind, values, ..LsStreamEvent::default() };
+            news.push_back(News::Event(event));
         };
         for change in world.support_changes().unwrap_or_default() {
             if let Some(flags) = flags.get_mut(change.body.place()) {
@@ -214,10 +265,9 @@ impl Cold {
                 self.make_room(world, size_of_val(&gone), ship);
                 self.block.push_bytes(kind, bytemuck::bytes_of(&gone));
             }
-            Some(News::Event(event)) => {
-                self.make_room(world, size_of_val(&event), ship);
-                self.block.push(&event);
-            }
+            Some(News::Event(event)) => self.tell_plain(world, &event, ship),
+            Some(News::Break(record)) => self.tell_plain(world, &record, ship),
+            Some(News::Piece(record)) => self.tell_plain(world, &record, ship),
             None => return false,
         }
         true
@@ -286,15 +336,13 @@ impl Cold {
         let flags = self.flags.get(body.place()).copied().unwrap_or(0);
         let union = self.unions.get(body.place()).copied().unwrap_or(0);
         if let Ok(record) = records::body(world, body, flags, union) {
-            self.make_room(world, size_of_val(&record), ship);
-            self.block.push(&record);
+            self.tell_plain(world, &record, ship);
         }
     }
 
     fn tell_joint(&mut self, world: &World, joint: JointId, ship: Ship<'_>) {
         if let Ok(record) = records::joint(world, joint) {
-            self.make_room(world, size_of_val(&record), ship);
-            self.block.push(&record);
+            self.tell_plain(world, &record, ship);
         }
     }
 
@@ -345,6 +393,11 @@ impl Cold {
             first_vertex += vertex_count;
             first_triangle += triangle_count;
         }
+    }
+
+    fn tell_plain<T: Wire>(&mut self, world: &World, record: &T, ship: Ship<'_>) {
+        self.make_room(world, size_of::<T>(), ship);
+        self.block.push(record);
     }
 
     fn make_room(&mut self, world: &World, bytes: usize, ship: Ship<'_>) {

@@ -3,7 +3,8 @@
 use longspan::{Handle, Moved, World};
 use longspan_stream_schema::{
     ContentHash, LS_STREAM_BODY_ASLEEP, LS_STREAM_CHANNEL_HOT, LS_STREAM_HAS_STATE_HASH, LS_STREAM_LAYER_BOUNDS,
-    LS_STREAM_LAYER_CONTACTS, LS_STREAM_LAYER_JOINT_LOADS, LsStreamHeader, LsStreamMotion, LsStreamSection, Wire,
+    LS_STREAM_LAYER_CONTACTS, LS_STREAM_LAYER_JOINT_LOADS, LS_STREAM_LAYER_PLANES, LsStreamHeader, LsStreamMotion,
+    LsStreamSection, Wire,
 };
 
 use super::{Cold, records};
@@ -14,6 +15,8 @@ use crate::message::{HEADER, SECTION, Sections, clock, header};
 #[derive(Debug, Default)]
 pub(crate) struct Hot {
     layers: Sections,
+    /// Hash of the world's state, and the version that it is of.
+    state: Option<([u64; 2], u64)>,
 }
 
 impl Hot {
@@ -30,8 +33,34 @@ impl Hot {
         if layers & LS_STREAM_LAYER_BOUNDS != 0 {
             world.bounds().for_each(|bound| self.layers.push(&records::bound(&bound)));
         }
+        if layers & LS_STREAM_LAYER_PLANES != 0 {
+            world.planes().for_each(|plane| self.layers.push(&records::plane(&plane)));
+        }
         self.layers.close();
         SECTION + world.moved().len() * size_of::<LsStreamMotion>() + self.layers.bytes.len()
+    }
+
+    /// A header with all that the world says.
+    pub(crate) fn header(&mut self, world: &World, session: u64, with_hash: bool) -> LsStreamHeader {
+        LsStreamHeader {
+            step: world.step_count(),
+            time: world.time(),
+            state_hash: if with_hash { self.state_hash(world) } else { 0 },
+            flags: if with_hash { LS_STREAM_HAS_STATE_HASH } else { 0 },
+            body_count: world.body_count() as u32,
+            shape_count: world.shape_count() as u32,
+            joint_count: world.joint_count() as u32,
+            ..header(LS_STREAM_CHANNEL_HOT, session)
+        }
+    }
+
+    /// Of a world in which all sleeps the hash is not computed again: reading every body costs more than the step.
+    fn state_hash(&mut self, world: &World) -> u64 {
+        let version = world.state_version();
+        match self.state {
+            Some((known, hash)) if known == version => hash,
+            _ => self.state.insert((version, world.state_hash())).1,
+        }
     }
 
     /// Writes the content of a frame, and returns its header. `known` has what is said of bodies beside their motion.
@@ -76,19 +105,5 @@ fn motion(moved: &Moved, known: &Cold) -> LsStreamMotion {
         angular_velocity: moved.angular_velocity.to_array(),
         flags: flags | if moved.fell_asleep { LS_STREAM_BODY_ASLEEP } else { 0 },
         reserved: 0,
-    }
-}
-
-/// A header with all that the world says.
-pub(crate) fn header_of(world: &World, session: u64, with_hash: bool) -> LsStreamHeader {
-    LsStreamHeader {
-        step: world.step_count(),
-        time: world.time(),
-        state_hash: if with_hash { world.state_hash() } else { 0 },
-        flags: if with_hash { LS_STREAM_HAS_STATE_HASH } else { 0 },
-        body_count: world.body_count() as u32,
-        shape_count: world.shape_count() as u32,
-        joint_count: world.joint_count() as u32,
-        ..header(LS_STREAM_CHANNEL_HOT, session)
     }
 }

@@ -17,4 +17,4 @@ mod meshes;
 mod records;
 
 pub(crate) use cold::{BLOCK, Cold};
-pub(crate) use frame::{Hot, header_of};
+pub(crate) use frame::Hot;

@@ -1,11 +1,13 @@
 //! One object of a world as its record.
 
 use longspan::{
-    BodyId, BodyKind, BoundKind, Contact, Geometry, Handle, JointId, JointKind, LocalPose, ShapeDef, ShapeId, Verdict, World,
+    BodyId, BodyKind, BoundKind, BreakCause, BreakLimit, Contact, Geometry, Handle, JointBreak, JointId, JointKind, LocalPose,
+    Piece, PlaneState, ShapeDef, ShapeId, Split, Verdict, World,
 };
 use longspan_stream_schema::{
-    LS_STREAM_BODY_ASLEEP, LsStreamBody, LsStreamBound, LsStreamContact, LsStreamContactPoint, LsStreamJoint, LsStreamJointLoad,
-    LsStreamShape,
+    LS_STREAM_BODY_ASLEEP, LS_STREAM_EVENT_BROKEN, LS_STREAM_EVENT_SPLIT, LS_STREAM_JOINT_BREAKABLE, LsStreamBody, LsStreamBound,
+    LsStreamBreak, LsStreamContact, LsStreamContactPoint, LsStreamEvent, LsStreamJoint, LsStreamJointLoad, LsStreamPiece,
+    LsStreamPlane, LsStreamShape,
 };
 
 /// What C calls a kind of body, `LS_BODY_…`.
@@ -141,17 +143,92 @@ pub(super) fn joint(world: &World, joint: JointId) -> longspan::Result<LsStreamJ
         rotation_a: def.frame_a.rotation.to_array(),
         rotation_b: def.frame_b.rotation.to_array(),
         kind: joint_kind(&def.kind),
-        flags: 0,
+        flags: if def.strength.can_break() { LS_STREAM_JOINT_BREAKABLE } else { 0 },
         break_force: finite_or_zero(def.break_force),
         break_torque: finite_or_zero(def.break_torque),
     })
 }
 
 pub(super) fn joint_load(world: &World, joint: JointId) -> longspan::Result<LsStreamJointLoad> {
-    let (def, state) = (world.joint_def(joint)?, world.joint_state(joint)?);
+    let (def, state, stress) = (world.joint_def(joint)?, world.joint_state(joint)?, world.joint_stress(joint)?);
     let (force, torque) = (state.force.length(), state.torque.length());
-    let share = finite_or_zero((force / def.break_force).max(torque / def.break_torque));
+    let share = finite_or_zero((force / def.break_force).max(torque / def.break_torque)).max(finite_or_zero(stress.share));
     Ok(LsStreamJointLoad { joint: joint.to_bits(), force, torque, share, gap: state.gap })
+}
+
+pub(super) fn plane(plane: &PlaneState) -> LsStreamPlane {
+    LsStreamPlane {
+        chain: plane.joint.to_bits(),
+        point: plane.point.to_array(),
+        normal: plane.normal.to_array(),
+        radius: plane.radius,
+    }
+}
+
+/// `LS_LIMIT_…`.
+fn limit(limit: BreakLimit) -> i32 {
+    match limit {
+        BreakLimit::Tension => 0,
+        BreakLimit::Compression => 1,
+        BreakLimit::Shear => 2,
+        BreakLimit::Bending => 3,
+        BreakLimit::Torsion => 4,
+    }
+}
+
+/// `LS_BREAK_…`.
+fn cause(cause: BreakCause) -> i32 {
+    match cause {
+        BreakCause::Load => 0,
+        BreakCause::Damage => 1,
+        BreakCause::Applied => 2,
+    }
+}
+
+pub(super) fn broken(joint: &JointBreak) -> (LsStreamEvent, LsStreamBreak) {
+    let [body_a, body_b] = joint.bodies.map(|body| body.to_bits());
+    let event = LsStreamEvent {
+        step: joint.step,
+        a: joint.joint.to_bits(),
+        user_word: joint.user_word,
+        kind: LS_STREAM_EVENT_BROKEN,
+        values: [joint.force.length(), joint.torque.length(), 0.0, 0.0],
+        ..LsStreamEvent::default()
+    };
+    let record = LsStreamBreak {
+        step: joint.step,
+        joint: joint.joint.to_bits(),
+        user_word: joint.user_word,
+        body_a,
+        body_b,
+        point: joint.point.to_array(),
+        force: joint.force.to_array(),
+        torque: joint.torque.to_array(),
+        share: finite_or_zero(joint.share),
+        limit: limit(joint.limit),
+        cause: cause(joint.cause),
+        reserved: 0,
+    };
+    (event, record)
+}
+
+pub(super) fn piece(split: &Split, piece: &Piece, user_word: u64) -> (LsStreamEvent, LsStreamPiece) {
+    let (of_body, first_body) = (split.first_body.to_bits(), piece.first_body.to_bits());
+    let (step, kind) = (split.step, LS_STREAM_EVENT_SPLIT);
+    let event = LsStreamEvent { step, a: of_body, b: first_body, user_word, kind, ..LsStreamEvent::default() };
+    let record = LsStreamPiece {
+        step,
+        of_body,
+        first_body,
+        center: piece.center.to_array(),
+        linear_velocity: piece.linear_velocity.to_array(),
+        angular_velocity: piece.angular_velocity.to_array(),
+        mass: piece.mass,
+        body_count: piece.bodies.1 - piece.bodies.0,
+        anchored: piece.anchored.into(),
+        cut_loose: piece.cut_loose.into(),
+    };
+    (event, record)
 }
 
 pub(super) fn contact(contact: &Contact) -> LsStreamContact {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use longspan::glam::Vec3;
 use longspan::{BodyDef, BodyId, Pose, Shape, ShapeDef, World, WorldDef};
+use longspan_scenes::{LongspanEngine, build};
 use longspan_stream::schema::LsStreamBody;
 use longspan_stream::{Domain, Poll, Publisher, PublisherDef, Reader};
 
@@ -76,6 +77,12 @@ pub fn falling_boxes(count: usize) -> World {
     world
 }
 
+/// What a scene of the library of scenes begins with.
+pub fn scene(name: &str, keys: &[(&str, &str)]) -> LongspanEngine {
+    let keys: Vec<_> = keys.iter().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect();
+    LongspanEngine::start(&build(name, &keys).unwrap()).unwrap()
+}
+
 /// Whether a reader has a body where the world has it.
 pub fn body_matches(world: &World, body: BodyId, found: &LsStreamBody) {
     let pose = world.pose(body).unwrap();
@@ -89,9 +96,9 @@ pub fn body_matches(world: &World, body: BodyId, found: &LsStreamBody) {
 pub fn until(reader: &mut Reader, wanted: Poll) -> Poll {
     let deadline = Instant::now() + Duration::from_secs(5);
     loop {
-        let poll = reader.poll().unwrap();
-        if poll == wanted || Instant::now() > deadline {
-            return poll;
+        let poll = reader.poll();
+        if poll.as_ref().is_ok_and(|&poll| poll == wanted) || Instant::now() > deadline {
+            return poll.unwrap();
         }
         std::thread::sleep(Duration::from_millis(5));
     }
