@@ -11,7 +11,7 @@ const SColor ground(255, 90, 110, 85), wood(255, 170, 100, 40), yellow(255, 240,
     iron(255, 50, 80, 220), stone(255, 150, 70, 170), brick(255, 215, 60, 45), cart(255, 40, 190, 190), picked(255, 245, 245, 245);
 }
 
-/// Planks between two piers, hinged one to the next, and a load of 800 kg on them.
+/// Planks between two piers, hinged one to the next.
 inline std::vector<LsBody> build_bridge(Stage &stage) {
     constexpr int count = 16;
     constexpr float half = 0.25f;
@@ -38,7 +38,6 @@ inline std::vector<LsBody> build_bridge(Stage &stage) {
         }
         last = next;
     }
-    stage.box(LS_BODY_DYNAMIC, {(left + right) / 2, height + 0.45, 0}, vector3df(0.45f, 0.45f, 0.45f), look::iron, 800);
     return planks;
 }
 

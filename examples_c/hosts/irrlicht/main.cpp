@@ -1,4 +1,4 @@
-// longspan beside an engine: Irrlicht owns the scene, the camera, the lights and what its own animators move; longspan owns a
+// longspan beside an engine: Irrlicht owns the scene, the camera and what its own animators move; longspan owns a
 // bridge, a crane, a tower and a wall.
 //
 //     engine -> longspan   a node that Irrlicht's animator moves is a kinematic body: it pushes what it meets; what a pixel shows
@@ -99,9 +99,7 @@ int main(int argc, char **argv) {
     }
     video::IVideoDriver *driver = device->getVideoDriver();
     scene::ISceneManager *scene = device->getSceneManager();
-    scene::ICameraSceneNode *camera = scene->addCameraSceneNode(nullptr, vector3df(1, 6.5f, -17), vector3df(0.2f, 3, 0));
-    scene->setAmbientLight(video::SColorf(0.6f, 0.6f, 0.6f));
-    scene->addLightSceneNode(nullptr, vector3df(6, 14, -14), video::SColorf(0.7f, 0.7f, 0.7f), 60.0f);
+    scene::ICameraSceneNode *camera = scene->addCameraSceneNode(nullptr, vector3df(0.5f, 5.5f, -14), vector3df(-0.3f, 3.2f, 0));
 
     longspan::World world;
     Stage stage(scene, world);

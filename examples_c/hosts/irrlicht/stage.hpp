@@ -33,11 +33,21 @@ inline void place(irr::scene::ISceneNode *node, const LsPose &pose) {
     node->setRotation(turn.getMatrix().getRotationDegrees());
 }
 
-inline void paint(irr::scene::ISceneNode *node, SColor color) {
-    auto &material = node->getMaterial(0);
-    material.AmbientColor = material.DiffuseColor = color;
-    material.EmissiveColor.set(0);
-    material.NormalizeNormals = true;
+/// Colours a node, darker below and behind: shading of its own looks the same with every driver of the engine.
+inline void paint(irr::scene::IMeshSceneNode *node, SColor color) {
+    irr::scene::IMesh *mesh = node->getMesh();
+    for (irr::u32 part = 0; part < mesh->getMeshBufferCount(); ++part) {
+        irr::scene::IMeshBuffer *buffer = mesh->getMeshBuffer(part);
+        auto *vertices = static_cast<irr::video::S3DVertex *>(buffer->getVertices());
+        for (irr::u32 i = 0; i < buffer->getVertexCount(); ++i) {
+            const vector3df &normal = vertices[i].Normal;
+            const float light = 0.7f + 0.2f * normal.Y - 0.1f * normal.Z;
+            vertices[i].Color.set(255, static_cast<irr::u32>(color.getRed() * light), static_cast<irr::u32>(color.getGreen() * light),
+                                  static_cast<irr::u32>(color.getBlue() * light));
+        }
+        buffer->setDirty();
+    }
+    node->getMaterial(0).Lighting = false;
 }
 
 /// Where something is in the world (m), z towards the eye.
@@ -70,18 +80,18 @@ public:
         return add(kind, at, shape, scene_->addSphereSceneNode(radius), color, mass);
     }
 
-    irr::scene::ISceneNode *node_of(LsBody body) const {
+    irr::scene::IMeshSceneNode *node_of(LsBody body) const {
         std::uint64_t word = 0;
         longspan::check(ls_body_user_word_get(world_.get(), body, &word));
         return node_of_word(word);
     }
 
-    static irr::scene::ISceneNode *node_of_word(std::uint64_t word) {
-        return reinterpret_cast<irr::scene::ISceneNode *>(static_cast<std::uintptr_t>(word));
+    static irr::scene::IMeshSceneNode *node_of_word(std::uint64_t word) {
+        return reinterpret_cast<irr::scene::IMeshSceneNode *>(static_cast<std::uintptr_t>(word));
     }
 
 private:
-    LsBody add(int kind, At at, const LsShapeDef &shape, irr::scene::ISceneNode *node, SColor color, float mass) {
+    LsBody add(int kind, At at, const LsShapeDef &shape, irr::scene::IMeshSceneNode *node, SColor color, float mass) {
         longspan::BodyDef def(kind);
         def.at(at.x, at.y, at.z).with(shape);
         if (mass > 0.0f) {
