@@ -61,6 +61,8 @@ pub(crate) struct JointEntry {
     pub angular_sum: Vec3,
     /// Of the last substep, if a direct solve took it.
     pub acted: [Vec3; 2],
+    /// Scalar rows that ended a substep with a positive multiplier, as bits.
+    pub pressed: u32,
 }
 
 /// Rows of one joint in this substep.
@@ -223,7 +225,7 @@ impl BatchJoints {
         }
     }
 
-    /// Adds the substep's multipliers to the joints' loads.
+    /// Adds the substep's multipliers to the joints' loads, and notes which stops press.
     pub(crate) fn add_loads(&mut self) {
         for (entry, rows) in self.entries.iter_mut().zip(&self.rows) {
             let (mut linear, mut angular) = (Vec3::ZERO, Vec3::ZERO);
@@ -238,6 +240,7 @@ impl BatchJoints {
                 linear += row.linear * row.impulse;
                 let about_point = row.angular_b - lever_b.map_or(row.angular_b, |lever| lever.cross(row.linear));
                 angular += about_point * row.impulse;
+                entry.pressed |= u32::from(row.impulse > 0.0) << row.id;
             }
             entry.linear_sum += linear;
             entry.angular_sum += angular;
