@@ -42,6 +42,12 @@ pub enum Command {
         #[arg(long, default_value_t = 100, value_parser = at_least_one)]
         seeds: usize,
     },
+    /// Times what a host asks of a world between steps, and prints it as tables (Markdown): snapshots, edits
+    HostTable {
+        /// How often each snapshot is taken and restored; medians are printed
+        #[arg(long, default_value_t = 51, value_parser = at_least_one)]
+        repeats: usize,
+    },
     /// Runs a scene on our engine and draws its end
     Picture(Picture),
     /// Draws bodies from a text file, one a line: `box hx hy hz  px py pz  qx qy qz qw`, `ball r …`, `capsule half_height r …`, `cylinder half_height r …`

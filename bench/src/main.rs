@@ -2,6 +2,7 @@
 
 mod args;
 mod draw;
+mod host_table;
 mod line;
 mod plot;
 mod session;
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
         Command::List => session::list(),
         Command::Plot { file, out_dir, error } => plot::plot(&file, &out_dir, error.as_deref()),
         Command::StressTable { seeds } => stress_table::print(seeds as u64),
+        Command::HostTable { repeats } => host_table::print(repeats),
         Command::Picture(picture) => draw::picture(&picture),
         Command::Draw { file, out, size } => draw::draw_file(&file, &out, size),
     };

@@ -54,6 +54,25 @@ pub(crate) struct Link {
     pub turn: Turn,
 }
 
+impl Link {
+    /// All of it, to the bit.
+    fn words(&self) -> [u32; 20] {
+        let Self { joint, bodies, points, turn } = self;
+        let (kind, frames, limits) = match *turn {
+            Turn::Free => (0, [Quat::IDENTITY; 2], [0.0; 2]),
+            Turn::Fixed { frames } => (1, frames, [0.0; 2]),
+            Turn::Hinge { frames, min, max } => (2, frames, [min, max]),
+            Turn::Swing { frames, limit } => (3, frames, [limit, 0.0]),
+        };
+        let mut words = [0; 20];
+        let whole = [*joint, bodies[0].unwrap_or(u32::MAX), bodies[1].unwrap_or(u32::MAX), kind];
+        let floats = points.iter().flat_map(Vec3::to_array).chain(frames.iter().flat_map(Quat::to_array)).chain(limits);
+        let all = whole.into_iter().chain(floats.map(f32::to_bits));
+        words.iter_mut().zip(all).for_each(|(word, value)| *word = value);
+        words
+    }
+}
+
 /// Links and the bodies they meet in.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {
@@ -70,6 +89,14 @@ impl Graph {
         self.links.clear();
         self.masses.clear();
         self.masses.resize(bodies, f32::INFINITY);
+    }
+
+    /// Whether another graph has the same links and masses, to the bit.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        let bits = |masses: &[f32]| masses.iter().map(|mass| mass.to_bits()).collect::<Vec<u32>>();
+        self.links.len() == other.links.len()
+            && bits(&self.masses) == bits(&other.masses)
+            && self.links.iter().zip(&other.links).all(|(link, other)| link.words() == other.words())
     }
 
     /// Lists the links of each body.

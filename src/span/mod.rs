@@ -108,11 +108,25 @@ pub(crate) struct Derived {
     /// Joints on the paths of bounds.
     pub inner: Vec<InnerJoint>,
     pub paths: LoadPaths,
+    /// What it was derived with besides the graph.
+    made_with: Option<(Choice, Vec<soft::Request>)>,
 }
 
 impl Derived {
+    /// Derives all bounds of a graph, if they are not those that are here already: as after an edit that came to nothing, or where
+    /// a host goes back to a state with the same joints.
+    pub(crate) fn follow(&mut self, graph: Graph, choice: Choice, soft: Vec<soft::Request>) {
+        let is_same = self.made_with.as_ref().is_some_and(|made_with| *made_with == (choice, soft.clone()));
+        if is_same && self.graph.is_same(&graph) {
+            return;
+        }
+        self.graph = graph;
+        self.rebuild(choice, &soft);
+        self.made_with = Some((choice, soft));
+    }
+
     /// Derives all bounds anew; `graph` holds the joints as they are.
-    pub(crate) fn rebuild(&mut self, choice: Choice, soft: &[soft::Request]) {
+    fn rebuild(&mut self, choice: Choice, soft: &[soft::Request]) {
         self.bounds.clear();
         self.inner.clear();
         self.paths.clear();

@@ -257,6 +257,7 @@ impl Records<'_> {
                 linear_sum: Vec3::ZERO,
                 angular_sum: Vec3::ZERO,
                 acted: joint.acted,
+                pressed: 0,
             });
         }
     }

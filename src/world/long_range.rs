@@ -9,7 +9,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointDef, JointKind, Softness};
 use crate::long_range::{BoundKind, BoundState, LongRangeDef, SoftBound};
-use crate::span::graph::{Link, Turn};
+use crate::span::graph::{Graph, Link, Turn};
 use crate::span::load::NodeId;
 use crate::span::plane::{Chain, Hinge, HingeEnd, find_chains};
 use crate::span::soft::Request;
@@ -112,17 +112,17 @@ impl World {
         }
         let Self { long_range, joints, bodies, unions, def, .. } = self;
         long_range.stale = false;
-        long_range.derived.graph.clear(bodies.slot_count());
+        let mut graph = Graph::default();
+        graph.clear(bodies.slot_count());
         let settings = &def.long_range;
         if settings.enabled {
             for (slot, body) in bodies.iter().filter(|(_, body)| body.is_free()) {
                 if let Some(mass) = &body.mass {
-                    long_range.derived.graph.masses[slot as usize] =
-                        unions.moving(slot).map_or(mass.mass, |union| union.mass.mass);
+                    graph.masses[slot as usize] = unions.moving(slot).map_or(mass.mass, |union| union.mass.mass);
                 }
             }
             for (slot, joint) in joints.iter() {
-                long_range.derived.graph.links.extend(link_of(slot, joint, unions, bodies));
+                graph.links.extend(link_of(slot, joint, unions, bodies));
             }
             let LongRange { derived, soft, .. } = long_range;
             let is_asked_for = |slot: u32| soft.iter().any(|asked| asked.joints.contains(&joints.handle_of(slot)));
@@ -133,11 +133,12 @@ impl World {
             let hinges: Vec<Hinge> = joints.iter().filter_map(|(slot, joint)| hinge_of(slot, joint, unions, bodies)).collect();
             long_range.chains = find_chains(&hinges);
         }
-        let requests = long_range.requests(joints, settings);
+        let requests = long_range.requests(&graph.links, joints, settings);
         let choice =
             Choice { attachment: settings.attachment.enabled, hierarchy: settings.hierarchy.enabled, levels: settings.levels };
-        long_range.derived.rebuild(choice, &requests);
-        long_range.mark_swept(&requests);
+        let swept: Vec<u32> = requests.iter().map(|request| request.links[0]).collect();
+        long_range.derived.follow(graph, choice, requests);
+        long_range.mark_swept(&swept);
         long_range.take_over();
         self.report.counts.bounds_derived = self.long_range.records.len() as u32;
     }
@@ -267,16 +268,18 @@ impl World {
     /// Derives all bounds anew after a restore, with what they carried; not if the next step would do so anyway.
     pub(super) fn restart_long_range(&mut self, stale: bool, carried: &[CarriedBound], asked: Vec<AskedBound>) {
         let records: Vec<BoundRecord> = carried.iter().map(BoundRecord::carried).collect();
-        self.long_range = LongRange { stale: !records.is_empty(), records: records.clone(), soft: asked, ..LongRange::default() };
-        if !stale {
-            self.derive_long_range();
-            let Self { long_range: LongRange { records: derived, .. }, .. } = self;
-            // The same joints give the same bounds in the same order.
-            for (record, old) in derived.iter_mut().zip(&records).filter(|(record, old)| record.key() == old.key()) {
-                (record.impulses, record.far_force, record.active) = (old.impulses, old.far_force, old.active);
-            }
+        let derived = std::mem::take(&mut self.long_range.derived);
+        self.long_range = LongRange { stale: true, soft: asked, derived, ..LongRange::default() };
+        if stale {
+            self.long_range.records = records;
+            return;
         }
-        self.long_range.stale = stale;
+        self.derive_long_range();
+        // The same joints give the same bounds in the same order.
+        let derived = self.long_range.records.iter_mut().zip(&records);
+        for (record, old) in derived.filter(|(record, old)| record.key() == old.key()) {
+            (record.impulses, record.far_force, record.active) = (old.impulses, old.far_force, old.active);
+        }
     }
 
     /// Every bound that was derived for the last step, with what it did.
@@ -323,11 +326,10 @@ impl World {
 
 impl LongRange {
     /// What the host asked for, as the derivation wants it; what named a joint that is gone is dropped.
-    fn requests(&mut self, joints: &Pool<Joint, JointId>, settings: &LongRangeDef) -> Vec<Request> {
+    fn requests(&mut self, links: &[Link], joints: &Pool<Joint, JointId>, settings: &LongRangeDef) -> Vec<Request> {
         self.soft.retain(|asked| asked.joints.iter().all(|&joint| joints.find(joint).is_ok()));
         self.asked.clear();
-        let Self { derived, soft, asked, .. } = self;
-        let links = &derived.graph.links;
+        let Self { soft, asked, .. } = self;
         let place = |joint: JointId| {
             let slot = joints.find(joint).ok()?;
             links.binary_search_by_key(&slot, |link| link.joint).ok().map(|link| link as u32)
@@ -343,18 +345,18 @@ impl LongRange {
         requests
     }
 
-    /// Notes all bodies connected to what the host asked a bound for.
-    fn mark_swept(&mut self, requests: &[Request]) {
+    /// Notes all bodies connected to these links, of what the host asked a bound for.
+    fn mark_swept(&mut self, asked_at: &[u32]) {
         let Self { derived, swept, .. } = self;
         swept.clear();
-        if requests.is_empty() {
+        if asked_at.is_empty() {
             return;
         }
         let graph = &derived.graph;
         swept.resize(graph.masses.len(), false);
         let sides = |link: u32| [0, 1].map(|side| JointSide { link, side });
         let mut open: Vec<u32> =
-            requests.iter().flat_map(|request| sides(request.links[0])).filter_map(|side| graph.dynamic_body(side)).collect();
+            asked_at.iter().flat_map(|&link| sides(link)).filter_map(|side| graph.dynamic_body(side)).collect();
         while let Some(body) = open.pop() {
             if !std::mem::replace(&mut swept[body as usize], true) {
                 open.extend(graph.ends_on(body).iter().filter_map(|end| graph.dynamic_body(end.other())));

@@ -44,6 +44,10 @@ const MOST_HALVINGS: u32 = 4;
 const LEAST_HALVINGS: f64 = 4.0;
 const MOST_BUDGET: f64 = 60.0;
 
+/// The least and the greatest number of further passes of active sets that a step's budget of multiplications allows.
+const LEAST_PASSES: f64 = 8.0;
+const MOST_PASSES: f64 = 400.0;
+
 /// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
 const MUST_FALL: f64 = 0.5;
 
@@ -148,6 +152,8 @@ pub(crate) struct Articulation {
     pub coupled: bool,
     /// Halvings that this step may still spend.
     budget: u32,
+    /// Passes of active sets that this step may still spend beyond those that each substep has free.
+    pub(super) passes_left: usize,
     pub outcome: Outcome,
 }
 
@@ -310,6 +316,7 @@ impl Articulation {
             self.untouched.clone_from(&self.entries);
         }
         let budget = f64::from(settings.articulations.halving_budget) * 1.0e6 / self.topology.plan.work as f64;
+        self.passes_left = budget.clamp(LEAST_PASSES, MOST_PASSES) as usize;
         self.budget = if budget > 0.0 { budget.clamp(LEAST_HALVINGS, MOST_BUDGET) as u32 } else { 0 };
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
         let taken = self.wanted_substeps(substeps, dt);
@@ -321,6 +328,10 @@ impl Articulation {
         let mut error = None;
         for _ in 0..taken {
             error = Some(self.advance(joints, dt / f64::from(taken), 0, error));
+            // Its contacts are swept then, and what it did is taken back.
+            if self.outcome.unsettled {
+                break;
+            }
         }
         self.scale_impulses((1.0 / share) as f32);
         self.outcome.energy_change = self.energy() - energy;
@@ -476,7 +487,8 @@ impl Articulation {
         let error = self.project(joints, errors);
         self.keep_momentum(momentum);
         let good = error <= (TOLERANCE * self.size).max(MUST_FALL * before);
-        if good || depth >= MOST_HALVINGS || self.budget == 0 {
+        let gives_up = !settled && self.passes_left == 0;
+        if good || gives_up || depth >= MOST_HALVINGS || self.budget == 0 {
             if !error.is_finite() {
                 self.restore(depth);
                 return before;

@@ -62,6 +62,8 @@ pub(crate) struct JointEntry {
     pub angular_sum: Vec3,
     /// Of the last substep, if a direct solve took it.
     pub acted: [Vec3; 2],
+    /// Scalar rows that ended a substep with a positive multiplier, as bits.
+    pub pressed: u32,
 }
 
 /// All joints of a batch, in colour order.

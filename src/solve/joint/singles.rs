@@ -170,7 +170,7 @@ impl Singles {
         }
     }
 
-    /// Adds the substep's multipliers to the joints' loads.
+    /// Adds the substep's multipliers to the joints' loads, and notes which stops press.
     pub(super) fn add_loads(&self, entries: &mut [JointEntry]) {
         for rows in &self.rows {
             let entry = &mut entries[rows.entry];
@@ -186,6 +186,7 @@ impl Singles {
                 linear += row.linear * row.impulse;
                 let about_point = row.angular_b - lever_b.map_or(row.angular_b, |lever| lever.cross(row.linear));
                 angular += about_point * row.impulse;
+                entry.pressed |= u32::from(row.impulse > 0.0) << row.id;
             }
             entry.linear_sum += linear;
             entry.angular_sum += angular;

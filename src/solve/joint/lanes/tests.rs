@@ -85,6 +85,7 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             linear_sum: Vec3::ZERO,
             angular_sum: Vec3::ZERO,
             acted: [Vec3::ZERO; 2],
+            pressed: 0,
         });
     }
     Scene { entries, defs, velocities, motions }
