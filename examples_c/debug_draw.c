@@ -87,6 +87,41 @@ static LsBody hang_rope(LsWorld world)
     return last;
 }
 
+/* A chain of hinges keeps to a plane, and what fixed joints hold is one body. */
+static void draw_structures(void)
+{
+    LsWorld world = create_world();
+    LsBody last = create_body(world, LS_BODY_STATIC, LS_SHAPE_BALL, 0, 10), welded[2];
+    LsJointDef def;
+    LsJoint joint;
+    Drawing drawn;
+    int i;
+    check(ls_joint_def_init(&def, sizeof def));
+    def.kind = LS_JOINT_HINGE;
+    for (i = 0; i < LINKS; ++i) {
+        def.body_a = last;
+        def.body_b = last = create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BOX, 0, 9 - i);
+        def.frame_a.position[1] = -0.5;
+        def.frame_b.position[1] = 0.5;
+        check(ls_joint_create(world, &def, &joint));
+    }
+    check(ls_joint_def_init(&def, sizeof def));
+    def.kind = LS_JOINT_FIXED;
+    def.body_a = welded[0] = create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BOX, 5, 5);
+    def.body_b = welded[1] = create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BOX, 6, 5);
+    def.frame_a.position[0] = 0.5;
+    def.frame_b.position[0] = -0.5;
+    check(ls_joint_create(world, &def, &joint));
+    check(ls_world_step(world, 1.0f / 60.0f));
+    drawn = draw(world, last, LS_DRAW_PLANES);
+    printf("%-14s %4d lines %4d triangles %2d texts: %s\n", "planes", drawn.lines, drawn.triangles, drawn.texts, drawn.last_text);
+    expect(drawn.lines == 4 + 4 + 4 * LINKS && strcmp(drawn.last_text, "plane of 4") == 0, "a square, a normal, and each link's place");
+    drawn = draw(world, welded[0], LS_DRAW_UNIONS);
+    printf("%-14s %4d lines %4d triangles %2d texts: %s\n", "unions", drawn.lines, drawn.triangles, drawn.texts, drawn.last_text);
+    expect(drawn.lines == 3 + 2 && strcmp(drawn.last_text, "2 bodies") == 0, "a cross, and a line to each body");
+    check(ls_world_destroy(world));
+}
+
 int main(void)
 {
     static const struct {
@@ -175,5 +210,6 @@ int main(void)
     expect(ls_world_draw(world, &far) == LS_ERROR_INVALID_ENUM, "a layer that is not known is refused");
     (void)end;
     check(ls_world_destroy(world));
+    draw_structures();
     return 0;
 }

@@ -7,7 +7,7 @@ set -euo pipefail
 packages=(gcc g++ libc6-dev)
 case "${1:-}" in
     "") ;;
-    --ci) packages+=(valgrind pkg-config cmake make) ;;
+    --ci) packages+=(clang valgrind pkg-config cmake make) ;;
     --hosts) packages+=(libsdl2-dev libgl1-mesa-dev libgl1-mesa-dri libirrlicht-dev xvfb xauth) ;;
     *) echo "usage: setup/install.sh [--ci | --hosts]" >&2; exit 2 ;;
 esac

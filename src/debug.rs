@@ -84,6 +84,11 @@ layers! {
     VELOCITIES = 11;
     /// Boxes that the broad phase keeps.
     BOXES = 12;
+    /// Planes of hinge chains: a square through them with its normal, and how far each body's centre of mass is off it, which the
+    /// chain keeps.
+    PLANES = 13;
+    /// Unions: a line from the centre of mass of each to every body of it, and their number.
+    UNIONS = 14;
 }
 
 impl DrawLayers {

@@ -375,6 +375,12 @@ impl JointImpulses {
 }
 
 impl JointImpulses {
+    /// Scalar rows with a positive multiplier, as bits.
+    pub(crate) fn pressing(&self) -> u32 {
+        const { assert!(MAX_SCALAR_ROWS <= u32::BITS as usize) };
+        self.scalar.iter().enumerate().fold(0, |bits, (row, &impulse)| bits | u32::from(impulse > 0.0) << row)
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
         self.point.is_finite() && self.angular.is_finite() && self.scalar.iter().all(|impulse| impulse.is_finite())
     }
@@ -394,7 +400,7 @@ pub(crate) struct Joint {
     pub acted: [Vec3; 2],
     /// What it has borne of late, if it can break.
     pub strain: Option<Box<Strain>>,
-    /// Stops that pressed at the end of the last step, as bits: 2 × axis, and one more for the upper one.
+    /// Stops that pressed in the last step, as bits: 2 × axis, and one more for the upper one.
     pub pressed: u32,
 }
 
@@ -413,9 +419,9 @@ impl Joint {
         }
     }
 
-    /// Stops that press now, by their multipliers.
-    pub(crate) fn pressed_stops(&self) -> u32 {
-        let pressing = |row: usize| self.impulses.scalar[row] > 0.0;
+    /// Which stops scalar rows with a positive multiplier mean; the rows are given as bits by their numbers.
+    pub(crate) fn stops_of(&self, rows: u32) -> u32 {
+        let pressing = |row: usize| rows >> row & 1 == 1;
         let both =
             |axis: usize, row: usize| u32::from(pressing(row)) << (2 * axis) | u32::from(pressing(row + 1)) << (2 * axis + 1);
         let between = |limits: &Limits, axis: usize, row: usize| if limits.min < limits.max { both(axis, row) } else { 0 };

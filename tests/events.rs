@@ -3,7 +3,7 @@
 use longspan::glam::{Quat, Vec3};
 use longspan::{
     BodyDef, BodyId, BodyKind, ErrorKind, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef,
-    World, WorldDef,
+    Solver, World, WorldDef,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -133,6 +133,36 @@ fn a_joint_that_comes_to_its_stop_says_which_once() {
     println!("{stops:?}, {:?}", world.joint_state(joint).unwrap().position);
     assert_eq!(stops.len(), 2, "{stops:?}");
     assert!(matches!(stops[0], (30..=40, true, 9, 0, true)) && matches!(stops[1], (175..=185, true, 9, 0, false)), "{stops:?}");
+}
+
+#[test]
+fn a_stop_that_is_met_and_left_within_a_step_is_told_too() {
+    // A flap is thrown up against its stop, and falls back at once: from a little later in the step each time.
+    let bar = ShapeDef::new(Shape::cuboid(Vec3::new(0.5, 0.05, 0.2)).unwrap());
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        for phase in 0..24 {
+            let mut world = World::new(&WorldDef { solver, ..WorldDef::default() }).unwrap();
+            let mut def = BodyDef::dynamic(Pose::at_xyz(0.5, 0.0, 0.0)).with_shape(bar.clone());
+            def.angular_velocity = Vec3::Z * (2.4 + 0.02 * phase as f32);
+            def.linear_velocity = def.angular_velocity.cross(Vec3::X * 0.5);
+            let body = world.create_body(&def).unwrap();
+            let limits = Limits::new(-1.0, 0.1);
+            let along_z = Quat::from_rotation_arc(Vec3::X, Vec3::Z);
+            let mut hinge = JointDef::new(JointKind::Hinge { limits, motor: Motor::Off }, BodyId::NULL, body);
+            hinge.frame_b.position.x = -0.5;
+            (hinge.frame_a.rotation, hinge.frame_b.rotation) = (along_z, along_z);
+            let joint = world.create_joint(&hinge).unwrap();
+            let (mut stops, mut highest) = (Vec::new(), f32::NEG_INFINITY);
+            for step in 0..15 {
+                world.step(DT).unwrap();
+                highest = highest.max(world.joint_state(joint).unwrap().position);
+                stops.extend(world.joint_stops().iter().map(|stop| (step, stop.axis, stop.upper)));
+            }
+            assert!(matches!(stops[..], [(0..=6, 0, true)]), "{solver:?}, phase {phase}: {stops:?}, {highest} rad at most");
+            let after = world.joint_state(joint).unwrap();
+            assert!(after.position < 0.0 && after.velocity < 0.0, "{solver:?}, phase {phase}: it has not fallen: {after:?}");
+        }
+    }
 }
 
 #[test]

@@ -39,12 +39,15 @@ fn each_part_does_what_the_figure_shows() {
         let run = Run::of("hinge_loop", &[&effort[..], keys].concat());
         (run.error("plane_rms_m"), run.error("axis_rms_deg"))
     };
-    let (both, position, none) =
-        (with(&[]), with(&[("plane_axis", "off")]), with(&[("plane_axis", "off"), ("plane_position", "off")]));
+    let (both, none) = (with(&[]), with(&[("plane_axis", "off"), ("plane_position", "off")]));
     assert!(both.0 < 1e-4 && both.1 < 0.05, "with both parts: {both:?}");
-    assert!(position.0 < 2e-3, "without the axis part it stays planar: {position:?}");
-    assert!(position.1 > 10.0 * both.1, "without the axis part axes are off: {position:?}");
     assert!(none.0 > 0.1, "without either it is floppy: {none:?}");
+    // With its axes free the loop crumples, and how far depends on the last bit of the blow: the middle one of five tells.
+    let mut position = ["49", "49.9", "50", "50.1", "51"].map(|impulse| with(&[("plane_axis", "off"), ("impulse", impulse)]));
+    position.sort_unstable_by(|one, other| one.0.total_cmp(&other.0));
+    assert!(position[2].0 < 1e-3, "without the axis part it stays planar: {position:?}");
+    let least = position.iter().map(|run| run.1).fold(f64::INFINITY, f64::min);
+    assert!(least > 10.0 * both.1, "without the axis part axes are off: {position:?}");
 }
 
 /// A run of links along x, hinges along z; the first hangs on `holder` if there is one.

@@ -5,7 +5,11 @@ mod common;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use longspan::{BodyId, ErrorKind, Handle, JointDef, SleepSettings, World, WorldDef};
+use longspan::glam::Vec3;
+use longspan::{
+    BodyDef, BodyId, BodyKind, CollisionFilter, ErrorKind, Handle, JointDef, JointId, JointKind, Mass, Material, Pose, Shape,
+    ShapeDef, SleepSettings, World, WorldDef,
+};
 use longspan_scenes::{Action, Random, Scene};
 
 /// A scene on a world of its own, stepped with its script.
@@ -93,9 +97,15 @@ fn bytes_of(world: &World) -> Vec<u8> {
     bytes
 }
 
+/// Restores of a scene: LONGSPAN_RESTORES=n does others as often, for a search of minutes.
+fn restores(usual: u32) -> u32 {
+    std::env::var("LONGSPAN_RESTORES").ok().and_then(|count| count.parse().ok()).unwrap_or(usual)
+}
+
 /// Plays a scene through, saving as it goes, then jumps back to random points, up to 25 steps before a random one, and compares
 /// every step with that of the first time: the hash of the state, and at the end of each stretch the whole snapshot.
 fn rolls_back(name: &str, keys: &[(&str, &str)], steps: u32, jumps: u32, threads: u32) {
+    let jumps = restores(jumps);
     let mut play = Play::new(common::scene(name, keys), threads, true);
     let (mut saved, mut hashes) = (BTreeMap::from([(0, play.save())]), vec![play.world.state_hash()]);
     while play.step < steps {
@@ -173,6 +183,7 @@ fn every_kind_of_joint_rolls_back_to_any_step() {
 
 #[test]
 fn bodies_that_come_and_go_fast_or_driven_roll_back_to_any_step() {
+    rolls_back("brick_wall", &[], 60, 50, 1);
     for name in ["platform", "bullet", "card_house", "bounce", "locked_axes", "half_sunk"] {
         rolls_back(name, &[], 90, 50, 1);
     }
@@ -247,6 +258,58 @@ fn another_world_goes_on_where_the_first_was_saved() {
             assert_eq!(first.world.state_hash(), other.state_hash(), "{name}, {step} steps later");
         }
     }
+}
+
+/// Does something to a world that a host may do at any time.
+fn edit(world: &mut World, random: &mut Random) {
+    let bodies: Vec<BodyId> = world.bodies().filter(|&body| world.body_kind(body) == Ok(BodyKind::Dynamic)).collect();
+    let joints: Vec<JointId> = world.joints().collect();
+    let body = bodies[random.index(bodies.len())];
+    let shape = world.body_shapes(body).unwrap()[0];
+    let solid = ShapeDef::new(Shape::cuboid(Vec3::splat(0.2)).unwrap());
+    let place = Pose::at((random.vector(3.0) + Vec3::Y * 3.5).as_dvec3());
+    match random.index(11) {
+        0 => world.set_mass(body, Mass::Total(3.0)).unwrap(),
+        1 => world.set_pose(body, place).unwrap(),
+        2 => world.wake(body).unwrap(),
+        3 => world.destroy_body(body).unwrap(),
+        4 | 5 => drop(world.create_body(&BodyDef::dynamic(place).with_shape(solid)).unwrap()),
+        6 => world.set_material(shape, Material { friction: 0.2, ..Material::default() }).unwrap(),
+        7 => world.set_filter(shape, CollisionFilter { member_of: 2, collides_with: u32::MAX }).unwrap(),
+        8 => world.set_shape_def(shape, &solid).unwrap(),
+        9 => {
+            let other = bodies[random.index(bodies.len())];
+            let _ = world.create_joint(&JointDef::new(JointKind::SPHERICAL, body, other).at(Vec3::X * 0.4, Vec3::X * -0.4));
+        }
+        _ => joints.first().into_iter().for_each(|&joint| world.destroy_joint(joint).unwrap()),
+    }
+}
+
+#[test]
+fn a_world_that_is_saved_amid_edits_goes_on_the_same() {
+    let mut play = Play::new(common::scene("pile", &[("n", "120")]), 1, true);
+    let mut other = World::new(&WorldDef::default()).unwrap();
+    let mut random = Random::new(3);
+    (0..120).for_each(|_| play.advance());
+    for round in 0..150 {
+        for _ in 0..1 + random.index(30) {
+            edit(&mut play.world, &mut random);
+        }
+        let contacts = |world: &World| -> (usize, usize) {
+            let of_bodies = world.bodies().map(|body| world.contacts_of(body).unwrap().count()).sum();
+            (world.contacts().count(), of_bodies)
+        };
+        let before = bytes_of(&play.world);
+        other.restore(&before).unwrap();
+        assert_eq!(contacts(&play.world), contacts(&other), "round {round}");
+        for step in 0..4 {
+            play.world.step(play.dt).unwrap();
+            other.step(play.dt).unwrap();
+            assert_eq!(play.world.state_hash(), other.state_hash(), "round {round}, step {step}");
+        }
+        assert!(bytes_of(&play.world) == bytes_of(&other), "round {round}: the same hash, other bytes");
+    }
+    println!("{} bodies, {} joints at the end", play.world.body_count(), play.world.joints().count());
 }
 
 #[test]

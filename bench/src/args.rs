@@ -44,6 +44,12 @@ pub enum Command {
     },
     /// Takes the time of deriving long-range constraints, of whole worlds and after one joint is gone, and prints a table (Markdown)
     DeriveTable,
+    /// Times what a host asks of a world between steps, and prints it as tables (Markdown): snapshots, edits
+    HostTable {
+        /// How often each snapshot is taken and restored; medians are printed
+        #[arg(long, default_value_t = 51, value_parser = at_least_one)]
+        repeats: usize,
+    },
     /// Runs a scene on our engine and draws its end
     Picture(Picture),
     /// Draws bodies from a text file, one a line: `box hx hy hz  px py pz  qx qy qz qw`, `ball r …`, `capsule half_height r …`, `cylinder half_height r …`

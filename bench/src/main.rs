@@ -3,6 +3,7 @@
 mod args;
 mod derive_table;
 mod draw;
+mod host_table;
 mod line;
 mod plot;
 mod session;
@@ -21,6 +22,7 @@ fn main() -> ExitCode {
         Command::Plot { file, out_dir, error } => plot::plot(&file, &out_dir, error.as_deref()),
         Command::StressTable { seeds } => stress_table::print(seeds as u64),
         Command::DeriveTable => derive_table::print(),
+        Command::HostTable { repeats } => host_table::print(repeats),
         Command::Picture(picture) => draw::picture(&picture),
         Command::Draw { file, out, size } => draw::draw_file(&file, &out, size),
     };

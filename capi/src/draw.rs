@@ -43,6 +43,11 @@ pub const LS_DRAW_MASS: u32 = 1024;
 pub const LS_DRAW_VELOCITIES: u32 = 2048;
 /// Layer: boxes that the broad phase keeps.
 pub const LS_DRAW_BOXES: u32 = 4096;
+/// Layer: planes of hinge chains: a square through them with its normal, and how far each body's centre of mass is off it, which
+/// the chain keeps.
+pub const LS_DRAW_PLANES: u32 = 8192;
+/// Layer: unions: a line from the centre of mass of each to every body of it, and their number.
+pub const LS_DRAW_UNIONS: u32 = 16384;
 
 // The bits are those of the core.
 const _: () = {
@@ -62,6 +67,8 @@ const _: () = {
     same(LS_DRAW_MASS, DrawLayers::MASS);
     same(LS_DRAW_VELOCITIES, DrawLayers::VELOCITIES);
     same(LS_DRAW_BOXES, DrawLayers::BOXES);
+    same(LS_DRAW_PLANES, DrawLayers::PLANES);
+    same(LS_DRAW_UNIONS, DrawLayers::UNIONS);
 };
 
 /// Draws a line; given in an LsDraw.

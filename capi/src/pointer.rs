@@ -91,9 +91,7 @@ impl<T> Buffer<T> {
     pub(crate) fn fill<I: Iterator<Item = T>>(&self, values: impl Fn() -> I) -> Outcome<()> {
         let needed = values().count();
         self.count.write(needed)?;
-        if needed > self.elements.len {
-            return Err(Failure::Refused(LS_ERROR_BUFFER_TOO_SMALL, "capacity", "is less than the number written to count"));
-        }
+        self.room_for(needed)?;
         self.elements.write(values());
         Ok(())
     }

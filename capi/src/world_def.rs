@@ -41,8 +41,9 @@ pub struct LsArticulationSettings {
     pub error_target: f32,
     /// Most substeps of a smooth articulation over those of the world, 1 to 64; default 4. The least is one a step.
     pub most_substeps: u32,
-    /// Multiplications that the factorisations of halved substeps may take in a step of an articulation, in millions, 0 to 1e6;
-    /// default 10. Once they are spent, joints may stay open until a later step; energy does not grow.
+    /// Multiplications that the factorisations of halved substeps, and of long searches for active sets, may take in a step of an
+    /// articulation, in millions, 0 to 1e6; default 10. Once they are spent, joints may stay open until a later step, and contacts
+    /// are swept; energy does not grow.
     pub halving_budget: f32,
 }
 

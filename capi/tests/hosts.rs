@@ -131,7 +131,7 @@ fn questions_are_answered_and_filtered_as_the_host_says() {
 #[test]
 fn what_is_drawn_is_what_is_there() {
     let output = run(&mut LIBRARY.compile(&sample("debug_draw"), Language::C99, Linkage::Static));
-    assert!(output.lines().count() == 14 && output.contains("the rope's ends: slack"), "{output}");
+    assert!(output.lines().count() == 16 && output.contains("the rope's ends: slack"), "{output}");
 }
 
 #[test]
@@ -253,6 +253,13 @@ fn the_wrapper_for_cpp_owns_throws_and_steps() {
     let source = common::repository().join("capi/tests/hosts/wrapper.cpp");
     let output = run(&mut LIBRARY.compile(&source, Language::Cpp17, Linkage::Dynamic));
     assert_eq!(output.trim(), "ls_body_pose_get: body: object was destroyed");
+}
+
+#[test]
+fn the_wrapper_for_cpp_has_the_rest_of_the_library_too() {
+    let source = common::repository().join("capi/tests/hosts/wrapper_features.cpp");
+    let output = run(&mut LIBRARY.compile(&source, Language::Cpp17, Linkage::Static));
+    assert_eq!(output.trim(), "0 failures");
 }
 
 #[test]

@@ -281,6 +281,15 @@
 #define LS_DRAW_BOXES 4096
 
 /**
+ * Layer: planes of hinge chains: a square through them with its normal, and how far each body's centre of mass is off it, which
+ * the chain keeps.
+ */
+#define LS_DRAW_PLANES 8192
+
+/** Layer: unions: a line from the centre of mass of each to every body of it, and their number. */
+#define LS_DRAW_UNIONS 16384
+
+/**
  * Recording: the hash of the world's state follows every call, not steps only. Finds the very call that first differs; costs as
  * much as reading all bodies, for each call.
  */
@@ -1208,8 +1217,9 @@ typedef struct LsArticulationSettings {
     /** Most substeps of a smooth articulation over those of the world, 1 to 64; default 4. The least is one a step. */
     uint32_t most_substeps;
     /**
-     * Multiplications that the factorisations of halved substeps may take in a step of an articulation, in millions, 0 to 1e6;
-     * default 10. Once they are spent, joints may stay open until a later step; energy does not grow.
+     * Multiplications that the factorisations of halved substeps, and of long searches for active sets, may take in a step of an
+     * articulation, in millions, 0 to 1e6; default 10. Once they are spent, joints may stay open until a later step, and contacts
+     * are swept; energy does not grow.
      */
     float halving_budget;
 } LsArticulationSettings;

@@ -111,6 +111,92 @@ struct QueryFilter : LsQueryFilter {
     QueryFilter() { check(ls_query_filter_init(this, sizeof(LsQueryFilter))); }
 };
 
+struct LongRangeDef : LsLongRangeDef {
+    LongRangeDef() { check(ls_long_range_def_init(this, sizeof(LsLongRangeDef))); }
+};
+
+struct StreamDef : LsStreamDef {
+    explicit StreamDef(const char *name_) {
+        check(ls_stream_def_init(this, sizeof(LsStreamDef)));
+        name = name_;
+    }
+};
+
+struct StreamReaderDef : LsStreamReaderDef {
+    StreamReaderDef() { check(ls_stream_reader_def_init(this, sizeof(LsStreamReaderDef))); }
+    static StreamReaderDef of_stream(const char *name) {
+        StreamReaderDef def;
+        def.name = name;
+        return def;
+    }
+    static StreamReaderDef of_recording(const char *file) {
+        StreamReaderDef def;
+        def.recording = file;
+        return def;
+    }
+};
+
+/// Draws what a world holds; see World::draw. Its functions must not throw: they are called from C.
+class Painter {
+public:
+    virtual ~Painter() = default;
+    virtual void line(const double * /*from*/, const double * /*to*/, std::uint32_t /*color*/) noexcept {}
+    virtual void triangle(const double * /*corners*/, std::uint32_t /*color*/) noexcept {}
+    virtual void text(const double * /*at*/, const char * /*words*/, std::uint32_t /*color*/) noexcept {}
+};
+
+/// What an LsDraw is made of; hands every primitive to a painter.
+struct Draw : LsDraw {
+    Draw(Painter &painter, std::uint32_t layers_) {
+        check(ls_draw_init(this, sizeof(LsDraw)));
+        layers = layers_;
+        user = &painter;
+        line = [](const double *from, const double *to, std::uint32_t color, void *to_whom) {
+            static_cast<Painter *>(to_whom)->line(from, to, color);
+        };
+        triangle = [](const double *corners, std::uint32_t color, void *to_whom) {
+            static_cast<Painter *>(to_whom)->triangle(corners, color);
+        };
+        text = [](const double *at, const char *words, std::uint32_t color, void *to_whom) {
+            static_cast<Painter *>(to_whom)->text(at, words, color);
+        };
+    }
+};
+
+/// A solid cut into bodies, and the joints between them.
+struct Cells {
+    std::vector<LsBody> bodies;
+    std::vector<LsJoint> joints;
+};
+
+namespace detail {
+
+/// What a function hands out as an array of its own, valid as long as its C function says.
+template <typename T, typename Owner>
+Span<T> array(LsResult (*function)(Owner, const T **, std::size_t *), Owner owner) {
+    const T *elements = nullptr;
+    std::size_t count = 0;
+    check(function(owner, &elements, &count));
+    return Span<T>(elements, count);
+}
+
+/// What a function writes into a buffer: asked for its size first, unless a few will do.
+template <typename T, typename Fill>
+std::vector<T> listed(Fill fill) {
+    std::vector<T> list(16);
+    std::size_t count = 0;
+    LsResult result = fill(list.data(), list.size(), &count);
+    while (result == LS_ERROR_BUFFER_TOO_SMALL) {
+        list.resize(count);
+        result = fill(list.data(), list.size(), &count);
+    }
+    check(result);
+    list.resize(count);
+    return list;
+}
+
+} // namespace detail
+
 /// A world, destroyed with its owner.
 class World {
 public:
@@ -176,18 +262,112 @@ public:
         return state;
     }
 
+    std::vector<LsBody> bodies() const { return list<LsBody>(ls_world_bodies_get); }
+    std::vector<LsJoint> joints() const { return list<LsJoint>(ls_world_joints_get); }
+    std::vector<LsContact> contacts() const { return list<LsContact>(ls_world_contacts_get); }
+    std::vector<LsShape> shapes(LsBody body) const { return list<LsShape>(ls_body_shapes_get, body); }
+    std::vector<LsJoint> joints(LsBody body) const { return list<LsJoint>(ls_body_joints_get, body); }
+    std::vector<LsContact> contacts(LsBody body) const { return list<LsContact>(ls_body_contacts_get, body); }
+
     /// Arrays of the last step, valid until the next one.
     Span<LsMoved> moved() const { return array<LsMoved>(ls_world_moved); }
     Span<LsContactPair> contact_began() const { return array<LsContactPair>(ls_world_contact_began); }
     Span<LsContactPair> contact_ended() const { return array<LsContactPair>(ls_world_contact_ended); }
     Span<LsJointOverload> overloaded() const { return array<LsJointOverload>(ls_world_overloaded); }
     Span<LsBody> quarantined() const { return array<LsBody>(ls_world_quarantined); }
+    Span<LsArticulation> articulations() const { return array<LsArticulation>(ls_world_articulations); }
+    Span<LsHit> hits() const { return array<LsHit>(ls_world_hits); }
+    Span<LsJointStop> joint_stops() const { return array<LsJointStop>(ls_world_joint_stops); }
+    Span<LsContactPair> sensor_began() const { return array<LsContactPair>(ls_world_sensor_began); }
+    Span<LsContactPair> sensor_ended() const { return array<LsContactPair>(ls_world_sensor_ended); }
+    Span<LsContactPair> sensed() const { return array<LsContactPair>(ls_world_sensed); }
+    Span<LsJointBreak> broken() const { return array<LsJointBreak>(ls_world_broken); }
+    Span<LsSplit> splits() const { return array<LsSplit>(ls_world_splits); }
+    Span<LsPiece> pieces() const { return array<LsPiece>(ls_world_pieces); }
+    Span<LsBody> piece_bodies() const { return array<LsBody>(ls_world_piece_bodies); }
+
+    /// What joints bear. `create_cells` cuts a box or convex hull along the cells of these seeds (x, y, z of each, in its frame).
+    void set_strength(LsJoint joint, const LsStrength &strength) { check(ls_joint_strength_set(world_, joint, &strength)); }
+    LsJointStress stress(LsJoint joint) const {
+        LsJointStress stress;
+        check(ls_joint_stress_get(world_, joint, &stress, sizeof stress));
+        return stress;
+    }
+    void apply_fractures(Span<LsJoint> joints) { check(ls_world_apply_fractures(world_, joints.data(), joints.size())); }
+    std::vector<LsJoint> near_breaking(float least) const { return list<LsJoint>(ls_world_joints_near_breaking, least); }
+    Cells create_cells(const LsBodyDef &body, const LsShapeDef &shape, const std::vector<float> &seeds, const LsBondMaterial &material) {
+        const std::size_t count = seeds.size() / 3;
+        Cells cells{std::vector<LsBody>(count), std::vector<LsJoint>(count * 8)};
+        std::size_t body_count = 0, joint_count = 0;
+        const auto cut = [&] {
+            return ls_world_cells_create(world_, &body, &shape, seeds.data(), count, &material, cells.bodies.data(), cells.bodies.size(),
+                                         &body_count, cells.joints.data(), cells.joints.size(), &joint_count);
+        };
+        LsResult result = cut();
+        if (result == LS_ERROR_BUFFER_TOO_SMALL) {
+            cells.joints.resize(joint_count > cells.joints.size() ? joint_count : cells.joints.size() * 4);
+            result = cut();
+        }
+        check(result);
+        cells.bodies.resize(body_count);
+        cells.joints.resize(joint_count);
+        return cells;
+    }
+
+    /// What fixed joints make one body; a body of no union has one of a null lead.
+    LsUnion union_of(LsBody body) const {
+        LsUnion found;
+        check(ls_body_union(world_, body, &found));
+        return found;
+    }
+    std::vector<LsBody> union_members(LsBody body) const { return list<LsBody>(ls_body_union_members, body); }
+    std::vector<LsUnion> unions() const { return list<LsUnion>(ls_world_unions); }
+
+    /// Long-range constraints.
+    LongRangeDef long_range() const {
+        LongRangeDef def;
+        check(ls_world_long_range_get(world_, &def, sizeof(LsLongRangeDef)));
+        return def;
+    }
+    void set_long_range(const LsLongRangeDef &def) { check(ls_world_long_range_set(world_, &def)); }
+    void set_soft_bound(LsJoint a, LsJoint b, const LsSoftBound &bound) { check(ls_world_soft_bound_set(world_, a, b, &bound)); }
+    void remove_soft_bound(LsJoint a, LsJoint b) { check(ls_world_soft_bound_remove(world_, a, b)); }
+    std::vector<LsBound> bounds() const { return list<LsBound>(ls_world_bounds_get); }
+
+    /// What holds bodies up, once it is switched on.
+    void enable_support(bool on = true) { check(ls_support_enable(world_, on)); }
+    LsSupport support(LsBody body) const {
+        LsSupport support;
+        check(ls_support_of(world_, &body, 1, &support));
+        return support;
+    }
+    std::vector<LsSupportChange> support_changes() const { return list<LsSupportChange>(ls_support_changes); }
+    std::vector<LsBody> supporters(LsBody body) const { return list<LsBody>(ls_support_from, body); }
+    std::vector<LsBody> supported_by(LsBody body) const { return list<LsBody>(ls_support_to, body); }
+    std::vector<LsBody> path_to_ground(LsBody body) const { return list<LsBody>(ls_support_path, body); }
+    std::vector<LsBody> lost_without(Span<LsBody> removed) const {
+        return list<LsBody>(ls_support_lost_without, removed.data(), removed.size());
+    }
+
+    /// Hands the layers (LS_DRAW_) of what the world holds to a painter.
+    void draw(Painter &painter, std::uint32_t layers) const {
+        const Draw order(painter, layers);
+        draw(order);
+    }
+    void draw(const LsDraw &order) const { check(ls_world_draw(world_, &order)); }
 
     /// The first shape that a ray meets; its shape is null if there is none.
     LsRayHit cast_ray(const LsRay &ray, const LsQueryFilter *filter = nullptr) const {
         LsRayHit hit;
         check(ls_world_cast_ray(world_, &ray, filter, &hit));
         return hit;
+    }
+
+    std::vector<LsRayHit> cast_ray_all(const LsRay &ray, const LsQueryFilter *filter = nullptr) const {
+        return list<LsRayHit>(ls_world_cast_ray_all, &ray, filter);
+    }
+    std::vector<LsShape> overlap(const LsShapeDef &shape, const LsPose &pose, const LsQueryFilter *filter = nullptr) const {
+        return list<LsShape>(ls_world_overlap_shape, &shape, &pose, filter);
     }
 
     /// The whole world as bytes; the vector's memory is used again.
@@ -204,7 +384,40 @@ public:
     }
     void restore(const std::vector<unsigned char> &snapshot) { check(ls_world_restore(world_, snapshot.data(), snapshot.size())); }
 
+    /// Writes every change from now on to a file, or behind what is in a vector, which must live until stop_recording.
+    void record(const char *file, std::uint32_t flags = 0) { check(ls_world_record_to_file(world_, file, flags)); }
+    void record(std::vector<unsigned char> &recording, std::uint32_t flags = 0) {
+        const LsRecordCallback append = [](const void *data, std::size_t size, void *user) noexcept -> std::int32_t {
+            try {
+                const auto *bytes = static_cast<const unsigned char *>(data);
+                auto &list = *static_cast<std::vector<unsigned char> *>(user);
+                list.insert(list.end(), bytes, bytes + size);
+                return 0;
+            } catch (...) {
+                return 1;
+            }
+        };
+        check(ls_world_record_start(world_, append, flags, &recording));
+    }
+    void stop_recording() { check(ls_world_record_stop(world_)); }
+
+    /// A world in which a recording was played, as far as it goes or for so many steps, and what came of it.
+    static std::pair<World, LsReplay> replay(const std::vector<unsigned char> &recording, std::uint64_t most_steps = UINT64_MAX) {
+        LsWorld world = {0};
+        LsReplay report;
+        check(ls_recording_replay(recording.data(), recording.size(), most_steps, &world, &report, sizeof report));
+        return {World(world), report};
+    }
+
 private:
+    explicit World(LsWorld world) noexcept : world_(world) {}
+
+    template <typename T, typename Function, typename... Given>
+    std::vector<T> list(Function function, Given... given) const {
+        return detail::listed<T>([&](T *out, std::size_t capacity, std::size_t *count) {
+            return function(world_, given..., out, capacity, count);
+        });
+    }
     template <typename T>
     T out(LsResult (*function)(LsWorld, T *)) const {
         T value;
@@ -213,13 +426,73 @@ private:
     }
     template <typename T>
     Span<T> array(LsResult (*function)(LsWorld, const T **, std::size_t *)) const {
-        const T *elements = nullptr;
-        std::size_t count = 0;
-        check(function(world_, &elements, &count));
-        return Span<T>(elements, count);
+        return detail::array<T>(function, world_);
     }
 
     LsWorld world_ = {0};
+};
+
+/// Shows a world to other processes, until its owner or the world goes. Every call of it throws LS_ERROR_UNSUPPORTED where the
+/// library was built without streams.
+class Stream {
+public:
+    Stream(const World &world, const LsStreamDef &def) { check(ls_stream_open(world.get(), &def, &stream_)); }
+    Stream(Stream &&other) noexcept : stream_(std::exchange(other.stream_, LsStream{0})) {}
+    Stream &operator=(Stream &&other) noexcept {
+        std::swap(stream_, other.stream_);
+        return *this;
+    }
+    Stream(const Stream &) = delete;
+    Stream &operator=(const Stream &) = delete;
+    ~Stream() {
+        if (stream_.id != 0) {
+            ls_stream_close(stream_);
+        }
+    }
+    LsStream get() const noexcept { return stream_; }
+    void serve() { check(ls_stream_serve(stream_)); }
+    LsStreamStats stats() const {
+        LsStreamStats stats;
+        check(ls_stream_stats_get(stream_, &stats, sizeof stats));
+        return stats;
+    }
+
+private:
+    LsStream stream_ = {0};
+};
+
+/// Looks at a stream of another process, or at a recording. Arrays are valid until the next poll.
+class StreamReader {
+public:
+    explicit StreamReader(const LsStreamReaderDef &def) { check(ls_stream_reader_open(&def, &reader_)); }
+    StreamReader(StreamReader &&other) noexcept : reader_(std::exchange(other.reader_, LsStreamReader{0})) {}
+    StreamReader &operator=(StreamReader &&other) noexcept {
+        std::swap(reader_, other.reader_);
+        return *this;
+    }
+    StreamReader(const StreamReader &) = delete;
+    StreamReader &operator=(const StreamReader &) = delete;
+    ~StreamReader() {
+        if (reader_.id != 0) {
+            ls_stream_reader_close(reader_);
+        }
+    }
+    LsStreamReader get() const noexcept { return reader_; }
+    LsStreamPoll poll(float timeout) {
+        LsStreamPoll poll;
+        check(ls_stream_reader_poll(reader_, timeout, &poll, sizeof poll));
+        return poll;
+    }
+    Span<LsStreamBody> bodies() const { return detail::array<LsStreamBody>(ls_stream_reader_bodies, reader_); }
+    Span<LsStreamShape> shapes() const { return detail::array<LsStreamShape>(ls_stream_reader_shapes, reader_); }
+    Span<LsStreamJoint> joints() const { return detail::array<LsStreamJoint>(ls_stream_reader_joints, reader_); }
+    Span<LsStreamContact> contacts() const { return detail::array<LsStreamContact>(ls_stream_reader_contacts, reader_); }
+    Span<LsStreamBound> bounds() const { return detail::array<LsStreamBound>(ls_stream_reader_bounds, reader_); }
+    Span<LsStreamPlane> planes() const { return detail::array<LsStreamPlane>(ls_stream_reader_planes, reader_); }
+    Span<LsStreamEvent> events() const { return detail::array<LsStreamEvent>(ls_stream_reader_events, reader_); }
+
+private:
+    LsStreamReader reader_ = {0};
 };
 
 /// Turns steps of a fixed length into the time of a host's frames, and says where to draw between two of them.

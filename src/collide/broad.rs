@@ -61,8 +61,8 @@ impl BroadPhase {
     }
 
     pub(crate) fn remove(&mut self, shape: u32) {
+        // Where it is still listed as changed, it is passed over as one without a box.
         self.tree.remove(shape);
-        self.changed.retain(|&changed| changed != shape);
     }
 
     /// Looks for a shape's neighbours again although it has not moved.

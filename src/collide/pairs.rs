@@ -2,6 +2,9 @@
 //!
 //! A pair is *active* while one of its bodies can move by itself; the pairs of a sleeping island are kept by the island.
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
 use glam::{DVec3, Mat3, Quat, Vec3};
 use parry3d::math::Pose3;
 
@@ -313,8 +316,11 @@ pub(crate) struct PairScratch {
 pub(crate) struct PairCache {
     pairs: Vec<Pair>,
     free: Vec<u32>,
-    /// Active pairs in key order.
+    /// Active pairs in key order, and what edits have given up since it was last [settled](Self::settle).
     active: Vec<(PairKey, u32)>,
+    /// How many of those were given up, and what edits have made active instead.
+    gone: usize,
+    woken: BTreeMap<PairKey, u32>,
     merged: Vec<(PairKey, u32)>,
     /// Pairs given up so far.
     releases: u64,
@@ -338,8 +344,54 @@ impl PairCache {
         self.pairs.iter()
     }
 
+    /// Active pairs, in key order; as they were before edits since [`settle`](Self::settle).
     pub(crate) fn active(&self) -> &[(PairKey, u32)] {
+        debug_assert!(self.is_settled(), "stages of a step begin with settled pairs");
         &self.active
+    }
+
+    /// Active pairs, in key order, also between steps.
+    pub(crate) fn listed(&self) -> Cow<'_, [(PairKey, u32)]> {
+        if self.is_settled() {
+            return Cow::Borrowed(&self.active);
+        }
+        let mut listed: Vec<(PairKey, u32)> = self.active.iter().copied().filter(|&(_, slot)| self.get(slot).active).collect();
+        listed.extend(self.woken.iter().map(|(&key, &slot)| (key, slot)));
+        listed.sort_unstable();
+        Cow::Owned(listed)
+    }
+
+    /// Brings the list of active pairs up to date with edits.
+    ///
+    /// Each edit touches few pairs of very many: it leaves a mark, and the list is gone through once for all of them.
+    pub(crate) fn settle(&mut self) {
+        if std::mem::take(&mut self.gone) > 0 {
+            let pairs = &self.pairs;
+            self.active.retain(|&(_, slot)| pairs[slot as usize].active);
+        }
+        if !self.woken.is_empty() {
+            let woken: Vec<(PairKey, u32)> = std::mem::take(&mut self.woken).into_iter().collect();
+            self.merge(&woken);
+        }
+    }
+
+    fn is_settled(&self) -> bool {
+        self.gone == 0 && self.woken.is_empty()
+    }
+
+    /// Slot of an active pair, also between steps.
+    pub(crate) fn find(&self, key: PairKey) -> Option<u32> {
+        let listed = self.active.binary_search_by_key(&key, |&(key, _)| key).ok().map(|place| self.active[place].1);
+        listed.filter(|&slot| self.get(slot).active).or_else(|| self.woken.get(&key).copied())
+    }
+
+    /// Gives up an active pair, also between steps.
+    pub(crate) fn give_up(&mut self, slot: u32) {
+        let key = self.get(slot).key;
+        if self.woken.remove(&key).is_none() {
+            self.gone += 1;
+        }
+        self.release(slot);
     }
 
     pub(crate) fn get(&self, slot: u32) -> &Pair {
@@ -352,6 +404,7 @@ impl PairCache {
 
     /// Calls `f` for every active pair, in key order.
     pub(crate) fn for_each_active(&mut self, mut f: impl FnMut(&mut Pair)) {
+        self.settle();
         for &(_, slot) in &self.active {
             f(&mut self.pairs[slot as usize]);
         }
@@ -367,6 +420,7 @@ impl PairCache {
         if keys.is_empty() {
             return;
         }
+        self.settle();
         let mut fresh = Vec::new();
         for &key in keys {
             if self.active.binary_search_by_key(&key, |&(key, _)| key).is_err() {
@@ -376,22 +430,25 @@ impl PairCache {
         self.merge(&fresh);
     }
 
-    /// Makes pairs active again that a sleeping island kept; where the pair was found anew meanwhile, the kept one is dropped.
-    pub(crate) fn activate_kept(&mut self, slots: &[u32]) {
-        let mut kept = Vec::with_capacity(slots.len());
+    /// Makes pairs active again that a sleeping island kept. Dropped are those that were found anew meanwhile, and those of which
+    /// one side has gone: `material` combines the surfaces of a pair that still is one.
+    pub(crate) fn activate_kept(&mut self, slots: &[u32], material: impl Fn(PairKey) -> Option<PairMaterial>) {
         for &slot in slots {
             let key = self.pairs[slot as usize].key;
-            match self.active.binary_search_by_key(&key, |&(key, _)| key) {
-                Ok(_) => self.release(slot),
-                Err(_) => kept.push((key, slot)),
+            match material(key).filter(|_| self.find(key).is_none()) {
+                None => self.release(slot),
+                Some(material) => {
+                    let pair = &mut self.pairs[slot as usize];
+                    (pair.active, pair.material) = (true, material);
+                    self.woken.insert(key, slot);
+                }
             }
         }
-        kept.sort_unstable();
-        self.merge(&kept);
     }
 
     /// Keeps the active pairs that `keep` says; `drop_or_store` takes the others and says whether their slot lives on.
     pub(crate) fn retain_active(&mut self, mut fate: impl FnMut(PairKey, u32, &Pair) -> Fate) {
+        self.settle();
         let mut active = std::mem::take(&mut self.active);
         active.retain(|&(key, slot)| match fate(key, slot, &self.pairs[slot as usize]) {
             Fate::Stay => true,

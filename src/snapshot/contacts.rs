@@ -147,10 +147,10 @@ pub(crate) fn read(input: &mut Input, colliders: &Pool<Collider, ShapeId>) -> Op
     let (mut manifolds, mut points) = (input.table::<ManifoldRow>()?.into_iter(), input.table::<PointRow>()?.into_iter());
     let mut pairs = Vec::with_capacity(rows.len());
     for row in rows {
-        let mut pair = row.pair(&mut far, colliders)?;
-        let pose = Now::of(row.key, colliders)?.exact;
+        let now = Now::of(row.key, colliders)?;
+        let mut pair = row.pair(&now, &mut far, colliders)?;
         for _ in 0..row.info / MANIFOLDS {
-            pair.manifolds.push(manifolds.next()?.manifold(&pose, &mut points)?);
+            pair.manifolds.push(manifolds.next()?.manifold(&now.exact, &mut points)?);
         }
         pairs.push(pair);
     }
@@ -255,7 +255,7 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>) -> (PairRow, Option<
 }
 
 impl PairRow {
-    fn pair(&self, far: &mut impl Iterator<Item = FarPose>, colliders: &Pool<Collider, ShapeId>) -> Option<Pair> {
+    fn pair(&self, now: &Now, far: &mut impl Iterator<Item = FarPose>, colliders: &Pool<Collider, ShapeId>) -> Option<Pair> {
         let (a, b) = self.key.shapes();
         let material = PairMaterial::combine(&colliders.get(a)?.material, &colliders.get(b)?.material);
         let mut pair = Pair::new(self.key, material);
@@ -263,7 +263,6 @@ impl PairRow {
         let has = |flag: u32| self.info & flag != 0;
         (pair.may_touch, pair.in_contact) = (has(MAY_TOUCH), has(IN_CONTACT));
         if has(HAS_POSE) {
-            let now = Now::of(self.key, colliders)?;
             let from = components(&now.coarse);
             let to = if has(FAR_POSE) {
                 let FarPose(steps) = far.next()?;

@@ -85,6 +85,9 @@ impl<'a> Output<'a> {
     }
 }
 
+/// Rows that room is made for before they are read.
+const MOST_AT_ONCE: u64 = 1 << 14;
+
 /// Words of a row above which a byte for each eight groups of four tells which of them differ at all.
 const MASKED: usize = 16;
 
@@ -112,7 +115,12 @@ impl<'a> Input<'a> {
         if rows > self.bytes.len() as u64 {
             return None;
         }
-        (0..rows).map(|_| self.row()).collect()
+        // Beyond so many, room is made as rows turn out to be there.
+        let mut table = Vec::with_capacity(rows.min(MOST_AT_ONCE) as usize);
+        for _ in 0..rows {
+            table.push(self.row()?);
+        }
+        Some(table)
     }
 
     /// Whether all has been read.

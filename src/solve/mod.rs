@@ -20,9 +20,11 @@ pub(crate) mod load_pass;
 pub(crate) mod momentum;
 pub(crate) mod plane;
 mod rotation;
+mod side;
 pub(crate) mod state;
 pub(crate) mod taut;
 mod wide;
+mod wide_matrix;
 
 use batch::Batch;
 use contact::POINTS;
@@ -59,22 +61,22 @@ impl Batch {
         let h = settings.dt / settings.substeps as f32;
         self.start_contacts(settings.gravity, h);
         self.prepare_load_pass(settings.gravity, h);
+        self.bounds.lay_out(&self.motions, h);
+        self.taut.lay_out(&self.bounds);
         for substep in 0..settings.substeps {
             self.apply_forces(joints, h);
-            self.joints.prepare(joints, &self.velocities, &self.motions, h);
-            self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, false);
-            self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.predicted, h);
+            self.joints.prepare(joints, &self.velocities, &self.motions, h, false);
+            self.bounds.prepare(&self.velocities, &self.motions, &self.joints.outlooks, h, false);
+            self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.outlooks, h);
             self.joints.warm_start(&mut self.velocities);
             self.bounds.warm_start(&mut self.velocities);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
             self.pass_loads();
             for iteration in 0..settings.iterations {
                 if iteration > 0 && iteration + 1 == settings.iterations {
-                    self.joints.keep_impulses();
-                    self.joints.prepare(joints, &self.velocities, &self.motions, h);
-                    self.bounds.keep_impulses();
-                    self.bounds.prepare(&self.velocities, &self.motions, &self.joints.predicted, h, true);
-                    self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.predicted, h);
+                    self.joints.prepare(joints, &self.velocities, &self.motions, h, true);
+                    self.bounds.prepare(&self.velocities, &self.motions, &self.joints.outlooks, h, true);
+                    self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.outlooks, h);
                 }
                 if iteration % 2 == 0 {
                     self.bounds.sweep(&mut self.velocities, false);
@@ -90,10 +92,8 @@ impl Batch {
                     self.bounds.sweep(&mut self.velocities, true);
                 }
             }
-            self.joints.keep_impulses();
+            self.joints.end_substep();
             self.direct.keep_impulses();
-            self.joints.add_loads();
-            self.bounds.keep_impulses();
             self.bounds.add_loads();
             self.taut.add_loads();
             self.planes.fit_velocities(&mut self.velocities, &self.motions, h);
@@ -114,7 +114,11 @@ impl Batch {
         self.recover_positions(settings.dt);
         self.direct.settle(joints, &self.velocities, &mut self.motions);
         self.free.restore(&mut self.velocities, &self.motions);
-        self.joint_gap = joint::worst_gap(self.joints.entries.iter().chain(self.direct.entries()), joints, &self.motions);
+        self.joints.store();
+        self.bounds.store();
+        self.taut.store();
+        let swept_gap = self.joints.worst_gap(joints, &self.motions);
+        self.joint_gap = joint::worst_gap(self.direct.entries(), joints, &self.motions).max(swept_gap);
     }
 
     /// Gives contacts that are born under load their static multipliers.

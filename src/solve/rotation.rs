@@ -15,7 +15,7 @@
 use glam::{DMat3, DQuat, DVec3};
 
 /// Relative gain of rotational energy in one substep beyond which the midpoint rule is refused.
-const MAX_ENERGY_GAIN: f64 = 1.0e-3;
+pub(crate) const MAX_ENERGY_GAIN: f64 = 1.0e-3;
 
 /// Rotation of one substep above which the midpoint rule takes two halves (rad).
 const SPLIT_TUMBLE: f64 = 1.0e-2;

@@ -10,7 +10,7 @@ use super::rotation::Top;
 pub(crate) const WORLD_SLOT: u32 = 0;
 
 /// Largest rotation by which a body is pushed at once (rad).
-const MAX_PUSH_TURN: f32 = 0.5;
+pub(crate) const MAX_PUSH_TURN: f32 = 0.5;
 
 /// Symmetric 3×3 matrix: xx, yy, zz, xy, xz, yz.
 #[derive(Debug, Clone, Copy, Default)]
@@ -133,6 +133,8 @@ pub(crate) struct BodyMotion {
     pub refreshed: bool,
 }
 
+const _: () = assert!(std::mem::offset_of!(BodyMotion, rotation) == 32 && std::mem::offset_of!(BodyMotion, inertia) == 72);
+
 /// How a slot is integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum MotionKind {
@@ -173,6 +175,21 @@ impl BodyMotion {
     pub(crate) fn moved(&self) -> &[f32; 8] {
         // SAFETY: the struct is `repr(C)` and begins with eight `f32`: two vectors and two dampings.
         unsafe { &*std::ptr::from_ref(self).cast::<[f32; 8]>() }
+    }
+
+    /// Displacement, turn, two numbers more, rotation, and four more.
+    #[inline(always)]
+    pub(crate) fn halves(&self) -> [&[f32; 8]; 2] {
+        // SAFETY: the struct is `repr(C)` and begins with 16 `f32` without padding, as the offsets of two fields say.
+        let halves = unsafe { &*std::ptr::from_ref(self).cast::<[[f32; 8]; 2]>() };
+        [&halves[0], &halves[1]]
+    }
+
+    #[inline(always)]
+    pub(crate) fn halves_mut(&mut self) -> [&mut [f32; 8]; 2] {
+        // SAFETY: as in `halves`; any numbers may be written.
+        let [first, second] = unsafe { &mut *std::ptr::from_mut(self).cast::<[[f32; 8]; 2]>() };
+        [first, second]
     }
 
     /// Moves a dynamic body by a displacement (m) and a rotation vector (rad, at most [`MAX_PUSH_TURN`]).

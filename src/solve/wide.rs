@@ -2,7 +2,7 @@
 //!
 //! [`Wide`] is implemented twice, by AVX2 registers and by plain arrays. Each operation is one rounded operation of IEEE 754 on
 //! every lane, never fused and never estimated, so both give the same bits. A kernel is written once, generic over it, and runs
-//! with registers where the processor has them (see `in_lanes` in `contact_kernels`). Kernels pass no `Wide` value to a closure: a
+//! with registers where the processor has them (see `in_lanes` in `dispatch`). Kernels pass no `Wide` value to a closure: a
 //! closure is compiled without the registers and is not inlined where they are.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -27,6 +27,8 @@ pub(crate) trait Wide:
     fn abs(self) -> Self;
     /// Whether it is greater than `other`; false where either is not a number.
     fn above(self, other: Self) -> Self::Mask;
+    /// Whether it holds in any lane.
+    fn any(mask: Self::Mask) -> bool;
     /// `then` where `mask` holds, else `other`.
     fn select(mask: Self::Mask, then: Self, other: Self) -> Self;
     /// Column k of the eight rows, for each k.
@@ -63,6 +65,13 @@ impl<W: Wide> Wide3<W> {
     }
 
     #[inline(always)]
+    pub fn store(self, lanes: &mut Lane3) {
+        self.x.store(&mut lanes[0]);
+        self.y.store(&mut lanes[1]);
+        self.z.store(&mut lanes[2]);
+    }
+
+    #[inline(always)]
     pub fn dot(self, other: Self) -> W {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
@@ -70,6 +79,31 @@ impl<W: Wide> Wide3<W> {
     #[inline(always)]
     pub fn cross(self, other: Self) -> Self {
         Self::new(self.y * other.z - other.y * self.z, self.z * other.x - other.z * self.x, self.x * other.y - other.x * self.y)
+    }
+
+    /// A vector of one lane in all.
+    #[inline(always)]
+    pub fn splat(v: glam::Vec3) -> Self {
+        Self::new(W::splat(v.x), W::splat(v.y), W::splat(v.z))
+    }
+
+    #[inline(always)]
+    pub fn length(self) -> W {
+        self.dot(self).sqrt()
+    }
+
+    /// Shortened where it is longer than `most`.
+    #[inline(always)]
+    pub fn shortened(self, most: W) -> Self {
+        let length = self.length();
+        self * W::select(length.above(most), most / length, W::splat(1.0))
+    }
+
+    /// Zero where `mask` does not hold.
+    #[inline(always)]
+    pub fn only(self, mask: W::Mask) -> Self {
+        let zero = W::zero();
+        Self::new(W::select(mask, self.x, zero), W::select(mask, self.y, zero), W::select(mask, self.z, zero))
     }
 
     /// Each component times its own factor.
@@ -187,6 +221,11 @@ impl Wide for Plain {
     }
 
     #[inline(always)]
+    fn any(mask: Self::Mask) -> bool {
+        mask.contains(&true)
+    }
+
+    #[inline(always)]
     fn select(mask: Self::Mask, then: Self, other: Self) -> Self {
         Self(std::array::from_fn(|l| if mask[l] { then.0[l] } else { other.0[l] }))
     }
@@ -206,7 +245,7 @@ pub(crate) mod avx2 {
 
     use super::{LANES, Lane, Wide};
 
-    /// A register. Only code that has found AVX2 on the processor may make one: `contact_kernels` does, before it enters a kernel.
+    /// A register. Only code that has found AVX2 on the processor may make one: `in_lanes` does, before it enters a kernel.
     #[derive(Clone, Copy)]
     pub(crate) struct Avx2(__m256);
 
@@ -284,6 +323,12 @@ pub(crate) mod avx2 {
         fn above(self, other: Self) -> __m256 {
             // SAFETY: values of this type exist only where AVX2 does.
             unsafe { _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, other.0) }
+        }
+
+        #[inline(always)]
+        fn any(mask: __m256) -> bool {
+            // SAFETY: values of this type exist only where AVX2 does.
+            unsafe { _mm256_movemask_ps(mask) != 0 }
         }
 
         #[inline(always)]

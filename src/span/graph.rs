@@ -52,6 +52,25 @@ pub(crate) struct Link {
     pub turn: Turn,
 }
 
+impl Link {
+    /// All of it, to the bit.
+    pub(super) fn words(&self) -> [u32; 19] {
+        let Self { bodies, points, turn } = self;
+        let (kind, frames, limits) = match *turn {
+            Turn::Free => (0, [Quat::IDENTITY; 2], [0.0; 2]),
+            Turn::Fixed { frames } => (1, frames, [0.0; 2]),
+            Turn::Hinge { frames, min, max } => (2, frames, [min, max]),
+            Turn::Swing { frames, limit } => (3, frames, [limit, 0.0]),
+        };
+        let mut words = [0; 19];
+        let whole = [bodies[0].unwrap_or(u32::MAX), bodies[1].unwrap_or(u32::MAX), kind];
+        let floats = points.iter().flat_map(Vec3::to_array).chain(frames.iter().flat_map(Quat::to_array)).chain(limits);
+        let all = whole.into_iter().chain(floats.map(f32::to_bits));
+        words.iter_mut().zip(all).for_each(|(word, value)| *word = value);
+        words
+    }
+}
+
 /// Links and the bodies they meet in.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {

@@ -18,6 +18,7 @@
 //! | `load.rs` | which joints a bound carries load past |
 //! | `part.rs` | connected parts, and which of them are derived anew |
 //! | `plane.rs` | chains of parallel hinges, and their planes (§3.4) |
+//! | `sheet.rs` | graphs that are left without bounds |
 //! | `union/` | what fixed joints make one body (§3.5) |
 //! | `support.rs` | which bodies stand on the ground (§3.6) |
 //! | `eigen.rs` | principal axes |
@@ -30,6 +31,7 @@ pub(crate) mod hierarchy;
 pub(crate) mod load;
 pub(crate) mod part;
 pub(crate) mod plane;
+pub(crate) mod sheet;
 pub(crate) mod soft;
 pub(crate) mod support;
 pub(crate) mod union;

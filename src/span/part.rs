@@ -6,7 +6,7 @@
 
 use super::graph::{Graph, Link};
 use super::load::LoadPaths;
-use super::{Bound, Choice, InnerJoint, JointSide, attachment, hierarchy, soft, weight};
+use super::{Bound, Choice, InnerJoint, JointSide, attachment, hierarchy, sheet, soft, weight};
 use crate::island::UnionFind;
 
 /// What bounds follow from.
@@ -34,8 +34,9 @@ impl Input {
 
     /// Bodies of which something is not as it was in `old`.
     fn changed_since(&self, old: &Self) -> Vec<bool> {
-        let mut changed: Vec<bool> =
-            (0..self.masses.len()).map(|body| old.masses.get(body) != Some(&self.masses[body])).collect();
+        let mut changed: Vec<bool> = (0..self.masses.len())
+            .map(|body| old.masses.get(body).map(|mass| mass.to_bits()) != Some(self.masses[body].to_bits()))
+            .collect();
         if self.choice != old.choice {
             changed.fill(true);
             return changed;
@@ -48,7 +49,9 @@ impl Input {
                 }
             }
         };
-        for slot in (0..self.links.len().max(old.links.len())).filter(|&slot| self.link(slot) != old.link(slot)) {
+        for slot in (0..self.links.len().max(old.links.len()))
+            .filter(|&slot| self.link(slot).map(Link::words) != old.link(slot).map(Link::words))
+        {
             note(self, slot);
             note(old, slot);
         }
@@ -117,6 +120,10 @@ impl Part {
             Some((number as u32, soft::Request { links: [a?, b?], ..*request }))
         });
         let requests: Vec<_> = here.collect();
+        // A sheet has only what the host asks for.
+        if requests.is_empty() && sheet::is_sheet(part.joints.len(), part.bodies.len()) {
+            return part;
+        }
         soft::derive(&mut part, &requests);
         let weights = weight::weigh(&part.graph);
         if input.choice.hierarchy {
@@ -128,6 +135,9 @@ impl Part {
         part
     }
 }
+
+/// Place of bounds whose records are those of another state.
+const NOWHERE: u32 = u32::MAX;
 
 /// Where the bounds of a part are.
 #[derive(Debug, Clone, Copy)]
@@ -151,6 +161,11 @@ pub(crate) struct Derived {
 }
 
 impl Derived {
+    /// Says that the records of bounds are to be those of another state; what is derived stays where that has the same joints.
+    pub(crate) fn forget_places(&mut self) {
+        self.of_parts.iter_mut().for_each(|part| part.first = NOWHERE);
+    }
+
     /// Derives anew what follows from what is not as it was.
     pub(crate) fn update(&mut self, input: Input) {
         let changed = input.changed_since(&self.input);
@@ -172,7 +187,7 @@ impl Derived {
                     let (part, at) = &mut known[place];
                     // Its joints stay, so that others are found.
                     let joints = vec![joints[0]];
-                    (std::mem::replace(part, Part { joints, ..Part::default() }), Some(at.first))
+                    (std::mem::replace(part, Part { joints, ..Part::default() }), (at.first != NOWHERE).then_some(at.first))
                 }
                 None => (Part::derive(joints, &input), None),
             };

@@ -48,8 +48,8 @@ impl World {
         }
         self.forget_support(index);
         self.bodies.remove(index);
+        // The next step strikes it off the list of movers: once for all that were destroyed.
         self.movers_sorted = false;
-        self.settle_movers();
         Ok(())
     }
 
@@ -288,18 +288,21 @@ impl World {
 
     /// Gives a body mass properties and tells its shapes where the centre of mass is now.
     pub(super) fn apply_mass(&mut self, index: u32, mass: Option<crate::mass::MassProperties>) {
+        let before = self.bodies[index].local_center;
         self.bodies[index].set_mass(mass);
         if !self.bodies[index].joints.is_empty() {
             self.long_range.graph_changed();
             self.welds_changed(index);
         }
         let center = self.bodies[index].local_center;
-        for id in self.bodies[index].shapes.clone() {
-            if let Ok(shape) = self.colliders.find(id) {
-                self.colliders[shape].center_moved(center);
+        if center != before {
+            for id in self.bodies[index].shapes.clone() {
+                if let Ok(shape) = self.colliders.find(id) {
+                    self.colliders[shape].center_moved(center);
+                }
             }
+            self.center_changed(index);
         }
-        self.center_changed(index);
         self.wake_body(index);
     }
 }

@@ -4,8 +4,9 @@ use glam::Vec3;
 
 use super::World;
 use super::pairs::contact_pair;
+use crate::body::SleepState;
 use crate::collide::collider::Collider;
-use crate::collide::pairs::{PairKey, WorldManifold};
+use crate::collide::pairs::{CarriedManifold, PairKey, WorldManifold};
 use crate::error::Result;
 use crate::id::BodyId;
 use crate::report::{ArticulationReport, Contact, ContactPair, ContactPoint, Hit, JointOverload, JointStop, Moved};
@@ -85,7 +86,8 @@ impl World {
 
     /// Every manifold between shapes of which at least one body is awake, in a fixed order.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
-        self.pairs.active().iter().flat_map(|&(key, slot)| self.contacts_of_pair(key, slot))
+        let listed = self.pairs.listed();
+        (0..listed.len()).map(move |place| listed[place]).flat_map(|(key, slot)| self.contacts_of_pair(key, slot))
     }
 
     /// Every manifold of a body, asleep or awake, in a fixed order.
@@ -94,23 +96,44 @@ impl World {
     /// The handle is not a body of this world.
     pub fn contacts_of(&self, body: BodyId) -> Result<impl Iterator<Item = Contact> + '_> {
         let index = self.bodies.find(body)?;
-        let touches = move |key: PairKey| {
+        let mut pairs: Vec<(PairKey, u32)> = Vec::new();
+        for &shape in &self.bodies[index].shapes {
+            pairs.extend(self.colliders.find(shape).iter().flat_map(|&slot| self.pairs_of_shape(slot)));
+        }
+        pairs.sort_unstable();
+        Ok(pairs.into_iter().chain(self.kept_pairs_of(index)).flat_map(|(key, slot)| self.contacts_of_pair(key, slot)))
+    }
+
+    /// Pairs of a body that sleeping islands keep: of a body asleep, its own island.
+    fn kept_pairs_of(&self, index: u32) -> impl Iterator<Item = (PairKey, u32)> + '_ {
+        let body = &self.bodies[index];
+        let islands = self.sleeping.islands();
+        let islands = match body.sleep {
+            SleepState::Asleep { island } => &islands[island as usize..][..1],
+            SleepState::Awake { .. } if body.is_free() => &[],
+            SleepState::Awake { .. } => islands,
+        };
+        let kept = islands.iter().flatten().flat_map(|island| &island.pairs).map(|&slot| (self.pairs.get(slot).key, slot));
+        kept.filter(move |(key, _)| {
             let (a, b) = key.shapes();
             self.colliders[a].body == index || self.colliders[b].body == index
-        };
-        let asleep = self.sleeping.pairs().map(|slot| (self.pairs.get(slot).key, slot));
-        let all = self.pairs.active().iter().copied().chain(asleep).filter(move |&(key, _)| touches(key));
-        Ok(all.flat_map(|(key, slot)| self.contacts_of_pair(key, slot)))
+        })
     }
 
     /// Gives every body the sum of the forces of its contacts, as after a restore.
     pub(super) fn add_up_contact_forces(&mut self) {
-        let slots: Vec<(PairKey, u32)> = self.pairs.all().enumerate().map(|(slot, pair)| (pair.key, slot as u32)).collect();
-        for (key, slot) in slots {
-            let force: Vec3 = self.contacts_of_pair(key, slot).map(|contact| contact.force()).sum();
-            let (a, b) = key.shapes();
-            self.bodies[self.colliders[a].body].contact_force -= force;
-            self.bodies[self.colliders[b].body].contact_force += force;
+        let Self { pairs, bodies, colliders, last_substep, .. } = self;
+        let per_substep = if *last_substep > 0.0 { 1.0 / *last_substep } else { 0.0 };
+        for pair in pairs.all().filter(|pair| pair.has_points()) {
+            let (a, b) = pair.key.shapes();
+            let rotation = colliders[a].place.1;
+            let force = |manifold: &CarriedManifold| {
+                let normal: f32 = manifold.impulses.normal.iter().sum();
+                ((rotation * manifold.geometry.normal) * normal + manifold.impulses.friction) * per_substep
+            };
+            let force: Vec3 = pair.manifolds.iter().map(force).sum();
+            bodies[colliders[a].body].contact_force -= force;
+            bodies[colliders[b].body].contact_force += force;
         }
     }
 

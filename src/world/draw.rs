@@ -94,6 +94,12 @@ impl World {
         if pen.wants(DrawLayers::BOUNDS) {
             self.draw_bounds(&mut pen);
         }
+        if pen.wants(DrawLayers::PLANES) {
+            self.draw_planes(&mut pen);
+        }
+        if pen.wants(DrawLayers::UNIONS) {
+            self.draw_unions(&mut pen);
+        }
         if pen.wants(DrawLayers::SUPPORT) {
             self.draw_support(&mut pen);
         }
@@ -138,7 +144,7 @@ impl World {
 
     fn draw_contacts(&self, pen: &mut Pen) {
         let asleep = self.sleeping.pairs().map(|slot| (self.pairs.get(slot).key, slot));
-        for (key, slot) in self.pairs.active().iter().copied().chain(asleep) {
+        for (key, slot) in self.pairs.listed().iter().copied().chain(asleep) {
             self.contacts_of_pair(key, slot).for_each(|contact| draw_contact(pen, &contact));
         }
     }

@@ -231,11 +231,7 @@ impl World {
         if let Some(union) = self.unions.moving(body) {
             return self.unions.motion_of(body, &self.motion_after(union)).rotation;
         }
-        let (batch, slot) = self.groups.place.get(body as usize).copied().unwrap_or_default();
-        match self.batches.get(batch as usize) {
-            Some(batch) if batch.bodies.get(slot as usize) == Some(&body) => batch.motions[slot as usize].rotation,
-            _ => self.bodies[body].rotation,
-        }
+        self.solved_at(body).map_or(self.bodies[body].rotation, |(batch, slot)| batch.motions[slot].rotation)
     }
 
     /// Takes a joint out, gives its bodies what it has borne of this step, and says so.

@@ -34,11 +34,29 @@ impl Groups {
     }
 }
 
+impl Groups {
+    /// Forgets what a step has found, of a world that is no more.
+    pub(super) fn forget(&mut self) {
+        self.starts.clear();
+        self.members.clear();
+        self.place.clear();
+    }
+}
+
 impl World {
+    /// Batch and slot of a body that is solved in this step: of others, places are those of some step before.
+    pub(super) fn solved_at(&self, body: u32) -> Option<(&Batch, usize)> {
+        self.bodies.get(body).filter(|record| record.is_free() && record.is_mover() && !record.held)?;
+        let &(batch, slot) = self.groups.place.get(body as usize)?;
+        let batch = self.batches[..self.batch_count].get(batch as usize)?;
+        (batch.bodies.get(slot as usize) == Some(&body)).then_some((batch, slot as usize))
+    }
+
     /// Wakes sleeping islands that something awake may touch in this step.
     pub(super) fn wake_what_is_touched(&mut self) {
         let mut slots = std::mem::take(&mut self.scratch.slots);
         slots.clear();
+        self.pairs.settle();
         for &(key, slot) in self.pairs.active() {
             if !self.pairs.get(slot).may_touch {
                 continue;
@@ -59,6 +77,7 @@ impl World {
 
     /// Sorts everything awake into islands and batches.
     pub(super) fn group_islands(&mut self) {
+        self.pairs.settle();
         self.release_what_is_driven();
         self.join_islands();
         self.number_islands();

@@ -31,9 +31,9 @@ impl World {
             // What moved without the joint says nothing about how it will move with it.
             self.bodies[index].history = History::NONE;
             self.wake_body(index);
-            if !def.collide_connected {
-                self.forget_contacts_of(index);
-            }
+        }
+        if let ([Some(a), Some(b)], false) = (bodies, def.collide_connected) {
+            self.drop_pairs_between(a, b);
         }
         self.topology_changed();
         self.long_range.graph_changed();

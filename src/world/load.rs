@@ -264,6 +264,7 @@ impl Records<'_> {
                 linear_sum: Vec3::ZERO,
                 angular_sum: Vec3::ZERO,
                 acted: joint.acted,
+                pressed: 0,
             });
         }
     }
@@ -272,6 +273,7 @@ impl Records<'_> {
     fn lay_out(&self, batch: &mut Batch, settings: &StepSettings) {
         let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, .. } = batch;
         direct.group_slots(&joints.entries, motions);
+        direct.asked = self.solver == Solver::Direct;
         if self.solver == Solver::GaussSeidel {
             direct.clear();
         } else {
@@ -292,7 +294,7 @@ impl Records<'_> {
         batch.color_contacts();
         batch.set_contacts(self.reach);
         let Batch { joints, coloring, motions, .. } = batch;
-        joints.sort_by_color(coloring, motions);
+        joints.lay_out(self.joints, coloring, motions, settings.dt / settings.substeps as f32);
     }
 
     fn fill_bounds(&self, batch: &mut Batch) {
@@ -348,7 +350,6 @@ impl Records<'_> {
                 lower_give,
                 impulses: record.impulses.map(|impulse| impulse * self.impulse_scale),
                 far_sum: Vec3::ZERO,
-                taut: false,
                 acted: false,
             });
         }

@@ -282,16 +282,19 @@ impl World {
     /// Derives all bounds anew after a restore, with what they carried; not if the next step would do so anyway.
     pub(super) fn restart_long_range(&mut self, stale: bool, carried: &[CarriedBound], asked: Vec<AskedBound>) {
         let records: Vec<BoundRecord> = carried.iter().map(BoundRecord::carried).collect();
-        self.long_range = LongRange { stale: !records.is_empty(), records: records.clone(), soft: asked, ..LongRange::default() };
-        if !stale {
-            self.derive_long_range();
-            let Self { long_range: LongRange { records: derived, .. }, .. } = self;
-            // The same joints give the same bounds in the same order.
-            for (record, old) in derived.iter_mut().zip(&records).filter(|(record, old)| record.key() == old.key()) {
-                (record.impulses, record.far_force, record.active) = (old.impulses, old.far_force, old.active);
-            }
+        let mut derived = std::mem::take(&mut self.long_range.derived);
+        derived.forget_places();
+        self.long_range = LongRange { stale: true, soft: asked, derived, ..LongRange::default() };
+        if stale {
+            self.long_range.records = records;
+            return;
         }
-        self.long_range.stale = stale;
+        self.derive_long_range();
+        // The same joints give the same bounds in the same order.
+        let derived = self.long_range.records.iter_mut().zip(&records);
+        for (record, old) in derived.filter(|(record, old)| record.key() == old.key()) {
+            (record.impulses, record.far_force, record.active) = (old.impulses, old.far_force, old.active);
+        }
     }
 
     /// Every bound that was derived for the last step, with what it did.

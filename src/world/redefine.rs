@@ -100,7 +100,6 @@ impl World {
         self.wake_around(index);
         self.note_mover(index);
         self.movers_sorted = false;
-        self.settle_movers();
         Ok(())
     }
 

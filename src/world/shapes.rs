@@ -3,9 +3,10 @@
 use parry3d::bounding_volume::BoundingVolume;
 
 use super::World;
+use super::pairs::contact_pair;
 use crate::body::BodyKind;
 use crate::collide::collider::{Collider, own_margin};
-use crate::collide::pairs::Fate;
+use crate::collide::pairs::PairKey;
 use crate::error::Result;
 use crate::id::{BodyId, ShapeId};
 use crate::mass;
@@ -30,7 +31,7 @@ impl World {
         };
         let id = self.add_collider(index, &def)?;
         self.apply_mass(index, mass);
-        self.wake_around(index);
+        self.wake_around_shape(id);
         self.note_mover(index);
         Ok(id)
     }
@@ -49,7 +50,7 @@ impl World {
         } else {
             None
         };
-        self.wake_around(index);
+        self.wake_around_shape(shape);
         self.remove_collider(slot);
         self.apply_mass(index, mass);
         Ok(())
@@ -66,13 +67,10 @@ impl World {
         self.wake_body(body);
         self.wake_around(body);
         self.colliders[slot].material = material;
-        let Self { pairs, colliders, .. } = self;
-        pairs.for_each_active(|pair| {
-            let (a, b) = pair.key.shapes();
-            if a == slot || b == slot {
-                pair.material = PairMaterial::combine(&colliders[a].material, &colliders[b].material);
-            }
-        });
+        for (key, pair) in self.pairs_of_shape(slot) {
+            let (a, b) = key.shapes();
+            self.pairs.get_mut(pair).material = PairMaterial::combine(&self.colliders[a].material, &self.colliders[b].material);
+        }
         Ok(())
     }
 
@@ -113,17 +111,49 @@ impl World {
 
     /// Gives up the pairs of a shape, whose bodies are awake or not dynamic; contacts that end so are the next step's events.
     fn drop_pairs_of_shape(&mut self, slot: u32) {
-        let Self { pairs, events, colliders, bodies, .. } = self;
-        pairs.retain_active(|key, _, pair| {
-            let (a, b) = key.shapes();
-            if a != slot && b != slot {
-                return Fate::Stay;
+        for (key, pair) in self.pairs_of_shape(slot) {
+            self.give_up_pair(key, pair);
+        }
+    }
+
+    /// Gives up the pairs between two bodies.
+    pub(super) fn drop_pairs_between(&mut self, a: u32, b: u32) {
+        let (few, other) = if self.bodies[a].shapes.len() <= self.bodies[b].shapes.len() { (a, b) } else { (b, a) };
+        for id in self.bodies[few].shapes.clone() {
+            let Ok(slot) = self.colliders.find(id) else { continue };
+            for (key, pair) in self.pairs_of_shape(slot) {
+                let (first, second) = key.shapes();
+                let between = if first == slot { second } else { first };
+                if self.colliders[between].body == other {
+                    self.give_up_pair(key, pair);
+                }
             }
-            if pair.in_contact {
-                events.ended_by_edits.push(super::pairs::contact_pair(colliders, bodies, key));
-            }
-            Fate::Drop
-        });
+        }
+    }
+
+    fn give_up_pair(&mut self, key: PairKey, slot: u32) {
+        if self.pairs.get(slot).in_contact {
+            self.events.ended_by_edits.push(contact_pair(&self.colliders, &self.bodies, key));
+        }
+        self.pairs.give_up(slot);
+    }
+
+    /// Active pairs of a shape with their slots, in key order: kept boxes of a pair meet, so that the tree of boxes names them.
+    pub(super) fn pairs_of_shape(&self, slot: u32) -> Vec<(PairKey, u32)> {
+        let Some(region) = self.colliders[slot].fat_box else { return Vec::new() };
+        let found = self.broad.overlapping(&region).filter(|&other| other != slot);
+        let mut found: Vec<(PairKey, u32)> = found
+            .filter_map(|other| {
+                let key = PairKey::new(slot, other);
+                Some((key, self.pairs.find(key)?))
+            })
+            .collect();
+        found.sort_unstable();
+        debug_assert!(
+            found.iter().eq(self.pairs.listed().iter().filter(|(key, _)| [key.shapes().0, key.shapes().1].contains(&slot))),
+            "kept boxes of active pairs meet"
+        );
+        found
     }
 
     /// Gives up all pairs of a body; those that still hold are found again in the next step.

@@ -2,10 +2,13 @@
 
 use super::World;
 use crate::body::{BodyKind, SleepState};
-use crate::collide::pairs::Fate;
+use crate::collide::broad::still_near;
+use crate::collide::collider::Collider;
+use crate::collide::pairs::{Fate, PairKey};
 use crate::error::{Error, ErrorKind, Result};
-use crate::id::BodyId;
+use crate::id::{BodyId, Pool, ShapeId};
 use crate::island::SleepingIsland;
+use crate::material::PairMaterial;
 
 impl World {
     /// Whether a body is awake; static and kinematic bodies always are.
@@ -68,7 +71,8 @@ impl World {
                 }
                 self.movers.extend_from_slice(&island.bodies);
                 self.movers_sorted = false;
-                self.pairs.activate_kept(&island.pairs);
+                let Self { pairs, colliders, .. } = self;
+                pairs.activate_kept(&island.pairs, |key| kept_material(colliders, key));
             }
         }
         if self.bodies[index].is_mover() {
@@ -86,8 +90,17 @@ impl World {
 
     /// Wakes, or no longer holds, everything whose box meets that of a shape of this body.
     pub(super) fn wake_around(&mut self, index: u32) {
+        self.wake_near(&self.bodies[index].shapes.clone());
+    }
+
+    /// The same for one shape of a body.
+    pub(super) fn wake_around_shape(&mut self, shape: ShapeId) {
+        self.wake_near(&[shape]);
+    }
+
+    fn wake_near(&mut self, shapes: &[ShapeId]) {
         let mut near = Vec::new();
-        for &id in &self.bodies[index].shapes {
+        for &id in shapes {
             if let Ok(shape) = self.colliders.find(id)
                 && let Some(region) = self.colliders[shape].fat_box
             {
@@ -214,4 +227,12 @@ impl World {
         }
         self.movers_sorted = false;
     }
+}
+
+/// Surfaces of a pair that a sleeping island kept, if it still is one: what is kinematic may have moved away from what sleeps beside
+/// it, or be gone.
+pub(super) fn kept_material(colliders: &Pool<Collider, ShapeId>, key: PairKey) -> Option<PairMaterial> {
+    let (a, b) = key.shapes();
+    let (a, b) = (colliders.get(a)?, colliders.get(b)?);
+    still_near(&a.fat_box, &b.fat_box).then(|| PairMaterial::combine(&a.material, &b.material))
 }

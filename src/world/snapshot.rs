@@ -5,6 +5,7 @@ use parry3d::bounding_volume::Aabb;
 
 use super::fracture::Fracture;
 use super::sense::Sensing;
+use super::sleep::kept_material;
 use super::{CarriedBound, CarriedUnion, World};
 use crate::body::{Anchored, Body, SleepState};
 use crate::collide::collider::{Collider, own_margin};
@@ -137,13 +138,16 @@ impl World {
             .map(|(slot, shape)| LastBox { shape: slot, tight_box: shape.tight_box })
             .collect();
         tables.table(last_boxes.iter());
-        contacts::write(&mut tables, pairs.active().iter().map(|&(_, slot)| pairs.get(slot)), colliders);
-        let asleep: Vec<&Pair> = sleeping.pairs().map(|slot| pairs.get(slot)).collect();
+        contacts::write(&mut tables, pairs.listed().iter().map(|&(_, slot)| pairs.get(slot)), colliders);
+        // What a sleeping island kept of a shape that has gone since is not there any more.
+        let is_whole = |slot: &u32| kept_material(colliders, pairs.get(*slot).key).is_some();
+        let asleep: Vec<&Pair> = sleeping.pairs().filter(is_whole).map(|slot| pairs.get(slot)).collect();
         contacts::write(&mut tables, asleep.into_iter(), colliders);
         let island = |island: &Option<SleepingIsland>| {
-            island
-                .as_ref()
-                .map(|SleepingIsland { bodies, pairs }| IslandRow { bodies: Runs(bodies.clone()), pairs: pairs.len() as u32 })
+            island.as_ref().map(|SleepingIsland { bodies, pairs }| IslandRow {
+                bodies: Runs(bodies.clone()),
+                pairs: pairs.iter().filter(|slot| is_whole(slot)).count() as u32,
+            })
         };
         let islands: Vec<Option<IslandRow>> = sleeping.islands().iter().map(island).collect();
         tables.table(islands.iter());
@@ -186,6 +190,8 @@ impl World {
         self.report = report;
         self.add_up_contact_forces();
         self.broken.clear();
+        self.batch_count = 0;
+        self.groups.forget();
         self.forget_escaped();
         self.sensing = Sensing::of(&self.colliders, row.sensed);
         self.restart_support(&row.said_supported.0, row.watched);

@@ -158,7 +158,8 @@ impl World {
                 joint.forget_impulses();
                 continue;
             }
-            let pressed = joint.pressed_stops();
+            // A stop that was met and left within the step has pressed too.
+            let pressed = joint.stops_of(entry.pressed);
             for (axis, upper) in Joint::stops(pressed & !joint.pressed) {
                 events.joint_stops.push(JointStop { joint: handle, user_word: joint.def.user_word, axis, upper });
             }
@@ -209,6 +210,8 @@ impl World {
     /// Lists pairs whose contact began or ended.
     pub(super) fn report_contacts(&mut self) {
         let Self { pairs, colliders, bodies, events, support, .. } = self;
+        // What was quarantined has no pairs any more.
+        pairs.settle();
         let watches = support.is_some();
         for number in 0..pairs.active().len() {
             let (key, slot) = pairs.active()[number];

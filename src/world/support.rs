@@ -220,6 +220,7 @@ impl World {
     /// Brings the support analysis up to date with the step.
     pub(super) fn judge_support(&mut self) {
         let Some(mut state) = self.support.take() else { return };
+        self.pairs.settle();
         state.events.clear();
         if state.gravity != self.def.gravity || state.frame.is_none() {
             state.turn_to(self.def.gravity);

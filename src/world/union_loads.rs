@@ -72,10 +72,9 @@ impl World {
 
     /// How a union moves at the end of the solve.
     pub(super) fn motion_after(&self, union: &Union) -> UnionMotion {
-        let (batch, slot) = self.groups.place.get(union.lead as usize).copied().unwrap_or_default();
-        match self.batches.get(batch as usize) {
-            Some(batch) if union.anchor == Anchor::Free && batch.bodies.get(slot as usize) == Some(&union.lead) => {
-                let (velocity, motion) = (&batch.velocities[slot as usize], &batch.motions[slot as usize]);
+        match self.solved_at(union.lead) {
+            Some((batch, slot)) if union.anchor == Anchor::Free => {
+                let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
                 UnionMotion {
                     center: union.motion.center + motion.displacement.as_dvec3(),
                     rotation: motion.rotation,
@@ -176,7 +175,7 @@ impl World {
         let mut wrenches = vec![Wrench::default(); self.bodies.slot_count()];
         let per_substep = f64::from(self.def.substeps as f32 / dt);
         let asleep = self.sleeping.pairs().map(|slot| (self.pairs.get(slot).key, slot));
-        for (key, slot) in self.pairs.active().iter().copied().chain(asleep) {
+        for (key, slot) in self.pairs.listed().iter().copied().chain(asleep) {
             let (a, b) = key.shapes();
             let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
             let member = |index: u32| self.unions.number_of(index).map(|_| index as usize);

@@ -92,7 +92,7 @@ fn measure(domain: &Domain, mut engine: LongspanEngine, steps: u32, rate: f64) {
     let (mut with, mut without, mut publishing) = (Vec::new(), Vec::new(), Vec::new());
     let start = Instant::now();
     for number in 0..steps {
-        let streams = number / BLOCK % 2 == 0;
+        let streams = (number / BLOCK).is_multiple_of(2);
         let own = cpu(|| step(world));
         if streams {
             with.push(own);
@@ -157,7 +157,7 @@ fn endure(domain: &Domain, mut engine: LongspanEngine, lives: u32) {
         signal("-STOP");
         go_on(disturbed, disturbed_publication);
         // Every other time they die as they hang.
-        if life % 2 == 0 {
+        if life.is_multiple_of(2) {
             signal("-CONT");
             go_on(disturbed, disturbed_publication);
         }

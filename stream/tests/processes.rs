@@ -40,7 +40,7 @@ fn readers_that_are_stopped_and_killed_leave_the_publisher_and_the_others_alone(
         signal(&child, "-STOP");
         publish();
         // Every other one dies as it hangs.
-        if life % 2 == 0 {
+        if life.is_multiple_of(2) {
             signal(&child, "-CONT");
             publish();
         }

@@ -26,8 +26,14 @@ fn unions_match(world: &World, seen: &Scene) {
     }
 }
 
-/// What a world's lists of the last step say: step, what broke or fell apart, and where.
-fn breaks_and_pieces(world: &World) -> (Vec<(u64, u64, [f64; 3])>, Vec<(u64, u64, u64, [f64; 3])>) {
+/// A joint that broke: step, joint, where.
+type Broken = (u64, u64, [f64; 3]);
+/// A piece: step, union that it is of, its first body, where.
+type Piece = (u64, u64, u64, [f64; 3]);
+type Fracture = (Vec<Broken>, Vec<Piece>);
+
+/// What a world's lists of the last step say.
+fn breaks_and_pieces(world: &World) -> Fracture {
     let broken = world.broken().iter().map(|b| (b.step, b.joint.to_bits(), b.point.to_array()));
     let pieces = world.splits().iter().flat_map(|split| {
         let pieces = &world.pieces()[split.pieces.0 as usize..split.pieces.1 as usize];
@@ -36,7 +42,7 @@ fn breaks_and_pieces(world: &World) -> (Vec<(u64, u64, [f64; 3])>, Vec<(u64, u64
     (broken.collect(), pieces.collect())
 }
 
-fn told_of_fracture(scene: &Scene) -> (Vec<(u64, u64, [f64; 3])>, Vec<(u64, u64, u64, [f64; 3])>) {
+fn told_of_fracture(scene: &Scene) -> Fracture {
     let broken: Vec<_> = scene.breaks().iter().map(|b| (b.step, b.joint, b.point)).collect();
     let pieces: Vec<_> = scene.pieces().iter().map(|p| (p.step, p.of_body, p.first_body, p.center)).collect();
     let events = |kind: u32| scene.events().iter().filter(move |event| event.kind == kind);

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use longspan::glam::{DVec3, Vec3 as Direction};
 use longspan_scenes::picture::{Drawn, points_and_triangles};
-use longspan_stream::schema::{LS_STREAM_BODY_ASLEEP, LS_STREAM_BODY_SUPPORT_KNOWN};
+use longspan_stream::schema::{LS_STREAM_BODY_ASLEEP, LS_STREAM_BODY_SUPPORT_KNOWN, LS_STREAM_BODY_SUPPORTED};
 use longspan_stream::{Domain, Poll, Reader, Source};
 use macroquad::models::{Mesh, Vertex};
 use macroquad::prelude::*;
@@ -401,7 +401,13 @@ impl View {
             let speed = Direction::from_array(body.linear_velocity).length();
             let turn = Direction::from_array(body.angular_velocity).length();
             let known = body.flags & LS_STREAM_BODY_SUPPORT_KNOWN != 0;
-            let verdict = VERDICTS.get(body.support as usize).filter(|_| known).unwrap_or(&"support not judged");
+            // Flags come with every frame, the verdict within a second.
+            let verdict = match (known, body.flags & LS_STREAM_BODY_SUPPORTED != 0, body.support) {
+                (false, ..) => "support not judged",
+                (true, false, 0..=2) => "not supported any more",
+                (true, true, 3..) => "supported again",
+                (true, _, verdict) => VERDICTS.get(verdict as usize).unwrap_or(&"judged in a way that is not known here"),
+            };
             let union = match scene.bodies().filter(|other| body.union_id != 0 && other.union_id == body.union_id).count() {
                 0 => "in no union".to_owned(),
                 members => format!("in a union of {members}"),

@@ -1,7 +1,7 @@
 //! The system's C and C++ compilers, called as strictly as the samples promise to stand.
 
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::library::Library;
@@ -11,6 +11,21 @@ const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-pedantic", "-Werror"];
 
 /// What a program needs besides `liblongspan.a`.
 const SYSTEM_LIBRARIES: [&str; 3] = ["-lm", "-lpthread", "-ldl"];
+
+/// Every standard that the header promises to stand, C23 by the name that it has in compilers from before it.
+const STANDARDS: [(Language, &str); 8] = [
+    (Language::C99, "c99"),
+    (Language::C99, "c11"),
+    (Language::C99, "c17"),
+    (Language::C99, "c2x"),
+    (Language::Cpp11, "c++11"),
+    (Language::Cpp11, "c++14"),
+    (Language::Cpp11, "c++17"),
+    (Language::Cpp11, "c++20"),
+];
+
+/// The same of the wrapper for C++.
+const WRAPPER_STANDARDS: [(Language, &str); 2] = [(Language::Cpp11, "c++17"), (Language::Cpp11, "c++20")];
 
 /// What a source is compiled as; every sample is both.
 #[derive(Debug, Clone, Copy)]
@@ -47,6 +62,42 @@ impl Language {
             Self::Cpp11 => ["-std=c++11", "-x", "c++"],
         }
     }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::C99 => "c",
+            Self::Cpp11 => "c++",
+        }
+    }
+
+    /// The compiler, and clang where there is one.
+    fn compilers(self) -> Outcome<Vec<Command>> {
+        let clang = if matches!(self, Self::C99) { "clang" } else { "clang++" };
+        let second = Command::new(clang).arg("--version").output().is_ok().then(|| Command::new(clang));
+        Ok([Some(self.compiler()?), second].into_iter().flatten().collect())
+    }
+}
+
+/// Looks for warnings in the header at every standard, in the wrapper at those of its own, and in the samples at the last ones, with
+/// every compiler that is there; returns how many times it has looked.
+pub fn check_standards(samples: &[PathBuf]) -> Outcome<usize> {
+    let header = [repository().join("include/longspan/longspan.h")];
+    let wrapper = [repository().join("include/longspan/longspan.hpp")];
+    let newest: Vec<_> = [STANDARDS[3], STANDARDS[7]].into_iter().collect();
+    let looks: [(&[PathBuf], &[(Language, &str)]); 3] =
+        [(&header, &STANDARDS), (&wrapper, &WRAPPER_STANDARDS), (samples, &newest)];
+    let mut count = 0;
+    for (sources, standards) in looks {
+        for &(language, standard) in standards {
+            for mut compiler in language.compilers()? {
+                compiler.args(WARNINGS).arg(format!("-std={standard}")).args(["-fsyntax-only", "-I"]);
+                compiler.arg(repository().join("include")).args(["-x", language.name()]).args(sources);
+                succeed(&mut compiler)?;
+                count += sources.len();
+            }
+        }
+    }
+    Ok(count)
 }
 
 /// Compiles one source, linked statically.

@@ -21,7 +21,7 @@ const USAGE: &str = "cargo xtask COMMAND
 
     demo      builds the library and the C samples, hangs ten tonnes on a chain, and draws it (also: cargo demo)
     header    writes include/longspan/longspan.h and capi/abi/baseline.txt anew
-    samples   compiles every C sample as C99 and as C++11 without a warning, and runs it
+    samples   looks for warnings in the header at every standard, compiles every C sample as C99 and as C++11, and runs it
     streams   builds the library with streams; runs a host in C, and one that watches, records and plays it
     streams LIVES   kills, stops and restarts readers and publishers so many times, and looks at step times and what is left
     viewer [FOLDER] runs each C sample of a scene of the paper with a stream; watches, records and plays it; looks at the pictures

@@ -3,11 +3,13 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::compiler::{Language, compile};
+use crate::compiler::{Language, check_standards, compile};
 use crate::library::{Library, output_folder};
 use crate::{Outcome, printed, repository};
 
 pub fn run() -> Outcome<()> {
+    let looks = check_standards(&sources()?)?;
+    println!("header from C99 to C23 and C++11 to C++20, wrapper and samples: {looks} times no warning");
     let library = Library::build()?;
     let folder = output_folder("samples")?;
     for source in sources()? {

@@ -96,7 +96,6 @@ static void build_bridge(Game *game)
         join(game, last, next, at, LS_JOINT_HINGE, 2, &def);
         last = next;
     }
-    add(game, &(Part){LS_BODY_DYNAMIC, LOOK_BALL, 1, {0.5f, 0.5f, 0.5f}, {left + length * 0.5, height + 1.0, 0}, 800});
 }
 
 static void build_crane(Game *game)

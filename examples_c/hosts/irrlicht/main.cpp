@@ -1,99 +1,65 @@
-// longspan beside an engine: Irrlicht owns the scene, the camera, the lights and what its own animators move; longspan owns a chain
-// with a wrecking ball and a pile of crates.
+// longspan beside an engine: Irrlicht owns the scene, the camera and what its own animators move; longspan owns a
+// bridge, a crane, a tower and a wall.
 //
-//     engine -> longspan   a node that Irrlicht's animator moves is a kinematic body: it pushes what it meets
-//     longspan -> engine   what moved is copied to nodes, found by the body's user word; hits light a crate up
+//     engine -> longspan   a node that Irrlicht's animator moves is a kinematic body: it pushes what it meets; what a pixel shows
+//                          is found by the ray that the engine's camera gives
+//     longspan -> engine   what moved is copied to nodes, found by the body's user word; bricks of broken mortar change colour
 //
-// Irrlicht is left-handed with y up: z is turned round at the border, in one place.
-//
-//     ./irrlicht FILE.ppm    plays eight seconds, saves the last frame, prints what became of everything
-#include <irrlicht/irrlicht.h>
-
+//     ./irrlicht FILE.ppm    plays ten seconds, saves the last frame, prints what became of everything
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
-#include <vector>
 
-#include "longspan/longspan.hpp"
+#include "build.hpp"
 
 namespace {
 
-using irr::core::vector3df;
-
 constexpr float step = 1.0f / 60.0f;
-constexpr int frames = 480;
+constexpr int frames = 600;
 
-vector3df to_engine(const double (&p)[3]) {
-    return vector3df(static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(-p[2]));
-}
-
-void from_engine(const vector3df &v, double (&out)[3]) {
-    out[0] = v.X;
-    out[1] = v.Y;
-    out[2] = -v.Z;
-}
-
-void place(irr::scene::ISceneNode *node, const LsPose &pose) {
-    node->setPosition(to_engine(pose.position));
-    // Mirrored in z, a rotation keeps its axis' z and its angle, and turns the rest of the axis round.
-    irr::core::quaternion turn(-pose.rotation[0], -pose.rotation[1], pose.rotation[2], pose.rotation[3]);
-    // Irrlicht's quaternions turn the other way than its Euler angles.
-    turn.makeInverse();
-    irr::core::matrix4 matrix = turn.getMatrix();
-    node->setRotation(matrix.getRotationDegrees());
-}
-
-class Stage {
+/// A hand that takes hold of what a pixel shows, and lifts it.
+class Hand {
 public:
-    Stage(irr::scene::ISceneManager *scene, longspan::World &world) : scene_(scene), world_(world) {}
+    explicit Hand(Stage &stage) : stage_(stage), body_(stage.world().create_body(longspan::BodyDef(LS_BODY_KINEMATIC))) {}
 
-    LsBody box(int kind, double x, double y, double z, vector3df half, irr::video::SColor color, float mass = 0.0f) {
-        longspan::ShapeDef shape(LS_SHAPE_BOX);
-        shape.half_extents[0] = half.X;
-        shape.half_extents[1] = half.Y;
-        shape.half_extents[2] = half.Z;
-        auto *node = scene_->addCubeSceneNode(1.0f);
-        node->setScale(half * 2.0f);
-        return add(kind, x, y, z, shape, node, color, mass);
+    /// Whether there is something to take hold of on this line of sight.
+    bool grab(const irr::core::line3df &sight) {
+        LsRay ray = {};
+        from_engine(sight.start, ray.origin);
+        from_engine(sight.getVector().normalize(), ray.direction);
+        ray.length = static_cast<float>(sight.getLength());
+        longspan::QueryFilter filter;
+        filter.kinds = LS_QUERY_DYNAMIC;
+        const LsRayHit hit = stage_.world().cast_ray(ray, &filter);
+        if (hit.shape.id == 0) {
+            return false;
+        }
+        held_ = hit.body;
+        at_ = stage_.world().pose(held_);
+        stage_.world().set_pose(body_, at_);
+        longspan::JointDef grip(LS_JOINT_FIXED, body_, held_);
+        grip.linear.compliance = 1e-5f;
+        grip.linear.damping = 2000.0f;
+        stage_.world().create_joint(grip);
+        paint(stage_.node_of(held_), look::picked);
+        return true;
     }
 
-    LsBody ball(int kind, double x, double y, double z, float radius, irr::video::SColor color, float mass = 0.0f) {
-        longspan::ShapeDef shape(LS_SHAPE_BALL);
-        shape.radius = radius;
-        return add(kind, x, y, z, shape, scene_->addSphereSceneNode(radius), color, mass);
+    void lift(double up, double aside) {
+        if (held_.id != 0) {
+            at_.position[0] += aside;
+            at_.position[1] += up;
+            longspan::check(ls_body_move_to(stage_.world().get(), body_, &at_));
+        }
     }
 
-    irr::scene::ISceneNode *node_of(LsBody body) const {
-        std::uint64_t word = 0;
-        longspan::check(ls_body_user_word_get(world_.get(), body, &word));
-        return reinterpret_cast<irr::scene::ISceneNode *>(static_cast<std::uintptr_t>(word));
-    }
-
-    static void paint(irr::scene::ISceneNode *node, irr::video::SColor color) {
-        auto &material = node->getMaterial(0);
-        material.AmbientColor = material.DiffuseColor = color;
-        material.EmissiveColor.set(0);
-        material.NormalizeNormals = true;
-    }
+    LsBody held() const { return held_; }
 
 private:
-    LsBody add(int kind, double x, double y, double z, const LsShapeDef &shape, irr::scene::ISceneNode *node, irr::video::SColor color,
-               float mass) {
-        longspan::BodyDef def(kind);
-        def.at(x, y, z).with(shape);
-        if (mass > 0.0f) {
-            def.mass.kind = LS_MASS_TOTAL;
-            def.mass.properties.mass = mass;
-        }
-        def.user_word = reinterpret_cast<std::uintptr_t>(node);
-        paint(node, color);
-        node->setPosition(to_engine(def.pose.position));
-        return world_.create_body(def);
-    }
-
-    irr::scene::ISceneManager *scene_;
-    longspan::World &world_;
+    Stage &stage_;
+    LsBody body_, held_ = {0};
+    LsPose at_ = {};
 };
 
 bool save(irr::video::IVideoDriver *driver, const char *path) {
@@ -105,7 +71,7 @@ bool save(irr::video::IVideoDriver *driver, const char *path) {
     std::vector<char> pixels;
     for (irr::u32 y = 0; y < size.Height; ++y) {
         for (irr::u32 x = 0; x < size.Width; ++x) {
-            const irr::video::SColor color = image->getPixel(x, y);
+            const SColor color = image->getPixel(x, y);
             pixels.push_back(static_cast<char>(color.getRed()));
             pixels.push_back(static_cast<char>(color.getGreen()));
             pixels.push_back(static_cast<char>(color.getBlue()));
@@ -126,90 +92,93 @@ int main(int argc, char **argv) {
         std::fprintf(stderr, "usage: irrlicht FILE.ppm\n");
         return 2;
     }
-    IrrlichtDevice *device = createDevice(video::EDT_BURNINGSVIDEO, core::dimension2du(800, 480));
+    IrrlichtDevice *device = createDevice(video::EDT_BURNINGSVIDEO, core::dimension2du(960, 540));
     if (device == nullptr) {
         std::fprintf(stderr, "Irrlicht opens no window\n");
         return 1;
     }
     video::IVideoDriver *driver = device->getVideoDriver();
     scene::ISceneManager *scene = device->getSceneManager();
-    scene->addCameraSceneNode(nullptr, vector3df(3, 5, -16), vector3df(0, 3, 0));
-    scene->setAmbientLight(video::SColorf(0.6f, 0.6f, 0.6f));
-    scene->addLightSceneNode(nullptr, vector3df(6, 14, -14), video::SColorf(0.7f, 0.7f, 0.7f), 60.0f);
+    scene::ICameraSceneNode *camera = scene->addCameraSceneNode(nullptr, vector3df(0.5f, 5.5f, -14), vector3df(-0.3f, 3.2f, 0));
 
-    const video::SColor ground(255, 90, 110, 85), steel(255, 40, 40, 45), iron(255, 50, 80, 220), wood(255, 170, 100, 40),
-        bright(255, 240, 40, 40), cart_color(255, 240, 200, 30);
     longspan::World world;
-    longspan::check(ls_world_hit_threshold_set(world.get(), 1.5f));
     Stage stage(scene, world);
-    stage.box(LS_BODY_STATIC, 0, -0.5, 0, vector3df(20, 0.5f, 20), ground);
-
-    // Two tonnes on links of a kilogram, let go from the side.
-    LsBody last = stage.box(LS_BODY_STATIC, 0, 8, 0, vector3df(1, 0.15f, 0.15f), steel);
-    constexpr int links = 10;
-    constexpr float half = 0.3f;
-    for (int i = 0; i <= links; ++i) {
-        const bool is_ball = i == links;
-        const LsBody next = is_ball ? stage.ball(LS_BODY_DYNAMIC, -2 * half * i - 0.6, 8, 0, 0.6f, iron, 2000)
-                                    : stage.box(LS_BODY_DYNAMIC, -2 * half * (i + 0.5), 8, 0, vector3df(half, 0.06f, 0.06f), steel, 1);
-        longspan::JointDef joint(LS_JOINT_SPHERICAL, last, next);
-        joint.at(i == 0 ? 0 : -half, 0, 0, is_ball ? 0.6 : half, 0, 0);
-        world.create_joint(joint);
-        last = next;
-    }
-    const LsBody ball = last;
-    std::vector<LsBody> crates;
-    for (int row = 0; row < 5; ++row) {
-        for (int column = 0; column < 3; ++column) {
-            crates.push_back(
-                stage.box(LS_BODY_DYNAMIC, 1.2 + column * 0.82, 0.4 + row * 0.8, 0, vector3df(0.4f, 0.4f, 0.4f), wood, 60));
-        }
-    }
+    stage.box(LS_BODY_STATIC, {0, -0.5, 0}, vector3df(20, 0.5f, 20), look::ground);
+    const std::vector<LsBody> planks = build_bridge(stage), tower = build_tower(stage);
+    const Crane crane = build_crane(stage);
+    build_wall(stage);
+    Hand hand(stage);
     // A cart that the engine's own animator moves; in the world it is a kinematic body.
-    const LsBody cart = stage.box(LS_BODY_KINEMATIC, -9, 0.5, 2, vector3df(0.8f, 0.5f, 0.8f), cart_color);
+    const LsBody cart = stage.box(LS_BODY_KINEMATIC, {-11, 0.5, 4}, vector3df(0.8f, 0.5f, 0.8f), look::cart);
+    const LsBody parcel = stage.box(LS_BODY_DYNAMIC, {-7, 0.3, 4}, vector3df(0.3f, 0.3f, 0.3f), look::wood, 20);
     scene::ISceneNode *cart_node = stage.node_of(cart);
-    const LsBody parcel = stage.box(LS_BODY_DYNAMIC, -3, 0.3, 2, vector3df(0.3f, 0.3f, 0.3f), wood, 20);
     scene::ISceneNodeAnimator *drive =
-        scene->createFlyStraightAnimator(vector3df(-9, 0.5f, -2), vector3df(4, 0.5f, -2), 7000, false, false);
+        scene->createFlyStraightAnimator(vector3df(-11, 0.5f, -4), vector3df(-4, 0.5f, -4), 6000, false, false);
 
-    int hits = 0;
+    std::size_t broken = 0;
     for (int frame = 0; frame < frames && device->run(); ++frame) {
         // The engine's clock runs as fast as it can draw; its animators are asked for the time of the world.
         drive->animateNode(cart_node, static_cast<u32>(frame * 1000 / 60));
         LsPose target = {{0, 0, 0}, {0, 0, 0, 1}};
         from_engine(cart_node->getPosition(), target.position);
         longspan::check(ls_body_move_to(world.get(), cart, &target));
+        if (frame == 30 || frame == 210) {
+            LsJointDef slew;
+            longspan::check(ls_joint_def_get(world.get(), crane.slew, &slew, sizeof slew));
+            slew.motor.target = frame == 30 ? -0.2f : 0.0f;
+            longspan::check(ls_joint_kind_set(world.get(), crane.slew, &slew));
+        }
+        if (frame == 120) {
+            const LsBody shot = stage.ball(LS_BODY_DYNAMIC, {4.4, 2.0, 14}, 0.35f, look::iron, 250);
+            const float velocity[3] = {0, -1, -30};
+            longspan::check(ls_body_linear_velocity_set(world.get(), shot, velocity));
+            longspan::check(ls_body_fast_set(world.get(), shot, 1));
+        }
+        if (frame == 301) {
+            auto *eye = scene->getSceneCollisionManager();
+            const core::position2di pixel = eye->getScreenCoordinatesFrom3DPosition(stage.node_of(tower.back())->getPosition(), camera);
+            std::printf("picked: %d\n", hand.grab(eye->getRayFromScreenCoordinates(pixel, camera)));
+        }
+        if (frame > 301 && frame < 480) {
+            hand.lift(0.012, -0.005);
+        }
         world.step(step);
         for (const LsMoved &moved : world.moved()) {
-            if (moved.body.id != cart.id) {
-                place(reinterpret_cast<scene::ISceneNode *>(static_cast<std::uintptr_t>(moved.user_word)), moved.pose);
+            if (moved.user_word != 0 && moved.body.id != cart.id) {
+                place(Stage::node_of_word(moved.user_word), moved.pose);
             }
         }
-        const LsHit *list = nullptr;
-        std::size_t count = 0;
-        longspan::check(ls_world_hits(world.get(), &list, &count));
-        for (const LsHit &hit : longspan::Span<LsHit>(list, count)) {
-            ++hits;
-            for (const LsBody body : {hit.pair.body_a, hit.pair.body_b}) {
-                for (const LsBody crate : crates) {
-                    if (crate.id == body.id && hit.impulse > 200.0f) {
-                        Stage::paint(stage.node_of(crate), bright);
-                    }
-                }
+        for (const LsJointBreak &joint : world.broken()) {
+            ++broken;
+            for (const LsBody side : {joint.body_a, joint.body_b}) {
+                paint(stage.node_of(side), SColor(255, 250, 150, 60));
             }
         }
         // A software driver draws slowly; only some frames are shown.
         if (frame % 60 == 0 || frame + 1 == frames) {
-            driver->beginScene(true, true, video::SColor(255, 150, 185, 225));
+            driver->beginScene(true, true, SColor(255, 150, 185, 225));
             scene->drawAll();
             driver->endScene();
         }
     }
-    const LsPose hangs = world.pose(ball), pushed = world.pose(parcel);
-    const double reach = std::hypot(hangs.position[0], hangs.position[1] - 8.0, hangs.position[2]);
-    std::printf("chain: the ball is %.3f m from its hook, of 6.600 m at rest\n", reach);
-    std::printf("crates: %d hits\n", hits);
-    std::printf("parcel: the engine's cart has pushed it from -3 to %.2f m\n", pushed.position[0]);
+    double sag = 1e9, stands = 0;
+    for (const LsBody plank : planks) {
+        sag = std::min(sag, world.pose(plank).position[1]);
+    }
+    for (const LsBody block : tower) {
+        stands = std::max(stands, block.id == hand.held().id ? 0.0 : world.pose(block).position[1]);
+    }
+    const LsPose ball = world.pose(crane.ball), jib = world.pose(crane.jib);
+    // Along the jib: the x axis of its rotation, which is one about y.
+    const double turn = 2.0 * std::atan2(jib.rotation[1], jib.rotation[3]);
+    const double tip[3] = {jib.position[0] + crane.tip * std::cos(turn), jib.position[1], jib.position[2] - crane.tip * std::sin(turn)};
+    const double reach = std::hypot(ball.position[0] - tip[0], ball.position[1] - tip[1], ball.position[2] - tip[2]);
+    std::printf("bridge: lowest plank at %.3f m\n", sag);
+    std::printf("crane: the ball is %.3f m from the jib, of %.3f m\n", reach, crane.reach);
+    std::printf("tower: its top is at %.2f m\n", stands);
+    std::printf("wall: %u joints broken\n", static_cast<unsigned>(broken));
+    std::printf("hand: holds a block at %.2f m\n", hand.held().id != 0 ? world.pose(hand.held()).position[1] : 0.0);
+    std::printf("parcel: the engine's cart has pushed it from -7 to %.2f m\n", world.pose(parcel).position[0]);
     const bool saved = save(driver, argv[1]);
     drive->drop();
     device->drop();

@@ -12,55 +12,34 @@ mod tests;
 mod warm_start;
 
 use super::contact::{ContactBlock, Lane, POINTS};
+use super::dispatch::in_lanes;
 use super::state::{BodyMotion, BodyVelocity};
-use super::wide::Plain;
 
 pub(crate) use recover::RECOVERY_SWEEPS;
 
-macro_rules! in_lanes {
-    ($(#[$doc:meta])* $name:ident, $avx2:ident, $body:path, ($($arg:ident: $type:ty),*)) => {
-        $(#[$doc])*
-        pub(crate) fn $name($($arg: $type),*) {
-            #[cfg(target_arch = "x86_64")]
-            if std::arch::is_x86_feature_detected!("avx2") {
-                #[target_feature(enable = "avx2")]
-                fn $avx2($($arg: $type),*) {
-                    use super::wide::avx2::Avx2;
-                    use $body as body;
-                    body::<Avx2>($($arg),*);
-                }
-                // SAFETY: the processor has just been found to have AVX2, the only feature that the function needs.
-                return unsafe { $avx2($($arg),*) };
-            }
-            use $body as body;
-            body::<Plain>($($arg),*);
-        }
-    };
-}
-
 in_lanes!(
     /// Forms the effective masses of a block from the bodies' inertia of now.
-    set_masses, set_masses_avx2, masses::set, (block: &mut ContactBlock, velocities: &[BodyVelocity])
+    pub(crate) set_masses, masses::set, (block: &mut ContactBlock, velocities: &[BodyVelocity])
 );
 in_lanes!(
     /// Applies the carried multipliers and forms the closing speeds of this substep.
     ///
     /// The velocities have the substep's forces in them already.
-    warm_start, warm_start_avx2, warm_start::all,
+    pub(crate) warm_start, warm_start::all,
     (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32)
 );
 in_lanes!(
     /// One sweep: friction, then the normal rows of each manifold as a block.
-    sweep, sweep_avx2, sweep::all, (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], backwards: bool)
+    pub(crate) sweep, sweep::all, (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], backwards: bool)
 );
 in_lanes!(
     /// After the substeps: points that hit something at more than `threshold` (m/s) leave at the rebound speed.
-    restitute, restitute_avx2, recover::restitute,
+    pub(crate) restitute, recover::restitute,
     (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], threshold: f32)
 );
 in_lanes!(
     /// Brings the separations to the end of the step, and raises `worst` to the greatest overlap of any point (m).
-    end_step, end_step_avx2, recover::end_step, (blocks: &mut [ContactBlock], motions: &[BodyMotion], worst: &mut f32)
+    pub(crate) end_step, recover::end_step, (blocks: &mut [ContactBlock], motions: &[BodyMotion], worst: &mut f32)
 );
 in_lanes!(
     /// One sweep of position recovery: overlapping points are pushed apart by displacements that leave no velocity behind.
@@ -68,6 +47,6 @@ in_lanes!(
     /// `pushes` holds a displacement and rotation for each slot in the form of a velocity times the step. Rows are
     /// J δ ≥ −β s where s < 0 (never faster than [`MAX_RECOVERY_SPEED`](recover::MAX_RECOVERY_SPEED)) and J δ ≥ −s elsewhere, so
     /// that one overlap is not cured by making another; s is that of [`end_step`].
-    recover, recover_avx2, recover::all,
+    pub(crate) recover, recover::all,
     (blocks: &[ContactBlock], lambdas: &mut [[Lane; POINTS]], pushes: &mut [BodyVelocity], dt: f32)
 );

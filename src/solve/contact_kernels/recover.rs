@@ -3,9 +3,10 @@
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
 use super::super::contact::{ContactBlock, LANES, Lane, POINTS};
+use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
 use super::super::wide::Wide;
-use super::rows::{Side, load_points, normal_rates, push_apart, separations, solve_manifolds, store_points};
+use super::rows::{load_points, normal_rates, push_apart, separations, solve_manifolds, store_points};
 
 /// Share of an overlap that is taken out in one step.
 const RECOVERY_SHARE: f32 = 0.2;

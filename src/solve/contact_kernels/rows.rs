@@ -2,8 +2,9 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
-use super::super::contact::{ContactBlock, LANES, Lane, POINTS};
-use super::super::state::{BodyMotion, BodyVelocity};
+use super::super::contact::{ContactBlock, Lane, POINTS};
+use super::super::side::{Side, moved};
+use super::super::state::BodyMotion;
 use super::super::wide::{Wide, Wide3};
 
 /// Sweeps over the 4×4 matrix of a manifold within one visit.
@@ -11,72 +12,6 @@ const INNER_SWEEPS: usize = 4;
 
 /// One number for each point of each manifold.
 pub(super) type Points<W> = [W; POINTS];
-
-/// Velocities and inverse masses of one side of a block.
-pub(super) struct Side<W> {
-    pub linear: Wide3<W>,
-    pub angular: Wide3<W>,
-    inverse_mass: Wide3<W>,
-    /// xx, yy, zz, xy, xz, yz.
-    inverse_inertia: [W; 6],
-}
-
-impl<W: Wide> Side<W> {
-    #[inline(always)]
-    pub fn gather(slots: &[u32; LANES], velocities: &[BodyVelocity]) -> Self {
-        let mut rows = [[W::zero(); LANES]; 2];
-        for l in 0..LANES {
-            let [first, second] = velocities[slots[l] as usize].halves();
-            (rows[0][l], rows[1][l]) = (W::load(first), W::load(second));
-        }
-        let [lx, ly, lz, ax, ay, az, mx, my] = W::transpose(rows[0]);
-        let [mz, xx, yy, zz, xy, xz, yz, _] = W::transpose(rows[1]);
-        Self {
-            linear: Wide3::new(lx, ly, lz),
-            angular: Wide3::new(ax, ay, az),
-            inverse_mass: Wide3::new(mx, my, mz),
-            inverse_inertia: [xx, yy, zz, xy, xz, yz],
-        }
-    }
-
-    #[inline(always)]
-    pub fn scatter(&self, slots: &[u32; LANES], velocities: &mut [BodyVelocity]) {
-        let Self { linear, angular, inverse_mass, .. } = self;
-        let rows = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z, inverse_mass.x, inverse_mass.y];
-        let rows = W::transpose(rows);
-        for l in 0..LANES {
-            rows[l].store(velocities[slots[l] as usize].first_half_mut());
-        }
-    }
-
-    /// Applies an impulse and an angular impulse to every lane.
-    #[inline(always)]
-    pub fn apply(&mut self, impulse: Wide3<W>, torque: Wide3<W>) {
-        self.linear = self.linear + self.inverse_mass.scale(impulse);
-        self.turn(torque);
-    }
-
-    /// Applies an angular impulse to every lane.
-    #[inline(always)]
-    pub fn turn(&mut self, torque: Wide3<W>) {
-        let [xx, yy, zz, xy, xz, yz] = self.inverse_inertia;
-        self.angular.x = self.angular.x + (xx * torque.x + xy * torque.y + xz * torque.z);
-        self.angular.y = self.angular.y + (xy * torque.x + yy * torque.y + yz * torque.z);
-        self.angular.z = self.angular.z + (xz * torque.x + yz * torque.y + zz * torque.z);
-    }
-
-    #[inline(always)]
-    pub fn inverse_mass(&self) -> Wide3<W> {
-        self.inverse_mass
-    }
-
-    /// I⁻¹ v.
-    #[inline(always)]
-    pub fn response(&self, v: Wide3<W>) -> Wide3<W> {
-        let [xx, yy, zz, xy, xz, yz] = self.inverse_inertia;
-        Wide3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
-    }
-}
 
 #[inline(always)]
 pub(super) fn load_all<W: Wide, const N: usize>(lanes: &[Lane; N]) -> [W; N] {
@@ -102,17 +37,6 @@ pub(super) fn store_points<W: Wide, const N: usize>(points: &Points<W>, lanes: &
     for i in 0..N {
         points[i].store(&mut lanes[i]);
     }
-}
-
-/// Displacements and turns of one side of a block since the start of the step.
-#[inline(always)]
-fn moved<W: Wide>(slots: &[u32; LANES], motions: &[BodyMotion]) -> (Wide3<W>, Wide3<W>) {
-    let mut rows = [W::zero(); LANES];
-    for l in 0..LANES {
-        rows[l] = W::load(motions[slots[l] as usize].moved());
-    }
-    let [x, y, z, turn_x, turn_y, turn_z, _, _] = W::transpose(rows);
-    (Wide3::new(x, y, z), Wide3::new(turn_x, turn_y, turn_z))
 }
 
 /// Separation of the first `N` points with the bodies displaced as `motions` say (m).

@@ -3,9 +3,10 @@
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
 use super::super::contact::{ContactBlock, NEGLIGIBLE_FRICTION, POINTS};
+use super::super::side::Side;
 use super::super::state::BodyVelocity;
 use super::super::wide::{Wide, Wide3};
-use super::rows::{Side, load_all, load_points, normal_rates, push_apart, solve_manifolds, store_points};
+use super::rows::{load_all, load_points, normal_rates, push_apart, solve_manifolds, store_points};
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], backwards: bool) {

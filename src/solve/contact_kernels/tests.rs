@@ -7,7 +7,7 @@ use super::super::contact::{ContactImpulses, ContactInput, LANES};
 use super::super::state::{MotionKind, Symmetric};
 use super::*;
 use crate::material::PairMaterial;
-use crate::solve::wide::Wide;
+use crate::solve::wide::{Plain, Wide};
 
 /// Everything that a kernel reads or writes.
 #[derive(Debug, Clone)]

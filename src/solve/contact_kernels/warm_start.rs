@@ -3,9 +3,10 @@
 use glam::Vec3;
 
 use super::super::contact::{ContactBlock, LANES, Lane3, POINTS};
+use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
 use super::super::wide::{Wide, Wide3};
-use super::rows::{Side, load_points, separations, store_points};
+use super::rows::{load_points, separations, store_points};
 
 /// Share of a gap that a point under load may close in one substep.
 ///

@@ -46,6 +46,8 @@ const NO_GROUP: u32 = u32::MAX;
 pub(crate) struct Direct {
     articulations: Vec<Articulation>,
     count: usize,
+    /// Whether the host has asked for direct solves.
+    pub asked: bool,
     /// Articulation that has each slot of the batch, and its local number there.
     local: Vec<(u32, u32)>,
     /// Articulation of each slot, as a union–find forest, then as a number.
@@ -185,7 +187,7 @@ impl Direct {
         if self.articulations.len() == self.count {
             self.articulations.push(Articulation::default());
         }
-        let Self { articulations, local, count, .. } = self;
+        let Self { articulations, local, count, asked, .. } = self;
         let articulation = &mut articulations[*count];
         articulation.clear();
         articulation.enlist(WORLD_SLOT, DVec3::ZERO, History::NONE, &velocities[WORLD_SLOT as usize], &BodyMotion::FIXED);
@@ -220,12 +222,12 @@ impl Direct {
         if articulation.coupled {
             articulation.touches.clear();
         }
-        let mut admitted = articulation.lay_out(joints, local);
+        let mut admitted = articulation.lay_out(joints, local, *asked);
         if !admitted && !articulation.touches.is_empty() {
             // Too many contacts for its matrix: they are swept.
             articulation.touches.clear();
             articulation.coupled = true;
-            admitted = articulation.lay_out(joints, local);
+            admitted = articulation.lay_out(joints, local, *asked);
         }
         self.count += usize::from(admitted);
         admitted

@@ -14,6 +14,9 @@ use crate::solve::joint::rows::{Phase, Rate};
 use crate::solve::momentum::{Inertia, Whole};
 use crate::solve::rotation;
 
+/// Passes of the active set in a substep that the step's budget does not count: nearly all take no more.
+const FREE_PASSES: usize = 4;
+
 /// Transverse stiffness κ of a joint below which a smooth substep takes its Jacobian at the start, and above which at the predicted
 /// pose, with the geometric stiffness of its force.
 const IMPLICIT_RANGE: (f64, f64) = (0.5, 2.0);
@@ -39,7 +42,9 @@ impl Articulation {
         self.system.begin(&self.bodies);
         self.system.settled = true;
         let most_passes = if self.touches.is_empty() { PASSES } else { CONTACT_PASSES };
-        self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
+        let most_passes = most_passes.min(FREE_PASSES + self.passes_left);
+        let passes = self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
+        self.passes_left -= passes.saturating_sub(FREE_PASSES).min(self.passes_left);
         self.keep_impulses(full / h, if mode == Mode::SecondOrder { self.order.extrapolation } else { 0.0 });
         for (i, body) in self.bodies.iter().enumerate() {
             let (stance, rate) = (&mut self.stances[i], &mut self.rates[i]);
@@ -234,6 +239,7 @@ impl Articulation {
             entry.impulses.point = point.as_vec3();
             entry.impulses.angular = angular.as_vec3();
             let acted = |found: DVec3, last: Vec3| (found / scale + last.as_dvec3() * carried).as_vec3();
+            entry.pressed |= entry.impulses.pressing();
             entry.acted = [acted(point + linear_load, entry.acted[0]), acted(angular + angular_load, entry.acted[1])];
             entry.linear_sum += entry.acted[0];
             entry.angular_sum += entry.acted[1];

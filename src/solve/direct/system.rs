@@ -267,10 +267,11 @@ impl System {
         }
     }
 
-    /// Solves for the multipliers of all rows and adds their push to the rates.
-    pub(crate) fn solve(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate], most_passes: usize) {
+    /// Solves for the multipliers of all rows and adds their push to the rates; returns the passes that it took.
+    pub(crate) fn solve(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate], most_passes: usize) -> usize {
         if !self.is_bounded {
-            return self.solve_active(topology, bodies, rates);
+            self.solve_active(topology, bodies, rates);
+            return 1;
         }
         self.base.clear();
         self.base.extend_from_slice(rates);
@@ -294,10 +295,11 @@ impl System {
             }
             if wrong + sliding == 0 {
                 self.settled &= may_free;
-                return;
+                return pass;
             }
         }
         self.settled = false;
+        most_passes
     }
 
     fn push_fixed(&self, bodies: &[DirectBody], rates: &mut [Rate]) {

@@ -6,7 +6,9 @@
 //! the predicted pose the same spring is implicit: stable at any tension, at the price of some damping. Each joint blends
 //! between the two by its own κ.
 
-use glam::{DQuat, DVec3, Mat3, Vec3};
+use std::ops::Range;
+
+use glam::{DQuat, DVec3, Vec3};
 
 mod distance;
 mod fixed;
@@ -14,27 +16,26 @@ mod generic;
 pub(crate) mod geometry;
 mod hinge;
 pub(crate) mod kinds;
+mod lanes;
 mod prismatic;
 pub(crate) mod rows;
+mod singles;
 mod spherical;
 mod sweep;
 
 use geometry::{JointGeometry, Placement, Side};
-use kinds::RowSink;
-use rows::{Phase, Rate};
-use sweep::{BlockRow, ScalarRow};
+pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lanes};
+use lanes::{Holds, JointLanes};
+use singles::Singles;
 
 use super::color::{Coloring, MAX_COLORS};
-use super::integrate;
+use super::integrate::Outlook;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind};
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
-pub(super) const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
-
-/// Passes over the rows of a joint that has scalar ones: they are solved one by one, and see each other only so.
-const SCALAR_PASSES: usize = 3;
+const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
 
 /// Greatest change of angular velocity, over the sum of both bodies', by which angular momentum is given back.
 const MOMENTUM_RETURN_LIMIT: f32 = 0.2;
@@ -61,75 +62,28 @@ pub(crate) struct JointEntry {
     pub angular_sum: Vec3,
     /// Of the last substep, if a direct solve took it.
     pub acted: [Vec3; 2],
-}
-
-/// Rows of one joint in this substep.
-#[derive(Debug, Clone, Copy)]
-struct JointRows {
-    a: u32,
-    b: u32,
-    point: Option<BlockRow>,
-    direction: Option<BlockRow>,
-    /// Range of its scalar rows.
-    scalars: (u32, u32),
-}
-
-impl JointRows {
-    fn scalars<'a>(&self, all: &'a mut [ScalarRow]) -> &'a mut [ScalarRow] {
-        &mut all[self.scalars.0 as usize..self.scalars.1 as usize]
-    }
-
-    fn passes(&self) -> usize {
-        if self.scalars.0 == self.scalars.1 { 1 } else { SCALAR_PASSES }
-    }
-
-    fn sweep(&mut self, all: &mut [ScalarRow], velocities: &mut [BodyVelocity]) {
-        let (mut a, mut b) = (velocities[self.a as usize], velocities[self.b as usize]);
-        if let Some(row) = &mut self.direction {
-            row.solve_direction(&mut a, &mut b);
-        }
-        for _ in 0..self.passes() {
-            for row in self.scalars(all) {
-                row.solve(&mut a, &mut b);
-            }
-            if let Some(row) = &mut self.point {
-                row.solve_point(&mut a, &mut b);
-            }
-        }
-        velocities[self.a as usize] = a;
-        velocities[self.b as usize] = b;
-    }
-
-    fn sweep_backwards(&mut self, all: &mut [ScalarRow], velocities: &mut [BodyVelocity]) {
-        let (mut a, mut b) = (velocities[self.a as usize], velocities[self.b as usize]);
-        for _ in 0..self.passes() {
-            if let Some(row) = &mut self.point {
-                row.solve_point(&mut a, &mut b);
-            }
-            for row in self.scalars(all).iter_mut().rev() {
-                row.solve(&mut a, &mut b);
-            }
-        }
-        if let Some(row) = &mut self.direction {
-            row.solve_direction(&mut a, &mut b);
-        }
-        velocities[self.a as usize] = a;
-        velocities[self.b as usize] = b;
-    }
+    /// Scalar rows that ended a substep with a positive multiplier, as bits.
+    pub pressed: u32,
 }
 
 /// All joints of a batch, in colour order.
 #[derive(Debug, Default)]
 pub(crate) struct BatchJoints {
     pub entries: Vec<JointEntry>,
-    rows: Vec<JointRows>,
-    scalars: Vec<ScalarRow>,
-    /// What the joint at hand asks in scalar rows.
-    asked: Vec<rows::ScalarRow>,
+    lanes: JointLanes,
+    singles: Singles,
+    visits: Vec<Visit>,
     /// Where each jointed body will be at the end of the substep, as predicted when rows were last built.
-    pub predicted: Vec<Stance>,
-    keys: Vec<(u32, u32)>,
+    pub outlooks: Vec<Outlook>,
+    keys: Vec<(u32, Option<Holds>, u32)>,
     sorted: Vec<JointEntry>,
+}
+
+/// What is swept of one colour: blocks, then joints one by one.
+#[derive(Debug, Clone)]
+struct Visit {
+    blocks: Range<usize>,
+    singles: Range<usize>,
 }
 
 impl BatchJoints {
@@ -137,76 +91,78 @@ impl BatchJoints {
         self.entries.clear();
     }
 
-    /// Puts the joints in the order of their colours; joints of one colour share no moving body.
-    pub(crate) fn sort_by_color(&mut self, coloring: &mut Coloring, motions: &[BodyMotion]) {
-        coloring.reset(motions.len());
-        self.keys.clear();
-        for (index, entry) in self.entries.iter().enumerate() {
-            let end = |slot: u32| (slot, motions[slot as usize].is_dynamic());
-            let color = coloring.assign(end(entry.a), end(entry.b)).unwrap_or(MAX_COLORS as u32);
-            self.keys.push((color, index as u32));
+    /// Lays the joints out in the order of their colours, for substeps of length `h`; joints of one colour share no moving body.
+    pub(crate) fn lay_out(&mut self, joints: &Pool<Joint, JointId>, coloring: &mut Coloring, motions: &[BodyMotion], h: f32) {
+        let Self { entries, lanes, singles, visits, keys, sorted, .. } = self;
+        lanes.clear();
+        singles.clear();
+        visits.clear();
+        keys.clear();
+        if entries.is_empty() {
+            return;
         }
-        self.keys.sort_unstable();
-        self.sorted.clear();
-        self.sorted.extend(self.keys.iter().map(|&(_, index)| self.entries[index as usize]));
-        std::mem::swap(&mut self.entries, &mut self.sorted);
+        coloring.reset(motions.len());
+        for (index, entry) in entries.iter().enumerate() {
+            let end = |slot: u32| (slot, motions[slot as usize].is_dynamic());
+            let color = coloring.assign(end(entry.a), end(entry.b));
+            let holds = color.and_then(|_| Holds::of(&joints[entry.joint].def.kind));
+            keys.push((color.unwrap_or(MAX_COLORS as u32), holds, index as u32));
+        }
+        keys.sort_unstable();
+        sorted.clear();
+        sorted.extend(keys.iter().map(|&(_, _, index)| entries[index as usize]));
+        std::mem::swap(entries, sorted);
+        let mut start = 0;
+        for alike in keys.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {
+            let end = start + alike.len();
+            let (blocks, first_single) = (lanes.len(), singles.len());
+            match alike[0].1 {
+                Some(holds) => {
+                    let own = entries[start..end].iter().map(|entry| (entry, &joints[entry.joint].def));
+                    lanes.add(start, own, holds, h);
+                }
+                None => singles.add(start..end),
+            }
+            visits.push(Visit { blocks: blocks..lanes.len(), singles: first_single..singles.len() });
+            start = end;
+        }
     }
 
     /// Builds this substep's rows at the poses predicted from the velocities of now; multipliers go on from where they are.
     ///
-    /// Done again before the last sweep, so that the rows hold to second order at the poses that the substep ends in: what the
-    /// position rows would have to mend costs angular momentum.
-    pub(crate) fn prepare(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
-        self.rows.clear();
-        self.scalars.clear();
+    /// Done once more before the last sweep (`again`), so that the rows hold to second order at the poses that the substep ends in:
+    /// what the position rows would have to mend costs angular momentum.
+    pub(crate) fn prepare(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+        h: f32,
+        again: bool,
+    ) {
         if self.entries.is_empty() {
             return;
         }
-        self.predicted.clear();
-        self.predicted.extend(velocities.iter().zip(motions).map(|(velocity, motion)| {
-            if motion.jointed { stance(integrate::predict(velocity, motion, h)) } else { motion.stance() }
-        }));
-        for entry in &self.entries {
-            let geometry = entry.geometry(velocities, motions, &self.predicted, h);
-            let first = self.scalars.len() as u32;
-            let bodies = [&velocities[entry.a as usize], &velocities[entry.b as usize]];
-            self.asked.clear();
-            let mut sink = RowSink {
-                rates: bodies.map(Rate::of),
-                geometry: &geometry,
-                def: &joints[entry.joint].def,
-                impulses: &entry.impulses,
-                phase: Phase::Velocity { h: f64::from(h) },
-                point: None,
-                direction: None,
-                scalars: &mut self.asked,
-            };
-            kinds::add_rows(&mut sink);
-            let point = sink.point.map(|row| BlockRow::point(&row, bodies));
-            let direction = sink.direction.map(|row| BlockRow::direction(&row, bodies));
-            self.scalars.extend(self.asked.iter().map(|row| ScalarRow::new(row, bodies)));
-            self.rows.push(JointRows { a: entry.a, b: entry.b, point, direction, scalars: (first, self.scalars.len() as u32) });
+        self.outlooks.clear();
+        self.outlooks.extend(
+            velocities
+                .iter()
+                .zip(motions)
+                .map(|(velocity, motion)| if motion.jointed { Outlook::of(velocity, motion, h) } else { Outlook::still(motion) }),
+        );
+        if again {
+            self.singles.keep_impulses(&mut self.entries);
+        } else {
+            self.lanes.begin(motions);
         }
+        self.lanes.prepare(velocities, &self.outlooks, h);
+        self.singles.prepare(&self.entries, joints, velocities, motions, &self.outlooks, h);
     }
 
     /// Applies the carried multipliers.
     pub(crate) fn warm_start(&self, velocities: &mut [BodyVelocity]) {
-        for rows in &self.rows {
-            let (mut a, mut b) = (velocities[rows.a as usize], velocities[rows.b as usize]);
-            if let Some(row) = &rows.direction {
-                a.apply(Vec3::ZERO, -row.impulse);
-                b.apply(Vec3::ZERO, row.impulse);
-            }
-            for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
-                row.push(row.impulse, &mut a, &mut b);
-            }
-            if let Some(row) = &rows.point {
-                a.apply(-row.impulse, -row.lever_a.cross(row.impulse));
-                b.apply(row.impulse, row.lever_b.cross(row.impulse));
-            }
-            velocities[rows.a as usize] = a;
-            velocities[rows.b as usize] = b;
-        }
+        self.lanes.warm_start(velocities);
+        self.singles.warm_start(velocities);
     }
 
     /// One sweep over all joints: directions, coordinates, then points; backwards, all in the opposite order.
@@ -216,45 +172,28 @@ impl BatchJoints {
     /// 2 g z + g = 0. For g in 0…1, as a symmetric sweep has it, |z| = √g < 1; sweeps in one direction have complex g, |z| may
     /// pass 1, and a tree of fixed joints tears itself apart.
     pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity], backwards: bool) {
+        let Self { lanes, singles, visits, .. } = self;
+        let mut visit = |visit: &Visit| {
+            lanes.sweep(visit.blocks.clone(), velocities, backwards);
+            singles.sweep(visit.singles.clone(), velocities, backwards);
+        };
         if backwards {
-            self.rows.iter_mut().rev().for_each(|rows| rows.sweep_backwards(&mut self.scalars, velocities));
+            visits.iter().rev().for_each(&mut visit);
         } else {
-            self.rows.iter_mut().for_each(|rows| rows.sweep(&mut self.scalars, velocities));
+            visits.iter().for_each(&mut visit);
         }
     }
 
-    /// Adds the substep's multipliers to the joints' loads.
-    pub(crate) fn add_loads(&mut self) {
-        for (entry, rows) in self.entries.iter_mut().zip(&self.rows) {
-            let (mut linear, mut angular) = (Vec3::ZERO, Vec3::ZERO);
-            if let Some(row) = &rows.point {
-                linear += row.impulse;
-            }
-            if let Some(row) = &rows.direction {
-                angular += row.impulse;
-            }
-            let lever_b = rows.point.as_ref().map(|row| row.lever_b);
-            for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
-                linear += row.linear * row.impulse;
-                let about_point = row.angular_b - lever_b.map_or(row.angular_b, |lever| lever.cross(row.linear));
-                angular += about_point * row.impulse;
-            }
-            entry.linear_sum += linear;
-            entry.angular_sum += angular;
-        }
+    /// Ends the velocity rows of a substep: multipliers are kept, and added to the joints' loads.
+    pub(crate) fn end_substep(&mut self) {
+        self.lanes.add_loads();
+        self.singles.keep_impulses(&mut self.entries);
+        self.singles.add_loads(&mut self.entries);
     }
 
-    /// Keeps the multipliers for rows that are built anew.
-    pub(crate) fn keep_impulses(&mut self) {
-        for (entry, rows) in self.entries.iter_mut().zip(&self.rows) {
-            let mut kept = JointImpulses::ZERO;
-            kept.point = rows.point.as_ref().map_or(Vec3::ZERO, |row| row.impulse);
-            kept.angular = rows.direction.as_ref().map_or(Vec3::ZERO, |row| row.impulse);
-            for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
-                kept.scalar[row.id as usize] = row.impulse;
-            }
-            entry.impulses = kept;
-        }
+    /// Hands multipliers and loads of joints in lanes back to their entries.
+    pub(crate) fn store(&mut self) {
+        self.lanes.store(&mut self.entries);
     }
 
     /// One sweep of position rows, joint by joint at the poses of now: rigid errors are taken out, angular momentum is kept.
@@ -265,35 +204,10 @@ impl BatchJoints {
         motions: &mut [BodyMotion],
         h: f32,
     ) {
-        for entry in &self.entries {
-            let now = |slot: u32| motions[slot as usize].stance();
-            let placement = entry.placement(now(entry.a), now(entry.b));
-            let [mut a, mut b] = [entry.a, entry.b].map(|slot| velocities[slot as usize].at_rest());
-            self.asked.clear();
-            let mut sink = RowSink {
-                rates: [Rate::of(&a), Rate::of(&b)],
-                geometry: &JointGeometry::at(placement),
-                def: &joints[entry.joint].def,
-                impulses: &JointImpulses::ZERO,
-                phase: Phase::Position { most: rows::MAX_RECOVERY_SPEED * f64::from(h) },
-                point: None,
-                direction: None,
-                scalars: &mut self.asked,
-            };
-            kinds::add_rows(&mut sink);
-            let (point, direction) = (sink.point, sink.direction);
-            if let Some(row) = direction {
-                BlockRow::direction(&row, [&a, &b]).solve_direction(&mut a, &mut b);
-            }
-            for row in &self.asked {
-                ScalarRow::new(row, [&a, &b]).solve(&mut a, &mut b);
-            }
-            if let Some(row) = point {
-                BlockRow::point(&row, [&a, &b]).solve_point(&mut a, &mut b);
-            }
-            keep_angular_momentum(velocities, motions, [(entry.a as usize, &a), (entry.b as usize, &b)]);
-            motions[entry.a as usize].displace(a.linear, a.angular);
-            motions[entry.b as usize].displace(b.linear, b.angular);
+        let Self { entries, lanes, singles, visits, .. } = self;
+        for visit in visits.iter() {
+            lanes.project(visit.blocks.clone(), velocities, motions, rows::MAX_RECOVERY_SPEED as f32 * h);
+            singles.project(visit.singles.clone(), entries, joints, velocities, motions, h);
         }
     }
 
@@ -311,32 +225,10 @@ impl BatchJoints {
         };
         self.entries.iter().map(opening).fold(0.0, f64::max)
     }
-}
-
-/// Gives a pair of bodies back the angular momentum that moving them by position rows would take.
-///
-/// A displacement δ of a body moving at v changes x × m v by δ × m v, and a rotation θ changes I ω by θ × I ω − I (θ × ω). The two
-/// bodies take the sum back as one more rotation together, where it is small beside what they have: a joint far open is no
-/// measure of momentum.
-fn keep_angular_momentum(velocities: &mut [BodyVelocity], motions: &[BodyMotion], pushes: [(usize, &BodyVelocity); 2]) {
-    let moves = |slot: usize| motions[slot].is_dynamic() && velocities[slot].inverse_mass.min_element() > 0.0;
-    if !pushes.iter().all(|&(slot, _)| moves(slot)) {
-        return;
-    }
-    let (mut lost, mut inertia, mut spin) = (Vec3::ZERO, Mat3::ZERO, 0.0);
-    for (slot, push) in pushes {
-        let body = &velocities[slot];
-        let own = body.inverse_inertia.to_mat3().inverse();
-        lost += (push.linear / body.inverse_mass).cross(body.linear);
-        lost += push.angular.cross(own * body.angular) - own * push.angular.cross(body.angular);
-        inertia += own;
-        spin += body.angular.length();
-    }
-    let change = inertia.inverse() * lost;
-    if change.is_finite() && change.length() <= MOMENTUM_RETURN_LIMIT * spin {
-        for (slot, _) in pushes {
-            velocities[slot].angular -= change;
-        }
+    /// Worst distance between joint points beyond what the joints allow (m).
+    pub(crate) fn worst_gap(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion]) -> f32 {
+        let singles = self.singles.entries().map(|number| &self.entries[number]);
+        self.lanes.worst_gap(motions).max(worst_gap(singles, joints, motions))
     }
 }
 
@@ -367,11 +259,12 @@ impl JointEntry {
         Placement { a: side_a, b: side_b, gap: self.offset + (b.0 - a.0) + (side_b.lever - side_a.lever) }
     }
 
-    fn geometry(&self, velocities: &[BodyVelocity], motions: &[BodyMotion], predicted: &[Stance], h: f32) -> JointGeometry {
+    fn geometry(&self, velocities: &[BodyVelocity], motions: &[BodyMotion], outlooks: &[Outlook], h: f32) -> JointGeometry {
         let (a, b) = (self.a as usize, self.b as usize);
         let now = |slot: usize| motions[slot].stance();
+        let then = |slot: usize| stance((outlooks[slot].displacement, outlooks[slot].rotation));
         let start = self.placement(now(a), now(b));
-        let end = self.placement(predicted[a], predicted[b]);
+        let end = self.placement(then(a), then(b));
         let stiffness = h
             * self.impulses.point.length()
             * (turning_ease(&velocities[a], start.a.lever.as_vec3()) + turning_ease(&velocities[b], start.b.lever.as_vec3()));
@@ -382,7 +275,7 @@ impl JointEntry {
             end
         } else {
             let blend = |slot: usize| {
-                let (from, to) = (now(slot), predicted[slot]);
+                let (from, to) = (now(slot), then(slot));
                 (from.0.lerp(to.0, f64::from(implicit)), from.1.lerp(to.1, f64::from(implicit)))
             };
             self.placement(blend(a), blend(b))
@@ -392,7 +285,7 @@ impl JointEntry {
 }
 
 /// How readily a transverse force at `lever` turns a body, over the lever's length: |r| tr(I⁻¹ across r) (1/(kg·m)).
-pub(super) fn turning_ease(body: &BodyVelocity, lever: Vec3) -> f32 {
+fn turning_ease(body: &BodyVelocity, lever: Vec3) -> f32 {
     let length = lever.length();
     if length == 0.0 {
         return 0.0;

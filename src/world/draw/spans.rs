@@ -1,6 +1,6 @@
-//! What only this library has: long-range bounds, and what holds bodies up.
+//! What only this library has: long-range bounds, planes, unions, and what holds bodies up.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3, Vec3};
 
 use super::Pen;
 use crate::debug::Color;
@@ -15,6 +15,59 @@ impl World {
             if pen.reaches(middle, f64::from(bound.distance) * 0.5) {
                 draw_bound(pen, &bound, middle);
             }
+        }
+    }
+
+    pub(super) fn draw_planes(&self, pen: &mut Pen) {
+        for chain in &self.long_range.chains {
+            let frame = |index: u32| match self.unions.moving(index) {
+                Some(union) => (union.motion.center, union.motion.rotation),
+                None => (self.bodies[index].center, self.bodies[index].rotation),
+            };
+            let members: Vec<(DVec3, Vec3, f32)> = chain
+                .members
+                .iter()
+                .map(|member| {
+                    let (center, rotation) = frame(member.body);
+                    (center, rotation * member.axis, member.height)
+                })
+                .collect();
+            let normal = members.iter().map(|(_, axis, _)| *axis).sum::<Vec3>().normalize_or_zero();
+            let foot = |&(center, _, height): &(DVec3, Vec3, f32)| center - (normal * height).as_dvec3();
+            let middle = members.iter().map(foot).sum::<DVec3>() / members.len() as f64;
+            let reach = members.iter().map(|member| foot(member).distance(middle)).fold(f64::from(chain.size), f64::max);
+            if normal == Vec3::ZERO || !pen.reaches(middle, reach) {
+                continue;
+            }
+            let color = Color::of_number(chain.joints.first().copied().unwrap_or_default());
+            let corner = |turn: f64| {
+                let about = DQuat::from_axis_angle(normal.as_dvec3().normalize(), turn * std::f64::consts::FRAC_PI_2);
+                middle + about * (normal.any_orthonormal_vector().as_dvec3() * (reach * std::f64::consts::SQRT_2))
+            };
+            for side in 0..4 {
+                pen.line(corner(f64::from(side)), corner(f64::from(side + 1)), color);
+            }
+            pen.arrow(middle, normal * (reach as f32 * 0.25), color);
+            pen.text(middle, format_args!("plane of {}", members.len()), color);
+            for member in &members {
+                pen.line(member.0, foot(member), color);
+                pen.cross(foot(member), pen.options.mark_size, color);
+            }
+        }
+    }
+
+    pub(super) fn draw_unions(&self, pen: &mut Pen) {
+        for union in self.unions.iter() {
+            let center = union.motion.center;
+            let places: Vec<DVec3> = union.members.iter().map(|&member| self.bodies[member].center).collect();
+            let reach = places.iter().map(|place| place.distance(center)).fold(0.0, f64::max);
+            if !pen.reaches(center, reach) {
+                continue;
+            }
+            let color = Color::of_number(union.lead);
+            pen.cross(center, pen.options.mark_size, color);
+            pen.text(center, format_args!("{} bodies", places.len()), color);
+            places.into_iter().for_each(|place| pen.line(center, place, color));
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
-use crate::fracture::{FractureSettings, JointBreak, JointStress, Piece, Split, Strength};
+use crate::fracture::{FractureSettings, JointBreak, JointLoad, JointStress, Piece, Split, Strength};
 use crate::id::{JointId, in_world};
 use crate::world::World;
 
@@ -118,12 +118,19 @@ impl World {
         Ok(near)
     }
 
+    /// Load of the last step, in axes of the joint's frame on A as it is now.
+    fn load_now(&self, slot: u32) -> JointLoad {
+        let axes = self.end(&self.joints[slot], 0).frame.conjugate();
+        let (force, torque) = self.load_inside(slot).unwrap_or((self.joints[slot].force, self.joints[slot].torque));
+        JointLoad { force: axes * force, torque: axes * torque }
+    }
+
     fn stress_of(&self, slot: u32) -> JointStress {
         let joint = &self.joints[slot];
         let strength = &joint.def.strength;
         let (load, damage) = match &joint.strain {
             Some(strain) => (strain.present(strength), strain.damage),
-            None => (self.step_load(slot), 0.0),
+            None => (self.load_now(slot), 0.0),
         };
         let (share, limit) = strength.share(&load);
         JointStress { load, share, limit, damage }

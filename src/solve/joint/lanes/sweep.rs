@@ -1,0 +1,67 @@
+//! Sweeps over blocks: directions, then points; backwards, points, then directions.
+
+use super::{DirectionBlock, JointLanes, PointBlock};
+use crate::solve::side::Side;
+use crate::solve::state::BodyVelocity;
+use crate::solve::wide::{Wide, Wide3};
+use crate::solve::wide_matrix::Wide6;
+
+#[inline(always)]
+pub(super) fn warm_start<W: Wide>(lanes: &JointLanes, velocities: &mut [BodyVelocity]) {
+    for block in &lanes.points {
+        let (mut a, mut b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
+        let impulse = Wide3::load(&block.impulse);
+        let (mut torque_a, mut torque_b) = (Wide3::load(&block.arm[0]).cross(impulse), Wide3::load(&block.arm[1]).cross(impulse));
+        if let Some(number) = block.directions {
+            let torque = Wide3::load(&lanes.directions[number as usize].impulse);
+            (torque_a, torque_b) = (torque_a + torque, torque_b + torque);
+        }
+        a.apply(-impulse, -torque_a);
+        b.apply(impulse, torque_b);
+        a.scatter(&block.a, velocities);
+        b.scatter(&block.b, velocities);
+    }
+}
+
+#[inline(always)]
+pub(super) fn sweep<W: Wide>(lanes: &mut JointLanes, start: usize, end: usize, velocities: &mut [BodyVelocity], backwards: bool) {
+    let JointLanes { points, directions } = lanes;
+    for block in &mut points[start..end] {
+        let (mut a, mut b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
+        match block.directions {
+            None => hold_points(block, &mut a, &mut b),
+            Some(number) if backwards => {
+                hold_points(block, &mut a, &mut b);
+                hold_directions(&mut directions[number as usize], &mut a, &mut b);
+            }
+            Some(number) => {
+                hold_directions(&mut directions[number as usize], &mut a, &mut b);
+                hold_points(block, &mut a, &mut b);
+            }
+        }
+        a.scatter(&block.a, velocities);
+        b.scatter(&block.b, velocities);
+    }
+}
+
+#[inline(always)]
+fn hold_points<W: Wide>(block: &mut PointBlock, a: &mut Side<W>, b: &mut Side<W>) {
+    let (arm_a, arm_b) = (Wide3::load(&block.arm[0]), Wide3::load(&block.arm[1]));
+    let impulse = Wide3::load(&block.impulse);
+    let rate = b.linear + b.angular.cross(arm_b) - a.linear - a.angular.cross(arm_a);
+    let residual = rate + Wide3::load(&block.bias) + impulse * W::load(&block.give.gamma);
+    let change = -Wide6::load(&block.mass).mul(residual);
+    (impulse + change).store(&mut block.impulse);
+    a.apply(-change, -arm_a.cross(change));
+    b.apply(change, arm_b.cross(change));
+}
+
+#[inline(always)]
+fn hold_directions<W: Wide>(block: &mut DirectionBlock, a: &mut Side<W>, b: &mut Side<W>) {
+    let impulse = Wide3::load(&block.impulse);
+    let residual = b.angular - a.angular + Wide3::load(&block.bias) + impulse * W::load(&block.give.gamma);
+    let change = -Wide6::load(&block.mass).mul(residual);
+    (impulse + change).store(&mut block.impulse);
+    a.turn(-change);
+    b.turn(change);
+}

@@ -1,0 +1,279 @@
+//! Joints that are swept one by one, with whatever rows their kinds have: in `f64` where rows are formed, `f32` where they are swept.
+
+use std::ops::Range;
+
+use glam::{Mat3, Vec3};
+
+use super::geometry::JointGeometry;
+use super::kinds::{self, RowSink};
+use super::rows::{self, Phase, Rate};
+use super::sweep::{BlockRow, ScalarRow};
+use super::{JointEntry, MOMENTUM_RETURN_LIMIT};
+use crate::id::{JointId, Pool};
+use crate::joint::{Joint, JointImpulses};
+use crate::solve::integrate::Outlook;
+use crate::solve::state::{BodyMotion, BodyVelocity};
+
+/// Passes over the rows of a joint that has scalar ones: they are solved one by one, and see each other only so.
+const SCALAR_PASSES: usize = 3;
+
+/// Rows of one joint in this substep.
+#[derive(Debug, Clone, Copy)]
+struct JointRows {
+    /// The joint among the batch's.
+    entry: usize,
+    a: u32,
+    b: u32,
+    point: Option<BlockRow>,
+    direction: Option<BlockRow>,
+    /// Range of its scalar rows.
+    scalars: (u32, u32),
+}
+
+impl JointRows {
+    fn scalars<'a>(&self, all: &'a mut [ScalarRow]) -> &'a mut [ScalarRow] {
+        &mut all[self.scalars.0 as usize..self.scalars.1 as usize]
+    }
+
+    fn passes(&self) -> usize {
+        if self.scalars.0 == self.scalars.1 { 1 } else { SCALAR_PASSES }
+    }
+
+    fn sweep(&mut self, all: &mut [ScalarRow], velocities: &mut [BodyVelocity]) {
+        let (mut a, mut b) = (velocities[self.a as usize], velocities[self.b as usize]);
+        if let Some(row) = &mut self.direction {
+            row.solve_direction(&mut a, &mut b);
+        }
+        for _ in 0..self.passes() {
+            for row in self.scalars(all) {
+                row.solve(&mut a, &mut b);
+            }
+            if let Some(row) = &mut self.point {
+                row.solve_point(&mut a, &mut b);
+            }
+        }
+        velocities[self.a as usize] = a;
+        velocities[self.b as usize] = b;
+    }
+
+    fn sweep_backwards(&mut self, all: &mut [ScalarRow], velocities: &mut [BodyVelocity]) {
+        let (mut a, mut b) = (velocities[self.a as usize], velocities[self.b as usize]);
+        for _ in 0..self.passes() {
+            if let Some(row) = &mut self.point {
+                row.solve_point(&mut a, &mut b);
+            }
+            for row in self.scalars(all).iter_mut().rev() {
+                row.solve(&mut a, &mut b);
+            }
+        }
+        if let Some(row) = &mut self.direction {
+            row.solve_direction(&mut a, &mut b);
+        }
+        velocities[self.a as usize] = a;
+        velocities[self.b as usize] = b;
+    }
+}
+
+/// The joints of a batch that are swept one by one, by their places among its entries.
+#[derive(Debug, Default)]
+pub(super) struct Singles {
+    numbers: Vec<usize>,
+    rows: Vec<JointRows>,
+    scalars: Vec<ScalarRow>,
+    /// What the joint at hand asks in scalar rows.
+    asked: Vec<rows::ScalarRow>,
+}
+
+impl Singles {
+    pub(super) fn clear(&mut self) {
+        self.numbers.clear();
+        self.rows.clear();
+        self.scalars.clear();
+    }
+
+    pub(super) fn add(&mut self, numbers: Range<usize>) {
+        self.numbers.extend(numbers);
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.numbers.len()
+    }
+
+    pub(super) fn entries(&self) -> impl Iterator<Item = usize> {
+        self.numbers.iter().copied()
+    }
+
+    /// Builds the rows of all.
+    pub(super) fn prepare(
+        &mut self,
+        entries: &[JointEntry],
+        joints: &Pool<Joint, JointId>,
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+        outlooks: &[Outlook],
+        h: f32,
+    ) {
+        self.rows.clear();
+        self.scalars.clear();
+        for &number in &self.numbers {
+            let entry = &entries[number];
+            let geometry = entry.geometry(velocities, motions, outlooks, h);
+            let first = self.scalars.len() as u32;
+            let bodies = [&velocities[entry.a as usize], &velocities[entry.b as usize]];
+            self.asked.clear();
+            let mut sink = RowSink {
+                rates: bodies.map(Rate::of),
+                geometry: &geometry,
+                def: &joints[entry.joint].def,
+                impulses: &entry.impulses,
+                phase: Phase::Velocity { h: f64::from(h) },
+                point: None,
+                direction: None,
+                scalars: &mut self.asked,
+            };
+            kinds::add_rows(&mut sink);
+            let point = sink.point.map(|row| BlockRow::point(&row, bodies));
+            let direction = sink.direction.map(|row| BlockRow::direction(&row, bodies));
+            self.scalars.extend(self.asked.iter().map(|row| ScalarRow::new(row, bodies)));
+            let scalars = (first, self.scalars.len() as u32);
+            self.rows.push(JointRows { entry: number, a: entry.a, b: entry.b, point, direction, scalars });
+        }
+    }
+
+    /// Applies the carried multipliers.
+    pub(super) fn warm_start(&self, velocities: &mut [BodyVelocity]) {
+        for rows in &self.rows {
+            let (mut a, mut b) = (velocities[rows.a as usize], velocities[rows.b as usize]);
+            if let Some(row) = &rows.direction {
+                a.apply(Vec3::ZERO, -row.impulse);
+                b.apply(Vec3::ZERO, row.impulse);
+            }
+            for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
+                row.push(row.impulse, &mut a, &mut b);
+            }
+            if let Some(row) = &rows.point {
+                a.apply(-row.impulse, -row.lever_a.cross(row.impulse));
+                b.apply(row.impulse, row.lever_b.cross(row.impulse));
+            }
+            velocities[rows.a as usize] = a;
+            velocities[rows.b as usize] = b;
+        }
+    }
+
+    /// One sweep over a range of joints.
+    pub(super) fn sweep(&mut self, range: Range<usize>, velocities: &mut [BodyVelocity], backwards: bool) {
+        let Self { rows, scalars, .. } = self;
+        if backwards {
+            rows[range].iter_mut().rev().for_each(|rows| rows.sweep_backwards(scalars, velocities));
+        } else {
+            rows[range].iter_mut().for_each(|rows| rows.sweep(scalars, velocities));
+        }
+    }
+
+    /// Adds the substep's multipliers to the joints' loads, and notes which stops press.
+    pub(super) fn add_loads(&self, entries: &mut [JointEntry]) {
+        for rows in &self.rows {
+            let entry = &mut entries[rows.entry];
+            let (mut linear, mut angular) = (Vec3::ZERO, Vec3::ZERO);
+            if let Some(row) = &rows.point {
+                linear += row.impulse;
+            }
+            if let Some(row) = &rows.direction {
+                angular += row.impulse;
+            }
+            let lever_b = rows.point.as_ref().map(|row| row.lever_b);
+            for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
+                linear += row.linear * row.impulse;
+                let about_point = row.angular_b - lever_b.map_or(row.angular_b, |lever| lever.cross(row.linear));
+                angular += about_point * row.impulse;
+                entry.pressed |= u32::from(row.impulse > 0.0) << row.id;
+            }
+            entry.linear_sum += linear;
+            entry.angular_sum += angular;
+        }
+    }
+
+    /// Keeps the multipliers for rows that are built anew.
+    pub(super) fn keep_impulses(&self, entries: &mut [JointEntry]) {
+        for rows in &self.rows {
+            let entry = &mut entries[rows.entry];
+            let mut kept = JointImpulses::ZERO;
+            kept.point = rows.point.as_ref().map_or(Vec3::ZERO, |row| row.impulse);
+            kept.angular = rows.direction.as_ref().map_or(Vec3::ZERO, |row| row.impulse);
+            for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
+                kept.scalar[row.id as usize] = row.impulse;
+            }
+            entry.impulses = kept;
+        }
+    }
+
+    /// One sweep of position rows, joint by joint at the poses of now: rigid errors are taken out, angular momentum is kept.
+    pub(super) fn project(
+        &mut self,
+        range: Range<usize>,
+        entries: &[JointEntry],
+        joints: &Pool<Joint, JointId>,
+        velocities: &mut [BodyVelocity],
+        motions: &mut [BodyMotion],
+        h: f32,
+    ) {
+        for &number in &self.numbers[range] {
+            let entry = &entries[number];
+            let now = |slot: u32| motions[slot as usize].stance();
+            let placement = entry.placement(now(entry.a), now(entry.b));
+            let [mut a, mut b] = [entry.a, entry.b].map(|slot| velocities[slot as usize].at_rest());
+            self.asked.clear();
+            let mut sink = RowSink {
+                rates: [Rate::of(&a), Rate::of(&b)],
+                geometry: &JointGeometry::at(placement),
+                def: &joints[entry.joint].def,
+                impulses: &JointImpulses::ZERO,
+                phase: Phase::Position { most: rows::MAX_RECOVERY_SPEED * f64::from(h) },
+                point: None,
+                direction: None,
+                scalars: &mut self.asked,
+            };
+            kinds::add_rows(&mut sink);
+            let (point, direction) = (sink.point, sink.direction);
+            if let Some(row) = direction {
+                BlockRow::direction(&row, [&a, &b]).solve_direction(&mut a, &mut b);
+            }
+            for row in &self.asked {
+                ScalarRow::new(row, [&a, &b]).solve(&mut a, &mut b);
+            }
+            if let Some(row) = point {
+                BlockRow::point(&row, [&a, &b]).solve_point(&mut a, &mut b);
+            }
+            keep_angular_momentum(velocities, motions, [(entry.a as usize, &a), (entry.b as usize, &b)]);
+            motions[entry.a as usize].displace(a.linear, a.angular);
+            motions[entry.b as usize].displace(b.linear, b.angular);
+        }
+    }
+}
+
+/// Gives a pair of bodies back the angular momentum that moving them by position rows would take.
+///
+/// A displacement δ of a body moving at v changes x × m v by δ × m v, and a rotation θ changes I ω by θ × I ω − I (θ × ω). The two
+/// bodies take the sum back as one more rotation together, where it is small beside what they have: a joint far open is no
+/// measure of momentum.
+fn keep_angular_momentum(velocities: &mut [BodyVelocity], motions: &[BodyMotion], pushes: [(usize, &BodyVelocity); 2]) {
+    let moves = |slot: usize| motions[slot].is_dynamic() && velocities[slot].inverse_mass.min_element() > 0.0;
+    if !pushes.iter().all(|&(slot, _)| moves(slot)) {
+        return;
+    }
+    let (mut lost, mut inertia, mut spin) = (Vec3::ZERO, Mat3::ZERO, 0.0);
+    for (slot, push) in pushes {
+        let body = &velocities[slot];
+        let own = body.inverse_inertia.to_mat3().inverse();
+        lost += (push.linear / body.inverse_mass).cross(body.linear);
+        lost += push.angular.cross(own * body.angular) - own * push.angular.cross(body.angular);
+        inertia += own;
+        spin += body.angular.length();
+    }
+    let change = inertia.inverse() * lost;
+    if change.is_finite() && change.length() <= MOMENTUM_RETURN_LIMIT * spin {
+        for (slot, _) in pushes {
+            velocities[slot].angular -= change;
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! Symmetric matrices and rotations in lanes.
+
+use std::ops::Add;
+
+use glam::Mat3;
+
+use super::contact::Lane;
+use super::wide::{Wide, Wide3};
+
+/// Share of the product of its diagonal below which a determinant is that of a matrix without inverse.
+const SINGULAR: f32 = 1.0e-7;
+
+/// A symmetric 3×3 matrix in each lane: xx, yy, zz, xy, xz, yz.
+#[derive(Clone, Copy)]
+pub(crate) struct Wide6<W>(pub [W; 6]);
+
+impl<W: Wide> Wide6<W> {
+    #[inline(always)]
+    pub fn load(lanes: &[Lane; 6]) -> Self {
+        let [xx, yy, zz, xy, xz, yz] = lanes;
+        Self([W::load(xx), W::load(yy), W::load(zz), W::load(xy), W::load(xz), W::load(yz)])
+    }
+
+    #[inline(always)]
+    pub fn store(self, lanes: &mut [Lane; 6]) {
+        let ([xx, yy, zz, xy, xz, yz], [lxx, lyy, lzz, lxy, lxz, lyz]) = (self.0, lanes);
+        xx.store(lxx);
+        yy.store(lyy);
+        zz.store(lzz);
+        xy.store(lxy);
+        xz.store(lxz);
+        yz.store(lyz);
+    }
+
+    /// One matrix in all lanes.
+    #[inline(always)]
+    pub fn splat(m: &Mat3) -> Self {
+        let [xx, yy, zz] = [W::splat(m.x_axis.x), W::splat(m.y_axis.y), W::splat(m.z_axis.z)];
+        Self([xx, yy, zz, W::splat(m.x_axis.y), W::splat(m.x_axis.z), W::splat(m.y_axis.z)])
+    }
+
+    #[inline(always)]
+    pub fn mul(&self, v: Wide3<W>) -> Wide3<W> {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        Wide3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
+    }
+
+    #[inline(always)]
+    pub fn scaled(&self, factor: W) -> Self {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        Self([xx * factor, yy * factor, zz * factor, xy * factor, xz * factor, yz * factor])
+    }
+
+    #[inline(always)]
+    pub fn plus_diagonal(&self, d: Wide3<W>) -> Self {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        Self([xx + d.x, yy + d.y, zz + d.z, xy, xz, yz])
+    }
+
+    /// −[r]× M [r]×: M, an inverse inertia, as a point at `r` sees it.
+    #[inline(always)]
+    pub fn seen_at(&self, r: Wide3<W>) -> Self {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        // Columns of N = M [r]×; the result is [r]×ᵀ N.
+        let x = Wide3::new(xy * r.z - xz * r.y, yy * r.z - yz * r.y, yz * r.z - zz * r.y);
+        let y = Wide3::new(xz * r.x - xx * r.z, yz * r.x - xy * r.z, zz * r.x - xz * r.z);
+        let z = Wide3::new(xx * r.y - xy * r.x, xy * r.y - yy * r.x, xz * r.y - yz * r.x);
+        Self([
+            r.z * x.y - r.y * x.z,
+            r.x * y.z - r.z * y.x,
+            r.y * z.x - r.x * z.y,
+            r.z * y.y - r.y * y.z,
+            r.z * z.y - r.y * z.z,
+            r.x * z.z - r.z * z.x,
+        ])
+    }
+
+    /// Minors xx, yy, zz, xy, xz, yz with their signs: the inverse times the determinant.
+    #[inline(always)]
+    fn adjugate(&self) -> Self {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        Self([yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy, xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz])
+    }
+
+    /// The inverse, or nothing where there is none.
+    #[inline(always)]
+    pub fn inverse(&self) -> Self {
+        let adjugate = self.adjugate();
+        let [xx, yy, zz, xy, xz, _] = self.0;
+        let [a, _, _, b, c, _] = adjugate.0;
+        let determinant = xx * a + xy * b + xz * c;
+        let is_regular = determinant.above(W::splat(SINGULAR) * (xx * yy * zz));
+        adjugate.scaled(W::select(is_regular, W::splat(1.0) / determinant, W::zero()))
+    }
+
+    /// The inverse on the directions across a unit vector, zero along it.
+    ///
+    /// With A = P M P of rank two, P being the projection across, A⁻¹ = (tr A P − A)/d there, d = (tr² A − tr A²)/2.
+    #[inline(always)]
+    pub fn inverse_across(&self, n: Wide3<W>) -> Self {
+        let along = self.mul(n);
+        let twice = n.dot(along);
+        // A = M − n (Mn)ᵀ − (Mn) nᵀ + n nᵀ (nᵀMn)
+        let side = along - n * (twice * W::splat(0.5));
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        let two = W::splat(2.0);
+        let a = Self([
+            xx - two * n.x * side.x,
+            yy - two * n.y * side.y,
+            zz - two * n.z * side.z,
+            xy - (n.x * side.y + n.y * side.x),
+            xz - (n.x * side.z + n.z * side.x),
+            yz - (n.y * side.z + n.z * side.y),
+        ]);
+        let [axx, ayy, azz, axy, axz, ayz] = a.0;
+        let trace = axx + ayy + azz;
+        let adjugate = a.adjugate();
+        // The adjugate of a matrix of rank two is d n nᵀ.
+        let determinant = adjugate.0[0] + adjugate.0[1] + adjugate.0[2];
+        let is_regular = determinant.above(W::splat(f32::EPSILON * 0.25) * (trace * trace));
+        let factor = W::select(is_regular, W::splat(1.0) / determinant, W::zero());
+        let one = W::splat(1.0);
+        Self([
+            trace * (one - n.x * n.x) - axx,
+            trace * (one - n.y * n.y) - ayy,
+            trace * (one - n.z * n.z) - azz,
+            -(trace * n.x * n.y) - axy,
+            -(trace * n.x * n.z) - axz,
+            -(trace * n.y * n.z) - ayz,
+        ])
+        .scaled(factor)
+    }
+
+    /// Sum of its diagonal.
+    #[inline(always)]
+    pub fn trace(&self) -> W {
+        self.0[0] + self.0[1] + self.0[2]
+    }
+}
+
+impl<W: Wide> Add for Wide6<W> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        let ([a, b, c, d, e, f], [k, l, m, n, o, p]) = (self.0, other.0);
+        Self([a + k, b + l, c + m, d + n, e + o, f + p])
+    }
+}
+
+/// A rotation in each lane, as a quaternion.
+#[derive(Clone, Copy)]
+pub(crate) struct WideQuat<W> {
+    pub v: Wide3<W>,
+    pub w: W,
+}
+
+impl<W: Wide> WideQuat<W> {
+    #[inline(always)]
+    pub fn load(lanes: &[Lane; 4]) -> Self {
+        let [x, y, z, w] = lanes;
+        Self { v: Wide3::new(W::load(x), W::load(y), W::load(z)), w: W::load(w) }
+    }
+
+    #[inline(always)]
+    pub fn rotate(&self, u: Wide3<W>) -> Wide3<W> {
+        u + self.way_of(u)
+    }
+
+    /// What the rotation moves a vector by.
+    #[inline(always)]
+    pub fn way_of(&self, u: Wide3<W>) -> Wide3<W> {
+        let side = self.v.cross(u);
+        let twice = side + side;
+        twice * self.w + self.v.cross(twice)
+    }
+
+    #[inline(always)]
+    pub fn conjugate(&self) -> Self {
+        Self { v: -self.v, w: self.w }
+    }
+
+    /// This rotation after `first`.
+    #[inline(always)]
+    pub fn after(&self, first: &Self) -> Self {
+        Self { v: first.v * self.w + self.v * first.w + self.v.cross(first.v), w: self.w * first.w - self.v.dot(first.v) }
+    }
+
+    /// Turned by a rotation vector of at most half a radian in world axes (rad), by power series.
+    #[inline(always)]
+    pub fn turned(&self, turn: Wide3<W>) -> Self {
+        let one = W::splat(1.0);
+        let half = turn * W::splat(0.5);
+        let x = half.dot(half);
+        let sine = one - x * W::splat(1.0 / 6.0) * (one - x * W::splat(1.0 / 20.0) * (one - x * W::splat(1.0 / 42.0)));
+        let cosine = one
+            - x * W::splat(0.5)
+                * (one - x * W::splat(1.0 / 12.0) * (one - x * W::splat(1.0 / 30.0) * (one - x * W::splat(1.0 / 56.0))));
+        let turned = Self { v: half * sine, w: cosine }.after(self);
+        let size = (turned.v.dot(turned.v) + turned.w * turned.w).sqrt();
+        let scale = one / size;
+        Self { v: turned.v * scale, w: turned.w * scale }
+    }
+}
+
+/// Coefficients of s¹⁷ to s⁵ of the power series of asin s, and of s⁶ to s of the polynomial in √(1 − s) · (π/2 + …) = acos s.
+const SERIES: [f32; 7] =
+    [6435.0 / 557_056.0, 143.0 / 10240.0, 231.0 / 13312.0, 63.0 / 2816.0, 35.0 / 1152.0, 5.0 / 112.0, 3.0 / 40.0];
+const POLYNOMIAL: [f32; 6] = [0.006_670_09, -0.017_088_126, 0.030_891_88, -0.050_174_305, 0.088_978_99, -0.214_598_8];
+
+/// asin(s)/s for s in 0…1.
+///
+/// The power series up to half of it, √(1 − s) times a polynomial beyond (Abramowitz and Stegun 1964, 4.4.46): error below 2e-7.
+#[inline(always)]
+pub(crate) fn arc_over_sine<W: Wide>(s: W) -> W {
+    let one = W::splat(1.0);
+    let s = s.min(one);
+    let x = s * s;
+    let mut near = W::splat(12155.0 / 1_245_184.0);
+    for term in SERIES {
+        near = near * x + W::splat(term);
+    }
+    near = (near * x + W::splat(1.0 / 6.0)) * x + one;
+    let mut far = W::splat(-0.001_262_491_1);
+    for term in POLYNOMIAL {
+        far = far * s + W::splat(term);
+    }
+    far = far * s + W::splat(std::f32::consts::FRAC_PI_2);
+    let far = (W::splat(std::f32::consts::FRAC_PI_2) - (one - s).sqrt() * far) / s;
+    W::select(s.above(W::splat(0.5)), far, near)
+}
