@@ -124,9 +124,9 @@ impl World {
             for (slot, joint) in joints.iter() {
                 graph.links.extend(link_of(slot, joint, unions, bodies));
             }
-            let LongRange { derived, soft, .. } = long_range;
+            let soft = &long_range.soft;
             let is_asked_for = |slot: u32| soft.iter().any(|asked| asked.joints.contains(&joints.handle_of(slot)));
-            crate::span::sheet::leave_out(&mut derived.graph, is_asked_for);
+            crate::span::sheet::leave_out(&mut graph, is_asked_for);
         }
         long_range.chains.clear();
         if settings.enabled && (settings.plane_position || settings.plane_axis) {
