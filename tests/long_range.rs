@@ -410,3 +410,31 @@ fn a_cable_over_drums_does_not_explode() {
         run.keeps("joint_gap_m", 0.05, "m");
     }
 }
+
+/// Bounds derived for a net of n × n balls, hung from its first.
+fn bounds_of_net(n: u32) -> u32 {
+    let mut world = World::new(&WorldDef { solver: Solver::GaussSeidel, ..WorldDef::default() }).expect("valid");
+    let mut balls: Vec<BodyId> = Vec::new();
+    for number in 0..n * n {
+        let (row, column) = (number / n, number % n);
+        let pose = Pose::at_xyz(f64::from(column), -f64::from(row), 0.0);
+        let mut shape = ShapeDef::new(Shape::ball(0.3).expect("valid"));
+        shape.filter.collides_with = 0;
+        let def = if number == 0 { BodyDef::fixed(pose) } else { BodyDef::dynamic(pose) };
+        let ball = world.create_body(&def.with_shape(shape)).expect("valid");
+        let above = (row > 0).then(|| (balls[(number - n) as usize], Vec3::NEG_Y));
+        let beside = (column > 0).then(|| (balls[number as usize - 1], Vec3::X));
+        for (other, way) in [above, beside].into_iter().flatten() {
+            let joint = JointDef::new(JointKind::SPHERICAL, other, ball).at(way * 0.5, way * -0.5);
+            world.create_joint(&joint).expect("valid");
+        }
+        balls.push(ball);
+    }
+    world.step(DT).expect("valid").counts.bounds_derived
+}
+
+#[test]
+fn large_nets_get_no_bounds_and_small_ones_do() {
+    let (small, large) = (bounds_of_net(4), bounds_of_net(12));
+    assert!(small > 0 && large == 0, "{small} bounds for a net of 16 balls, {large} for one of 144");
+}

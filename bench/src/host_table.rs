@@ -10,8 +10,11 @@ use longspan_scenes::{Effort, Engine, LongspanEngine, build};
 
 type Problem = Box<dyn std::error::Error>;
 
+/// A scene, its keys, and the steps after which it is saved.
+type Saved = (&'static str, &'static [(&'static str, &'static str)], u32);
+
 /// Scenes that are saved and restored, with the steps after which that is done.
-const SAVED: [(&str, &[(&str, &str)], u32); 6] =
+const SAVED: [Saved; 6] =
     [("tower", &[], 10), ("tower", &[], 60), ("pile", &[], 200), ("pile", &[], 600), ("rope_bridge", &[], 60), ("vase", &[], 30)];
 
 /// Edits of one kind made between two steps; the second number shows whether the time of each depends on how many there are.

@@ -12,8 +12,11 @@ const WARNINGS: [&str; 4] = ["-Wall", "-Wextra", "-pedantic", "-Werror"];
 /// What a program needs besides `liblongspan.a`.
 const SYSTEM_LIBRARIES: [&str; 3] = ["-lm", "-lpthread", "-ldl"];
 
+/// A language, and what its compilers call one of its standards.
+type Standard = (Language, &'static str);
+
 /// Every standard that the header promises to stand, C23 by the name that it has in compilers from before it.
-const STANDARDS: [(Language, &str); 8] = [
+const STANDARDS: [Standard; 8] = [
     (Language::C99, "c99"),
     (Language::C99, "c11"),
     (Language::C99, "c17"),
@@ -25,7 +28,7 @@ const STANDARDS: [(Language, &str); 8] = [
 ];
 
 /// The same of the wrapper for C++.
-const WRAPPER_STANDARDS: [(Language, &str); 2] = [(Language::Cpp11, "c++17"), (Language::Cpp11, "c++20")];
+const WRAPPER_STANDARDS: [Standard; 2] = [(Language::Cpp11, "c++17"), (Language::Cpp11, "c++20")];
 
 /// What a source is compiled as; every sample is both.
 #[derive(Debug, Clone, Copy)]
@@ -84,8 +87,7 @@ pub fn check_standards(samples: &[PathBuf]) -> Outcome<usize> {
     let header = [repository().join("include/longspan/longspan.h")];
     let wrapper = [repository().join("include/longspan/longspan.hpp")];
     let newest: Vec<_> = [STANDARDS[3], STANDARDS[7]].into_iter().collect();
-    let looks: [(&[PathBuf], &[(Language, &str)]); 3] =
-        [(&header, &STANDARDS), (&wrapper, &WRAPPER_STANDARDS), (samples, &newest)];
+    let looks: [(&[PathBuf], &[Standard]); 3] = [(&header, &STANDARDS), (&wrapper, &WRAPPER_STANDARDS), (samples, &newest)];
     let mut count = 0;
     for (sources, standards) in looks {
         for &(language, standard) in standards {
