@@ -9,8 +9,11 @@ type Problem = Box<dyn std::error::Error>;
 /// Each time is the least of so many, less the least of a step in which nothing is derived.
 const REPEATS: u32 = 7;
 
-/// Name of a structure, scene, keys, and whether it is cut loose from what holds it.
-const STRUCTURES: &[(&str, &str, &[(&str, &str)], bool)] = &[
+/// Name, scene, keys, and whether it is cut loose from what holds it.
+type Structure = (&'static str, &'static str, &'static [(&'static str, &'static str)], bool);
+
+/// Structures whose bounds are derived.
+const STRUCTURES: &[Structure] = &[
     ("hanging chain, 100 links", "hanging_chain", &[("n", "100")], false),
     ("hanging chain, 1000 links", "hanging_chain", &[("n", "1000")], false),
     ("hanging chain, 10,000 links", "hanging_chain", &[("n", "10000")], false),
