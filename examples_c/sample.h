@@ -77,6 +77,8 @@ static inline void wait_until(double moment)
     }
 }
 
+/* The header of a version from before there were streams has none of this. */
+#ifdef LS_STREAM_FRAME
 /* Publishes a world under a name with all that it has to show; with a library that has no streams the program ends here. */
 static inline LsStream publish_world(LsWorld world, const char *name)
 {
@@ -92,6 +94,7 @@ static inline LsStream publish_world(LsWorld world, const char *name)
         check(ls_stream_serve(stream));
     return stream;
 }
+#endif
 
 /* A step. With LONGSPAN_STREAM=NAME in the environment, this and all that follow are published under that name, in real time. */
 static inline void step_world(LsWorld world, float dt)
@@ -99,10 +102,14 @@ static inline void step_world(LsWorld world, float dt)
     static int is_watched = -1;
     static double due;
     if (is_watched < 0) {
+#ifdef LS_STREAM_FRAME
         const char *name = getenv("LONGSPAN_STREAM");
         is_watched = name != NULL && name[0] != 0;
         if (is_watched)
             publish_world(world, name);
+#else
+        is_watched = 0;
+#endif
         due = now();
     }
     check(ls_world_step(world, dt));

@@ -10,6 +10,7 @@ const OTHERWISE: &[(&str, &str)] = &[
     ("poses_into", "ls_world_poses_get"),
     ("mass_properties", "ls_body_mass_get"),
     ("contacts_of", "ls_body_contacts_get"),
+    ("chain", "ls_chain_state_get"),
     ("bodies", "ls_world_bodies_get"),
     ("joints", "ls_world_joints_get"),
     ("joint_shares_into", "ls_joint_shares_get"),

@@ -29,7 +29,7 @@ pub(crate) struct Birth {
     /// Number of unvisited bodies that stand on each slot, and whether the slot's contacts are all new.
     waiting: Vec<u32>,
     new: Vec<bool>,
-    /// Whether a slot is, or stands on, what cannot move; and those from which this is still to be handed up.
+    /// Whether a slot is, hangs or stands on, what cannot move; those from which this is still to be handed on, and to which.
     grounded: Vec<bool>,
     open: Vec<u32>,
     above: Vec<(u32, u32)>,
@@ -96,14 +96,25 @@ impl Birth {
         self.first[slot as usize] < self.first[slot as usize + 1]
     }
 
-    /// Notes what stands, over however many others, on what cannot move.
+    /// Notes what joints hold to what cannot move, and what stands on either, over however many others.
+    ///
+    /// What hangs on something that only stands is not noted: a cable over a drum, above which a load lies, may be in free fall.
     fn find_grounded(&mut self, batch: &Batch) {
-        let Self { supports, grounded, open, above, .. } = self;
-        above.clear();
-        above.extend(supports.iter().map(|support| (support.lower, support.upper)));
+        self.grounded.clear();
+        self.grounded.extend(batch.motions.iter().map(|motion| !motion.is_dynamic()));
+        self.above.clear();
+        for entry in batch.joints.entries.iter().chain(batch.direct.entries()) {
+            self.above.extend([(entry.a, entry.b), (entry.b, entry.a)]);
+        }
+        self.spread_grounded();
+        self.above.clear();
+        self.above.extend(self.supports.iter().map(|support| (support.lower, support.upper)));
+        self.spread_grounded();
+    }
+
+    fn spread_grounded(&mut self) {
+        let Self { grounded, open, above, .. } = self;
         above.sort_unstable();
-        grounded.clear();
-        grounded.extend(batch.motions.iter().map(|motion| !motion.is_dynamic()));
         open.clear();
         open.extend((0..grounded.len() as u32).filter(|&slot| grounded[slot as usize]));
         while let Some(lower) = open.pop() {

@@ -5,6 +5,7 @@ use parry3d::bounding_volume::BoundingVolume;
 use super::World;
 use super::pairs::contact_pair;
 use crate::body::BodyKind;
+use crate::collide::broad::still_near;
 use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::PairKey;
 use crate::error::Result;
@@ -171,6 +172,21 @@ impl World {
         for id in self.bodies[index].shapes.clone() {
             if let Ok(slot) = self.colliders.find(id) {
                 self.refresh_box(slot);
+            }
+        }
+    }
+
+    /// The same between two looks for pairs: those that do not meet any more are given up.
+    pub(super) fn take_boxes_along(&mut self, index: u32) {
+        for id in self.bodies[index].shapes.clone() {
+            let Ok(slot) = self.colliders.find(id) else { continue };
+            let pairs = self.pairs_of_shape(slot);
+            self.refresh_box(slot);
+            for (key, pair) in pairs {
+                let (a, b) = key.shapes();
+                if !still_near(&self.colliders[a].fat_box, &self.colliders[b].fat_box) {
+                    self.give_up_pair(key, pair);
+                }
             }
         }
     }

@@ -74,7 +74,7 @@ static void walls_and_support() {
     const LsBondMaterial mortar = {2e5f, 2e6f, 2e5f, 1.0f / 60.0f, 0, 0.5f, 1.0f, 1e9f};
     const longspan::Cells cells = world.create_cells(longspan::BodyDef(LS_BODY_DYNAMIC).at(5, 0.5, 0), wall, seeds, mortar);
     expect(cells.bodies.size() == 12 && cells.joints.size() >= 11, "a wall of twelve cells");
-    for (int i = 0; i < 30; ++i) {
+    for (int i = 0; i < 20; ++i) {
         world.step(1.0f / 60.0f);
     }
     expect(world.support(upper).verdict == LS_SUPPORT_SUPPORTED, "the upper box is held up");

@@ -225,7 +225,7 @@ impl World {
         self.place_members(lead, motion);
         let members = self.unions.of(lead).map(|union| union.members.clone()).unwrap_or_default();
         for index in members {
-            self.refresh_boxes(index);
+            self.take_boxes_along(index);
             self.wake_around(index);
         }
     }
