@@ -150,7 +150,10 @@ fn a_recording_is_played_to_the_same_bits_and_a_change_in_it_is_named() {
 fn a_host_s_allocator_profiler_and_policy_are_asked() {
     for linkage in [Linkage::Static, Linkage::Dynamic] {
         let output = run(&mut LIBRARY.compile(&host("hooks"), Language::C99, linkage));
-        assert!(output.contains("longspan step;find pairs;update contacts;group islands;derive long range;solve;finish;"), "{output}");
+        assert!(
+            output.contains("longspan step;find pairs;update contacts;group islands;derive long range;solve;finish;"),
+            "{output}"
+        );
     }
 }
 

@@ -109,6 +109,7 @@ impl Batch {
             }
         }
         self.close_joints(joints, h);
+        self.planes.project(&mut self.velocities, &mut self.motions);
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.add_to_tally();
         self.recover_positions(settings.dt);
