@@ -4,9 +4,9 @@
  *     cc bridge.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o bridge && ./bridge
  *
  * Joints are solved by sweeps alone, as long-range constraints are for those; the library's default solves such a bridge at once. */
-#include <math.h>
-
 #include "sample.h"
+
+#include <math.h>
 
 #define PLANKS 24
 #define SIDES 2
@@ -148,7 +148,7 @@ static Outcome run(int long_range)
     LsPose pose;
     int step, side;
     for (step = 0; step < STEPS; ++step) {
-        check(ls_world_step(bridge.world, DT));
+        step_world(bridge.world, DT);
     }
     for (side = 0; side < SIDES; ++side) {
         LsChainState rope;

@@ -4,10 +4,10 @@
  *     cc crossbow.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o crossbow && ./crossbow
  *
  * After Mueller et al. 2017, Fig. 16. Seen from above: limbs along z, the arrow along x, no gravity. */
+#include "sample.h"
+
 #include <math.h>
 #include <string.h>
-
-#include "sample.h"
 
 #define LINKS 8
 #define RODS 10
@@ -164,7 +164,7 @@ static Shot shoot(float stiffness)
     arrow = create_box(world, 0.2f, arrow_half, back + BLOCK + 0.001 + ARROW, 0.0, 1.0, 0.0, 2);
 
     for (step = 0; step < STEPS; ++step) {
-        check(ls_world_step(world, DT));
+        step_world(world, DT);
         for (i = 0; i < SIDES * LINKS; ++i) {
             LsJointState hinge;
             check(ls_joint_state_get(world, hinges[i], &hinge, sizeof hinge));
