@@ -1,4 +1,4 @@
-/* A footbridge of planks on two ropes between fixed banks, ten tonnes set down on its middle: does it keep its length, with the
+/* A footbridge of planks on two ropes between fixed banks, a hundred kilograms hung from its middle: does it keep its length, with the
  * long-range constraints that the library derives from its joints, and without them?
  *
  *     cc bridge.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o bridge && ./bridge
@@ -15,7 +15,7 @@
 static const float DT = 1.0f / 60.0f;
 static const double PITCH = 0.5, SAG = 1.0, HALF_WIDTH = 0.6;
 static const float PLANK_HALF[3] = {0.15f, 0.03f, 0.7f}; /* along, up, across (m) */
-static const float PLANK_MASS = 10.0f, PIECE_MASS = 0.2f, LOAD_MASS = 10000.0f;
+static const float PLANK_MASS = 10.0f, PIECE_MASS = 0.2f, LOAD_MASS = 100.0f;
 
 typedef struct {
     LsWorld world;
@@ -130,7 +130,7 @@ static Bridge build(int long_range)
             bridge.last[side] = joints[1];
         }
     }
-    /* Ten tonnes hang from the middle plank by a joint of their own. */
+    /* A hundred kilograms hang from the middle plank by a joint of their own. */
     {
         const double x = PITCH * (PLANKS / 2), at[3] = {x, height(x) - 0.4, 0.0};
         const double below[3] = {0.0, -0.2, 0.0}, above[3] = {0.0, 0.2, 0.0};

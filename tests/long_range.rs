@@ -435,6 +435,6 @@ fn bounds_of_net(n: u32) -> u32 {
 
 #[test]
 fn large_nets_get_no_bounds_and_small_ones_do() {
-    let (small, large) = (bounds_of_net(4), bounds_of_net(12));
-    assert!(small > 0 && large == 0, "{small} bounds for a net of 16 balls, {large} for one of 144");
+    let (small, large) = (bounds_of_net(4), bounds_of_net(24));
+    assert!(small > 0 && large == 0, "{small} bounds for a net of 16 balls, {large} for one of 576");
 }

@@ -6,11 +6,12 @@
 //! alone with 64 substeps leave 16 mm in 189 ms. So what a sheet lacks is better bought as substeps.
 
 /// Joints for each moving body from which on a graph is a sheet: 1 in a chain or loop, 1.33 in a ladder, 1.43 in a rope bridge of 112
-/// planks, 1.5 in a truss of bars in triangles, 2 in a square net.
+/// planks, 1.5 in a truss of bars in triangles, 2 in a square net; but 2 as well in a narrow footbridge whose planks are tied to both
+/// pieces of each rope.
 const SHEET: f32 = 1.75;
 
-/// Bodies below which a sheet is like any other graph: its bounds are few.
-const LEAST_BODIES: usize = 64;
+/// Bodies below which a sheet is like any other graph: its bounds are few, and it may be a footbridge.
+const LEAST_BODIES: usize = 400;
 
 /// Whether a part of so many joints and moving bodies is a sheet.
 pub(super) fn is_sheet(joints: usize, bodies: usize) -> bool {
