@@ -109,7 +109,6 @@ impl Batch {
             }
         }
         self.close_joints(joints, h);
-        self.planes.project(&mut self.velocities, &mut self.motions);
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.add_to_tally();
         self.recover_positions(settings.dt);
@@ -174,6 +173,7 @@ impl Batch {
                 break;
             }
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
+            self.planes.project(&mut self.velocities, &mut self.motions);
             let before = std::mem::replace(&mut opening, self.joints.opening(joints, &self.motions));
             if opening > 0.5 * before {
                 break;
