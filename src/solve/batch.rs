@@ -1,5 +1,7 @@
 //! One batch of islands: slots for its bodies, blocks for its contacts, entries for its joints.
 
+use glam::{DVec3, Quat, Vec3};
+
 use super::birth::Birth;
 use super::bound::BatchBounds;
 use super::color::{Coloring, MAX_COLORS};
@@ -10,6 +12,7 @@ use super::joint::{BatchJoints, JointEntry};
 use super::load_pass::LoadPass;
 use super::momentum::FreeIslands;
 use super::plane::Planes;
+use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::taut::TautRows;
 
@@ -18,6 +21,17 @@ use super::taut::TautRows;
 struct Replica {
     body: u32,
     slot: u32,
+}
+
+/// One side of a joint: what it hangs on, and where its point is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JointEnd {
+    pub slot: u32,
+    /// World position that displacements count from (m).
+    pub origin: DVec3,
+    /// Joint point from there, in the body's frame (m).
+    pub lever: Vec3,
+    pub frame: Quat,
 }
 
 /// Groups of manifolds: two for each colour, two for what found none; and the first of those.
@@ -38,6 +52,8 @@ pub(crate) struct Batch {
     pub manifolds: Vec<(u32, u32)>,
     /// Joints, by slot in the world's pool.
     pub joint_slots: Vec<u32>,
+    /// Both sides of each of those.
+    pub joint_ends: Vec<[JointEnd; 2]>,
     pub velocities: Vec<BodyVelocity>,
     pub motions: Vec<BodyMotion>,
     pub contacts: Vec<ContactBlock>,
@@ -49,6 +65,7 @@ pub(crate) struct Batch {
     /// Hinge chains, by number in the world's list and as planes.
     pub chains: Vec<u32>,
     pub planes: Planes,
+    pub poses: Poses,
     pub free: FreeIslands,
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
@@ -86,6 +103,7 @@ impl Batch {
         self.islands.clear();
         self.manifolds.clear();
         self.joint_slots.clear();
+        self.joint_ends.clear();
         self.velocities.clear();
         self.velocities.push(BodyVelocity::FIXED);
         self.motions.clear();

@@ -11,20 +11,20 @@ use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 const INERTIA_REFRESH: f32 = 1.0e-2;
 
 /// Rotation of one substep below which the gyroscopic term is left out (rad): it would change ω by less than its square.
-const NEGLIGIBLE_TUMBLE: f32 = 1.0e-4;
+pub(crate) const NEGLIGIBLE_TUMBLE: f32 = 1.0e-4;
 
 /// Rotation of one substep above which a prediction takes two halves, and above which it is left to [`rotation`] (rad). One half is
 /// off by the cube of it over 24: here by 5e-6 rad.
-const SPLIT_TUMBLE: f32 = 5.0e-2;
-const SAFE_TUMBLE: f32 = 1.0;
+pub(crate) const SPLIT_TUMBLE: f32 = 5.0e-2;
+pub(crate) const SAFE_TUMBLE: f32 = 1.0;
 
 /// Speeds below this are taken as zero (m/s, rad/s), so that neither they nor their squares
 /// become denormal numbers, which cost ten times as much.
-const NEGLIGIBLE_SPEED: f32 = 1.0e-9;
+pub(crate) const NEGLIGIBLE_SPEED: f32 = 1.0e-9;
 
-/// Adds a substep's forces to a body's velocity.
+/// Adds a substep's forces to a body's velocity; what is in lanes gets them there.
 pub(crate) fn apply_forces(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32) {
-    if !motion.is_dynamic() || motion.direct {
+    if !motion.is_dynamic() || motion.direct || motion.in_lanes {
         return;
     }
     motion.refreshed = false;
@@ -99,6 +99,13 @@ impl Outlook {
 
     fn new(turn: Quat, displacement: Vec3, rotation: Quat) -> Self {
         Self { turn, unused: [0.0; 4], rotation, displacement, unused_too: 0.0 }
+    }
+
+    #[inline(always)]
+    pub(crate) fn halves_mut(&mut self) -> [&mut [f32; 8]; 2] {
+        // SAFETY: as in `halves`; any numbers may be written.
+        let [first, second] = unsafe { &mut *std::ptr::from_mut(self).cast::<[[f32; 8]; 2]>() };
+        [first, second]
     }
 
     /// Turn and four numbers without meaning; rotation, displacement, and one more.

@@ -19,6 +19,7 @@ pub(crate) mod joint;
 pub(crate) mod load_pass;
 pub(crate) mod momentum;
 pub(crate) mod plane;
+mod poses;
 mod rotation;
 mod side;
 pub(crate) mod state;
@@ -63,20 +64,17 @@ impl Batch {
         self.prepare_load_pass(settings.gravity, h);
         self.bounds.lay_out(&self.motions, h);
         self.taut.lay_out(&self.bounds);
+        self.poses.lay_out(&self.velocities, &mut self.motions, h);
         for substep in 0..settings.substeps {
             self.apply_forces(joints, h);
-            self.joints.prepare(joints, &self.velocities, &self.motions, h, false);
-            self.bounds.prepare(&self.velocities, &self.motions, &self.joints.outlooks, h, false);
-            self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.outlooks, h);
+            self.prepare_joints(joints, h, false);
             self.joints.warm_start(&mut self.velocities);
             self.bounds.warm_start(&mut self.velocities);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
             self.pass_loads();
             for iteration in 0..settings.iterations {
                 if iteration > 0 && iteration + 1 == settings.iterations {
-                    self.joints.prepare(joints, &self.velocities, &self.motions, h, true);
-                    self.bounds.prepare(&self.velocities, &self.motions, &self.joints.outlooks, h, true);
-                    self.taut.prepare(&self.bounds, &self.velocities, &self.motions, &self.joints.outlooks, h);
+                    self.prepare_joints(joints, h, true);
                 }
                 if iteration % 2 == 0 {
                     self.bounds.sweep(&mut self.velocities, false);
@@ -96,14 +94,13 @@ impl Batch {
             self.direct.keep_impulses();
             self.bounds.add_loads();
             self.taut.add_loads();
-            self.planes.fit_velocities(&mut self.velocities, &self.motions, h);
+            self.planes.fit_velocities(&mut self.velocities, &self.motions, &self.poses, h);
             self.advance(h);
             self.bounds.project(&self.velocities, &mut self.motions, h);
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
-            self.planes.project(&mut self.velocities, &mut self.motions);
-            self.direct.settle(joints, &self.velocities, &mut self.motions);
-            self.free.restore(&mut self.velocities, &self.motions);
+            self.flatten();
+            self.settle(joints);
             if substep + 1 < settings.substeps {
                 self.add_to_tally();
             }
@@ -112,8 +109,7 @@ impl Batch {
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.add_to_tally();
         self.recover_positions(settings.dt);
-        self.direct.settle(joints, &self.velocities, &mut self.motions);
-        self.free.restore(&mut self.velocities, &self.motions);
+        self.settle(joints);
         self.joints.store();
         self.bounds.store();
         self.taut.store();
@@ -141,15 +137,57 @@ impl Batch {
         self.load_pass = pass;
     }
 
+    /// Builds rows of joints at the poses predicted by now, and rows of bounds and taut lines where that has not been done in this
+    /// substep (`again`): a bound is long beside what a substep moves its ends by, and changes little while sweeps go on.
+    fn prepare_joints(&mut self, joints: &Pool<Joint, JointId>, h: f32, again: bool) {
+        let Self { poses, velocities, motions, bounds, .. } = self;
+        if self.joints.entries.is_empty() {
+            return;
+        }
+        poses.predict(velocities, motions, h);
+        self.joints.prepare(joints, velocities, motions, &poses.outlooks, h, again);
+        if !again {
+            bounds.prepare(velocities, motions, &poses.outlooks, h);
+            self.taut.prepare(bounds, velocities, motions, &poses.outlooks, h);
+        }
+    }
+
+    /// Finds the inertia of bodies as they stand now, where sums of their angular momentum are asked for.
+    fn find_inertia(&mut self) {
+        if !self.free.is_empty() || !self.planes.entries.is_empty() {
+            self.poses.find_inertia(&self.motions);
+        }
+    }
+
+    /// Puts hinge chains back into their planes.
+    fn flatten(&mut self) {
+        if !self.planes.entries.is_empty() {
+            self.poses.find_inertia(&self.motions);
+            self.planes.project(&mut self.velocities, &mut self.motions, &mut self.poses);
+        }
+    }
+
+    /// Takes errors of articulations out of positions, and restores the angular momentum of islands that nothing holds.
+    fn settle(&mut self, joints: &Pool<Joint, JointId>) {
+        self.direct.settle(joints, &self.velocities, &mut self.motions);
+        if !self.free.is_empty() {
+            self.poses.find_inertia(&self.motions);
+            self.free.restore(&mut self.velocities, &self.motions, &self.poses);
+        }
+    }
+
     fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, h: f32) {
         for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
             integrate::apply_forces(velocity, motion, h);
         }
+        self.poses.apply_forces(&mut self.velocities, &self.motions, h);
         // What is cut off of a speed is momentum too.
-        self.free.note(&self.velocities, &self.motions);
-        for (velocity, motion) in self.velocities.iter_mut().zip(&self.motions) {
+        self.find_inertia();
+        self.free.note(&self.velocities, &self.motions, &self.poses);
+        for (velocity, motion) in self.velocities.iter_mut().zip(&self.motions).filter(|(_, motion)| !motion.in_lanes) {
             integrate::limit_speeds(velocity, motion, h);
         }
+        self.poses.limit_speeds(&mut self.velocities, h);
         self.direct.couple(joints, &mut self.velocities, &mut self.motions, h);
         if self.motions.iter().any(|motion| motion.refreshed) {
             for block in self.contacts.iter_mut().filter(|block| block.is_refreshed(&self.motions)) {
@@ -159,9 +197,10 @@ impl Batch {
     }
 
     fn advance(&mut self, h: f32) {
-        for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
+        for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions).filter(|(_, motion)| !motion.in_lanes) {
             integrate::advance(velocity, motion, h);
         }
+        self.poses.advance(&mut self.velocities, &mut self.motions, h);
     }
 
     /// Sweeps position rows on where joints are left ajar and a sweep at least halves that: what bends has no taut bound, and one
@@ -173,7 +212,7 @@ impl Batch {
                 break;
             }
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
-            self.planes.project(&mut self.velocities, &mut self.motions);
+            self.flatten();
             let before = std::mem::replace(&mut opening, self.joints.opening(joints, &self.motions));
             if opening > 0.5 * before {
                 break;

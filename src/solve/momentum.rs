@@ -13,6 +13,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
 
 /// Sums over bodies, positions from a point near them.
@@ -44,6 +45,11 @@ impl Whole {
         self.mass
     }
 
+    /// Momentum of all (N·s).
+    pub(crate) fn linear(&self) -> DVec3 {
+        self.linear
+    }
+
     /// Common centre of mass (m).
     pub(crate) fn center(&self) -> DVec3 {
         self.first / self.mass
@@ -53,6 +59,39 @@ impl Whole {
     pub(crate) fn spin(&self) -> DVec3 {
         self.angular - self.center().cross(self.linear)
     }
+}
+
+/// Moments of mass of bodies about a point near them (kg·m²).
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Moments {
+    /// Sum of the bodies' own inertia, and of m (r² 1 − r rᵀ): xx, yy, zz, xy, xz, yz.
+    sums: [f64; 6],
+}
+
+impl Moments {
+    /// Adds a body: its mass (kg), centre (m), and own inertia: xx, yy, zz, xy, xz, yz (kg·m²).
+    #[inline]
+    pub(crate) fn add(&mut self, mass: f64, r: DVec3, own: &[f64; 6]) {
+        let (xx, yy, zz) = (mass * r.x * r.x, mass * r.y * r.y, mass * r.z * r.z);
+        let shifted = [yy + zz, xx + zz, xx + yy, -mass * r.x * r.y, -mass * r.x * r.z, -mass * r.y * r.z];
+        for (sum, (own, shift)) in self.sums.iter_mut().zip(own.iter().zip(shifted)) {
+            *sum += own + shift;
+        }
+    }
+
+    /// Of the bodies as one about their common centre of mass.
+    pub(crate) fn about(&self, whole: &Whole) -> Inertia {
+        let mut shift = Self::default();
+        shift.add(whole.mass, whole.center(), &[0.0; 6]);
+        let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|i| self.sums[i] - shift.sums[i]);
+        Inertia(DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]))
+    }
+}
+
+/// A symmetric matrix (xx, yy, zz, xy, xz, yz) times a vector.
+#[inline]
+pub(crate) fn times([xx, yy, zz, xy, xz, yz]: &[f64; 6], v: DVec3) -> DVec3 {
+    DVec3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
 }
 
 /// Inertia of bodies as one (kg·m²).
@@ -145,31 +184,38 @@ impl FreeIslands {
         }
     }
 
-    /// Notes the angular momentum that each has, and is to keep.
-    pub(crate) fn note(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.islands.is_empty()
+    }
+
+    /// Notes the angular momentum that each has, and is to keep; `poses` hold the inertia of now.
+    pub(crate) fn note(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion], poses: &Poses) {
         let Self { islands, members, .. } = self;
         for (start, end, spin) in islands {
-            *spin = whole(&members[*start..*end], velocities, motions).spin();
+            let mut whole = Whole::default();
+            for member in &members[*start..*end] {
+                Body::of(member, velocities, motions, poses).add_to(&mut whole);
+            }
+            *spin = whole.spin();
         }
     }
 
     /// Gives back what has been lost of it since, or takes what has been won.
-    pub(crate) fn restore(&self, velocities: &mut [BodyVelocity], motions: &[BodyMotion]) {
+    pub(crate) fn restore(&self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], poses: &Poses) {
         for &(start, end, spin) in &self.islands {
             let members = &self.members[start..end];
-            let now = whole(members, velocities, motions);
-            let center = now.center();
-            let mut inertia = Inertia::ZERO;
-            for &(slot, origin) in members {
-                let (velocity, motion) = (&velocities[slot as usize], &motions[slot as usize]);
-                let frame = frame(motion);
-                let own = frame * DMat3::from_diagonal(motion.inertia.as_dvec3()) * frame.transpose();
-                inertia.add(mass(velocity), origin + motion.displacement.as_dvec3() - center, own);
+            let (mut whole, mut moments) = (Whole::default(), Moments::default());
+            for member in members {
+                let body = Body::of(member, velocities, motions, poses);
+                body.add_to(&mut whole);
+                moments.add(body.mass, body.center, &body.inertia);
             }
-            let turn = inertia.rate_of(spin - now.spin());
+            let turn = moments.about(&whole).rate_of(spin - whole.spin());
             if turn == DVec3::ZERO {
                 continue;
             }
+            let center = whole.center();
             for &(slot, origin) in members {
                 let (velocity, motion) = (&mut velocities[slot as usize], &motions[slot as usize]);
                 velocity.linear += turn.cross(origin + motion.displacement.as_dvec3() - center).as_vec3();
@@ -179,21 +225,30 @@ impl FreeIslands {
     }
 }
 
-fn mass(velocity: &BodyVelocity) -> f64 {
-    1.0 / f64::from(velocity.inverse_mass.x)
+/// A member of an island as it moves.
+struct Body {
+    mass: f64,
+    center: DVec3,
+    linear: DVec3,
+    angular: DVec3,
+    inertia: [f64; 6],
 }
 
-fn frame(motion: &BodyMotion) -> DMat3 {
-    DMat3::from_quat((motion.rotation.as_dquat() * motion.inertia_frame.as_dquat()).normalize())
-}
-
-fn whole(members: &[(u32, DVec3)], velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Whole {
-    let mut sum = Whole::default();
-    for &(slot, origin) in members {
+impl Body {
+    #[inline]
+    fn of(&(slot, origin): &(u32, DVec3), velocities: &[BodyVelocity], motions: &[BodyMotion], poses: &Poses) -> Self {
         let (velocity, motion) = (&velocities[slot as usize], &motions[slot as usize]);
-        let frame = frame(motion);
-        let spin = frame * (motion.inertia.as_dvec3() * (frame.transpose() * velocity.angular.as_dvec3()));
-        sum.add(mass(velocity), origin + motion.displacement.as_dvec3(), velocity.linear.as_dvec3(), spin);
+        Self {
+            mass: 1.0 / f64::from(velocity.inverse_mass.x),
+            center: origin + motion.displacement.as_dvec3(),
+            linear: velocity.linear.as_dvec3(),
+            angular: velocity.angular.as_dvec3(),
+            inertia: poses.inertia_of(slot, motion),
+        }
     }
-    sum
+
+    #[inline]
+    fn add_to(&self, whole: &mut Whole) {
+        whole.add(self.mass, self.center, self.linear, times(&self.inertia, self.angular));
+    }
 }

@@ -26,7 +26,8 @@
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use super::integrate;
-use super::momentum::{Inertia, Whole};
+use super::momentum::{Inertia, Moments, Whole, times};
+use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::span::eigen::symmetric_eigen;
 
@@ -89,7 +90,8 @@ pub(crate) struct Planes {
 #[derive(Debug, Clone, Copy)]
 struct State {
     mass: f64,
-    inertia: DMat3,
+    /// xx, yy, zz, xy, xz, yz (kg·m²).
+    inertia: [f64; 6],
     center: DVec3,
     axis: DVec3,
     linear: DVec3,
@@ -98,14 +100,12 @@ struct State {
 }
 
 impl State {
-    fn of(member: &PlaneMember, velocity: &BodyVelocity, motion: &BodyMotion) -> Self {
-        let frame = DMat3::from_quat((motion.rotation.as_dquat() * motion.inertia_frame.as_dquat()).normalize());
-        let tensor = frame * DMat3::from_diagonal(motion.inertia.as_dvec3()) * frame.transpose();
+    fn of(member: &PlaneMember, velocity: &BodyVelocity, motion: &BodyMotion, poses: &Poses) -> Self {
         Self {
             mass: 1.0 / f64::from(velocity.inverse_mass.max_element()),
-            inertia: tensor,
+            inertia: poses.inertia_of(member.slot, motion),
             center: member.origin + motion.displacement.as_dvec3(),
-            axis: motion.rotation.as_dquat().normalize() * member.axis.as_dvec3(),
+            axis: (motion.rotation * member.axis).as_dvec3(),
             linear: velocity.linear.as_dvec3(),
             angular: velocity.angular.as_dvec3(),
             height: f64::from(member.height),
@@ -114,8 +114,8 @@ impl State {
 
     /// Mean inertia about directions across the axis.
     fn across(&self) -> f64 {
-        let trace = self.inertia.x_axis.x + self.inertia.y_axis.y + self.inertia.z_axis.z;
-        0.5 * (trace - self.axis.dot(self.inertia * self.axis))
+        let [xx, yy, zz, ..] = self.inertia;
+        0.5 * (xx + yy + zz - self.axis.dot(times(&self.inertia, self.axis)))
     }
 
     /// Centre of mass moved back by its height.
@@ -124,8 +124,62 @@ impl State {
     }
 }
 
-fn outer(a: DVec3) -> DMat3 {
-    DMat3::from_cols(a * a.x, a * a.y, a * a.z)
+/// Upper half of x xᵀ: xx, yy, zz, xy, xz, yz.
+fn squares(x: DVec3) -> [f64; 6] {
+    [x.x * x.x, x.y * x.y, x.z * x.z, x.x * x.y, x.x * x.z, x.y * x.z]
+}
+
+/// Sums over the members of a chain.
+#[derive(Debug, Default)]
+struct Sums {
+    whole: Whole,
+    moments: Moments,
+    /// Σ m x of the feet, and Σ m x xᵀ − I a aᵀ with their axes.
+    feet: DVec3,
+    spread: [f64; 6],
+    /// Σ m a.
+    axes: DVec3,
+}
+
+impl Sums {
+    /// Of members of which nothing fixes the plane.
+    fn of(states: &[State]) -> Self {
+        let mut sums = Self::default();
+        for state in states {
+            sums.whole.add(state.mass, state.center, state.linear, times(&state.inertia, state.angular));
+            sums.moments.add(state.mass, state.center, &state.inertia);
+            let (foot, across) = (state.foot(), state.across());
+            sums.feet += foot * state.mass;
+            sums.axes += state.axis * state.mass;
+            for (sum, (foot, axis)) in sums.spread.iter_mut().zip(squares(foot).into_iter().zip(squares(state.axis))) {
+                *sum += foot * state.mass - axis * across;
+            }
+        }
+        sums
+    }
+
+    /// Inertia of all as one.
+    fn inertia(&self) -> Inertia {
+        self.moments.about(&self.whole)
+    }
+
+    /// The plane that is reached with the least work.
+    fn plane(&self) -> Option<Plane> {
+        let mass = self.whole.mass();
+        let point = self.feet / mass;
+        let shift = squares(point);
+        let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|i| self.spread[i] - mass * shift[i]);
+        let (values, vectors) = symmetric_eigen(DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]));
+        let normal = if values.x <= values.y && values.x <= values.z {
+            vectors.x_axis
+        } else if values.y <= values.z {
+            vectors.y_axis
+        } else {
+            vectors.z_axis
+        };
+        let sign = self.axes.dot(normal);
+        (normal.is_finite() && sign != 0.0).then(|| Plane { point, normal: normal * sign.signum(), driven: None })
+    }
 }
 
 /// A plane, and the rigid motion of what fixes it.
@@ -142,23 +196,13 @@ struct Driven {
     angular: DVec3,
 }
 
-fn whole(states: &[State]) -> Whole {
-    let mut whole = Whole::default();
-    for state in states {
-        whole.add(state.mass, state.center, state.linear, state.inertia * state.angular);
-    }
-    whole
-}
-
-/// Gives the members this angular momentum again, as one rotation of all.
-fn restore_spin(states: &mut [State], spin: DVec3) {
-    let now = whole(states);
-    let center = now.center();
-    let mut inertia = Inertia::ZERO;
+/// Gives the members an angular momentum again that they had, as one rotation of all.
+fn restore_spin(states: &mut [State], spin: DVec3, inertia: &Inertia) {
+    let mut now = Whole::default();
     for state in states.iter() {
-        inertia.add(state.mass, state.center - center, state.inertia);
+        now.add(state.mass, state.center, state.linear, times(&state.inertia, state.angular));
     }
-    let turn = inertia.rate_of(spin - now.spin());
+    let (center, turn) = (now.center(), inertia.rate_of(spin - now.spin()));
     for state in states {
         state.linear += turn.cross(state.center - center);
         state.angular += turn;
@@ -172,16 +216,16 @@ impl Planes {
         self.corrected = 0;
     }
 
-    /// Makes velocities those of chains that stay flat.
-    pub(crate) fn fit_velocities(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
+    /// Makes velocities those of chains that stay flat; `poses` hold the inertia of now.
+    pub(crate) fn fit_velocities(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], poses: &Poses, h: f32) {
         let Self { entries, members, states, old, parts, .. } = self;
         for entry in entries.iter() {
             let members = members_of(members, entry);
-            load(states, members, velocities, motions);
-            let Some(plane) = plane_of(entry, states, velocities, motions) else { continue };
-            let before = whole(states);
+            load(states, members, velocities, motions, poses);
+            let sums = Sums::of(states);
+            let Some(plane) = plane_of(entry, &sums, velocities, motions) else { continue };
             let normal = plane.normal;
-            let drift = states.iter().map(|state| normal.dot(state.linear) * state.mass).sum::<f64>() / before.mass();
+            let drift = normal.dot(sums.whole.linear()) / sums.whole.mass();
             old.clear();
             old.extend(states.iter().map(|state| (state.linear, state.angular)));
             for state in states.iter_mut() {
@@ -193,7 +237,7 @@ impl Planes {
                 }
             }
             match &plane.driven {
-                None => restore_spin(states, before.spin()),
+                None => restore_spin(states, sums.whole.spin(), &sums.inertia()),
                 Some(driven) => {
                     for state in states.iter_mut() {
                         let carried = driven.linear + driven.angular.cross(state.center - driven.point);
@@ -218,12 +262,13 @@ impl Planes {
     }
 
     /// Puts members back into their plane; what that does to the angular momentum is taken back.
-    pub(crate) fn project(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
+    pub(crate) fn project(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], poses: &mut Poses) {
         let Self { entries, members, states, parts, corrected, .. } = self;
         for entry in entries.iter() {
             let members = members_of(members, entry);
-            load(states, members, velocities, motions);
-            let Some(plane) = plane_of(entry, states, velocities, motions) else { continue };
+            load(states, members, velocities, motions, poses);
+            let sums = Sums::of(states);
+            let Some(plane) = plane_of(entry, &sums, velocities, motions) else { continue };
             let distance = |state: &State| (state.foot() - plane.point).dot(plane.normal).abs();
             let angle = |state: &State| state.axis.cross(plane.normal).length();
             let off = parts.0 && states.iter().any(|state| distance(state) > FLAT * f64::from(entry.size));
@@ -231,16 +276,15 @@ impl Planes {
             if !off && !askew {
                 continue;
             }
-            let before = whole(states);
             *corrected += 1;
             // Where the plane is free, its height is where the feet are once all axes are aligned.
-            let total: f64 = states.iter().map(|state| state.mass).sum();
             let level = |state: &State| {
                 let axis = if parts.1 { plane.normal } else { state.axis };
                 (state.center - axis * state.height - plane.point).dot(plane.normal)
             };
-            let mean = states.iter().map(|state| level(state) * state.mass).sum::<f64>() / total;
+            let mean = states.iter().map(|state| level(state) * state.mass).sum::<f64>() / sums.whole.mass();
             let free_mean = if plane.driven.is_none() { mean } else { 0.0 };
+            let mut moments = Moments::default();
             for (member, state) in members.iter().zip(states.iter_mut()) {
                 let motion = &mut motions[member.slot as usize];
                 let shift = if parts.0 { plane.normal * (free_mean - level(state)) } else { DVec3::ZERO };
@@ -248,14 +292,14 @@ impl Planes {
                 motion.displacement += shift.as_vec3();
                 motion.turn += turn.as_vec3();
                 motion.rotation = integrate::rotated(motion.rotation, turn.as_vec3());
-                *state = State {
-                    linear: state.linear,
-                    angular: state.angular,
-                    ..State::of(member, &velocities[member.slot as usize], motion)
-                };
+                poses.refresh_inertia_of(member.slot, motion);
+                state.center = member.origin + motion.displacement.as_dvec3();
+                state.inertia = poses.inertia_of(member.slot, motion);
+                moments.add(state.mass, state.center, &state.inertia);
             }
             if plane.driven.is_none() {
-                restore_spin(states, before.spin());
+                // What moves into the plane leaves the common centre where it is.
+                restore_spin(states, sums.whole.spin(), &moments.about(&sums.whole));
                 store_velocities(states, members, velocities);
             }
         }
@@ -266,11 +310,11 @@ fn members_of<'a>(members: &'a [PlaneMember], entry: &PlaneEntry) -> &'a [PlaneM
     &members[entry.members.0 as usize..entry.members.1 as usize]
 }
 
-fn load(states: &mut Vec<State>, members: &[PlaneMember], velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+fn load(states: &mut Vec<State>, members: &[PlaneMember], velocities: &[BodyVelocity], motions: &[BodyMotion], poses: &Poses) {
+    let state =
+        |member: &PlaneMember| State::of(member, &velocities[member.slot as usize], &motions[member.slot as usize], poses);
     states.clear();
-    states.extend(
-        members.iter().map(|member| State::of(member, &velocities[member.slot as usize], &motions[member.slot as usize])),
-    );
+    states.extend(members.iter().map(state));
 }
 
 fn store_velocities(states: &[State], members: &[PlaneMember], velocities: &mut [BodyVelocity]) {
@@ -291,7 +335,7 @@ fn turn_onto(from: DVec3, to: DVec3) -> DVec3 {
     across * (libm::atan2(sine, from.dot(to)).min(MOST_TURN) / sine)
 }
 
-fn plane_of(entry: &PlaneEntry, states: &[State], velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<Plane> {
+fn plane_of(entry: &PlaneEntry, sums: &Sums, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<Plane> {
     if let Some(hold) = &entry.hold {
         let (velocity, motion) = (&velocities[hold.slot as usize], &motions[hold.slot as usize]);
         let rotation: DQuat = motion.rotation.as_dquat().normalize();
@@ -300,20 +344,5 @@ fn plane_of(entry: &PlaneEntry, states: &[State], velocities: &[BodyVelocity], m
         let driven = Driven { point: center, linear: velocity.linear.as_dvec3(), angular: velocity.angular.as_dvec3() };
         return Some(Plane { point: center + arm - normal * f64::from(hold.height), normal, driven: Some(driven) });
     }
-    let total: f64 = states.iter().map(|state| state.mass).sum();
-    let point = states.iter().map(|state| state.foot() * state.mass).sum::<DVec3>() / total;
-    let mut matrix = DMat3::ZERO;
-    for state in states {
-        matrix += outer(state.foot() - point) * state.mass - outer(state.axis) * state.across();
-    }
-    let (values, vectors) = symmetric_eigen(matrix);
-    let normal = if values.x <= values.y && values.x <= values.z {
-        vectors.x_axis
-    } else if values.y <= values.z {
-        vectors.y_axis
-    } else {
-        vectors.z_axis
-    };
-    let sign: f64 = states.iter().map(|state| state.axis.dot(normal) * state.mass).sum();
-    (normal.is_finite() && sign != 0.0).then(|| Plane { point, normal: normal * sign.signum(), driven: None })
+    sums.plane()
 }

@@ -18,7 +18,7 @@ use glam::{DMat3, DQuat, DVec3};
 pub(crate) const MAX_ENERGY_GAIN: f64 = 1.0e-3;
 
 /// Rotation of one substep above which the midpoint rule takes two halves (rad).
-const SPLIT_TUMBLE: f64 = 1.0e-2;
+pub(crate) const SPLIT_TUMBLE: f64 = 1.0e-2;
 
 /// Largest rotation of one substep (rad); beyond it the direction of a lever has no meaning.
 pub(crate) const MAX_TURN: f32 = 1.5;

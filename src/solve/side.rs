@@ -42,6 +42,20 @@ impl<W: Wide> Side<W> {
         }
     }
 
+    /// As [`scatter`](Self::scatter), with inverse masses and inertias.
+    #[inline(always)]
+    pub fn scatter_whole(&self, slots: &[u32; LANES], velocities: &mut [BodyVelocity]) {
+        let Self { linear, angular, inverse_mass, inverse_inertia } = self;
+        let [xx, yy, zz, xy, xz, yz] = inverse_inertia.0;
+        let first = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z, inverse_mass.x, inverse_mass.y];
+        let (first, second) = (W::transpose(first), W::transpose([inverse_mass.z, xx, yy, zz, xy, xz, yz, W::zero()]));
+        for l in 0..LANES {
+            let [a, b] = velocities[slots[l] as usize].halves_mut();
+            first[l].store(a);
+            second[l].store(b);
+        }
+    }
+
     /// Applies an impulse and an angular impulse to every lane.
     #[inline(always)]
     pub fn apply(&mut self, impulse: Wide3<W>, torque: Wide3<W>) {
@@ -158,6 +172,37 @@ impl<W: Wide> Stand<W> {
             ),
             w: W::select(moves, turned.w, self.rotation.w),
         };
+    }
+}
+
+/// How the bodies of one side of a block are turned.
+#[inline(always)]
+pub(crate) fn gather_rotations<W: Wide>(slots: &[u32; LANES], motions: &[BodyMotion]) -> WideQuat<W> {
+    let mut rows = [W::zero(); LANES];
+    for l in 0..LANES {
+        rows[l] = W::load(motions[slots[l] as usize].halves()[1]);
+    }
+    let [x, y, z, w, ..] = W::transpose(rows);
+    WideQuat { v: Wide3::new(x, y, z), w }
+}
+
+/// Notes where the bodies of a block will be at the end of the substep: turned by `turn`, to `rotation`, and displaced since the
+/// start of the step.
+#[inline(always)]
+pub(crate) fn scatter_outlooks<W: Wide>(
+    slots: &[u32; LANES],
+    turn: &WideQuat<W>,
+    displacement: Wide3<W>,
+    rotation: &WideQuat<W>,
+    outlooks: &mut [Outlook],
+) {
+    let (zero, t, q, d) = (W::zero(), turn, rotation, displacement);
+    let first = W::transpose([t.v.x, t.v.y, t.v.z, t.w, zero, zero, zero, zero]);
+    let second = W::transpose([q.v.x, q.v.y, q.v.z, q.w, d.x, d.y, d.z, zero]);
+    for l in 0..LANES {
+        let [a, b] = outlooks[slots[l] as usize].halves_mut();
+        first[l].store(a);
+        second[l].store(b);
     }
 }
 

@@ -84,6 +84,13 @@ impl BodyVelocity {
         Self { linear: Vec3::ZERO, angular: Vec3::ZERO, ..*self }
     }
 
+    #[inline(always)]
+    pub(crate) fn halves_mut(&mut self) -> [&mut [f32; 8]; 2] {
+        // SAFETY: as in `halves`; any numbers may be written.
+        let [first, second] = unsafe { &mut *std::ptr::from_mut(self).cast::<[[f32; 8]; 2]>() };
+        [first, second]
+    }
+
     /// Applies an impulse (N·s) and an angular impulse about the centre of mass (N·m·s).
     #[inline(always)]
     pub(crate) fn apply(&mut self, impulse: Vec3, angular_impulse: Vec3) {
@@ -131,6 +138,8 @@ pub(crate) struct BodyMotion {
     pub constrained: bool,
     /// Whether the world inertia was formed anew in this substep.
     pub refreshed: bool,
+    /// Whether the body is moved with seven others.
+    pub in_lanes: bool,
 }
 
 const _: () = assert!(std::mem::offset_of!(BodyMotion, rotation) == 32 && std::mem::offset_of!(BodyMotion, inertia) == 72);
@@ -168,6 +177,7 @@ impl BodyMotion {
         young: false,
         constrained: false,
         refreshed: false,
+        in_lanes: false,
     };
 
     /// Displacement, turn, and two numbers more.

@@ -39,6 +39,35 @@ impl<W: Wide> Wide6<W> {
         Self([xx, yy, zz, W::splat(m.x_axis.y), W::splat(m.x_axis.z), W::splat(m.y_axis.z)])
     }
 
+    /// With these eigenvalues along these axes.
+    #[inline(always)]
+    pub fn with_axes(axes: &[Wide3<W>; 3], values: Wide3<W>) -> Self {
+        let [a, b, c] = axes;
+        let (p, q, r) = (*a * values.x, *b * values.y, *c * values.z);
+        Self([
+            p.x * a.x + q.x * b.x + r.x * c.x,
+            p.y * a.y + q.y * b.y + r.y * c.y,
+            p.z * a.z + q.z * b.z + r.z * c.z,
+            p.x * a.y + q.x * b.y + r.x * c.y,
+            p.x * a.z + q.x * b.z + r.x * c.z,
+            p.y * a.z + q.y * b.z + r.y * c.z,
+        ])
+    }
+
+    /// `then` where `mask` holds, else `other`.
+    #[inline(always)]
+    pub fn select(mask: W::Mask, then: Self, other: Self) -> Self {
+        let ([a, b, c, d, e, f], [k, l, m, n, o, p]) = (then.0, other.0);
+        Self([
+            W::select(mask, a, k),
+            W::select(mask, b, l),
+            W::select(mask, c, m),
+            W::select(mask, d, n),
+            W::select(mask, e, o),
+            W::select(mask, f, p),
+        ])
+    }
+
     #[inline(always)]
     pub fn mul(&self, v: Wide3<W>) -> Wide3<W> {
         let [xx, yy, zz, xy, xz, yz] = self.0;
@@ -185,6 +214,36 @@ impl<W: Wide> WideQuat<W> {
         Self { v: first.v * self.w + self.v * first.w + self.v.cross(first.v), w: self.w * first.w - self.v.dot(first.v) }
     }
 
+    /// Where it takes the three axes.
+    #[inline(always)]
+    pub fn axes(&self) -> [Wide3<W>; 3] {
+        let (one, v, w) = (W::splat(1.0), self.v, self.w);
+        let twice = v + v;
+        let (xx, yy, zz) = (v.x * twice.x, v.y * twice.y, v.z * twice.z);
+        let (xy, xz, yz) = (v.x * twice.y, v.x * twice.z, v.y * twice.z);
+        let (wx, wy, wz) = (w * twice.x, w * twice.y, w * twice.z);
+        [
+            Wide3::new(one - (yy + zz), xy + wz, xz - wy),
+            Wide3::new(xy - wz, one - (xx + zz), yz + wx),
+            Wide3::new(xz + wy, yz - wx, one - (xx + yy)),
+        ]
+    }
+
+    /// Of unit length.
+    #[inline(always)]
+    pub fn normalized(&self) -> Self {
+        let scale = W::splat(1.0) / (self.v.dot(self.v) + self.w * self.w).sqrt();
+        Self { v: self.v * scale, w: self.w * scale }
+    }
+
+    /// `then` where `mask` holds, else `other`.
+    #[inline(always)]
+    pub fn select(mask: W::Mask, then: Self, other: Self) -> Self {
+        let (x, y, z) =
+            (W::select(mask, then.v.x, other.v.x), W::select(mask, then.v.y, other.v.y), W::select(mask, then.v.z, other.v.z));
+        Self { v: Wide3::new(x, y, z), w: W::select(mask, then.w, other.w) }
+    }
+
     /// Turned by a rotation vector of at most half a radian in world axes (rad), by power series.
     #[inline(always)]
     pub fn turned(&self, turn: Wide3<W>) -> Self {
@@ -195,10 +254,7 @@ impl<W: Wide> WideQuat<W> {
         let cosine = one
             - x * W::splat(0.5)
                 * (one - x * W::splat(1.0 / 12.0) * (one - x * W::splat(1.0 / 30.0) * (one - x * W::splat(1.0 / 56.0))));
-        let turned = Self { v: half * sine, w: cosine }.after(self);
-        let size = (turned.v.dot(turned.v) + turned.w * turned.w).sqrt();
-        let scale = one / size;
-        Self { v: turned.v * scale, w: turned.w * scale }
+        Self { v: half * sine, w: cosine }.after(self).normalized()
     }
 }
 

@@ -25,6 +25,8 @@ pub(super) struct Groups {
     pub members: Vec<u32>,
     /// Bodies of each batch.
     batch_sizes: Vec<u32>,
+    /// Place of each joint among those of its batch, by slot; of joints at rest, those of some step before.
+    pub joint_places: Vec<u32>,
 }
 
 impl Groups {
@@ -262,9 +264,12 @@ impl World {
         }
         scratch.slots.sort_unstable();
         scratch.slots.dedup();
+        groups.joint_places.resize(joints.slot_count(), 0);
         for &slot in &scratch.slots {
             if let Some(body) = moved(slot) {
-                batches[groups.place[body as usize].0 as usize].joint_slots.push(slot);
+                let joint_slots = &mut batches[groups.place[body as usize].0 as usize].joint_slots;
+                groups.joint_places[slot as usize] = joint_slots.len() as u32;
+                joint_slots.push(slot);
                 report.counts.joints += 1;
             }
         }

@@ -1,6 +1,6 @@
 //! Stage that fills the batches from the world's records and solves them, side by side where there are threads.
 
-use glam::{DVec3, Quat, Vec3};
+use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
 use super::World;
@@ -14,7 +14,7 @@ use crate::joint::{Joint, JointImpulses};
 use crate::long_range::LongRangeDef;
 use crate::settings::Solver;
 use crate::solve::StepSettings;
-use crate::solve::batch::Batch;
+use crate::solve::batch::{Batch, JointEnd};
 use crate::solve::bound::BoundEntry;
 use crate::solve::contact::ContactInput;
 use crate::solve::joint::JointEntry;
@@ -46,6 +46,7 @@ struct Records<'a> {
     swept: &'a [bool],
     span: &'a Derived,
     place: &'a [(u32, u32)],
+    joint_places: &'a [u32],
     unions: &'a Unions,
     /// Whether contacts are added up over the substeps.
     tallied: bool,
@@ -83,6 +84,7 @@ impl World {
             swept: &self.long_range.swept,
             span: &self.long_range.derived,
             place: &self.groups.place,
+            joint_places: &self.groups.joint_places,
             unions: &self.unions,
             tallied: self.def.hit_threshold < f32::INFINITY || self.unions.iter().any(|union| union.wanted),
             gravity: self.def.gravity,
@@ -252,7 +254,8 @@ impl Records<'_> {
         for number in 0..batch.joint_slots.len() {
             let slot = batch.joint_slots[number];
             let joint = &self.joints[slot];
-            let (a, b) = (self.joint_end(batch, joint, 0), self.joint_end(batch, joint, 1));
+            let (a, b) = (self.find_joint_end(batch, joint, 0), self.find_joint_end(batch, joint, 1));
+            batch.joint_ends.push([a, b]);
             batch.joints.entries.push(JointEntry {
                 joint: slot,
                 a: a.slot,
@@ -293,8 +296,9 @@ impl Records<'_> {
         }
         batch.color_contacts();
         batch.set_contacts(self.reach);
-        let Batch { joints, coloring, motions, .. } = batch;
-        joints.lay_out(self.joints, coloring, motions, settings.dt / settings.substeps as f32);
+        let Batch { joints, coloring, velocities, motions, .. } = batch;
+        let h = settings.dt / settings.substeps as f32;
+        joints.lay_out(self.joints, coloring, velocities, motions, h, settings.substeps);
     }
 
     fn fill_bounds(&self, batch: &mut Batch) {
@@ -307,13 +311,8 @@ impl Records<'_> {
         for number in 0..batch.bound_slots.len() {
             let slot = batch.bound_slots[number];
             let record = &self.bounds[slot as usize];
-            let (joint, side) = record.ends[1];
-            let far = self.joints[joint].bodies[side as usize].map_or(WORLD_SLOT, |index| self.slot(batch, index));
-            if !batch.swept[far as usize] {
-                continue;
-            }
-            let [near, far] = record.ends.map(|(joint, side)| self.joint_end(batch, &self.joints[joint], side as usize));
-            if near.slot == far.slot {
+            let [near, far] = record.ends.map(|(joint, side)| self.joint_end(batch, joint, side as usize));
+            if !batch.swept[far.slot as usize] || near.slot == far.slot {
                 continue;
             }
             if self.is_too_slack(batch, &pace, record, [&near, &far]) {
@@ -324,8 +323,7 @@ impl Records<'_> {
             let number = batch.bounds.entries.len() as u32;
             for inner in record.bound.inner.0..record.bound.inner.1 {
                 let at = &self.span.inner[inner as usize];
-                let joint = &self.joints[at.end.link];
-                let own = self.joint_end(batch, joint, at.end.side as usize);
+                let own = self.joint_end(batch, at.end.link, at.end.side as usize);
                 batch.taut.entries.push(TautEntry {
                     inner,
                     bound: number,
@@ -358,14 +356,17 @@ impl Records<'_> {
     /// Whether a bound cannot close within the step: no body of the batch becomes faster than the fastest is, or than gravity and
     /// forces make it, by more than [`OUTPACED`].
     fn is_too_slack(&self, batch: &Batch, pace: &Pace, record: &BoundRecord, ends: [&JointEnd; 2]) -> bool {
+        let BoundRecord { bound, impulses, .. } = record;
+        if *impulses != [0.0; 2] {
+            return false;
+        }
         let [near, far] = ends.map(|end| end.origin + (batch.motions[end.slot as usize].rotation * end.lever).as_dvec3());
         let distance = (far - near).length() as f32;
         let levers = ends[0].lever.length() + ends[1].lever.length();
         let dt = self.dt;
         let way = OUTPACED * dt * (2.0 * (pace.speed + pace.acceleration * dt) + pace.spin * levers);
-        let BoundRecord { bound, impulses, .. } = record;
         let lower_is_far = bound.lower <= 0.0 || distance - way > bound.lower;
-        *impulses == [0.0; 2] && lower_is_far && distance + way < bound.upper
+        lower_is_far && distance + way < bound.upper
     }
 
     fn fill_planes(&self, batch: &mut Batch) {
@@ -380,12 +381,12 @@ impl Records<'_> {
             let first = batch.planes.members.len() as u32;
             let mut reference = None;
             for member in &chain.members {
-                let end = self.joint_end(batch, &self.joints[member.end.0], member.end.1 as usize);
+                let end = self.joint_end(batch, member.end.0, member.end.1 as usize);
                 let origin = end.origin - *reference.get_or_insert(end.origin);
                 batch.planes.members.push(PlaneMember { slot: end.slot, axis: member.axis, height: member.height, origin });
             }
             let hold = chain.anchor.map(|anchor| {
-                let end = self.joint_end(batch, &self.joints[anchor.end.0], anchor.end.1 as usize);
+                let end = self.joint_end(batch, anchor.end.0, anchor.end.1 as usize);
                 PlaneHold {
                     slot: end.slot,
                     origin: end.origin - reference.unwrap_or(end.origin),
@@ -409,7 +410,16 @@ impl Records<'_> {
         });
     }
 
-    fn joint_end(&self, batch: &mut Batch, joint: &Joint, side: usize) -> JointEnd {
+    /// One side of a joint in the slot `joint`.
+    fn joint_end(&self, batch: &mut Batch, joint: u32, side: usize) -> JointEnd {
+        let place = self.joint_places[joint as usize] as usize;
+        if batch.joint_slots.get(place) == Some(&joint) {
+            return batch.joint_ends[place][side];
+        }
+        self.find_joint_end(batch, &self.joints[joint], side)
+    }
+
+    fn find_joint_end(&self, batch: &mut Batch, joint: &Joint, side: usize) -> JointEnd {
         let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
         let Some(index) = joint.bodies[side] else {
             return JointEnd { slot: WORLD_SLOT, origin: frame.position, lever: Vec3::ZERO, frame: frame.rotation };
@@ -449,16 +459,6 @@ impl Pace {
         let acceleration = batch.motions.iter().map(|motion| motion.acceleration.length_squared()).fold(0.0, f32::max);
         Self { speed: speed.sqrt(), spin: spin.sqrt(), acceleration: acceleration.sqrt() }
     }
-}
-
-/// One side of a joint: what it hangs on, and its frame there.
-struct JointEnd {
-    slot: u32,
-    /// World position that displacements count from (m).
-    origin: DVec3,
-    /// Joint point from there, in the body's frame (m).
-    lever: Vec3,
-    frame: Quat,
 }
 
 /// Whether principal moments are so nearly equal that the body does not tumble.

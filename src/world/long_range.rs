@@ -91,6 +91,8 @@ pub(super) struct LongRange {
     /// Bounds by the slot of their far body, as ranges in `of_body`.
     starts: Vec<u32>,
     of_body: Vec<u32>,
+    /// Far body of each record; none of those that end on what nothing moves.
+    far_bodies: Vec<Option<u32>>,
 }
 
 impl LongRange {
@@ -164,14 +166,23 @@ impl World {
         if long_range.records.is_empty() {
             return;
         }
-        for &body in movers.iter().filter(|&&body| bodies[body].is_free() && !bodies[body].held) {
+        let awake = || movers.iter().copied().filter(|&body| bodies[body].is_free() && !bodies[body].held);
+        let count: usize = awake().map(|body| long_range.bounds_of(body).len()).sum();
+        report.counts.bounds += count as u32;
+        if count == long_range.of_body.len() {
+            // All are awake: in the order of the records, nothing is to be sorted.
+            for (slot, body) in long_range.far_bodies.iter().enumerate() {
+                if let Some(body) = *body {
+                    batches[groups.place[body as usize].0 as usize].bound_slots.push(slot as u32);
+                }
+            }
+            return;
+        }
+        for body in awake() {
             let batch = &mut batches[groups.place[body as usize].0 as usize];
             batch.bound_slots.extend_from_slice(long_range.bounds_of(body));
         }
-        for batch in &mut batches[..self.batch_count] {
-            batch.bound_slots.sort_unstable();
-            report.counts.bounds += batch.bound_slots.len() as u32;
-        }
+        batches[..self.batch_count].iter_mut().for_each(|batch| batch.bound_slots.sort_unstable());
     }
 
     /// Adds what bounds carry to the loads of the joints that they lead past.
@@ -369,7 +380,7 @@ impl LongRange {
     /// Makes records of the bounds; those that were there before keep their multipliers.
     fn take_over(&mut self) {
         std::mem::swap(&mut self.records, &mut self.previous);
-        let Self { derived, records, previous, starts, of_body, soft, asked, .. } = self;
+        let Self { derived, records, previous, starts, of_body, far_bodies, soft, asked, .. } = self;
         records.clear();
         records.extend(derived.bounds.iter().map(|&bound| {
             let ends = [bound.near, bound.far].map(|end| (end.link, end.side));
@@ -397,10 +408,11 @@ impl LongRange {
                 }
             }
         }
-        let far_body = |bound: &Bound| derived.dynamic_body(bound.far);
+        far_bodies.clear();
+        far_bodies.extend(derived.bounds.iter().map(|bound| derived.dynamic_body(bound.far)));
         starts.clear();
         starts.resize(derived.input.masses.len() + 1, 0);
-        for body in derived.bounds.iter().filter_map(far_body) {
+        for &body in far_bodies.iter().flatten() {
             starts[body as usize + 1] += 1;
         }
         for body in 1..starts.len() {
@@ -409,8 +421,8 @@ impl LongRange {
         let mut next = starts.clone();
         of_body.clear();
         of_body.resize(*starts.last().unwrap_or(&0) as usize, 0);
-        for (number, bound) in derived.bounds.iter().enumerate() {
-            if let Some(body) = far_body(bound) {
+        for (number, body) in far_bodies.iter().enumerate() {
+            if let Some(body) = *body {
                 of_body[next[body as usize] as usize] = number as u32;
                 next[body as usize] += 1;
             }

@@ -18,6 +18,7 @@ mod hinge;
 pub(crate) mod kinds;
 mod lanes;
 mod prismatic;
+mod reach;
 pub(crate) mod rows;
 mod singles;
 mod spherical;
@@ -36,6 +37,10 @@ use crate::joint::{Joint, JointImpulses, JointKind};
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
 const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
+
+/// What joints of one colour may hold, none of it in lanes among that; and groups by colour and that, the last for no colour.
+const KINDS: usize = 1 + Holds::ALL.len();
+const GROUPS: usize = KINDS * (MAX_COLORS + 1);
 
 /// Greatest change of angular velocity, over the sum of both bodies', by which angular momentum is given back.
 const MOMENTUM_RETURN_LIMIT: f32 = 0.2;
@@ -73,9 +78,8 @@ pub(crate) struct BatchJoints {
     lanes: JointLanes,
     singles: Singles,
     visits: Vec<Visit>,
-    /// Where each jointed body will be at the end of the substep, as predicted when rows were last built.
-    pub outlooks: Vec<Outlook>,
-    keys: Vec<(u32, Option<Holds>, u32)>,
+    /// Group of each joint: its colour, and what it holds.
+    groups: Vec<u32>,
     sorted: Vec<JointEntry>,
 }
 
@@ -91,44 +95,66 @@ impl BatchJoints {
         self.entries.clear();
     }
 
-    /// Lays the joints out in the order of their colours, for substeps of length `h`; joints of one colour share no moving body.
-    pub(crate) fn lay_out(&mut self, joints: &Pool<Joint, JointId>, coloring: &mut Coloring, motions: &[BodyMotion], h: f32) {
-        let Self { entries, lanes, singles, visits, keys, sorted, .. } = self;
+    /// Lays the joints out in the order of their colours, for a step of `substeps` of length `h`; joints of one colour share no
+    /// moving body.
+    pub(crate) fn lay_out(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        coloring: &mut Coloring,
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+        h: f32,
+        substeps: u32,
+    ) {
+        let dt = h * substeps as f32;
+        let Self { entries, lanes, singles, visits, groups, sorted, .. } = self;
         lanes.clear();
         singles.clear();
         visits.clear();
-        keys.clear();
+        groups.clear();
         if entries.is_empty() {
             return;
         }
         coloring.reset(motions.len());
-        for (index, entry) in entries.iter().enumerate() {
+        let mut places = [0_u32; GROUPS + 1];
+        for entry in entries.iter() {
             let end = |slot: u32| (slot, motions[slot as usize].is_dynamic());
             let color = coloring.assign(end(entry.a), end(entry.b));
-            let holds = color.and_then(|_| Holds::of(&joints[entry.joint].def.kind));
-            keys.push((color.unwrap_or(MAX_COLORS as u32), holds, index as u32));
+            let kind = &joints[entry.joint].def.kind;
+            let plain = color.and_then(|_| Holds::of(kind, false));
+            let free = plain.is_none() && color.is_some() && reach::stops_are_out_of_reach(entry, kind, velocities, motions, dt);
+            let holds = if free { Holds::of(kind, true) } else { plain };
+            let group = color.unwrap_or(MAX_COLORS as u32) * KINDS as u32 + holds.map_or(0, |holds| 1 + holds as u32);
+            groups.push(group);
+            places[group as usize + 1] += 1;
         }
-        keys.sort_unstable();
+        for group in 0..GROUPS {
+            places[group + 1] += places[group];
+        }
+        let firsts = places;
         sorted.clear();
-        sorted.extend(keys.iter().map(|&(_, _, index)| entries[index as usize]));
+        sorted.resize(entries.len(), entries[0]);
+        for (entry, &group) in entries.iter().zip(&*groups) {
+            let place = &mut places[group as usize];
+            sorted[*place as usize] = *entry;
+            *place += 1;
+        }
         std::mem::swap(entries, sorted);
-        let mut start = 0;
-        for alike in keys.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {
-            let end = start + alike.len();
+        for (group, range) in firsts.windows(2).enumerate().filter(|(_, range)| range[0] < range[1]) {
+            let range = range[0] as usize..range[1] as usize;
             let (blocks, first_single) = (lanes.len(), singles.len());
-            match alike[0].1 {
+            match (group % KINDS).checked_sub(1) {
                 Some(holds) => {
-                    let own = entries[start..end].iter().map(|entry| (entry, &joints[entry.joint].def));
-                    lanes.add(start, own, holds, h);
+                    let own = entries[range.clone()].iter().map(|entry| (entry, &joints[entry.joint].def));
+                    lanes.add(range.start, own, Holds::ALL[holds], h);
                 }
-                None => singles.add(start..end),
+                None => singles.add(range),
             }
             visits.push(Visit { blocks: blocks..lanes.len(), singles: first_single..singles.len() });
-            start = end;
         }
     }
 
-    /// Builds this substep's rows at the poses predicted from the velocities of now; multipliers go on from where they are.
+    /// Builds this substep's rows at the poses that `outlooks` predict from the velocities of now; multipliers go on from where they are.
     ///
     /// Done once more before the last sweep (`again`), so that the rows hold to second order at the poses that the substep ends in:
     /// what the position rows would have to mend costs angular momentum.
@@ -137,26 +163,17 @@ impl BatchJoints {
         joints: &Pool<Joint, JointId>,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
+        outlooks: &[Outlook],
         h: f32,
         again: bool,
     ) {
-        if self.entries.is_empty() {
-            return;
-        }
-        self.outlooks.clear();
-        self.outlooks.extend(
-            velocities
-                .iter()
-                .zip(motions)
-                .map(|(velocity, motion)| if motion.jointed { Outlook::of(velocity, motion, h) } else { Outlook::still(motion) }),
-        );
         if again {
             self.singles.keep_impulses(&mut self.entries);
         } else {
             self.lanes.begin(motions);
         }
-        self.lanes.prepare(velocities, &self.outlooks, h);
-        self.singles.prepare(&self.entries, joints, velocities, motions, &self.outlooks, h);
+        self.lanes.prepare(velocities, outlooks, h);
+        self.singles.prepare(&self.entries, joints, velocities, motions, outlooks, h);
     }
 
     /// Applies the carried multipliers.
@@ -223,8 +240,10 @@ impl BatchJoints {
             let points = entry.points(&motions[entry.a as usize].stance(), &motions[entry.b as usize].stance());
             points.gap.length() / levers.max(f64::MIN_POSITIVE)
         };
-        self.entries.iter().map(opening).fold(0.0, f64::max)
+        let singles = self.singles.entries().map(|number| opening(&self.entries[number])).fold(0.0, f64::max);
+        singles.max(f64::from(self.lanes.opening(motions)))
     }
+
     /// Worst distance between joint points beyond what the joints allow (m).
     pub(crate) fn worst_gap(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion]) -> f32 {
         let singles = self.singles.entries().map(|number| &self.entries[number]);

@@ -40,7 +40,8 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
     sink.hold_points(Held::All);
 }
 
-fn swing(placement: &Placement) -> f64 {
+/// Angle between the joint axes (rad).
+pub(super) fn swing(placement: &Placement) -> f64 {
     let b = placement.relative_rotation() * DVec3::X;
     libm::atan2((b.y * b.y + b.z * b.z).sqrt(), b.x)
 }

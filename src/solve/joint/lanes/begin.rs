@@ -44,6 +44,19 @@ pub(super) fn worst_gap<W: Wide>(lanes: &JointLanes, motions: &[BodyMotion], wor
     *worst = lanes.iter().fold(*worst, |worst, &gap| worst.max(gap));
 }
 
+#[inline(always)]
+pub(super) fn opening<W: Wide>(lanes: &JointLanes, motions: &[BodyMotion], widest: &mut f32) {
+    let mut shares = W::zero();
+    for block in &lanes.points {
+        let (a, b) = (Stand::<W>::gather(&block.a, motions), Stand::<W>::gather(&block.b, motions));
+        let gap = Points::of(block, &a, &b).gap * W::load(&block.shortness);
+        shares = shares.max(gap.dot(gap));
+    }
+    let mut lanes = [0.0; LANES];
+    shares.sqrt().store(&mut lanes);
+    *widest = lanes.iter().fold(*widest, |widest, &share| widest.max(share));
+}
+
 /// Levers of the joint points, and the gap between them (m).
 pub(super) struct Points<W> {
     pub levers: (Wide3<W>, Wide3<W>),

@@ -35,10 +35,15 @@ pub(crate) enum Holds {
 }
 
 impl Holds {
-    /// `None` where a joint has rows that are not laid out in lanes.
-    pub(crate) fn of(kind: &JointKind) -> Option<Self> {
+    /// In their order.
+    pub(crate) const ALL: [Self; 3] = [Self::Points, Self::Axis, Self::Frame];
+
+    /// `None` where a joint has rows that are not laid out in lanes; `free` where none of its stops is within reach.
+    pub(crate) fn of(kind: &JointKind, free: bool) -> Option<Self> {
         match kind {
             JointKind::Fixed => Some(Self::Frame),
+            JointKind::Hinge { .. } if free => Some(Self::Axis),
+            JointKind::Spherical { .. } if free => Some(Self::Points),
             JointKind::Hinge { limits, motor } if *limits == Limits::NONE && *motor == Motor::Off => Some(Self::Axis),
             kind if super::kinds::is_plain(kind) => Some(Self::Points),
             _ => None,
@@ -88,6 +93,8 @@ pub(crate) struct PointBlock {
     /// From A's origin to B's at the start of the step, and joint points from there in the bodies' frames (m).
     offset: Lane3,
     local: [Lane3; 2],
+    /// 1 over the sum of the levers' lengths where the points are held without give, else 0 (1/m).
+    shortness: Lane,
     /// At the start of the substep: levers, and the gap between the points (m).
     lever: [Lane3; 2],
     gap: Lane3,
@@ -139,6 +146,7 @@ impl PointBlock {
         give: GiveLanes::RIGID,
         offset: ZERO3,
         local: [ZERO3; 2],
+        shortness: ZERO,
         lever: [ZERO3; 2],
         gap: ZERO3,
         arm: [ZERO3; 2],
@@ -155,6 +163,9 @@ impl PointBlock {
         for side in [0, 1] {
             put(&mut self.local[side], l, entry.local_lever[side].as_vec3());
         }
+        let levers = entry.local_lever[0].length() + entry.local_lever[1].length();
+        let is_rigid = def.linear.compliance == 0.0 && levers > 0.0;
+        self.shortness[l] = if is_rigid { (1.0 / levers) as f32 } else { 0.0 };
         put(&mut self.impulse, l, entry.impulses.point);
     }
 }
@@ -307,8 +318,16 @@ impl JointLanes {
         worst_gap_of(self, motions, &mut worst);
         worst
     }
+
+    /// Greatest distance of points that are held without give, as a share of their levers.
+    pub(crate) fn opening(&self, motions: &[BodyMotion]) -> f32 {
+        let mut widest = 0.0;
+        opening_of(self, motions, &mut widest);
+        widest
+    }
 }
 
+in_lanes!(opening_of, begin::opening, (lanes: &JointLanes, motions: &[BodyMotion], widest: &mut f32));
 in_lanes!(begin_all, begin::all, (lanes: &mut JointLanes, motions: &[BodyMotion]));
 in_lanes!(worst_gap_of, begin::worst_gap, (lanes: &JointLanes, motions: &[BodyMotion], worst: &mut f32));
 in_lanes!(prepare_all, rows::prepare, (lanes: &mut JointLanes, velocities: &[BodyVelocity], outlooks: &[Outlook], h: f32));

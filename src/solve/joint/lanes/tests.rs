@@ -146,8 +146,8 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
     let Scene { mut velocities, mut motions, entries, .. } = scene.clone();
     if in_lanes {
         let mut joints = BatchJoints { entries, ..BatchJoints::default() };
-        joints.lay_out(&pool, &mut Coloring::default(), &motions, H);
-        joints.prepare(&pool, &velocities, &motions, H, false);
+        joints.lay_out(&pool, &mut Coloring::default(), &velocities, &motions, H, 1);
+        joints.prepare(&pool, &velocities, &motions, &outlooks(scene), H, false);
         joints.warm_start(&mut velocities);
         joints.sweep(&mut velocities, false);
         joints.sweep(&mut velocities, true);

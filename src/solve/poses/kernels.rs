@@ -1,0 +1,137 @@
+//! What a substep does to a block of bodies: forces, limits, prediction, motion.
+
+use super::PoseBlock;
+use super::turn::turn;
+use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
+use crate::solve::contact::{LANES, Lane};
+use crate::solve::integrate::{NEGLIGIBLE_SPEED, Outlook, SAFE_TUMBLE, SPLIT_TUMBLE};
+use crate::solve::rotation::{self, MAX_TURN};
+use crate::solve::side::{Side, Stand, gather_rotations, scatter_outlooks};
+use crate::solve::state::{BodyMotion, BodyVelocity};
+use crate::solve::wide::{Wide, Wide3};
+use crate::solve::wide_matrix::{Wide6, WideQuat};
+
+#[inline(always)]
+pub(super) fn apply_forces<W: Wide>(blocks: &[PoseBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
+    for block in blocks {
+        let mut side = Side::<W>::gather(&block.slots, velocities);
+        refresh_inertia(block, &mut side, &gather_rotations(&block.slots, motions), h);
+        side.linear = (side.linear + Wide3::load(&block.gain)) * W::load(&block.left[0]);
+        side.turn(Wide3::load(&block.torque));
+        side.angular = side.angular * W::load(&block.left[1]);
+        side.scatter_whole(&block.slots, velocities);
+    }
+}
+
+/// Forms the world inertia, no axis lighter than what the body turns by smears it to: as of one body.
+#[inline(always)]
+fn refresh_inertia<W: Wide>(block: &PoseBlock, side: &mut Side<W>, rotation: &WideQuat<W>, h: f32) {
+    let one = W::splat(1.0);
+    let way = side.angular * W::splat(h);
+    let inertia = Wide3::<W>::load(&block.inertia);
+    let least = inertia.x.max(inertia.y).max(inertia.z) * way.dot(way).min(one);
+    let ease = Wide3::new(one / inertia.x.max(least), one / inertia.y.max(least), one / inertia.z.max(least));
+    let fresh = Wide6::with_axes(&rotation.after(&WideQuat::load(&block.frame)).axes(), ease);
+    let tumbles = W::load(&block.tumbles).above(W::zero());
+    side.inverse_inertia = Wide6::select(tumbles, fresh, side.inverse_inertia);
+}
+
+#[inline(always)]
+pub(super) fn find_inertia<W: Wide>(blocks: &[PoseBlock], motions: &[BodyMotion], inertia: &mut [Lane]) {
+    for block in blocks {
+        let frame = gather_rotations::<W>(&block.slots, motions).after(&WideQuat::load(&block.frame));
+        let [xx, yy, zz, xy, xz, yz] = Wide6::with_axes(&frame.axes(), Wide3::load(&block.inertia)).0;
+        let rows = W::transpose([xx, yy, zz, xy, xz, yz, W::zero(), W::zero()]);
+        for l in 0..LANES {
+            rows[l].store(&mut inertia[block.slots[l] as usize]);
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn limit<W: Wide>(blocks: &[PoseBlock], velocities: &mut [BodyVelocity], h: f32) {
+    for block in blocks {
+        let mut side = Side::<W>::gather(&block.slots, velocities);
+        limit_speeds(&mut side, h);
+        side.scatter(&block.slots, velocities);
+    }
+}
+
+#[inline(always)]
+fn limit_speeds<W: Wide>(side: &mut Side<W>, h: f32) {
+    side.linear = settled(side.linear, MAX_LINEAR_SPEED);
+    side.angular = settled(side.angular, MAX_ANGULAR_SPEED.min(MAX_TURN / h));
+}
+
+/// No longer than `limit`, and without what is next to nothing.
+#[inline(always)]
+fn settled<W: Wide>(v: Wide3<W>, limit: f32) -> Wide3<W> {
+    let v = v.shortened(W::splat(limit));
+    let least = W::splat(NEGLIGIBLE_SPEED);
+    let zero = W::zero();
+    Wide3::new(
+        W::select(v.x.abs().above(least), v.x, zero),
+        W::select(v.y.abs().above(least), v.y, zero),
+        W::select(v.z.abs().above(least), v.z, zero),
+    )
+}
+
+#[inline(always)]
+pub(super) fn predict<W: Wide>(
+    blocks: &[PoseBlock],
+    velocities: &[BodyVelocity],
+    motions: &[BodyMotion],
+    outlooks: &mut [Outlook],
+    refused: &mut Vec<u32>,
+    h: f32,
+) {
+    for block in blocks {
+        let side = Side::<W>::gather(&block.slots, velocities);
+        let stand = Stand::<W>::gather(&block.slots, motions);
+        let turned = turn(block, &stand.rotation, side.angular, h, SPLIT_TUMBLE);
+        let displacement = stand.displacement + side.linear * W::splat(h);
+        let rotation = turned.turn.after(&stand.rotation).normalized();
+        scatter_outlooks(&block.slots, &turned.turn, displacement, &rotation, outlooks);
+        let far = W::select((side.angular.length() * W::splat(h)).above(W::splat(SAFE_TUMBLE)), W::splat(1.0), W::zero());
+        note_refused(block, turned.gains.max(far), refused);
+    }
+}
+
+#[inline(always)]
+pub(super) fn advance<W: Wide>(
+    blocks: &[PoseBlock],
+    velocities: &mut [BodyVelocity],
+    motions: &mut [BodyMotion],
+    refused: &mut Vec<u32>,
+    h: f32,
+) {
+    for block in blocks {
+        let mut side = Side::<W>::gather(&block.slots, velocities);
+        let mut stand = Stand::<W>::gather(&block.slots, motions);
+        limit_speeds(&mut side, h);
+        let turned = turn(block, &stand.rotation, side.angular, h, rotation::SPLIT_TUMBLE as f32);
+        let mean = side.angular + turned.mean_change;
+        let far = W::select((mean.length() * W::splat(h)).above(W::splat(MAX_TURN)), W::splat(1.0), W::zero());
+        let refuses = turned.gains.max(far);
+        let moves = W::zero().above(refuses - W::splat(0.5));
+        let rotation = turned.turn.after(&stand.rotation).normalized();
+        stand.displacement = stand.displacement + (side.linear * W::splat(h)).only(moves);
+        stand.turn = stand.turn + (mean * W::splat(h)).only(moves);
+        let is_turned = W::select(moves, side.angular.dot(side.angular), W::zero()).above(W::zero());
+        stand.rotation = WideQuat::select(is_turned, rotation, stand.rotation);
+        side.angular = side.angular + turned.change.only(moves);
+        stand.scatter(&block.slots, motions);
+        side.scatter(&block.slots, velocities);
+        note_refused(block, refuses, refused);
+    }
+}
+
+/// Lists the bodies of lanes above zero.
+#[inline(always)]
+fn note_refused<W: Wide>(block: &PoseBlock, refuses: W, refused: &mut Vec<u32>) {
+    if W::any(refuses.above(W::zero())) {
+        let mut lanes = [0.0; LANES];
+        refuses.store(&mut lanes);
+        refused.extend((0..block.count as usize).filter(|&l| lanes[l] > 0.0).map(|l| block.slots[l]));
+    }
+}

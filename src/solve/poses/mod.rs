@@ -1,0 +1,195 @@
+//! Bodies in joints, moved and predicted eight at a time.
+//!
+//! The rules are those of [`integrate`](super::integrate) and [`rotation`](super::rotation). Those of a body on its own are in `f64`,
+//! since in `f32` the rounding of L = I ω is biased. Here L is never formed and taken apart again: all that a substep changes is a
+//! *difference*. In the principal axes of the substep's start, with q what has turned the body since then and E = I⁻¹,
+//!
+//! ```text
+//! L in the axes of now = L + d,    d = (q⁻¹ − 1) L,    ω = ω₀ + e + (q − 1)(ω₀ + e),    e = E d,
+//! ```
+//!
+//! and (q − 1) u = 2 v × (w u + v × u) is right to rounding of the way itself. So what is rounded is the change of ω, of the order of
+//! what the body turns by, and then one sum: half a unit in the last place of ω, as likely up as down.
+//!
+//! What the rule refuses (it gains energy, or turns by more than a lever allows) is left to the rules of one body.
+
+use glam::{DMat3, Vec3};
+
+use super::contact::{LANES, Lane, Lane3};
+use super::dispatch::in_lanes;
+use super::integrate::{self, Outlook};
+use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
+
+mod kernels;
+#[cfg(test)]
+mod tests;
+mod turn;
+
+/// What does not change within the step of eight bodies; unused lanes are the world, which nothing moves.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+struct PoseBlock {
+    slots: [u32; LANES],
+    count: u32,
+    /// Principal moments of inertia (kg·m²), and the rotation of their axes in the body.
+    inertia: Lane3,
+    frame: [Lane; 4],
+    /// What gravity and the host's forces add to the velocity in a substep (m/s), and the host's angular impulse (N·m·s).
+    gain: Lane3,
+    torque: Lane3,
+    /// What damping leaves of linear and angular velocity in a substep.
+    left: [Lane; 2],
+    /// 1 where principal moments differ.
+    tumbles: Lane,
+}
+
+impl PoseBlock {
+    const EMPTY: Self = Self {
+        slots: [0; LANES],
+        count: 0,
+        inertia: [[1.0; LANES]; 3],
+        frame: [[0.0; LANES], [0.0; LANES], [0.0; LANES], [1.0; LANES]],
+        gain: [[0.0; LANES]; 3],
+        torque: [[0.0; LANES]; 3],
+        left: [[1.0; LANES]; 2],
+        tumbles: [0.0; LANES],
+    };
+
+    fn add(&mut self, slot: u32, motion: &BodyMotion, h: f32) {
+        let l = self.count as usize;
+        self.count += 1;
+        self.slots[l] = slot;
+        put(&mut self.inertia, l, motion.inertia);
+        for (lanes, number) in self.frame.iter_mut().zip(motion.inertia_frame.normalize().to_array()) {
+            lanes[l] = number;
+        }
+        put(&mut self.gain, l, motion.acceleration * h);
+        put(&mut self.torque, l, motion.torque * h);
+        self.left[0][l] = 1.0 / (1.0 + h * motion.linear_damping);
+        self.left[1][l] = 1.0 / (1.0 + h * motion.angular_damping);
+        self.tumbles[l] = f32::from(u8::from(motion.kind == MotionKind::Tumbling));
+    }
+}
+
+fn put(lanes: &mut Lane3, l: usize, v: Vec3) {
+    [lanes[0][l], lanes[1][l], lanes[2][l]] = v.to_array();
+}
+
+/// The bodies of a batch that are in joints, and where they will be.
+#[derive(Debug, Default)]
+pub(crate) struct Poses {
+    blocks: Vec<PoseBlock>,
+    /// Slots in joints that are predicted one by one: kinematic bodies, and those with locked axes.
+    others: Vec<u32>,
+    /// Where each jointed body will be at the end of the substep, as predicted when rows were last built.
+    pub outlooks: Vec<Outlook>,
+    /// Bodies of a block that the rule refused.
+    refused: Vec<u32>,
+    /// Inertia in world axes of bodies in lanes, by slot: xx, yy, zz, xy, xz, yz (kg·m²), and two numbers without meaning.
+    inertia: Vec<[f32; LANES]>,
+}
+
+/// Whether a body is moved in lanes. What that depends on must not be what else is in its batch.
+fn suits(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
+    let is_free = velocity.inverse_mass.min_element() > 0.0 && motion.free_rotation == Vec3::ONE;
+    motion.jointed && !motion.direct && motion.is_dynamic() && is_free
+}
+
+impl Poses {
+    /// Lays out lanes for substeps of length `h`.
+    pub(crate) fn lay_out(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
+        let Self { blocks, others, outlooks, refused, inertia } = self;
+        inertia.resize(motions.len(), [0.0; LANES]);
+        blocks.clear();
+        others.clear();
+        outlooks.clear();
+        for (slot, (velocity, motion)) in velocities.iter().zip(motions.iter_mut()).enumerate() {
+            motion.in_lanes = suits(velocity, motion);
+            if motion.in_lanes {
+                motion.refreshed = motion.kind == MotionKind::Tumbling;
+                if blocks.last().is_none_or(|block| block.count as usize == LANES) {
+                    blocks.push(PoseBlock::EMPTY);
+                }
+                if let Some(block) = blocks.last_mut() {
+                    block.add(slot as u32, motion, h);
+                }
+            } else if motion.jointed {
+                others.push(slot as u32);
+            }
+        }
+        outlooks.extend(motions.iter().map(Outlook::still));
+        refused.reserve(blocks.len() * LANES);
+    }
+
+    /// Adds a substep's forces to velocities, and forms the world inertia that rows respond with.
+    pub(crate) fn apply_forces(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
+        apply_forces_all(&self.blocks, velocities, motions, h);
+    }
+
+    /// As [`integrate::limit_speeds`].
+    pub(crate) fn limit_speeds(&mut self, velocities: &mut [BodyVelocity], h: f32) {
+        limit_all(&self.blocks, velocities, h);
+    }
+
+    /// Finds the inertia of bodies in lanes as they stand now.
+    pub(crate) fn find_inertia(&mut self, motions: &[BodyMotion]) {
+        find_inertia_all(&self.blocks, motions, &mut self.inertia);
+    }
+
+    /// The same of a body that has been turned since, if it is in lanes.
+    pub(crate) fn refresh_inertia_of(&mut self, slot: u32, motion: &BodyMotion) {
+        let tensor = crate::shape::inertia_tensor(motion.inertia, motion.rotation * motion.inertia_frame);
+        self.inertia[slot as usize][..6].copy_from_slice(Symmetric::from_mat3(tensor).entries());
+    }
+
+    /// Inertia of a body in world axes, as found last if it is in lanes: xx, yy, zz, xy, xz, yz (kg·m²).
+    #[inline]
+    pub(crate) fn inertia_of(&self, slot: u32, motion: &BodyMotion) -> [f64; 6] {
+        if motion.in_lanes {
+            let [xx, yy, zz, xy, xz, yz, ..] = self.inertia[slot as usize];
+            return [xx, yy, zz, xy, xz, yz].map(f64::from);
+        }
+        let axes = DMat3::from_quat((motion.rotation.as_dquat() * motion.inertia_frame.as_dquat()).normalize());
+        let m = axes * DMat3::from_diagonal(motion.inertia.as_dvec3()) * axes.transpose();
+        [m.x_axis.x, m.y_axis.y, m.z_axis.z, m.x_axis.y, m.x_axis.z, m.y_axis.z]
+    }
+
+    /// Finds where bodies in joints will be at the end of the substep at their present velocities.
+    pub(crate) fn predict(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
+        let Self { blocks, others, outlooks, refused, .. } = self;
+        refused.clear();
+        predict_all(blocks, velocities, motions, outlooks, refused, h);
+        for &slot in others.iter().chain(&*refused) {
+            let slot = slot as usize;
+            outlooks[slot] = Outlook::of(&velocities[slot], &motions[slot], h);
+        }
+    }
+
+    /// Moves bodies through a substep at their velocities.
+    pub(crate) fn advance(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], h: f32) {
+        let Self { blocks, refused, .. } = self;
+        refused.clear();
+        advance_all(blocks, velocities, motions, refused, h);
+        for &slot in &*refused {
+            integrate::advance(&mut velocities[slot as usize], &mut motions[slot as usize], h);
+        }
+    }
+}
+
+in_lanes!(
+    apply_forces_all, kernels::apply_forces,
+    (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32)
+);
+in_lanes!(find_inertia_all, kernels::find_inertia, (blocks: &[PoseBlock], motions: &[BodyMotion], inertia: &mut [Lane]));
+in_lanes!(limit_all, kernels::limit, (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], h: f32));
+in_lanes!(
+    predict_all, kernels::predict,
+    (
+        blocks: &[PoseBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], outlooks: &mut [Outlook], refused: &mut Vec<u32>,
+        h: f32
+    )
+);
+in_lanes!(
+    advance_all, kernels::advance,
+    (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], refused: &mut Vec<u32>, h: f32)
+);
