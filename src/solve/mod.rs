@@ -42,6 +42,10 @@ const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
 const AJAR: std::ops::Range<f64> = 1.0e-4..1.0e-2;
 const CLOSING_SWEEPS: u32 = 3;
 
+/// Sweeps in a substep from which rows of bounds are built anew before the last one, as rows of joints always are. A substep of few
+/// sweeps is short: a bound changes little in it, and building its row costs as much as sweeping it twice.
+const LONG_SUBSTEP: u32 = 3;
+
 /// What all batches of a step have in common.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StepSettings {
@@ -67,14 +71,14 @@ impl Batch {
         self.poses.lay_out(&self.velocities, &mut self.motions, h);
         for substep in 0..settings.substeps {
             self.apply_forces(joints, h);
-            self.prepare_joints(joints, h, false);
+            self.prepare_joints(joints, h, false, true);
             self.joints.warm_start(&mut self.velocities);
             self.bounds.warm_start(&mut self.velocities);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
             self.pass_loads();
             for iteration in 0..settings.iterations {
                 if iteration > 0 && iteration + 1 == settings.iterations {
-                    self.prepare_joints(joints, h, true);
+                    self.prepare_joints(joints, h, true, settings.iterations >= LONG_SUBSTEP);
                 }
                 if iteration % 2 == 0 {
                     self.bounds.sweep(&mut self.velocities, false);
@@ -137,17 +141,17 @@ impl Batch {
         self.load_pass = pass;
     }
 
-    /// Builds rows of joints at the poses predicted by now, and rows of bounds and taut lines where that has not been done in this
-    /// substep (`again`): a bound is long beside what a substep moves its ends by, and changes little while sweeps go on.
-    fn prepare_joints(&mut self, joints: &Pool<Joint, JointId>, h: f32, again: bool) {
+    /// Builds rows of joints at the poses predicted by now, and those of bounds and taut lines; `again` where they have been built in
+    /// this substep, and `bounds_too` where those of bounds are to be built anew with them.
+    fn prepare_joints(&mut self, joints: &Pool<Joint, JointId>, h: f32, again: bool, bounds_too: bool) {
         let Self { poses, velocities, motions, bounds, .. } = self;
         if self.joints.entries.is_empty() {
             return;
         }
         poses.predict(velocities, motions, h);
         self.joints.prepare(joints, velocities, motions, &poses.outlooks, h, again);
-        if !again {
-            bounds.prepare(velocities, motions, &poses.outlooks, h);
+        if bounds_too {
+            bounds.prepare(velocities, motions, &poses.outlooks, h, again);
             self.taut.prepare(bounds, velocities, motions, &poses.outlooks, h);
         }
     }

@@ -230,10 +230,18 @@ impl BatchBounds {
         self.blocks[block as usize].upper_rows.present[lane as usize] > 0.0
     }
 
-    /// Builds this substep's rows; `outlooks` hold the poses that the velocities of now lead to.
-    pub(crate) fn prepare(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion], outlooks: &[Outlook], h: f32) {
+    /// Builds this substep's rows; `outlooks` hold the poses that the velocities of now lead to, and `applied` says whether
+    /// carried multipliers are in those velocities already.
+    pub(crate) fn prepare(
+        &mut self,
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+        outlooks: &[Outlook],
+        h: f32,
+        applied: bool,
+    ) {
         if !self.blocks.is_empty() {
-            prepare_all(&mut self.blocks, velocities, motions, outlooks, h);
+            prepare_all(&mut self.blocks, velocities, motions, outlooks, h, applied);
         }
     }
 
@@ -276,7 +284,7 @@ impl BatchBounds {
 
 in_lanes!(
     prepare_all, rows::prepare,
-    (blocks: &mut [BoundBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], outlooks: &[Outlook], h: f32)
+    (blocks: &mut [BoundBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], outlooks: &[Outlook], h: f32, applied: bool)
 );
 in_lanes!(warm_start_all, sweep::warm_start, (blocks: &[BoundBlock], velocities: &mut [BodyVelocity]));
 in_lanes!(sweep_all, sweep::sweep, (blocks: &mut [BoundBlock], velocities: &mut [BodyVelocity], backwards: bool));

@@ -70,14 +70,15 @@ pub(super) fn prepare<W: Wide>(
     motions: &[BodyMotion],
     outlooks: &[Outlook],
     h: f32,
+    applied: bool,
 ) {
     for block in blocks {
         let (near, far) = (Place::<W>::then(&block.near, outlooks), Place::<W>::then(&block.far, outlooks));
         let end = Span::of(block, &near, &far);
         let squared = end.gap.dot(end.gap);
-        find_taut(&mut block.upper_rows, squared, W::load(&block.ready));
+        find_taut(&mut block.upper_rows, squared, W::load(&block.ready), applied);
         if block.lower_rows.used {
-            find_taut(&mut block.lower_rows, W::load(&block.near_lower), squared);
+            find_taut(&mut block.lower_rows, W::load(&block.near_lower), squared, applied);
         }
         if block.is_taut() {
             build(block, &end, velocities, motions, h);
@@ -85,12 +86,15 @@ pub(super) fn prepare<W: Wide>(
     }
 }
 
-/// Finds the rows that are there: those whose `greater` is not below `lesser`.
+/// Finds the rows that are there: those whose `greater` is not below `lesser`. A multiplier that has been applied keeps its row,
+/// where it can be taken back.
 #[inline(always)]
-fn find_taut<W: Wide>(rows: &mut Rows, greater: W, lesser: W) {
+fn find_taut<W: Wide>(rows: &mut Rows, greater: W, lesser: W, applied: bool) {
     let (one, zero) = (W::splat(1.0), W::zero());
     let impulse = W::load(&rows.impulse);
-    let present = one - W::select(lesser.above(greater), one, zero);
+    let slack = W::select(lesser.above(greater), one, zero);
+    let held = if applied { W::select(impulse.above(zero), one, zero) } else { zero };
+    let present = (one - slack).max(held);
     let is_present = present.above(zero);
     present.store(&mut rows.present);
     W::select(is_present, impulse, zero).store(&mut rows.impulse);

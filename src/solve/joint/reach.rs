@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_ball_joint_is_free_far_from_its_swing_and_twist() {
-        let kind = |swing_limit, twist| JointKind::Spherical {
+        let kind = |swing_limit: f32, twist: f32| JointKind::Spherical {
             swing_limit,
             twist_limits: Limits::new(-twist, twist),
             motor: SphericalMotor::Off,
