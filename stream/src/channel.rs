@@ -8,6 +8,7 @@
 #![allow(unsafe_code)]
 
 use iceoryx2::config::Config;
+use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::node::{Node, NodeBuilder};
 use iceoryx2::port::publisher::Publisher as Port;
 use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
@@ -58,6 +59,9 @@ pub(crate) struct Room {
     pub bytes: usize,
 }
 
+/// The host of the stream, and a tunnel that carries it to or from another machine: it wants to write on what it carries.
+const PUBLISHERS: usize = 2;
+
 /// What a process is to iceoryx2.
 pub(crate) fn node(config: &Config) -> Result<Node<Carrier>> {
     let name = NodeName::new("longspan").map_err(system("node"))?;
@@ -84,10 +88,10 @@ impl Outlet {
             .user_header::<CarriedHeader>()
             .payload_alignment(eight())
             .enable_safe_overflow(true)
-            .max_publishers(1)
+            .max_publishers(PUBLISHERS)
             .max_subscribers(readers)
             // A reader that died holds its place until the next one starts and clears up.
-            .max_nodes(2 * readers + 2)
+            .max_nodes(2 * readers + 2 * PUBLISHERS)
             .subscriber_max_buffer_size(room.buffer)
             .subscriber_max_borrowed_samples(1)
             .history_size(room.history)
@@ -213,14 +217,19 @@ impl Inlet {
         Ok(Received::Message)
     }
 
-    /// Whether a publisher is there that lives.
-    pub(crate) fn has_publisher(&self, config: &Config) -> bool {
+    /// Whether who publishes lives: the host itself if it is on this machine, else the tunnel that brings its messages. A tunnel
+    /// writes on both ends of what it carries, so on the host's machine it says nothing of the host.
+    pub(crate) fn has_publisher(&self, config: &Config, source: &Source) -> bool {
         let mut publishers = Vec::new();
         self.service.dynamic_config().list_publishers(|publisher| {
             publishers.push(publisher.node_id);
             CallbackProgression::Continue
         });
-        publishers.into_iter().any(|id| matches!(Node::<Carrier>::state_of(config, id), Ok(Some(NodeState::Alive(_)))))
+        let counts = |id: &UniqueNodeId| {
+            !source.is_here() || id.pid::<Carrier>().is_ok_and(|process| u32::try_from(process.value()) == Ok(source.process))
+        };
+        let lives = |id: UniqueNodeId| matches!(Node::<Carrier>::state_of(config, id), Ok(Some(NodeState::Alive(_))));
+        publishers.into_iter().filter(counts).any(lives)
     }
 }
 

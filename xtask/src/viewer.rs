@@ -1,28 +1,68 @@
-//! The viewer beside hosts in C: each scene of the paper that there is a sample of, watched live in a window, recorded, and played.
+//! The viewer beside a host in C: each scene of the paper watched live in a window, recorded, and played.
+//!
+//! The scenes are those of the library of scenes. Each goes to the host as a snapshot; `examples_c/saved.c` takes it up, steps it and
+//! publishes it.
 
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
+
+use longspan_scenes::{build, snapshot};
 
 use crate::compiler::{Language, compile};
+use crate::display::{Display, Running};
 use crate::library::{Library, output_folder};
 use crate::{Outcome, printed, repository, succeed};
 
-/// Samples, how long each is watched until its picture is taken (s), and the moving body that is selected in it.
-const SCENES: [(&str, f32, usize); 7] = [
-    ("chain", 3.0, 30),
-    ("bridge", 3.0, 10),
-    ("track", 3.0, 5),
-    ("vase", 1.5, 3),
-    ("tower", 2.2, 40),
-    ("crossbow", 1.5, 2),
-    ("keystone", 1.5, 2),
+/// A figure of the paper as a scene, and what is to be seen of it.
+struct Figure {
+    name: &'static str,
+    what: &'static str,
+    scene: &'static str,
+    keys: &'static [(&'static str, &'static str)],
+    /// The frame that is to be seen (a step of the world, of which the snapshot has had some).
+    step: u32,
+    /// How much slower than it is.
+    slower: u32,
+    /// The moving body that is selected in the window.
+    selected: u32,
+}
+
+/// Length of what a snapshot is taken of (s): three steps, so that there are contacts, loads and verdicts.
+const BEGUN: (&str, &str) = ("seconds", "0.05");
+
+const FIGURES: [Figure; 11] = [
+    figure("fig1", "two cars pull the third up", "cable_car", &[("cars", "3"), BEGUN], 120, 1, 101),
+    figure("fig4", "a track, which is no chain that hangs from something", "track", &[BEGUN], 200, 1, 0),
+    // Its own length; one step later what is not supported is on its way.
+    figure("fig11-12", "supporting contacts and supported bodies", "support_gallery", &[], 6, 8, 4),
+    figure("fig9-13", "a loop of hinges with an offset, struck sideways", "hinge_loop", &[BEGUN], 40, 2, 50),
+    figure("fig14", "ten tonnes on a chain", "hanging_chain", &[("solver", "gs"), BEGUN], 120, 1, 30),
+    figure("fig15", "the rope bridge of 1132 joints", "rope_bridge", &[("solver", "gs"), BEGUN], 60, 1, 60),
+    figure("fig16-bent", "the crossbow as it is modelled", "crossbow", &[("solver", "gs"), ("seconds", "0.02")], 3, 8, 2),
+    figure("fig16", "the crossbow a quarter of a second later", "crossbow", &[("solver", "gs"), ("seconds", "0.02")], 15, 8, 2),
+    figure("fig17", "the vase in one piece", "vase", &[BEGUN], 60, 2, 30),
+    figure("fig17-broken", "the vase that breaks", "vase", &[("break", "2e5"), BEGUN], 60, 2, 30),
+    // The ball comes after 0.1 s.
+    figure("fig18", "the tower", "tower", &[("stand", "0.1"), ("support", "on"), ("seconds", "0.12")], 60, 4, 900),
 ];
 
-/// What a recorded scene is recorded for (s).
-const RECORDED: &str = "3";
+const fn figure(
+    name: &'static str,
+    what: &'static str,
+    scene: &'static str,
+    keys: &'static [(&'static str, &'static str)],
+    step: u32,
+    slower: u32,
+    selected: u32,
+) -> Figure {
+    Figure { name, what, scene, keys, step, slower, selected }
+}
+
+/// How long a host goes on after the frame that is looked at (s).
+const AFTERWARDS: f64 = 0.5;
 
 /// Least part of a picture that is neither of its three commonest colours: sky, ground and paper.
 const LEAST_SEEN: f64 = 0.004;
@@ -30,72 +70,108 @@ const LEAST_SEEN: f64 = 0.004;
 /// Fewest colours of a picture with bodies in the light.
 const FEWEST_COLORS: usize = 12;
 
-/// `to` is where pictures go; those of the window are NAME.png, those without one NAME-still.png.
-pub fn run(to: Option<&str>) -> Outcome<()> {
-    let library = Library::build_with(&["--features", "stream"])?;
-    let folder = output_folder("viewer")?;
-    let pictures = to.map_or_else(|| folder.clone(), PathBuf::from);
-    let viewer = viewer()?;
-    for (name, after, selected) in SCENES {
-        let source = repository().join("examples_c").join(name).with_extension("c");
-        if !std::fs::read_to_string(&source).is_ok_and(|text| text.contains("step_world")) {
-            println!("{name}: there is no such sample");
-            continue;
-        }
-        let program = folder.join(name);
-        compile(&source, &program, Language::C99, &library)?;
-        let (window, still) = (pictures.join(format!("{name}.png")), pictures.join(format!("{name}-still.png")));
-        let recording = folder.join(format!("{name}.lsr"));
-        let told = watch(&viewer, name, &program, &window, &recording, (after, selected))?;
-        look(&window)?;
-        let (step, hash) = last_frame(&told).ok_or_else(|| format!("nothing was recorded: {told}"))?;
-        let played = printed(Command::new(&viewer).arg("picture").arg(&recording).arg(&still).args(["--step", step]))?;
-        print!("{name}: {told}{name}, played: {played}");
-        if !played.contains(&format!("step {step},")) || !played.contains(hash) {
-            return Err(format!("{name}: the recording shows another frame than was seen").into());
-        }
-        look(&still)?;
+/// `to` is where pictures go; those of the window are NAME.png, those without one NAME-still.png. With `only`, the others are left out.
+pub fn run(to: Option<&str>, only: Option<&str>) -> Outcome<()> {
+    let stage = Stage::set(to)?;
+    let chosen = FIGURES.iter().filter(|figure| only.is_none_or(|only| figure.name == only));
+    let mut shown = 0;
+    for figure in chosen {
+        stage.show(figure).map_err(|problem| format!("{}: {problem}", figure.name))?;
+        shown += 1;
     }
+    if shown == 0 {
+        let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
+        return Err(format!("no figure is called so; the figures are: {}", names.join(", ")).into());
+    }
+    println!("{shown} scenes live from a host in C, each frame the same when played");
     Ok(())
 }
 
-/// A process that ends with us.
-struct Running(Child);
+/// What all figures share.
+struct Stage {
+    display: Display,
+    viewer: PathBuf,
+    host: PathBuf,
+    folder: PathBuf,
+    pictures: PathBuf,
+}
 
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
+impl Stage {
+    fn set(to: Option<&str>) -> Outcome<Self> {
+        let folder = output_folder("viewer")?;
+        let pictures = to.map_or_else(|| folder.clone(), PathBuf::from);
+        std::fs::create_dir_all(&pictures)?;
+        Ok(Self { display: Display::open()?, viewer: viewer()?, host: host(&folder)?, folder, pictures })
+    }
+
+    /// Shows a figure in a window while it runs, records it, and compares what is played with what was seen.
+    fn show(&self, figure: &Figure) -> Outcome<()> {
+        let name = figure.name;
+        let file = |end: &str| self.folder.join(format!("{name}{end}"));
+        let picture = |end: &str| self.pictures.join(format!("{name}{end}"));
+        let (saved, recording) = (file(".snapshot"), file(".lsr"));
+        let (window, still) = (picture(".png"), picture("-still.png"));
+        save(figure.scene, figure.keys, &saved)?;
+
+        let mut record = Command::new(&self.viewer);
+        let recorder = record.args(["record", name]).arg(&recording).arg("1000").stdout(Stdio::piped()).spawn()?;
+        let mut watch = Command::new(&self.viewer);
+        watch.args(["watch", name, "--step", &figure.step.to_string(), "--select", &figure.selected.to_string(), "--shot"]);
+        let shown = self.display.start(watch.arg(&window))?;
+        shown.says("a window is open")?;
+
+        let seconds = f64::from(figure.step) / 60.0 + AFTERWARDS;
+        let mut host = Command::new(&self.host);
+        host.arg(&saved).arg(seconds.to_string()).env("LONGSPAN_STREAM", name);
+        let host = Running::start(host.env("LONGSPAN_STREAM_SLOWER", figure.slower.to_string()).stdout(Stdio::null()))?;
+        let seen = shown.says("step ")?;
+        shown.finish()?;
+        host.finish()?;
+        let recorded = String::from_utf8(recorder.wait_with_output()?.stdout)?;
+
+        let (step, hash) = step_and_hash(&seen).ok_or("the window does not say what it has shown")?;
+        let played = printed(Command::new(&self.viewer).arg("picture").arg(&recording).arg(&still).args(["--step", step]))?;
+        if step_and_hash(played.trim().strip_prefix("step ").unwrap_or_default()) != Some((step, hash)) {
+            return Err(format!("step {step} with hash {hash} was seen, and played: {played}").into());
+        }
+        let all = printed(Command::new(&self.viewer).arg("frames").arg(&recording))?;
+        if all_frames(&recorded).is_none() || all_frames(&recorded) != all_frames(&all) {
+            return Err(format!("recorded: {recorded}played: {all}").into());
+        }
+        println!("{name}: {}; step {step} with hash {hash} live and played; {}", figure.what, recorded.trim());
+        look(&window)?;
+        look(&still)
     }
 }
 
-/// Runs a sample with its stream, a window on it and a recorder; returns what the recorder says.
-fn watch(
-    viewer: &Path,
-    name: &str,
-    program: &Path,
-    window: &Path,
-    recording: &Path,
-    (after, selected): (f32, usize),
-) -> Outcome<String> {
-    let recorder = Command::new(viewer).args(["record", name]).arg(recording).arg(RECORDED).stdout(Stdio::piped()).spawn()?;
-    let _host = Running(Command::new(program).env("LONGSPAN_STREAM", name).stdout(Stdio::null()).spawn()?);
-    let mut shot = Command::new("xvfb-run");
-    shot.args(["--auto-servernum", "--server-args", "-screen 0 1280x800x24"]).arg(viewer).args(["watch", name, "--shot"]);
-    succeed(shot.arg(window).args(["--after", &after.to_string(), "--select", &selected.to_string()]))?;
-    let recorded = recorder.wait_with_output()?;
-    Ok(String::from_utf8(recorded.stdout)?)
+/// Writes a scene of the library as a snapshot.
+pub fn save(scene: &str, keys: &[(&str, &str)], file: &Path) -> Outcome<()> {
+    let keys: Vec<(String, String)> = keys.iter().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect();
+    Ok(std::fs::write(file, snapshot(build(scene, &keys)?)?)?)
 }
 
-/// Step and hash of the last frame that was recorded.
-fn last_frame(told: &str) -> Option<(&str, &str)> {
-    let rest = told.split_once("the last one of step ")?.1;
-    let (step, hash) = rest.split_once(" with hash ")?;
-    Some((step, hash.trim()))
+/// `examples_c/saved.c`, with a library that has streams.
+pub fn host(folder: &Path) -> Outcome<PathBuf> {
+    let library = Library::build_with(&["--features", "stream"])?;
+    let program = folder.join("saved");
+    compile(&repository().join("examples_c/saved.c"), &program, Language::C99, &library)?;
+    Ok(program)
+}
+
+/// Of "STEP with hash HASH: FILE".
+fn step_and_hash(said: &str) -> Option<(&str, &str)> {
+    let (step, rest) = said.split_once(" with hash ")?;
+    Some((step, rest.split_once(':')?.0))
+}
+
+/// Of "COUNT frames …, what they show has hash HASH".
+fn all_frames(said: &str) -> Option<(&str, &str)> {
+    let (count, rest) = said.split_once(" frames ")?;
+    Some((count, rest.split_once("has hash ")?.1.trim()))
 }
 
 /// The viewer, built in its own workspace, or the one that `LONGSPAN_VIEWER` names.
-fn viewer() -> Outcome<PathBuf> {
+pub fn viewer() -> Outcome<PathBuf> {
     if let Some(viewer) = std::env::var_os("LONGSPAN_VIEWER") {
         return Ok(viewer.into());
     }
