@@ -26,6 +26,10 @@ const CALL_INDICES: usize = 60_000;
 /// When a picture is taken that was asked for on the command line (s), unless its step was said.
 const SHOT_AFTER: f32 = 2.0;
 
+/// Field of view from top to bottom (rad), and how much farther away the eye is than it must be for everything to fit.
+const FIELD: f32 = 0.7;
+const MARGIN: f32 = 1.15;
+
 /// How far the pointer may go while the button is down for it to be a click (pixels).
 const CLICK: f32 = 3.0;
 
@@ -57,6 +61,12 @@ const VERDICTS: [&str; 10] = [
     "moving",
     "no gravity",
 ];
+
+/// Height of letters (pixels): the one that macroquad's own font was drawn for, others lose strokes.
+const FONT: u16 = 16;
+
+/// What the keys do.
+const KEYS: &str = "space pause  arrows step  tab next stream  S support  U unions  B bounds  J joints  C contacts  P planes  F frame  F12 picture";
 
 const SKY: Color = Color::new(0.80, 0.87, 0.94, 1.0);
 const PAPER: Color = Color::new(1.0, 1.0, 1.0, 0.75);
@@ -374,11 +384,30 @@ impl View {
             boxed = (boxed.0.min(at - reach), boxed.1.max(at + reach));
         }
         if boxed.0.is_finite() {
-            let (center, distance) = (0.5 * (boxed.0 + boxed.1), 1.4 * (boxed.1 - boxed.0).length() as f32);
+            let (center, half) = (0.5 * (boxed.0 + boxed.1), (0.5 * (boxed.1 - boxed.0)).as_vec3());
+            let distance = MARGIN * self.distance_for(half);
             let share = if self.distance == 0.0 { 1.0 } else { FOLLOW };
             self.center = self.center.lerp(center, share.into());
             self.distance += share * (distance - self.distance);
         }
+    }
+
+    /// How far away the eye must be for a box about the centre, of these half extents, to fit the window.
+    fn distance_for(&self, half: Direction) -> f32 {
+        let (sin, cos) = self.yaw.sin_cos();
+        let back = Direction::new(self.pitch.cos() * sin, self.pitch.sin(), self.pitch.cos() * cos);
+        let right = Direction::new(cos, 0.0, -sin);
+        let high = (0.5 * FIELD).tan();
+        let wide = high * screen_width() / screen_height();
+        let corners = (0..8).map(|corner| {
+            let sign = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+            half * Direction::new(sign(0), sign(1), sign(2))
+        });
+        let needed = |corner: Direction| {
+            let beside = (corner.dot(right).abs() / wide).max(corner.dot(back.cross(right)).abs() / high);
+            beside + corner.dot(back)
+        };
+        corners.map(needed).fold(0.0, f32::max)
     }
 
     fn eye(&self) -> Vec3 {
@@ -387,7 +416,7 @@ impl View {
     }
 
     fn camera(&self) -> Camera3D {
-        Camera3D { position: self.eye(), target: Vec3::ZERO, up: Vec3::Y, fovy: 0.7, ..Default::default() }
+        Camera3D { position: self.eye(), target: Vec3::ZERO, up: Vec3::Y, fovy: FIELD, ..Default::default() }
     }
 
     fn draw(&self, parts: &[(u64, Drawn)]) {
@@ -442,10 +471,8 @@ impl View {
     fn write(&self) {
         let scene = self.reader.scene();
         let frame = scene.frame();
-        let mut lines = vec![
-            format!("step {}  {:.2} s  {} bodies  {} joints  hash {:016x}", frame.step, frame.time, scene.bodies().len(), scene.joints().len(), frame.state_hash),
-            "space pause  arrows step  tab next stream  S support  U unions  B bounds  J joints  C contacts  P planes  F frame  F12 picture".to_owned(),
-        ];
+        let counts = format!("{} bodies  {} joints", scene.bodies().len(), scene.joints().len());
+        let mut lines = vec![format!("step {}  {:.2} s  {counts}  hash {:016x}", frame.step, frame.time, frame.state_hash)];
         let said = [self.status.as_str(), self.problem.as_str(), if self.paused { "paused" } else { "" }];
         lines.extend(said.into_iter().filter(|line| !line.is_empty()).map(str::to_owned));
         if let Some(body) = self.selected.and_then(|body| scene.body(body)) {
@@ -484,7 +511,7 @@ impl View {
             lines.push(format!("{} joints broke so far", self.broken));
         }
         if let Some(bound) = scene.bounds().iter().max_by(|a, b| a.tension.abs().total_cmp(&b.tension.abs())) {
-            lines.push(format!("{} bounds, the greatest tension {:.1} N", scene.bounds().len(), bound.tension));
+            lines.push(format!("{} bounds, the greatest tension {:.1} N", scene.bounds().len(), bound.tension + 0.0));
         }
         for plane in scene.planes() {
             let [x, y, z] = plane.normal;
@@ -495,11 +522,12 @@ impl View {
             let place = if source.is_here() { "" } else { " on another machine" };
             lines.push(format!("{here}{} of process {}{place}", source.name, source.process));
         }
-        let width = lines.iter().map(|line| measure_text(line, None, 18, 1.0).width).fold(0.0, f32::max);
+        let width = lines.iter().map(|line| measure_text(line, None, FONT, 1.0).width).fold(0.0, f32::max);
         draw_rectangle(0.0, 0.0, width + 20.0, 18.0 * lines.len() as f32 + 10.0, PAPER);
         for (number, line) in lines.iter().enumerate() {
-            draw_text(line, 10.0, 20.0 + 18.0 * number as f32, 18.0, TEXT);
+            draw_text(line, 10.0, 20.0 + 18.0 * number as f32, FONT.into(), TEXT);
         }
+        draw_text(KEYS, 10.0, screen_height() - BAR - 8.0, FONT.into(), TEXT);
         if let Some((first, last)) = self.reader.recording().and_then(|recording| recording.steps) {
             let share = (frame.step.saturating_sub(first)) as f32 / (last - first).max(1) as f32;
             let (width, height) = (screen_width(), screen_height());

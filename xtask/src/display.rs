@@ -11,6 +11,9 @@ use crate::{Outcome, printed};
 /// How long a program has for what it is expected to say.
 const PATIENCE: Duration = Duration::from_secs(60);
 
+/// Longer than the window takes for a picture, so that what is done before and after does not fall in the same one.
+const REST: Duration = Duration::from_millis(300);
+
 /// A process that ends with us.
 pub struct Running(Child);
 
@@ -120,9 +123,12 @@ impl Shown<'_> {
         self.display.hand(&["click", button]).map(|_| ())
     }
 
-    /// Holds the left button down, or lets it go.
+    /// Holds the left button down, or lets it go; before and after, as a hand does, it rests.
     pub fn hold(&self, down: bool) -> Outcome<()> {
-        self.display.hand(&[if down { "mousedown" } else { "mouseup" }, "1"]).map(|_| ())
+        std::thread::sleep(REST);
+        self.display.hand(&[if down { "mousedown" } else { "mouseup" }, "1"])?;
+        std::thread::sleep(REST);
+        Ok(())
     }
 
     /// Waits until the program has ended by itself.

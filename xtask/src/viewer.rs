@@ -46,7 +46,7 @@ const FIGURES: [Figure; 11] = [
     figure("fig17", "the vase in one piece", "vase", &[BEGUN], 60, 2, 30),
     figure("fig17-broken", "the vase that breaks", "vase", &[("break", "2e5"), BEGUN], 60, 2, 30),
     // The ball comes after 0.1 s.
-    figure("fig18", "the tower", "tower", &[("stand", "0.1"), ("support", "on"), ("seconds", "0.12")], 60, 4, 900),
+    figure("fig18", "the tower", "tower", &[("stand", "0.1"), ("support", "on"), ("seconds", "0.12")], 32, 8, 900),
 ];
 
 const fn figure(
@@ -78,6 +78,9 @@ pub fn run(to: Option<&str>, only: Option<&str>) -> Outcome<()> {
     for figure in chosen {
         stage.show(figure).map_err(|problem| format!("{}: {problem}", figure.name))?;
         shown += 1;
+    }
+    if only.is_none() {
+        sheet(&FIGURES.map(|figure| stage.pictures.join(format!("{}.png", figure.name))), &stage.pictures.join("sheet.png"))?;
     }
     if shown == 0 {
         let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
@@ -182,18 +185,55 @@ pub fn viewer() -> Outcome<PathBuf> {
     Ok(target.join("release/longspan-viewer"))
 }
 
-/// Whether a picture shows bodies, and not just what is behind them.
-fn look(picture: &Path) -> Outcome<()> {
+/// A picture as rows of red, green and blue.
+struct Pixels {
+    width: usize,
+    height: usize,
+    bytes: Vec<[u8; 3]>,
+}
+
+fn read(picture: &Path) -> Outcome<Pixels> {
     let mut reader = png::Decoder::new(BufReader::new(File::open(picture)?)).read_info()?;
     let mut bytes = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
     let info = reader.next_frame(&mut bytes)?;
-    let mut colors: HashMap<&[u8], usize> = HashMap::new();
-    for pixel in bytes[..info.buffer_size()].chunks_exact(info.color_type.samples()) {
+    let pixels = bytes[..info.buffer_size()].chunks_exact(info.color_type.samples());
+    let bytes = pixels.map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+    Ok(Pixels { width: info.width as usize, height: info.height as usize, bytes })
+}
+
+/// All pictures on one, three to a row, each a third as wide as it is.
+fn sheet(pictures: &[PathBuf], to: &Path) -> Outcome<()> {
+    const ACROSS: usize = 3;
+    let pictures = pictures.iter().map(|picture| read(picture)).collect::<Outcome<Vec<Pixels>>>()?;
+    let Some(&Pixels { width, height, .. }) = pictures.first() else { return Ok(()) };
+    let (small, low) = (width / ACROSS, height / ACROSS);
+    let size = (ACROSS * small, pictures.len().div_ceil(ACROSS) * low);
+    let mut sheet = vec![[255; 3]; size.0 * size.1];
+    for (number, picture) in pictures.iter().enumerate() {
+        for (x, y) in (0..low).flat_map(|y| (0..small).map(move |x| (x, y))) {
+            let of_block = (0..ACROSS * ACROSS).map(|at| (ACROSS * y + at / ACROSS) * picture.width + ACROSS * x + at % ACROSS);
+            let sum = of_block.fold([0_usize; 3], |sum, at| [0, 1, 2].map(|c| sum[c] + usize::from(picture.bytes[at][c])));
+            let place = (number / ACROSS * low + y) * size.0 + number % ACROSS * small + x;
+            sheet[place] = sum.map(|channel| (channel / (ACROSS * ACROSS)) as u8);
+        }
+    }
+    let mut encoder = png::Encoder::new(File::create(to)?, size.0 as u32, size.1 as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::High);
+    encoder.write_header()?.write_image_data(sheet.as_flattened())?;
+    Ok(())
+}
+
+/// Whether a picture shows bodies, and not just what is behind them.
+fn look(picture: &Path) -> Outcome<()> {
+    let Pixels { width, height, bytes } = read(picture)?;
+    let mut colors: HashMap<[u8; 3], usize> = HashMap::new();
+    for pixel in bytes {
         *colors.entry(pixel).or_default() += 1;
     }
     let mut counts: Vec<usize> = colors.values().copied().collect();
     counts.sort_unstable_by(|a, b| b.cmp(a));
-    let seen = counts.iter().skip(3).sum::<usize>() as f64 / (info.width * info.height) as f64;
+    let seen = counts.iter().skip(3).sum::<usize>() as f64 / (width * height) as f64;
     println!("{}: {} colours, {:.1} % of the picture is something", picture.display(), counts.len(), 100.0 * seen);
     if counts.len() < FEWEST_COLORS || seen < LEAST_SEEN {
         return Err(format!("{}: there is nothing to be seen", picture.display()).into());
