@@ -79,8 +79,12 @@ fn publish(domain: &Domain, mut engine: LongspanEngine, seconds: f64, rate: f64)
     print_times("publication, CPU time", &mut publishing);
 }
 
-/// Two worlds of one scene step in turn, one of them published: step for step they do the same work, to the last bit, and what the
-/// machine does meanwhile falls on both alike. Which of the two is first changes with each step.
+/// Steps that are published, then as many that are not, and so on.
+const BLOCK: usize = 8;
+
+/// Two worlds of one scene step in turn: step for step they do the same work, to the last bit. One is published in every other block
+/// of steps, the other never. What the machine does falls on both alike, and how each happens to lie in memory on all its steps
+/// alike; so what publishing does to a step is the ratio of the two in published blocks, over that in the others.
 fn measure(domain: &Domain, scene: &str, steps: u32, readers: usize) {
     let mut engines = [world(scene), world(scene)];
     for engine in &mut engines {
@@ -92,17 +96,23 @@ fn measure(domain: &Domain, scene: &str, steps: u32, readers: usize) {
     let readers: Vec<Child> = (0..readers).map(|_| reader(domain)).collect();
     std::thread::sleep(Duration::from_millis(500));
     let mut publishing = Vec::new();
-    // CPU time and time on the clock of the published world's steps, and of the other's.
-    let mut times = [const { [const { Vec::new() }; 2] }; 2];
+    let mut rows: Vec<Row> = Vec::new();
     for number in 0..steps as usize {
+        let streams = (number / BLOCK).is_multiple_of(2);
+        let mut times = [[0.0; 2]; 2];
+        // Each is first every other time.
         for which in [number % 2, 1 - number % 2] {
             let world = engines[which].world_mut();
             let start = Instant::now();
-            times[which][0].push(cpu(|| step(world)));
-            times[which][1].push(1e6 * start.elapsed().as_secs_f64());
-            if which == 0 {
-                publishing.push(cpu(|| publisher.publish(world)));
-            }
+            let own = cpu(|| step(world));
+            times[which] = [own, 1e6 * start.elapsed().as_secs_f64()];
+        }
+        // The first step of a block still has the last one's publication before it.
+        if number % BLOCK > 0 {
+            rows.push(Row { streams, times });
+        }
+        if streams {
+            publishing.push(cpu(|| publisher.publish(engines[0].world())));
         }
     }
     let stats = *publisher.stats();
@@ -114,22 +124,46 @@ fn measure(domain: &Domain, scene: &str, steps: u32, readers: usize) {
     for mut reader in readers {
         reader.wait().expect("a reader ends when its publisher has gone");
     }
-    let [with, without] = times;
-    for ((what, mut with), mut without) in ["CPU time", "time on the clock"].into_iter().zip(with).zip(without) {
-        let mut apart: Vec<f64> = with.iter().zip(&without).map(|(with, without)| with - without).collect();
+    for (clock, what) in ["CPU time", "time on the clock"].into_iter().enumerate() {
+        let column = |which: usize, streams: bool| -> Vec<f64> {
+            let mut column: Vec<f64> =
+                rows.iter().filter(|row| row.streams == streams).map(|row| row.times[which][clock]).collect();
+            column.sort_by(f64::total_cmp);
+            column
+        };
+        let [mut with, with_twin, mut without, without_twin] =
+            [(0, true), (1, true), (0, false), (1, false)].map(|(w, s)| column(w, s));
         print_times(&format!("step, published, {what}"), &mut with);
         print_times(&format!("step, not published, {what}"), &mut without);
-        print_times(&format!("the same step, published less not, {what}"), &mut apart);
-        let ratio = |share: f64| at(&with, share) / at(&without, share);
-        println!("published over not, {what}: p50 {:.3}, p90 {:.3}, p99 {:.3}", ratio(0.5), ratio(0.9), ratio(0.99));
-        if what == "CPU time" {
+        let over_twin = |streams: bool| {
+            let mut ratios: Vec<f64> =
+                rows.iter().filter(|row| row.streams == streams).map(|row| row.times[0][clock] / row.times[1][clock]).collect();
+            ratios.sort_by(f64::total_cmp);
+            at(&ratios, 0.5)
+        };
+        println!(
+            "published over not, against the twin, {what}: median of single steps {:.4}",
+            over_twin(true) / over_twin(false)
+        );
+        for share in [0.5, 0.9, 0.99] {
+            let [a, b, c, d] = [&with, &with_twin, &without, &without_twin].map(|times| at(times, share));
+            println!("  p{:.0}: {:.4}", 100.0 * share, a / b / (c / d));
+        }
+        if clock == 0 {
             publishing.sort_by(f64::total_cmp);
             print_times("publication, CPU time", &mut publishing);
             let share = 100.0 * at(&publishing, 0.5) / at(&without, 0.5);
-            let of_sum = 100.0 * publishing.iter().sum::<f64>() / without.iter().sum::<f64>();
-            println!("publication over step: {share:.2} % of medians, {of_sum:.2} % of sums");
+            println!("publication over step: {share:.2} % of medians");
         }
     }
+}
+
+/// One step of both worlds.
+struct Row {
+    /// Whether the one that is sometimes published was so in the step before.
+    streams: bool,
+    /// CPU time and time on the clock, of that one and of its twin (µs).
+    times: [[f64; 2]; 2],
 }
 
 /// This program as another process in the same domain.
