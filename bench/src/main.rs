@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use longspan_scenes::{build, snapshot};
+use longspan_scenes::{LongspanEngine, build};
 
 use args::{Chosen, Command, Options};
 
@@ -40,7 +40,7 @@ fn main() -> ExitCode {
 
 /// Writes the end of a scene for another host to take up.
 fn save(chosen: &Chosen, out: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    let bytes = snapshot(build(&chosen.scene, &chosen.keys())?)?;
+    let bytes = LongspanEngine::snapshot(build(&chosen.scene, &chosen.keys())?)?;
     std::fs::write(out, &bytes)?;
     println!("{}: {} bytes", out.display(), bytes.len());
     Ok(())

@@ -9,7 +9,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use longspan_scenes::{build, snapshot};
+use longspan_scenes::{LongspanEngine, build};
 
 use crate::compiler::{Language, compile};
 use crate::display::{Display, Running};
@@ -150,7 +150,7 @@ impl Stage {
 /// Writes a scene of the library as a snapshot.
 pub fn save(scene: &str, keys: &[(&str, &str)], file: &Path) -> Outcome<()> {
     let keys: Vec<(String, String)> = keys.iter().map(|&(key, value)| (key.to_owned(), value.to_owned())).collect();
-    Ok(std::fs::write(file, snapshot(build(scene, &keys)?)?)?)
+    Ok(std::fs::write(file, LongspanEngine::snapshot(build(scene, &keys)?)?)?)
 }
 
 /// `examples_c/saved.c`, with a library that has streams.
