@@ -88,9 +88,9 @@ fn readers_notice(machines: &Machines, peer: &Path, host: &mut Child) -> Outcome
         readers.push((side, machines.on(side, peer).args(["read", &domain(side), "0"]).stdout(Stdio::piped()).spawn()?));
     }
     sleep(Duration::from_secs(3));
+    let killed = Instant::now();
     host.kill()?;
     host.wait()?;
-    let killed = Instant::now();
     for (side, mut reader) in readers {
         while reader.try_wait()?.is_none() {
             if killed.elapsed() > GONE_WITHIN {
