@@ -223,6 +223,7 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>) -> (PairRow, Option<
         manifolds,
         made_for,
         updated: _,
+        still: _,
         version: _,
         // Of the support analysis.
         touching: _,
