@@ -268,10 +268,11 @@ fn edit(world: &mut World, random: &mut Random) {
     let shape = world.body_shapes(body).unwrap()[0];
     let solid = ShapeDef::new(Shape::cuboid(Vec3::splat(0.2)).unwrap());
     let place = Pose::at((random.vector(3.0) + Vec3::Y * 3.5).as_dvec3());
-    match random.index(11) {
+    match random.index(12) {
         0 => world.set_mass(body, Mass::Total(3.0)).unwrap(),
         1 => world.set_pose(body, place).unwrap(),
         2 => world.wake(body).unwrap(),
+        10 => world.put_to_sleep(body).unwrap(),
         3 => world.destroy_body(body).unwrap(),
         4 | 5 => drop(world.create_body(&BodyDef::dynamic(place).with_shape(solid)).unwrap()),
         6 => world.set_material(shape, Material { friction: 0.2, ..Material::default() }).unwrap(),

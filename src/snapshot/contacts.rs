@@ -1,7 +1,8 @@
 //! Pairs with their contacts as three tables, rows of one length each: pairs, their manifolds, the manifolds' points.
 //!
 //! Much of a pair follows all but exactly from the rest, and is stored as the difference from what would be expected: the pose that
-//! manifolds were made for is a few steps from the pose of now (if it is not, the next step makes them anew whatever it was), and a point on B is, counted in steps from one float to the next,
+//! manifolds were made for is a few steps from the pose of now (if it is not, the next step makes them anew whatever it was, unless
+//! the pair rests and is looked at only after it has moved on), and a point on B is, counted in steps from one float to the next,
 //! near the one on A moved along the normal by the separation. Whoever reads expects the same, bit for bit.
 
 use glam::{Quat, Vec3};
@@ -118,13 +119,15 @@ impl Stored for Steps {
     }
 }
 
-/// Writes pairs with all they carry.
+/// Writes pairs with all they carry; `rests` says of which the next step does not look at the poses that they are saved with.
 pub(crate) fn write<'a>(
     tables: &mut Output,
     pairs: impl ExactSizeIterator<Item = &'a Pair> + Clone,
     colliders: &Pool<Collider, ShapeId>,
+    rests: impl Fn(&Pair) -> bool,
 ) {
-    let (rows, far): (Vec<PairRow>, Vec<Option<FarPose>>) = pairs.clone().map(|pair| row_of(pair, colliders)).unzip();
+    let (rows, far): (Vec<PairRow>, Vec<Option<FarPose>>) =
+        pairs.clone().map(|pair| row_of(pair, colliders, rests(pair))).unzip();
     tables.table(rows.iter());
     let far: Vec<FarPose> = far.into_iter().flatten().collect();
     tables.table(far.iter());
@@ -214,7 +217,7 @@ fn unpacked(from: [f32; 7], bits: u32, units: [f32; 7]) -> [f32; 7] {
     })
 }
 
-fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>) -> (PairRow, Option<FarPose>) {
+fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (PairRow, Option<FarPose>) {
     // Written out, so that a field that is new does not compile.
     let Pair {
         key,
@@ -239,7 +242,7 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>) -> (PairRow, Option<
     let info = flag(*may_touch, MAY_TOUCH) | flag(*in_contact, IN_CONTACT) | (manifolds.len() as u32 * MANIFOLDS);
     let mut row = PairRow { key: *key, info, steps: 0, margin: 0, approach: *approach, blow: *blow };
     let mut far = None;
-    let now = Now::of(*key, colliders).filter(|now| pair.is_near(&now.exact, now.least_extent));
+    let now = Now::of(*key, colliders).filter(|now| rests || pair.is_near(&now.exact, now.least_extent));
     if let (Some((pose, margin)), Some(now)) = (made_for, now) {
         row.info |= HAS_POSE;
         row.margin = margin.to_bits() >> MARGIN_SHIFT;

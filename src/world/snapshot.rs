@@ -134,15 +134,19 @@ impl World {
         tables.table(displaced.iter());
         let last_boxes: Vec<LastBox> = colliders
             .iter()
-            .filter(|(_, shape)| !is_boxed_anew(&bodies[shape.body]) && !same_box(&shape.tight_box, &box_at_rest(shape)))
+            .filter(|(_, shape)| !is_followed(&bodies[shape.body]) && !same_box(&shape.tight_box, &box_at_rest(shape)))
             .map(|(slot, shape)| LastBox { shape: slot, tight_box: shape.tight_box })
             .collect();
         tables.table(last_boxes.iter());
-        contacts::write(&mut tables, pairs.listed().iter().map(|&(_, slot)| pairs.get(slot)), colliders);
+        let rests = |pair: &Pair| {
+            let (a, b) = pair.key.shapes();
+            [a, b].into_iter().all(|shape| !is_followed(&bodies[colliders[shape].body]))
+        };
+        contacts::write(&mut tables, pairs.listed().iter().map(|&(_, slot)| pairs.get(slot)), colliders, rests);
         // What a sleeping island kept of a shape that has gone since is not there any more.
         let is_whole = |slot: &u32| kept_material(colliders, pairs.get(*slot).key).is_some();
         let asleep: Vec<&Pair> = sleeping.pairs().filter(is_whole).map(|slot| pairs.get(slot)).collect();
-        contacts::write(&mut tables, asleep.into_iter(), colliders);
+        contacts::write(&mut tables, asleep.into_iter(), colliders, |_| true);
         let island = |island: &Option<SleepingIsland>| {
             island.as_ref().map(|SleepingIsland { bodies, pairs }| IslandRow {
                 bodies: Runs(bodies.clone()),
@@ -199,8 +203,8 @@ impl World {
     }
 }
 
-/// Whether the next step makes the boxes of a body's shapes anew.
-fn is_boxed_anew(body: &Body) -> bool {
+/// Whether the next step looks at where a body is: it makes the boxes of its shapes anew, and follows their contacts.
+fn is_followed(body: &Body) -> bool {
     body.is_mover() && !body.held
 }
 
