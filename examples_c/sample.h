@@ -96,14 +96,16 @@ static inline LsStream publish_world(LsWorld world, const char *name)
 }
 #endif
 
-/* A step. With LONGSPAN_STREAM=NAME in the environment, this and all that follow are published under that name, in real time. */
+/* A step. With LONGSPAN_STREAM=NAME in the environment, this and all that follow are published under that name, in real time, or,
+ * with LONGSPAN_STREAM_SLOWER=N, N times slower. */
 static inline void step_world(LsWorld world, float dt)
 {
     static int is_watched = -1;
-    static double due;
+    static double due, slower = 1.0;
     if (is_watched < 0) {
 #ifdef LS_STREAM_FRAME
-        const char *name = getenv("LONGSPAN_STREAM");
+        const char *name = getenv("LONGSPAN_STREAM"), *factor = getenv("LONGSPAN_STREAM_SLOWER");
+        slower = factor != NULL ? atof(factor) : 1.0;
         is_watched = name != NULL && name[0] != 0;
         if (is_watched)
             publish_world(world, name);
@@ -113,7 +115,7 @@ static inline void step_world(LsWorld world, float dt)
         due = now();
     }
     check(ls_world_step(world, dt));
-    due += dt;
+    due += slower * dt;
     if (is_watched)
         wait_until(due);
 }

@@ -86,6 +86,11 @@ fn a_swinging_chain_takes_no_memory() {
 }
 
 #[test]
+fn a_bridge_under_its_load_takes_no_memory() {
+    takes_no_memory("footbridge", &[("seconds", "6")]);
+}
+
+#[test]
 fn a_standing_tower_takes_no_memory() {
     takes_no_memory("tower", &[("bodies", "200"), ("ball", "off"), ("seconds", "2")]);
 }

@@ -48,6 +48,24 @@ fn a_bridge_holds_together_under_who_walks_over_it() {
 }
 
 #[test]
+fn a_taut_footbridge_carries_loads_of_many_times_its_planks() {
+    // Straight between its piers, it sags by √(span × what its joints open by / 2): 12 mm for a micrometre at each of 25.
+    let loads: [(&str, &[(&str, &str)]); 4] = [
+        ("set down", &[]),
+        ("dropped from two metres", &[("drop", "2")]),
+        ("of eight tonnes", &[("load", "8000")]),
+        ("a stack of three", &[("boxes", "3")]),
+    ];
+    for (load, keys) in loads {
+        let run = Run::of("footbridge", keys);
+        println!("{load}");
+        run.keeps("sag_m", 0.1, "m");
+        run.keeps("joint_gap_m", 5e-4, "m");
+        run.keeps("pen_max_m", 1e-4, "m");
+    }
+}
+
+#[test]
 fn a_sheet_of_joints_that_repeat_each_other_hangs_still() {
     // Flat, it has a thousand rows that others imply.
     let run = Run::of("joint_grid", &[("n", "34"), ("seconds", "0.25")]);
@@ -72,6 +90,15 @@ fn cars_hang_on_a_cable_over_two_drums() {
     let off = (run.error("car_drop_m") - 0.0156).abs();
     assert!(off < 4e-3, "the cars end {off} m from where the cable puts them, bound 0.004 m");
     run.keeps("joint_gap_m", 3e-4, "m");
+}
+
+#[test]
+fn two_cars_pull_a_third_up() {
+    let run = Run::of("cable_car", &[("cars", "3")]);
+    run.keeps("joint_gap_m", 5e-4, "m");
+    run.keeps("stretch_pct", 0.02, "%");
+    run.keeps("car_drop_m", 1.0, "m");
+    assert!(run.error("third_rise_m") > 1.0, "the third car rises by {} m", run.error("third_rise_m"));
 }
 
 #[test]

@@ -156,6 +156,11 @@ fn a_rope_bridge_rolls_back_to_any_step() {
 }
 
 #[test]
+fn a_bridge_that_loads_fall_on_rolls_back_to_any_step() {
+    rolls_back("footbridge", &[("drop", "0.3"), ("boxes", "3")], 90, 50, 1);
+}
+
+#[test]
 fn long_range_bounds_roll_back_with_what_they_carry() {
     for name in ["hanging_chain", "rope_bridge", "swinging_weight"] {
         rolls_back(name, &[("solver", "gs")], 60, 50, 1);

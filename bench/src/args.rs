@@ -52,6 +52,13 @@ pub enum Command {
     },
     /// Runs a scene on our engine and draws its end
     Picture(Picture),
+    /// Runs a scene on our engine and writes its end as a snapshot, which ls_world_restore reads
+    Save {
+        #[command(flatten)]
+        chosen: Chosen,
+        /// The snapshot
+        out: PathBuf,
+    },
     /// Draws bodies from a text file, one a line: `box hx hy hz  px py pz  qx qy qz qw`, `ball r …`, `capsule half_height r …`, `cylinder half_height r …`
     Draw {
         /// The text file

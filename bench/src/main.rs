@@ -1,4 +1,4 @@
-//! The command line: runs scenes on engines, lists them, plots results, draws pictures.
+//! The command line: runs scenes on engines, lists them, plots results, draws pictures, writes snapshots.
 
 mod args;
 mod derive_table;
@@ -9,11 +9,13 @@ mod plot;
 mod session;
 mod stress_table;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
+use longspan_scenes::{LongspanEngine, build};
 
-use args::{Command, Options};
+use args::{Chosen, Command, Options};
 
 fn main() -> ExitCode {
     let outcome = match Options::parse().command {
@@ -24,6 +26,7 @@ fn main() -> ExitCode {
         Command::DeriveTable => derive_table::print(),
         Command::HostTable { repeats } => host_table::print(repeats),
         Command::Picture(picture) => draw::picture(&picture),
+        Command::Save { chosen, out } => save(&chosen, &out),
         Command::Draw { file, out, size } => draw::draw_file(&file, &out, size),
     };
     match outcome {
@@ -33,4 +36,12 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Writes the end of a scene for another host to take up.
+fn save(chosen: &Chosen, out: &Path) -> Result<(), Box<dyn std::error::Error>> {
+    let bytes = LongspanEngine::snapshot(build(&chosen.scene, &chosen.keys())?)?;
+    std::fs::write(out, &bytes)?;
+    println!("{}: {} bytes", out.display(), bytes.len());
+    Ok(())
 }

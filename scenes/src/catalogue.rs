@@ -5,8 +5,8 @@ use longspan::glam::DVec3;
 use crate::params::{Params, SceneError};
 use crate::scene::Scene;
 use crate::{
-    arm, branching, bridge, cable_car, cantilever, chain, closed_form, crossbow, crowd, fracture, free, friction, gallery,
-    hinge_loop, idle, impact, machines, masonry, pile, ragdoll, stack, stress, track, vase, violent,
+    arm, branching, bridge, cable_car, cantilever, chain, closed_form, crossbow, crowd, footbridge, fracture, free, friction,
+    gallery, hinge_loop, idle, impact, machines, masonry, pile, ragdoll, stack, stress, track, vase, violent,
 };
 
 /// A scene that can be built.
@@ -23,6 +23,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry("hanging_chain", "a heavy box at the end of a chain of light links", chain::hanging_chain),
     entry("swinging_weight", "the same chain let go horizontally, against its exact motion", chain::swinging_weight),
     entry("rope_bridge", "a bridge of planks on ropes, with rails, at rest or walked over", bridge::rope_bridge),
+    entry("footbridge", "planks hinged straight between piers, and a load set down on them", footbridge::footbridge),
     entry("cable_car", "a cable over two drums with two or three cars", cable_car::cable_car),
     entry("hinge_loop", "a free closed loop of parallel hinges, struck sideways", hinge_loop::hinge_loop),
     entry("mobile", "bars on bars with heavy boxes at every end", branching::mobile),

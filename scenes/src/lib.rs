@@ -25,6 +25,7 @@ mod closed_form;
 mod crossbow;
 mod crowd;
 mod engine;
+mod footbridge;
 mod fracture;
 mod free;
 mod friction;

@@ -82,6 +82,18 @@ pub(crate) struct ContactInput {
     pub impulses: ContactImpulses,
 }
 
+impl ContactInput {
+    /// Whether it neither rebounds nor resists rolling.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.material.restitution == 0.0 && self.material.rolling == 0.0
+    }
+
+    /// Whether any of its points has pressed in the last substep.
+    pub(crate) fn presses(&self) -> bool {
+        self.impulses.normal.iter().any(|&lambda| lambda > 0.0)
+    }
+}
+
 /// Eight manifolds; unused lanes act on the world slot and do nothing.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]

@@ -283,6 +283,7 @@ impl Records<'_> {
             };
             withheld.clear();
             withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
+            direct.find_touching(inputs, velocities, motions, settings.dt);
             direct.take(&mut joints.entries, self.joints, velocities, motions, inputs, |slot| {
                 let index = bodies[slot as usize];
                 let body = &self.bodies[index];

@@ -4,7 +4,8 @@
 //! stream_peer publish DOMAIN SCENE SECONDS RATE    steps a scene, RATE times a second (0: as fast as it can), with a stream
 //! stream_peer read    DOMAIN SECONDS               reads each newest frame, and says what was lost and how old frames were
 //!                                                  (0: until the publisher has gone)
-//! stream_peer measure DOMAIN SCENE STEPS RATE      what publishing costs, with three readers in three processes
+//! stream_peer measure DOMAIN SCENE STEPS READERS   what publishing costs, and whether it shows in the step itself, with so many
+//!                                                  readers in as many processes
 //! stream_peer endure  DOMAIN SCENE LIVES           publishes while a reader and another publisher are started, stopped and killed
 //! stream_peer future  DOMAIN SECONDS               a stream of a schema that is still to come
 //! ```
@@ -23,9 +24,6 @@ use longspan_scenes::{DT, LongspanEngine, build};
 use longspan_stream::schema::{LS_STREAM_ABI, LS_STREAM_SCHEMA};
 use longspan_stream::{Domain, Poll, Publisher, PublisherDef, Reader};
 
-/// Steps with a stream, then as many without, and so on: what the machine does meanwhile falls on both alike.
-const BLOCK: u32 = 20;
-
 /// Steps before times count.
 const WARM_UP: u32 = 60;
 
@@ -36,7 +34,7 @@ fn main() {
     let domain = Domain::named(word(1)).expect("a name for a domain");
     match word(0) {
         "publish" => publish(&domain, world(word(2)), number(3), number(4)),
-        "measure" => measure(&domain, world(word(2)), number(3) as u32, number(4)),
+        "measure" => measure(&domain, word(2), number(3) as u32, number(4) as usize),
         "endure" => endure(&domain, world(word(2)), number(3) as u32),
         "read" => read(&domain, number(2)),
         "future" => future(&domain, number(2)),
@@ -81,40 +79,91 @@ fn publish(domain: &Domain, mut engine: LongspanEngine, seconds: f64, rate: f64)
     print_times("publication, CPU time", &mut publishing);
 }
 
-fn measure(domain: &Domain, mut engine: LongspanEngine, steps: u32, rate: f64) {
-    let world = engine.world_mut();
-    for _ in 0..WARM_UP {
-        step(world);
-    }
-    let mut publisher = open(domain, world);
-    let readers: Vec<Child> = (0..3).map(|_| reader(domain)).collect();
-    std::thread::sleep(Duration::from_millis(500));
-    let (mut with, mut without, mut publishing) = (Vec::new(), Vec::new(), Vec::new());
-    let start = Instant::now();
-    for number in 0..steps {
-        let streams = (number / BLOCK).is_multiple_of(2);
-        let own = cpu(|| step(world));
-        if streams {
-            with.push(own);
-            publishing.push(cpu(|| publisher.publish(world)));
-        } else {
-            without.push(own);
+/// Steps that are published, then as many that are not, and so on.
+const BLOCK: usize = 8;
+
+/// Two worlds of one scene step in turn: step for step they do the same work, to the last bit. One is published in every other block
+/// of steps, the other never. What the machine does falls on both alike, and how each happens to lie in memory on all its steps
+/// alike; so what publishing does to a step is the ratio of the two in published blocks, over that in the others.
+fn measure(domain: &Domain, scene: &str, steps: u32, readers: usize) {
+    let mut engines = [world(scene), world(scene)];
+    for engine in &mut engines {
+        for _ in 0..WARM_UP {
+            step(engine.world_mut());
         }
-        wait(start, number as usize + 1, rate);
+    }
+    let mut publisher = open(domain, engines[0].world());
+    let readers: Vec<Child> = (0..readers).map(|_| reader(domain)).collect();
+    std::thread::sleep(Duration::from_millis(500));
+    let mut publishing = Vec::new();
+    let mut rows: Vec<Row> = Vec::new();
+    for number in 0..steps as usize {
+        let streams = (number / BLOCK).is_multiple_of(2);
+        let mut times = [[0.0; 2]; 2];
+        // Each is first every other time.
+        for which in [number % 2, 1 - number % 2] {
+            let world = engines[which].world_mut();
+            let start = Instant::now();
+            let own = cpu(|| step(world));
+            times[which] = [own, 1e6 * start.elapsed().as_secs_f64()];
+        }
+        // The first step of a block still has the last one's publication before it.
+        if number % BLOCK > 0 {
+            rows.push(Row { streams, times });
+        }
+        if streams {
+            publishing.push(cpu(|| publisher.publish(engines[0].world())));
+        }
     }
     let stats = *publisher.stats();
-    println!("{} of {} bodies awake, {} frames", world.awake_body_count(), world.body_count(), stats.frames);
+    let [published, other] = engines.each_ref().map(LongspanEngine::world);
+    assert_eq!(published.state_hash(), other.state_hash(), "the two are one world twice");
+    println!("{} of {} bodies awake, {} frames", published.awake_body_count(), published.body_count(), stats.frames);
     println!("{} bytes a publication, {} dropped", stats.bytes / stats.frames.max(1), stats.dropped);
     drop(publisher);
     for mut reader in readers {
         reader.wait().expect("a reader ends when its publisher has gone");
     }
-    let share = 100.0 * median(&mut publishing) / median(&mut without);
-    let of_sum = 100.0 * publishing.iter().sum::<f64>() / with.iter().sum::<f64>();
-    print_times("step without publication, CPU time", &mut without);
-    print_times("step with publication, its own CPU time", &mut with);
-    print_times("publication, CPU time", &mut publishing);
-    println!("publication over step: {share:.2} % of medians, {of_sum:.2} % of sums");
+    for (clock, what) in ["CPU time", "time on the clock"].into_iter().enumerate() {
+        let column = |which: usize, streams: bool| -> Vec<f64> {
+            let mut column: Vec<f64> =
+                rows.iter().filter(|row| row.streams == streams).map(|row| row.times[which][clock]).collect();
+            column.sort_by(f64::total_cmp);
+            column
+        };
+        let [mut with, with_twin, mut without, without_twin] =
+            [(0, true), (1, true), (0, false), (1, false)].map(|(w, s)| column(w, s));
+        print_times(&format!("step, published, {what}"), &mut with);
+        print_times(&format!("step, not published, {what}"), &mut without);
+        let over_twin = |streams: bool| {
+            let mut ratios: Vec<f64> =
+                rows.iter().filter(|row| row.streams == streams).map(|row| row.times[0][clock] / row.times[1][clock]).collect();
+            ratios.sort_by(f64::total_cmp);
+            at(&ratios, 0.5)
+        };
+        println!(
+            "published over not, against the twin, {what}: median of single steps {:.4}",
+            over_twin(true) / over_twin(false)
+        );
+        for share in [0.5, 0.9, 0.99] {
+            let [a, b, c, d] = [&with, &with_twin, &without, &without_twin].map(|times| at(times, share));
+            println!("  p{:.0}: {:.4}", 100.0 * share, a / b / (c / d));
+        }
+        if clock == 0 {
+            publishing.sort_by(f64::total_cmp);
+            print_times("publication, CPU time", &mut publishing);
+            let share = 100.0 * at(&publishing, 0.5) / at(&without, 0.5);
+            println!("publication over step: {share:.2} % of medians");
+        }
+    }
+}
+
+/// One step of both worlds.
+struct Row {
+    /// Whether the one that is sometimes published was so in the step before.
+    streams: bool,
+    /// CPU time and time on the clock, of that one and of its twin (µs).
+    times: [[f64; 2]; 2],
 }
 
 /// This program as another process in the same domain.
@@ -211,7 +260,7 @@ fn future(domain: &Domain, seconds: f64) {
     config.global.set_root_path(&FolderName::new(folder.to_str().expect("plain letters").as_bytes()).expect("a path"));
     config.global.prefix = FileName::new(domain.prefix().as_bytes()).expect("a name");
     let node = NodeBuilder::new().config(&config).create::<ipc::Service>().expect("a node");
-    let name = format!("longspan/abi{LS_STREAM_ABI}/schema{}/{}/1/future/hot", LS_STREAM_SCHEMA + 1, std::process::id());
+    let name = format!("longspan/abi{LS_STREAM_ABI}/schema{}/0/{}/1/future/hot", LS_STREAM_SCHEMA + 1, std::process::id());
     let service = node.service_builder(&name.as_str().try_into().expect("a name")).publish_subscribe::<u64>();
     let service = service.create().expect("a service");
     let _publisher = service.publisher_builder().create().expect("a publisher");
@@ -262,17 +311,16 @@ fn cpu(work: impl FnOnce()) -> f64 {
     1e6 * start.elapsed().as_secs_f64()
 }
 
-fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
+/// What this share of sorted values does not exceed.
+fn at(sorted: &[f64], share: f64) -> f64 {
+    sorted.get((share * sorted.len().saturating_sub(1) as f64).round() as usize).copied().unwrap_or(0.0)
 }
 
 fn print_times(what: &str, microseconds: &mut [f64]) {
     microseconds.sort_by(f64::total_cmp);
-    if let Some(last) = microseconds.len().checked_sub(1) {
-        let at = |share: f64| microseconds[(share * last as f64).round() as usize];
+    if !microseconds.is_empty() {
         let mean = microseconds.iter().sum::<f64>() / microseconds.len() as f64;
-        let [p50, p90, p99, max] = [0.5, 0.9, 0.99, 1.0].map(at);
+        let [p50, p90, p99, max] = [0.5, 0.9, 0.99, 1.0].map(|share| at(microseconds, share));
         println!("{what}: mean {mean:.1} us, p50 {p50:.1}, p90 {p90:.1}, p99 {p99:.1}, max {max:.1}");
     }
 }

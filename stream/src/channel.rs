@@ -8,13 +8,14 @@
 #![allow(unsafe_code)]
 
 use iceoryx2::config::Config;
+use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::node::{Node, NodeBuilder};
 use iceoryx2::port::publisher::Publisher as Port;
 use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::{
-    Alignment, AllocationStrategy, BackpressureStrategy, CallbackProgression, NodeName, NodeState, PortFactory,
-    SignalHandlingMode, ZeroCopySend, ipc_threadsafe,
+    AllocationStrategy, BackpressureStrategy, CallbackProgression, NodeName, NodeState, PortFactory, SignalHandlingMode,
+    ZeroCopySend, ipc_threadsafe,
 };
 use iceoryx2::service::builder::publish_subscribe::PublishSubscribeOpenError;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory as ChannelService;
@@ -39,12 +40,12 @@ unsafe impl ZeroCopySend for CarriedHeader {
     }
 }
 
-/// Every record begins at a multiple of this.
-fn eight() -> Alignment {
-    Alignment::new(8).expect("8 is a power of two")
-}
+/// Messages are whole words, so that records begin at multiples of eight. Bytes that are to be aligned so would do, but for
+/// iceoryx2's tunnel: it carries no type whose size is not a multiple of its alignment.
+type Word = u64;
+const WORD: usize = size_of::<Word>();
 
-type Service = ChannelService<Carrier, [u8], CarriedHeader>;
+type Service = ChannelService<Carrier, [Word], CarriedHeader>;
 
 /// Room of a channel.
 #[derive(Debug, Clone, Copy)]
@@ -57,6 +58,9 @@ pub(crate) struct Room {
     /// Bytes of a message at first; more are found when needed.
     pub bytes: usize,
 }
+
+/// The host of the stream, and a tunnel that carries it to or from another machine: it wants to write on what it carries.
+const PUBLISHERS: usize = 2;
 
 /// What a process is to iceoryx2.
 pub(crate) fn node(config: &Config) -> Result<Node<Carrier>> {
@@ -72,7 +76,7 @@ fn system<E: std::fmt::Debug>(what: &'static str) -> impl Fn(E) -> Problem {
 /// The publishing end of a channel.
 #[derive(Debug)]
 pub(crate) struct Outlet {
-    port: Port<Carrier, [u8], CarriedHeader>,
+    port: Port<Carrier, [Word], CarriedHeader>,
     _service: Service,
 }
 
@@ -80,14 +84,13 @@ impl Outlet {
     pub(crate) fn open(node: &Node<Carrier>, source: &Source, room: Room, readers: usize) -> Result<Self> {
         let service = node
             .service_builder(&source.service(room.name)?)
-            .publish_subscribe::<[u8]>()
+            .publish_subscribe::<[Word]>()
             .user_header::<CarriedHeader>()
-            .payload_alignment(eight())
             .enable_safe_overflow(true)
-            .max_publishers(1)
+            .max_publishers(PUBLISHERS)
             .max_subscribers(readers)
             // A reader that died holds its place until the next one starts and clears up.
-            .max_nodes(2 * readers + 2)
+            .max_nodes(2 * readers + 2 * PUBLISHERS)
             .subscriber_max_buffer_size(room.buffer)
             .subscriber_max_borrowed_samples(1)
             .history_size(room.history)
@@ -97,7 +100,7 @@ impl Outlet {
             .publisher_builder()
             .backpressure_strategy(BackpressureStrategy::DiscardData)
             .max_loaned_samples(1)
-            .initial_max_slice_len(room.bytes)
+            .initial_max_slice_len(room.bytes / WORD)
             .allocation_strategy(AllocationStrategy::PowerOfTwo)
             .create()
             .map_err(system("a channel cannot be written"))?;
@@ -113,8 +116,12 @@ impl Outlet {
     /// Places a message whose content has this length: `fill` writes the content, from front to back, and says what its header is.
     /// False if there was no room.
     pub(crate) fn send(&self, length: usize, fill: impl FnOnce(&mut Slate<'_>) -> LsStreamHeader) -> bool {
-        let Ok(mut loan) = self.port.loan_slice_uninit(length) else { return false };
-        let mut slate = Slate { room: loan.payload_mut(), written: 0 };
+        assert!(length.is_multiple_of(WORD), "a section's length is a multiple of eight");
+        let Ok(mut loan) = self.port.loan_slice_uninit(length / WORD) else { return false };
+        let words = loan.payload_mut();
+        // SAFETY: the same memory, all of it, as bytes, which need no alignment and, as the words, no content.
+        let room = unsafe { std::slice::from_raw_parts_mut(words.as_mut_ptr().cast(), WORD * words.len()) };
+        let mut slate = Slate { room, written: 0 };
         let header = fill(&mut slate);
         let written = slate.written;
         assert_eq!(written, length, "a message is as long as was said");
@@ -145,7 +152,7 @@ impl Slate<'_> {
 /// The reading end of a channel.
 #[derive(Debug)]
 pub(crate) struct Inlet {
-    port: Subscriber<Carrier, [u8], CarriedHeader>,
+    port: Subscriber<Carrier, [Word], CarriedHeader>,
     service: Service,
 }
 
@@ -160,8 +167,8 @@ pub(crate) enum Received {
 impl Inlet {
     /// `None` where there is no such channel (any more).
     pub(crate) fn open(node: &Node<Carrier>, source: &Source, channel: &str) -> Result<Option<Self>> {
-        let builder = node.service_builder(&source.service(channel)?).publish_subscribe::<[u8]>();
-        let service = match builder.user_header::<CarriedHeader>().payload_alignment(eight()).open() {
+        let builder = node.service_builder(&source.service(channel)?).publish_subscribe::<[Word]>();
+        let service = match builder.user_header::<CarriedHeader>().open() {
             Ok(service) => service,
             Err(PublishSubscribeOpenError::IncompatibleTypes | PublishSubscribeOpenError::VersionMismatch) => {
                 return Err(Problem::Incompatible("the channel carries something else".into()));
@@ -213,14 +220,19 @@ impl Inlet {
         Ok(Received::Message)
     }
 
-    /// Whether a publisher is there that lives.
-    pub(crate) fn has_publisher(&self, config: &Config) -> bool {
+    /// Whether who publishes lives: the host itself if it is on this machine, else the tunnel that brings its messages. A tunnel
+    /// writes on both ends of what it carries, so on the host's machine it says nothing of the host.
+    pub(crate) fn has_publisher(&self, config: &Config, source: &Source) -> bool {
         let mut publishers = Vec::new();
         self.service.dynamic_config().list_publishers(|publisher| {
             publishers.push(publisher.node_id);
             CallbackProgression::Continue
         });
-        publishers.into_iter().any(|id| matches!(Node::<Carrier>::state_of(config, id), Ok(Some(NodeState::Alive(_)))))
+        let counts = |id: &UniqueNodeId| {
+            !source.is_here() || id.pid::<Carrier>().is_ok_and(|process| u32::try_from(process.value()) == Ok(source.process))
+        };
+        let lives = |id: UniqueNodeId| matches!(Node::<Carrier>::state_of(config, id), Ok(Some(NodeState::Alive(_))));
+        publishers.into_iter().filter(counts).any(lives)
     }
 }
 

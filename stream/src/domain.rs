@@ -6,10 +6,13 @@
 use std::fs;
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use iceoryx2::config::Config;
 use iceoryx2::node::Node;
-use iceoryx2::prelude::{CallbackProgression, FileName, LogLevel, Path, SemanticString, Service, ServiceName, set_log_level};
+use iceoryx2::prelude::{
+    CallbackProgression, FileName, LogLevel, NodeState, Path, SemanticString, Service, ServiceName, set_log_level,
+};
 use longspan_stream_schema::{LS_STREAM_ABI, LS_STREAM_SCHEMA};
 
 use crate::channel::{self, Carrier};
@@ -77,6 +80,15 @@ impl Domain {
         Ok(config)
     }
 
+    /// Where its files lie, in the words of a configuration file of iceoryx2's: for a tunnel that is to carry its streams.
+    ///
+    /// # Errors
+    /// The folder is somebody else's.
+    pub fn settings(&self) -> Result<String> {
+        let global = self.config()?.global;
+        Ok(format!("[global]\nroot-path = \"{}\"\nprefix = \"{}\"\n", global.root_path(), global.prefix))
+    }
+
     /// Joins the domain. Nobody clears it from now on until the membership ends.
     pub(crate) fn join(&self, config: &Config) -> Result<Membership> {
         let lock = self.lock()?;
@@ -91,7 +103,7 @@ impl Domain {
     /// from a process that dies.
     pub(crate) fn clear(&self) {
         let Ok(lock) = self.lock() else { return };
-        if lock.try_lock().is_err() {
+        if lock.try_lock().is_err() || self.has_guests() {
             return;
         }
         for part in ["nodes", "services"] {
@@ -103,6 +115,18 @@ impl Domain {
                 let _ = fs::remove_file(entry.path());
             }
         }
+    }
+
+    /// Whether programs live here that know nothing of the lock: a tunnel, or tools of iceoryx2's.
+    fn has_guests(&self) -> bool {
+        let mut found = false;
+        let listed = self.config().map(|config| {
+            Node::<Carrier>::list(&config, |node| {
+                found |= matches!(node, NodeState::Alive(_));
+                if found { CallbackProgression::Stop } else { CallbackProgression::Continue }
+            })
+        });
+        found && listed.is_ok()
     }
 
     /// A file that members lock together, and who clears up alone. It stays.
@@ -174,30 +198,53 @@ pub struct Source {
     pub schema: u32,
     /// Number of the binary interface of the library that publishes it; any can be read.
     pub abi: u32,
+    /// Number of the machine on which it is published; see [`is_here`](Self::is_here).
+    pub machine: u32,
+}
+
+/// Number of this machine, or of this container on it: of what numbers its processes by itself or has a network of its own. Two
+/// streams that a tunnel brings together must not have one name, and who reads must know whether the process of a stream is one of
+/// its neighbours.
+fn machine() -> u32 {
+    static NUMBER: OnceLock<u32> = OnceLock::new();
+    *NUMBER.get_or_init(|| {
+        let boot = fs::read("/proc/sys/kernel/random/boot_id").unwrap_or_default();
+        let spaces = ["pid", "net"].map(|space| fs::read_link(format!("/proc/self/ns/{space}")).unwrap_or_default());
+        let mut hash = crc32fast::Hasher::new();
+        hash.update(&boot);
+        spaces.iter().for_each(|space| hash.update(space.as_os_str().as_encoded_bytes()));
+        hash.finalize()
+    })
 }
 
 impl Source {
     pub(crate) fn new(name: &str, process: u32, number: u32) -> Self {
-        Self { name: name.to_owned(), process, number, schema: LS_STREAM_SCHEMA, abi: LS_STREAM_ABI }
+        Self { name: name.to_owned(), process, number, schema: LS_STREAM_SCHEMA, abi: LS_STREAM_ABI, machine: machine() }
+    }
+
+    /// Whether it is published on this machine; if not, a tunnel has brought it.
+    pub fn is_here(&self) -> bool {
+        self.machine == machine()
     }
 
     /// Name of the service that carries a channel.
     pub(crate) fn service(&self, channel: &str) -> Result<ServiceName> {
-        let Self { name, process, number, schema, abi } = self;
-        let text = format!("{FAMILY}/abi{abi}/schema{schema}/{process}/{number}/{name}/{channel}");
+        let Self { name, process, number, schema, abi, machine } = self;
+        let text = format!("{FAMILY}/abi{abi}/schema{schema}/{machine:08x}/{process}/{number}/{name}/{channel}");
         ServiceName::new(&text).map_err(|_| Problem::Argument("name", "is too long"))
     }
 
     /// The stream of which this is the name of the hot channel.
     fn parse(service: &str) -> Option<Self> {
         let words: Vec<&str> = service.split('/').collect();
-        let [FAMILY, abi, schema, process, number, name, "hot"] = words[..] else { return None };
+        let [FAMILY, abi, schema, machine, process, number, name, "hot"] = words[..] else { return None };
         Some(Self {
             name: name.to_owned(),
             process: process.parse().ok()?,
             number: number.parse().ok()?,
             schema: schema.strip_prefix("schema")?.parse().ok()?,
             abi: abi.strip_prefix("abi")?.parse().ok()?,
+            machine: u32::from_str_radix(machine, 16).ok()?,
         })
     }
 }
@@ -211,10 +258,11 @@ mod tests {
         let source = Source::new("crane.left-2", 4711, 3);
         assert_eq!(Source::parse(source.service("hot").unwrap().as_str()), Some(source.clone()));
         assert_eq!(Source::parse(source.service("cold").unwrap().as_str()), None);
-        let other = Source::parse("longspan/abi7/schema9/1/2/x/hot").unwrap();
-        assert_eq!((other.schema, other.abi), (9, 7));
+        assert!(source.is_here());
+        let other = Source::parse("longspan/abi7/schema9/00c0ffee/1/2/x/hot").unwrap();
+        assert_eq!((other.schema, other.abi, other.machine), (9, 7, 0xc0_ffee));
         assert_eq!(Source::parse(other.service("hot").unwrap().as_str()), Some(other));
-        for other in ["", "longspan", "camera/hot", "longspan/abi0/schemaX/1/2/x/hot"] {
+        for other in ["", "longspan", "camera/hot", "longspan/abi0/schemaX/0/1/2/x/hot"] {
             assert_eq!(Source::parse(other), None, "{other}");
         }
     }

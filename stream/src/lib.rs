@@ -17,6 +17,7 @@
 
 #![deny(unsafe_code)]
 
+mod arrivals;
 mod capture;
 mod channel;
 mod domain;

@@ -80,7 +80,7 @@ impl Live {
             let (Some(hot), Some(cold)) = (Inlet::open(node, &source, "hot")?, Inlet::open(node, &source, "cold")?) else {
                 continue;
             };
-            if hot.has_publisher(&self.config) {
+            if hot.has_publisher(&self.config, &source) {
                 self.attached = Some(Attached { source, hot, cold });
                 return Ok(true);
             }
@@ -108,7 +108,7 @@ impl Live {
             return false;
         }
         self.looked = Some(Instant::now());
-        if attached.hot.has_publisher(&self.config) {
+        if attached.hot.has_publisher(&self.config, &attached.source) {
             return false;
         }
         self.attached = None;

@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 use longspan_stream_schema::{LS_STREAM_CHANNEL_COLD, LsStreamHeader};
 
+use crate::arrivals::Arrivals;
+
 use crate::domain::{Domain, Source};
 use crate::live::{Channel, Live};
 use crate::message::Message;
@@ -46,7 +48,7 @@ enum Input {
 pub struct Reader {
     input: Input,
     scene: Scene,
-    buffer: Vec<u8>,
+    arrivals: Arrivals,
     counts: Counts,
     recorder: Option<Recorder>,
 }
@@ -82,7 +84,7 @@ impl Reader {
     }
 
     fn new(input: Input) -> Self {
-        Self { input, scene: Scene::default(), buffer: Vec::new(), counts: Counts::default(), recorder: None }
+        Self { input, scene: Scene::default(), arrivals: Arrivals::default(), counts: Counts::default(), recorder: None }
     }
 
     /// What is known of the world.
@@ -186,19 +188,14 @@ impl Reader {
         };
         if live.attach()? {
             self.counts = Counts { is_first: true, ..Counts::default() };
+            self.arrivals.clear();
         }
         if live.source().is_none() {
             return Ok(Poll::Gone);
         }
-        self.take_all_records()?;
         let mut found = false;
-        while self.take(Channel::Hot)? {
+        while !(found && one_by_one) && self.take_frame()? {
             found = true;
-            // What a frame is about was told before it.
-            self.take_all_records()?;
-            if one_by_one {
-                break;
-            }
         }
         if found {
             let Counts { lost_frames, lost_records, is_first, .. } = self.counts;
@@ -209,18 +206,24 @@ impl Reader {
         Ok(if live.detach_if_gone() { Poll::Gone } else { Poll::Nothing })
     }
 
-    fn take_all_records(&mut self) -> Result<()> {
-        while self.take(Channel::Cold)? {}
-        Ok(())
+    /// Takes in the next frame and, before it, what had been told until its step; false if there is none.
+    fn take_frame(&mut self) -> Result<bool> {
+        let Input::Live(live) = &mut self.input else { return Ok(false) };
+        let step = self.arrivals.next_frame(live)?;
+        while let Some(message) = self.arrivals.record_until(step) {
+            let taken = self.take(&message, Channel::Cold);
+            self.arrivals.give_back(message);
+            taken?;
+        }
+        let Some(frame) = self.arrivals.frame() else { return Ok(false) };
+        let taken = self.take(&frame, Channel::Hot);
+        self.arrivals.give_back(frame);
+        taken.map(|()| true)
     }
 
-    /// Takes in the next message of a channel; false if there is none.
-    fn take(&mut self, channel: Channel) -> Result<bool> {
-        let Input::Live(live) = &mut self.input else { return Ok(false) };
-        if !live.receive(channel, &mut self.buffer)? {
-            return Ok(false);
-        }
-        let message = Message::check(&self.buffer)?;
+    /// Takes in a message.
+    fn take(&mut self, bytes: &[u8], channel: Channel) -> Result<()> {
+        let message = Message::check(bytes)?;
         let LsStreamHeader { sequence, channel: said, session, .. } = message.header;
         if (said == LS_STREAM_CHANNEL_COLD) != (channel == Channel::Cold) {
             return Err(Problem::Corrupt("a message came by the wrong channel"));
@@ -237,7 +240,7 @@ impl Reader {
             self.recorder = None;
             return Err(problem);
         }
-        Ok(true)
+        Ok(())
     }
 }
 

@@ -23,7 +23,7 @@ fn parts(reader: &Reader) -> Vec<Drawn> {
 pub fn picture(reader: &Reader, to: &Path, (width, height): (usize, usize)) -> Outcome<()> {
     write_png(to, &draw(&parts(reader), width, height))?;
     let scene = reader.scene();
-    println!("step {}, {} bodies, hash {:016x}: {}", scene.frame().step, scene.bodies().len(), scene.hash(), to.display());
+    println!("step {} with hash {:016x}: {}", scene.frame().step, scene.hash(), to.display());
     Ok(())
 }
 

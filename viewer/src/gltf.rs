@@ -93,7 +93,7 @@ impl Document {
             json::Value::from((0..per_element).map(of).collect::<Vec<f32>>())
         };
         let (min, max) = if bounds { (Some(extreme(f32::min)), Some(extreme(f32::max))) } else { (None, None) };
-        self.add_bytes(&bytes, values.len() / per_element, json::accessor::ComponentType::F32, kind, (min, max))
+        self.add_bytes(&bytes, values.len() / per_element, json::accessor::ComponentType::F32, kind, (min, max), None)
     }
 
     fn add_bytes(
@@ -103,6 +103,7 @@ impl Document {
         component: json::accessor::ComponentType,
         kind: json::accessor::Type,
         (min, max): (Option<json::Value>, Option<json::Value>),
+        target: Option<json::buffer::Target>,
     ) -> json::Index<json::Accessor> {
         let view = self.root.push(json::buffer::View {
             buffer: json::Index::new(0),
@@ -110,7 +111,7 @@ impl Document {
             byte_offset: Some(USize64::from(self.bytes.len())),
             byte_stride: None,
             name: None,
-            target: None,
+            target: target.map(Valid),
             extensions: None,
             extras: json::Extras::default(),
         });
@@ -135,6 +136,9 @@ impl Document {
     fn add_part(&mut self, points: &[Vec3], triangles: &[[u32; 3]], color: Vec3, body: u64) -> usize {
         let flat: Vec<f32> = points.iter().flat_map(|point| point.to_array()).collect();
         let positions = self.add(&flat, 3, json::accessor::Type::Vec3, true);
+        if let Some(view) = self.root.buffer_views.last_mut() {
+            view.target = Some(Valid(json::buffer::Target::ArrayBuffer));
+        }
         let corners: Vec<u8> = triangles.iter().flatten().flat_map(|corner| corner.to_le_bytes()).collect();
         let indices = self.add_bytes(
             &corners,
@@ -142,6 +146,7 @@ impl Document {
             json::accessor::ComponentType::U32,
             json::accessor::Type::Scalar,
             (None, None),
+            Some(json::buffer::Target::ElementArrayBuffer),
         );
         let material = self.root.push(json::Material {
             pbr_metallic_roughness: json::material::PbrMetallicRoughness {

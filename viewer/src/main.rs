@@ -6,13 +6,14 @@
 mod export;
 mod gltf;
 mod parts;
+mod pick;
 mod window;
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use longspan_stream::{Domain, Poll, Reader};
+use longspan_stream::{Domain, Poll, Reader, Scene};
 
 const USAGE: &str = "longspan-viewer COMMAND
 
@@ -21,15 +22,16 @@ const USAGE: &str = "longspan-viewer COMMAND
     play FILE                         a window on a recording
     picture NAME|FILE OUT.png         what a stream or a recording shows, without a window
     turntable NAME|FILE OUT.gif       the same from all around
-    record NAME FILE SECONDS          writes a stream to a file
+    record NAME FILE SECONDS          writes a stream to a file, from its first frame on
+    frames FILE                       how many frames a recording has, and a hash of what all of them show
     gltf FILE OUT.gltf                a recording as an animation for other programs
+    config                            what a configuration file of iceoryx2's says that its tunnel finds streams by
 
     --domain NAME    where to look for streams
-    --step N         the frame of this step of a recording (else: its last)
+    --step N         the frame of this step: of a recording (else its last), or of --shot (else that after two seconds)
     --size WxH       of pictures (960x600)
     --select N       watch and play: begin with the N-th moving body selected, from 0
-    --after SECONDS  --shot: how long to look before (2)
-    --shot OUT.png   watch and play: save the window after a while, and end";
+    --shot OUT.png   watch and play: save the window, and end";
 
 /// What the command line says.
 #[derive(Debug, Default)]
@@ -40,7 +42,6 @@ pub struct Options {
     size: Option<(usize, usize)>,
     shot: Option<String>,
     select: Option<usize>,
-    after: Option<f32>,
 }
 
 /// Any failure, as text.
@@ -56,7 +57,6 @@ fn options() -> Outcome<Options> {
             "--step" => options.step = Some(value()?.parse()?),
             "--shot" => options.shot = Some(value()?),
             "--select" => options.select = Some(value()?.parse()?),
-            "--after" => options.after = Some(value()?.parse()?),
             "--size" => {
                 let text = value()?;
                 let (width, height) = text.split_once('x').ok_or("--size is WIDTHxHEIGHT")?;
@@ -94,6 +94,11 @@ fn run(options: &Options) -> Outcome<()> {
         ["picture", from, to] => export::picture(&still(&domain, from, options.step)?, Path::new(to), size),
         ["turntable", from, to] => export::turntable(&still(&domain, from, options.step)?, Path::new(to), size),
         ["record", name, file, seconds] => record(&domain, name, file, seconds.parse()?),
+        ["frames", file] => frames(&mut Reader::open(Path::new(file))?),
+        ["config"] => {
+            print!("{}", domain.settings()?);
+            Ok(())
+        }
         ["gltf", file, to] => gltf::write(Reader::open(Path::new(file))?, Path::new(to)),
         _ => Err(USAGE.into()),
     }
@@ -117,23 +122,51 @@ fn still(domain: &Domain, from: &str, step: Option<u64>) -> Outcome<Reader> {
     Err(format!("no stream named {from} within ten seconds").into())
 }
 
+/// Frames that a reader has come by, and what all of them show.
+#[derive(Debug, Default)]
+struct Seen {
+    frames: u64,
+    hash: u64,
+}
+
+impl Seen {
+    /// The hash depends on each frame and on their order.
+    fn add(&mut self, scene: &Scene) {
+        self.frames += 1;
+        self.hash = self.hash.rotate_left(1) ^ scene.hash();
+    }
+}
+
 fn record(domain: &Domain, name: &str, file: &str, seconds: f64) -> Outcome<()> {
     let mut reader = Reader::attach(domain, name)?;
     reader.record(Some(Path::new(file)))?;
-    let end = std::time::Instant::now() + Duration::from_secs_f64(seconds);
-    let (mut frames, mut lost) = (0, 0);
-    while std::time::Instant::now() < end {
+    let mut end: Option<Instant> = None;
+    let (mut seen, mut lost) = (Seen::default(), 0);
+    while end.is_none_or(|end| Instant::now() < end) {
         match reader.poll_next()? {
             Poll::Frame { lost_frames, .. } => {
-                frames += 1;
+                end.get_or_insert_with(|| Instant::now() + Duration::from_secs_f64(seconds));
+                seen.add(reader.scene());
                 lost += lost_frames;
+                reader.forget_events();
             }
+            Poll::Gone if end.is_some() => break,
             _ => std::thread::sleep(Duration::from_micros(500)),
         }
     }
-    let hash = reader.scene().hash();
     let step = reader.scene().frame().step;
     reader.record(None)?;
-    println!("{frames} frames, {lost} lost, the last one of step {step} with hash {hash:016x}");
+    println!("{} frames to step {step}, {lost} lost, what they show has hash {:016x}", seen.frames, seen.hash);
+    Ok(())
+}
+
+fn frames(reader: &mut Reader) -> Outcome<()> {
+    let mut seen = Seen::default();
+    while let Poll::Frame { .. } = reader.poll_next()? {
+        seen.add(reader.scene());
+        reader.forget_events();
+    }
+    let step = reader.scene().frame().step;
+    println!("{} frames to step {step}, what they show has hash {:016x}", seen.frames, seen.hash);
     Ok(())
 }

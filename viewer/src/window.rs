@@ -1,4 +1,6 @@
 //! The window: turn, select, pause, scrub, choose a stream, save what is seen.
+//!
+//! What the user does is written to standard output, a line each, so that a script that presses keys can tell what they did.
 
 use std::collections::{HashMap, VecDeque};
 use std::time::Instant;
@@ -6,11 +8,12 @@ use std::time::Instant;
 use longspan::glam::{DVec3, Vec3 as Direction};
 use longspan_scenes::picture::{Drawn, points_and_triangles};
 use longspan_stream::schema::{LS_STREAM_BODY_ASLEEP, LS_STREAM_BODY_SUPPORT_KNOWN, LS_STREAM_BODY_SUPPORTED};
-use longspan_stream::{Domain, Poll, Reader, Source};
+use longspan_stream::{Domain, Poll, Reader, Scene, Source};
 use macroquad::models::{Mesh, Vertex};
 use macroquad::prelude::*;
 
 use crate::parts::{Layers, broken_at, of_scene, pose_of, reach};
+use crate::pick::Ray;
 use crate::{Options, Outcome};
 
 /// Segments around what is round; a window has less time for a picture than a file.
@@ -20,8 +23,18 @@ const SEGMENTS: u32 = 12;
 const CALL_VERTICES: usize = 30_000;
 const CALL_INDICES: usize = 60_000;
 
-/// When a picture is taken that was asked for on the command line (s), unless said.
+/// When a picture is taken that was asked for on the command line (s), unless its step was said.
 const SHOT_AFTER: f32 = 2.0;
+
+/// Field of view from top to bottom (rad), and how much farther away the eye is than it must be for everything to fit.
+const FIELD: f32 = 0.7;
+const MARGIN: f32 = 1.15;
+
+/// How far the pointer may go while the button is down for it to be a click (pixels).
+const CLICK: f32 = 3.0;
+
+/// Height of the bar of a recording (pixels).
+const BAR: f32 = 24.0;
 
 /// Part of the way to where everything fits that is gone with each picture.
 const FOLLOW: f32 = 0.08;
@@ -49,9 +62,30 @@ const VERDICTS: [&str; 10] = [
     "no gravity",
 ];
 
+/// Height of letters (pixels): the one that macroquad's own font was drawn for, others lose strokes.
+const FONT: u16 = 16;
+
+/// What the keys do.
+const KEYS: &str = "space pause  arrows step  tab next stream  S support  U unions  B bounds  J joints  C contacts  P planes  F frame  F12 picture";
+
 const SKY: Color = Color::new(0.80, 0.87, 0.94, 1.0);
 const PAPER: Color = Color::new(1.0, 1.0, 1.0, 0.75);
 const TEXT: Color = Color::new(0.08, 0.09, 0.10, 1.0);
+
+/// What the left button does while it is held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Drag {
+    Nothing,
+    Turns,
+    Scrubs,
+}
+
+/// A picture that was asked for on the command line.
+struct Shot {
+    file: String,
+    /// Of the first frame of this step or a later one, or else after a while.
+    step: Option<u64>,
+}
 
 struct View {
     reader: Reader,
@@ -65,9 +99,11 @@ struct View {
     pitch: f32,
     distance: f32,
     framed: bool,
-    dragging: bool,
+    drag: Drag,
     wants_picture: bool,
     mouse: (f32, f32),
+    /// Where the left button was pressed.
+    pressed: (f32, f32),
     /// Which of the moving bodies is to be selected at the start.
     select_first: Option<usize>,
     /// Time of a recording that is due to be played (s).
@@ -106,9 +142,10 @@ pub fn open(reader: Reader, domain: &Domain, options: &Options) -> Outcome<()> {
         pitch: 0.35,
         distance: 0.0,
         framed: false,
-        dragging: false,
+        drag: Drag::Nothing,
         wants_picture: false,
         mouse: (0.0, 0.0),
+        pressed: (0.0, 0.0),
         select_first: options.select,
         playing: 0.0,
         breaks: VecDeque::new(),
@@ -118,13 +155,14 @@ pub fn open(reader: Reader, domain: &Domain, options: &Options) -> Outcome<()> {
         problem: String::new(),
         status: String::new(),
     };
-    let shot = options.shot.clone().map(|file| (file, options.after.unwrap_or(SHOT_AFTER)));
+    let shot = options.shot.clone().map(|file| Shot { file, step: options.step });
     macroquad::Window::from_config(conf, run(view, shot));
     Ok(())
 }
 
-async fn run(mut view: View, shot: Option<(String, f32)>) {
+async fn run(mut view: View, shot: Option<Shot>) {
     let start = Instant::now();
+    println!("a window is open");
     loop {
         view.advance();
         view.list_sources();
@@ -137,12 +175,18 @@ async fn run(mut view: View, shot: Option<(String, f32)>) {
         view.frame();
         view.draw(&parts);
         view.write();
+        let scene = view.reader.scene();
         if std::mem::take(&mut view.wants_picture) {
-            save(&format!("longspan-{}.png", view.reader.scene().frame().step));
+            save(&format!("longspan-{}.png", scene.frame().step), scene);
         }
-        if let Some((file, _)) = shot.as_ref().filter(|(_, after)| start.elapsed().as_secs_f32() > *after) {
-            save(file);
-            return;
+        if let Some(Shot { file, step }) = &shot {
+            let due = match step {
+                Some(step) => scene.is_complete() && scene.frame().step >= *step,
+                None => start.elapsed().as_secs_f32() > SHOT_AFTER,
+            };
+            if due {
+                return save(file, scene);
+            }
         }
         if is_key_down(KeyCode::Escape) {
             return;
@@ -151,11 +195,12 @@ async fn run(mut view: View, shot: Option<(String, f32)>) {
     }
 }
 
-/// Saves what has been drawn of this frame.
-fn save(file: &str) {
+/// Saves what has been drawn of a frame.
+fn save(file: &str, scene: &Scene) {
     // Changing the camera is what makes macroquad draw what it has collected; after the frame the buffer means nothing any more.
     set_default_camera();
     get_screen_data().export_png(file);
+    println!("step {} with hash {:016x}: {file}", scene.frame().step, scene.hash());
 }
 
 impl View {
@@ -227,22 +272,35 @@ impl View {
     fn turn(&mut self) {
         let (x, y) = mouse_position();
         let (dx, dy) = (x - self.mouse.0, y - self.mouse.1);
-        if is_mouse_button_down(MouseButton::Left) {
-            if y > screen_height() - 24.0 && self.reader.recording().is_some() {
-                self.scrub(x / screen_width());
-            } else if !is_mouse_button_pressed(MouseButton::Left) && dx.abs() + dy.abs() > 0.0 {
-                (self.dragging, self.framed) = (true, true);
-                self.yaw -= 0.006 * dx;
-                self.pitch = (self.pitch + 0.006 * dy).clamp(-1.5, 1.5);
+        if is_mouse_button_pressed(MouseButton::Left) {
+            let in_bar = y > screen_height() - BAR && self.reader.recording().is_some();
+            self.drag = if in_bar { Drag::Scrubs } else { Drag::Nothing };
+            self.pressed = (x, y);
+        } else if is_mouse_button_down(MouseButton::Left) && self.drag == Drag::Nothing {
+            // A hand that clicks is not quite still.
+            if (x - self.pressed.0).hypot(y - self.pressed.1) > CLICK {
+                (self.drag, self.framed) = (Drag::Turns, true);
             }
+        } else if self.drag == Drag::Turns {
+            self.yaw -= 0.006 * dx;
+            self.pitch = (self.pitch + 0.006 * dy).clamp(-1.5, 1.5);
+        }
+        if self.drag == Drag::Scrubs {
+            self.scrub(x / screen_width());
         }
         if is_mouse_button_released(MouseButton::Left) {
-            if !std::mem::take(&mut self.dragging) {
-                self.select(x, y);
+            match std::mem::replace(&mut self.drag, Drag::Nothing) {
+                Drag::Nothing => self.select(x, y),
+                Drag::Turns => println!("turned to {:.2} {:.2}", self.yaw, self.pitch),
+                Drag::Scrubs => println!("at step {}", self.reader.scene().frame().step),
             }
         }
-        self.framed |= mouse_wheel().1 != 0.0;
-        self.distance *= (1.0 - 0.1 * mouse_wheel().1.clamp(-3.0, 3.0)).max(0.2);
+        let wheel = mouse_wheel().1;
+        if wheel != 0.0 {
+            self.framed = true;
+            self.distance *= (1.0 - 0.1 * wheel.clamp(-3.0, 3.0)).max(0.2);
+            println!("distance {:.2} m", self.distance);
+        }
         self.mouse = (x, y);
     }
 
@@ -264,13 +322,13 @@ impl View {
         let here = self.reader.scene().frame().step;
         if is_key_pressed(KeyCode::Space) {
             self.paused = !self.paused;
+            println!("{} at step {here}", if self.paused { "paused" } else { "goes on" });
         }
         if self.reader.recording().is_some() {
-            if is_key_pressed(KeyCode::Right) {
-                self.seek(here + 1);
-            }
-            if is_key_pressed(KeyCode::Left) {
-                self.seek(here.saturating_sub(1));
+            let to = [(KeyCode::Right, here + 1), (KeyCode::Left, here.saturating_sub(1))];
+            if let Some((_, step)) = to.into_iter().find(|(key, _)| is_key_pressed(*key)) {
+                self.seek(step);
+                println!("at step {}", self.reader.scene().frame().step);
             }
         }
         let Layers { support, unions, bounds, joints, contacts, planes } = &mut self.layers;
@@ -285,6 +343,7 @@ impl View {
         for (key, layer) in switches {
             if is_key_pressed(key) {
                 *layer = !*layer;
+                println!("{key:?} {}", if *layer { "on" } else { "off" });
             }
         }
         if is_key_pressed(KeyCode::F) {
@@ -302,9 +361,12 @@ impl View {
     fn next_source(&mut self) {
         let (Ok(sources), Some(here)) = (self.domain.sources(), self.reader.source()) else { return };
         let next = sources.iter().find(|source| *source > here).or(sources.first());
-        if let Some(reader) = next.and_then(|source| Reader::attach(&self.domain, &source.name).ok()) {
+        let next = next.and_then(|source| Some((source, Reader::attach(&self.domain, &source.name).ok()?)));
+        if let Some((source, reader)) = next {
+            println!("watches {}", source.name);
             self.reader = reader;
-            self.framed = false;
+            (self.selected, self.paused, self.framed, self.distance) = (None, false, false, 0.0);
+            (self.broken, self.breaks) = (0, VecDeque::new());
         }
     }
 
@@ -322,11 +384,30 @@ impl View {
             boxed = (boxed.0.min(at - reach), boxed.1.max(at + reach));
         }
         if boxed.0.is_finite() {
-            let (center, distance) = (0.5 * (boxed.0 + boxed.1), 1.4 * (boxed.1 - boxed.0).length() as f32);
+            let (center, half) = (0.5 * (boxed.0 + boxed.1), (0.5 * (boxed.1 - boxed.0)).as_vec3());
+            let distance = MARGIN * self.distance_for(half);
             let share = if self.distance == 0.0 { 1.0 } else { FOLLOW };
             self.center = self.center.lerp(center, share.into());
             self.distance += share * (distance - self.distance);
         }
+    }
+
+    /// How far away the eye must be for a box about the centre, of these half extents, to fit the window.
+    fn distance_for(&self, half: Direction) -> f32 {
+        let (sin, cos) = self.yaw.sin_cos();
+        let back = Direction::new(self.pitch.cos() * sin, self.pitch.sin(), self.pitch.cos() * cos);
+        let right = Direction::new(cos, 0.0, -sin);
+        let high = (0.5 * FIELD).tan();
+        let wide = high * screen_width() / screen_height();
+        let corners = (0..8).map(|corner| {
+            let sign = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+            half * Direction::new(sign(0), sign(1), sign(2))
+        });
+        let needed = |corner: Direction| {
+            let beside = (corner.dot(right).abs() / wide).max(corner.dot(back.cross(right)).abs() / high);
+            beside + corner.dot(back)
+        };
+        corners.map(needed).fold(0.0, f32::max)
     }
 
     fn eye(&self) -> Vec3 {
@@ -335,7 +416,7 @@ impl View {
     }
 
     fn camera(&self) -> Camera3D {
-        Camera3D { position: self.eye(), target: Vec3::ZERO, up: Vec3::Y, fovy: 0.7, ..Default::default() }
+        Camera3D { position: self.eye(), target: Vec3::ZERO, up: Vec3::Y, fovy: FIELD, ..Default::default() }
     }
 
     fn draw(&self, parts: &[(u64, Drawn)]) {
@@ -370,30 +451,28 @@ impl View {
         set_default_camera();
     }
 
-    /// Selects the body whose middle the ray through a point of the window passes nearest to the eye, if it passes near one.
+    /// Selects the body under a point of the window, or none.
     fn select(&mut self, x: f32, y: f32) {
-        let turned = self.camera().matrix();
-        let at = vec2(2.0 * x / screen_width() - 1.0, 1.0 - 2.0 * y / screen_height());
-        let mut best: Option<(f32, u64)> = None;
-        for body in self.reader.scene().bodies().filter(|body| body.kind != 0) {
-            let from_center = (pose_of(body).position - self.center).as_vec3();
-            let clip = turned * vec4(from_center.x, from_center.y, from_center.z, 1.0);
-            let on_screen = vec2(clip.x, clip.y) / clip.w;
-            let near = clip.w > 0.0 && (on_screen - at).length() < 0.06;
-            if near && best.is_none_or(|(depth, _)| clip.w < depth) {
-                best = Some((clip.w, body.body));
-            }
+        let back = self.camera().matrix().inverse();
+        let at = |depth: f32| back.project_point3(vec3(2.0 * x / screen_width() - 1.0, 1.0 - 2.0 * y / screen_height(), depth));
+        let (eye, along) = (self.eye(), (at(0.9) - self.eye()).normalize());
+        let ray = Ray { center: self.center, eye: eye.to_array().into(), along: along.to_array().into() };
+        let scene = self.reader.scene();
+        let only_bodies = Layers { support: false, unions: false, bounds: false, joints: false, contacts: false, planes: false };
+        let parts = of_scene(scene, only_bodies);
+        let moves = |body: u64| scene.body(body).is_some_and(|body| body.kind != 0);
+        self.selected = ray.body(parts.iter().filter(|(body, _)| moves(*body)));
+        match self.selected {
+            Some(body) => println!("selected body {body:#x}"),
+            None => println!("selected nothing"),
         }
-        self.selected = best.map(|(_, body)| body);
     }
 
     fn write(&self) {
         let scene = self.reader.scene();
         let frame = scene.frame();
-        let mut lines = vec![
-            format!("step {}  {:.2} s  {} bodies  {} joints  hash {:016x}", frame.step, frame.time, scene.bodies().len(), scene.joints().len(), frame.state_hash),
-            "space pause  arrows step  tab next stream  S support  U unions  B bounds  J joints  C contacts  P planes  F frame  F12 picture".to_owned(),
-        ];
+        let counts = format!("{} bodies  {} joints", scene.bodies().len(), scene.joints().len());
+        let mut lines = vec![format!("step {}  {:.2} s  {counts}  hash {:016x}", frame.step, frame.time, frame.state_hash)];
         let said = [self.status.as_str(), self.problem.as_str(), if self.paused { "paused" } else { "" }];
         lines.extend(said.into_iter().filter(|line| !line.is_empty()).map(str::to_owned));
         if let Some(body) = self.selected.and_then(|body| scene.body(body)) {
@@ -432,7 +511,7 @@ impl View {
             lines.push(format!("{} joints broke so far", self.broken));
         }
         if let Some(bound) = scene.bounds().iter().max_by(|a, b| a.tension.abs().total_cmp(&b.tension.abs())) {
-            lines.push(format!("{} bounds, the greatest tension {:.1} N", scene.bounds().len(), bound.tension));
+            lines.push(format!("{} bounds, the greatest tension {:.1} N", scene.bounds().len(), bound.tension + 0.0));
         }
         for plane in scene.planes() {
             let [x, y, z] = plane.normal;
@@ -440,18 +519,20 @@ impl View {
         }
         for source in &self.sources {
             let here = if self.reader.source() == Some(source) { "> " } else { "  " };
-            lines.push(format!("{here}{} of process {}", source.name, source.process));
+            let place = if source.is_here() { "" } else { " on another machine" };
+            lines.push(format!("{here}{} of process {}{place}", source.name, source.process));
         }
-        let width = lines.iter().map(|line| measure_text(line, None, 18, 1.0).width).fold(0.0, f32::max);
+        let width = lines.iter().map(|line| measure_text(line, None, FONT, 1.0).width).fold(0.0, f32::max);
         draw_rectangle(0.0, 0.0, width + 20.0, 18.0 * lines.len() as f32 + 10.0, PAPER);
         for (number, line) in lines.iter().enumerate() {
-            draw_text(line, 10.0, 20.0 + 18.0 * number as f32, 18.0, TEXT);
+            draw_text(line, 10.0, 20.0 + 18.0 * number as f32, FONT.into(), TEXT);
         }
+        draw_text(KEYS, 10.0, screen_height() - BAR - 8.0, FONT.into(), TEXT);
         if let Some((first, last)) = self.reader.recording().and_then(|recording| recording.steps) {
             let share = (frame.step.saturating_sub(first)) as f32 / (last - first).max(1) as f32;
             let (width, height) = (screen_width(), screen_height());
-            draw_rectangle(0.0, height - 24.0, width, 24.0, Color::new(0.6, 0.65, 0.7, 1.0));
-            draw_rectangle(0.0, height - 24.0, width * share, 24.0, Color::new(0.25, 0.45, 0.7, 1.0));
+            draw_rectangle(0.0, height - BAR, width, BAR, Color::new(0.6, 0.65, 0.7, 1.0));
+            draw_rectangle(0.0, height - BAR, width * share, BAR, Color::new(0.25, 0.45, 0.7, 1.0));
         }
     }
 }

@@ -6,13 +6,16 @@
 mod compiler;
 mod consumers;
 mod demo;
+mod display;
 mod hosts;
 mod install;
 mod library;
 mod readme;
 mod samples;
 mod streams;
+mod tunnel;
 mod viewer;
+mod window;
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -24,7 +27,9 @@ const USAGE: &str = "cargo xtask COMMAND
     samples   looks for warnings in the header at every standard, compiles every C sample as C99 and as C++11, and runs it
     streams   builds the library with streams; runs a host in C, and one that watches, records and plays it
     streams LIVES   kills, stops and restarts readers and publishers so many times, and looks at step times and what is left
-    viewer [FOLDER] runs each C sample of a scene of the paper with a stream; watches, records and plays it; looks at the pictures
+    tunnel    carries a stream between two network namespaces by iceoryx2's tunnel, which must be installed; as root
+    viewer [FOLDER [FIGURE]]   publishes each scene of the paper from a host in C; watches, records and plays it; looks at the pictures
+    window [FOLDER] presses every key and button that the viewer's window answers to, and looks at what they do
     install PREFIX   installs shared and static library, header, pkg-config file and CMake package (DESTDIR is honoured)
     consumers builds and runs a program for each way to take the installed library
     hosts     builds the hosts with a window, runs them under a virtual display, and looks at their pictures
@@ -40,8 +45,12 @@ fn main() -> ExitCode {
         ["samples"] => samples::run(),
         ["hosts"] => hosts::run(),
         ["streams"] => streams::run(),
-        ["viewer"] => viewer::run(None),
-        ["viewer", folder] => viewer::run(Some(folder)),
+        ["tunnel"] => tunnel::run(),
+        ["viewer"] => viewer::run(None, None),
+        ["viewer", folder] => viewer::run(Some(folder), None),
+        ["viewer", folder, figure] => viewer::run(Some(folder), Some(figure)),
+        ["window"] => window::run(None),
+        ["window", folder] => window::run(Some(folder)),
         ["streams", lives] => streams::endure(lives),
         ["readme"] => readme::run(),
         ["install", prefix] => install::run(prefix),

@@ -45,7 +45,7 @@ pub fn endure(lives: &str) -> Outcome<()> {
 }
 
 /// `stream/examples/stream_peer.rs`, as cargo builds it.
-fn build_peer() -> Outcome<std::path::PathBuf> {
+pub fn build_peer() -> Outcome<std::path::PathBuf> {
     succeed(cargo().args(["build", "--release", "--package", "longspan-stream", "--example", "stream_peer"]))?;
     Ok(output_folder("release/examples")?.join("stream_peer"))
 }

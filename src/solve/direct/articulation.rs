@@ -74,7 +74,10 @@ const MOST_STRIDE: f64 = 0.03;
 const MOST_WORK_PER_ROW: u64 = 10_000;
 const MOST_WORK_PER_ROW_IF_ASKED: u64 = 100_000;
 
-/// What a joint holds on to: two local bodies, and how many rows it may have.
+/// Rows of a face with friction.
+const CONTACT_WEIGHT: u32 = 7;
+
+/// What a joint, or a contact with a body that is carried, holds on to: two local bodies, and how many rows the joint may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Link {
     pub bodies: [u32; 2],
@@ -82,6 +85,14 @@ pub(super) struct Link {
     capacity: u32,
     /// Whether it holds points together and does nothing else.
     pub is_plain: bool,
+    is_contact: bool,
+}
+
+impl Link {
+    /// Rows for which its node counts when an order is chosen.
+    fn weight(&self) -> u32 {
+        if self.is_contact { CONTACT_WEIGHT } else { self.capacity }
+    }
 }
 
 /// A body has more contacts than the nodes of its joints hold.
@@ -112,13 +123,15 @@ pub(crate) struct Articulation {
     /// Room for rows of contacts in the node of each joint; it never shrinks while the joints stay the same.
     room: Vec<u32>,
     needed: Vec<u32>,
+    /// Bodies between which contacts of carried bodies are.
+    carried: Vec<[u32; 2]>,
     /// Whether the topology is that of other joints or less room.
     stale: bool,
     /// Whether the host has asked for the direct solve.
     is_asked_for: bool,
-    /// Contacts with what it does not move, sorted by node.
+    /// Contacts with what it does not move and with what it carries, sorted by node.
     pub touches: Vec<Touch>,
-    /// Contacts with what moves, by number, that have not pressed yet.
+    /// Contacts with what else moves, by number, that have not pressed yet.
     pub watched: Vec<u32>,
     /// Where the bodies were at the start of the step.
     pub(super) step_start: Vec<Stance>,
@@ -148,7 +161,7 @@ pub(crate) struct Articulation {
     /// Length by which errors are judged (m).
     pub(super) size: f64,
     mode: Mode,
-    /// Whether it touches what moves, so that its joints are swept with the contacts.
+    /// Whether it touches what moves and is not carried, so that its joints are swept with the contacts.
     pub coupled: bool,
     /// Halvings that this step may still spend.
     budget: u32,
@@ -224,23 +237,29 @@ impl Articulation {
     /// Prepares the structure of the matrix; false where sweeps are the better choice, or where they must be if it is `asked` for.
     pub(crate) fn lay_out(&mut self, joints: &Pool<Joint, JointId>, local: &[(u32, u32)], asked: bool) -> bool {
         self.stale |= std::mem::replace(&mut self.is_asked_for, asked) != asked;
-        let Self { entries, bodies, .. } = self;
+        self.carried.clear();
+        self.carried.extend(self.touches.iter().filter(|touch| touch.other_moves).map(|touch| [touch.body, touch.other]));
+        self.carried.sort_unstable();
+        self.carried.dedup();
+        let Self { entries, bodies, carried, .. } = self;
         let link = |entry: &JointEntry| {
             let ends = [entry.a, entry.b].map(|slot| if slot == WORLD_SLOT { 0 } else { local[slot as usize].1 });
             let moves = ends.map(|body| bodies[body as usize].is_dynamic());
             let kind = &joints[entry.joint].def.kind;
-            Link { bodies: ends, moves, capacity: kinds::most_rows(kind), is_plain: kinds::is_plain(kind) }
+            let (capacity, is_plain) = (kinds::most_rows(kind), kinds::is_plain(kind));
+            Link { bodies: ends, moves, capacity, is_plain, is_contact: false }
         };
-        let unchanged =
-            self.links.len() == entries.len() && self.links.iter().zip(&*entries).all(|(old, entry)| *old == link(entry));
+        let contact = |&bodies: &[u32; 2]| Link { bodies, moves: [true; 2], capacity: 0, is_plain: false, is_contact: true };
+        let links = || entries.iter().map(link).chain(carried.iter().map(contact));
+        let unchanged = self.links.len() == entries.len() + carried.len() && self.links.iter().copied().eq(links());
         if !unchanged {
             self.links.clear();
-            self.links.extend(entries.iter().map(link));
+            self.links.extend(links());
             self.room.clear();
             self.room.resize(self.links.len(), 0);
             self.stale = true;
         }
-        self.hangs = !self.touches.is_empty() || self.links.iter().any(|link| link.moves != [true; 2]);
+        self.hangs = self.touches.iter().any(|touch| !touch.other_moves) || self.links.iter().any(|link| link.moves != [true; 2]);
         if !self.touches.is_empty() && self.is_rigid() {
             return false;
         }
@@ -261,10 +280,16 @@ impl Articulation {
     /// Whether joints leave no freedom: contacts then contradict one another, and no active set of theirs comes to an end.
     fn is_rigid(&self) -> bool {
         let rows: u32 = self.links.iter().map(|link| link.capacity).sum();
-        rows as usize >= 6 * self.bodies.iter().filter(|body| body.is_dynamic()).count()
+        rows as usize >= 6 * self.jointed_bodies()
     }
 
-    /// Gives every contact a joint of its body whose node has its rows; says whether any node needs more room than it had.
+    /// Bodies that it moves and joints hold.
+    fn jointed_bodies(&self) -> usize {
+        self.bodies.iter().filter(|body| body.is_dynamic() && !body.is_rider).count()
+    }
+
+    /// Gives every contact with what does not move a joint of its body whose node has its rows, and every other the node of its two
+    /// bodies; says whether any node needs more room than it had.
     fn place_touches(&mut self) -> Result<bool, NoRoom> {
         let Self { touches, links, room, needed, .. } = self;
         if touches.is_empty() {
@@ -273,8 +298,13 @@ impl Articulation {
         needed.clear();
         needed.resize(links.len(), 0);
         for touch in touches.iter_mut() {
-            let hosts = links.iter().enumerate().filter(|(_, link)| link.bodies.contains(&touch.body));
-            let (node, link) = hosts.min_by_key(|&(node, link)| (link.capacity + needed[node], node)).ok_or(NoRoom)?;
+            let is_host = |link: &Link| match touch.other_moves {
+                true => link.is_contact && link.bodies == [touch.body, touch.other],
+                false => link.bodies.contains(&touch.body),
+            };
+            let hosts = links.iter().enumerate().filter(|(_, link)| is_host(link));
+            let (node, link) =
+                hosts.min_by_key(|&(node, link)| (link.is_contact, link.capacity + needed[node], node)).ok_or(NoRoom)?;
             touch.node = node as u32;
             touch.side = u8::from(link.bodies[1] == touch.body);
             needed[node] += touch.rows();
@@ -294,6 +324,11 @@ impl Articulation {
     /// The last substep of each body that it moves, by slot.
     pub(crate) fn histories(&self) -> impl Iterator<Item = (u32, &History)> {
         self.bodies.iter().zip(&self.histories).filter(|(body, _)| body.is_dynamic()).map(|(body, history)| (body.slot, history))
+    }
+
+    /// Slots of all its bodies.
+    pub(super) fn slots(&self) -> impl Iterator<Item = u32> + '_ {
+        self.bodies.iter().map(|body| body.slot)
     }
 
     /// Slots of the bodies that it moves.
@@ -359,7 +394,7 @@ impl Articulation {
         let outcome = &self.outcome;
         ArticulationReport {
             body,
-            bodies: self.moved_slots().count() as u32,
+            bodies: self.jointed_bodies() as u32,
             joints: self.entries.len() as u32,
             swept: self.coupled,
             second_order: outcome.second_order,
@@ -556,8 +591,8 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize, asked: bool) -> 
             }
         }
     }
-    let weights: Vec<u32> = links.iter().map(|link| link.capacity).collect();
-    let capacity: Vec<u32> = weights.iter().zip(room).map(|(weight, room)| weight + room).collect();
+    let weights: Vec<u32> = links.iter().map(Link::weight).collect();
+    let capacity: Vec<u32> = links.iter().zip(room).map(|(link, room)| link.capacity + room).collect();
     let per_row = if asked { MOST_WORK_PER_ROW_IF_ASKED } else { MOST_WORK_PER_ROW };
     let most_work = per_row * weights.iter().map(|&rows| u64::from(rows)).sum::<u64>();
     let mut shared = Vec::new();
@@ -588,7 +623,7 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize, asked: bool) -> 
 /// Whether no joints close a loop, where all that does not move is one.
 fn is_forest(links: &[Link], bodies: usize) -> bool {
     let mut group: Vec<u32> = (0..bodies as u32).collect();
-    links.iter().all(|link| {
+    links.iter().filter(|link| !link.is_contact).all(|link| {
         let [a, b] = [0, 1].map(|side| if link.moves[side] { root(&mut group, link.bodies[side]) } else { 0 });
         group[a.max(b) as usize] = a.min(b);
         a != b

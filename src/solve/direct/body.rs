@@ -26,6 +26,8 @@ pub(crate) struct DirectBody {
     /// Slot in the batch.
     pub slot: u32,
     pub kind: MotionKind,
+    /// Whether it moves and no joint holds it.
+    pub is_rider: bool,
     /// 1/mass along the world axes (1/kg); zero where locked.
     pub inverse_mass: DVec3,
     /// (I + G)⁻¹ in world axes (1/(kg·m²)), zero about locked axes.
@@ -44,6 +46,7 @@ impl DirectBody {
         Self {
             slot,
             kind: motion.kind,
+            is_rider: motion.is_dynamic() && !motion.jointed,
             inverse_mass: velocity.inverse_mass.as_dvec3(),
             inverse_inertia: DMat3::ZERO,
             inertia: DMat3::ZERO,

@@ -1,15 +1,16 @@
-//! Contacts of an articulation with what it cannot move: rows of the same system.
+//! Contacts of an articulation with what it cannot move and with what it carries: rows of the same system.
 //!
 //! A normal row J v ≥ −max(s, 0)/h for each point with separation s (m), friction at the manifold's centre inside |λ_t| ≤ μ Σλ_n and
 //! about its normal, |λ_w| ≤ μ r̄ Σλ_n, as for contacts elsewhere. A contact with one moving body shares that body with its joints, so
-//! its rows join the node of one of them: the structure of the matrix stays as it is.
+//! its rows join the node of one of them: the structure of the matrix stays as it is. One with a body that it carries has two moving
+//! bodies, and a node of its own.
 //!
 //! A row that presses makes a substep a safe one: an active set at the level of positions, with geometric stiffness, does not settle.
 
 use glam::DVec3;
 
 use super::history::rotation_vector;
-use super::system::{FRICTION_ROWS, System};
+use super::system::{FRICTION_ROWS, Grip, System};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
 use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;
@@ -21,7 +22,7 @@ const MOST_RECOVERY_SHARE: f64 = 0.2;
 /// Greatest speed at which an overlap is taken out (m/s).
 const MOST_RECOVERY: f64 = 4.8;
 
-/// A manifold between a body of the articulation and one that it does not move.
+/// A manifold between a body of the articulation and one that it does not move, or that it carries.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Touch {
     /// Number of the manifold in its batch.
@@ -32,6 +33,8 @@ pub(crate) struct Touch {
     /// Local numbers of the body and of what it touches.
     pub body: u32,
     pub other: u32,
+    /// Whether the other is moved too.
+    pub other_moves: bool,
     /// Sign of an impulse on the body in the manifold's own terms: 1 where the body is its B.
     sign: f64,
     /// Towards the body.
@@ -53,7 +56,7 @@ pub(crate) struct Touch {
 
 impl Touch {
     /// The manifold `input` with B (or else A) the articulation's body; the node is chosen later.
-    pub(crate) fn new(number: u32, input: &ContactInput, body_is_b: bool, body: u32, other: u32) -> Self {
+    pub(crate) fn new(number: u32, input: &ContactInput, body_is_b: bool, body: u32, other: u32, other_moves: bool) -> Self {
         let sign = if body_is_b { 1.0 } else { -1.0 };
         let (own, others) = if body_is_b { (&input.lever_b, &input.lever_a) } else { (&input.lever_a, &input.lever_b) };
         let levers = own.map(|lever| lever.as_dvec3());
@@ -66,6 +69,7 @@ impl Touch {
             side: 0,
             body,
             other,
+            other_moves,
             sign,
             normal: input.normal.as_dvec3() * sign,
             levers,
@@ -111,13 +115,20 @@ impl Touch {
         })
     }
 
+    /// Where a row acts with these levers of the body and of the other (m).
+    fn grip(&self, lever: DVec3, other_lever: DVec3) -> Grip {
+        Grip { side: self.side as usize, lever, opposite: self.other_moves.then_some(other_lever) }
+    }
+
     /// Adds its rows for a substep of length `h` (s) to the last node.
     pub(crate) fn add_rows(&self, system: &mut System, separations: &[f64; POINTS], other: &Rate, h: f64) {
-        let side = self.side as usize;
+        // What is moved too has its speed in the rows.
+        let other = if self.other_moves { Rate { linear: DVec3::ZERO, angular: DVec3::ZERO } } else { *other };
         system.begin_contact(self.friction, self.twist_arm);
         for (i, separation) in separations[..self.count].iter().enumerate() {
             let passing = self.normal.dot(other.linear + other.angular.cross(self.other_levers[i]));
-            system.add_normal(side, self.normal, self.levers[i], separation.max(0.0) / h - passing, self.lambda[i]);
+            let grip = self.grip(self.levers[i], self.other_levers[i]);
+            system.add_normal(&grip, self.normal, separation.max(0.0) / h - passing, self.lambda[i]);
         }
         let share = 1.0 / self.count as f64;
         let center = self.levers[..self.count].iter().sum::<DVec3>() * share;
@@ -125,7 +136,8 @@ impl Touch {
         let passing = other.linear + other.angular.cross(other_center);
         let (t1, t2) = tangents(self.normal.as_vec3());
         let rows = [t1, t2].map(|t| t.as_dvec3()).map(|t| (t, -t.dot(passing), t.dot(self.tangential)));
-        system.add_friction(side, center, rows, (self.normal, -self.normal.dot(other.angular), self.twist));
+        let twist = (self.normal, -self.normal.dot(other.angular), self.twist);
+        system.add_friction(&self.grip(center, other_center), rows, twist);
     }
 
     /// Adds its rows for a projection after a substep of length `h` (s) to the last node.
@@ -136,7 +148,7 @@ impl Touch {
             let bias = if separation < 0.0 { (separation * share).max(-MOST_RECOVERY * h) } else { separation };
             // An overlap starts as a row that pushes.
             let pushes = if separation < 0.0 { f64::MIN_POSITIVE } else { 0.0 };
-            system.add_normal(self.side as usize, self.normal, self.levers[i], bias, pushes);
+            system.add_normal(&self.grip(self.levers[i], self.other_levers[i]), self.normal, bias, pushes);
         }
     }
 

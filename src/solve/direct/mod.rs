@@ -6,7 +6,8 @@
 //! [`Direct`] sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
 //! `system` holds the rows, `active_set` says which of them count; `articulation` takes a step, `substep` and `project` one part of it each; `contacts`
-//! are those with what it cannot move, `coupled` is the substep of an articulation that touches what moves.
+//! are those with what it cannot move and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
+//! anything else that moves.
 
 use glam::DVec3;
 
@@ -28,6 +29,7 @@ pub(crate) mod history;
 mod order;
 mod packed;
 mod project;
+mod riders;
 mod row;
 mod stiffness;
 mod substep;
@@ -37,6 +39,7 @@ mod watch;
 use articulation::Articulation;
 use contacts::Touch;
 use history::History;
+use riders::Riders;
 
 /// Group of a joint that moves nothing.
 const NO_GROUP: u32 = u32::MAX;
@@ -54,7 +57,9 @@ pub(crate) struct Direct {
     group: Vec<u32>,
     /// Whether joints connect each slot to another that moves.
     jointed: Vec<bool>,
-    /// Group and number of each contact of a jointed body, sorted.
+    /// Unjointed bodies that are solved with what carries them.
+    riders: Riders,
+    /// Group and number of each contact of a jointed body or a rider, sorted.
     touching: Vec<(u32, u32)>,
     left: Vec<JointEntry>,
     /// Group of each joint.
@@ -85,6 +90,27 @@ impl Direct {
         self.articulations().iter().filter(|articulation| !articulation.coupled).flat_map(Articulation::histories)
     }
 
+    /// Lists the contacts of each group, and finds what each carries; the step is `dt` long (s).
+    pub(crate) fn find_touching(
+        &mut self,
+        contacts: &[ContactInput],
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+        dt: f32,
+    ) {
+        self.touching.clear();
+        if self.group.is_empty() {
+            return;
+        }
+        self.riders.find(contacts, &self.group, velocities, motions, dt);
+        for (number, contact) in contacts.iter().enumerate() {
+            let groups = [contact.a, contact.b].map(|slot| solved_with(slot, motions, &self.group, &self.riders));
+            self.touching.extend(groups.into_iter().flatten().map(|group| (group, number as u32)));
+        }
+        self.touching.sort_unstable();
+        self.touching.dedup();
+    }
+
     /// Takes the joints that are solved directly out of `entries`; `contacts` are all of the batch, `record` says where a slot's
     /// body stands (m), and its last substep.
     pub(crate) fn take(
@@ -102,14 +128,6 @@ impl Direct {
         if entries.is_empty() {
             return;
         }
-        self.touching.clear();
-        for (number, contact) in contacts.iter().enumerate() {
-            let jointed = |slot: &u32| motions[*slot as usize].is_dynamic() && motions[*slot as usize].jointed;
-            let groups = [contact.a, contact.b].into_iter().filter(jointed).map(|slot| self.group[slot as usize]);
-            self.touching.extend(groups.map(|group| (group, number as u32)));
-        }
-        self.touching.sort_unstable();
-        self.touching.dedup();
         self.local.clear();
         self.local.resize(motions.len(), (u32::MAX, 0));
         self.left.clear();
@@ -187,7 +205,7 @@ impl Direct {
         if self.articulations.len() == self.count {
             self.articulations.push(Articulation::default());
         }
-        let Self { articulations, local, count, asked, .. } = self;
+        let Self { articulations, local, count, asked, riders, group: groups, .. } = self;
         let articulation = &mut articulations[*count];
         articulation.clear();
         articulation.enlist(WORLD_SLOT, DVec3::ZERO, History::NONE, &velocities[WORLD_SLOT as usize], &BodyMotion::FIXED);
@@ -207,13 +225,16 @@ impl Direct {
         let first = self.touching.partition_point(|&(other, _)| other < group);
         for &(_, number) in self.touching[first..].iter().take_while(|&&(other, _)| other == group) {
             let contact = &contacts[number as usize];
-            let moves = [contact.a, contact.b].map(|slot| motions[slot as usize].is_dynamic());
-            let plain = contact.material.restitution == 0.0 && contact.material.rolling == 0.0;
-            if moves != [true; 2] && plain {
-                let (own, other) = if moves[1] { (contact.b, contact.a) } else { (contact.a, contact.b) };
+            let ends = [contact.a, contact.b];
+            let moves = ends.map(|slot| motions[slot as usize].is_dynamic());
+            let solved_here = ends.map(|slot| solved_with(slot, motions, groups, riders) == Some(group));
+            let is_carried = solved_here == [true; 2] && ends.iter().any(|&slot| riders.carrier_of(slot) == Some(group));
+            if (moves != [true; 2] || is_carried) && contact.is_plain() {
+                let body_is_b = moves[1] && !(is_carried && motions[contact.a as usize].jointed);
+                let (own, other) = if body_is_b { (contact.b, contact.a) } else { (contact.a, contact.b) };
                 let (own, other) = (enlist(own, articulation), enlist(other, articulation));
-                articulation.touches.push(Touch::new(number, contact, moves[1], own, other));
-            } else if contact.impulses.normal.iter().any(|&lambda| lambda > 0.0) {
+                articulation.touches.push(Touch::new(number, contact, body_is_b, own, other, is_carried));
+            } else if contact.presses() {
                 articulation.coupled = true;
             } else {
                 articulation.watched.push(number);
@@ -228,6 +249,9 @@ impl Direct {
             articulation.touches.clear();
             articulation.coupled = true;
             admitted = articulation.lay_out(joints, local, *asked);
+        }
+        if !admitted {
+            articulation.slots().for_each(|slot| local[slot as usize].0 = u32::MAX);
         }
         self.count += usize::from(admitted);
         admitted
@@ -340,6 +364,16 @@ impl Direct {
                 && (articulation.outcome.unsettled
                     || watched.any(|contact| watch::meets(contact, paths(contact.a), paths(contact.b))))
         })
+    }
+}
+
+/// Group of joints that the body of this slot is solved with: its own, or that which carries it.
+fn solved_with(slot: u32, motions: &[BodyMotion], groups: &[u32], riders: &Riders) -> Option<u32> {
+    let motion = &motions[slot as usize];
+    match motion.is_dynamic() {
+        true if motion.jointed => Some(groups[slot as usize]),
+        true => riders.carrier_of(slot),
+        false => None,
     }
 }
 

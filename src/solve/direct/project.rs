@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::articulation::{Articulation, TOLERANCE};
 use super::contacts::Touch;
-use super::system::PROJECTION_PASSES;
+use super::system::{PROJECTION_PASSES, System};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
 use crate::solve::joint::Stance;
@@ -44,9 +44,26 @@ impl Articulation {
     pub(super) fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
         let Self { entries, links, rates, stances, began, predicted, implicit, system, asked, touches, step_start, h, .. } = self;
         let mut next_touch = 0;
+        let mut add_touches = |number: usize, system: &mut System| {
+            while let Some(touch) = touches.get(next_touch).filter(|touch| touch.node as usize == number) {
+                let separations = touch.separations(stances, step_start);
+                match phase {
+                    Phase::Velocity { h } | Phase::Tangent { h } => {
+                        touch.add_rows(system, &separations, &rates[touch.other as usize], h);
+                    }
+                    Phase::Position { .. } => touch.add_position_rows(system, &separations, *h),
+                }
+                next_touch += 1;
+            }
+        };
         let in_place = matches!(phase, Phase::Position { .. });
         system.clear();
-        for (number, (link, entry)) in links.iter().zip(&*entries).enumerate() {
+        for (number, link) in links.iter().enumerate() {
+            let Some(entry) = entries.get(number) else {
+                system.add(link.bodies, None, None, &[]);
+                add_touches(number, system);
+                continue;
+            };
             let [a, b] = link.bodies.map(|body| body as usize);
             let placement = |a: &Stance, b: &Stance| if link.is_plain { entry.points(a, b) } else { entry.placement(*a, *b) };
             let geometry = if matches!(phase, Phase::Velocity { .. }) {
@@ -83,23 +100,14 @@ impl Articulation {
             }
             let (point, direction) = (sink.point, sink.direction);
             system.add(link.bodies, point.as_ref(), direction.as_ref(), asked);
-            while let Some(touch) = touches.get(next_touch).filter(|touch| touch.node as usize == number) {
-                let separations = touch.separations(stances, step_start);
-                match phase {
-                    Phase::Velocity { h } | Phase::Tangent { h } => {
-                        touch.add_rows(system, &separations, &rates[touch.other as usize], h);
-                    }
-                    Phase::Position { .. } => touch.add_position_rows(system, &separations, *h),
-                }
-                next_touch += 1;
-            }
+            add_touches(number, system);
         }
     }
 
     /// Errors at the present poses.
     pub(super) fn find_errors(&mut self, joints: &Pool<Joint, JointId>) -> Errors {
         let (mut gap, mut angle) = (0.0_f64, 0.0_f64);
-        for number in 0..self.links.len() {
+        for number in 0..self.entries.len() {
             let (own_gap, own_angle) = self.error_of(number, joints);
             (gap, angle) = (greater(gap, own_gap), greater(angle, own_angle));
         }

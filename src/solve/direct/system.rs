@@ -67,7 +67,36 @@ pub(crate) struct ContactRows {
     pub twist_arm: f64,
 }
 
-/// A joint's rows and bodies.
+/// Where a row of a contact acts: on the body at one side of its node at this lever (m), and on the other, if that moves, at that.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Grip {
+    pub side: usize,
+    pub lever: DVec3,
+    pub opposite: Option<DVec3>,
+}
+
+impl Grip {
+    /// The row along this direction.
+    fn along(&self, direction: DVec3, row: Row) -> Row {
+        let mut row = self.about(self.lever.cross(direction), self.opposite.map(|lever| lever.cross(direction)), row);
+        row.linear[self.side] = direction;
+        if self.opposite.is_some() {
+            row.linear[1 - self.side] = -direction;
+        }
+        row
+    }
+
+    /// The row that turns the body so, and the other back so.
+    fn about(&self, turn: DVec3, opposite: Option<DVec3>, mut row: Row) -> Row {
+        row.angular[self.side] = turn;
+        if let Some(opposite) = opposite {
+            row.angular[1 - self.side] = -opposite;
+        }
+        row
+    }
+}
+
+/// The rows and bodies of a joint, or of an articulation and what it carries.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Node {
     pub bodies: [u32; 2],
@@ -186,11 +215,10 @@ impl System {
         self.contacts.push(ContactRows { node, first, normals: 0, has_friction: false, friction, twist_arm });
     }
 
-    /// Adds a normal row of the last manifold, J v + bias ≥ 0, on one side of its node.
-    pub(crate) fn add_normal(&mut self, side: usize, normal: DVec3, lever: DVec3, bias: f64, impulse: f64) {
+    /// Adds a normal row of the last manifold, J v + bias ≥ 0.
+    pub(crate) fn add_normal(&mut self, grip: &Grip, normal: DVec3, bias: f64, impulse: f64) {
         let state = if impulse > 0.0 { State::Free } else { State::Low };
-        let row = Row { bias, min: 0.0, impulse, state, ..Row::EMPTY };
-        self.add_contact_row(side, normal, lever.cross(normal), row);
+        self.add_contact_row(grip.along(normal, Row { bias, min: 0.0, impulse, state, ..Row::EMPTY }));
         if let Some(contact) = self.contacts.last_mut() {
             contact.normals += 1;
         }
@@ -198,33 +226,24 @@ impl System {
 
     /// Adds the friction of the last manifold: two rows along tangents at its centre and one about its normal, each with the speed
     /// of the other body and the carried multiplier.
-    pub(crate) fn add_friction(
-        &mut self,
-        side: usize,
-        center: DVec3,
-        tangents: [(DVec3, f64, f64); 2],
-        twist: (DVec3, f64, f64),
-    ) {
+    pub(crate) fn add_friction(&mut self, grip: &Grip, tangents: [(DVec3, f64, f64); 2], twist: (DVec3, f64, f64)) {
         let Some(&contact) = self.contacts.last() else { return };
         let pressed = self.pressed(&contact);
         let [u, v] = tangents.map(|(_, _, impulse)| impulse);
         let state = |impulse: f64, limit: f64| if impulse < limit * STICKS { State::Free } else { State::High };
         let sticks = state((u * u + v * v).sqrt(), contact.friction * pressed);
         for (tangent, bias, impulse) in tangents {
-            let row = Row { bias, impulse, state: sticks, ..Row::EMPTY };
-            self.add_contact_row(side, tangent, center.cross(tangent), row);
+            self.add_contact_row(grip.along(tangent, Row { bias, impulse, state: sticks, ..Row::EMPTY }));
         }
         let (axis, bias, impulse) = twist;
         let state = state(impulse.abs(), contact.twist_arm * pressed);
-        self.add_contact_row(side, DVec3::ZERO, axis, Row { bias, impulse, state, ..Row::EMPTY });
+        self.add_contact_row(grip.about(axis, grip.opposite.map(|_| axis), Row { bias, impulse, state, ..Row::EMPTY }));
         if let Some(contact) = self.contacts.last_mut() {
             contact.has_friction = true;
         }
     }
 
-    fn add_contact_row(&mut self, side: usize, linear: DVec3, angular: DVec3, mut row: Row) {
-        row.linear[side] = linear;
-        row.angular[side] = angular;
+    fn add_contact_row(&mut self, row: Row) {
         self.rows.push(row);
         if let Some(node) = self.nodes.last_mut() {
             node.last = self.rows.len() as u32;
@@ -275,13 +294,13 @@ impl System {
         }
         self.base.clear();
         self.base.extend_from_slice(rates);
-        let (mut fewest, mut patience) = (usize::MAX, PATIENCE);
+        let (mut fewest, mut patience, mut wrong) = (usize::MAX, PATIENCE, 0);
         for pass in 1..=most_passes {
             rates.copy_from_slice(&self.base);
             self.push_fixed(bodies, rates);
             self.solve_active(topology, bodies, rates);
             let may_free = pass + (most_passes / 3).min(MOST_CLOSING) < most_passes;
-            let wrong = self.find_flips(rates, may_free);
+            wrong = self.find_flips(rates, may_free);
             if wrong < fewest {
                 (fewest, patience) = (wrong, PATIENCE);
             } else {
@@ -294,11 +313,10 @@ impl System {
                 fewest = usize::MAX;
             }
             if wrong + sliding == 0 {
-                self.settled &= may_free;
                 return pass;
             }
         }
-        self.settled = false;
+        self.settled &= wrong == 0;
         most_passes
     }
 
