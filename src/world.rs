@@ -185,8 +185,9 @@ impl World {
         self.report_hits();
         self.sense();
         self.put_quiet_islands_to_sleep(dt);
-        self.judge_support();
         self.list_moved();
+        clock.enter(c"judge support");
+        self.judge_support();
         self.report.timings.finish = clock.lap();
         self.report.timings.total = clock.total();
         Ok(&self.report)

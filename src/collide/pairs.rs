@@ -70,10 +70,12 @@ pub(crate) struct Pair {
     pub key: PairKey,
     pub material: PairMaterial,
     pub manifolds: Vec<CarriedManifold>,
-    /// Pose of B's shape in A's, and margin, that the manifolds were made for, rounded as in [`coarse`] and [`rounded_down`].
+    /// Pose of B's shape in A's, and margin, that the manifolds were made for, rounded as in [`coarse`] and [`rounded_up`].
     pub made_for: Option<(Pose3, f32)>,
     /// Whether the narrow phase made new manifolds in the last step.
     pub updated: bool,
+    /// Whether both bodies were held, or cannot move, when the step began.
+    pub still: bool,
     /// Counts the manifolds that the slot has had.
     pub version: u32,
     /// Lesser least extent of the two shapes (m).
@@ -120,6 +122,7 @@ impl Pair {
             manifolds: Vec::with_capacity(1),
             made_for: None,
             updated: false,
+            still: false,
             version: 0,
             extent: 0.0,
             touching: 0,
@@ -139,10 +142,14 @@ impl Pair {
         self.updated = !self.still_good(&relative, still + motion, self.extent);
         if self.updated {
             self.version = self.version.wrapping_add(1);
-            let margin = still + motion * MARGIN_RESERVE;
+            let margin = rounded_up(still + motion * MARGIN_RESERVE);
+            if !(0.0..f32::INFINITY).contains(&margin) {
+                // Nothing moves like that; whatever does is taken out after the step.
+                return self.part();
+            }
             narrow::collide(&a.shape, &b.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
             self.carry_over(&scratch.manifolds, &mut scratch.carried);
-            self.made_for = Some((coarse(&relative, pose_unit(a, b)), rounded_down(margin)));
+            self.made_for = Some((coarse(&relative, pose_unit(a, b)), margin));
         } else {
             self.follow(&relative);
         }
@@ -230,8 +237,8 @@ impl Pair {
 const SHIFT_STEP: f32 = 1.0 / 8192.0;
 pub(crate) const TURN_STEP: f32 = 1.0 / 16384.0;
 
-/// Bits of a margin that are remembered.
-const MARGIN_BITS: u32 = 0xffff_e000;
+/// Bits of a margin that are not remembered.
+const LOST_MARGIN_BITS: u32 = 0x1fff;
 
 /// Step of the translation that a pair of these shapes remembers (m), a power of two; the rotation's is [`TURN_STEP`].
 pub(crate) fn pose_unit(a: &Collider, b: &Collider) -> f32 {
@@ -256,8 +263,10 @@ fn in_steps(x: f32, unit: f32) -> f32 {
     if steps.abs() < 4.0e6 { ((steps + ONES) - ONES) * unit } else { x }
 }
 
-fn rounded_down(margin: f32) -> f32 {
-    f32::from_bits(margin.to_bits() & MARGIN_BITS)
+/// The least margin that is remembered and no smaller than this one (positive). Were it smaller, a pair at rest would be asked for
+/// more than it was made for, and be made anew in every step.
+fn rounded_up(margin: f32) -> f32 {
+    f32::from_bits((margin.to_bits() + LOST_MARGIN_BITS) & !LOST_MARGIN_BITS)
 }
 
 /// Multipliers of `old` for the points of `new`: point by point where features match, or else the same force and moments.
@@ -439,7 +448,7 @@ impl PairCache {
                 None => self.release(slot),
                 Some(material) => {
                     let pair = &mut self.pairs[slot as usize];
-                    (pair.active, pair.material) = (true, material);
+                    (pair.active, pair.still, pair.material) = (true, false, material);
                     self.woken.insert(key, slot);
                 }
             }

@@ -226,6 +226,7 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (Pai
         manifolds,
         made_for,
         updated: _,
+        still: _,
         version: _,
         // Of the support analysis.
         touching: _,

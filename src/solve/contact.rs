@@ -278,6 +278,11 @@ impl ContactBlock {
         (get(&self.lever_a[point], l), get(&self.lever_b[point], l))
     }
 
+    /// Levers of the middle of lane `l`, where friction acts.
+    pub(crate) fn centers_of(&self, l: usize) -> (Vec3, Vec3) {
+        (get(&self.center_a, l), get(&self.center_b, l))
+    }
+
     /// Normal of lane `l`.
     pub(crate) fn normal_of(&self, l: usize) -> Vec3 {
         get(&self.normal, l)

@@ -3,24 +3,31 @@
 //! A block that falls by a gap, or a stack whose multipliers are not those of its loads, needs as many sweeps as it has storeys
 //! before the ground answers. Before the sweeps of a substep this pass works out, for every body that stands on contacts,
 //!
-//! 1. *bottom up* the vertical speed that it can keep: t = mean over its closing points of t(below) − c, with c the closing speed
-//!    that the gap allows (m/s); a body that nothing stops keeps its own;
-//! 2. *top down* what must change: the momentum m (t − v·up) and the two horizontal angular momenta, with what came from above,
-//!    split over the points below as changes δ of multipliers of least norm with λ + δ ≥ 0, and handed on;
-//! 3. *how much of it is right*: the sweeps minimise ½ |v|² in the metric of mass, plus λ·c; along δ that is a parabola, whose least
-//!    point in 0…1 is taken. So the pass never makes the state of the rows worse, and where it has nothing to offer it does nothing.
+//! 1. *bottom up* the velocity that it can keep: across gravity that of what it rests on; along it t = mean over its closing points
+//!    of t(below) − c, with c the closing speed that the gap allows (m/s); a body that nothing stops keeps its own;
+//! 2. *top down* what must change: the momentum m (t − v) and the angular momentum, with what came from above. What lies across gravity
+//!    goes to friction at the middle of each manifold, shared as these are loaded, within the cones. The rest, less the moments of
+//!    that friction, is split over the points below as changes δ of multipliers of least norm with λ + δ ≥ 0. Both are handed on;
+//! 3. *how much of it is right*: the sweeps minimise ½ |v|² in the metric of mass, plus λ·c; along the changes that is a parabola,
+//!    whose least point in 0…1 is taken. So the pass never makes the state of the rows worse, and where it has nothing to offer it
+//!    does nothing.
 //!
-//! Friction is left to the sweeps: only contacts whose friction cone holds the vertical take part. The pass knows nothing of what
-//! friction holds up, and a damaged tower in which it went on slowly came down. So it is for islands that are being put together:
-//! with a body younger than [`YOUNG_STEPS`], and in which nothing has moved fast across gravity of late (thrown things are not
-//! stopped by handing their momentum straight down). How fast things fall does not matter.
+//! Only contacts whose friction cone holds the vertical take part. Momentum across gravity counts as much as along it: friction has a
+//! moment at every storey, and left to the sweeps it makes the multipliers that are carried over a spring on which a tower sways.
+//!
+//! The pass is for islands that are being put together: with a body younger than [`YOUNG_STEPS`], and in which nothing has moved fast
+//! across gravity of late (thrown things are not stopped by handing their momentum straight down). How fast things fall does not
+//! matter.
+
+mod patch;
 
 use glam::{DVec3, Vec3};
 
 use super::batch::Batch;
-use super::contact::{ContactBlock, LANES, POINTS, tangents};
+use super::contact::{ContactBlock, LANES, tangents};
 use super::state::WORLD_SLOT;
 use crate::balance::{BoundedPoint, adjust};
+use patch::{Patch, Point, rows_of};
 
 /// Least number of storeys for which the pass is worth its time.
 const MIN_STOREYS: u32 = 3;
@@ -38,37 +45,24 @@ pub(crate) const STEADY_STEPS: u8 = 240;
 /// with less, and leave a stack that is loaded already as it is.
 const WORTHWHILE_SHARE: f64 = 1.0e-6;
 
-/// A point through which `upper` stands on `lower`.
-#[derive(Debug, Clone, Copy)]
-struct Point {
-    upper: u32,
-    lower: u32,
-    block: u32,
-    lane: u8,
-    index: u8,
-    /// From lower to upper.
-    normal: Vec3,
-    lever_upper: Vec3,
-    lever_lower: Vec3,
-    /// Vertical force and two horizontal moments on the upper body per unit of λ.
-    column: DVec3,
-}
-
 /// The points of a batch in order, and buffers.
 #[derive(Debug, Default)]
 pub(crate) struct LoadPass {
-    /// Sorted by upper body.
+    /// Sorted by upper body, as are the points.
+    patches: Vec<Patch>,
     points: Vec<Point>,
-    /// First point of each slot.
+    /// First patch of each slot.
     first: Vec<u32>,
     /// Slots that stand on something, upper before lower.
     order: Vec<u32>,
     waiting: Vec<u32>,
     storey: Vec<u32>,
-    targets: Vec<f32>,
-    /// Momentum handed down to each slot: along up and about the two horizontal axes.
-    carried: Vec<DVec3>,
+    targets: Vec<Vec3>,
+    /// Momentum and angular momentum handed down to each slot.
+    carried: Vec<(DVec3, DVec3)>,
+    /// Changes of the points' multipliers, and of friction on the upper bodies.
     deltas: Vec<f32>,
+    rubs: Vec<Vec3>,
     /// Changes of linear and angular velocity.
     changes: Vec<(Vec3, Vec3)>,
     bounded: Vec<BoundedPoint>,
@@ -109,6 +103,9 @@ impl Island {
     }
 }
 
+/// Share of what a body asks of its points that they may leave undone for it to be balanced on them.
+const UNBALANCED_SHARE: f64 = 0.1;
+
 /// Island of slots that belong to none: the world's, and those of kinematic bodies.
 const NO_ISLAND: u32 = u32::MAX;
 
@@ -116,6 +113,7 @@ impl LoadPass {
     /// Lists the points and the order of the step.
     pub(crate) fn prepare(&mut self, batch: &Batch, gravity: Vec3, h: f32) {
         self.points.clear();
+        self.patches.clear();
         self.order.clear();
         let Some(up) = (-gravity).try_normalize() else { return };
         let (u, v) = tangents(up);
@@ -126,18 +124,19 @@ impl LoadPass {
         }
         for (number, block) in batch.contacts.iter().enumerate() {
             for lane in 0..LANES {
-                self.list_points(block, number as u32, lane);
+                self.list_patch(block, number as u32, lane);
             }
         }
-        self.points.sort_by_key(|point| point.upper);
+        self.patches.sort_unstable_by_key(|patch| (patch.upper, patch.block, patch.lane));
+        self.list_points(batch);
         let slots = batch.velocities.len();
         self.first.clear();
         self.first.resize(slots + 1, 0);
         self.waiting.clear();
         self.waiting.resize(slots, 0);
-        for point in &self.points {
-            self.first[point.upper as usize + 1] += 1;
-            self.waiting[point.lower as usize] += 1;
+        for patch in &self.patches {
+            self.first[patch.upper as usize + 1] += 1;
+            self.waiting[patch.lower as usize] += 1;
         }
         for slot in 0..slots {
             self.first[slot + 1] += self.first[slot];
@@ -174,28 +173,17 @@ impl LoadPass {
         }
     }
 
-    fn list_points(&mut self, block: &ContactBlock, number: u32, lane: usize) {
-        let normal = block.normal_of(lane);
-        let rise = normal.dot(self.axes[0]);
-        let friction = block.friction[lane];
-        // The vertical lies in the friction cone.
-        if block.inverse_diagonal[0][lane] == 0.0 || rise * rise * (1.0 + friction * friction) < 1.0 {
-            return;
+    fn list_patch(&mut self, block: &ContactBlock, number: u32, lane: usize) {
+        let Some(patch) = Patch::of(block, number, lane, self.axes[0]) else { return };
+        let island = self.island[patch.upper as usize];
+        if island != NO_ISLAND && self.islands[island as usize].is_steady && self.islands[island as usize].is_young {
+            self.patches.push(patch);
         }
-        let (a, b) = (block.a[lane], block.b[lane]);
-        let (lower, upper, normal) = if rise > 0.0 { (a, b, normal) } else { (b, a, -normal) };
-        let island = self.island[upper as usize];
-        if island == NO_ISLAND || !(self.islands[island as usize].is_steady && self.islands[island as usize].is_young) {
-            return;
-        }
-        for index in (0..POINTS).filter(|&index| block.inverse_diagonal[index][lane] > 0.0) {
-            let (lever_a, lever_b) = block.levers_of(index, lane);
-            let (lever_lower, lever_upper) = if rise > 0.0 { (lever_a, lever_b) } else { (lever_b, lever_a) };
-            let moment = lever_upper.cross(normal);
-            let [up, u, v] = self.axes;
-            let column = Vec3::new(normal.dot(up), moment.dot(u), moment.dot(v)).as_dvec3();
-            let (lane, index) = (lane as u8, index as u8);
-            self.points.push(Point { upper, lower, block: number, lane, index, normal, lever_upper, lever_lower, column });
+    }
+
+    fn list_points(&mut self, batch: &Batch) {
+        for patch in &mut self.patches {
+            patch.list_points(batch, &self.axes, &mut self.points);
         }
     }
 
@@ -217,7 +205,7 @@ impl LoadPass {
             let island = &mut self.islands[self.island[slot as usize] as usize];
             island.storeys = island.storeys.max(storey);
             for number in self.range(slot) {
-                let lower = self.points[number].lower;
+                let lower = self.patches[number].lower;
                 if lower == WORLD_SLOT {
                     continue;
                 }
@@ -260,108 +248,200 @@ impl LoadPass {
         batch.contacts[point.block as usize].lambda[point.index as usize][point.lane as usize]
     }
 
-    /// Vertical speed that every body can keep.
+    /// Whether a point of an upper body that can keep `target` presses or closes in.
+    fn takes_part(&self, batch: &Batch, point: &Point) -> Option<f32> {
+        let up = self.axes[0];
+        let velocity = &batch.velocities[point.upper as usize];
+        let allowed = self.targets[point.lower as usize].dot(up) - self.closing_speed(batch, point);
+        let speed = (velocity.linear + velocity.angular.cross(point.lever_upper)).dot(up);
+        (speed < allowed || Self::lambda(batch, point) > 0.0).then_some(allowed)
+    }
+
+    /// Velocity that every body can keep.
     fn find_targets(&mut self, batch: &Batch) {
         let up = self.axes[0];
         self.targets.clear();
-        self.targets.extend(batch.velocities.iter().map(|velocity| velocity.linear.dot(up)));
+        self.targets.extend(batch.velocities.iter().map(|velocity| velocity.linear));
         for place in (0..self.order.len()).rev() {
             let slot = self.order[place];
-            let velocity = &batch.velocities[slot as usize];
             let (mut sum, mut count) = (0.0, 0.0);
-            for point in &self.points[self.range(slot)] {
-                let allowed = self.targets[point.lower as usize] - self.closing_speed(batch, point);
-                let speed = (velocity.linear + velocity.angular.cross(point.lever_upper)).dot(up);
-                if speed < allowed || Self::lambda(batch, point) > 0.0 {
-                    sum += allowed;
-                    count += 1.0;
+            let (mut along, mut load) = (Vec3::ZERO, 0.0);
+            for patch in &self.patches[self.range(slot)] {
+                for point in &self.points[patch.points()] {
+                    if let Some(allowed) = self.takes_part(batch, point) {
+                        sum += allowed;
+                        count += 1.0;
+                    }
+                    let lambda = Self::lambda(batch, point);
+                    along += self.targets[patch.lower as usize] * lambda;
+                    load += lambda;
                 }
             }
-            if count > 0.0 {
-                self.targets[slot as usize] = sum / count;
+            let target = &mut self.targets[slot as usize];
+            let aside = if load > 0.0 { along / load } else { *target };
+            let rise = if count > 0.0 { sum / count } else { target.dot(up) };
+            *target = aside.reject_from_normalized(up) + up * rise;
+        }
+    }
+
+    /// Changes of multipliers that give every body its velocity, from the top.
+    fn hand_down(&mut self, batch: &Batch) {
+        self.deltas.clear();
+        self.deltas.resize(self.points.len(), 0.0);
+        self.rubs.clear();
+        self.rubs.resize(self.patches.len(), Vec3::ZERO);
+        self.carried.clear();
+        self.carried.resize(batch.velocities.len(), (DVec3::ZERO, DVec3::ZERO));
+        let up = self.axes[0].as_dvec3();
+        for place in 0..self.order.len() {
+            let slot = self.order[place] as usize;
+            let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
+            let mass = 1.0 / velocity.inverse_mass.max_element();
+            let push = (mass * (self.targets[slot] - velocity.linear)).as_dvec3() + self.carried[slot].0;
+            let turn = self.carried[slot].1 - motion.angular_momentum(velocity.angular).as_dvec3();
+            self.share_friction(batch, slot as u32, push - up * push.dot(up));
+            if !self.adjust_points(batch, slot as u32, push, turn) {
+                // It turns over the edge of what is under it: the edge rests then, not the centre of mass.
+                let range = self.range(slot as u32);
+                self.rubs[range].fill(Vec3::ZERO);
+                self.adjust_points(batch, slot as u32, push, turn);
+            }
+            self.hand_on(batch, slot as u32);
+        }
+    }
+
+    /// Finds changes of the multipliers under a body that, with its friction, add up to a push and a turn, as nearly as pushing can;
+    /// says whether they do.
+    fn adjust_points(&mut self, batch: &Batch, slot: u32, mut push: DVec3, mut turn: DVec3) -> bool {
+        self.bounded.clear();
+        self.places.clear();
+        for number in self.range(slot) {
+            let patch = &self.patches[number];
+            let rub = self.rubs[number].as_dvec3();
+            push -= rub;
+            turn -= patch.center_upper.as_dvec3().cross(rub);
+            for place in patch.points() {
+                let point = &self.points[place];
+                if self.takes_part(batch, point).is_some() {
+                    self.bounded.push(BoundedPoint::new(point.column, -f64::from(Self::lambda(batch, point))));
+                    self.places.push(place as u32);
+                }
+            }
+        }
+        let demand = rows_of(&batch.velocities[slot as usize], &self.axes, push.as_vec3(), turn.as_vec3());
+        adjust(&mut self.bounded, demand);
+        let mut left = demand;
+        for (&place, bounded) in self.places.iter().zip(&self.bounded) {
+            self.deltas[place as usize] = bounded.change as f32;
+            left -= self.points[place as usize].column * bounded.change;
+        }
+        left.length_squared() <= UNBALANCED_SHARE * UNBALANCED_SHARE * demand.length_squared()
+    }
+
+    /// Friction that takes momentum across gravity, on every manifold by the load that it bears.
+    fn share_friction(&mut self, batch: &Batch, slot: u32, push: DVec3) {
+        let pressed = |patch: &Patch| self.points[patch.points()].iter().map(|point| Self::lambda(batch, point)).sum::<f32>();
+        let load: f32 = self.patches[self.range(slot)].iter().map(pressed).sum();
+        if load > 0.0 {
+            for number in self.range(slot) {
+                let patch = &self.patches[number];
+                let share = push.as_vec3() * (pressed(patch) / load);
+                let [t1, t2] = patch.tangents;
+                self.rubs[number] = t1 * share.dot(t1) + t2 * share.dot(t2);
             }
         }
     }
 
-    /// Changes of multipliers that give every body its speed, from the top.
-    fn hand_down(&mut self, batch: &Batch) {
-        self.deltas.clear();
-        self.deltas.resize(self.points.len(), 0.0);
-        self.carried.clear();
-        self.carried.resize(batch.velocities.len(), DVec3::ZERO);
-        let [up, u, v] = self.axes;
-        for place in 0..self.order.len() {
-            let slot = self.order[place] as usize;
-            let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
-            self.bounded.clear();
-            self.places.clear();
-            for number in self.range(slot as u32) {
-                let point = &self.points[number];
-                let lambda = Self::lambda(batch, point);
-                let allowed = self.targets[point.lower as usize] - self.closing_speed(batch, point);
-                let speed = (velocity.linear + velocity.angular.cross(point.lever_upper)).dot(up);
-                if speed < allowed || lambda > 0.0 {
-                    self.bounded.push(BoundedPoint::new(point.column, -f64::from(lambda)));
-                    self.places.push(number as u32);
-                }
+    /// Cuts friction to what the new load allows, and hands everything to the bodies below.
+    fn hand_on(&mut self, batch: &Batch, slot: u32) {
+        for number in self.range(slot) {
+            let patch = &self.patches[number];
+            let mut load = 0.0;
+            let carried = &mut self.carried[patch.lower as usize];
+            for place in patch.points() {
+                let (point, delta) = (&self.points[place], self.deltas[place]);
+                load += Self::lambda(batch, point) + delta;
+                let push = (point.normal * delta).as_dvec3();
+                carried.0 += push;
+                carried.1 += point.lever_lower.as_dvec3().cross(push);
             }
-            if self.places.is_empty() {
-                continue;
-            }
-            let mass = 1.0 / velocity.inverse_mass.max_element();
-            let spin = motion.angular_momentum(velocity.angular);
-            let unbalanced = Vec3::new(mass * (self.targets[slot] - velocity.linear.dot(up)), -spin.dot(u), -spin.dot(v));
-            adjust(&mut self.bounded, unbalanced.as_dvec3() + self.carried[slot]);
-            for (&number, bounded) in self.places.iter().zip(&self.bounded) {
-                let point = &self.points[number as usize];
-                self.deltas[number as usize] = bounded.change as f32;
-                let push = point.normal * bounded.change as f32;
-                let moment = point.lever_lower.cross(push);
-                self.carried[point.lower as usize] += Vec3::new(push.dot(up), moment.dot(u), moment.dot(v)).as_dvec3();
-            }
+            let before = patch.rubbed(batch);
+            let rub = (before + self.rubs[number]).clamp_length_max(patch.friction * load.max(0.0)) - before;
+            self.rubs[number] = rub;
+            carried.0 += rub.as_dvec3();
+            carried.1 += patch.center_lower.as_dvec3().cross(rub.as_dvec3());
         }
+    }
+
+    /// What acts at one place between two bodies: upper and lower slot, levers, and the impulse on the upper one.
+    fn pushes(&self) -> impl Iterator<Item = ([usize; 2], [Vec3; 2], Vec3)> {
+        self.points
+            .iter()
+            .zip(&self.deltas)
+            .map(|(point, &delta)| {
+                let ends = [point.upper as usize, point.lower as usize];
+                (ends, [point.lever_upper, point.lever_lower], point.normal * delta)
+            })
+            .chain(self.patches.iter().zip(&self.rubs).map(|(patch, &rub)| {
+                ([patch.upper as usize, patch.lower as usize], [patch.center_upper, patch.center_lower], rub)
+            }))
     }
 
     /// Applies the share of the changes at which the rows' energy is least.
     fn take_the_best_share(&mut self, batch: &mut Batch) {
-        self.changes.clear();
-        self.changes.resize(batch.velocities.len(), (Vec3::ZERO, Vec3::ZERO));
-        for (point, &delta) in self.points.iter().zip(&self.deltas) {
-            let push = point.normal * delta;
-            for (slot, lever, push) in [(point.upper, point.lever_upper, push), (point.lower, point.lever_lower, -push)] {
-                let velocity = &batch.velocities[slot as usize];
-                let change = &mut self.changes[slot as usize];
-                change.0 += velocity.inverse_mass * push;
-                change.1 += velocity.inverse_inertia.mul(lever.cross(push));
+        let mut changes = std::mem::take(&mut self.changes);
+        changes.clear();
+        changes.resize(batch.velocities.len(), (Vec3::ZERO, Vec3::ZERO));
+        for (ends, levers, push) in self.pushes() {
+            for ((slot, lever), push) in ends.into_iter().zip(levers).zip([push, -push]) {
+                let velocity = &batch.velocities[slot];
+                changes[slot].0 += velocity.inverse_mass * push;
+                changes[slot].1 += velocity.inverse_inertia.mul(lever.cross(push));
             }
         }
-        for island in &mut self.islands {
+        let mut islands = std::mem::take(&mut self.islands);
+        for island in &mut islands {
             (island.slope, island.curvature) = (0.0, 0.0);
         }
-        for (point, &delta) in self.points.iter().zip(&self.deltas) {
-            let rate = |linear: [Vec3; 2], angular: [Vec3; 2]| {
-                let upper = linear[0] + angular[0].cross(point.lever_upper);
-                let lower = linear[1] + angular[1].cross(point.lever_lower);
-                point.normal.dot(upper - lower)
+        for (ends, levers, push) in self.pushes() {
+            let power = |velocity: &dyn Fn(usize) -> (Vec3, Vec3)| {
+                let [upper, lower] = [0, 1].map(|end| {
+                    let (linear, angular) = velocity(ends[end]);
+                    linear + angular.cross(levers[end])
+                });
+                f64::from(push.dot(upper - lower))
             };
-            let ends = [point.upper as usize, point.lower as usize];
-            let now = rate(ends.map(|slot| batch.velocities[slot].linear), ends.map(|slot| batch.velocities[slot].angular));
-            let then = rate(ends.map(|slot| self.changes[slot].0), ends.map(|slot| self.changes[slot].1));
-            let closing_speed = self.closing_speed(batch, point);
-            let island = &mut self.islands[self.island[point.upper as usize] as usize];
-            island.slope += f64::from(delta) * f64::from(now + closing_speed);
-            island.curvature += f64::from(delta) * f64::from(then);
+            let island = &mut islands[self.island[ends[0]] as usize];
+            island.slope += power(&|slot| (batch.velocities[slot].linear, batch.velocities[slot].angular));
+            island.curvature += power(&|slot| changes[slot]);
         }
+        for (point, &delta) in self.points.iter().zip(&self.deltas) {
+            let island = &mut islands[self.island[point.upper as usize] as usize];
+            island.slope += f64::from(delta * self.closing_speed(batch, point));
+        }
+        (self.changes, self.islands) = (changes, islands);
+        self.apply_shares(batch);
+    }
+
+    fn apply_shares(&self, batch: &mut Batch) {
+        let share_of = |slot: u32| self.islands[self.island[slot as usize] as usize].share();
         for (slot, change) in self.changes.iter().enumerate().filter(|&(slot, _)| self.island[slot] != NO_ISLAND) {
-            let share = self.islands[self.island[slot] as usize].share();
+            let share = share_of(slot as u32);
             let velocity = &mut batch.velocities[slot];
             velocity.linear += change.0 * share;
             velocity.angular += change.1 * share;
         }
         for (point, &delta) in self.points.iter().zip(&self.deltas) {
-            let share = self.islands[self.island[point.upper as usize] as usize].share();
+            let share = share_of(point.upper);
             let lambda = &mut batch.contacts[point.block as usize].lambda[point.index as usize][point.lane as usize];
             *lambda = (*lambda + delta * share).max(0.0);
+        }
+        for (patch, &rub) in self.patches.iter().zip(&self.rubs) {
+            let on_b = rub * share_of(patch.upper) * if patch.upper_is_b { 1.0 } else { -1.0 };
+            let block = &mut batch.contacts[patch.block as usize];
+            for (lambda, tangent) in block.tangent_lambda.iter_mut().zip(patch.tangents) {
+                lambda[patch.lane as usize] += on_b.dot(tangent);
+            }
         }
     }
 }

@@ -40,6 +40,8 @@ const OVERLAP_SHARE: f32 = 1.0e-3;
 pub(super) struct Hold {
     /// Whether each island is held.
     pub islands: Vec<bool>,
+    /// Whether anything was let go of in this step.
+    pub let_go: bool,
     candidates: Vec<bool>,
     /// The support analysis of the candidates.
     graph: Graph,
@@ -88,10 +90,12 @@ impl World {
         let mut hold = std::mem::take(&mut self.hold);
         hold.islands.clear();
         hold.candidates.clear();
+        hold.let_go = false;
         let mut any = false;
         for members in self.groups.islands() {
             let all = |test: fn(&crate::body::Body) -> bool| members.iter().all(|&index| test(&self.bodies[index]));
             let is_held = all(|body| body.held);
+            hold.let_go |= !is_held && members.iter().any(|&index| self.bodies[index].held);
             let calm_for = members.iter().map(|&index| self.bodies[index].calm_for).min().unwrap_or(0);
             let is_due = calm_for == u8::MAX || (calm_for > 0 && calm_for % CALM_STEPS == 0);
             let is_candidate = !is_held && is_due && all(|body| body.joints.is_empty());

@@ -94,7 +94,8 @@ impl World {
             let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
             let (body_a, body_b) = (&bodies[shape_a.body], &bodies[shape_b.body]);
             // What is held has not moved since its contacts were made.
-            if (body_a.held || !body_a.is_mover()) && (body_b.held || !body_b.is_mover()) {
+            pair.still = (body_a.held || !body_a.is_mover()) && (body_b.held || !body_b.is_mover());
+            if pair.still {
                 pair.updated = false;
                 return;
             }

@@ -7,7 +7,7 @@ use super::fast::Path;
 use super::pairs::contact_pair;
 use super::unions::Anchor;
 use crate::body::BodyKind;
-use crate::collide::pairs::{pack_touching, touching};
+use crate::collide::pairs::{TOO_MANY, pack_touching, touching};
 use crate::collide::sweep::PathStart;
 use crate::joint::Joint;
 use crate::report::{JointOverload, JointStop, Moved};
@@ -209,16 +209,24 @@ impl World {
 
     /// Lists pairs whose contact began or ended.
     pub(super) fn report_contacts(&mut self) {
-        let Self { pairs, colliders, bodies, events, support, .. } = self;
+        let Self { pairs, colliders, bodies, events, support, hold, .. } = self;
         // What was quarantined has no pairs any more.
         pairs.settle();
-        let watches = support.is_some();
+        let mut altered = support.as_deref_mut().map(|state| &mut state.altered);
         for number in 0..pairs.active().len() {
             let (key, slot) = pairs.active()[number];
             let pair = pairs.get_mut(slot);
+            // Multipliers are those of a step ago.
+            if pair.still && !hold.let_go {
+                continue;
+            }
             let now = pair.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
-            if watches {
-                pair.touching = pack_touching(pair.manifolds.iter().map(|manifold| touching(manifold, pair.extent)));
+            if let Some(altered) = &mut altered {
+                let bits = pack_touching(pair.manifolds.iter().map(|manifold| touching(manifold, pair.extent)));
+                if pair.updated || bits != pair.touching || bits == TOO_MANY {
+                    altered.push(slot);
+                }
+                pair.touching = bits;
             }
             if now != pair.in_contact {
                 pair.in_contact = now;

@@ -10,7 +10,9 @@ use glam::{Quat, Vec3};
 
 use super::World;
 use crate::body::{Body, BodyKind};
+use crate::collide::collider::Collider;
 use crate::collide::pairs::{Pair, PairKey, TOO_MANY, pack_touching};
+use crate::id::{Pool, ShapeId};
 use crate::joint::{Axis, Joint, JointKind, Motor};
 use crate::span::support::slip::Slip;
 use crate::span::support::verdict::SupportChange;
@@ -44,6 +46,10 @@ pub(super) struct SupportState {
     signs: Vec<u8>,
     kinematic: Vec<u32>,
     releases: u64,
+    /// Pairs of which points or manifolds changed in the step, and those to be looked at again whatever happens.
+    pub altered: Vec<u32>,
+    unsettled: Vec<u32>,
+    left: Vec<u32>,
     /// Pairs that have fallen asleep since the last update: they are at rest now, and looked at once more.
     pub fell_asleep: Vec<u32>,
     /// Whether everything must be looked at, also what sleeps.
@@ -165,8 +171,16 @@ impl Record {
             return false;
         }
         let signs = self.bodies.iter().fold(0, |all, &body| all | signs[body as usize]);
+        signs & HELD != 0 || (signs == 0 && self.is_settled(pair))
+    }
+
+    /// Whether its links are those of the pair as it is, and stay so while the bodies stand still.
+    fn is_settled(&self, pair: &Pair) -> bool {
+        if pair.manifolds.is_empty() {
+            return self.links.is_empty();
+        }
         let is_same = self.version == pair.version && self.touching == pair.touching && pair.touching != TOO_MANY;
-        signs & HELD != 0 || (signs == 0 && is_same && self.all_hold)
+        self.key == Some(pair.key) && is_same && self.all_hold
     }
 
     fn clear(&mut self) {
@@ -174,6 +188,23 @@ impl Record {
         self.states.clear();
         self.links.clear();
     }
+}
+
+/// What may have changed the links of a body that is not held; `turn` is the rotation that they were made for, and whether it has
+/// turned since.
+fn signs_of(body: &Body, turn: &mut (Quat, bool), colliders: &Pool<Collider, ShapeId>) -> u8 {
+    let (made_for, turned) = turn;
+    // Not-a-number counts as turned.
+    let is_near = ((body.rotation - *made_for).length() * 2.0) <= TURN;
+    if !is_near {
+        (*made_for, *turned) = (body.rotation, true);
+    }
+    let reaches = body.shapes.iter().filter_map(|&id| colliders.find(id).ok()).map(|shape| colliders[shape].reach);
+    let speed = body.linear_velocity.length() + body.angular_velocity.length() * reaches.fold(0.0, f32::max);
+    // Of two bodies each may have half of it; not-a-number counts as fast.
+    let is_slow = speed <= 0.5 * Slip::STILL_HOLDS;
+    let sign = |holds: bool, sign: u8| if holds { sign } else { 0 };
+    sign(*turned, TURNED) | sign(!is_slow, FAST)
 }
 
 /// What a body is to the graph.
@@ -301,35 +332,43 @@ impl World {
                 }
             }
         }
+        let mut stirs = false;
         for &index in movers {
             if let Some(body) = bodies.get(index) {
-                let (made_for, turned) = &mut state.turns[index as usize];
-                // Not-a-number counts as turned.
-                let is_near = ((body.rotation - *made_for).length() * 2.0) <= TURN;
-                if !is_near {
-                    (*made_for, *turned) = (body.rotation, true);
-                }
-                let reaches = body.shapes.iter().filter_map(|&id| colliders.find(id).ok()).map(|shape| colliders[shape].reach);
-                let speed = body.linear_velocity.length() + body.angular_velocity.length() * reaches.fold(0.0, f32::max);
-                // Of two bodies each may have half of it; not-a-number counts as fast.
-                let is_slow = speed <= 0.5 * Slip::STILL_HOLDS;
-                let sign = |holds: bool, sign: u8| if holds { sign } else { 0 };
-                state.signs[index as usize] = sign(*turned, TURNED) | sign(!is_slow, FAST) | sign(body.held, HELD);
+                state.signs[index as usize] =
+                    if body.held { HELD } else { signs_of(body, &mut state.turns[index as usize], colliders) };
+                stirs |= state.signs[index as usize] & (TURNED | FAST) != 0;
             }
         }
         let (is_new, mut fell_asleep) = (std::mem::take(&mut state.is_new), std::mem::take(&mut state.fell_asleep));
+        let (mut altered, mut unsettled) = (std::mem::take(&mut state.altered), std::mem::take(&mut state.unsettled));
         let unknown = Record::default();
-        for &(key, slot) in pairs.active() {
+        let mut left = std::mem::take(&mut state.left);
+        left.clear();
+        let mut look_at = |slot: u32| {
             let pair = pairs.get(slot);
-            if !is_new && state.records.get(slot as usize).unwrap_or(&unknown).is_up_to_date(pair, &state.signs) {
-                continue;
+            if is_new || !state.records.get(slot as usize).unwrap_or(&unknown).is_up_to_date(pair, &state.signs) {
+                let (a, b) = pair.key.shapes();
+                // What is held was judged when it came to rest.
+                if is_new || !(bodies[colliders[a].body].held || bodies[colliders[b].body].held) {
+                    state.sync_pair(&Site::new(pair, slot, colliders, bodies), frame);
+                }
             }
-            let (a, b) = key.shapes();
-            // What is held was judged when it came to rest.
-            if is_new || !(bodies[colliders[a].body].held || bodies[colliders[b].body].held) {
-                state.sync_pair(&Site::new(pair, slot, colliders, bodies), frame);
+            if !state.records.get(slot as usize).unwrap_or(&unknown).is_settled(pair) {
+                left.push(slot);
             }
+        };
+        if is_new || stirs {
+            pairs.active().iter().for_each(|&(_, slot)| look_at(slot));
+        } else {
+            // While nothing moves, only what the solver changed can be other than it was.
+            altered.append(&mut unsettled);
+            altered.sort_unstable();
+            altered.dedup();
+            altered.iter().filter(|&&slot| pairs.get(slot).is_active()).for_each(|&slot| look_at(slot));
         }
+        altered.clear();
+        (state.altered, state.unsettled, state.left) = (altered, left, unsettled);
         let mut sync = |slot: u32| state.sync_pair(&Site::new(pairs.get(slot), slot, colliders, bodies), frame);
         // What was dropped meanwhile has no contacts any more.
         fell_asleep.drain(..).filter(|&slot| pairs.get(slot).has_points()).for_each(&mut sync);
