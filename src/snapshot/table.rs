@@ -139,6 +139,16 @@ impl<'a> Input<'a> {
         Some(first)
     }
 
+    /// The number of so many bytes, 1 to 4.
+    fn short_word(&mut self, length: usize) -> Option<u32> {
+        let word = match self.bytes.first_chunk() {
+            Some(&whole) => u32::from_le_bytes(whole) & (u32::MAX >> (32 - 8 * length)),
+            None => self.bytes.get(..length)?.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte)),
+        };
+        self.bytes = &self.bytes[length..];
+        Some(word)
+    }
+
     fn number(&mut self) -> Option<u64> {
         let mut value = 0;
         for shift in (0..63).step_by(7) {
@@ -191,10 +201,7 @@ impl<'a> Input<'a> {
             for i in 0..4 {
                 let length = LENGTHS[usize::from(codes >> (2 * i) & 3)];
                 if length > 0 {
-                    let mut difference = [0; 4];
-                    difference[..length].copy_from_slice(self.bytes.get(..length)?);
-                    self.bytes = &self.bytes[length..];
-                    *self.row.get_mut(group * 4 + i)? ^= u32::from_le_bytes(difference);
+                    *self.row.get_mut(group * 4 + i)? ^= self.short_word(length)?;
                 }
             }
         }
