@@ -296,6 +296,7 @@ impl World {
         if std::mem::take(&mut state.bodies_changed) {
             let count = self.bodies.slot_count();
             state.turns.resize(count, (Quat::IDENTITY, false));
+            state.signs.clear();
             state.signs.resize(count, 0);
             state.said.resize(count, false);
             state.kinematic.clear();
@@ -376,6 +377,10 @@ impl World {
             self.sleeping.pairs().for_each(&mut sync);
         }
         state.fell_asleep = fell_asleep;
+        if !stirs {
+            // That a body is held is said anew in each step that it moves in; else there is nothing to take back.
+            return;
+        }
         for &index in movers {
             if let Some((_, turned)) = state.turns.get_mut(index as usize) {
                 *turned = false;

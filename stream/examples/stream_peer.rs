@@ -35,7 +35,7 @@ fn main() {
     match word(0) {
         "publish" => publish(&domain, world(word(2)), number(3), number(4)),
         "measure" => measure(&domain, word(2), number(3) as u32, number(4) as usize),
-        "endure" => endure(&domain, world(word(2)), number(3) as u32),
+        "endure" => endure(&domain, word(2), number(3) as u32),
         "read" => read(&domain, number(2)),
         "future" => future(&domain, number(2)),
         other => panic!("no command {other}: see the top of stream_peer.rs"),
@@ -183,37 +183,42 @@ fn reader(domain: &Domain) -> Child {
 /// Steps of each part of a life: all well; the others hang; the others are dead, or not there yet.
 const PART: u32 = 15;
 
-fn endure(domain: &Domain, mut engine: LongspanEngine, lives: u32) {
-    let world = engine.world_mut();
-    let mut publisher = open(domain, world);
-    let mut times = [const { Vec::new() }; 4];
-    let [calm, disturbed, calm_publication, disturbed_publication] = &mut times;
-    let mut go_on = |steps: &mut Vec<f64>, publications: &mut Vec<f64>| {
-        for _ in 0..PART {
-            steps.push(cpu(|| step(world)));
-            publications.push(cpu(|| publisher.publish(world)));
+/// Beside the world that is published its twin steps, which nobody sees: what other processes take from any step, they take from both.
+fn endure(domain: &Domain, scene: &str, lives: u32) {
+    let mut engines = [world(scene), world(scene)];
+    let mut publisher = open(domain, engines[0].world());
+    let mut times = [const { Vec::new() }; 6];
+    let [calm, calm_twin, disturbed, disturbed_twin, calm_publication, disturbed_publication] = &mut times;
+    let mut go_on = |steps: &mut Vec<f64>, twins: &mut Vec<f64>, publications: &mut Vec<f64>| {
+        for number in 0..PART {
+            // Each is first every other time.
+            for which in [number % 2, 1 - number % 2] {
+                let times = if which == 0 { &mut *steps } else { &mut *twins };
+                times.push(cpu(|| step(engines[which as usize].world_mut())));
+            }
+            publications.push(cpu(|| publisher.publish(engines[0].world())));
         }
     };
     for life in 0..lives {
-        go_on(calm, calm_publication);
+        go_on(calm, calm_twin, calm_publication);
         let mut others = [peer("read", domain, &["0"]), peer("publish", domain, &["pile,n=30", "1000", "200"])]
             .map(|mut other| other.stdout(Stdio::null()).spawn().expect("another process"));
         let signal = |name: &str| {
             let all = others.iter().map(|other| other.id().to_string());
             Command::new("kill").arg(name).args(all).status().expect("kill is there");
         };
-        go_on(disturbed, disturbed_publication);
+        go_on(disturbed, disturbed_twin, disturbed_publication);
         signal("-STOP");
-        go_on(disturbed, disturbed_publication);
+        go_on(disturbed, disturbed_twin, disturbed_publication);
         // Every other time they die as they hang.
         if life.is_multiple_of(2) {
             signal("-CONT");
-            go_on(disturbed, disturbed_publication);
+            go_on(disturbed, disturbed_twin, disturbed_publication);
         }
         for other in &mut others {
             other.kill().and_then(|()| other.wait()).expect("it was there");
         }
-        go_on(disturbed, disturbed_publication);
+        go_on(disturbed, disturbed_twin, disturbed_publication);
     }
     let stats = *publisher.stats();
     drop(publisher);
@@ -225,8 +230,20 @@ fn endure(domain: &Domain, mut engine: LongspanEngine, lives: u32) {
         stats.dropped,
         left.len()
     );
-    for (what, times) in ["step, calm", "step, disturbed", "publication, calm", "publication, disturbed"].iter().zip(&mut times) {
+    let titles = [
+        "step, calm",
+        "its twin's, calm",
+        "step, disturbed",
+        "its twin's, disturbed",
+        "publication, calm",
+        "publication, disturbed",
+    ];
+    for (what, times) in titles.iter().zip(&mut times) {
         print_times(what, times);
+    }
+    for share in [0.5, 0.9, 0.99] {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|column: usize| at(&times[column], share));
+        println!("published over not, disturbed over calm: p{:.0} {:.4}", 100.0 * share, c / d / (a / b));
     }
     assert!(stats.dropped == 0 && left.is_empty(), "dropped or left: {left:?}");
 }

@@ -5,7 +5,8 @@
 //!
 //! [`Direct`] sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
-//! `system` holds the rows, `active_set` says which of them count; `articulation` takes a step, `substep` and `project` one part of it each; `contacts`
+//! `system` holds the rows, `active_set` says which of them count; `layout` says where in its matrix they
+//! are; `articulation` takes a step, `substep` and `project` one part of it each; `contacts`
 //! are those with what it cannot move and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
 //! anything else that moves.
 
@@ -26,6 +27,7 @@ mod contacts;
 mod coupled;
 pub(crate) mod factor;
 pub(crate) mod history;
+mod layout;
 mod order;
 mod packed;
 mod project;

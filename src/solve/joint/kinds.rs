@@ -106,6 +106,9 @@ impl RowSink<'_> {
         motor: Motor,
         id: u8,
     ) {
+        if limits.min == f32::NEG_INFINITY && limits.max == f32::INFINITY && matches!(motor, Motor::Off) {
+            return;
+        }
         let start = (coordinate.value)(&self.geometry.start);
         let mut predicted = (coordinate.value)(&self.geometry.predicted);
         if coordinate.is_angle {
