@@ -151,7 +151,8 @@ fn a_host_s_allocator_profiler_and_policy_are_asked() {
     for linkage in [Linkage::Static, Linkage::Dynamic] {
         let output = run(&mut LIBRARY.compile(&host("hooks"), Language::C99, linkage));
         assert!(
-            output.contains("longspan step;find pairs;update contacts;group islands;derive long range;solve;finish;judge support;"),
+            output
+                .contains("longspan step;find pairs;update contacts;group islands;derive long range;solve;finish;judge support;"),
             "{output}"
         );
     }
