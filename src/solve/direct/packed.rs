@@ -266,9 +266,6 @@ fn add_wide(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
         return;
     }
     let mass = [mass.x, mass.y, mass.z];
-    if w == 0 {
-        return;
-    }
     for (i, row) in block.chunks_exact_mut(w).enumerate() {
         for (lane, into) in row.iter_mut().enumerate() {
             let mut sum = *into;

@@ -12,7 +12,7 @@ use super::{NO_GROUP, root};
 use crate::solve::contact::ContactInput;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
-/// Most bodies that an articulation carries, and most manifolds between those and all that moves.
+/// Most bodies that an articulation carries, and most manifolds of theirs.
 const MOST_RIDERS: u32 = 12;
 const MOST_MANIFOLDS: u32 = 24;
 
