@@ -138,6 +138,15 @@ fn a_track_stays_on_its_sprockets() {
 }
 
 #[test]
+fn a_track_drives_over_a_step_at_five_iterations_of_one_substep() {
+    let run = Run::of("track", &[("substeps", "1"), ("iterations", "5")]);
+    run.keeps("links_off", 0.0, "links");
+    run.keeps("joint_gap_m", 5e-2, "m");
+    let way = run.error("way_m");
+    assert!(way > 20.0, "it comes {way} m far in 20 s instead of about 24");
+}
+
+#[test]
 fn a_welded_vase_lands_in_one_piece() {
     let run = Run::of("vase", &[("seconds", "2")]);
     run.keeps("rigid_dev_max_m", 5e-4, "m");

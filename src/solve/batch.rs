@@ -34,9 +34,16 @@ pub(crate) struct JointEnd {
     pub frame: Quat,
 }
 
-/// Groups of manifolds: two for each colour, two for what found none; and the first of those.
+/// Groups of manifolds: two for each colour, two for what found none; the first of those; and all groups once more for manifolds of
+/// bodies that joints hold.
 const GROUPS: usize = 2 * MAX_COLORS + 2;
 const ALONE: usize = 2 * MAX_COLORS;
+const ALL_GROUPS: usize = 2 * GROUPS;
+
+/// Whether manifolds of this group share no moving body.
+fn is_colored(group: usize) -> bool {
+    group % GROUPS < ALONE
+}
 
 /// Group, and block, of a manifold that an articulation holds.
 const HELD: u32 = u32::MAX;
@@ -56,7 +63,10 @@ pub(crate) struct Batch {
     pub joint_ends: Vec<[JointEnd; 2]>,
     pub velocities: Vec<BodyVelocity>,
     pub motions: Vec<BodyMotion>,
+    /// Blocks of manifolds, those of bodies that joints hold last.
     pub contacts: Vec<ContactBlock>,
+    /// The first of those last ones.
+    pub first_jointed: usize,
     pub joints: BatchJoints,
     /// Long-range bounds, by slot in the world's list and as rows.
     pub bound_slots: Vec<u32>,
@@ -84,7 +94,7 @@ pub(crate) struct Batch {
     pub birth: Birth,
     pub load_pass: LoadPass,
     pub coloring: Coloring,
-    /// Colour of each manifold, twice, plus one if it has a single point.
+    /// Colour of each manifold, twice, plus one if it has a single point; and [`GROUPS`] more where a joint holds one of its bodies.
     groups: Vec<u32>,
     pub pushes: Vec<BodyVelocity>,
     pub recovery_lambdas: Vec<[Lane; POINTS]>,
@@ -188,7 +198,7 @@ impl Batch {
     pub(crate) fn color_contacts(&mut self) {
         self.coloring.reset(self.velocities.len());
         self.groups.clear();
-        let mut counts = [0_u32; GROUPS];
+        let mut counts = [0_u32; ALL_GROUPS];
         for (number, &ContactInput { a, b, count: points, .. }) in self.inputs.iter().enumerate() {
             if self.direct.holds(number) {
                 self.groups.push(HELD);
@@ -198,18 +208,24 @@ impl Batch {
             self.motions[b as usize].constrained = true;
             let end = |slot: u32| (slot, slot != WORLD_SLOT && self.motions[slot as usize].is_dynamic());
             let color = self.coloring.assign(end(a), end(b)).unwrap_or(MAX_COLORS as u32);
-            let group = 2 * color as usize + usize::from(points == 1);
+            let held_by_joints = [a, b].into_iter().any(|slot| self.motions[slot as usize].is_held_by_joints());
+            let group = 2 * color as usize + usize::from(points == 1) + if held_by_joints { GROUPS } else { 0 };
             counts[group] += 1;
             self.groups.push(group as u32);
         }
-        let mut next = [0_u32; GROUPS];
+        let mut next = [0_u32; ALL_GROUPS];
         let mut blocks = 0;
         for (group, &count) in counts.iter().enumerate() {
+            if group == GROUPS {
+                self.first_jointed = blocks as usize;
+            }
             next[group] = blocks * LANES as u32;
             // What found no colour is solved one manifold a block, after the rest.
-            blocks += if group < ALONE { count.div_ceil(LANES as u32) } else { count };
+            blocks += if is_colored(group) { count.div_ceil(LANES as u32) } else { count };
         }
-        self.color_count = counts.chunks(2).filter(|counts| counts.iter().any(|&count| count > 0)).count() as u32;
+        let (free, jointed) = counts.split_at(GROUPS);
+        let is_used = |groups: &[u32]| groups.iter().any(|&count| count > 0);
+        self.color_count = free.chunks(2).zip(jointed.chunks(2)).filter(|(a, b)| is_used(a) || is_used(b)).count() as u32;
         self.contacts.resize(blocks as usize, ContactBlock::EMPTY);
         for &group in &self.groups {
             if group == HELD {
@@ -218,7 +234,7 @@ impl Batch {
             }
             let place = &mut next[group as usize];
             self.lanes.push((*place / LANES as u32, *place % LANES as u32));
-            *place += if (group as usize) < ALONE { 1 } else { LANES as u32 };
+            *place += if is_colored(group as usize) { 1 } else { LANES as u32 };
         }
     }
 

@@ -46,6 +46,11 @@ const CLOSING_SWEEPS: u32 = 3;
 /// sweeps is short: a bound changes little in it, and building its row costs as much as sweeping it twice.
 const LONG_SUBSTEP: u32 = 3;
 
+/// Sweeps over the contacts of bodies that joints hold between two sweeps over the joints, to and fro. A contact sees of such a body its
+/// own mass alone: what a vehicle rests on its track with, or the track's pull round a sprocket, gets through links of a hundredth of
+/// its mass a little at a time. An odd number, so that sweeps back are the exact reverse of sweeps to.
+const JOINTED_SWEEPS: u32 = 3;
+
 /// What all batches of a step have in common.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StepSettings {
@@ -85,9 +90,9 @@ impl Batch {
                     self.taut.sweep(&mut self.velocities, false);
                     self.direct.sweep(&mut self.velocities);
                     self.joints.sweep(&mut self.velocities, false);
-                    contact_kernels::sweep(&mut self.contacts, &mut self.velocities, false);
+                    self.sweep_contacts(false);
                 } else {
-                    contact_kernels::sweep(&mut self.contacts, &mut self.velocities, true);
+                    self.sweep_contacts(true);
                     self.joints.sweep(&mut self.velocities, true);
                     self.direct.sweep(&mut self.velocities);
                     self.taut.sweep(&mut self.velocities, true);
@@ -119,6 +124,20 @@ impl Batch {
         self.taut.store();
         let swept_gap = self.joints.worst_gap(joints, &self.motions);
         self.joint_gap = joint::worst_gap(self.direct.entries(), joints, &self.motions).max(swept_gap);
+    }
+
+    /// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold; backwards, all in the opposite order.
+    fn sweep_contacts(&mut self, backwards: bool) {
+        let (free, jointed) = self.contacts.split_at_mut(self.first_jointed);
+        if !backwards {
+            contact_kernels::sweep(free, &mut self.velocities, false);
+        }
+        for sweep in 0..JOINTED_SWEEPS {
+            contact_kernels::sweep(jointed, &mut self.velocities, backwards != (sweep % 2 == 1));
+        }
+        if backwards {
+            contact_kernels::sweep(free, &mut self.velocities, true);
+        }
     }
 
     /// Gives contacts that are born under load their static multipliers.
