@@ -68,6 +68,12 @@ pub(crate) struct StepSettings {
 impl Batch {
     /// Moves all bodies of the batch through the step.
     pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
+        if self.is_done() {
+            (0..settings.substeps).for_each(|_| self.add_to_tally());
+            self.penetration = self.direct.penetration() as f32;
+            self.joint_gap = joint::worst_gap(self.direct.entries(), joints, &self.motions);
+            return;
+        }
         let h = settings.dt / settings.substeps as f32;
         self.start_contacts(settings.gravity, h);
         self.prepare_load_pass(settings.gravity, h);
@@ -75,6 +81,7 @@ impl Batch {
         self.taut.lay_out(&self.bounds);
         self.poses.lay_out(&self.velocities, &mut self.motions, h);
         for substep in 0..settings.substeps {
+            let is_last = substep + 1 == settings.substeps;
             self.apply_forces(joints, h);
             self.prepare_joints(joints, h, false, true);
             self.joints.warm_start(&mut self.velocities);
@@ -103,27 +110,39 @@ impl Batch {
             self.direct.keep_impulses();
             self.bounds.add_loads();
             self.taut.add_loads();
-            self.planes.fit_velocities(&mut self.velocities, &self.motions, &self.poses, h);
+            if is_last {
+                self.planes.fit_velocities(&mut self.velocities, &self.motions, &self.poses, h);
+            }
             self.advance(h);
             self.bounds.project(&self.velocities, &mut self.motions, h);
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
-            self.flatten();
+            if is_last {
+                self.flatten();
+            }
             self.settle(joints);
-            if substep + 1 < settings.substeps {
+            if !is_last {
                 self.add_to_tally();
             }
         }
-        self.close_joints(joints, h);
+        let closed = self.close_joints(joints, h);
+        let rebounds = self.contacts.iter().any(|block| block.has_restitution);
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.add_to_tally();
-        self.recover_positions(settings.dt);
-        self.settle(joints);
+        let parted = self.recover_positions(settings.dt);
+        if closed || rebounds || parted {
+            self.settle(joints);
+        }
         self.joints.store();
         self.bounds.store();
         self.taut.store();
         let swept_gap = self.joints.worst_gap(joints, &self.motions);
         self.joint_gap = joint::worst_gap(self.direct.entries(), joints, &self.motions).max(swept_gap);
+    }
+
+    /// Whether articulations have moved all bodies through the step, and nothing is left to solve.
+    fn is_done(&self) -> bool {
+        self.contacts.is_empty() && self.motions[1..].iter().all(|motion| motion.direct)
     }
 
     /// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold; backwards, all in the opposite order.
@@ -185,7 +204,6 @@ impl Batch {
     /// Puts hinge chains back into their planes.
     fn flatten(&mut self) {
         if !self.planes.entries.is_empty() {
-            self.poses.find_inertia(&self.motions);
             self.planes.project(&mut self.velocities, &mut self.motions, &mut self.poses);
         }
     }
@@ -227,9 +245,10 @@ impl Batch {
     }
 
     /// Sweeps position rows on where joints are left ajar and a sweep at least halves that: what bends has no taut bound, and one
-    /// sweep a substep leaves it gaps.
-    fn close_joints(&mut self, joints: &Pool<Joint, JointId>, h: f32) {
+    /// sweep a substep leaves it gaps. Returns whether there were any.
+    fn close_joints(&mut self, joints: &Pool<Joint, JointId>, h: f32) -> bool {
         let mut opening = self.joints.opening(joints, &self.motions);
+        let ajar = AJAR.contains(&opening);
         for _ in 0..CLOSING_SWEEPS {
             if !AJAR.contains(&opening) {
                 break;
@@ -241,14 +260,16 @@ impl Batch {
                 break;
             }
         }
+        ajar
     }
 
-    fn recover_positions(&mut self, dt: f32) {
+    /// Takes overlaps out of positions; returns whether there were any.
+    fn recover_positions(&mut self, dt: f32) -> bool {
         contact_kernels::end_step(&mut self.contacts, &self.motions, &mut self.penetration);
         let overlaps = self.penetration > NEGLIGIBLE_OVERLAP;
         self.penetration = self.penetration.max(self.direct.penetration() as f32);
         if !overlaps {
-            return;
+            return false;
         }
         self.pushes.clear();
         self.pushes.extend(self.velocities.iter().map(BodyVelocity::at_rest));
@@ -260,5 +281,6 @@ impl Batch {
         for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
             motion.displace(push.linear, push.angular);
         }
+        true
     }
 }

@@ -11,8 +11,9 @@
 //! the eigenvector of the smallest eigenvalue. The second term is what tells the plane of a straight chain, where all r_i are in one
 //! line. At the minimum moving all members into the plane turns the whole by nothing, to first order.
 //!
-//! **Velocities** before bodies move: a motion within the plane, and one rigid motion of all. Each member keeps what it does within
-//! the plane, v_i − n (n·v_i) and n (n·ω_i); the rest is replaced by the rigid motion that restores both momenta,
+//! **Velocities** before bodies move in the last substep of a step: a motion within the plane, and one rigid motion of all. Each
+//! member keeps what it does within the plane, v_i − n (n·v_i) and n (n·ω_i); the rest is replaced by the rigid motion that
+//! restores both momenta,
 //!
 //! ```text
 //! v_i' = v_i − n (n·v_i) + n V + Ω × r_i,    ω_i' = n (n·ω_i) + Ω,    V = Σ m_i n·v_i / M,    Ω = J⁻¹ (L − L'),
@@ -20,7 +21,7 @@
 //!
 //! J being the inertia of all as one body, L' the angular momentum without Ω. With a fixed plane the rigid motion is that of its anchor.
 //!
-//! **Positions** after bodies have moved: members turn until a_i = n, and shift along n. Velocities do not hear of it, but for the
+//! **Positions** after they have moved: members turn until a_i = n, and shift along n. Velocities do not hear of it, but for the
 //! rigid motion that keeps the angular momentum.
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
@@ -32,10 +33,10 @@ use super::state::{BodyMotion, BodyVelocity};
 use crate::span::eigen::symmetric_eigen;
 
 /// Distance from the plane below which nothing is done, over the chain's mean lever.
-const FLAT: f64 = 1.0e-4;
+const FLAT: f64 = 3.0e-4;
 
 /// Angle from the normal below which nothing is done (rad).
-const ALIGNED: f64 = 1.0e-4;
+const ALIGNED: f64 = 3.0e-4;
 
 /// Most that a member turns at once (rad).
 const MOST_TURN: f64 = 0.5;
@@ -52,6 +53,32 @@ pub(crate) struct PlaneMember {
     pub height: f32,
     /// Where displacements count from, from there for the first member (m).
     pub origin: DVec3,
+    /// Mass (kg), and mean inertia about directions across the axis (kg·m²).
+    pub mass: f64,
+    pub across: f64,
+}
+
+impl PlaneMember {
+    /// Mass, and mean inertia across `axis`, of a body.
+    pub(crate) fn weigh(velocity: &BodyVelocity, motion: &BodyMotion, axis: Vec3) -> (f64, f64) {
+        let mass = 1.0 / f64::from(velocity.inverse_mass.max_element());
+        let along = (motion.inertia_frame.conjugate() * axis).as_dvec3();
+        let inertia = motion.inertia.as_dvec3();
+        (mass, 0.5 * (inertia.element_sum() - inertia.dot(along * along)))
+    }
+
+    /// The member's axis, and its centre of mass moved back by its height.
+    fn stand(&self, motion: &BodyMotion) -> Stand {
+        let axis = (motion.rotation * self.axis).as_dvec3();
+        Stand { axis, foot: self.origin + motion.displacement.as_dvec3() - axis * f64::from(self.height) }
+    }
+}
+
+/// Where a member is.
+#[derive(Debug, Clone, Copy)]
+struct Stand {
+    axis: DVec3,
+    foot: DVec3,
 }
 
 /// What fixes a plane.
@@ -84,6 +111,7 @@ pub(crate) struct Planes {
     pub parts: (bool, bool),
     /// Chains that were put back into their plane in this step.
     pub corrected: u32,
+    stands: Vec<Stand>,
     states: Vec<State>,
     /// Velocities before they are fitted.
     old: Vec<(DVec3, DVec3)>,
@@ -105,7 +133,7 @@ struct State {
 impl State {
     fn of(member: &PlaneMember, velocity: &BodyVelocity, motion: &BodyMotion, poses: &Poses) -> Self {
         Self {
-            mass: 1.0 / f64::from(velocity.inverse_mass.max_element()),
+            mass: member.mass,
             inertia: poses.inertia_of(member.slot, motion),
             center: member.origin + motion.displacement.as_dvec3(),
             axis: (motion.rotation * member.axis).as_dvec3(),
@@ -115,15 +143,8 @@ impl State {
         }
     }
 
-    /// Mean inertia about directions across the axis.
-    fn across(&self) -> f64 {
-        let [xx, yy, zz, ..] = self.inertia;
-        0.5 * (xx + yy + zz - self.axis.dot(times(&self.inertia, self.axis)))
-    }
-
-    /// Centre of mass moved back by its height.
-    fn foot(&self) -> DVec3 {
-        self.center - self.axis * self.height
+    fn stand(&self) -> Stand {
+        Stand { axis: self.axis, foot: self.center - self.axis * self.height }
     }
 }
 
@@ -132,11 +153,10 @@ fn squares(x: DVec3) -> [f64; 6] {
     [x.x * x.x, x.y * x.y, x.z * x.z, x.x * x.y, x.x * x.z, x.y * x.z]
 }
 
-/// Sums over the members of a chain.
+/// Sums over the members of a chain that say how it lies.
 #[derive(Debug, Default)]
-struct Sums {
-    whole: Whole,
-    moments: Moments,
+struct Lay {
+    mass: f64,
     /// Σ m x of the feet, and Σ m x xᵀ − I a aᵀ with their axes.
     feet: DVec3,
     spread: [f64; 6],
@@ -144,34 +164,22 @@ struct Sums {
     axes: DVec3,
 }
 
-impl Sums {
-    /// Of members of which nothing fixes the plane.
-    fn of(states: &[State]) -> Self {
-        let mut sums = Self::default();
-        for state in states {
-            sums.whole.add(state.mass, state.center, state.linear, times(&state.inertia, state.angular));
-            sums.moments.add(state.mass, state.center, &state.inertia);
-            let (foot, across) = (state.foot(), state.across());
-            sums.feet += foot * state.mass;
-            sums.axes += state.axis * state.mass;
-            for (sum, (foot, axis)) in sums.spread.iter_mut().zip(squares(foot).into_iter().zip(squares(state.axis))) {
-                *sum += foot * state.mass - axis * across;
-            }
+impl Lay {
+    fn add(&mut self, member: &PlaneMember, stand: &Stand) {
+        let &PlaneMember { mass, across, .. } = member;
+        self.mass += mass;
+        self.feet += stand.foot * mass;
+        self.axes += stand.axis * mass;
+        for (sum, (foot, axis)) in self.spread.iter_mut().zip(squares(stand.foot).into_iter().zip(squares(stand.axis))) {
+            *sum += foot * mass - axis * across;
         }
-        sums
-    }
-
-    /// Inertia of all as one.
-    fn inertia(&self) -> Inertia {
-        self.moments.about(&self.whole)
     }
 
     /// The plane that is reached with the least work.
     fn plane(&self) -> Option<Plane> {
-        let mass = self.whole.mass();
-        let point = self.feet / mass;
+        let point = self.feet / self.mass;
         let shift = squares(point);
-        let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|i| self.spread[i] - mass * shift[i]);
+        let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|i| self.spread[i] - self.mass * shift[i]);
         let (values, vectors) = symmetric_eigen(DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]));
         let normal = if values.x <= values.y && values.x <= values.z {
             vectors.x_axis
@@ -182,6 +190,29 @@ impl Sums {
         };
         let sign = self.axes.dot(normal);
         (normal.is_finite() && sign != 0.0).then(|| Plane { point, normal: normal * sign.signum(), driven: None })
+    }
+}
+
+/// Sums over the members of a chain that say how it moves.
+#[derive(Debug, Default)]
+struct Sums {
+    whole: Whole,
+    moments: Moments,
+}
+
+impl Sums {
+    fn of(states: &[State]) -> Self {
+        let mut sums = Self::default();
+        for state in states {
+            sums.whole.add(state.mass, state.center, state.linear, times(&state.inertia, state.angular));
+            sums.moments.add(state.mass, state.center, &state.inertia);
+        }
+        sums
+    }
+
+    /// Inertia of all as one.
+    fn inertia(&self) -> Inertia {
+        self.moments.about(&self.whole)
     }
 }
 
@@ -225,9 +256,10 @@ impl Planes {
         for entry in entries.iter() {
             let members = members_of(members, entry);
             load(states, members, velocities, motions, poses);
-            let sums = Sums::of(states);
-            let Some(plane) = plane_of(entry, &sums, velocities, motions) else { continue };
-            let normal = plane.normal;
+            let mut lay = Lay::default();
+            members.iter().zip(&*states).for_each(|(member, state)| lay.add(member, &state.stand()));
+            let Some(plane) = plane_of(entry, &lay, velocities, motions) else { continue };
+            let (normal, sums) = (plane.normal, Sums::of(states));
             let drift = normal.dot(sums.whole.linear()) / sums.whole.mass();
             old.clear();
             old.extend(states.iter().map(|state| (state.linear, state.angular)));
@@ -266,19 +298,27 @@ impl Planes {
 
     /// Puts members back into their plane; what that does to the angular momentum is taken back.
     pub(crate) fn project(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], poses: &mut Poses) {
-        let Self { entries, members, states, parts, corrected, .. } = self;
+        let Self { entries, members, stands, states, parts, corrected, .. } = self;
         for entry in entries.iter() {
             let members = members_of(members, entry);
-            load(states, members, velocities, motions, poses);
-            let sums = Sums::of(states);
-            let Some(plane) = plane_of(entry, &sums, velocities, motions) else { continue };
-            let distance = |state: &State| (state.foot() - plane.point).dot(plane.normal).abs();
-            let angle = |state: &State| state.axis.cross(plane.normal).length();
-            let off = parts.0 && states.iter().any(|state| distance(state) > FLAT * f64::from(entry.size));
-            let askew = parts.1 && states.iter().any(|state| angle(state) > ALIGNED);
+            let mut lay = Lay::default();
+            stands.clear();
+            for member in members {
+                let stand = member.stand(&motions[member.slot as usize]);
+                lay.add(member, &stand);
+                stands.push(stand);
+            }
+            let Some(plane) = plane_of(entry, &lay, velocities, motions) else { continue };
+            let distance = |stand: &Stand| (stand.foot - plane.point).dot(plane.normal).abs();
+            let angle = |stand: &Stand| stand.axis.cross(plane.normal).length();
+            let off = parts.0 && stands.iter().any(|stand| distance(stand) > FLAT * f64::from(entry.size));
+            let askew = parts.1 && stands.iter().any(|stand| angle(stand) > ALIGNED);
             if !off && !askew {
                 continue;
             }
+            poses.find_inertia(motions);
+            load(states, members, velocities, motions, poses);
+            let sums = Sums::of(states);
             *corrected += 1;
             // Where the plane is free, its height is where the feet are once all axes are aligned.
             let level = |state: &State| {
@@ -343,7 +383,7 @@ fn turn_onto(from: DVec3, to: DVec3) -> DVec3 {
     across * (libm::atan2(sine, cosine).min(MOST_TURN) / sine)
 }
 
-fn plane_of(entry: &PlaneEntry, sums: &Sums, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<Plane> {
+fn plane_of(entry: &PlaneEntry, lay: &Lay, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<Plane> {
     if let Some(hold) = &entry.hold {
         let (velocity, motion) = (&velocities[hold.slot as usize], &motions[hold.slot as usize]);
         let rotation: DQuat = motion.rotation.as_dquat().normalize();
@@ -352,5 +392,5 @@ fn plane_of(entry: &PlaneEntry, sums: &Sums, velocities: &[BodyVelocity], motion
         let driven = Driven { point: center, linear: velocity.linear.as_dvec3(), angular: velocity.angular.as_dvec3() };
         return Some(Plane { point: center + arm - normal * f64::from(hold.height), normal, driven: Some(driven) });
     }
-    sums.plane()
+    lay.plane()
 }

@@ -47,6 +47,10 @@ struct Edge {
     crossed: (u32, u32),
 }
 
+/// Joints that a bound must span in a run or loop of heavy bodies alone: over fewer, sweeps do as much, and bounds that are nearly taut
+/// pull at a loop whose joints gape.
+const LEAST_SPAN: u32 = 16;
+
 /// Joints on an edge past light bodies beyond which these get a hierarchy of their own: what is strung over an obstacle is bounded
 /// by no straight line from end to end.
 const LONG_EDGE: u32 = 8;
@@ -64,15 +68,16 @@ pub(super) fn derive(part: &mut Part, weights: &[Weight], levels: Option<u32>) {
             strung[body as usize] = true;
         }
     }
-    add_levels(part, edges, &mut crossed, levels);
+    let is_line = (0..heavy.len() as u32).all(|body| heavy[body as usize] && part.graph.ends_on(body).len() <= 2);
+    add_levels(part, edges, &mut crossed, levels, if is_line { LEAST_SPAN } else { 0 });
     if strung.contains(&true) {
         let edges = neighbours(&part.graph, &strung, &mut part.paths, &mut crossed);
-        add_levels(part, edges, &mut crossed, levels);
+        add_levels(part, edges, &mut crossed, levels, 0);
     }
 }
 
-/// Adds the bounds of these edges and of all levels above them.
-fn add_levels(part: &mut Part, edges: Vec<Edge>, crossed: &mut Vec<JointSide>, levels: Option<u32>) {
+/// Adds the bounds of these edges and of all levels above them that span at least so many joints.
+fn add_levels(part: &mut Part, edges: Vec<Edge>, crossed: &mut Vec<JointSide>, levels: Option<u32>, least: u32) {
     let has_limits = part.graph.links.iter().any(|link| link.turn.limits());
     let mut all = vec![edges];
     for _ in 0..levels.unwrap_or(DEFAULT_LEVELS) {
@@ -83,7 +88,7 @@ fn add_levels(part: &mut Part, edges: Vec<Edge>, crossed: &mut Vec<JointSide>, l
         all.push(level);
     }
     for (number, edges) in all.iter().enumerate().rev() {
-        for edge in edges.iter().filter(|edge| edge.length > 0.0) {
+        for edge in edges.iter().filter(|edge| edge.length > 0.0 && edge.crossed.1 - edge.crossed.0 >= least) {
             let sides = &crossed[edge.crossed.0 as usize..edge.crossed.1 as usize];
             let reach = has_limits.then(|| reach_along(&part.graph, sides));
             let first = part.inner.len() as u32;

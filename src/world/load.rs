@@ -384,7 +384,10 @@ impl Records<'_> {
             for member in &chain.members {
                 let end = self.joint_end(batch, member.end.0, member.end.1 as usize);
                 let origin = end.origin - *reference.get_or_insert(end.origin);
-                batch.planes.members.push(PlaneMember { slot: end.slot, axis: member.axis, height: member.height, origin });
+                let (velocity, motion) = (&batch.velocities[end.slot as usize], &batch.motions[end.slot as usize]);
+                let (mass, across) = PlaneMember::weigh(velocity, motion, member.axis);
+                let &Member { axis, height, .. } = member;
+                batch.planes.members.push(PlaneMember { slot: end.slot, axis, height, origin, mass, across });
             }
             let hold = chain.anchor.map(|anchor| {
                 let end = self.joint_end(batch, anchor.end.0, anchor.end.1 as usize);
