@@ -306,6 +306,27 @@ fn a_body_destroyed_twice_says_so() {
     assert_eq!(host.world.destroy_body(body).expect_err("destroyed").kind, ErrorKind::AlreadyDestroyed);
 }
 
+/// A cylinder flung down a metre away from where it may move: under half of its points it can turn, under the others it cannot.
+#[test]
+fn a_body_with_locked_axes_is_pushed_with_finite_forces() {
+    for turned in 0..64 {
+        let mut host = Host::new();
+        let def = BodyDef::dynamic(Pose::at_xyz(7380.0, -2.4, -0.1).rotated(Quat::from_rotation_z(0.1 * turned as f32)));
+        let floor = ShapeDef::new(Shape::cuboid(Vec3::new(20.0, 0.5, 20.0)).expect("the numbers are in range"));
+        host.world.create_body(&BodyDef::fixed(Pose::at_xyz(7380.0, -3.0, 0.0)).with_shape(floor)).expect("a floor is valid");
+        let body = host
+            .world
+            .create_body(&BodyDef { mass: Mass::Total(720.0), ..def }.with_shape(ShapeDef::new(form(4))))
+            .expect("valid");
+        let locked = LockedAxes { translation: [false, true, true], rotation: [true, true, false] };
+        host.world.set_locked_axes(body, locked).expect("alive");
+        host.world.set_linear_velocity(body, Vec3::new(0.0, -483.0, 0.0)).expect("in range");
+        host.act(&Act::Step(1.0 / 60.0));
+        let most = host.world.contacts().map(|contact| contact.force().length()).fold(0.0, f32::max);
+        assert!(most < 1e22, "turned {turned}: {most} N");
+    }
+}
+
 /// A world with a light body that a force will tear to infinity, and a ball beside it.
 fn torn() -> (Host, BodyId, BodyId) {
     let mut host = Host::new();

@@ -11,6 +11,12 @@ use super::rows::load_all;
 /// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
 const REGULARISATION: f32 = 1.0e-3;
 
+/// Share of what a row would answer, if its lever and its direction stood at their best, below which the row is immovable.
+///
+/// A body with locked axes may be free across a row alone. Rounding turns that direction by some 1e-7, and its square would be an
+/// effective mass of 1e14 times the body's, whose impulses overflow.
+const IMMOVABLE: f32 = 1.0e-12;
+
 /// Rows and columns of the entries of an inverse, in the order in which a block keeps them.
 const ENTRIES: [(usize, usize); 10] = [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
@@ -22,9 +28,11 @@ pub(super) fn set<W: Wide>(block: &mut ContactBlock, velocities: &[BodyVelocity]
     let t1 = Wide3::load(&block.tangent);
     let t2 = n.cross(t1);
 
-    set_normal(block, n, n.dot(inverse_mass.scale(n)), &side_a, &side_b);
+    let immovable = Immovable::new(&side_a, &side_b);
+    set_normal(block, n, n.dot(inverse_mass.scale(n)), &side_a, &side_b, &immovable);
 
     let (center_a, center_b) = (Wide3::load(&block.center_a), Wide3::load(&block.center_b));
+    let least = immovable.at(center_a, center_b);
     let (arm_a1, arm_a2) = (center_a.cross(t1), center_a.cross(t2));
     let (arm_b1, arm_b2) = (center_b.cross(t1), center_b.cross(t2));
     let (push1, push2) = (inverse_mass.scale(t1), inverse_mass.scale(t2));
@@ -33,18 +41,51 @@ pub(super) fn set<W: Wide>(block: &mut ContactBlock, velocities: &[BodyVelocity]
     let m11 = t1.dot(push1) + arm_a1.dot(turn_a1) + arm_b1.dot(turn_b1);
     let m12 = t1.dot(push2) + arm_a1.dot(turn_a2) + arm_b1.dot(turn_b2);
     let m22 = t2.dot(push2) + arm_a2.dot(turn_a2) + arm_b2.dot(turn_b2);
-    put_inverse2(&mut block.tangent_mass, m11, m12, m22);
+    put_inverse2(&mut block.tangent_mass, m11, m12, m22, least);
 
-    invert(n.dot(side_a.response(n) + side_b.response(n))).store(&mut block.twist_mass);
+    invert(n.dot(side_a.response(n) + side_b.response(n)), immovable.turning).store(&mut block.twist_mass);
     if block.has_rolling {
         let (turn1, turn2) = (side_a.response(t1) + side_b.response(t1), side_a.response(t2) + side_b.response(t2));
-        put_inverse2(&mut block.rolling_mass, t1.dot(turn1), t1.dot(turn2), t2.dot(turn2));
+        put_inverse2(&mut block.rolling_mass, t1.dot(turn1), t1.dot(turn2), t2.dot(turn2), immovable.turning);
+    }
+}
+
+/// Inverse effective masses at or below which a row of two bodies is immovable: [`IMMOVABLE`] of the trace of M⁻¹ − [r]× I⁻¹ [r]×.
+struct Immovable<W> {
+    moving: W,
+    turning_a: W,
+    turning_b: W,
+    /// Of a row that only turns (1/(kg m²)).
+    turning: W,
+}
+
+impl<W: Wide> Immovable<W> {
+    #[inline(always)]
+    fn new(side_a: &Side<W>, side_b: &Side<W>) -> Self {
+        let share = W::splat(IMMOVABLE);
+        let (turning_a, turning_b) = (share * side_a.inverse_inertia.trace(), share * side_b.inverse_inertia.trace());
+        let inverse_mass = side_a.inverse_mass() + side_b.inverse_mass();
+        let moving = share * (inverse_mass.x + inverse_mass.y + inverse_mass.z);
+        Self { moving, turning_a, turning_b, turning: turning_a + turning_b }
+    }
+
+    /// Of a row along a line through points at these levers (1/kg).
+    #[inline(always)]
+    fn at(&self, lever_a: Wide3<W>, lever_b: Wide3<W>) -> W {
+        self.moving + self.turning_a * lever_a.dot(lever_a) + self.turning_b * lever_b.dot(lever_b)
     }
 }
 
 /// A_ij = n·M⁻¹n + (r_i×n)·I⁻¹(r_j×n), summed over both sides, and its inverses.
 #[inline(always)]
-fn set_normal<W: Wide>(block: &mut ContactBlock, n: Wide3<W>, along_normal: W, side_a: &Side<W>, side_b: &Side<W>) {
+fn set_normal<W: Wide>(
+    block: &mut ContactBlock,
+    n: Wide3<W>,
+    along_normal: W,
+    side_a: &Side<W>,
+    side_b: &Side<W>,
+    immovable: &Immovable<W>,
+) {
     let points = if block.has_faces { POINTS } else { 1 };
     let zero = W::zero();
     let mut exists = [[0.0; LANES]; POINTS];
@@ -55,8 +96,11 @@ fn set_normal<W: Wide>(block: &mut ContactBlock, n: Wide3<W>, along_normal: W, s
     }
     let exists = load_all::<W, POINTS>(&exists);
     let mut torque = [(Wide3::zero(), Wide3::zero()); POINTS];
+    let mut least = [zero; POINTS];
     for i in 0..points {
-        torque[i] = (Wide3::load(&block.lever_a[i]).cross(n), Wide3::load(&block.lever_b[i]).cross(n));
+        let (lever_a, lever_b) = (Wide3::load(&block.lever_a[i]), Wide3::load(&block.lever_b[i]));
+        torque[i] = (lever_a.cross(n), lever_b.cross(n));
+        least[i] = immovable.at(lever_a, lever_b);
     }
     let mut pair = 0;
     for i in 0..points {
@@ -64,7 +108,7 @@ fn set_normal<W: Wide>(block: &mut ContactBlock, n: Wide3<W>, along_normal: W, s
         let entry = along_normal + turn_a.dot(torque[i].0) + turn_b.dot(torque[i].1);
         let diagonal = W::select(exists[i].above(zero), entry, zero);
         diagonal.store(&mut block.diagonal[i]);
-        invert(diagonal).store(&mut block.inverse_diagonal[i]);
+        invert(diagonal, least[i]).store(&mut block.inverse_diagonal[i]);
         for j in i + 1..points {
             // Points exist in order: where j does, i does.
             let entry = along_normal + turn_a.dot(torque[j].0) + turn_b.dot(torque[j].1);
@@ -81,13 +125,13 @@ fn set_normal<W: Wide>(block: &mut ContactBlock, n: Wide3<W>, along_normal: W, s
 /// the multipliers of least norm. A = L D Lᵀ, A⁻¹ = Mᵀ D⁻¹ M with M = L⁻¹, in `f64`.
 #[inline(always)]
 fn set_inverse(block: &mut ContactBlock) {
-    let ContactBlock { diagonal, coupling, inverse, count, .. } = block;
+    let ContactBlock { diagonal, inverse_diagonal, coupling, inverse, count, .. } = block;
     let lanes: &mut [Lane; 10] = inverse;
     for l in 0..LANES {
         let extra =
             f64::from(diagonal.iter().fold(0.0_f32, |most, lane| if lane[l] > most { lane[l] } else { most }) * REGULARISATION);
         // A point alone is solved by its diagonal.
-        let exists = [0, 1, 2, 3].map(|i: usize| count[l] > 1 && diagonal[i][l] > 0.0);
+        let exists = [0, 1, 2, 3].map(|i: usize| count[l] > 1 && inverse_diagonal[i][l] > 0.0);
         let d = [0, 1, 2, 3].map(|i: usize| if exists[i] { f64::from(diagonal[i][l]) + extra } else { 1.0 });
         let [c01, c02, c03, c12, c13, c23] = coupling.map(|lane| f64::from(lane[l]));
 
@@ -124,18 +168,19 @@ fn set_inverse(block: &mut ContactBlock) {
 }
 
 #[inline(always)]
-fn invert<W: Wide>(x: W) -> W {
-    W::select(x.above(W::zero()), W::splat(1.0) / x, W::zero())
+fn invert<W: Wide>(x: W, least: W) -> W {
+    W::select(x.above(least), W::splat(1.0) / x, W::zero())
 }
 
 /// Inverse of [[m11, m12], [m12, m22]]: 11, 12, 22.
 ///
-/// Bodies that cannot turn make one direction immovable: those rows are left out rather than divided by nothing.
+/// Bodies that cannot turn make one direction immovable: those rows are left out rather than divided by nothing. So are both where
+/// the lesser eigenvalue is not above `least`.
 #[inline(always)]
-fn put_inverse2<W: Wide>(lanes: &mut [Lane; 3], m11: W, m12: W, m22: W) {
+fn put_inverse2<W: Wide>(lanes: &mut [Lane; 3], m11: W, m12: W, m22: W, least: W) {
     let zero = W::zero();
     let determinant = m11 * m22 - m12 * m12;
-    let is_regular = determinant.above(W::splat(f32::EPSILON) * m11 * m22);
+    let is_regular = determinant.above((W::splat(f32::EPSILON) * m11 * m22).max(least * m11.max(m22)));
     let scale = W::select(is_regular, W::splat(1.0) / determinant, zero);
     (m22 * scale).store(&mut lanes[0]);
     (-m12 * scale).store(&mut lanes[1]);

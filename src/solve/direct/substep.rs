@@ -219,6 +219,7 @@ impl Articulation {
     /// blow counts once.
     pub(super) fn keep_impulses(&mut self, scale: f64, carried: f64) {
         let Self { entries, system, links, stances, touches, .. } = self;
+        system.drop_senseless();
         for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {
             let (mut point, mut angular) = (DVec3::ZERO, DVec3::ZERO);
             let (mut linear_load, mut angular_load) = (DVec3::ZERO, DVec3::ZERO);

@@ -46,6 +46,10 @@ const REFINE_ABOVE: f64 = 1.0e-7;
 /// Share of the residual that a refinement must reach to be kept.
 const IMPROVES: f64 = 0.5;
 
+/// Greatest multiplier that bodies can ask for: the greatest mass at the greatest speed (N·s). Rows that nothing can fulfil, as those
+/// of a body that is moved away from one with locked axes, have some that rise without end.
+const MOST_IMPULSE: f64 = 1.0e16;
+
 /// Compliance of a contact's row over its own response: of multipliers that hold equally, those of least norm are taken.
 const CONTACT_COMPLIANCE: f64 = 1.0e-6;
 
@@ -318,6 +322,14 @@ impl System {
         }
         self.settled &= wrong == 0;
         most_passes
+    }
+
+    /// Forgets the multipliers of a solve that came to more than bodies can ask for: they are neither carried on nor anyone's load.
+    pub(crate) fn drop_senseless(&mut self) {
+        // Written so that one which is no number counts.
+        if !self.rows.iter().all(|row| row.impulse.abs() <= MOST_IMPULSE) {
+            self.rows.iter_mut().for_each(|row| row.impulse = 0.0);
+        }
     }
 
     fn push_fixed(&self, bodies: &[DirectBody], rates: &mut [Rate]) {
