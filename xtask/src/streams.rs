@@ -76,13 +76,16 @@ impl Drop for Ended {
 
 /// A watcher in C says that the only stream there is of another version, and does not read it.
 fn other_version(peer: &Path, renderer: &Path) -> Outcome<()> {
-    let _future = Ended(Command::new(peer).args(["future", "", "60"]).stdout(Stdio::null()).spawn()?);
+    let future = Ended(Command::new(peer).args(["future", "", "60"]).stdout(Stdio::null()).spawn()?);
     std::thread::sleep(std::time::Duration::from_secs(1));
     let output = Command::new(renderer).arg("1").output()?;
     let said = String::from_utf8_lossy(&output.stderr);
     let said = said.lines().next().unwrap_or_default();
     println!("of a stream of the next schema: {said}");
     let frames = String::from_utf8_lossy(&output.stdout).contains("0 frames seen");
+    // It dies with everything open, and whoever comes next clears up.
+    drop(future);
+    printed(Command::new(renderer).arg("0"))?;
     let holds = said.contains("schema 2") && said.contains("reads 1") && frames && output.status.success();
     if holds { Ok(()) } else { Err("the watcher does not say that the stream is of another version".into()) }
 }
