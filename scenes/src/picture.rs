@@ -137,7 +137,7 @@ pub fn draw(bodies: &[Drawn], width: usize, height: usize) -> Image {
     let frame = scene.len();
     let mut ground: Option<f32> = None;
     for body in finite.iter().filter(|body| !framed.iter().any(|framed| std::ptr::eq(*framed, **body))) {
-        match ground_level(body) {
+        match ground_level(body, center) {
             Some(level) => ground = Some(ground.unwrap_or(f32::NEG_INFINITY).max((level - center.y) as f32)),
             None => add_triangles(body, center, &mut scene),
         }
@@ -164,12 +164,15 @@ fn framed<'a>(bodies: &[&'a Drawn]) -> Vec<&'a Drawn> {
     by_size[..count].iter().map(|&(_, body)| body).collect()
 }
 
-/// Height of the top face of a box or half-space that lies level (m).
-fn ground_level(body: &Drawn) -> Option<f64> {
+/// Height of the top face of a box or half-space that lies level, and below or above this point (m).
+fn ground_level(body: &Drawn, center: DVec3) -> Option<f64> {
     let up = body.pose.rotation.conjugate() * Vec3::Y;
     let level = |face: Vec3| face.dot(up) > 0.9999;
+    let aside = (body.pose.rotation.conjugate() * (center - body.pose.position).as_vec3()).abs();
     match &body.geometry {
-        Geometry::Box { half_extents } if level(Vec3::Y) => Some(body.pose.position.y + f64::from(half_extents.y)),
+        Geometry::Box { half_extents } if level(Vec3::Y) && aside.x < half_extents.x && aside.z < half_extents.z => {
+            Some(body.pose.position.y + f64::from(half_extents.y))
+        }
         Geometry::HalfSpace { normal } if level(*normal) => Some(body.pose.position.y),
         _ => None,
     }
@@ -228,6 +231,10 @@ fn render(scene: &[Triangle], frame: usize, ground: f32, width: usize, height: u
     let mut depths = DepthMap::new(columns, rows);
     for triangle in scene {
         rasterize(triangle, &project, &mut depths, &mut |pixel, point, normal| {
+            // The ground, seen from above, hides what is below it.
+            if point.y < ground && camera.eye.y > ground {
+                return;
+            }
             let facing = if normal.dot(camera.eye - point) < 0.0 { -normal } else { normal };
             samples[pixel] = triangle.color * lit(point, facing);
         });

@@ -238,14 +238,27 @@ fn endure(domain: &Domain, scene: &str, lives: u32) {
         "publication, calm",
         "publication, disturbed",
     ];
+    // Before they are sorted.
+    let mut with_publication = [(0, 4), (2, 5)].map(|(step, publication)| -> Vec<f64> {
+        times[step].iter().zip(&times[publication]).map(|(step, publication)| step + publication).collect()
+    });
     for (what, times) in titles.iter().zip(&mut times) {
         print_times(what, times);
     }
-    for share in [0.5, 0.9, 0.99] {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|column: usize| at(&times[column], share));
-        println!("published over not, disturbed over calm: p{:.0} {:.4}", 100.0 * share, c / d / (a / b));
+    for (what, times) in ["step and publication, calm", "step and publication, disturbed"].iter().zip(&mut with_publication) {
+        print_times(what, times);
     }
+    print_ratios("published over not", [&times[0], &times[1], &times[2], &times[3]]);
+    print_ratios("step and publication over the twin's step", [&with_publication[0], &times[1], &with_publication[1], &times[3]]);
     assert!(stats.dropped == 0 && left.is_empty(), "dropped or left: {left:?}");
+}
+
+/// How two columns compare when disturbed, over how they compare when calm; sorted values of calm, its twin, disturbed, its twin.
+fn print_ratios(what: &str, columns: [&[f64]; 4]) {
+    for share in [0.5, 0.9, 0.99] {
+        let [a, b, c, d] = columns.map(|column| at(column, share));
+        println!("{what}, disturbed over calm: p{:.0} {:.4}", 100.0 * share, c / d / (a / b));
+    }
 }
 
 /// All files of a domain but the lock, and the one that iceoryx2 keeps for good.

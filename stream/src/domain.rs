@@ -55,9 +55,9 @@ impl Domain {
         if self.0.is_empty() { folder.join("default") } else { folder.join(format!("d-{}", self.0)) }
     }
 
-    /// What the names of all its shared memory begin with.
+    /// What the names of all its shared memory begin with. No name of a domain has a plus, so no other domain's begin so.
     pub fn prefix(&self) -> String {
-        format!("ls{}_{}_", user(), self.0)
+        format!("ls{}_{}+", user(), self.0)
     }
 
     /// Settings for iceoryx2; makes the folder, and refuses one that is not ours alone.
@@ -93,7 +93,34 @@ impl Domain {
     pub(crate) fn join(&self, config: &Config) -> Result<Membership> {
         let lock = self.lock()?;
         lock.lock_shared()?;
-        Ok(Membership { node: channel::node(config)?, _lock: lock })
+        self.own_memory()?;
+        let node = channel::node(config)?;
+        // iceoryx2 makes the file by which it numbers processes everybody's.
+        self.own_memory()?;
+        Ok(Membership { node, _lock: lock })
+    }
+
+    /// Takes shared memory of the domain from everybody else; refuses what somebody else has put under its names: memory that can be
+    /// cut short by others is a fatal signal for who maps it.
+    fn own_memory(&self) -> Result<()> {
+        for file in self.memory() {
+            // It may be gone by now.
+            let Ok(found) = fs::symlink_metadata(&file) else { continue };
+            if !found.is_file() || found.uid() != user() {
+                return Err(Problem::System(format!("{} is not this user's", file.display())));
+            }
+            if found.mode() & 0o077 != 0 {
+                let _ = fs::set_permissions(&file, fs::Permissions::from_mode(0o600));
+            }
+        }
+        Ok(())
+    }
+
+    /// The files that are its shared memory.
+    fn memory(&self) -> impl Iterator<Item = PathBuf> {
+        let prefix = self.prefix();
+        let files = fs::read_dir("/dev/shm").into_iter().flatten().flatten();
+        files.filter(move |file| file.file_name().to_string_lossy().starts_with(&prefix)).map(|file| file.path())
     }
 
     /// Removes everything that is left, if no process lives that is a member.
@@ -109,11 +136,8 @@ impl Domain {
         for part in ["nodes", "services"] {
             let _ = fs::remove_dir_all(self.folder().join(part));
         }
-        let prefix = self.prefix();
-        for entry in fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
-            if entry.file_name().to_string_lossy().starts_with(&prefix) {
-                let _ = fs::remove_file(entry.path());
-            }
+        for file in self.memory() {
+            let _ = fs::remove_file(file);
         }
     }
 

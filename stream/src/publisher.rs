@@ -160,8 +160,8 @@ impl Publisher {
         node.try_cleanup_dead_nodes();
         let source = Source::new(&def.name, std::process::id(), STREAMS.fetch_add(1, Ordering::Relaxed));
         let readers = def.readers as usize;
-        let hot_room = Room { name: "hot", buffer: HOT_BUFFER, history: 1, bytes: def.frame_bytes(world) };
-        let cold_room = Room { name: "cold", buffer: COLD_BUFFER, history: COLD_BUFFER, bytes: BLOCK };
+        let hot_room = Room { name: "hot", buffer: HOT_BUFFER, history: 1, bytes: def.frame_bytes(world), grows: true };
+        let cold_room = Room { name: "cold", buffer: COLD_BUFFER, history: COLD_BUFFER, bytes: BLOCK, grows: false };
         // Readers look for the hot channel: it comes last.
         let cold_outlet = Outlet::open(node, &source, cold_room, readers)?;
         let hot_outlet = Outlet::open(node, &source, hot_room, readers)?;

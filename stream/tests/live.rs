@@ -2,11 +2,12 @@
 
 mod common;
 
+use std::os::unix::fs::PermissionsExt;
 use std::time::Duration;
 
 use common::{Room, body_matches, falling_boxes};
 use longspan::{BodyDef, Handle, JointDef, JointKind, Pose, Shape, ShapeDef, glam::Vec3};
-use longspan_stream::{Poll, Publisher, PublisherDef, Reader};
+use longspan_stream::{Domain, Poll, Publisher, PublisherDef, Reader};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -108,6 +109,34 @@ fn two_worlds_and_three_readers_do_not_mix() {
         assert_eq!(hashes, [first.state_hash(), second.state_hash(), second.state_hash()]);
     }
     assert_eq!(room.domain.sources().unwrap().len(), 2);
+}
+
+#[test]
+fn nobody_but_the_owner_can_open_what_a_stream_is_made_of() {
+    let room = Room::new("owner");
+    let mut publisher = Publisher::open(&falling_boxes(4), &room.def("host")).unwrap();
+    let _reader = common::attach(&room, "host", std::slice::from_mut(&mut publisher));
+    let files = room.files();
+    assert!(files.iter().filter(|file| file.starts_with("/dev/shm")).count() >= 3, "{files:?}");
+    for file in files {
+        let mode = std::fs::metadata(&file).unwrap().permissions().mode();
+        // What lies in the folder cannot be reached by others, whatever it says of itself.
+        let reached = file.starts_with("/dev/shm") || file == room.domain.folder();
+        assert!(!reached || mode & 0o077 == 0, "{}: {mode:o}", file.display());
+    }
+}
+
+#[test]
+fn a_domain_that_is_cleared_leaves_alone_one_whose_name_begins_alike() {
+    let room = Room::new("alike");
+    let longer = Room { domain: Domain::named(&format!("{}_more", common::domain_name(&room))).unwrap() };
+    let mut world = falling_boxes(4);
+    let mut publisher = Publisher::open(&world, &longer.def("host")).unwrap();
+    drop(Publisher::open(&world, &room.def("host")).unwrap());
+    let mut reader = common::attach(&longer, "host", std::slice::from_mut(&mut publisher));
+    world.step(DT).unwrap();
+    publisher.publish(&world);
+    assert!(matches!(reader.wait(Duration::from_secs(5)).unwrap(), Poll::Frame { lost_frames: 0, .. }));
 }
 
 #[test]

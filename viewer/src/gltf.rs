@@ -25,6 +25,7 @@ struct Document {
 }
 
 /// The frames of one part.
+#[derive(Default)]
 struct Track {
     times: Vec<f32>,
     places: Vec<[f32; 3]>,
@@ -62,7 +63,7 @@ pub fn write(mut reader: Reader, to: &Path) -> Outcome<()> {
             let node = *nodes.entry(key).or_insert_with(|| document.add_part(&points, &triangles, part.color, body));
             // glTF has floats only: the middle of the first frame becomes the origin.
             let origin = *origin.get_or_insert(part.pose.position.round());
-            let track = tracks.entry(node).or_insert_with(|| Track { times: Vec::new(), places: Vec::new(), turns: Vec::new() });
+            let track = tracks.entry(node).or_default();
             track.times.push(time);
             track.places.push((part.pose.position - origin).as_vec3().to_array());
             track.turns.push(part.pose.rotation.to_array());
@@ -282,30 +283,31 @@ mod tests {
         let data = |buffer: ::gltf::Buffer<'_>| Some(&*buffers[buffer.index()].0);
 
         let animation = document.animations().next().expect("one animation");
-        let mut tracks: BTreeMap<usize, (Vec<f32>, Vec<Vec3>, Vec<[f32; 4]>)> = BTreeMap::new();
+        let mut tracks: BTreeMap<usize, Track> = BTreeMap::new();
         for channel in animation.channels() {
             let reader = channel.reader(data);
             let track = tracks.entry(channel.target().node().index()).or_default();
-            track.0 = reader.read_inputs().expect("times").collect();
+            track.times = reader.read_inputs().expect("times").collect();
             match reader.read_outputs().expect("values") {
-                ReadOutputs::Translations(places) => track.1 = places.map(Vec3::from_array).collect(),
-                ReadOutputs::Rotations(turns) => track.2 = turns.into_f32().collect(),
+                ReadOutputs::Translations(places) => track.places = places.collect(),
+                ReadOutputs::Rotations(turns) => track.turns = turns.into_f32().collect(),
                 _ => panic!("neither places nor turns"),
             }
         }
         // What is recorded begins with the frame that was there when the reader came.
         let last = tracks.values().last().expect("the weight was made last, and moves");
-        let skipped = last.0.len() - poses.len();
-        assert!(skipped <= 1, "{} frames of {}", last.0.len(), poses.len());
-        let origin = poses[0].1 - last.1[skipped].as_dvec3();
+        let skipped = last.times.len() - poses.len();
+        assert!(skipped <= 1, "{} frames of {}", last.times.len(), poses.len());
+        let place = |frame: usize| Vec3::from_array(last.places[frame]).as_dvec3();
+        let origin = poses[0].1 - place(skipped);
         assert!(origin.distance(origin.round()) < 1e-5, "the origin is a whole number of metres: {origin}");
-        for (frame, (time, place, turn)) in poses.iter().enumerate() {
+        for (frame, (time, position, turn)) in poses.iter().enumerate() {
             let at = frame + skipped;
-            assert_eq!(last.0[at], *time, "frame {frame}");
+            assert_eq!(last.times[at], *time, "frame {frame}");
             // It was made of length one once more.
-            let turned = Quat::from_array(last.2[at]).abs_diff_eq(Quat::from_array(*turn), 2.0 * f32::EPSILON);
-            assert!(turned, "frame {frame}: {:?} for {turn:?}", last.2[at]);
-            let off = (last.1[at].as_dvec3() + origin.round()).distance(*place);
+            let turned = Quat::from_array(last.turns[at]).abs_diff_eq(Quat::from_array(*turn), 2.0 * f32::EPSILON);
+            assert!(turned, "frame {frame}: {:?} for {turn:?}", last.turns[at]);
+            let off = (place(at) + origin.round()).distance(*position);
             assert!(off < 1e-5, "frame {frame}: {off} m off");
         }
         for mesh in document.meshes() {
@@ -313,7 +315,7 @@ mod tests {
             let reader = primitive.reader(data);
             let points = reader.read_positions().expect("points").count();
             let corners: Vec<u32> = reader.read_indices().expect("triangles").into_u32().collect();
-            assert!(points > 3 && corners.len() % 3 == 0 && corners.iter().all(|&corner| (corner as usize) < points));
+            assert!(points > 3 && corners.len().is_multiple_of(3) && corners.iter().all(|&corner| (corner as usize) < points));
         }
     }
 }

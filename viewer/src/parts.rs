@@ -1,6 +1,6 @@
 //! A scene as forms to draw: bodies in their colours, and what holds them.
 
-use longspan::glam::{DVec3, Quat, Vec3};
+use longspan::glam::{DVec3, Mat3, Quat, Vec3};
 use longspan::{Geometry, Pose};
 use longspan_scenes::picture::{Drawn, color_of};
 use longspan_stream::Scene;
@@ -33,6 +33,9 @@ impl Layers {
 const FIXED: Vec3 = Vec3::new(0.30, 0.31, 0.33);
 const UNSUPPORTED: Vec3 = Vec3::new(0.85, 0.10, 0.08);
 const BROKEN: Vec3 = Vec3::new(1.0, 0.45, 0.0);
+
+/// Radius of a line over the size of the scene.
+const THIN: f32 = 0.0012;
 
 /// From green over yellow to red.
 fn heat(share: f32) -> Vec3 {
@@ -77,13 +80,34 @@ pub fn pose_of(body: &LsStreamBody) -> Pose {
     Pose { position: DVec3::from_array(body.position), rotation: Quat::from_array(body.rotation).normalize() }
 }
 
+/// Where a shape is in the world, and half of the box about it whose sides are along the axes (m).
+pub fn place(body: &LsStreamBody, shape: &LsStreamShape) -> (DVec3, Vec3) {
+    let pose = pose_of(body).transform(&local_pose(shape));
+    let turned = Mat3::from_quat(pose.rotation);
+    let turned = Mat3::from_cols(turned.x_axis.abs(), turned.y_axis.abs(), turned.z_axis.abs());
+    let [a, b, _] = shape.size;
+    let half = match shape.kind {
+        0 => Vec3::splat(a),
+        1 => turned * Vec3::from_array(shape.size),
+        2 => turned.y_axis * a + Vec3::splat(b),
+        3 | 4 => turned * Vec3::new(b, a, b),
+        // What is made of triangles says how far it goes, not where.
+        _ => Vec3::splat(Vec3::from_array(shape.size).length()),
+    };
+    (pose.position, half)
+}
+
+fn local_pose(shape: &LsStreamShape) -> Pose {
+    Pose { position: Vec3::from_array(shape.position).as_dvec3(), rotation: Quat::from_array(shape.rotation) }
+}
+
 /// Every form of a scene, with the number of its body; 0 for what is none.
 pub fn of_scene(scene: &Scene, layers: Layers) -> Vec<(u64, Drawn)> {
     let mut drawn = Vec::new();
     for shape in scene.shapes() {
         let (Some(body), Some(geometry)) = (scene.body(shape.body), geometry(scene, shape)) else { continue };
-        let local = Pose { position: Vec3::from_array(shape.position).as_dvec3(), rotation: Quat::from_array(shape.rotation) };
-        drawn.push((body.body, Drawn { geometry, pose: pose_of(body).transform(&local), color: color(body, layers) }));
+        let pose = pose_of(body).transform(&local_pose(shape));
+        drawn.push((body.body, Drawn { geometry, pose, color: color(body, layers) }));
     }
     let size = reach(&drawn);
     add_spans(scene, layers, size, &mut drawn);
@@ -109,9 +133,37 @@ pub fn broken_at(at: [f64; 3], size: f32) -> Drawn {
     Drawn { geometry: Geometry::Ball { radius: 0.006 * size }, pose: Pose::at(DVec3::from_array(at)), color: BROKEN }
 }
 
+fn greatest_tension(scene: &Scene) -> f32 {
+    scene.bounds().iter().map(|bound| bound.tension.abs()).fold(0.0, f32::max)
+}
+
+/// A bound as a line: the redder the tighter, the thicker the more it carries of what the one does that carries `most` (N).
+fn span(bound: &LsStreamBound, most: f32, thin: f32) -> Drawn {
+    let [near, far] = [bound.near_point, bound.far_point].map(DVec3::from_array);
+    let along = (far - near).as_vec3();
+    let load = if most > 0.0 { bound.tension.abs() / most } else { 0.0 };
+    Drawn {
+        geometry: Geometry::Capsule { half_height: 0.5 * along.length(), radius: thin * (0.6 + 1.4 * load) },
+        pose: Pose {
+            position: 0.5 * (near + far),
+            rotation: Quat::from_rotation_arc(Vec3::Y, along.try_normalize().unwrap_or(Vec3::Y)),
+        },
+        color: heat(tightness(bound)),
+    }
+}
+
+/// The bounds that carry at least a tenth of what one carries at most, those that carry most last. A chain that is taut hides them.
+pub fn loaded_bounds(scene: &Scene, layers: Layers, size: f32) -> Vec<(u64, Drawn)> {
+    let most = greatest_tension(scene);
+    let mut loaded: Vec<&LsStreamBound> = scene.bounds().iter().filter(|bound| bound.tension.abs() > 0.1 * most).collect();
+    loaded.retain(|_| layers.bounds);
+    loaded.sort_by(|a, b| a.tension.abs().total_cmp(&b.tension.abs()));
+    loaded.into_iter().map(|bound| (0, span(bound, most, THIN * size))).collect()
+}
+
 /// Bounds, joints, contacts and planes.
 fn add_spans(scene: &Scene, layers: Layers, size: f32, drawn: &mut Vec<(u64, Drawn)>) {
-    let thin = 0.0012 * size;
+    let thin = THIN * size;
     let mut dot = |at: DVec3, radius: f32, color: Vec3| {
         drawn.push((0, Drawn { geometry: Geometry::Ball { radius }, pose: Pose::at(at), color }));
     };
@@ -132,24 +184,8 @@ fn add_spans(scene: &Scene, layers: Layers, size: f32, drawn: &mut Vec<(u64, Dra
         }
     }
     if layers.bounds {
-        let most = scene.bounds().iter().map(|bound| bound.tension.abs()).fold(0.0, f32::max);
-        for bound in scene.bounds() {
-            let [near, far] = [bound.near_point, bound.far_point].map(DVec3::from_array);
-            let along = (far - near).as_vec3();
-            let load = if most > 0.0 { bound.tension.abs() / most } else { 0.0 };
-            drawn.push((
-                0,
-                Drawn {
-                    // The more it carries, the thicker.
-                    geometry: Geometry::Capsule { half_height: 0.5 * along.length(), radius: thin * (0.6 + 1.4 * load) },
-                    pose: Pose {
-                        position: 0.5 * (near + far),
-                        rotation: Quat::from_rotation_arc(Vec3::Y, along.try_normalize().unwrap_or(Vec3::Y)),
-                    },
-                    color: heat(tightness(bound)),
-                },
-            ));
-        }
+        let most = greatest_tension(scene);
+        drawn.extend(scene.bounds().iter().map(|bound| (0, span(bound, most, thin))));
     }
     if layers.planes {
         for plane in scene.planes() {

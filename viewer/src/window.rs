@@ -12,7 +12,7 @@ use longspan_stream::{Domain, Poll, Reader, Scene, Source};
 use macroquad::models::{Mesh, Vertex};
 use macroquad::prelude::*;
 
-use crate::parts::{Layers, broken_at, of_scene, pose_of, reach};
+use crate::parts::{Layers, broken_at, loaded_bounds, of_scene, place, reach};
 use crate::pick::Ray;
 use crate::{Options, Outcome};
 
@@ -36,8 +36,8 @@ const CLICK: f32 = 3.0;
 /// Height of the bar of a recording (pixels).
 const BAR: f32 = 24.0;
 
-/// Part of the way to where everything fits that is gone with each picture.
-const FOLLOW: f32 = 0.08;
+/// How long the eye takes for two thirds of the way to where everything fits (s).
+const FOLLOWS_IN: f32 = 0.15;
 
 /// Most frames of a recording that are played for one picture.
 const MOST_FRAMES: u32 = 16;
@@ -85,6 +85,27 @@ struct Shot {
     file: String,
     /// Of the first frame of this step or a later one, or else after a while.
     step: Option<u64>,
+}
+
+/// A camera that sees through what is nearer.
+struct Through(Camera3D);
+
+impl Camera for Through {
+    fn matrix(&self) -> Mat4 {
+        self.0.matrix()
+    }
+
+    fn depth_enabled(&self) -> bool {
+        false
+    }
+
+    fn render_pass(&self) -> Option<RenderPass> {
+        self.0.render_pass()
+    }
+
+    fn viewport(&self) -> Option<(i32, i32, i32, i32)> {
+        self.0.viewport()
+    }
 }
 
 struct View {
@@ -173,7 +194,7 @@ async fn run(mut view: View, shot: Option<Shot>) {
         let size = reach(&parts);
         parts.extend(view.breaks.iter().map(|&(_, at)| (0, broken_at(at, size))));
         view.frame();
-        view.draw(&parts);
+        view.draw(&parts, &loaded_bounds(view.reader.scene(), view.layers, size));
         view.write();
         let scene = view.reader.scene();
         if std::mem::take(&mut view.wants_picture) {
@@ -379,14 +400,13 @@ impl View {
         let mut boxed = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for shape in scene.shapes() {
             let Some(body) = scene.body(shape.body).filter(|body| body.kind != 0) else { continue };
-            let reach = DVec3::splat(Direction::from_array(shape.size).length().into());
-            let at = pose_of(body).position;
-            boxed = (boxed.0.min(at - reach), boxed.1.max(at + reach));
+            let (at, half) = place(body, shape);
+            boxed = (boxed.0.min(at - half.as_dvec3()), boxed.1.max(at + half.as_dvec3()));
         }
         if boxed.0.is_finite() {
             let (center, half) = (0.5 * (boxed.0 + boxed.1), (0.5 * (boxed.1 - boxed.0)).as_vec3());
             let distance = MARGIN * self.distance_for(half);
-            let share = if self.distance == 0.0 { 1.0 } else { FOLLOW };
+            let share = if self.distance == 0.0 { 1.0 } else { 1.0 - (-get_frame_time() / FOLLOWS_IN).exp() };
             self.center = self.center.lerp(center, share.into());
             self.distance += share * (distance - self.distance);
         }
@@ -419,8 +439,16 @@ impl View {
         Camera3D { position: self.eye(), target: Vec3::ZERO, up: Vec3::Y, fovy: FIELD, ..Default::default() }
     }
 
-    fn draw(&self, parts: &[(u64, Drawn)]) {
+    /// Bodies and what is in front of them, then what is seen through them.
+    fn draw(&self, parts: &[(u64, Drawn)], through: &[(u64, Drawn)]) {
         set_camera(&self.camera());
+        self.draw_parts(parts);
+        set_camera(&Through(self.camera()));
+        self.draw_parts(through);
+        set_default_camera();
+    }
+
+    fn draw_parts(&self, parts: &[(u64, Drawn)]) {
         let light = Direction::new(-0.35, 1.0, 0.55).normalize();
         let mut forms: HashMap<String, (Vec<Direction>, Vec<[u32; 3]>)> = HashMap::new();
         let mut mesh = Mesh { vertices: Vec::new(), indices: Vec::new(), texture: None };
@@ -448,7 +476,6 @@ impl View {
             }
         }
         draw_mesh(&mesh);
-        set_default_camera();
     }
 
     /// Selects the body under a point of the window, or none.
@@ -481,12 +508,17 @@ impl View {
             let turn = Direction::from_array(body.angular_velocity).length();
             let known = body.flags & LS_STREAM_BODY_SUPPORT_KNOWN != 0;
             // Flags come with every frame, the verdict within a second.
-            let verdict = match (known, body.flags & LS_STREAM_BODY_SUPPORTED != 0, body.support) {
-                (false, ..) => "support not judged",
-                (true, false, 0..=2) => "not supported any more",
-                (true, true, 3..) => "supported again",
-                (true, _, verdict) => VERDICTS.get(verdict as usize).unwrap_or(&"judged in a way that is not known here"),
+            let verdict = match (body.flags & LS_STREAM_BODY_SUPPORTED != 0, body.support) {
+                (false, 0..=2) => "not supported any more",
+                (true, 3..) => "supported again",
+                (_, verdict) => VERDICTS.get(verdict as usize).unwrap_or(&"judged in a way that is not known here"),
             };
+            let support = match known {
+                // A load that is nothing may have a sign.
+                true => format!("{verdict}  margin {:.4} m  load {:.1} N", body.support_margin, body.support_load.max(0.0)),
+                false => "support not judged".to_owned(),
+            };
+            let sleep = if body.flags & LS_STREAM_BODY_ASLEEP != 0 { "asleep" } else { "awake" };
             let union = match scene.bodies().filter(|other| body.union_id != 0 && other.union_id == body.union_id).count() {
                 0 => "in no union".to_owned(),
                 members => format!("in a union of {members}"),
@@ -494,18 +526,18 @@ impl View {
             lines.extend([
                 format!("body {:#x}  word {}  {union}", body.body, body.user_word),
                 format!("at {x:.4} {y:.4} {z:.4} m  {speed:.3} m/s  {turn:.3} rad/s  {:.3} kg", body.mass),
-                format!(
-                    "{verdict}  margin {:.4} m  load {:.1} N  {}",
-                    body.support_margin,
-                    body.support_load,
-                    if body.flags & LS_STREAM_BODY_ASLEEP != 0 { "asleep" } else { "awake" }
-                ),
+                format!("{support}  {sleep}"),
             ]);
         }
         let worst = scene.joint_loads().iter().max_by(|a, b| a.share.total_cmp(&b.share).then(a.force.total_cmp(&b.force)));
         if let Some(load) = worst {
-            let [force, torque, share] = [load.force, load.torque, 100.0 * load.share];
-            lines.push(format!("worst joint {:#x}: {force:.1} N, {torque:.1} N m, {share:.0} % of its limit", load.joint));
+            let limits = scene.joint(load.joint).map_or([0.0; 2], |joint| [joint.break_force, joint.break_torque]);
+            let of_limit = if load.share > 0.0 || limits != [0.0; 2] {
+                format!("{:.0} % of its limit", 100.0 * load.share)
+            } else {
+                "no limit".to_owned()
+            };
+            lines.push(format!("worst joint {:#x}: {:.1} N, {:.1} N m, {of_limit}", load.joint, load.force, load.torque));
         }
         if self.broken > 0 {
             lines.push(format!("{} joints broke so far", self.broken));

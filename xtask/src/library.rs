@@ -8,7 +8,7 @@ use tinyjson::{InnerAsRef, JsonValue};
 
 use crate::{Outcome, printed, repository};
 
-/// A release build of `longspan-capi`.
+/// A build of `longspan-capi`.
 pub struct Library {
     /// The folder of `liblongspan.a` and `liblongspan.so`.
     pub folder: PathBuf,
@@ -24,15 +24,24 @@ pub fn cargo() -> Command {
 impl Library {
     /// Builds the library, and asks cargo where it went: the folder depends on settings that are the user's.
     pub fn build() -> Outcome<Self> {
-        Self::build_with(&[])
+        Self::build_by(&["--release", "--package", "longspan-capi"])
     }
 
-    /// As [`build`](Self::build), with more arguments for cargo.
-    pub fn build_with(arguments: &[&str]) -> Outcome<Self> {
-        println!("building the library: cargo build --release -p longspan-capi {}", arguments.join(" "));
+    /// The same with streams.
+    pub fn build_with_streams() -> Outcome<Self> {
+        Self::build_by(&["--release", "--package", "longspan-capi", "--features", "stream"])
+    }
+
+    /// Builds the library with streams as `cargo test` would, and an example beside it. Cargo is told the same packages and profile,
+    /// so it gives iceoryx2, and all else, the same features: what the tests have is not compiled again.
+    pub fn build_beside_tests(example: &str) -> Outcome<Self> {
+        Self::build_by(&["--lib", "--features", "longspan-capi/stream", "--example", example])
+    }
+
+    fn build_by(arguments: &[&str]) -> Outcome<Self> {
+        println!("building the library: cargo build {}", arguments.join(" "));
         let mut command = cargo();
-        command.args(["build", "--release", "--package", "longspan-capi", "--message-format", "json-render-diagnostics"]);
-        command.args(arguments);
+        command.args(["build", "--message-format", "json-render-diagnostics"]).args(arguments);
         let messages = printed(command.stderr(Stdio::inherit()))?;
         let folder = folder_of_static_library(&messages).ok_or("cargo says nothing of liblongspan.a")?;
         let library = Self { folder };

@@ -155,7 +155,7 @@ pub fn save(scene: &str, keys: &[(&str, &str)], file: &Path) -> Outcome<()> {
 
 /// `examples_c/saved.c`, with a library that has streams.
 pub fn host(folder: &Path) -> Outcome<PathBuf> {
-    let library = Library::build_with(&["--features", "stream"])?;
+    let library = Library::build_with_streams()?;
     let program = folder.join("saved");
     compile(&repository().join("examples_c/saved.c"), &program, Language::C99, &library)?;
     Ok(program)

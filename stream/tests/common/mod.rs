@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -27,19 +28,27 @@ impl Room {
         PublisherDef { name: name.into(), domain: self.domain.clone(), ..PublisherDef::default() }
     }
 
-    /// Names of all shared memory and files of the domain but for the one file that iceoryx2 keeps for good, and our own lock.
-    pub fn leftovers(&self) -> Vec<String> {
-        let mut found = names("/dev/shm".as_ref(), &self.domain.prefix());
+    /// All shared memory, folders and files of the domain.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let memory = Path::new("/dev/shm");
+        let mut found: Vec<PathBuf> = names(memory, &self.domain.prefix()).iter().map(|name| memory.join(name)).collect();
         let mut open = vec![self.domain.folder()];
         while let Some(folder) = open.pop() {
-            for entry in std::fs::read_dir(&folder).into_iter().flatten().flatten() {
-                let path = entry.path();
-                if path.is_dir() { open.push(path) } else { found.push(path.display().to_string()) }
-            }
+            let entries = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+            let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) =
+                entries.map(|entry| entry.path()).partition(|path| path.is_dir());
+            open.extend(folders);
+            found.extend(files);
+            found.push(folder);
         }
-        found.retain(|name| !name.contains("global_mgmt") && !name.ends_with("/lock"));
         found.sort();
         found
+    }
+
+    /// The same without folders, the one file that iceoryx2 keeps for good, and our own lock.
+    pub fn leftovers(&self) -> Vec<String> {
+        let files = self.files().into_iter().filter(|path| !path.is_dir()).map(|path| path.display().to_string());
+        files.filter(|name| !name.contains("global_mgmt") && !name.ends_with("/lock")).collect()
     }
 
     fn remove(&self) {
