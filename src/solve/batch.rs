@@ -35,7 +35,7 @@ pub(crate) struct JointEnd {
 }
 
 /// Groups of manifolds: two for each colour, two for what found none; the first of those; and all groups once more for manifolds of
-/// bodies that joints hold.
+/// bodies that joints hold, with each other and with what is fixed.
 const GROUPS: usize = 2 * MAX_COLORS + 2;
 const ALONE: usize = 2 * MAX_COLORS;
 const ALL_GROUPS: usize = 2 * GROUPS;
@@ -63,7 +63,7 @@ pub(crate) struct Batch {
     pub joint_ends: Vec<[JointEnd; 2]>,
     pub velocities: Vec<BodyVelocity>,
     pub motions: Vec<BodyMotion>,
-    /// Blocks of manifolds, those of bodies that joints hold last.
+    /// Blocks of manifolds, those of which joints hold all that moves last.
     pub contacts: Vec<ContactBlock>,
     /// The first of those last ones.
     pub first_jointed: usize,
@@ -94,7 +94,8 @@ pub(crate) struct Batch {
     pub birth: Birth,
     pub load_pass: LoadPass,
     pub coloring: Coloring,
-    /// Colour of each manifold, twice, plus one if it has a single point; and [`GROUPS`] more where a joint holds one of its bodies.
+    /// Colour of each manifold, twice, plus one if it has a single point; and [`GROUPS`] more where joints hold what
+    /// moves of its bodies.
     groups: Vec<u32>,
     pub pushes: Vec<BodyVelocity>,
     pub recovery_lambdas: Vec<[Lane; POINTS]>,
@@ -208,7 +209,9 @@ impl Batch {
             self.motions[b as usize].constrained = true;
             let end = |slot: u32| (slot, slot != WORLD_SLOT && self.motions[slot as usize].is_dynamic());
             let color = self.coloring.assign(end(a), end(b)).unwrap_or(MAX_COLORS as u32);
-            let held_by_joints = [a, b].into_iter().any(|slot| self.motions[slot as usize].is_held_by_joints());
+            let ends = [a, b].map(|slot| &self.motions[slot as usize]);
+            let held_by_joints =
+                ends.iter().any(|end| end.is_dynamic()) && ends.iter().all(|end| end.jointed || !end.is_dynamic());
             let group = 2 * color as usize + usize::from(points == 1) + if held_by_joints { GROUPS } else { 0 };
             counts[group] += 1;
             self.groups.push(group as u32);

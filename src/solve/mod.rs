@@ -46,9 +46,9 @@ const CLOSING_SWEEPS: u32 = 3;
 /// sweeps is short: a bound changes little in it, and building its row costs as much as sweeping it twice.
 const LONG_SUBSTEP: u32 = 3;
 
-/// Sweeps over the contacts of bodies that joints hold between two sweeps over the joints, to and fro. A contact sees of such a body its
-/// own mass alone: what a vehicle rests on its track with, or the track's pull round a sprocket, gets through links of a hundredth of
-/// its mass a little at a time. An odd number, so that sweeps back are the exact reverse of sweeps to.
+/// Sweeps over the contacts of bodies that joints hold, with each other and with what is fixed, between two sweeps over the joints. A
+/// contact sees of such a body its own mass alone: what a vehicle rests on its track with, or the track's pull round a sprocket, gets
+/// through links of a hundredth of its mass a little at a time. An odd number, to and fro, so that sweeps back are the exact reverse.
 const JOINTED_SWEEPS: u32 = 3;
 
 /// What all batches of a step have in common.
@@ -125,14 +125,11 @@ impl Batch {
                 self.add_to_tally();
             }
         }
-        let closed = self.close_joints(joints, h);
-        let rebounds = self.contacts.iter().any(|block| block.has_restitution);
+        self.close_joints(joints, h);
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.add_to_tally();
-        let parted = self.recover_positions(settings.dt);
-        if closed || rebounds || parted {
-            self.settle(joints);
-        }
+        self.recover_positions(settings.dt);
+        self.settle(joints);
         self.joints.store();
         self.bounds.store();
         self.taut.store();
@@ -245,10 +242,9 @@ impl Batch {
     }
 
     /// Sweeps position rows on where joints are left ajar and a sweep at least halves that: what bends has no taut bound, and one
-    /// sweep a substep leaves it gaps. Returns whether there were any.
-    fn close_joints(&mut self, joints: &Pool<Joint, JointId>, h: f32) -> bool {
+    /// sweep a substep leaves it gaps.
+    fn close_joints(&mut self, joints: &Pool<Joint, JointId>, h: f32) {
         let mut opening = self.joints.opening(joints, &self.motions);
-        let ajar = AJAR.contains(&opening);
         for _ in 0..CLOSING_SWEEPS {
             if !AJAR.contains(&opening) {
                 break;
@@ -260,16 +256,14 @@ impl Batch {
                 break;
             }
         }
-        ajar
     }
 
-    /// Takes overlaps out of positions; returns whether there were any.
-    fn recover_positions(&mut self, dt: f32) -> bool {
+    fn recover_positions(&mut self, dt: f32) {
         contact_kernels::end_step(&mut self.contacts, &self.motions, &mut self.penetration);
         let overlaps = self.penetration > NEGLIGIBLE_OVERLAP;
         self.penetration = self.penetration.max(self.direct.penetration() as f32);
         if !overlaps {
-            return false;
+            return;
         }
         self.pushes.clear();
         self.pushes.extend(self.velocities.iter().map(BodyVelocity::at_rest));
@@ -281,6 +275,5 @@ impl Batch {
         for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
             motion.displace(push.linear, push.angular);
         }
-        true
     }
 }

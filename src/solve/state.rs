@@ -232,9 +232,4 @@ impl BodyMotion {
     pub(crate) fn is_dynamic(&self) -> bool {
         matches!(self.kind, MotionKind::Round | MotionKind::Tumbling)
     }
-
-    /// Whether it moves, and not by itself.
-    pub(crate) fn is_held_by_joints(&self) -> bool {
-        self.jointed && self.is_dynamic()
-    }
 }

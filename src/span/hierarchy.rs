@@ -47,9 +47,10 @@ struct Edge {
     crossed: (u32, u32),
 }
 
-/// Joints that a bound must span in a run or loop of heavy bodies alone: over fewer, sweeps do as much, and bounds that are nearly taut
-/// pull at a loop whose joints gape.
+/// Joints that a bound must span in a long run or loop of heavy bodies alone, and from how many bodies on it is long: over fewer joints
+/// sweeps do as much, and bounds that are nearly taut pull at a loop whose joints gape.
 const LEAST_SPAN: u32 = 16;
+const LONG_LINE: usize = 64;
 
 /// Joints on an edge past light bodies beyond which these get a hierarchy of their own: what is strung over an obstacle is bounded
 /// by no straight line from end to end.
@@ -69,7 +70,8 @@ pub(super) fn derive(part: &mut Part, weights: &[Weight], levels: Option<u32>) {
         }
     }
     let is_line = (0..heavy.len() as u32).all(|body| heavy[body as usize] && part.graph.ends_on(body).len() <= 2);
-    add_levels(part, edges, &mut crossed, levels, if is_line { LEAST_SPAN } else { 0 });
+    let is_long_line = is_line && heavy.len() >= LONG_LINE;
+    add_levels(part, edges, &mut crossed, levels, if is_long_line { LEAST_SPAN } else { 0 });
     if strung.contains(&true) {
         let edges = neighbours(&part.graph, &strung, &mut part.paths, &mut crossed);
         add_levels(part, edges, &mut crossed, levels, 0);

@@ -43,9 +43,6 @@ const PATIENCE: usize = 3;
 const REFINEMENTS: usize = 2;
 const REFINE_ABOVE: f64 = 1.0e-7;
 
-/// Residual over the greatest rate below which nothing is refined: bodies keep their velocities in `f32`, which rounds more away.
-const ROUNDING: f64 = 0.5 * f32::EPSILON as f64;
-
 /// Share of the residual that a refinement must reach to be kept.
 const IMPROVES: f64 = 0.5;
 
@@ -360,10 +357,6 @@ impl System {
         increments.resize(factor.len(), ZERO);
         let first = packed::find_residuals(unknowns, packed, nodes, factor, rates);
         let mut before = first;
-        let greatest = |part: fn(&Rate) -> DVec3| rates.iter().map(|rate| part(rate).abs().max_element()).fold(0.0, f64::max);
-        // Which rows are at their bounds is decided by less than that.
-        let rounding =
-            if self.is_bounded { 0.0 } else { ROUNDING * greatest(|rate| rate.linear).min(greatest(|rate| rate.angular)) };
         for round in 0..=REFINEMENTS {
             factor::substitute(factor, &topology.plan, unknowns);
             std::mem::swap(unknowns, increments);
@@ -375,7 +368,7 @@ impl System {
                 packed::add_impulses(packed, increments, -1.0, nodes, factor, bodies, rates);
                 break;
             }
-            if left <= (REFINE_ABOVE * first).max(rounding) {
+            if left <= REFINE_ABOVE * first {
                 break;
             }
             before = left;
