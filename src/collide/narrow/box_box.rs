@@ -53,6 +53,9 @@ const EDGES: u32 = 1 << 17;
 /// Feature of a lone point found by other means.
 const LONE: u32 = 1 << 18;
 
+/// Feature of the first end of two edges side by side, followed by that of the other.
+const LINE: u32 = 1 << 19;
+
 /// Box B against box A, by their half extents (m): appends their manifold if they are near.
 pub(super) fn box_box(a: Vec3, b: Vec3, relative: &Pose3, margin: f32, out: &mut Vec<Manifold>) {
     let pair = Pair::new(a, b, relative);
@@ -63,8 +66,9 @@ pub(super) fn box_box(a: Vec3, b: Vec3, relative: &Pose3, margin: f32, out: &mut
     }
 }
 
-fn within(lone: Manifold, margin: f32) -> Option<Manifold> {
-    (lone.points[0].separation <= margin).then_some(lone)
+/// What was found between boxes apart, if any of it is near enough.
+fn within(found: Manifold, margin: f32) -> Option<Manifold> {
+    found.contacts().iter().any(|point| point.separation <= margin).then_some(found)
 }
 
 /// Two boxes in the frame of the first.
@@ -300,6 +304,28 @@ mod tests {
             assert_eq!(manifold.count, 1);
             assert!((manifold.normal - up).length() < 1e-5, "normal {}", manifold.normal);
             assert!((manifold.points[0].separation - gap).abs() < 1e-6, "{} m, expected {gap} m", manifold.points[0].separation);
+        }
+    }
+
+    /// Blocks of a ring wall: their upright edges face each other across a wedge.
+    #[test]
+    fn edges_side_by_side_touch_at_both_ends_of_the_line_and_keep_them_under_jitter() {
+        let (turn, normal) = (Quat::from_rotation_y(0.2), Quat::from_rotation_y(0.1) * Vec3::X);
+        // B's upright edge that reaches back furthest, opposite A's with the gap between.
+        let (own, other) = (Vec3::new(0.5, 0.0, -0.5), turn * Vec3::new(-0.5, 0.0, -0.5));
+        for (gap, rise) in [(0.01, 0.0), (0.02, 0.3), (0.03, -0.3)] {
+            let position = own + normal * gap - other + Vec3::Y * rise;
+            let still = contact(UNIT, UNIT, position, turn, 0.05);
+            assert_eq!(still.count, 2, "points at a gap of {gap} m, {rise} m up");
+            assert!((still.normal - normal).length() < 1e-3, "normal {}", still.normal);
+            for (point, height) in still.contacts().iter().zip([(rise - 0.5).max(-0.5), (rise + 0.5).min(0.5)]) {
+                assert!((point.on_a - own - Vec3::Y * height).length() < 1e-4, "{} on the first", point.on_a);
+                assert!((point.separation - gap).abs() < 1e-5, "{} m, expected {gap} m", point.separation);
+            }
+            for (offset, tilt) in jitters(1e-6) {
+                let moved = contact(UNIT, UNIT, position + offset, tilt * turn, 0.05);
+                assert_eq!(features(&moved), features(&still), "moved by {offset} and {tilt}");
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use super::super::Manifold;
 use super::super::capsule::Segment;
 use super::super::distance::{self, Gap};
 use super::axes::EdgeAxis;
-use super::{EDGES, LONE, Pair, edge, within};
+use super::{EDGES, LINE, LONE, Pair, edge, within};
 
 impl Pair {
     /// The contact of two crossing edges, or what is nearest where they do not face each other.
@@ -33,6 +33,25 @@ impl Pair {
         within(Manifold::single(normal, self.point(point_a, point_b, normal, feature)), margin)
     }
 
+    /// The contact of boxes apart along `normal` whose edges run side by side there: both ends of the stretch where they do. A single
+    /// point would lie anywhere on it, by rounding, and turn what it pushes.
+    fn along_edges(&self, normal: Vec3) -> Option<Manifold> {
+        let (on_a, on_b) = self.edges_across(normal);
+        let ends = on_a.side_by_side(&on_b, normal, self.a.min_element().min(self.b.min_element()))?;
+        let mut manifold = Manifold { normal, ..Manifold::default() };
+        for (feature, (end_a, end_b)) in (LINE..).zip(ends) {
+            manifold.push(self.point(end_a, end_b, normal, feature));
+        }
+        manifold.is_finite().then_some(manifold)
+    }
+
+    /// The edges of A and of B that lie most across `normal`, on the sides that face each other along it.
+    fn edges_across(&self, normal: Vec3) -> (Segment, Segment) {
+        let in_b = self.axes_in_b * normal;
+        let (on_a, local) = (edge(self.a, least_axis(normal), normal), edge(self.b, least_axis(in_b), -in_b));
+        (on_a, Segment { center: self.center + self.axes * local.center, half: self.axes * local.half })
+    }
+
     /// Boxes apart whose nearest features face each other along none of the axes.
     pub(super) fn nearest(&self, relative: &Pose3) -> Option<Manifold> {
         let scale = 1.0 / self.a.max_element().min(self.b.max_element());
@@ -40,6 +59,9 @@ impl Pair {
         let gap = distance::apart(&Cuboid::new(self.a * scale), &Cuboid::new(self.b * scale), &scaled);
         let gap = gap.map(|gap| Gap { on_a: gap.on_a / scale, on_b: gap.on_b / scale, ..gap });
         let gap = gap.filter(|gap| self.proves(gap)).or_else(|| self.nearest_features())?;
+        if let Some(line) = self.along_edges(gap.normal) {
+            return Some(line);
+        }
         let point = self.point(gap.on_a, gap.on_b, gap.normal, LONE);
         let manifold = Manifold::single(gap.normal, point);
         manifold.is_finite().then_some(manifold)
@@ -91,6 +113,11 @@ fn nth_edge(half: Vec3, n: usize) -> Segment {
     direction[(axis + 1) % 3] = sign(n & 1);
     direction[(axis + 2) % 3] = sign(n & 2);
     edge(half, axis, direction)
+}
+
+/// The axis along which a vector has least.
+fn least_axis(v: Vec3) -> usize {
+    v.abs().min_position()
 }
 
 fn sign(bit: usize) -> f32 {
