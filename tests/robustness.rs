@@ -306,7 +306,8 @@ fn a_body_destroyed_twice_says_so() {
     assert_eq!(host.world.destroy_body(body).expect_err("destroyed").kind, ErrorKind::AlreadyDestroyed);
 }
 
-/// A cylinder flung down a metre away from where it may move: under half of its points it can turn, under the others it cannot.
+/// A cylinder flung down that may slide along one axis and turn about another alone: an impulse under its rim turns it, one under its
+/// middle moves nothing but by rounding.
 #[test]
 fn a_body_with_locked_axes_is_pushed_with_finite_forces() {
     for turned in 0..64 {
