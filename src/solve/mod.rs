@@ -235,8 +235,10 @@ impl Batch {
     }
 
     fn advance(&mut self, h: f32) {
-        for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions).filter(|(_, motion)| !motion.in_lanes) {
-            integrate::advance(velocity, motion, h);
+        for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
+            if !motion.in_lanes && !poses::is_pushed(velocity, motion) {
+                integrate::advance(velocity, motion, h);
+            }
         }
         self.poses.advance(&mut self.velocities, &mut self.motions, h);
     }

@@ -1,4 +1,4 @@
-//! Bodies in joints, moved and predicted eight at a time.
+//! Bodies in joints, moved and predicted eight at a time; and bodies in contacts, moved so.
 //!
 //! The rules are those of [`integrate`](super::integrate) and [`rotation`](super::rotation). Those of a body on its own are in `f64`,
 //! since in `f32` the rounding of L = I ω is biased. Here L is never formed and taken apart again: all that a substep changes is a
@@ -75,10 +75,11 @@ fn put(lanes: &mut Lane3, l: usize, v: Vec3) {
     [lanes[0][l], lanes[1][l], lanes[2][l]] = v.to_array();
 }
 
-/// The bodies of a batch that are in joints, and where they will be.
+/// The bodies of a batch that are in joints, and where they will be; and those in contacts alone, which are only moved here.
 #[derive(Debug, Default)]
 pub(crate) struct Poses {
     blocks: Vec<PoseBlock>,
+    pushed: Vec<PoseBlock>,
     /// Slots in joints that are predicted one by one: kinematic bodies, and those with locked axes.
     others: Vec<u32>,
     /// Where each jointed body will be at the end of the substep, as predicted when rows were last built.
@@ -91,34 +92,51 @@ pub(crate) struct Poses {
 
 /// Whether a body is moved in lanes. What that depends on must not be what else is in its batch.
 fn suits(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
-    let is_free = velocity.inverse_mass.min_element() > 0.0 && motion.free_rotation == Vec3::ONE;
-    motion.jointed && !motion.direct && motion.is_dynamic() && is_free
+    motion.jointed && is_free(velocity, motion)
+}
+
+/// Whether a body is moved in lanes, but nothing else of it done there: its inertia, and with it the masses of contacts, is formed
+/// anew only after it has turned. What touches nothing falls along a parabola, and is moved by itself.
+pub(crate) fn is_pushed(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
+    !motion.jointed && motion.constrained && is_free(velocity, motion)
+}
+
+fn is_free(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
+    let is_unlocked = velocity.inverse_mass.min_element() > 0.0 && motion.free_rotation == Vec3::ONE;
+    !motion.direct && motion.is_dynamic() && is_unlocked
+}
+
+fn add(blocks: &mut Vec<PoseBlock>, slot: u32, motion: &BodyMotion, h: f32) {
+    if blocks.last().is_none_or(|block| block.count as usize == LANES) {
+        blocks.push(PoseBlock::EMPTY);
+    }
+    if let Some(block) = blocks.last_mut() {
+        block.add(slot, motion, h);
+    }
 }
 
 impl Poses {
     /// Lays out lanes for substeps of length `h`.
     pub(crate) fn lay_out(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
-        let Self { blocks, others, outlooks, refused, inertia } = self;
+        let Self { blocks, pushed, others, outlooks, refused, inertia } = self;
         inertia.resize(motions.len(), [0.0; LANES]);
         blocks.clear();
+        pushed.clear();
         others.clear();
         outlooks.clear();
         for (slot, (velocity, motion)) in velocities.iter().zip(motions.iter_mut()).enumerate() {
             motion.in_lanes = suits(velocity, motion);
             if motion.in_lanes {
                 motion.refreshed = motion.kind == MotionKind::Tumbling;
-                if blocks.last().is_none_or(|block| block.count as usize == LANES) {
-                    blocks.push(PoseBlock::EMPTY);
-                }
-                if let Some(block) = blocks.last_mut() {
-                    block.add(slot as u32, motion, h);
-                }
+                add(blocks, slot as u32, motion, h);
+            } else if is_pushed(velocity, motion) {
+                add(pushed, slot as u32, motion, h);
             } else if motion.jointed {
                 others.push(slot as u32);
             }
         }
         outlooks.extend(motions.iter().map(Outlook::still));
-        refused.reserve(blocks.len() * LANES);
+        refused.reserve((blocks.len() + pushed.len()) * LANES);
     }
 
     /// Adds a substep's forces to velocities, and forms the world inertia that rows respond with.
@@ -167,9 +185,10 @@ impl Poses {
 
     /// Moves bodies through a substep at their velocities.
     pub(crate) fn advance(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], h: f32) {
-        let Self { blocks, refused, .. } = self;
+        let Self { blocks, pushed, refused, .. } = self;
         refused.clear();
         advance_all(blocks, velocities, motions, refused, h);
+        advance_all(pushed, velocities, motions, refused, h);
         for &slot in &*refused {
             integrate::advance(&mut velocities[slot as usize], &mut motions[slot as usize], h);
         }
