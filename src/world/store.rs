@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::World;
 use super::fast::Path;
 use super::pairs::contact_pair;
+use super::support::Site;
 use super::unions::Anchor;
 use crate::body::BodyKind;
 use crate::collide::pairs::{TOO_MANY, pack_touching, touching};
@@ -212,7 +213,7 @@ impl World {
         let Self { pairs, colliders, bodies, events, support, hold, .. } = self;
         // What was quarantined has no pairs any more.
         pairs.settle();
-        let mut altered = support.as_deref_mut().map(|state| &mut state.altered);
+        let mut support = support.as_deref_mut();
         for number in 0..pairs.active().len() {
             let (key, slot) = pairs.active()[number];
             let pair = pairs.get_mut(slot);
@@ -221,12 +222,18 @@ impl World {
                 continue;
             }
             let now = pair.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
-            if let Some(altered) = &mut altered {
+            if let Some(support) = support.as_deref_mut().filter(|support| !support.rests) {
                 let bits = pack_touching(pair.manifolds.iter().map(|manifold| touching(manifold, pair.extent)));
                 if pair.updated || bits != pair.touching || bits == TOO_MANY {
-                    altered.push(slot);
+                    support.altered.push(slot);
+                }
+                if pair.has_points() {
+                    support.near.push(slot);
                 }
                 pair.touching = bits;
+            }
+            if now && let Some(support) = support.as_deref_mut().filter(|support| support.rests && !support.has_landed) {
+                support.has_landed = Site::new(pair, slot, colliders, bodies).is_on_base(support.frame.as_ref());
             }
             if now != pair.in_contact {
                 pair.in_contact = now;

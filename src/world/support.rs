@@ -1,36 +1,32 @@
 //! Stage that keeps the support analysis up with the contacts: what changed in the step goes into the graph, and no more.
 //!
 //! A link is made anew when its manifold was, when a body has turned under it, or when it begins or ends to be pressed or to
-//! slide; everything else of the graph stays. What sleeps is not looked at.
+//! slide; everything else of the graph stays. What sleeps is not looked at. While nothing stands on, or hangs from, what needs no
+//! support itself, nothing is: the stage *rests*, and what is asked of it meanwhile is worked out for those who ask.
 
 mod query;
+mod record;
 mod site;
+
+use std::sync::OnceLock;
 
 use glam::{Quat, Vec3};
 
 use super::World;
 use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
-use crate::collide::pairs::{Pair, PairKey, TOO_MANY, pack_touching};
+use crate::collide::pairs::{Pair, pack_touching};
 use crate::id::{Pool, ShapeId};
 use crate::joint::{Axis, Joint, JointKind, Motor};
 use crate::span::support::slip::Slip;
 use crate::span::support::verdict::SupportChange;
 use crate::span::support::{Graph, Node, NodeKind};
+use record::{FAST, HELD, LEAVING, Record, Seen, TURNED};
+use site::TURN;
 pub(super) use site::{Frame, Site};
-
-/// Rotation of a body after which its links are made anew (rad).
-const TURN: f32 = 5.0e-4;
 
 /// Steps for which a body must be supported before that is an event: contacts come and go while something settles.
 const GAIN_STEPS: u8 = 6;
-
-/// Its links are to be made anew.
-const TURNED: u8 = 1;
-/// So fast that its links may slide or leave.
-const FAST: u8 = 2;
-/// Judged when it came to rest.
-const HELD: u8 = 4;
 
 /// The analysis of a world, and what it was made from.
 #[derive(Debug, Default)]
@@ -42,7 +38,7 @@ pub(super) struct SupportState {
     records: Vec<Record>,
     /// Rotation of each body that its links were made for, and whether it has turned since.
     turns: Vec<(Quat, bool)>,
-    /// What may have changed the links of each body since the last update: [`TURNED`], [`FAST`], [`HELD`].
+    /// What may have changed the links of each body since the last update: [`TURNED`], [`FAST`], [`LEAVING`], [`HELD`].
     signs: Vec<u8>,
     kinematic: Vec<u32>,
     releases: u64,
@@ -52,6 +48,17 @@ pub(super) struct SupportState {
     left: Vec<u32>,
     /// Pairs that have fallen asleep since the last update: they are at rest now, and looked at once more.
     pub fell_asleep: Vec<u32>,
+    /// Active pairs with contact points, of bodies that are not all held.
+    pub near: Vec<u32>,
+    /// Pairs looked at so far.
+    looked_at: u64,
+    /// Whether the stage rests, and whether something has come to stand on what needs no support since.
+    pub rests: bool,
+    pub has_landed: bool,
+    /// Whether a joint holds anything to what needs no support.
+    has_anchors: bool,
+    /// The analysis for those who ask while the stage rests.
+    view: OnceLock<Box<Self>>,
     /// Whether everything must be looked at, also what sleeps.
     is_new: bool,
     pub bodies_changed: bool,
@@ -61,19 +68,6 @@ pub(super) struct SupportState {
     said: Vec<bool>,
     pub supported_count: u32,
     pub events: Vec<SupportChange>,
-}
-
-#[derive(Debug, Default)]
-struct Record {
-    key: Option<PairKey>,
-    version: u32,
-    /// Of each manifold: which points are pressed or touch, and whether it holds.
-    states: Vec<(u8, bool)>,
-    links: Vec<u32>,
-    bodies: [u32; 2],
-    /// The points of all states, and whether all hold.
-    touching: u64,
-    all_hold: bool,
 }
 
 impl SupportState {
@@ -96,10 +90,26 @@ impl SupportState {
             return;
         }
         self.frame = frame;
+        self.records.iter_mut().for_each(|record| record.clear(&mut self.graph));
         self.graph.clear();
-        self.records.iter_mut().for_each(Record::clear);
-        (self.bodies_changed, self.joints_changed, self.is_new) = (true, true, true);
+        self.begin_anew();
         self.watched.extend((0..self.said.len() as u32).filter(|&body| self.said[body as usize]).map(|body| (body, 0)));
+    }
+
+    /// Looks at everything in the next update.
+    fn begin_anew(&mut self) {
+        self.rests = false;
+        (self.bodies_changed, self.joints_changed, self.is_new) = (true, true, true);
+    }
+
+    /// Does nothing from now on.
+    fn rest(&mut self) {
+        self.records.clear();
+        self.graph.clear();
+        for list in [&mut self.altered, &mut self.unsettled, &mut self.near, &mut self.fell_asleep] {
+            list.clear();
+        }
+        self.rests = true;
     }
 
     fn forget_body(&mut self, index: u32) {
@@ -115,11 +125,7 @@ impl SupportState {
     }
 
     fn forget_pair(&mut self, slot: u32) {
-        let record = &mut self.records[slot as usize];
-        for link in record.links.drain(..) {
-            self.graph.remove(link);
-        }
-        record.clear();
+        self.records[slot as usize].clear(&mut self.graph);
     }
 
     /// Makes the links of a pair anew if they are not what they were.
@@ -130,63 +136,41 @@ impl SupportState {
         }
         let record = &mut records[site.slot as usize];
         let pair = site.pair;
-        if pair.manifolds.is_empty() && record.links.is_empty() {
+        if pair.manifolds.is_empty() && !record.has_links {
             return;
         }
+        self.looked_at += 1;
         let mut is_same = record.key == Some(pair.key) && record.version == pair.version;
-        record.states.resize(pair.manifolds.len(), (0, true));
-        for (manifold, state) in pair.manifolds.iter().zip(&mut record.states) {
-            let now = site.state(manifold, state.1);
-            is_same &= now == *state;
-            *state = now;
+        if record.manifolds.len() != pair.manifolds.len() {
+            let gone = record.manifolds.drain(pair.manifolds.len().min(record.manifolds.len())..);
+            gone.filter_map(|seen| seen.link).for_each(|link| graph.remove(link));
+            record.manifolds.resize(pair.manifolds.len(), Seen::NOTHING);
+        }
+        for (manifold, seen) in pair.manifolds.iter().zip(&mut record.manifolds) {
+            let now = site.state(manifold, seen.holds);
+            is_same &= now == (seen.points, seen.holds);
+            (seen.points, seen.holds) = now;
         }
         record.bodies = [site.shapes.0.body, site.shapes.1.body];
-        record.touching = pack_touching(record.states.iter().map(|state| state.0));
-        record.all_hold = record.states.iter().all(|state| state.1);
+        record.touching = pack_touching(record.manifolds.iter().map(|seen| seen.points));
+        record.all_hold = record.manifolds.iter().all(|seen| seen.holds);
         let turned = |body: u32| turns[body as usize].1;
         if is_same && !turned(site.shapes.0.body) && !turned(site.shapes.1.body) {
             return;
         }
         (record.key, record.version) = (Some(pair.key), pair.version);
-        for link in record.links.drain(..) {
-            graph.remove(link);
+        for (manifold, seen) in pair.manifolds.iter().zip(&mut record.manifolds) {
+            let link = if seen.points == 0 { None } else { site.link(manifold, seen.points, seen.holds, frame) };
+            seen.link = match (seen.link, link) {
+                (None, link) => link.map(|link| graph.insert(link)),
+                (Some(number), Some(link)) => Some(graph.replace(number, link)),
+                (Some(number), None) => {
+                    graph.remove(number);
+                    None
+                }
+            };
         }
-        for (manifold, &(points, holds)) in pair.manifolds.iter().zip(&record.states) {
-            if points != 0
-                && let Some(link) = site.link(manifold, points, holds, frame)
-            {
-                record.links.push(graph.insert(link));
-            }
-        }
-    }
-}
-
-impl Record {
-    /// Whether nothing that its links were made from can have changed.
-    fn is_up_to_date(&self, pair: &Pair, signs: &[u8]) -> bool {
-        if pair.manifolds.is_empty() {
-            return self.links.is_empty();
-        }
-        if self.key != Some(pair.key) {
-            return false;
-        }
-        let signs = self.bodies.iter().fold(0, |all, &body| all | signs[body as usize]);
-        signs & HELD != 0 || (signs == 0 && self.is_settled(pair))
-    }
-
-    /// Whether its links are those of the pair as it is, and stay so while the bodies stand still.
-    fn is_settled(&self, pair: &Pair) -> bool {
-        if pair.manifolds.is_empty() {
-            return self.links.is_empty();
-        }
-        let is_same = self.version == pair.version && self.touching == pair.touching && pair.touching != TOO_MANY;
-        self.key == Some(pair.key) && is_same && self.all_hold
-    }
-
-    fn clear(&mut self) {
-        self.key = None;
-        self.states.clear();
-        self.links.clear();
+        record.has_links = record.manifolds.iter().any(|seen| seen.link.is_some());
     }
 }
 
@@ -202,9 +186,10 @@ fn signs_of(body: &Body, turn: &mut (Quat, bool), colliders: &Pool<Collider, Sha
     let reaches = body.shapes.iter().filter_map(|&id| colliders.find(id).ok()).map(|shape| colliders[shape].reach);
     let speed = body.linear_velocity.length() + body.angular_velocity.length() * reaches.fold(0.0, f32::max);
     // Of two bodies each may have half of it; not-a-number counts as fast.
-    let is_slow = speed <= 0.5 * Slip::STILL_HOLDS;
+    let stays_below = |limit: f32| speed <= 0.5 * limit;
     let sign = |holds: bool, sign: u8| if holds { sign } else { 0 };
-    sign(*turned, TURNED) | sign(!is_slow, FAST)
+    let is_fast = !stays_below(Slip::STILL_HOLDS);
+    sign(*turned, TURNED) | sign(is_fast, FAST) | sign(!stays_below(Slip::LEAVES), LEAVING)
 }
 
 /// What a body is to the graph.
@@ -253,20 +238,65 @@ impl World {
         let Some(mut state) = self.support.take() else { return };
         self.pairs.settle();
         state.events.clear();
+        state.view.take();
         if state.gravity != self.def.gravity || state.frame.is_none() {
             state.turn_to(self.def.gravity);
         }
+        if state.joints_changed {
+            state.has_anchors = self.has_anchors();
+        }
+        if state.rests && (state.has_landed || state.has_anchors) {
+            state.begin_anew();
+        }
+        if !state.rests {
+            self.update_analysis(&mut state);
+            self.list_changes(&mut state);
+            if !state.graph.has_bases() && !state.has_anchors {
+                state.rest();
+            }
+        }
+        if state.rests {
+            (state.joints_changed, state.has_landed) = (false, false);
+            state.fell_asleep.clear();
+        }
+        self.support = Some(state);
+    }
+
+    fn update_analysis(&self, state: &mut SupportState) {
+        self.sync_bodies(state);
+        let Some(frame) = state.frame else { return };
+        self.sync_contacts(state, &frame);
+        self.sync_joints(state);
+        state.graph.update();
+    }
+
+    fn sync_joints(&self, state: &mut SupportState) {
+        if std::mem::take(&mut state.joints_changed) {
+            let (ties, anchors) = self.ties(|_| true);
+            state.graph.set_joints(&ties, &anchors);
+        }
+    }
+
+    /// The analysis of the world as it is.
+    fn analysis_anew(&self, gravity: Vec3) -> SupportState {
+        let mut state = SupportState::new(self.bodies.slot_count());
+        state.turn_to(gravity);
         self.sync_bodies(&mut state);
         if let Some(frame) = state.frame {
-            self.sync_contacts(&mut state, &frame);
-            if std::mem::take(&mut state.joints_changed) {
-                let (ties, anchors) = self.ties(|_| true);
-                state.graph.set_joints(&ties, &anchors);
+            let listed = self.pairs.listed();
+            for slot in listed.iter().map(|&(_, slot)| slot).chain(self.sleeping.pairs()) {
+                state.sync_pair(&Site::new(self.pairs.get(slot), slot, &self.colliders, &self.bodies), &frame);
             }
+            self.sync_joints(&mut state);
             state.graph.update();
         }
-        self.list_changes(&mut state);
-        self.support = Some(state);
+        state
+    }
+
+    /// Whether a joint that can carry weight holds a body to what needs no support, moving or not.
+    fn has_anchors(&self) -> bool {
+        let is_base = |side: &Option<u32>| side.is_none_or(|index| !self.bodies[index].is_dynamic());
+        self.joints.iter().any(|(_, joint)| joint.bodies.iter().any(is_base) && self.holds_up(joint))
     }
 
     /// Tells the analysis that bodies or joints were made, changed or destroyed.
@@ -274,6 +304,7 @@ impl World {
         if let Some(state) = &mut self.support {
             state.bodies_changed = true;
             state.joints_changed = true;
+            state.view.take();
         }
     }
 
@@ -338,17 +369,19 @@ impl World {
             if let Some(body) = bodies.get(index) {
                 state.signs[index as usize] =
                     if body.held { HELD } else { signs_of(body, &mut state.turns[index as usize], colliders) };
-                stirs |= state.signs[index as usize] & (TURNED | FAST) != 0;
+                stirs |= state.signs[index as usize] & (TURNED | FAST | LEAVING) != 0;
             }
         }
         let (is_new, mut fell_asleep) = (std::mem::take(&mut state.is_new), std::mem::take(&mut state.fell_asleep));
         let (mut altered, mut unsettled) = (std::mem::take(&mut state.altered), std::mem::take(&mut state.unsettled));
+        let mut near = std::mem::take(&mut state.near);
         let unknown = Record::default();
         let mut left = std::mem::take(&mut state.left);
         left.clear();
         let mut look_at = |slot: u32| {
             let pair = pairs.get(slot);
-            if is_new || !state.records.get(slot as usize).unwrap_or(&unknown).is_up_to_date(pair, &state.signs) {
+            let record = state.records.get(slot as usize).unwrap_or(&unknown);
+            if is_new || !record.is_up_to_date(pair, &state.signs) {
                 let (a, b) = pair.key.shapes();
                 // What is held was judged when it came to rest.
                 if is_new || !(bodies[colliders[a].body].held || bodies[colliders[b].body].held) {
@@ -359,8 +392,16 @@ impl World {
                 left.push(slot);
             }
         };
-        if is_new || stirs {
+        if is_new {
             pairs.active().iter().for_each(|&(_, slot)| look_at(slot));
+        } else if stirs {
+            near.iter().for_each(|&slot| look_at(slot));
+            altered.append(&mut unsettled);
+            let is_left = |pair: &Pair| pair.is_active() && (pair.still || !pair.has_points());
+            altered.retain(|&slot| is_left(pairs.get(slot)));
+            altered.sort_unstable();
+            altered.dedup();
+            altered.iter().for_each(|&slot| look_at(slot));
         } else {
             // While nothing moves, only what the solver changed can be other than it was.
             altered.append(&mut unsettled);
@@ -369,6 +410,8 @@ impl World {
             altered.iter().filter(|&&slot| pairs.get(slot).is_active()).for_each(|&slot| look_at(slot));
         }
         altered.clear();
+        near.clear();
+        state.near = near;
         (state.altered, state.unsettled, state.left) = (altered, left, unsettled);
         let mut sync = |slot: u32| state.sync_pair(&Site::new(pairs.get(slot), slot, colliders, bodies), frame);
         // What was dropped meanwhile has no contacts any more.

@@ -1,12 +1,9 @@
 //! Levels of units along lower → upper, by the longest path from below (Kahn 1962).
 //!
-//! Levels depend on the graph alone, not on the order of its lists. Where units stand on each other in a circle, the lowest of
-//! those that wait is taken first; what points down or sideways then is cut.
+//! What slides carries nothing, and counts for nothing. Levels depend on the graph alone, not on the order of its lists. Where units
+//! stand on each other in a circle, the lowest of those that wait is taken first; what points down or sideways then is cut.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
-use super::{Link, Node, NodeKind};
+use super::{Node, NodeKind, Placed};
 
 /// Buffers of the numbering.
 #[derive(Debug, Clone, Default)]
@@ -14,19 +11,22 @@ pub(super) struct Scratch {
     /// Links of each unit from units that have no level yet.
     waiting: Vec<u32>,
     done: Vec<bool>,
-    ready: BinaryHeap<Reverse<u32>>,
+    ready: Vec<u32>,
+    /// Bodies that links stand under which begin or cease to go up.
+    pub turned: Vec<u32>,
 }
 
 /// Numbers the levels anew; says whether there are circles.
-pub(super) fn assign(nodes: &mut [Node], links: &[Option<Link>], scratch: &mut Scratch) -> bool {
-    let Scratch { waiting, done, ready } = scratch;
+pub(super) fn assign(nodes: &mut [Node], links: &mut [Option<Placed>], scratch: &mut Scratch) -> bool {
+    let Scratch { waiting, done, ready, turned } = scratch;
     waiting.clear();
     waiting.resize(nodes.len(), 0);
     done.clear();
     done.resize(nodes.len(), false);
     ready.clear();
     let mut has_circles = false;
-    for link in links.iter().flatten() {
+    let holding = |placed: &&mut Placed| placed.link.holds;
+    for Placed { link, .. } in links.iter_mut().flatten().filter(holding) {
         let (lower, upper) = (nodes[link.lower as usize].unit, nodes[link.upper as usize].unit);
         // Within a unit nothing stands on anything.
         if nodes[link.lower as usize].kind == NodeKind::Body && lower != upper {
@@ -39,14 +39,14 @@ pub(super) fn assign(nodes: &mut [Node], links: &[Option<Link>], scratch: &mut S
             node.level = 1;
             left += 1;
             if waiting[body] == 0 {
-                ready.push(Reverse(body as u32));
+                ready.push(body as u32);
             }
         }
     }
     let mut next_stuck = 0;
     while left > 0 {
         let unit = match ready.pop() {
-            Some(Reverse(unit)) => unit,
+            Some(unit) => unit,
             None => {
                 has_circles = true;
                 let is_stuck =
@@ -65,17 +65,24 @@ pub(super) fn assign(nodes: &mut [Node], links: &[Option<Link>], scratch: &mut S
         for i in 0..count.max(1) {
             let body = if count == 0 { unit } else { nodes[unit as usize].members[i] };
             for number in 0..nodes[body as usize].above.len() {
-                let link = links[nodes[body as usize].above[number] as usize].as_ref();
-                let Some(upper) = link.map(|link| nodes[link.upper as usize].unit) else { continue };
-                if upper == unit || done[upper as usize] {
+                let Some(Placed { link, .. }) = &links[nodes[body as usize].above[number] as usize] else { continue };
+                let upper = nodes[link.upper as usize].unit;
+                if !link.holds || upper == unit || done[upper as usize] {
                     continue;
                 }
                 nodes[upper as usize].level = nodes[upper as usize].level.max(level + 1);
                 waiting[upper as usize] -= 1;
                 if waiting[upper as usize] == 0 {
-                    ready.push(Reverse(upper));
+                    ready.push(upper);
                 }
             }
+        }
+    }
+    turned.clear();
+    for Placed { link, went_up, .. } in links.iter_mut().flatten().filter(holding) {
+        let [lower, upper] = [link.lower, link.upper].map(|body| nodes[nodes[body as usize].unit as usize].level);
+        if std::mem::replace(went_up, lower < upper) != (lower < upper) {
+            turned.push(link.upper);
         }
     }
     has_circles

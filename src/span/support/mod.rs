@@ -24,9 +24,6 @@ mod level;
 pub(crate) mod slip;
 pub(crate) mod verdict;
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use glam::Vec2;
 
 /// Points of a link.
@@ -61,6 +58,9 @@ pub(crate) struct Node {
     anchored: bool,
     /// Of the lowest body.
     level: u32,
+    /// Whether its inputs have changed, and, of the lowest body, whether the unit waits to be evaluated.
+    is_dirty: bool,
+    waits: bool,
     /// Links under the body and on it.
     pub below: Vec<u32>,
     pub above: Vec<u32>,
@@ -97,20 +97,46 @@ pub(crate) struct Link {
     pub count: u8,
     /// From the upper body's centre of mass to the lower one's (m).
     pub offset: Vec2,
+    /// By how much its points may move before it is another link (m).
+    pub slack: f32,
     /// Whether it does not slide.
     pub holds: bool,
     /// Name of the contact in the world.
     pub pair: u32,
 }
 
+impl Link {
+    /// Whether it is the other one, give or take its slack.
+    fn is_near(&self, other: &Self) -> bool {
+        let Self { lower, upper, count, holds, pair, .. } = *self;
+        if (lower, upper, count, holds, pair) != (other.lower, other.upper, other.count, other.holds, other.pair) {
+            return false;
+        }
+        let (points, others) = (&self.points[..count as usize], &other.points[..count as usize]);
+        let near = |a: Vec2, b: Vec2| (a - b).length_squared() <= self.slack * self.slack;
+        near(self.offset, other.offset) && points.iter().zip(others).all(|(&a, &b)| near(a, b))
+    }
+}
+
+/// A link, its places in the lists of its two bodies, and whether it went up in level when levels were numbered last.
+#[derive(Debug, Clone, Copy)]
+struct Placed {
+    link: Link,
+    in_below: u32,
+    in_above: u32,
+    went_up: bool,
+}
+
 /// Contacts and bodies, and the verdicts on them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Graph {
     nodes: Vec<Node>,
-    links: Vec<Option<Link>>,
+    links: Vec<Option<Placed>>,
     free: Vec<u32>,
-    /// Units to evaluate, lowest level first.
-    queue: BinaryHeap<Reverse<(u32, u32)>>,
+    /// Links whose lower body needs no support.
+    bases: u32,
+    /// Units to evaluate, by level.
+    queue: Vec<Vec<u32>>,
     /// Bodies whose inputs have changed.
     dirty: Vec<u32>,
     levels_are_stale: bool,
@@ -143,13 +169,20 @@ impl Graph {
             node.below.clear();
             node.above.clear();
             node.hull.clear();
+            (node.is_dirty, node.waits) = (false, false);
         }
         self.links.clear();
         self.free.clear();
         self.dirty.clear();
         self.changed.clear();
+        self.bases = 0;
         self.levels_are_stale = false;
         self.has_circles = false;
+    }
+
+    /// Whether anything stands on what needs no support.
+    pub(crate) fn has_bases(&self) -> bool {
+        self.bases > 0
     }
 
     pub(crate) fn node(&self, body: u32) -> Option<&Node> {
@@ -157,7 +190,7 @@ impl Graph {
     }
 
     pub(crate) fn link(&self, link: u32) -> &Link {
-        self.links[link as usize].as_ref().expect("links are named by the bodies they act on, and leave them first")
+        &self.links[link as usize].as_ref().expect("links are named by the bodies they act on, and leave them first").link
     }
 
     /// Bodies whose verdict the last update changed.
@@ -181,6 +214,9 @@ impl Graph {
             return;
         }
         let was_absent = node.kind == NodeKind::Absent;
+        let on_it = node.above.len() as u32;
+        self.bases += on_it * u32::from(kind != NodeKind::Body);
+        self.bases -= on_it * u32::from(node.kind != NodeKind::Body);
         node.kind = kind;
         if was_absent {
             *node = Node { kind, unit: body, margin: f32::NEG_INFINITY, ..std::mem::take(node) };
@@ -241,31 +277,88 @@ impl Graph {
 
     /// Adds a contact; its points are put in the order of their hull.
     pub(crate) fn insert(&mut self, mut link: Link) -> u32 {
-        let polygon = &mut self.scratch.polygon;
-        convex(&mut link, polygon);
+        convex(&mut link, &mut self.scratch.polygon);
+        self.place(link)
+    }
+
+    fn place(&mut self, link: Link) -> u32 {
         let number = self.free.pop().unwrap_or_else(|| {
             self.links.push(None);
             self.links.len() as u32 - 1
         });
-        self.links[number as usize] = Some(link);
-        self.nodes[link.upper as usize].below.push(number);
-        self.nodes[link.lower as usize].above.push(number);
-        self.mark(link.upper);
-        let (lower, upper) = (self.nodes[link.lower as usize].unit, self.nodes[link.upper as usize].unit);
-        let goes_up = self.nodes[lower as usize].level < self.nodes[upper as usize].level;
-        let stands_on_a_body = self.nodes[link.lower as usize].kind == NodeKind::Body && lower != upper;
-        self.levels_are_stale |= self.has_circles || (stands_on_a_body && !goes_up);
+        let [below, above] = [link.upper, link.lower].map(|body| body as usize);
+        let (in_below, in_above) = (self.nodes[below].below.len() as u32, self.nodes[above].above.len() as u32);
+        self.links[number as usize] = Some(Placed { link, in_below, in_above, went_up: self.goes_up(&link) });
+        self.nodes[below].below.push(number);
+        self.nodes[above].above.push(number);
+        self.bases += u32::from(self.nodes[above].kind != NodeKind::Body);
+        if link.holds {
+            self.mark(link.upper);
+            self.begin_to_hold(&link);
+        }
         number
+    }
+
+    /// Puts another contact in the place of one, and says which number it has.
+    pub(crate) fn replace(&mut self, number: u32, mut link: Link) -> u32 {
+        convex(&mut link, &mut self.scratch.polygon);
+        let Some(Placed { link: old, .. }) = &mut self.links[number as usize] else { return self.place(link) };
+        if (old.lower, old.upper) != (link.lower, link.upper) {
+            self.remove(number);
+            return self.place(link);
+        }
+        if old.is_near(&link) {
+            return number;
+        }
+        let old = std::mem::replace(old, link);
+        if old.holds || link.holds {
+            self.mark(link.upper);
+        }
+        match (old.holds, link.holds) {
+            (false, true) => {
+                let went_up = self.goes_up(&link);
+                if let Some(placed) = &mut self.links[number as usize] {
+                    placed.went_up = went_up;
+                }
+                self.begin_to_hold(&link);
+            }
+            (true, false) => self.levels_are_stale |= self.has_circles,
+            _ => {}
+        }
+        number
+    }
+
+    /// Levels are those of links that hold.
+    fn begin_to_hold(&mut self, link: &Link) {
+        let is_within = self.nodes[link.lower as usize].unit == self.nodes[link.upper as usize].unit;
+        let stands_on_a_body = self.nodes[link.lower as usize].kind == NodeKind::Body && !is_within;
+        self.levels_are_stale |= self.has_circles || (stands_on_a_body && !self.goes_up(link));
+    }
+
+    fn goes_up(&self, link: &Link) -> bool {
+        self.unit(link.lower).level < self.unit(link.upper).level
     }
 
     /// Takes a contact away.
     pub(crate) fn remove(&mut self, number: u32) {
-        let Some(link) = self.links[number as usize].take() else { return };
+        let Some(Placed { link, in_below, in_above, .. }) = self.links[number as usize].take() else { return };
         self.free.push(number);
-        self.nodes[link.upper as usize].below.retain(|&other| other != number);
-        self.nodes[link.lower as usize].above.retain(|&other| other != number);
-        self.mark(link.upper);
-        self.levels_are_stale |= self.has_circles;
+        let Self { nodes, links, .. } = self;
+        let (below, above) = (&mut nodes[link.upper as usize].below, in_below as usize);
+        below.swap_remove(above);
+        if let Some(moved) = below.get(above).and_then(|&other| links[other as usize].as_mut()) {
+            moved.in_below = in_below;
+        }
+        let (above, place) = (&mut nodes[link.lower as usize].above, in_above as usize);
+        above.swap_remove(place);
+        if let Some(moved) = above.get(place).and_then(|&other| links[other as usize].as_mut()) {
+            moved.in_above = in_above;
+        }
+        self.bases -= u32::from(nodes[link.lower as usize].kind != NodeKind::Body);
+        if link.holds {
+            self.mark(link.upper);
+            self.levels_are_stale |= self.has_circles;
+        }
     }
 
     fn unit(&self, body: u32) -> &Node {
@@ -273,59 +366,66 @@ impl Graph {
     }
 
     fn mark(&mut self, body: u32) {
-        self.dirty.push(body);
+        if !std::mem::replace(&mut self.nodes[body as usize].is_dirty, true) {
+            self.dirty.push(body);
+        }
     }
 
     /// Brings hulls and verdicts up to date with what has changed.
     pub(crate) fn update(&mut self) {
         self.changed.clear();
         self.evaluated = 0;
-        if self.dirty.is_empty() {
+        if self.dirty.is_empty() && !self.levels_are_stale {
             return;
         }
-        if self.levels_are_stale {
-            let had_circles = self.has_circles;
-            self.has_circles = level::assign(&mut self.nodes, &self.links, &mut self.scratch.levels);
-            self.levels_are_stale = false;
-            if had_circles || self.has_circles {
-                // Which links carry depends on the levels then.
-                self.mark_all();
-            }
+        if std::mem::take(&mut self.levels_are_stale) {
+            self.has_circles = level::assign(&mut self.nodes, &mut self.links, &mut self.scratch.levels);
+            // Which links carry depends on the levels.
+            let mut turned = std::mem::take(&mut self.scratch.levels.turned);
+            turned.drain(..).for_each(|body| self.mark(body));
+            self.scratch.levels.turned = turned;
         }
         while let Some(body) = self.dirty.pop() {
+            self.nodes[body as usize].is_dirty = false;
             if self.nodes[body as usize].kind == NodeKind::Body {
-                self.queue.push(Reverse((self.unit(body).level, self.nodes[body as usize].unit)));
+                self.enqueue(self.nodes[body as usize].unit);
             }
         }
-        let mut last = None;
-        while let Some(Reverse(next)) = self.queue.pop() {
-            if last != Some(next) {
-                self.evaluate(next.1);
-                last = Some(next);
+        let mut level = 0;
+        while level < self.queue.len() {
+            match self.queue[level].pop() {
+                Some(unit) => self.evaluate(unit),
+                None => level += 1,
             }
         }
         self.changed.sort_unstable();
+    }
+
+    fn enqueue(&mut self, unit: u32) {
+        let node = &mut self.nodes[unit as usize];
+        if !std::mem::replace(&mut node.waits, true) {
+            let level = node.level as usize;
+            if self.queue.len() <= level {
+                self.queue.resize_with(level + 1, Vec::new);
+            }
+            self.queue[level].push(unit);
+        }
     }
 
     /// Works everything out anew.
     #[cfg(test)]
     fn update_all(&mut self) {
         self.levels_are_stale = true;
-        self.mark_all();
-        self.update();
-    }
-
-    fn mark_all(&mut self) {
         for body in 0..self.nodes.len() as u32 {
-            if self.nodes[body as usize].kind == NodeKind::Body && self.nodes[body as usize].unit == body {
-                self.dirty.push(body);
-            }
+            self.mark(body);
         }
+        self.update();
     }
 
     /// Hulls and verdicts of the bodies of a unit; if they change, whatever stands on it is next.
     fn evaluate(&mut self, unit: u32) {
         self.evaluated += 1;
+        self.nodes[unit as usize].waits = false;
         let mut bodies = std::mem::take(&mut self.scratch.bodies);
         bodies.clear();
         match &self.nodes[unit as usize].members[..] {
@@ -367,10 +467,10 @@ impl Graph {
     fn mark_above(&mut self, body: u32) {
         let level = self.unit(body).level;
         for number in 0..self.nodes[body as usize].above.len() {
-            let upper = self.link(self.nodes[body as usize].above[number]).upper;
+            let &Link { upper, holds: true, .. } = self.link(self.nodes[body as usize].above[number]) else { continue };
             let (unit, upper_level) = (self.nodes[upper as usize].unit, self.unit(upper).level);
             if upper_level > level {
-                self.queue.push(Reverse((upper_level, unit)));
+                self.enqueue(unit);
             }
         }
     }
@@ -399,7 +499,7 @@ impl Graph {
         match lower.kind {
             NodeKind::Absent | NodeKind::Moving => {}
             NodeKind::Ground => out.extend_from_slice(points),
-            NodeKind::Body if self.unit(link.lower).level >= self.unit(link.upper).level => {}
+            NodeKind::Body if !self.goes_up(link) => {}
             NodeKind::Body if lower.held_by_joints => out.extend_from_slice(points),
             NodeKind::Body => {
                 polygon.clear();
@@ -417,8 +517,13 @@ impl Graph {
     }
 }
 
-/// Puts the points of a link in the order of their hull, which may leave some out.
+/// Puts the points of a link that holds in the order of their hull, which may leave some out.
 fn convex(link: &mut Link, polygon: &mut Vec<Vec2>) {
+    if !link.holds {
+        // It carries nothing, wherever it is.
+        (link.count, link.points, link.offset) = (0, [Vec2::ZERO; POINTS], Vec2::ZERO);
+        return;
+    }
     let mut points = link.points;
     hull::convex_hull(&mut points[..link.count as usize], polygon);
     link.count = polygon.len() as u8;

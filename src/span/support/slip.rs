@@ -13,9 +13,6 @@ const HOLDING_SPEED: f32 = 1.0e-4;
 const LEAVING_SPEED: f32 = 0.1;
 const RESTING_SPEED: f32 = 0.05;
 
-/// Share of its limit at which friction counts as exhausted.
-const EXHAUSTED_SHARE: f32 = 0.99;
-
 /// The solver's word on a manifold.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slip {
@@ -23,9 +20,8 @@ pub(crate) struct Slip {
     pub slip: f32,
     /// Speed along the normal (m/s), of either sign.
     pub approach: f32,
-    /// Friction, and the most that it could be (N·s).
-    pub friction: f32,
-    pub limit: f32,
+    /// Whether friction is below its limit.
+    pub has_reserve: bool,
 }
 
 impl Slip {
@@ -33,15 +29,32 @@ impl Slip {
     pub(crate) fn holds(&self, held: bool) -> bool {
         let speed = self.slip.max(self.approach.abs());
         if held {
-            let is_exhausted = self.friction >= EXHAUSTED_SHARE * self.limit;
-            speed <= LEAVING_SPEED && !(is_exhausted && self.slip > SLIDING_SPEED)
+            speed <= LEAVING_SPEED && (self.slip <= SLIDING_SPEED || self.has_reserve)
         } else {
             self.slip <= HOLDING_SPEED && speed <= RESTING_SPEED
         }
     }
 
+    /// Whether a manifold holds, where that needs no more than bounds of the speed of its surfaces; `has_reserve` says
+    /// whether friction is below its limit.
+    pub(crate) fn at_speeds(slowest: f32, fastest: f32, held: bool, has_reserve: impl FnOnce() -> bool) -> Option<bool> {
+        if fastest <= Self::ALWAYS_HOLDS {
+            Some(true)
+        } else if slowest > std::f32::consts::SQRT_2 * LEAVING_SPEED {
+            // Along the normal or across it, it is faster than the limit then.
+            Some(false)
+        } else if held && fastest <= LEAVING_SPEED && (fastest <= SLIDING_SPEED || has_reserve()) {
+            Some(true)
+        } else {
+            None
+        }
+    }
+
     /// Speed up to which a manifold that held before holds, whatever its friction is (m/s).
     pub(crate) const STILL_HOLDS: f32 = SLIDING_SPEED;
+
+    /// Speed up to which a manifold that held before and has friction in reserve holds (m/s).
+    pub(crate) const LEAVES: f32 = LEAVING_SPEED;
 
     /// Speed up to which a manifold is found to hold whatever it did before and whatever its friction is (m/s).
     pub(crate) const ALWAYS_HOLDS: f32 = HOLDING_SPEED;
@@ -53,7 +66,7 @@ mod tests {
 
     #[test]
     fn sliding_has_hysteresis() {
-        let at = |slip: f32, friction: f32| Slip { slip, approach: 0.0, friction, limit: 1.0 };
+        let at = |slip: f32, friction: f32| Slip { slip, approach: 0.0, has_reserve: friction < 1.0 };
         assert!(at(1e-2, 0.5).holds(true), "friction below its limit holds, whatever the solver left of slip");
         assert!(at(1e-5, 1.0).holds(true), "at its limit without slip");
         assert!(!at(1e-3, 1.0).holds(true));

@@ -25,6 +25,7 @@ fn face(lower: u32, upper: u32, shift: f32, offset: f32, half: f32) -> Link {
         points: [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)],
         count: 4,
         offset: Vec2::new(offset, 0.0),
+        slack: 0.0,
         holds: true,
         pair: 0,
     }

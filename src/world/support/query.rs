@@ -45,7 +45,7 @@ impl World {
     /// # Errors
     /// As said above.
     pub fn supported_count(&self) -> Result<usize> {
-        Ok(self.analysis()?.supported_count as usize)
+        Ok(self.kept_analysis()?.supported_count as usize)
     }
 
     /// Dynamic bodies that gained or lost support in the last step, by slot. A loss is told at once, a gain when it has lasted
@@ -54,7 +54,7 @@ impl World {
     /// # Errors
     /// As said above.
     pub fn support_changes(&self) -> Result<&[SupportChange]> {
-        Ok(&self.analysis()?.events)
+        Ok(&self.kept_analysis()?.events)
     }
 
     /// Corners of the hull of a body's supporting contacts, seen along gravity: in the plane through its centre of mass across
@@ -74,7 +74,7 @@ impl World {
 
     /// Contact points through which a body is supported (m).
     pub(in crate::world) fn supporting_points(&self, index: u32) -> Vec<DVec3> {
-        let Some(state) = &self.support else { return Vec::new() };
+        let Ok(state) = self.analysis() else { return Vec::new() };
         let Some(node) = state.graph.node(index) else { return Vec::new() };
         let links = node.below.iter().filter(|&&link| state.graph.is_supporting(link));
         let mut pairs: Vec<u32> = links.map(|&link| state.graph.link(link).pair).collect();
@@ -204,7 +204,14 @@ impl World {
         Ok(self.handles(lost))
     }
 
+    /// What to ask of single bodies and contacts.
     fn analysis(&self) -> Result<&SupportState> {
+        let state = self.kept_analysis()?;
+        let view = || Box::new(self.analysis_anew(state.gravity));
+        Ok(if state.rests { state.view.get_or_init(view) } else { state })
+    }
+
+    fn kept_analysis(&self) -> Result<&SupportState> {
         let off = || Error::new(ErrorKind::NotApplicable, "world", "the support analysis is off");
         self.support.as_deref().ok_or_else(off)
     }

@@ -10,6 +10,12 @@ use crate::solve::contact::tangents;
 use crate::span::support::Link;
 use crate::span::support::slip::Slip;
 
+/// Rotation of a body after which its links are made anew (rad), and shift of a link's points that counts, over the lesser extent.
+pub(super) const TURN: f32 = 1.0e-3;
+
+/// Share of its limit at which friction counts as exhausted.
+const EXHAUSTED_SHARE: f32 = 0.99;
+
 /// Least cosine between a contact's normal and the vertical for one body to stand on the other.
 const MIN_RISE: f32 = 0.3;
 
@@ -62,46 +68,68 @@ impl<'a> Site<'a> {
             return (0, held);
         }
         let (a, b) = self.bodies;
-        let (linear, turning) =
-            (b.linear_velocity - a.linear_velocity, |body: &Body, shape: &Collider| body.angular_velocity.length() * shape.reach);
-        if linear.length() + turning(a, self.shapes.0) + turning(b, self.shapes.1) <= Slip::ALWAYS_HOLDS {
-            return (points, true);
-        }
-        let world = self.world(manifold);
-        let count = manifold.geometry.count as usize;
-        let center = |levers: &[Vec3; 4]| levers[..count].iter().sum::<Vec3>() / count as f32;
-        let rate = linear + b.angular_velocity.cross(center(&world.lever_b)) - a.angular_velocity.cross(center(&world.lever_a));
-        let approach = rate.dot(world.normal);
-        let slip = Slip {
-            slip: (rate - world.normal * approach).length(),
-            approach,
-            friction: manifold.impulses.friction.length(),
-            limit: self.pair.material.friction * manifold.impulses.normal.iter().sum::<f32>(),
+        let turning = |body: &Body, shape: &Collider| body.angular_velocity.length() * shape.reach;
+        let linear = (b.linear_velocity - a.linear_velocity).length();
+        let turning = turning(a, self.shapes.0) + turning(b, self.shapes.1);
+        let has_reserve = || has_reserve(manifold, self.pair.material.friction);
+        let holds = Slip::at_speeds(linear - turning, linear + turning, held, has_reserve).unwrap_or_else(|| {
+            let rate = self.rate(manifold);
+            let normal = self.normal(manifold);
+            let approach = rate.dot(normal);
+            Slip { slip: (rate - normal * approach).length(), approach, has_reserve: has_reserve() }.holds(held)
+        });
+        (points, holds)
+    }
+
+    fn normal(&self, manifold: &CarriedManifold) -> Vec3 {
+        self.shapes.0.place.1 * manifold.geometry.normal
+    }
+
+    /// Velocity of B's surface against A's in the middle of a manifold (m/s).
+    fn rate(&self, manifold: &CarriedManifold) -> Vec3 {
+        let points = &manifold.geometry.points[..manifold.geometry.count as usize];
+        let middle = points.iter().map(|point| point.on_a).sum::<Vec3>() / points.len() as f32;
+        let (a, b) = self.bodies;
+        let lever_a = lever(a, self.shapes.0, middle);
+        let lever_b = lever_a + (a.center - b.center).as_vec3();
+        b.linear_velocity - a.linear_velocity + b.angular_velocity.cross(lever_b) - a.angular_velocity.cross(lever_a)
+    }
+
+    /// Whether a manifold can be one through which one of the bodies stands on the other: how much its normal rises.
+    fn rise(&self, manifold: &CarriedManifold, frame: &Frame) -> Option<f32> {
+        Some(self.normal(manifold).dot(frame.up)).filter(|rise| rise.abs() >= MIN_RISE)
+    }
+
+    /// Whether one of the bodies needs no support, and the other stands on it.
+    pub(in crate::world) fn is_on_base(&self, frame: Option<&Frame>) -> bool {
+        let Some(frame) = frame else { return false };
+        let stands = |manifold: &CarriedManifold| {
+            let lower = |rise: f32| if rise > 0.0 { self.bodies.0 } else { self.bodies.1 };
+            self.rise(manifold, frame).is_some_and(|rise| !lower(rise).is_dynamic())
         };
-        (points, slip.holds(held))
+        self.bodies.0.is_dynamic() != self.bodies.1.is_dynamic() && self.pair.manifolds.iter().any(stands)
     }
 
     /// The link of a pressed manifold with these points, if one of the bodies stands on the other.
     pub(in crate::world) fn link(&self, manifold: &CarriedManifold, points: u8, holds: bool, frame: &Frame) -> Option<Link> {
-        let world = self.world(manifold);
-        let rise = world.normal.dot(frame.up);
-        if rise.abs() < MIN_RISE {
+        let rise = self.rise(manifold, frame)?;
+        let (a, b) = ((self.bodies.0, self.shapes.0), (self.bodies.1, self.shapes.1));
+        let (lower, upper) = if rise > 0.0 { (a, b) } else { (b, a) };
+        if !upper.0.is_dynamic() {
             return None;
         }
-        let (a, b) = (self.shapes.0.body, self.shapes.1.body);
-        let (lower, upper, on_lower, on_upper) =
-            if rise > 0.0 { (a, b, &world.lever_a, &world.lever_b) } else { (b, a, &world.lever_b, &world.lever_a) };
-        let stands = if rise > 0.0 { self.bodies.1.is_dynamic() } else { self.bodies.0.is_dynamic() };
-        if !stands {
-            return None;
-        }
-        let mut link = Link { lower, upper, points: [Vec2::ZERO; 4], count: 0, offset: Vec2::ZERO, holds, pair: self.slot };
-        for i in (0..4).filter(|i| points & (1 << i) != 0) {
-            link.points[link.count as usize] = frame.project(on_lower[i]);
-            link.offset += frame.project(on_upper[i] - on_lower[i]);
+        let slack = TURN * lower.1.least_extent.min(upper.1.least_extent);
+        let (pair, offset) = (self.slot, frame.project((lower.0.center - upper.0.center).as_vec3()));
+        let mut link =
+            Link { lower: lower.1.body, upper: upper.1.body, points: [Vec2::ZERO; 4], count: 0, offset, slack, holds, pair };
+        for (i, point) in manifold.geometry.points.iter().enumerate() {
+            if !holds || points & (1 << i) == 0 {
+                continue;
+            }
+            let on_lower = if rise > 0.0 { point.on_a } else { point.on_b };
+            link.points[link.count as usize] = frame.project(lever(lower.0, lower.1, on_lower));
             link.count += 1;
         }
-        link.offset /= f32::from(link.count);
         Some(link)
     }
 
@@ -113,4 +141,15 @@ impl<'a> Site<'a> {
         };
         self.pair.manifolds.iter().map(upwards).sum()
     }
+}
+
+/// Whether the friction of a manifold is below its limit.
+pub(super) fn has_reserve(manifold: &CarriedManifold, friction: f32) -> bool {
+    let limit = EXHAUSTED_SHARE * friction * manifold.impulses.normal.iter().sum::<f32>();
+    manifold.impulses.friction.length_squared() < limit * limit
+}
+
+/// A point of a shape from its body's centre of mass, in world axes (m).
+fn lever(body: &Body, shape: &Collider, point: Vec3) -> Vec3 {
+    body.rotation * (shape.local_pose.position - body.local_center) + shape.place.1 * point
 }
