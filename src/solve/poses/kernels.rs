@@ -49,6 +49,27 @@ pub(super) fn find_inertia<W: Wide>(blocks: &[PoseBlock], motions: &[BodyMotion]
 }
 
 #[inline(always)]
+pub(super) fn find_energies<W: Wide>(
+    blocks: &[PoseBlock],
+    velocities: &[BodyVelocity],
+    motions: &[BodyMotion],
+    energies: &mut [f32],
+) {
+    for block in blocks {
+        let side = Side::<W>::gather(&block.slots, velocities);
+        let frame = gather_rotations::<W>(&block.slots, motions).after(&WideQuat::load(&block.frame));
+        let [x, y, z] = frame.axes().map(|axis| axis.dot(side.angular));
+        let spin = Wide3::new(x * x, y * y, z * z).dot(Wide3::load(&block.inertia));
+        let energy = (side.linear.dot(side.linear) / side.inverse_mass().x + spin) * W::splat(0.5);
+        let mut lanes = [0.0; LANES];
+        energy.store(&mut lanes);
+        for l in 0..block.count as usize {
+            energies[block.slots[l] as usize] = lanes[l];
+        }
+    }
+}
+
+#[inline(always)]
 pub(super) fn limit<W: Wide>(blocks: &[PoseBlock], velocities: &mut [BodyVelocity], h: f32) {
     for block in blocks {
         let mut side = Side::<W>::gather(&block.slots, velocities);

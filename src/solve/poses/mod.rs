@@ -136,6 +136,11 @@ impl Poses {
         find_inertia_all(&self.blocks, motions, &mut self.inertia);
     }
 
+    /// Finds the kinetic energy of bodies in lanes at these velocities, by slot (J).
+    pub(crate) fn find_energies(&self, velocities: &[BodyVelocity], motions: &[BodyMotion], energies: &mut [f32]) {
+        find_energies_all(&self.blocks, velocities, motions, energies);
+    }
+
     /// The same of a body that has been turned since, if it is in lanes.
     pub(crate) fn refresh_inertia_of(&mut self, slot: u32, motion: &BodyMotion) {
         let tensor = crate::shape::inertia_tensor(motion.inertia, motion.rotation * motion.inertia_frame);
@@ -181,6 +186,10 @@ in_lanes!(
     (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32)
 );
 in_lanes!(find_inertia_all, kernels::find_inertia, (blocks: &[PoseBlock], motions: &[BodyMotion], inertia: &mut [Lane]));
+in_lanes!(
+    find_energies_all, kernels::find_energies,
+    (blocks: &[PoseBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], energies: &mut [f32])
+);
 in_lanes!(limit_all, kernels::limit, (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], h: f32));
 in_lanes!(
     predict_all, kernels::predict,
