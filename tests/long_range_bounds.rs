@@ -312,21 +312,16 @@ impl Left {
 
     /// Prints its row of the table in docs/long-range.md; returns the median of upper bounds.
     fn print(mut self, name: &str) -> f64 {
-        let mut at = |left: &mut Vec<f64>, share: f64| {
+        let at = |left: &mut Vec<f64>, share: f64| {
             left.sort_unstable_by(f64::total_cmp);
-            left.get((share * left.len() as f64) as usize).map_or(f64::NAN, |left| 100.0 * left)
+            left.get((share * left.len() as f64) as usize).map(|left| 100.0 * left)
         };
-        let (upper, lower) = (&mut self.upper, &mut self.lower);
-        let median = at(upper, 0.5);
-        println!(
-            "| {name} | {} | {median:.2} % | {:.2} % | {} | {:.2} % | {:.2} % |",
-            upper.len(),
-            at(upper, 0.9),
-            lower.len(),
-            at(lower, 0.5),
-            at(lower, 0.9)
-        );
-        median
+        let told =
+            |left: &mut Vec<f64>| [0.5, 0.9].map(|share| at(left, share).map_or(String::new(), |left| format!("{left:.2} %")));
+        let counts = [self.upper.len(), self.lower.len()];
+        let ([upper_half, upper_most], [lower_half, lower_most]) = (told(&mut self.upper), told(&mut self.lower));
+        println!("| {name} | {} | {upper_half} | {upper_most} | {} | {lower_half} | {lower_most} |", counts[0], counts[1]);
+        at(&mut self.upper, 0.5).unwrap_or(f64::INFINITY)
     }
 }
 

@@ -85,8 +85,9 @@ impl Leads {
         }
     }
 
-    pub(crate) fn begin_substep(&mut self, velocities: &[BodyVelocity]) {
-        if self.is_active() {
+    /// Notes the velocities that this substep begins with, if it is the first or one of the last two.
+    pub(crate) fn begin_substep(&mut self, velocities: &[BodyVelocity], substep: u32, substeps: u32) {
+        if self.is_active() && (substep == 0 || substep + 2 >= substeps) {
             std::mem::swap(&mut self.start, &mut self.start_before);
             self.start.clear();
             self.start.extend(velocities.iter().map(twist));

@@ -85,9 +85,9 @@ impl Batch {
         self.find_passive_islands(joints);
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
-            self.leads.begin_substep(&self.velocities);
+            self.leads.begin_substep(&self.velocities, substep, settings.substeps);
             self.apply_forces(joints, h);
-            self.passive.note(&self.velocities, &self.motions, &self.poses);
+            self.passive.note(&self.velocities, &self.poses);
             self.prepare_joints(joints, h, false, true);
             self.joints.warm_start(&mut self.velocities);
             self.bounds.warm_start(&mut self.velocities);

@@ -50,11 +50,11 @@ impl Island {
     }
 
     fn has_grown(&self) -> bool {
-        !(self.after <= self.before * (1.0 + LET_BE))
+        self.after > self.before * (1.0 + LET_BE) || self.after.is_nan()
     }
 
     fn is_torn(&self) -> bool {
-        !(self.after <= self.before * TORN)
+        self.after > self.before * TORN || self.after.is_nan()
     }
 }
 
@@ -67,8 +67,6 @@ pub(crate) struct PassiveIslands {
     driven: Vec<bool>,
     /// Velocities of all slots before the sweeps.
     before: Vec<BodyVelocity>,
-    /// Kinetic energy of each slot (J).
-    energies: Vec<f32>,
     /// Whether the multipliers on each slot are given up.
     torn: Vec<bool>,
 }
@@ -86,17 +84,15 @@ impl PassiveIslands {
         self.islands.iter().map(Island::slots)
     }
 
-    /// Notes velocities and energy as forces have left them.
-    pub(crate) fn note(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion], poses: &Poses) {
-        let Self { islands, before, energies, .. } = self;
+    /// Notes velocities, and the energy that forces have left.
+    pub(crate) fn note(&mut self, velocities: &[BodyVelocity], poses: &Poses) {
+        let Self { islands, before, .. } = self;
         if islands.is_empty() {
             return;
         }
         before.clear();
         before.extend_from_slice(velocities);
-        energies.resize(velocities.len(), 0.0);
-        poses.find_energies(velocities, motions, energies);
-        islands.iter_mut().for_each(|island| island.before = island.sum(energies));
+        islands.iter_mut().for_each(|island| island.before = island.sum(&poses.energies));
     }
 
     /// Takes out what sweeps have added; says on which slots multipliers are given up, if on any.
@@ -104,15 +100,15 @@ impl PassiveIslands {
         &mut self,
         velocities: &mut [BodyVelocity],
         motions: &[BodyMotion],
-        poses: &Poses,
+        poses: &mut Poses,
         free: &FreeIslands,
     ) -> Option<&[bool]> {
-        let Self { islands, before, energies, torn, .. } = self;
+        let Self { islands, before, torn, .. } = self;
         if islands.is_empty() {
             return None;
         }
-        poses.find_energies(velocities, motions, energies);
-        islands.iter_mut().for_each(|island| island.after = island.sum(energies));
+        poses.find_energies(velocities, motions);
+        islands.iter_mut().for_each(|island| island.after = island.sum(&poses.energies));
         torn.clear();
         for island in islands.iter().filter(|island| island.has_grown()) {
             if island.is_torn() {
