@@ -5,8 +5,8 @@ mod common;
 use common::Run;
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
-    BodyDef, BodyId, BoundKind, BoundState, JointDef, JointId, JointKind, LongRangeDef, Mass, Pose, Shape, ShapeDef, SoftBound,
-    Softness, Solver, World, WorldDef,
+    BodyDef, BodyId, BodyKind, BoundKind, BoundState, JointDef, JointId, JointKind, LongRangeDef, Mass, Pose, Shape, ShapeDef,
+    SoftBound, Softness, Solver, World, WorldDef,
 };
 use longspan_scenes::DT;
 
@@ -86,6 +86,23 @@ fn a_thrown_chain_gains_no_energy() {
             run.keeps("energy_growth_pct", 1.0, "%");
         }
     }
+}
+
+#[test]
+fn thrown_trees_and_loops_gain_no_energy_at_any_ratio() {
+    for what in ["mobile", "tree", "graph"] {
+        for ratio in ["1", "100", "10000", "1000000"] {
+            let run = Run::of("violent", &[("solver", "gs"), ("what", what), ("ratio", ratio), ("seconds", "1")]);
+            run.is("non_finite", 0.0);
+            run.keeps("energy_growth_pct", 0.1, "%");
+        }
+    }
+}
+
+#[test]
+fn a_weight_that_swings_on_a_chain_keeps_to_its_path() {
+    let run = Run::of("swinging_weight", &[("solver", "gs")]);
+    run.keeps("traj_err_max_m", 0.005, "m");
 }
 
 #[test]
@@ -269,6 +286,23 @@ fn only_what_a_change_is_connected_to_is_derived_anew_and_to_the_same_bits() {
 }
 
 #[test]
+fn a_chain_held_in_its_middle_has_the_bounds_of_two() {
+    let (mut world, chains) = three_chains();
+    let middle = world.joint_def(chains[0][4]).expect("valid").body_b;
+    world.step(DT).expect("valid");
+    world.set_body_kind(middle, BodyKind::Static).expect("valid");
+    world.step(DT).expect("valid");
+    let first: Vec<BoundState> = world.bounds().filter(|bound| chains[0].contains(&bound.far)).collect();
+    let from = |joint: usize| first.iter().filter(|bound| bound.near == chains[0][joint]).count();
+    let across = |bound: &&BoundState| {
+        let place = |joint: JointId| chains[0].iter().position(|&other| other == joint);
+        place(bound.near) <= Some(4) && place(bound.far) > Some(4)
+    };
+    assert_eq!(first.iter().filter(across).count(), 0, "bounds lead through what nothing moves: {first:?}");
+    assert!(from(0) > 0 && from(5) > 0, "both halves have bounds: {first:?}");
+}
+
+#[test]
 fn what_is_far_from_taut_is_skipped() {
     let (mut world, chains) = three_chains();
     // Folded up, every other link turned over: nothing is near its length.
@@ -331,10 +365,16 @@ fn no_scene_gains_energy() {
         ("crossbow", &[]),
         ("branched_tree", &[]),
         ("loop_graph", &[]),
+        ("swinging_weight", &[]),
+        ("cantilever", &[]),
+        ("mobile", &[]),
+        ("mobile", &[("ratio", "100")]),
+        ("mobile", &[("ratio", "1")]),
     ] {
         let rise = energy_rise(name, keys);
         assert!(rise <= 1e-3, "{name} {keys:?}: energy rises by {rise:.2e} of m g L, bound 1e-3");
     }
+    Run::of("pendulum", &[("solver", "gs")]).keeps("energy_rise_pct", 0.1, "%");
 }
 
 /// A chain of 16 equal links that lies along x and is lifted by a metre at the `held`th of its 17 joint points; its stretch (share)

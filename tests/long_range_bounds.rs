@@ -42,6 +42,20 @@ impl Branch {
         }
     }
 
+    /// Coordinates a little way from these, within the limits.
+    fn near(&self, [first, second, third]: Coordinates, step: f64, dice: &mut Random) -> Coordinates {
+        let mut moved = |by: f64| by + between(dice, -step, step);
+        match self.kind {
+            JointKind::Hinge { limits, .. } => {
+                [moved(first).clamp(f64::from(limits.min).max(-PI), f64::from(limits.max).min(PI)), 0.0, 0.0]
+            }
+            JointKind::Spherical { swing_limit, .. } => {
+                [moved(first).clamp(0.0, f64::from(swing_limit)), moved(second), moved(third)]
+            }
+            _ => [0.0; 3],
+        }
+    }
+
     fn turn(&self, [first, second, third]: Coordinates) -> DQuat {
         match self.kind {
             JointKind::Hinge { .. } => DQuat::from_rotation_x(first),
@@ -159,17 +173,24 @@ fn judge(bound: &BoundState, found: &Found) -> Result<f64, TestCaseError> {
     Ok(found.greatest / upper)
 }
 
-/// Draws poses, then climbs from the best towards both extremes.
-fn search(tree: &Tree, ends: [usize; 2], start: &[Coordinates], dice: &mut Random) -> Found {
+/// Draws poses `draws` times, and climbs from the best towards both extremes `steps` times by ever smaller steps.
+fn search(tree: &Tree, ends: [usize; 2], start: &[Coordinates], [draws, steps]: [u32; 2], dice: &mut Random) -> Found {
     let distance = |at: &[Coordinates]| {
         let points = tree.points(at);
         points[ends[0]].distance(points[ends[1]])
     };
     let climb = |sign: f64, dice: &mut Random| {
         let (mut best, mut value) = (start.to_vec(), sign * distance(start));
-        for _ in 0..60 {
+        for number in 0..draws + steps {
             let mut next = best.clone();
-            if dice.unit() < 0.3 {
+            if number >= draws {
+                let changed = dice.index(next.len());
+                next[changed] = tree.branches[changed].near(
+                    next[changed],
+                    (-10.0 * f64::from(number - draws) / f64::from(steps)).exp2(),
+                    dice,
+                );
+            } else if dice.unit() < 0.3 {
                 next = tree.branches.iter().map(|branch| branch.draw(dice)).collect();
             } else {
                 let changed = dice.index(next.len());
@@ -194,48 +215,60 @@ fn no_pose_of_a_tree_violates_a_bound(seed: u64, is_chain: bool) -> Result<(), T
     prop_assert!(!bounds.is_empty() || tree.branches.len() < 4 || !is_chain, "a chain of {} has no bound", tree.branches.len());
     for bound in &bounds {
         let place = |joint: JointId| joints.iter().position(|&other| other == joint).expect("a bound is between joints");
-        let found = search(&tree, [place(bound.near), place(bound.far)], &start, &mut dice);
+        let found = search(&tree, [place(bound.near), place(bound.far)], &start, [60, 0], &mut dice);
         judge(bound, &found)?;
     }
     Ok(())
 }
 
-/// A ring of bodies with ball joints, bent by turning one arc after another about the line between its ends: that keeps it closed.
-fn no_pose_of_a_loop_violates_a_bound(seed: u64) -> Result<(), TestCaseError> {
-    let mut dice = Random::new(seed);
+/// A ring of bodies with ball joints in a world of its own: its joint points, and the bounds between them.
+fn ring(dice: &mut Random) -> (Vec<DVec3>, Vec<(BoundState, [usize; 2])>) {
     let count = 4 + dice.index(9);
-    let mut points: Vec<DVec3> = (0..count).map(|_| dice.vector(0.5).as_dvec3() * 2.0).collect();
+    let points: Vec<DVec3> = (0..count).map(|_| dice.vector(0.5).as_dvec3() * 2.0).collect();
     let mut world = empty_world();
-    let middle = |points: &[DVec3], i: usize| (points[i] + points[(i + 1) % count]) * 0.5;
-    let bodies: Vec<BodyId> = (0..count).map(|i| add_body(&mut world, middle(&points, i), DQuat::IDENTITY)).collect();
+    let middle = |i: usize| (points[i] + points[(i + 1) % count]) * 0.5;
+    let bodies: Vec<BodyId> = (0..count).map(|i| add_body(&mut world, middle(i), DQuat::IDENTITY)).collect();
     let joints: Vec<JointId> = (0..count)
         .map(|i| {
             let before = (i + count - 1) % count;
-            let on = |body: usize| (points[i] - middle(&points, body)).as_vec3();
+            let on = |body: usize| (points[i] - middle(body)).as_vec3();
             let def = JointDef::new(JointKind::SPHERICAL, bodies[before], bodies[i]).at(on(before), on(i));
             world.create_joint(&def).expect("the joint is valid")
         })
         .collect();
-    let bounds = derived(&mut world);
-    prop_assert!(!bounds.is_empty(), "a ring of {count} has no bound");
     let place = |joint: JointId| joints.iter().position(|&other| other == joint).expect("a bound is between joints");
+    let bounds = derived(&mut world).into_iter().map(|bound| (bound, [place(bound.near), place(bound.far)])).collect();
+    (points, bounds)
+}
+
+/// Turns an arc of a ring about the line between its ends, which keeps it closed.
+fn turn_arc(points: &mut [DVec3], most: f64, dice: &mut Random) {
+    let count = points.len();
+    let (from, to) = (dice.index(count), dice.index(count));
+    let Some(axis) = (points[to] - points[from]).try_normalize() else { return };
+    let turn = DQuat::from_axis_angle(axis, between(dice, -most, most));
+    let pivot = points[from];
+    let mut at = (from + 1) % count;
+    while at != to && from != to {
+        points[at] = pivot + turn * (points[at] - pivot);
+        at = (at + 1) % count;
+    }
+}
+
+/// A ring of bodies with ball joints, bent by turning one arc after another about the line between its ends: that keeps it closed.
+fn no_pose_of_a_loop_violates_a_bound(seed: u64) -> Result<(), TestCaseError> {
+    let mut dice = Random::new(seed);
+    let (mut points, bounds) = ring(&mut dice);
+    prop_assert!(!bounds.is_empty(), "a ring of {} has no bound", points.len());
     let mut found: Vec<Found> = bounds.iter().map(|_| Found { greatest: 0.0, least: f64::INFINITY }).collect();
     for _ in 0..200 {
-        for (bound, found) in bounds.iter().zip(&mut found) {
-            let distance = points[place(bound.near)].distance(points[place(bound.far)]);
+        for ((_, [near, far]), found) in bounds.iter().zip(&mut found) {
+            let distance = points[*near].distance(points[*far]);
             (found.greatest, found.least) = (found.greatest.max(distance), found.least.min(distance));
         }
-        let (from, to) = (dice.index(count), dice.index(count));
-        let Some(axis) = (points[to] - points[from]).try_normalize() else { continue };
-        let turn = DQuat::from_axis_angle(axis, between(&mut dice, -PI, PI));
-        let pivot = points[from];
-        let mut at = (from + 1) % count;
-        while at != to && from != to {
-            points[at] = pivot + turn * (points[at] - pivot);
-            at = (at + 1) % count;
-        }
+        turn_arc(&mut points, PI, &mut dice);
     }
-    for (bound, found) in bounds.iter().zip(&found) {
+    for ((bound, _), found) in bounds.iter().zip(&found) {
         judge(bound, found)?;
     }
     Ok(())
@@ -258,6 +291,91 @@ proptest! {
     fn no_reachable_pose_of_a_ring_violates_a_bound(seed in any::<u64>()) {
         no_pose_of_a_loop_violates_a_bound(seed)?;
     }
+}
+
+/// What bounds leave, as shares of the upper one: of upper bounds beyond the greatest distance found, and of lower ones short of the
+/// least, where there is a lower one.
+#[derive(Default)]
+struct Left {
+    upper: Vec<f64>,
+    lower: Vec<f64>,
+}
+
+impl Left {
+    fn note(&mut self, bound: &BoundState, found: &Found) {
+        let (upper, lower) = (f64::from(bound.upper), f64::from(bound.lower));
+        self.upper.push((upper - found.greatest) / upper);
+        if lower > 0.0 {
+            self.lower.push((found.least - lower) / upper);
+        }
+    }
+
+    /// Prints its row of the table in docs/long-range.md; returns the median of upper bounds.
+    fn print(mut self, name: &str) -> f64 {
+        let at = |left: &mut Vec<f64>, share: f64| {
+            left.sort_unstable_by(f64::total_cmp);
+            left.get((share * left.len() as f64) as usize).map(|left| 100.0 * left)
+        };
+        let told =
+            |left: &mut Vec<f64>| [0.5, 0.9].map(|share| at(left, share).map_or(String::new(), |left| format!("{left:.2} %")));
+        let counts = [self.upper.len(), self.lower.len()];
+        let ([upper_half, upper_most], [lower_half, lower_most]) = (told(&mut self.upper), told(&mut self.lower));
+        println!("| {name} | {} | {upper_half} | {upper_most} | {} | {lower_half} | {lower_most} |", counts[0], counts[1]);
+        at(&mut self.upper, 0.5).unwrap_or(f64::INFINITY)
+    }
+}
+
+/// Structures of each kind whose bounds are looked at for how tight they are.
+const LOOKED_AT: u64 = 4000;
+
+fn left_by_trees(is_chain: bool) -> Left {
+    let mut left = Left::default();
+    for seed in 0..LOOKED_AT {
+        let mut dice = Random::new(seed);
+        let tree = Tree::draw(&mut dice, is_chain);
+        let start: Vec<Coordinates> = tree.branches.iter().map(|branch| branch.draw(&mut dice)).collect();
+        let (mut world, joints) = tree.build(&start);
+        for bound in derived(&mut world) {
+            let ends = [bound.near, bound.far]
+                .map(|end| joints.iter().position(|&joint| joint == end).expect("a bound is between joints"));
+            left.note(&bound, &search(&tree, ends, &start, [60, 300], &mut dice));
+        }
+    }
+    left
+}
+
+fn left_by_rings() -> Left {
+    let mut left = Left::default();
+    for seed in 0..LOOKED_AT {
+        let mut dice = Random::new(seed);
+        let (start, bounds) = ring(&mut dice);
+        let around: f64 = (0..start.len()).map(|i| start[i].distance(start[(i + 1) % start.len()])).sum();
+        // The longer way round says nothing that the shorter one does not say.
+        for (bound, [near, far]) in bounds.into_iter().filter(|(bound, _)| 2.0 * f64::from(bound.upper) <= around) {
+            let mut climb = |sign: f64| {
+                let (mut best, mut value) = (start.clone(), sign * start[near].distance(start[far]));
+                for step in 0..300 {
+                    let mut next = best.clone();
+                    turn_arc(&mut next, PI * (-10.0 * f64::from(step) / 300.0).exp2(), &mut dice);
+                    let reached = sign * next[near].distance(next[far]);
+                    if reached > value {
+                        (best, value) = (next, reached);
+                    }
+                }
+                sign * value
+            };
+            left.note(&bound, &Found { greatest: climb(1.0), least: climb(-1.0) });
+        }
+    }
+    left
+}
+
+#[test]
+fn upper_bounds_are_tight() {
+    println!("| 4000 of each | upper bounds | median | 90 % | lower bounds | median | 90 % |\n|---|---|---|---|---|---|---|");
+    let medians = [("chains", left_by_trees(true)), ("trees", left_by_trees(false)), ("rings", left_by_rings())]
+        .map(|(name, left)| left.print(name));
+    assert!(medians.iter().all(|&left| left <= 1.0), "half of the upper bounds leave more than {medians:?} %, bound 1 %");
 }
 
 /// A chain of unit segments along x that hangs on the world, whose hinges about z may turn by at most `limits` (rad).

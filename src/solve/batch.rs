@@ -9,8 +9,10 @@ use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, P
 use super::contact_kernels;
 use super::direct::Direct;
 use super::joint::{BatchJoints, JointEntry};
+use super::lead::Leads;
 use super::load_pass::LoadPass;
 use super::momentum::FreeIslands;
+use super::passive::PassiveIslands;
 use super::plane::Planes;
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
@@ -77,6 +79,8 @@ pub(crate) struct Batch {
     pub planes: Planes,
     pub poses: Poses,
     pub free: FreeIslands,
+    pub passive: PassiveIslands,
+    pub leads: Leads,
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
     pub direct: Direct,
@@ -128,6 +132,8 @@ impl Batch {
         self.chains.clear();
         self.planes.clear();
         self.free.clear();
+        self.passive.clear();
+        self.leads.clear();
         self.direct.clear();
         self.lanes.clear();
         self.tally.clear();
@@ -187,6 +193,7 @@ impl Batch {
                 let slot = self.enlist(body);
                 self.velocities.push(velocity);
                 self.motions.push(motion);
+                self.leads.add_slot(&velocity);
                 self.replicas.insert(place, Replica { body, slot });
                 slot
             }

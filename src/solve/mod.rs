@@ -16,8 +16,10 @@ pub(crate) mod direct;
 mod dispatch;
 pub(crate) mod integrate;
 pub(crate) mod joint;
+pub(crate) mod lead;
 pub(crate) mod load_pass;
 pub(crate) mod momentum;
+mod passive;
 pub(crate) mod plane;
 mod poses;
 mod rotation;
@@ -80,9 +82,12 @@ impl Batch {
         self.bounds.lay_out(&self.motions, h);
         self.taut.lay_out(&self.bounds);
         self.poses.lay_out(&self.velocities, &mut self.motions, h);
+        self.find_passive_islands(joints);
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
+            self.leads.begin_substep(&self.velocities, substep, settings.substeps);
             self.apply_forces(joints, h);
+            self.passive.note(&self.velocities, &self.poses);
             self.prepare_joints(joints, h, false, true);
             self.joints.warm_start(&mut self.velocities);
             self.bounds.warm_start(&mut self.velocities);
@@ -105,6 +110,10 @@ impl Batch {
                     self.taut.sweep(&mut self.velocities, true);
                     self.bounds.sweep(&mut self.velocities, true);
                 }
+            }
+            self.restrain();
+            if substep == 0 {
+                self.leads.halve_start(self.passive.slots(), &mut self.velocities);
             }
             self.joints.end_substep();
             self.direct.keep_impulses();
@@ -130,6 +139,7 @@ impl Batch {
         self.add_to_tally();
         self.recover_positions(settings.dt);
         self.settle(joints);
+        self.leads.tell(self.passive.slots(), &mut self.velocities, &self.motions);
         self.joints.store();
         self.bounds.store();
         self.taut.store();

@@ -225,6 +225,40 @@ impl FreeIslands {
     }
 }
 
+impl FreeIslands {
+    /// Slows the motion of the members of the free island that begins with this slot against one another, so that kinetic energy that
+    /// has grown (J, from and to) is what it was; `false` if no free island begins there.
+    pub(crate) fn slow(
+        &self,
+        first: u32,
+        (from, to): (f64, f64),
+        velocities: &mut [BodyVelocity],
+        motions: &[BodyMotion],
+        poses: &Poses,
+    ) -> bool {
+        let found = self.islands.iter().find(|&&(start, ..)| self.members[start].0 == first);
+        let Some(&(start, end, _)) = found else { return false };
+        let members = &self.members[start..end];
+        let (mut whole, mut moments) = (Whole::default(), Moments::default());
+        for member in members {
+            let body = Body::of(member, velocities, motions, poses);
+            body.add_to(&mut whole);
+            moments.add(body.mass, body.center, &body.inertia);
+        }
+        let (center, linear) = (whole.center(), whole.linear() / whole.mass());
+        let turn = moments.about(&whole).rate_of(whole.spin());
+        let as_one = 0.5 * whole.linear().dot(linear) + 0.5 * whole.spin().dot(turn);
+        let kept = if to > as_one { ((from - as_one).max(0.0) / (to - as_one)).sqrt() } else { 1.0 };
+        for &(slot, origin) in members {
+            let (velocity, motion) = (&mut velocities[slot as usize], &motions[slot as usize]);
+            let own = linear + turn.cross(origin + motion.displacement.as_dvec3() - center);
+            velocity.linear = (own + (velocity.linear.as_dvec3() - own) * kept).as_vec3();
+            velocity.angular = (turn + (velocity.angular.as_dvec3() - turn) * kept).as_vec3();
+        }
+        true
+    }
+}
+
 /// A member of an island as it moves.
 struct Body {
     mass: f64,

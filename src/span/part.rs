@@ -174,8 +174,12 @@ impl Derived {
         self.inner.clear();
         self.paths.clear();
         for joints in input.parts() {
+            // A body that joints can no longer move has cut its part in two.
+            let was_moved = |body: u32| self.input.masses.get(body as usize).is_some_and(|mass| mass.is_finite());
+            let is_moved = |body: u32| input.masses[body as usize].is_finite() || was_moved(body);
             let is_changed = |&slot: &u32| {
-                input.link(slot as usize).is_some_and(|link| input.moved_by(link).any(|body| changed[body as usize]))
+                let bodies = input.link(slot as usize).into_iter().flat_map(|link| link.bodies).flatten();
+                bodies.into_iter().any(|body| changed[body as usize] && is_moved(body))
             };
             let same = if joints.iter().any(is_changed) {
                 None

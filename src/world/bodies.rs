@@ -69,6 +69,7 @@ impl World {
         let (returned, follows) = (std::mem::take(&mut record.quarantined), !record.is_free());
         if returned {
             self.topology_changed();
+            self.long_range.graph_changed();
         }
         if (returned || follows) && !self.bodies[index].joints.is_empty() {
             self.welds_changed(index);
@@ -222,6 +223,7 @@ impl World {
         record.driven = false;
         if std::mem::take(&mut record.quarantined) {
             self.topology_changed();
+            self.long_range.graph_changed();
             self.welds_changed(index);
         }
         self.keep_anchored(index);

@@ -117,12 +117,23 @@ impl Records<'_> {
     fn fill(&self, batch: &mut Batch, settings: &StepSettings) {
         batch.tallied = self.tallied;
         batch.load_bodies(|index| self.slot_state(index));
+        if self.solver == Solver::GaussSeidel {
+            self.take_leads_back(batch);
+        }
         self.list_contacts(batch);
         self.list_joints(batch);
         self.lay_out(batch, settings);
         self.fill_bounds(batch);
         self.fill_planes(batch);
         self.find_free_islands(batch);
+    }
+
+    /// Takes back what bodies were told to be faster than they have moved.
+    fn take_leads_back(&self, batch: &mut Batch) {
+        let Batch { leads, bodies, velocities, .. } = batch;
+        let body = |slot: usize| (slot != WORLD_SLOT as usize).then(|| bodies[slot]);
+        let united = |slot| body(slot).is_some_and(|body| self.unions.moving(body).is_some());
+        leads.take_back(velocities, united, |slot| self.bodies[body(slot)?].history.lead());
     }
 
     /// State of what has the slot of this body: the body, or the union that it leads.

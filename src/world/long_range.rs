@@ -126,7 +126,7 @@ impl World {
         let mut input = Input { masses: vec![f32::INFINITY; bodies.slot_count()], ..Input::default() };
         long_range.chains.clear();
         if settings.enabled {
-            for (slot, body) in bodies.iter().filter(|(_, body)| body.is_free()) {
+            for (slot, body) in bodies.iter().filter(|(_, body)| body.is_free() && !body.quarantined) {
                 if let Some(mass) = &body.mass {
                     input.masses[slot as usize] = unions.moving(slot).map_or(mass.mass, |union| union.mass.mass);
                 }
@@ -470,7 +470,7 @@ fn hinge_of(slot: u32, joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyI
         let fixed = HingeEnd { body: None, axis: frame.rotation * Vec3::X, point: Vec3::ZERO };
         let Some(index) = joint.bodies[side] else { return Some(fixed) };
         let body = &bodies[index];
-        if !body.is_free() {
+        if !body.is_free() || body.quarantined {
             return Some(fixed);
         }
         let point = frame.position.as_vec3() - body.local_center;

@@ -185,6 +185,7 @@ impl World {
                 let body = &mut self.bodies[index];
                 body.linear_velocity = glam::Vec3::ZERO;
                 body.angular_velocity = glam::Vec3::ZERO;
+                body.history.forget_lead();
             }
             let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new() });
             for &index in &members {

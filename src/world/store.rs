@@ -118,6 +118,9 @@ impl World {
                 union.motion = to;
             }
         }
+        for (slot, lead) in batch.leads.told.iter().enumerate().filter_map(|(slot, lead)| Some((slot, (*lead)?))) {
+            bodies[batch.bodies[slot]].history = History::leading(lead);
+        }
         for (slot, history) in batch.direct.histories() {
             bodies[batch.bodies[slot as usize]].history = *history;
         }
@@ -177,8 +180,10 @@ impl World {
         let body = &mut self.bodies[index];
         body.linear_velocity = Vec3::ZERO;
         body.angular_velocity = Vec3::ZERO;
+        body.history.forget_lead();
         body.quarantined = true;
         self.topology_changed();
+        self.long_range.graph_changed();
         self.welds_changed(index);
         self.events.quarantined.push(self.bodies.handle_of(index));
         self.forget_contacts_of(index);

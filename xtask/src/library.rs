@@ -71,12 +71,21 @@ impl Library {
 
 /// A folder of cargo's target folder for what a command writes, made if need be.
 pub fn output_folder(name: &str) -> Outcome<PathBuf> {
+    let folder = target_folder()?.join(name);
+    std::fs::create_dir_all(&folder)?;
+    Ok(folder)
+}
+
+/// Where cargo puts what it builds with `--release`.
+pub fn release_folder() -> Outcome<PathBuf> {
+    Ok(target_folder()?.join("release"))
+}
+
+fn target_folder() -> Outcome<PathBuf> {
     let metadata = printed(cargo().args(["metadata", "--format-version", "1", "--no-deps"]))?;
     let metadata: JsonValue = metadata.parse()?;
     let target = field::<String>(&metadata, "target_directory").ok_or("cargo does not say where its target folder is")?;
-    let folder = Path::new(target).join(name);
-    std::fs::create_dir_all(&folder)?;
-    Ok(folder)
+    Ok(Path::new(target).to_owned())
 }
 
 /// Cargo's messages are JSON, one a line; the one of an artifact names its files.

@@ -9,6 +9,7 @@ mod demo;
 mod display;
 mod hosts;
 mod install;
+mod instructions;
 mod library;
 mod readme;
 mod samples;
@@ -33,6 +34,7 @@ const USAGE: &str = "cargo xtask COMMAND
     install PREFIX   installs shared and static library, header, pkg-config file and CMake package (DESTDIR is honoured)
     consumers builds and runs a program for each way to take the installed library
     hosts     builds the hosts with a window, runs them under a virtual display, and looks at their pictures
+    instructions [bless]   counts the instructions of steps of some scenes, and compares with benches/instructions.toml, or writes it
     readme    compiles and runs the C example of README.md by the compiler lines given there";
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -54,6 +56,8 @@ fn main() -> ExitCode {
         ["streams", lives] => streams::endure(lives),
         ["readme"] => readme::run(),
         ["install", prefix] => install::run(prefix),
+        ["instructions"] => instructions::run(false),
+        ["instructions", "bless"] => instructions::run(true),
         ["consumers"] => consumers::run(),
         _ => Err(USAGE.into()),
     };

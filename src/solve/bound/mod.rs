@@ -51,6 +51,13 @@ pub(crate) struct BoundEntry {
     pub acted: bool,
 }
 
+impl BoundEntry {
+    /// Whether any of its rows is a spring.
+    pub(crate) fn has_give(&self) -> bool {
+        self.upper_give.compliance > 0.0 || (self.lower > 0.0 && self.lower_give.compliance > 0.0)
+    }
+}
+
 /// Gap at a share of the bound's length below it that already makes a row: others may close it within the sweeps.
 const READY_SHARE: f32 = 1.0e-4;
 
@@ -253,6 +260,15 @@ impl BatchBounds {
     /// One sweep over all rows, from the longest bounds to the shortest or back.
     pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity], backwards: bool) {
         sweep_all(&mut self.blocks, velocities, backwards);
+    }
+
+    /// Sets the multipliers of bounds on these slots to nothing.
+    pub(crate) fn give_up(&mut self, slots: &[bool]) {
+        for block in &mut self.blocks {
+            for l in (0..LANES).filter(|&l| slots[block.near[l] as usize] || slots[block.far[l] as usize]) {
+                (block.upper_rows.impulse[l], block.lower_rows.impulse[l]) = (0.0, 0.0);
+            }
+        }
     }
 
     /// Adds the substep's multipliers to the bounds' loads.

@@ -20,6 +20,7 @@ use glam::{DQuat, DVec3, Vec3};
 
 use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;
+use crate::solve::lead::Twist;
 use crate::solve::rotation;
 
 /// Ratios of the lengths of two substeps at which the second may be of second order.
@@ -49,6 +50,9 @@ impl SecondOrder {
     }
 }
 
+/// Length of the substep where nothing is known but a lead: see [`crate::solve::lead`].
+const TOLD: f32 = -1.0;
+
 /// A body's last substep, as its record keeps it from one step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct History {
@@ -59,7 +63,7 @@ pub(crate) struct History {
     /// Displacement (m) and rotation vector (rad).
     displacement: Vec3,
     turn: Vec3,
-    /// Velocity and angular momentum at its start (m/s, N·m·s).
+    /// Velocity and angular momentum at its start (m/s, N·m·s); or a lead of the velocities (m/s, rad/s).
     linear_before: Vec3,
     momentum_before: Vec3,
     /// Velocities at its end: others mean that the body has been struck or edited since.
@@ -94,6 +98,23 @@ impl History {
             momentum_before: momentum.as_vec3(),
             linear: to.1.linear.as_vec3(),
             angular: to.1.angular.as_vec3(),
+        }
+    }
+
+    /// Of a body that sweeps have moved, and whose velocity was told with this lead.
+    pub(crate) fn leading([linear, angular]: Twist) -> Self {
+        Self { h: TOLD, linear_before: linear, momentum_before: angular, ..Self::NONE }
+    }
+
+    /// What its velocity was told with, if with anything.
+    pub(crate) fn lead(&self) -> Option<Twist> {
+        (self.h == TOLD).then_some([self.linear_before, self.momentum_before])
+    }
+
+    /// Forgets a lead: the body is at rest.
+    pub(crate) fn forget_lead(&mut self) {
+        if self.h == TOLD {
+            *self = Self::NONE;
         }
     }
 

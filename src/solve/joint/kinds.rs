@@ -54,6 +54,19 @@ pub(crate) fn most_rows(kind: &JointKind) -> u32 {
     }
 }
 
+/// Whether a joint holds or stops its coordinates and does nothing else: no motor, no give.
+pub(crate) fn gives_no_energy(def: &JointDef) -> bool {
+    let is_rigid = def.linear.compliance == 0.0 && def.angular.compliance == 0.0 && def.limit.compliance == 0.0;
+    is_rigid
+        && match &def.kind {
+            JointKind::Fixed => true,
+            JointKind::Hinge { motor, .. } | JointKind::Prismatic { motor, .. } => *motor == Motor::Off,
+            JointKind::Spherical { motor, .. } => *motor == SphericalMotor::Off,
+            JointKind::Distance { spring_length, motor, .. } => spring_length.is_none() && *motor == Motor::Off,
+            JointKind::Generic { linear, angular } => linear.iter().chain(angular).all(|axis| axis.motor == Motor::Off),
+        }
+}
+
 /// Whether a joint of this kind holds its points together and does nothing else.
 pub(crate) fn is_plain(kind: &JointKind) -> bool {
     matches!(kind, JointKind::Spherical { .. }) && most_rows(kind) == 3

@@ -201,6 +201,12 @@ impl BatchJoints {
         }
     }
 
+    /// Sets the multipliers of joints on these slots to nothing.
+    pub(crate) fn give_up(&mut self, slots: &[bool]) {
+        self.lanes.give_up(slots);
+        self.singles.give_up(slots);
+    }
+
     /// Ends the velocity rows of a substep: multipliers are kept, and added to the joints' loads.
     pub(crate) fn end_substep(&mut self) {
         self.lanes.add_loads();

@@ -170,6 +170,15 @@ impl Singles {
         }
     }
 
+    /// Sets the multipliers of joints on these slots to nothing.
+    pub(super) fn give_up(&mut self, slots: &[bool]) {
+        for rows in self.rows.iter_mut().filter(|rows| slots[rows.a as usize] || slots[rows.b as usize]) {
+            rows.point.iter_mut().chain(&mut rows.direction).for_each(|row| row.impulse = Vec3::ZERO);
+            let scalars = &mut self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize];
+            scalars.iter_mut().for_each(|row| row.impulse = 0.0);
+        }
+    }
+
     /// Adds the substep's multipliers to the joints' loads, and notes which stops press.
     pub(super) fn add_loads(&self, entries: &mut [JointEntry]) {
         for rows in &self.rows {

@@ -12,26 +12,34 @@ use crate::solve::wide::{Wide, Wide3};
 use crate::solve::wide_matrix::{Wide6, WideQuat};
 
 #[inline(always)]
-pub(super) fn apply_forces<W: Wide>(blocks: &[PoseBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
+pub(super) fn apply_forces<W: Wide>(
+    blocks: &[PoseBlock],
+    velocities: &mut [BodyVelocity],
+    motions: &[BodyMotion],
+    energies: &mut [f32],
+    h: f32,
+) {
     for block in blocks {
         let mut side = Side::<W>::gather(&block.slots, velocities);
-        refresh_inertia(block, &mut side, &gather_rotations(&block.slots, motions), h);
+        let axes = gather_rotations(&block.slots, motions).after(&WideQuat::load(&block.frame)).axes();
+        refresh_inertia(block, &mut side, &axes, h);
         side.linear = (side.linear + Wide3::load(&block.gain)) * W::load(&block.left[0]);
         side.turn(Wide3::load(&block.torque));
         side.angular = side.angular * W::load(&block.left[1]);
+        store_energies(block, &side, &axes, energies);
         side.scatter_whole(&block.slots, velocities);
     }
 }
 
 /// Forms the world inertia, no axis lighter than what the body turns by smears it to: as of one body.
 #[inline(always)]
-fn refresh_inertia<W: Wide>(block: &PoseBlock, side: &mut Side<W>, rotation: &WideQuat<W>, h: f32) {
+fn refresh_inertia<W: Wide>(block: &PoseBlock, side: &mut Side<W>, axes: &[Wide3<W>; 3], h: f32) {
     let one = W::splat(1.0);
     let way = side.angular * W::splat(h);
     let inertia = Wide3::<W>::load(&block.inertia);
     let least = inertia.x.max(inertia.y).max(inertia.z) * way.dot(way).min(one);
     let ease = Wide3::new(one / inertia.x.max(least), one / inertia.y.max(least), one / inertia.z.max(least));
-    let fresh = Wide6::with_axes(&rotation.after(&WideQuat::load(&block.frame)).axes(), ease);
+    let fresh = Wide6::with_axes(axes, ease);
     let tumbles = W::load(&block.tumbles).above(W::zero());
     side.inverse_inertia = Wide6::select(tumbles, fresh, side.inverse_inertia);
 }
@@ -45,6 +53,33 @@ pub(super) fn find_inertia<W: Wide>(blocks: &[PoseBlock], motions: &[BodyMotion]
         for l in 0..LANES {
             rows[l].store(&mut inertia[block.slots[l] as usize]);
         }
+    }
+}
+
+#[inline(always)]
+pub(super) fn find_energies<W: Wide>(
+    blocks: &[PoseBlock],
+    velocities: &[BodyVelocity],
+    motions: &[BodyMotion],
+    energies: &mut [f32],
+) {
+    for block in blocks {
+        let side = Side::<W>::gather(&block.slots, velocities);
+        let axes = gather_rotations(&block.slots, motions).after(&WideQuat::load(&block.frame)).axes();
+        store_energies(block, &side, &axes, energies);
+    }
+}
+
+/// Kinetic energies of a block, its principal axes being these.
+#[inline(always)]
+fn store_energies<W: Wide>(block: &PoseBlock, side: &Side<W>, axes: &[Wide3<W>; 3], energies: &mut [f32]) {
+    let spin = Wide3::new(axes[0].dot(side.angular), axes[1].dot(side.angular), axes[2].dot(side.angular));
+    let turning = spin.scale(spin).dot(Wide3::load(&block.inertia));
+    let energy = (side.linear.dot(side.linear) / side.inverse_mass().x + turning) * W::splat(0.5);
+    let mut lanes = [0.0; LANES];
+    energy.store(&mut lanes);
+    for (&slot, energy) in block.slots.iter().zip(lanes).take(block.count as usize) {
+        energies[slot as usize] = energy;
     }
 }
 

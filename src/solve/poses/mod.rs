@@ -88,6 +88,8 @@ pub(crate) struct Poses {
     refused: Vec<u32>,
     /// Inertia in world axes of bodies in lanes, by slot: xx, yy, zz, xy, xz, yz (kg·m²), and two numbers without meaning.
     inertia: Vec<[f32; LANES]>,
+    /// Kinetic energy of bodies in lanes, by slot (J), as found last: when forces were added, or since.
+    pub energies: Vec<f32>,
 }
 
 /// Whether a body is moved in lanes. What that depends on must not be what else is in its batch.
@@ -118,8 +120,9 @@ fn add(blocks: &mut Vec<PoseBlock>, slot: u32, motion: &BodyMotion, h: f32) {
 impl Poses {
     /// Lays out lanes for substeps of length `h`.
     pub(crate) fn lay_out(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
-        let Self { blocks, pushed, others, outlooks, refused, inertia } = self;
+        let Self { blocks, pushed, others, outlooks, refused, inertia, energies } = self;
         inertia.resize(motions.len(), [0.0; LANES]);
+        energies.resize(motions.len(), 0.0);
         blocks.clear();
         pushed.clear();
         others.clear();
@@ -141,7 +144,7 @@ impl Poses {
 
     /// Adds a substep's forces to velocities, and forms the world inertia that rows respond with.
     pub(crate) fn apply_forces(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
-        apply_forces_all(&self.blocks, velocities, motions, h);
+        apply_forces_all(&self.blocks, velocities, motions, &mut self.energies, h);
     }
 
     /// As [`integrate::limit_speeds`].
@@ -152,6 +155,11 @@ impl Poses {
     /// Finds the inertia of bodies in lanes as they stand now.
     pub(crate) fn find_inertia(&mut self, motions: &[BodyMotion]) {
         find_inertia_all(&self.blocks, motions, &mut self.inertia);
+    }
+
+    /// Finds the kinetic energies of bodies in lanes at these velocities.
+    pub(crate) fn find_energies(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        find_energies_all(&self.blocks, velocities, motions, &mut self.energies);
     }
 
     /// The same of a body that has been turned since, if it is in lanes.
@@ -197,9 +205,13 @@ impl Poses {
 
 in_lanes!(
     apply_forces_all, kernels::apply_forces,
-    (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32)
+    (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], energies: &mut [f32], h: f32)
 );
 in_lanes!(find_inertia_all, kernels::find_inertia, (blocks: &[PoseBlock], motions: &[BodyMotion], inertia: &mut [Lane]));
+in_lanes!(
+    find_energies_all, kernels::find_energies,
+    (blocks: &[PoseBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], energies: &mut [f32])
+);
 in_lanes!(limit_all, kernels::limit, (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], h: f32));
 in_lanes!(
     predict_all, kernels::predict,

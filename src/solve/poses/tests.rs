@@ -58,7 +58,7 @@ fn any_bodies() -> impl Strategy<Value = Bodies> {
 fn run<W: Wide>((velocities, motions): &Bodies) -> (Bodies, Vec<Outlook>, Vec<u32>) {
     let (mut velocities, mut motions, mut poses) = (velocities.clone(), motions.clone(), Poses::default());
     poses.lay_out(&velocities, &mut motions, H);
-    kernels::apply_forces::<W>(&poses.blocks, &mut velocities, &motions, H);
+    kernels::apply_forces::<W>(&poses.blocks, &mut velocities, &motions, &mut poses.energies, H);
     kernels::limit::<W>(&poses.blocks, &mut velocities, H);
     kernels::predict::<W>(&poses.blocks, &velocities, &motions, &mut poses.outlooks, &mut poses.refused, H);
     kernels::advance::<W>(&poses.blocks, &mut velocities, &mut motions, &mut poses.refused, H);

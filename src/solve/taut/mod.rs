@@ -223,6 +223,13 @@ impl TautRows {
         }
     }
 
+    /// Sets the multipliers of rows on bounds between these slots to nothing.
+    pub(crate) fn give_up(&mut self, slots: &[bool]) {
+        for block in self.blocks.iter_mut().filter(|block| slots[block.near as usize] || slots[block.far as usize]) {
+            block.impulse = [[0.0; LANES]; 3];
+        }
+    }
+
     /// Adds the substep's multipliers to the loads.
     pub(crate) fn add_loads(&mut self) {
         for block in self.blocks.iter_mut().filter(|block| block.acts) {

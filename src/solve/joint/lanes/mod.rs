@@ -290,6 +290,18 @@ impl JointLanes {
         sweep_range(self, range.start, range.end, velocities, backwards);
     }
 
+    /// Sets the multipliers of joints on these slots to nothing.
+    pub(crate) fn give_up(&mut self, slots: &[bool]) {
+        for block in &mut self.points {
+            for l in (0..block.count as usize).filter(|&l| slots[block.a[l] as usize] || slots[block.b[l] as usize]) {
+                put(&mut block.impulse, l, Vec3::ZERO);
+                if let Some(number) = block.directions {
+                    put(&mut self.directions[number as usize].impulse, l, Vec3::ZERO);
+                }
+            }
+        }
+    }
+
     /// Adds the substep's multipliers to their sums.
     pub(crate) fn add_loads(&mut self) {
         let add = |sum: &mut Lane3, impulse: &Lane3| {
