@@ -43,6 +43,7 @@ mod pose;
 mod query;
 mod record;
 mod report;
+mod room;
 mod settings;
 mod shape;
 mod snapshot;

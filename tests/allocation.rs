@@ -1,4 +1,4 @@
-//! A step whose set of pairs does not change takes no memory.
+//! A step in which no pair is new and none touches for the first time takes no memory; what a body, a contact, a joint and a bound take.
 
 mod common;
 
@@ -6,6 +6,8 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use common::Run;
+use longspan::glam::Vec3;
+use longspan::{BodyDef, BodyId, JointDef, JointKind, Pose, Shape, ShapeDef, Solver, World, WorldDef};
 use longspan_scenes::DT;
 
 /// The system's allocator, counting what this thread takes.
@@ -13,6 +15,7 @@ struct Counting;
 
 thread_local! {
     static TAKEN: Cell<u64> = const { Cell::new(0) };
+    static BYTES_HELD: Cell<i64> = const { Cell::new(0) };
 }
 
 fn note() {
@@ -20,27 +23,35 @@ fn note() {
     let _ = TAKEN.try_with(|taken| taken.set(taken.get() + 1));
 }
 
+fn note_bytes(taken: usize, given_back: usize) {
+    let _ = BYTES_HELD.try_with(|held| held.set(held.get() + taken as i64 - given_back as i64));
+}
+
 // SAFETY: every call is handed on unchanged to the system's allocator, which keeps the contract.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         note();
+        note_bytes(layout.size(), 0);
         // SAFETY: the caller keeps the contract of `alloc`.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         note();
+        note_bytes(layout.size(), 0);
         // SAFETY: the caller keeps the contract of `alloc_zeroed`.
         unsafe { System.alloc_zeroed(layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         note();
+        note_bytes(size, layout.size());
         // SAFETY: the caller keeps the contract of `realloc`.
         unsafe { System.realloc(pointer, layout, size) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        note_bytes(0, layout.size());
         // SAFETY: the caller keeps the contract of `dealloc`.
         unsafe { System.dealloc(pointer, layout) }
     }
@@ -100,4 +111,60 @@ fn a_sleeping_world_takes_no_memory() {
     let (counts, run) = allocations_after("idle", &[("what", "asleep"), ("n", "100")]);
     assert_eq!(run.world().awake_body_count(), 0, "bodies awake");
     assert_eq!(counts.iter().sum::<u64>(), 0, "allocations in 100 steps asleep, bound 0; by step {counts:?}");
+}
+
+/// A world of `count` boxes side by side, a metre apart, and what it has added to it by `add`: bytes that it holds after five steps, and
+/// the world.
+fn held_by(count: usize, gravity: f32, add: impl Fn(&mut World, &[BodyId])) -> (f64, World) {
+    let before = BYTES_HELD.get();
+    let def = WorldDef { gravity: Vec3::NEG_Y * gravity, solver: Solver::GaussSeidel, ..WorldDef::default() };
+    let mut world = World::new(&def).expect("the definition is valid");
+    let shape = ShapeDef::new(Shape::cuboid(Vec3::splat(0.25)).expect("the size is valid"));
+    let boxes: Vec<BodyId> = (0..count)
+        .map(|place| {
+            let def = BodyDef::dynamic(Pose::at_xyz(place as f64, 0.25, 0.0)).with_shape(shape.clone());
+            world.create_body(&def).expect("the definition is valid")
+        })
+        .collect();
+    add(&mut world, &boxes);
+    for _ in 0..5 {
+        world.step(DT).expect("the step length is valid");
+    }
+    let held = BYTES_HELD.get() - before - (boxes.capacity() * size_of::<BodyId>()) as i64;
+    (held as f64, world)
+}
+
+/// Joints between neighbours, half way.
+fn link(world: &mut World, boxes: &[BodyId], long_range: bool) {
+    for two in boxes.windows(2) {
+        let mut def = JointDef::new(JointKind::SPHERICAL, two[0], two[1]).at(Vec3::X * 0.5, Vec3::X * -0.5);
+        def.long_range = long_range;
+        world.create_joint(&def).expect("the definition is valid");
+    }
+}
+
+/// As docs/performance.md says. Room grows by leaps, here by those of a thousand of each.
+#[test]
+fn a_body_a_contact_a_joint_and_a_bound_take_the_memory_that_is_stated() {
+    let floor = |world: &mut World, _: &[BodyId]| {
+        let solid = ShapeDef::new(Shape::cuboid(Vec3::new(1000.0, 0.5, 2.0)).expect("the size is valid"));
+        world.create_body(&BodyDef::fixed(Pose::at_xyz(500.0, -0.5, 0.0)).with_shape(solid)).expect("the definition is valid");
+    };
+    const COUNT: usize = 1000;
+    let (alone, _) = held_by(COUNT, 0.0, |_, _| {});
+    let (lying, on_floor) = held_by(COUNT, 9.81, floor);
+    let (linked, chain) = held_by(COUNT, 0.0, |world, boxes| link(world, boxes, false));
+    let (bound, with_bounds) = held_by(COUNT, 0.0, |world, boxes| link(world, boxes, true));
+
+    let counts = [&on_floor, &chain, &with_bounds].map(|world| world.report().counts);
+    let found = [
+        ("a body of one shape", alone / COUNT as f64, 1500.0),
+        ("a manifold of four points", (lying - alone) / f64::from(counts[0].manifolds), 1500.0),
+        ("a joint", (linked - alone) / f64::from(counts[1].joints), 3000.0),
+        ("a bound", (bound - linked) / f64::from(counts[2].bounds), 1500.0),
+    ];
+    for (what, bytes, most) in found {
+        println!("{what}: {bytes:.0} bytes");
+        assert!(bytes > 0.0 && bytes <= most, "{what} takes {bytes:.0} bytes, bound {most}; counted {counts:?}");
+    }
 }

@@ -153,6 +153,7 @@ pub(crate) fn read(input: &mut Input, colliders: &Pool<Collider, ShapeId>) -> Op
         let now = Now::of(row.key, colliders)?;
         let mut pair = row.pair(&now, &mut far, colliders)?;
         for _ in 0..row.info / MANIFOLDS {
+            pair.manifolds.reserve_exact(1);
             pair.manifolds.push(manifolds.next()?.manifold(&now.exact, &mut points)?);
         }
         pairs.push(pair);

@@ -17,6 +17,7 @@ use super::plane::Planes;
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::taut::TautRows;
+use crate::room::make_room;
 
 /// Slot that stands for a body of the world in this batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -34,6 +35,14 @@ pub(crate) struct JointEnd {
     /// Joint point from there, in the body's frame (m).
     pub lever: Vec3,
     pub frame: Quat,
+}
+
+/// What the order of a batch's manifolds follows from.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactEnds {
+    pub a: u32,
+    pub b: u32,
+    pub points: u32,
 }
 
 /// Groups of manifolds: two for each colour, two for what found none; the first of those; and all groups once more for manifolds of
@@ -86,7 +95,9 @@ pub(crate) struct Batch {
     pub direct: Direct,
     /// Joints that a direct solve may not take.
     pub withheld: Vec<JointEntry>,
-    /// All manifolds.
+    /// Slots of the bodies of each manifold, and how many points it has.
+    pub ends: Vec<ContactEnds>,
+    /// All manifolds, where an articulation may hold some.
     pub inputs: Vec<ContactInput>,
     /// Whether contacts are added up over the substeps, and their sums by manifold.
     pub tallied: bool,
@@ -120,9 +131,8 @@ impl Batch {
         self.joint_slots.clear();
         self.joint_ends.clear();
         self.velocities.clear();
-        self.velocities.push(BodyVelocity::FIXED);
         self.motions.clear();
-        self.motions.push(BodyMotion::FIXED);
+        self.ends.clear();
         self.inputs.clear();
         self.contacts.clear();
         self.joints.clear();
@@ -167,6 +177,10 @@ impl Batch {
 
     /// Loads the state of all enlisted bodies.
     pub(crate) fn load_bodies(&mut self, state: impl Fn(u32) -> (BodyVelocity, BodyMotion)) {
+        make_room(&mut self.velocities, self.bodies.len());
+        make_room(&mut self.motions, self.bodies.len());
+        self.velocities.push(BodyVelocity::FIXED);
+        self.motions.push(BodyMotion::FIXED);
         for &body in &self.bodies[1..] {
             let (velocity, motion) = state(body);
             self.velocities.push(velocity);
@@ -207,7 +221,7 @@ impl Batch {
         self.coloring.reset(self.velocities.len());
         self.groups.clear();
         let mut counts = [0_u32; ALL_GROUPS];
-        for (number, &ContactInput { a, b, count: points, .. }) in self.inputs.iter().enumerate() {
+        for (number, &ContactEnds { a, b, points }) in self.ends.iter().enumerate() {
             if self.direct.holds(number) {
                 self.groups.push(HELD);
                 continue;
@@ -236,6 +250,7 @@ impl Batch {
         let (free, jointed) = counts.split_at(GROUPS);
         let is_used = |groups: &[u32]| groups.iter().any(|&count| count > 0);
         self.color_count = free.chunks(2).zip(jointed.chunks(2)).filter(|(a, b)| is_used(a) || is_used(b)).count() as u32;
+        make_room(&mut self.contacts, blocks as usize);
         self.contacts.resize(blocks as usize, ContactBlock::EMPTY);
         for &group in &self.groups {
             if group == HELD {
@@ -248,10 +263,13 @@ impl Batch {
         }
     }
 
-    /// Prepares the rows of all manifolds that have a lane; points closer than `reach` (m) count as touching.
-    pub(crate) fn set_contacts(&mut self, reach: f32) {
-        for (input, &(block, lane)) in self.inputs.iter().zip(&self.lanes).filter(|(_, (block, _))| *block != HELD) {
-            self.contacts[block as usize].set_lane(lane as usize, input, reach);
+    /// Prepares the rows of all manifolds that have a lane, which `form` brings into world axes; points closer than `reach` (m) count
+    /// as touching.
+    pub(crate) fn set_contacts(&mut self, reach: f32, form: impl Fn((u32, u32), ContactEnds) -> ContactInput) {
+        for (number, &(block, lane)) in self.lanes.iter().enumerate().filter(|(_, (block, _))| *block != HELD) {
+            let formed = self.inputs.get(number).copied();
+            let input = formed.unwrap_or_else(|| form(self.manifolds[number], self.ends[number]));
+            self.contacts[block as usize].set_lane(lane as usize, &input, reach);
         }
         for block in &mut self.contacts {
             contact_kernels::set_masses(block, &self.velocities);
@@ -294,6 +312,7 @@ impl Batch {
 
     /// Normal of the manifold with this number.
     pub(crate) fn contact_normal(&self, number: usize) -> glam::Vec3 {
-        self.inputs[number].normal
+        let (block, lane) = self.lanes[number];
+        if block == HELD { self.inputs[number].normal } else { self.contacts[block as usize].normal_of(lane as usize) }
     }
 }

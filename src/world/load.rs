@@ -12,9 +12,10 @@ use crate::collide::pairs::{PairCache, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::{Joint, JointImpulses};
 use crate::long_range::LongRangeDef;
+use crate::room::make_room;
 use crate::settings::Solver;
 use crate::solve::StepSettings;
-use crate::solve::batch::{Batch, JointEnd};
+use crate::solve::batch::{Batch, ContactEnds, JointEnd};
 use crate::solve::bound::BoundEntry;
 use crate::solve::contact::ContactInput;
 use crate::solve::joint::JointEntry;
@@ -236,29 +237,46 @@ impl Records<'_> {
     }
 
     fn list_contacts(&self, batch: &mut Batch) {
-        let mut inputs = std::mem::take(&mut batch.inputs);
+        let mut ends = std::mem::take(&mut batch.ends);
+        make_room(&mut ends, batch.manifolds.len());
         for number in 0..batch.manifolds.len() {
             let (slot, manifold) = batch.manifolds[number];
             let pair = self.pairs.get(slot);
-            let carried = &pair.manifolds[manifold as usize];
             let (a, b) = pair.key.shapes();
-            let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
-            let bodies = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
-            let world = WorldManifold::new(&carried.geometry, (shape_a, bodies.0), (shape_b, bodies.1));
-            let [shift_a, shift_b] = [shape_a.body, shape_b.body].map(|index| self.arm(index));
-            inputs.push(ContactInput {
-                a: self.slot(batch, shape_a.body),
-                b: self.slot(batch, shape_b.body),
-                normal: world.normal,
-                lever_a: world.lever_a.map(|lever| lever + shift_a),
-                lever_b: world.lever_b.map(|lever| lever + shift_b),
-                separation: carried.geometry.points.map(|point| point.separation),
-                count: carried.geometry.count as usize,
-                material: pair.material,
-                impulses: carried.impulses.scaled(self.impulse_scale),
+            ends.push(ContactEnds {
+                a: self.slot(batch, self.colliders[a].body),
+                b: self.slot(batch, self.colliders[b].body),
+                points: u32::from(pair.manifolds[manifold as usize].geometry.count),
             });
         }
-        batch.inputs = inputs;
+        batch.ends = ends;
+        if !batch.joint_slots.is_empty() {
+            let Batch { inputs, manifolds, ends, .. } = batch;
+            make_room(inputs, manifolds.len());
+            inputs.extend(manifolds.iter().zip(ends).map(|(&manifold, &mut ends)| self.contact_input(manifold, ends)));
+        }
+    }
+
+    /// A manifold in world axes: a pair's slot, and which of its manifolds.
+    fn contact_input(&self, (slot, manifold): (u32, u32), ends: ContactEnds) -> ContactInput {
+        let pair = self.pairs.get(slot);
+        let carried = &pair.manifolds[manifold as usize];
+        let (a, b) = pair.key.shapes();
+        let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
+        let bodies = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
+        let world = WorldManifold::new(&carried.geometry, (shape_a, bodies.0), (shape_b, bodies.1));
+        let [shift_a, shift_b] = [shape_a.body, shape_b.body].map(|index| self.arm(index));
+        ContactInput {
+            a: ends.a,
+            b: ends.b,
+            normal: world.normal,
+            lever_a: world.lever_a.map(|lever| lever + shift_a),
+            lever_b: world.lever_b.map(|lever| lever + shift_b),
+            separation: carried.geometry.points.map(|point| point.separation),
+            count: ends.points as usize,
+            material: pair.material,
+            impulses: carried.impulses.scaled(self.impulse_scale),
+        }
     }
 
     fn list_joints(&self, batch: &mut Batch) {
@@ -307,7 +325,7 @@ impl Records<'_> {
             direct.step(self.joints, velocities, motions, inputs, settings);
         }
         batch.color_contacts();
-        batch.set_contacts(self.reach);
+        batch.set_contacts(self.reach, |manifold, ends| self.contact_input(manifold, ends));
         let Batch { joints, coloring, velocities, motions, .. } = batch;
         let h = settings.dt / settings.substeps as f32;
         joints.lay_out(self.joints, coloring, velocities, motions, h, settings.substeps);
@@ -416,10 +434,10 @@ impl Records<'_> {
     }
 
     fn find_free_islands(&self, batch: &mut Batch) {
-        let Batch { islands, velocities, motions, inputs, joints, direct, free, bodies, .. } = batch;
-        let contacts = inputs.iter().map(|input| (input.a, input.b));
-        let ends = joints.entries.iter().chain(direct.entries()).map(|entry| (entry.a, entry.b));
-        free.find(islands, velocities, motions, contacts.chain(ends), |slot| {
+        let Batch { islands, velocities, motions, ends, joints, direct, free, bodies, .. } = batch;
+        let contacts = ends.iter().map(|ends| (ends.a, ends.b));
+        let joined = joints.entries.iter().chain(direct.entries()).map(|entry| (entry.a, entry.b));
+        free.find(islands, velocities, motions, contacts.chain(joined), |slot| {
             let index = bodies[slot as usize];
             self.unions.moving(index).map_or(self.bodies[index].center, |union| union.motion.center)
         });

@@ -1,7 +1,7 @@
 //! Stages of a step that find pairs of shapes and bring their contacts up to date.
 
 use glam::DVec3;
-use parry3d::bounding_volume::BoundingVolume;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use rayon::prelude::*;
 
 use super::World;
@@ -15,6 +15,9 @@ use crate::joint::Joint;
 use crate::material::PairMaterial;
 use crate::report::{Contact, Hit};
 use crate::workers::for_each_chunk;
+
+/// Margins around a shape's box from which on the box that is kept is made anew although the shape is still in it.
+const LOOSE: f32 = 4.0;
 
 /// Active pairs below which the narrow phase stays on one thread.
 const MIN_PARALLEL_PAIRS: usize = 256;
@@ -36,8 +39,9 @@ impl World {
                 let collider = &mut self.colliders[shape];
                 let tight = collider.world_box(collider.motion_bound(body, gravity, dt) + own_margin(collider));
                 collider.tight_box = tight;
-                if !collider.fat_box.is_some_and(|kept| kept.contains(&tight)) {
-                    let kept = tight.loosened(collider.fat_margin());
+                let margin = collider.fat_margin();
+                if !collider.fat_box.is_some_and(|kept| kept.contains(&tight) && !is_loose(&kept, &tight, margin)) {
+                    let kept = tight.loosened(margin);
                     collider.fat_box = Some(kept);
                     self.broad.set(shape, kept);
                 }
@@ -225,6 +229,12 @@ fn kept_apart(a: &Body, b: &Body, b_index: u32, joints: &Pool<Joint, JointId>) -
         let other_is_there = joint.bodies.contains(&Some(b_index)) && a.joints.iter().any(|&id| joints.find(id) == Ok(slot));
         other_is_there && !joint.def.collide_connected
     })
+}
+
+/// Whether a kept box is of a time when the shape was faster: bodies that have fallen into a pile would have twice the neighbours that
+/// they need.
+fn is_loose(kept: &Aabb, tight: &Aabb, margin: f32) -> bool {
+    (kept.extents() - tight.extents()).max_element() > 2.0 * margin * LOOSE
 }
 
 /// Handles of a pair of shapes.

@@ -20,6 +20,12 @@ const TABLE: &str = "benches/instructions.toml";
 /// How much more than the table says a scene may cost (%).
 const MOST_MORE: f64 = 3.0;
 
+/// Counts nothing but what that function of `counted` does.
+pub const CALLGRIND: [&str; 3] = ["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*counted_steps*"];
+
+/// Keeps glibc from filling and copying by one repeated instruction, which valgrind counts for every byte, where the processor likes that.
+pub const NO_REPEATS: &str = "glibc.cpu.x86_rep_stosb_threshold=0x7fffffff:glibc.cpu.x86_rep_movsb_threshold=0x7fffffff";
+
 /// Line of a commit's message that says why a scene costs more from there on.
 const REASON: &str = "Costs-more: ";
 
@@ -126,7 +132,7 @@ fn costs_more(before: u64, now: u64) -> bool {
 
 /// The program that makes the steps. Beside the C library's package, its dependencies have the features that they have there, and
 /// what was built for that one is not compiled again.
-fn build() -> Outcome<PathBuf> {
+pub fn build() -> Outcome<PathBuf> {
     let packages = ["--package", "longspan-capi", "--package", "longspan-scenes"];
     succeed(cargo().args(["build", "--release"]).args(packages).args(["--bin", "counted"]))?;
     Ok(release_folder()?.join("counted"))
@@ -166,13 +172,8 @@ fn count_all(program: &Path) -> Outcome<BTreeMap<String, u64>> {
 /// Instructions of one row.
 fn count(program: &Path, row: &str) -> Outcome<u64> {
     let mut valgrind = Command::new("valgrind");
-    valgrind.args([
-        "--tool=callgrind",
-        "--collect-atstart=no",
-        "--toggle-collect=*counted_steps*",
-        "--callgrind-out-file=/dev/null",
-    ]);
-    valgrind.arg(program).args(row.split(' '));
+    valgrind.args(CALLGRIND).arg("--callgrind-out-file=/dev/null");
+    valgrind.arg(program).args(row.split(' ')).env("GLIBC_TUNABLES", NO_REPEATS);
     let output = valgrind.output().map_err(|error| format!("valgrind: {error}"))?;
     let said = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {

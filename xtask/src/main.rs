@@ -11,6 +11,7 @@ mod hosts;
 mod install;
 mod instructions;
 mod library;
+mod profile;
 mod readme;
 mod samples;
 mod streams;
@@ -35,6 +36,7 @@ const USAGE: &str = "cargo xtask COMMAND
     consumers builds and runs a program for each way to take the installed library
     hosts     builds the hosts with a window, runs them under a virtual display, and looks at their pictures
     instructions [bless]   counts the instructions of steps of some scenes, and compares with benches/instructions.toml, or writes it
+    profile SCENE FIRST COUNT [KEY=VALUE ...]   where the instructions of these steps go
     readme    compiles and runs the C example of README.md by the compiler lines given there";
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
@@ -58,6 +60,7 @@ fn main() -> ExitCode {
         ["install", prefix] => install::run(prefix),
         ["instructions"] => instructions::run(false),
         ["instructions", "bless"] => instructions::run(true),
+        ["profile", ref words @ ..] => profile::run(words),
         ["consumers"] => consumers::run(),
         _ => Err(USAGE.into()),
     };

@@ -138,7 +138,9 @@ impl Poses {
                 others.push(slot as u32);
             }
         }
-        outlooks.extend(motions.iter().map(Outlook::still));
+        if !(blocks.is_empty() && others.is_empty()) {
+            outlooks.extend(motions.iter().map(Outlook::still));
+        }
         refused.reserve((blocks.len() + pushed.len()) * LANES);
     }
 
