@@ -87,9 +87,18 @@ fn a_loop_of_hinges_stays_in_its_plane_and_keeps_its_momentum() {
 fn cars_hang_on_a_cable_over_two_drums() {
     let run = Run::of("cable_car", &[]);
     // Where the links come to lie flat on the drums, see the scene.
-    let off = (run.error("car_drop_m") - 0.0156).abs();
-    assert!(off < 4e-3, "the cars end {off} m from where the cable puts them, bound 0.004 m");
-    run.keeps("joint_gap_m", 3e-4, "m");
+    let off = (run.error("car_drop_m") - 0.0081).abs();
+    assert!(off < 2e-4, "the cars end {off} m from where the cable puts them, bound 0.0002 m");
+    run.keeps("joint_gap_m", 1e-5, "m");
+}
+
+#[test]
+fn unequal_cars_run_as_an_atwood_machine() {
+    for (second, substeps, bound) in [("0.9", "1", 1.0), ("0.9", "4", 1.0), ("0.5", "4", 4.0)] {
+        let run = Run::of("cable_car", &[("second", second), ("substeps", substeps)]);
+        run.keeps("atwood_err_pct", bound, "%");
+        run.keeps("joint_gap_m", 3e-4, "m");
+    }
 }
 
 #[test]

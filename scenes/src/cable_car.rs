@@ -1,13 +1,15 @@
 //! A cable over two drums with a car at each end (Müller et al. 2017, Fig. 1), and a third car that the two pull up.
 //!
-//! Two static drums at x = ±3 m, y = 0: prisms of `sides` sides whose corners lie on a circle of 1 m, without friction. n capsule links
-//! (0.2 m, radius 0.02 m, 1 kg) with their joints on a path 1.03 m from the drums' axes, so that the cable starts 1 cm off the
-//! corners: from the lowest point of the middle along the tangent to each drum, over it, and straight down. Cars are boxes of
-//! half-extent 0.5 m and `ratio` kg, the second of `second` times that, jointed at the middle of their tops.
+//! Two static drums at x = ±3 m, y = 0, without friction: cylinders of 1 m, or where `sides` is set, prisms whose corners lie on
+//! that circle. n capsule links (0.2 m, radius 0.02 m, 1 kg) with their joints on a path 1.03 m from the drums' axes, so that the
+//! cable starts 1 cm off the drums: from the lowest point of the middle along the tangent to each drum, over it, and straight down.
+//! Cars are boxes of half-extent 0.5 m and `ratio` kg, the second of `second` times that, jointed at the middle of their tops. An
+//! engine without cylinders stands prisms in for them.
 //!
-//! Links that lie flat on 32 sides need 7.9989 of them for a quarter turn, where the joints' path has 8.077: cars drop by 15.6 mm as
-//! the cable comes to lie on its drums. A link is as long as one of 32 sides, so that such drums are sprockets: lifting all links
-//! over the corners at once takes 1.4 kJ, half a pitch of ten tonnes against nine gives 1.0 kJ. On 100 sides the cable runs.
+//! Links that lie on the drum have their middles 1.02 m from its axis: 8.036 of them make a quarter turn, where the joints' path has
+//! 8.077, so that cars drop by 8.1 mm as the cable comes to lie on its drums. On 32 sides, each as long as a link, it is 15.6 mm, and
+//! the drums are sprockets: lifting all links over the corners at once takes 1.4 kJ, half a pitch of ten tonnes against nine gives
+//! 1.0 kJ.
 //!
 //! Two cars of m and m′ with a cable of mass c run as an Atwood machine: |a| = g·|m − m′|/(m + m′ + c) while the parts of the cable
 //! that hang differ little. With three equal cars the middle one starts 1.5 m below the drums' axes, where the cable stands steeper
@@ -16,7 +18,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use longspan::glam::{DVec2, DVec3, Vec3};
+use longspan::glam::{DVec2, DVec3, Quat, Vec3};
 use longspan::{BodyDef, Geometry, Pose};
 
 use crate::assemble::{INTANGIBLE, rod, solid};
@@ -103,7 +105,7 @@ pub(crate) fn cable_car(params: &mut Params) -> Result<Scene, SceneError> {
     let ratio = params.number("ratio", 1.0e4, 1.0e-3..=1.0e9)?;
     let cars = params.word("cars", &["2", "3"])?;
     let second = params.number("second", 1.0, 1.0e-6..=1.0e6)?;
-    let sides = params.count("sides", 32, 3..=1000)?;
+    let sides = params.count("sides", 0, 0..=1000)?;
     // Unequal cars would run off the cable.
     let mut scene = start(params, if second == 1.0 { 10.0 } else { SPEED_AFTER })?;
 
@@ -177,17 +179,26 @@ fn with_gliding(mut def: BodyDef) -> BodyDef {
 }
 
 fn add_drums(scene: &mut Scene, sides: usize) -> Result<(), SceneError> {
-    let corner = |index: usize, z: f32| {
-        let angle = index as f64 / sides as f64 * std::f64::consts::TAU;
-        (DVec2::from_angle(angle).as_vec2() * DRUM_RADIUS).extend(z)
-    };
-    let points: Vec<Vec3> =
-        (0..sides).flat_map(|index| [corner(index, DRUM_HALF_LENGTH), corner(index, -DRUM_HALF_LENGTH)]).collect();
-    let prism = with_friction(shape(Geometry::ConvexHull { points })?, 0.0);
+    let form = if sides == 0 { Geometry::Cylinder { half_height: DRUM_HALF_LENGTH, radius: DRUM_RADIUS } } else { prism(sides) };
+    let lying = Quat::from_rotation_x(FRAC_PI_2 as f32);
+    let drum = with_friction(shape(form)?, 0.0);
     for x in [-DRUM_X, DRUM_X] {
-        scene.body(BodyDef::fixed(Pose::at_xyz(x, 0.0, 0.0)).with_shape(prism.clone()));
+        let mut pose = Pose::at_xyz(x, 0.0, 0.0);
+        pose.rotation = lying;
+        scene.body(BodyDef::fixed(pose).with_shape(drum.clone()));
     }
     Ok(())
+}
+
+/// A prism about y whose corners lie on the drum.
+fn prism(sides: usize) -> Geometry {
+    let corner = |index: usize, y: f32| {
+        let angle = index as f64 / sides as f64 * std::f64::consts::TAU;
+        let on_rim = DVec2::from_angle(angle).as_vec2() * DRUM_RADIUS;
+        Vec3::new(on_rim.x, y, on_rim.y)
+    };
+    let points = (0..sides).flat_map(|index| [corner(index, DRUM_HALF_LENGTH), corner(index, -DRUM_HALF_LENGTH)]);
+    Geometry::ConvexHull { points: points.collect() }
 }
 
 /// A car whose top hangs at `point` from `link`; returns it and its joint.

@@ -27,6 +27,8 @@ use crate::span::plane::{Chain, Member};
 use crate::span::union::UnionMotion;
 use crate::workers::for_each_chunk;
 
+mod direct;
+
 /// Relative difference of principal moments below which a body is taken as round.
 const ROUND: f32 = 1.0e-5;
 
@@ -299,36 +301,6 @@ impl Records<'_> {
                 pressed: 0,
             });
         }
-    }
-
-    /// Moves what the direct solver can move by itself, and lays out rows for the rest.
-    fn lay_out(&self, batch: &mut Batch, settings: &StepSettings) {
-        let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, .. } = batch;
-        direct.group_slots(&joints.entries, motions);
-        direct.asked = self.solver == Solver::Direct;
-        if self.solver == Solver::GaussSeidel {
-            direct.clear();
-        } else {
-            let is_swept = |slot: u32| {
-                let body = bodies[slot as usize];
-                slot != WORLD_SLOT && self.swept.get(body as usize).is_some_and(|&swept| swept)
-            };
-            withheld.clear();
-            withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
-            direct.find_touching(inputs, velocities, motions, settings.dt);
-            direct.take(&mut joints.entries, self.joints, velocities, motions, inputs, |slot| {
-                let index = bodies[slot as usize];
-                let body = &self.bodies[index];
-                (self.unions.moving(index).map_or(body.center, |union| union.motion.center), body.history)
-            });
-            joints.entries.append(withheld);
-            direct.step(self.joints, velocities, motions, inputs, settings);
-        }
-        batch.color_contacts();
-        batch.set_contacts(self.reach, |manifold, ends| self.contact_input(manifold, ends));
-        let Batch { joints, coloring, velocities, motions, .. } = batch;
-        let h = settings.dt / settings.substeps as f32;
-        joints.lay_out(self.joints, coloring, velocities, motions, h, settings.substeps);
     }
 
     fn fill_bounds(&self, batch: &mut Batch) {

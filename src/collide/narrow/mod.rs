@@ -1,7 +1,7 @@
 //! Contact manifolds between two shapes, as a pure function of the shapes and their relative pose.
 //!
 //! ```text
-//! collide ─┬─ a part against a part (part.rs) ─┬─ ball, capsule, box: closed forms and clipping
+//! collide ─┬─ a part against a part (part.rs) ─┬─ ball, capsule, box, the side of a cylinder: closed forms and clipping
 //!          │                                   ├─ half-space: the points nearest to its plane
 //!          │                                   ├─ triangle against ball, box: parry3d (triangle.rs)
 //!          │                                   └─ the rest: GJK, EPA, clipping (convex.rs)
@@ -23,6 +23,7 @@ mod capsule_box;
 mod clip;
 mod composite;
 mod convex;
+mod cylinder;
 mod distance;
 mod face;
 mod half_space;

@@ -5,7 +5,8 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose3;
 use parry3d::shape::{ConvexPolyhedron, SupportMap, Triangle, TrianglePseudoNormals};
 
-use super::{Manifold, Scratch, ball, box_box, capsule, capsule_box, convex, half_space, triangle};
+use super::capsule::Segment;
+use super::{Manifold, Scratch, ball, box_box, capsule, capsule_box, convex, cylinder, half_space, triangle};
 use crate::shape::{Geometry, Shape};
 
 /// A convex piece, in its own frame. Lengths in metres, as in [`Geometry`].
@@ -155,7 +156,16 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, scratch
         (Part::Triangle { triangle, constraints }, Part::Ball { .. } | Part::Box { .. }) => {
             out.extend(triangle::collide(triangle, constraints.as_ref(), b, relative, margin, &mut scratch.triangle));
         }
+        (&Part::Cylinder { half_height, radius }, Part::Ball { .. } | Part::Capsule { .. }) => {
+            let core = match b {
+                Part::Capsule { half_height, .. } => Segment::of_capsule(*half_height, relative),
+                _ => Segment { center: relative.translation, half: Vec3::ZERO },
+            };
+            let beside = cylinder::side_core((half_height, radius), &core, b.rounding(), relative, margin);
+            out.extend(beside.unwrap_or_else(|| convex::collide(a, b, relative, margin, &mut scratch.polygons)));
+        }
         (_, Part::HalfSpace { .. })
+        | (Part::Ball { .. } | Part::Capsule { .. }, Part::Cylinder { .. })
         | (Part::Ball { .. }, Part::Capsule { .. })
         | (Part::Capsule { .. }, Part::Box { .. })
         | (Part::Ball { .. } | Part::Box { .. }, Part::Triangle { .. }) => {

@@ -11,7 +11,8 @@
 //!     (J M̃⁻¹ Jᵀ) μ = −C,   δ = M̃⁻¹ Jᵀ μ,   accepted only if the worst error falls
 //! ```
 //!
-//! |v| in M is never above |v*|, as G has no negative eigenvalue: kinetic energy cannot grow. The projection must weigh bodies by
+//! |v| in M is never above |v*|, as G has no negative eigenvalue: kinetic energy cannot grow. Where bodies slide around a curved surface
+//! their forces turn with it, at ω̂, and the first M v* is M v* + G ω̂; if energy grows by that, the substep is solved without it. The projection must weigh bodies by
 //! M̃ too: by M, light links would straighten to spare the heavy body and the gap would grow.
 //!
 //! A substep that ends with an error beyond the tolerance, and not well below what it began with, is undone and taken as two halves.
@@ -103,6 +104,8 @@ pub(crate) struct Articulation {
     pub(super) system: System,
     pub(super) asked: Vec<rows::ScalarRow>,
     pub(super) stiffness: Vec<DMat3>,
+    /// Rate at which the forces on each body turn with what it slides around (rad/s).
+    pub(super) turning: Vec<DVec3>,
     /// State at the start of the substep.
     pub(super) began: Vec<(Stance, Rate)>,
     pub(super) histories: Vec<History>,

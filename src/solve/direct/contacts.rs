@@ -7,8 +7,9 @@
 //!
 //! A row that presses makes a substep a safe one: an active set at the level of positions, with geometric stiffness, does not settle.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
+use super::curved::{Curved, Spot, change};
 use super::history::rotation_vector;
 use super::system::{FRICTION_ROWS, Grip, System};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
@@ -37,13 +38,11 @@ pub(crate) struct Touch {
     pub other_moves: bool,
     /// Sign of an impulse on the body in the manifold's own terms: 1 where the body is its B.
     sign: f64,
-    /// Towards the body.
-    normal: DVec3,
-    /// Points from the centres of mass of the body and of the other, at the start of the step (m).
-    levers: [DVec3; POINTS],
-    other_levers: [DVec3; POINTS],
-    separation: [f64; POINTS],
+    /// Where its points were at the start of the step.
+    spots: [Spot; POINTS],
     count: usize,
+    /// How the surfaces curve, where that is known and they are not flat on each other.
+    curved: Option<Curved>,
     friction: f64,
     twist_arm: f64,
     /// Multipliers: along the normal, and on the body in world axes.
@@ -59,9 +58,15 @@ impl Touch {
     pub(crate) fn new(number: u32, input: &ContactInput, body_is_b: bool, body: u32, other: u32, other_moves: bool) -> Self {
         let sign = if body_is_b { 1.0 } else { -1.0 };
         let (own, others) = if body_is_b { (&input.lever_b, &input.lever_a) } else { (&input.lever_a, &input.lever_b) };
-        let levers = own.map(|lever| lever.as_dvec3());
-        let center = levers[..input.count].iter().sum::<DVec3>() / input.count as f64;
-        let spread = levers[..input.count].iter().map(|lever| (*lever - center).length()).sum::<f64>() / input.count as f64;
+        let spots: [Spot; POINTS] = std::array::from_fn(|i| Spot {
+            normal: input.normal.as_dvec3() * sign,
+            lever: own[i].as_dvec3(),
+            other_lever: others[i].as_dvec3(),
+            separation: if i < input.count { f64::from(input.separation[i]) } else { f64::INFINITY },
+        });
+        let share = 1.0 / input.count as f64;
+        let center = spots[..input.count].iter().map(|spot| spot.lever).sum::<DVec3>() * share;
+        let spread = spots[..input.count].iter().map(|spot| (spot.lever - center).length()).sum::<f64>() * share;
         let material = &input.material;
         Self {
             number,
@@ -71,11 +76,9 @@ impl Touch {
             other,
             other_moves,
             sign,
-            normal: input.normal.as_dvec3() * sign,
-            levers,
-            other_levers: others.map(|lever| lever.as_dvec3()),
-            separation: input.separation.map(f64::from),
+            spots,
             count: input.count,
+            curved: None,
             friction: f64::from(material.friction),
             twist_arm: f64::from(material.friction) * spread + f64::from(material.spinning),
             lambda: input.impulses.normal.map(f64::from),
@@ -96,23 +99,48 @@ impl Touch {
         self.lambda.iter().any(|&lambda| lambda > 0.0)
     }
 
-    /// Separations at these stances; `began` are those at the start of the step (m).
+    /// Lets it follow surfaces with these shape operators in world axes, of the body and of the other (1/m); `reach` is that of the
+    /// body from its centre of mass (m).
+    pub(crate) fn curve(&mut self, operators: [DMat3; 2], reach: f64) {
+        self.curved = Curved::new(operators, self.spots[0].normal, reach);
+    }
+
+    /// Its points at these stances; `began` are those at the start of the step.
     ///
-    /// They follow displacements and rotation vectors linearly, as the rows do: a point that turned with its body would leave the
-    /// ground under a wheel that rolls and a link that spins.
-    pub(crate) fn separations(&self, stances: &[Stance], began: &[Stance]) -> [f64; POINTS] {
-        let change = |body: u32| {
-            let (now, start) = (&stances[body as usize], &began[body as usize]);
-            (now.0 - start.0, rotation_vector(now.1 * start.1.conjugate()))
-        };
-        let (own, other) = (change(self.body), change(self.other));
-        std::array::from_fn(|i| {
-            if i >= self.count {
-                return f64::INFINITY;
-            }
-            let moved = own.0 + own.1.cross(self.levers[i]) - other.0 - other.1.cross(self.other_levers[i]);
-            self.separation[i] + self.normal.dot(moved)
-        })
+    /// Separations follow displacements and rotation vectors linearly where curvature is not known, as the rows do: a point that
+    /// turned with its body would leave the ground under a wheel that rolls and a link that spins.
+    pub(crate) fn spots(&self, stances: &[Stance], began: &[Stance]) -> [Spot; POINTS] {
+        let [own, other] = [self.body, self.other].map(|body| change(&stances[body as usize], &began[body as usize]));
+        let turns = [own.1, other.1].map(rotation_vector);
+        let mut spots = self.spots;
+        for spot in &mut spots[..self.count] {
+            let curved = self.curved.and_then(|curved| curved.follow(spot, &own, &other));
+            *spot = curved.unwrap_or_else(|| {
+                let moved = own.0 + turns[0].cross(spot.lever) - other.0 - turns[1].cross(spot.other_lever);
+                Spot { separation: spot.separation + spot.normal.dot(moved), ..*spot }
+            });
+        }
+        spots
+    }
+
+    /// Greatest overlap at these stances, zero where there is none (m).
+    pub(crate) fn overlap(&self, stances: &[Stance], began: &[Stance]) -> f64 {
+        self.spots(stances, began).iter().fold(0.0, |worst, spot| worst.max(-spot.separation))
+    }
+
+    /// Stiffness of its forces against rocking (N·m·s), and the rate at which the body turns as it slides along the other (rad/s).
+    pub(crate) fn stiffness(&self, stances: &[Stance], began: &[Stance], rates: &[Rate]) -> Option<(DMat3, DVec3)> {
+        let curved = self.curved.filter(|_| self.presses())?;
+        let (own, other) = (&rates[self.body as usize], &rates[self.other as usize]);
+        let (mut total, mut turning) = (DMat3::ZERO, DVec3::ZERO);
+        for (spot, &lambda) in self.spots(stances, began)[..self.count].iter().zip(&self.lambda) {
+            let height = -spot.normal.dot(spot.lever);
+            let beside = other.linear + other.angular.cross(spot.other_lever - spot.lever);
+            let (stiffness, turn) = curved.rocking(spot.normal, height, own.linear - beside);
+            total += stiffness * lambda;
+            turning = turn + other.angular;
+        }
+        Some((total, turning))
     }
 
     /// Where a row acts with these levers of the body and of the other (m).
@@ -121,34 +149,37 @@ impl Touch {
     }
 
     /// Adds its rows for a substep of length `h` (s) to the last node.
-    pub(crate) fn add_rows(&self, system: &mut System, separations: &[f64; POINTS], other: &Rate, h: f64) {
+    pub(crate) fn add_rows(&self, system: &mut System, spots: &[Spot; POINTS], other: &Rate, h: f64) {
         // What is moved too has its speed in the rows.
         let other = if self.other_moves { Rate { linear: DVec3::ZERO, angular: DVec3::ZERO } } else { *other };
         system.begin_contact(self.friction, self.twist_arm);
-        for (i, separation) in separations[..self.count].iter().enumerate() {
-            let passing = self.normal.dot(other.linear + other.angular.cross(self.other_levers[i]));
-            let grip = self.grip(self.levers[i], self.other_levers[i]);
-            system.add_normal(&grip, self.normal, separation.max(0.0) / h - passing, self.lambda[i]);
+        let spots = &spots[..self.count];
+        for (spot, &lambda) in spots.iter().zip(&self.lambda) {
+            let passing = spot.normal.dot(other.linear + other.angular.cross(spot.other_lever));
+            let bias = spot.separation.max(0.0) / h - passing;
+            system.add_normal(&self.grip(spot.lever, spot.other_lever), spot.normal, bias, lambda);
         }
         let share = 1.0 / self.count as f64;
-        let center = self.levers[..self.count].iter().sum::<DVec3>() * share;
-        let other_center = self.other_levers[..self.count].iter().sum::<DVec3>() * share;
+        let center = spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share;
+        let other_center = spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share;
         let passing = other.linear + other.angular.cross(other_center);
-        let (t1, t2) = tangents(self.normal.as_vec3());
+        let normal = spots[0].normal;
+        let (t1, t2) = tangents(normal.as_vec3());
         let rows = [t1, t2].map(|t| t.as_dvec3()).map(|t| (t, -t.dot(passing), t.dot(self.tangential)));
-        let twist = (self.normal, -self.normal.dot(other.angular), self.twist);
+        let twist = (normal, -normal.dot(other.angular), self.twist);
         system.add_friction(&self.grip(center, other_center), rows, twist);
     }
 
     /// Adds its rows for a projection after a substep of length `h` (s) to the last node.
-    pub(crate) fn add_position_rows(&self, system: &mut System, separations: &[f64; POINTS], h: f64) {
+    pub(crate) fn add_position_rows(&self, system: &mut System, spots: &[Spot; POINTS], h: f64) {
         let share = (RECOVERY * h).min(MOST_RECOVERY_SHARE);
         system.begin_contact(0.0, 0.0);
-        for (i, &separation) in separations[..self.count].iter().enumerate() {
-            let bias = if separation < 0.0 { (separation * share).max(-MOST_RECOVERY * h) } else { separation };
+        for spot in &spots[..self.count] {
+            let overlaps = spot.separation < 0.0;
+            let bias = if overlaps { (spot.separation * share).max(-MOST_RECOVERY * h) } else { spot.separation };
             // An overlap starts as a row that pushes.
-            let pushes = if separation < 0.0 { f64::MIN_POSITIVE } else { 0.0 };
-            system.add_normal(&self.grip(self.levers[i], self.other_levers[i]), self.normal, bias, pushes);
+            let pushes = if overlaps { f64::MIN_POSITIVE } else { 0.0 };
+            system.add_normal(&self.grip(spot.lever, spot.other_lever), spot.normal, bias, pushes);
         }
     }
 
@@ -160,9 +191,9 @@ impl Touch {
             *lambda = row.impulse.max(0.0);
         }
         self.blow += self.lambda[..self.count].iter().sum::<f64>();
-        let (t1, t2) = tangents(self.normal.as_vec3());
+        let side = self.side as usize;
         if let [u, v, w] = &system.rows[first + self.count..first + self.count + 3] {
-            self.tangential = t1.as_dvec3() * u.impulse + t2.as_dvec3() * v.impulse;
+            self.tangential = u.linear[side] * u.impulse + v.linear[side] * v.impulse;
             self.twist = w.impulse;
         }
     }

@@ -7,10 +7,10 @@
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
 //! `system` holds the rows, `active_set` says which of them count; `layout` says where in its matrix they
 //! are; `articulation` takes a step, `substep` and `project` one part of it each; `contacts`
-//! are those with what it cannot move and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
+//! are those with what it cannot move, along surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
 //! anything else that moves.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::StepSettings;
 use super::contact::{ContactImpulses, ContactInput};
@@ -25,6 +25,7 @@ mod block;
 mod body;
 mod contacts;
 mod coupled;
+mod curved;
 pub(crate) mod factor;
 pub(crate) mod history;
 mod layout;
@@ -71,6 +72,15 @@ pub(crate) struct Direct {
     impulses: Vec<(u32, ContactImpulses)>,
 }
 
+/// What the world knows of a batch beyond the batch's own arrays.
+pub(crate) trait BatchRecords {
+    /// Where a slot's body stands (m), and its last substep.
+    fn body(&self, slot: u32) -> (DVec3, History);
+    /// Shape operators of both surfaces of the contact of this number in world axes (1/m), where both are smooth, and how far its
+    /// body B, or else A, reaches from its centre of mass (m).
+    fn curvature(&self, contact: u32, of_b: bool) -> Option<([DMat3; 2], f64)>;
+}
+
 impl Direct {
     /// Forgets the articulations of the last step but for what they may use again.
     pub(crate) fn clear(&mut self) {
@@ -113,8 +123,7 @@ impl Direct {
         self.touching.dedup();
     }
 
-    /// Takes the joints that are solved directly out of `entries`; `contacts` are all of the batch, `record` says where a slot's
-    /// body stands (m), and its last substep.
+    /// Takes the joints that are solved directly out of `entries`; `contacts` are all of the batch.
     pub(crate) fn take(
         &mut self,
         entries: &mut Vec<JointEntry>,
@@ -122,7 +131,7 @@ impl Direct {
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
         contacts: &[ContactInput],
-        record: impl Fn(u32) -> (DVec3, History),
+        records: &impl BatchRecords,
     ) {
         self.held.clear();
         self.held.resize(contacts.len(), false);
@@ -150,7 +159,7 @@ impl Direct {
             let group = order[start];
             let end = start + order[start..].iter().take_while(|&&other| other == group).count();
             let admitted =
-                group != NO_GROUP && self.admit(&entries[start..end], group, joints, velocities, motions, contacts, &record);
+                group != NO_GROUP && self.admit(&entries[start..end], group, joints, velocities, motions, contacts, records);
             if !admitted {
                 self.left.extend_from_slice(&entries[start..end]);
             }
@@ -202,7 +211,7 @@ impl Direct {
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
         contacts: &[ContactInput],
-        record: impl Fn(u32) -> (DVec3, History),
+        records: &impl BatchRecords,
     ) -> bool {
         if self.articulations.len() == self.count {
             self.articulations.push(Articulation::default());
@@ -214,7 +223,7 @@ impl Direct {
         let mut enlist = |slot: u32, articulation: &mut Articulation| {
             let local = &mut local[slot as usize];
             if slot != WORLD_SLOT && local.0 != *count as u32 {
-                let (origin, history) = record(slot);
+                let (origin, history) = records.body(slot);
                 let number = articulation.enlist(slot, origin, history, &velocities[slot as usize], &motions[slot as usize]);
                 *local = (*count as u32, number);
             }
@@ -235,7 +244,11 @@ impl Direct {
                 let body_is_b = moves[1] && !(is_carried && motions[contact.a as usize].jointed);
                 let (own, other) = if body_is_b { (contact.b, contact.a) } else { (contact.a, contact.b) };
                 let (own, other) = (enlist(own, articulation), enlist(other, articulation));
-                articulation.touches.push(Touch::new(number, contact, body_is_b, own, other, is_carried));
+                let mut touch = Touch::new(number, contact, body_is_b, own, other, is_carried);
+                if !is_carried && let Some(([of_a, of_b], reach)) = records.curvature(number, body_is_b) {
+                    touch.curve(if body_is_b { [of_b, of_a] } else { [of_a, of_b] }, reach);
+                }
+                articulation.touches.push(touch);
             } else if contact.presses() {
                 articulation.coupled = true;
             } else {

@@ -46,12 +46,12 @@ impl Articulation {
         let mut next_touch = 0;
         let mut add_touches = |number: usize, system: &mut System| {
             while let Some(touch) = touches.get(next_touch).filter(|touch| touch.node as usize == number) {
-                let separations = touch.separations(stances, step_start);
+                let spots = touch.spots(stances, step_start);
                 match phase {
                     Phase::Velocity { h } | Phase::Tangent { h } => {
-                        touch.add_rows(system, &separations, &rates[touch.other as usize], h);
+                        touch.add_rows(system, &spots, &rates[touch.other as usize], h);
                     }
-                    Phase::Position { .. } => touch.add_position_rows(system, &separations, *h),
+                    Phase::Position { .. } => touch.add_position_rows(system, &spots, *h),
                 }
                 next_touch += 1;
             }
@@ -112,7 +112,7 @@ impl Articulation {
             (gap, angle) = (greater(gap, own_gap), greater(angle, own_angle));
         }
         let worst = greater(gap, angle * self.size);
-        let overlap = |touch: &Touch| -touch.separations(&self.stances, &self.step_start).into_iter().fold(0.0, f64::min);
+        let overlap = |touch: &Touch| touch.overlap(&self.stances, &self.step_start);
         Errors { worst, gap, angle, overlap: self.touches.iter().map(overlap).fold(0.0, f64::max) }
     }
 

@@ -31,6 +31,8 @@ impl Articulation {
         let h = if mode == Mode::SecondOrder { full * self.order.euler_share } else { full };
         self.predict(full, h, mode);
         self.find_stiffness(h, mode, h / full);
+        let turns = self.turning.iter().any(|turning| *turning != DVec3::ZERO);
+        let before = if turns { self.kinetic_energy() } else { 0.0 };
         for (i, body) in self.bodies.iter_mut().enumerate() {
             let stance = if mode == Mode::SecondOrder { &self.predicted[i] } else { &self.stances[i] };
             let damped = body.respond(stance, self.stiffness[i], &self.rates[i]);
@@ -43,7 +45,15 @@ impl Articulation {
         self.system.settled = true;
         let most_passes = if self.touches.is_empty() { PASSES } else { CONTACT_PASSES };
         let most_passes = most_passes.min(FREE_PASSES + self.passes_left);
-        let passes = self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
+        if turns {
+            self.changes.clone_from(&self.rates);
+            self.turn_along();
+        }
+        let mut passes = self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
+        if turns && self.kinetic_energy() > before {
+            self.rates.clone_from(&self.changes);
+            passes += self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
+        }
         self.passes_left -= passes.saturating_sub(FREE_PASSES).min(self.passes_left);
         self.keep_impulses(full / h, if mode == Mode::SecondOrder { self.order.extrapolation } else { 0.0 });
         for (i, body) in self.bodies.iter().enumerate() {
@@ -59,6 +69,19 @@ impl Articulation {
             }
         }
         momentum
+    }
+
+    /// Kinetic energy of all bodies that move freely (J).
+    fn kinetic_energy(&self) -> f64 {
+        let bodies = self.bodies.iter().zip(&self.stances).zip(&self.rates);
+        bodies.map(|((body, stance), rate)| body.energy(stance, rate, stance)).sum()
+    }
+
+    /// Lets bodies turn with the forces that go around what they slide on: M̃⁻¹ G ω̂.
+    fn turn_along(&mut self) {
+        for (i, body) in self.bodies.iter().enumerate().filter(|(_, body)| body.free_mass().is_some()) {
+            self.rates[i].angular += body.inverse_inertia * (self.stiffness[i] * self.turning[i]);
+        }
     }
 
     fn apply_forces(&mut self, h: f64) {
@@ -190,7 +213,15 @@ impl Articulation {
     pub(super) fn find_stiffness(&mut self, h: f64, mode: Mode, share: f64) {
         self.stiffness.clear();
         self.stiffness.resize(self.bodies.len(), DMat3::ZERO);
+        self.turning.clear();
+        self.turning.resize(self.bodies.len(), DVec3::ZERO);
         self.implicit.clear();
+        for touch in self.touches.iter().filter(|_| mode == Mode::Safe) {
+            if let Some((stiffness, turning)) = touch.stiffness(&self.stances, &self.step_start, &self.rates) {
+                self.stiffness[touch.body as usize] += stiffness * (h * share);
+                self.turning[touch.body as usize] = turning;
+            }
+        }
         for (link, entry) in self.links.iter().zip(&self.entries) {
             let impulse = entry.impulses.point.as_dvec3() * share;
             let levers = [0, 1].map(|side| self.stances[link.bodies[side] as usize].1 * entry.local_lever[side]);

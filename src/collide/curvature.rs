@@ -1,0 +1,78 @@
+//! How a shape's surface curves where it touches another.
+
+use glam::{Mat3, Vec3};
+
+use crate::shape::{Geometry, Shape};
+
+/// How far a normal may lean from that of a flat face, or of a cylinder's side, and still be of it (squared sine).
+const LEAN: f32 = 1.0e-6;
+
+/// The shape operator of the surface at the point `at` (m) with the outward unit normal, all in the shape's frame: by how much the
+/// normal turns per length along the surface (1/m). Zero on a flat face; none at edges and corners, on rims and on shapes of several
+/// parts.
+pub(crate) fn shape_operator(shape: &Shape, at: Vec3, outward: Vec3) -> Option<Mat3> {
+    match *shape.geometry() {
+        Geometry::Ball { radius } => Some(round(outward, radius)),
+        Geometry::Capsule { half_height, radius } if at.y.abs() > half_height => Some(round(outward, radius)),
+        Geometry::Capsule { radius, .. } => side(outward, radius),
+        Geometry::Cylinder { radius, .. } if outward.y * outward.y < LEAN => side(outward, radius),
+        Geometry::Cylinder { .. } => flat(outward.x * outward.x + outward.z * outward.z),
+        Geometry::Box { .. } => flat(1.0 - outward.abs().max_element().powi(2)),
+        Geometry::HalfSpace { .. } => Some(Mat3::ZERO),
+        _ => None,
+    }
+}
+
+fn round(outward: Vec3, radius: f32) -> Mat3 {
+    (Mat3::IDENTITY - product(outward)) * radius.recip()
+}
+
+/// Curved about the y axis alone.
+fn side(outward: Vec3, radius: f32) -> Option<Mat3> {
+    Vec3::Y.cross(outward).try_normalize().map(|around| product(around) * radius.recip())
+}
+
+fn flat(lean: f32) -> Option<Mat3> {
+    (lean < LEAN).then_some(Mat3::ZERO)
+}
+
+fn product(a: Vec3) -> Mat3 {
+    Mat3::from_cols(a * a.x, a * a.y, a * a.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The normal turns by the operator times the way, on every shape whose surface is known as the gradient of a distance.
+    #[test]
+    fn normals_turn_as_the_operator_says() {
+        let cylinder = Shape::new(Geometry::Cylinder { half_height: 1.0, radius: 0.5 }).unwrap();
+        let around_y = |p: Vec3| Vec3::new(p.x, 0.0, p.z).normalize();
+        let cases: [(Shape, Vec3, fn(Vec3) -> Vec3); 4] = [
+            (Shape::ball(0.5).unwrap(), Vec3::new(0.3, 0.4, 0.0), |p| p.normalize()),
+            (Shape::capsule(1.0, 0.5).unwrap(), Vec3::new(0.3, 0.7, 0.4), |p| Vec3::new(p.x, 0.0, p.z).normalize()),
+            (Shape::capsule(1.0, 0.5).unwrap(), Vec3::new(0.3, 1.4, 0.0), |p| (p - Vec3::Y).normalize()),
+            (cylinder, Vec3::new(0.3, -0.2, 0.4), around_y),
+        ];
+        for (shape, at, normal) in cases {
+            let operator = shape_operator(&shape, at, normal(at)).expect("a smooth point");
+            for tangent in [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| axis.reject_from_normalized(normal(at))) {
+                let step = 1e-3;
+                let turned = (normal(at + tangent * step) - normal(at - tangent * step)) / (2.0 * step);
+                assert!((turned - operator * tangent).length() < 2e-3, "{turned} along {tangent}, operator {operator}");
+            }
+        }
+    }
+
+    #[test]
+    fn edges_and_rims_have_none() {
+        let corner = Vec3::new(1.0, 1.0, 0.0).normalize();
+        let cuboid = Shape::cuboid(Vec3::ONE).unwrap();
+        assert_eq!(shape_operator(&cuboid, Vec3::new(1.0, 1.0, 0.0), corner), None);
+        assert_eq!(shape_operator(&cuboid, Vec3::X, Vec3::X), Some(Mat3::ZERO));
+        let cylinder = Shape::new(Geometry::Cylinder { half_height: 1.0, radius: 1.0 }).unwrap();
+        assert_eq!(shape_operator(&cylinder, Vec3::new(1.0, 1.0, 0.0), corner), None);
+        assert_eq!(shape_operator(&cylinder, Vec3::Y, Vec3::Y), Some(Mat3::ZERO));
+    }
+}

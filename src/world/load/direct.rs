@@ -1,0 +1,72 @@
+//! Which articulations of a batch are solved directly, and what the solver asks of the world's records for them.
+
+use glam::{DMat3, DVec3, Mat3};
+
+use super::Records;
+use crate::collide::curvature::shape_operator;
+use crate::settings::Solver;
+use crate::solve::StepSettings;
+use crate::solve::batch::Batch;
+use crate::solve::direct::BatchRecords;
+use crate::solve::direct::history::History;
+use crate::solve::state::WORLD_SLOT;
+
+/// The records of what one batch has.
+struct Within<'a> {
+    world: &'a Records<'a>,
+    /// Body of each slot.
+    bodies: &'a [u32],
+    manifolds: &'a [(u32, u32)],
+}
+
+impl BatchRecords for Within<'_> {
+    fn body(&self, slot: u32) -> (DVec3, History) {
+        let index = self.bodies[slot as usize];
+        let body = &self.world.bodies[index];
+        (self.world.unions.moving(index).map_or(body.center, |union| union.motion.center), body.history)
+    }
+
+    fn curvature(&self, contact: u32, of_b: bool) -> Option<([DMat3; 2], f64)> {
+        let (slot, manifold) = self.manifolds[contact as usize];
+        let pair = self.world.pairs.get(slot);
+        let manifold = &pair.manifolds[manifold as usize].geometry;
+        let (a, b) = pair.key.shapes();
+        let [a, b] = [a, b].map(|shape| &self.world.colliders[shape]);
+        let [to_a, to_b] = [a, b].map(|collider| Mat3::from_quat(collider.place.1));
+        let (point, along) = (&manifold.points[0], to_a * manifold.normal);
+        let of_a = shape_operator(&a.shape, point.on_a, manifold.normal)?;
+        let other = shape_operator(&b.shape, point.on_b, to_b.transpose() * -along)?;
+        let in_world = |to_world: Mat3, operator: Mat3| (to_world * operator * to_world.transpose()).as_dmat3();
+        let reach = if of_b { b.reach } else { a.reach };
+        Some(([in_world(to_a, of_a), in_world(to_b, other)], f64::from(reach)))
+    }
+}
+
+impl Records<'_> {
+    /// Moves what the direct solver can move by itself, and lays out rows for the rest.
+    pub(super) fn lay_out(&self, batch: &mut Batch, settings: &StepSettings) {
+        let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, manifolds, .. } = batch;
+        direct.group_slots(&joints.entries, motions);
+        direct.asked = self.solver == Solver::Direct;
+        if self.solver == Solver::GaussSeidel {
+            direct.clear();
+        } else {
+            let is_swept = |slot: u32| {
+                let body = bodies[slot as usize];
+                slot != WORLD_SLOT && self.swept.get(body as usize).is_some_and(|&swept| swept)
+            };
+            withheld.clear();
+            withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
+            direct.find_touching(inputs, velocities, motions, settings.dt);
+            let records = Within { world: self, bodies, manifolds };
+            direct.take(&mut joints.entries, self.joints, velocities, motions, inputs, &records);
+            joints.entries.append(withheld);
+            direct.step(self.joints, velocities, motions, inputs, settings);
+        }
+        batch.color_contacts();
+        batch.set_contacts(self.reach, |manifold, ends| self.contact_input(manifold, ends));
+        let Batch { joints, coloring, velocities, motions, .. } = batch;
+        let h = settings.dt / settings.substeps as f32;
+        joints.lay_out(self.joints, coloring, velocities, motions, h, settings.substeps);
+    }
+}
