@@ -107,7 +107,13 @@ fn revise_cone([u, v]: [&mut Row; 2], slip: [f64; 2], limit: f64, may_free: bool
     } else {
         [0.0; 2]
     };
-    let new = direction.map(|share| share * limit);
+    // Halfway, as a full step turns past the direction that it looks for.
+    let new = if size > 0.0 {
+        let kept = [u.impulse / size, v.impulse / size];
+        [0, 1].map(|i| 0.5 * (direction[i] + kept[i]) * limit)
+    } else {
+        direction.map(|share| share * limit)
+    };
     let changed = length(new[0] - u.impulse, new[1] - v.impulse) > CONE_TOLERANCE * limit.max(size);
     u.fix(new[0]);
     v.fix(new[1]);

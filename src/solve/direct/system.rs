@@ -312,9 +312,10 @@ impl System {
             }
             let one_by_one = patience == 0 && may_free;
             self.flip(one_by_one);
-            let sliding = if one_by_one && wrong > 0 { 0 } else { self.revise_friction(rates, may_free) };
+            // Friction is revised once the rest has settled with it: both at once chase each other.
+            let sliding = if wrong > 0 { 0 } else { self.revise_friction(rates, may_free) };
             if sliding > 0 {
-                fewest = usize::MAX;
+                (fewest, patience) = (usize::MAX, PATIENCE);
             }
             if wrong + sliding == 0 {
                 return pass;
