@@ -49,7 +49,8 @@ mod tests {
     fn normals_turn_as_the_operator_says() {
         let cylinder = Shape::new(Geometry::Cylinder { half_height: 1.0, radius: 0.5 }).unwrap();
         let around_y = |p: Vec3| Vec3::new(p.x, 0.0, p.z).normalize();
-        let cases: [(Shape, Vec3, fn(Vec3) -> Vec3); 4] = [
+        type Normal = fn(Vec3) -> Vec3;
+        let cases: [(Shape, Vec3, Normal); 4] = [
             (Shape::ball(0.5).unwrap(), Vec3::new(0.3, 0.4, 0.0), |p| p.normalize()),
             (Shape::capsule(1.0, 0.5).unwrap(), Vec3::new(0.3, 0.7, 0.4), |p| Vec3::new(p.x, 0.0, p.z).normalize()),
             (Shape::capsule(1.0, 0.5).unwrap(), Vec3::new(0.3, 1.4, 0.0), |p| (p - Vec3::Y).normalize()),

@@ -6,8 +6,8 @@
 //! [`Direct`] sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
 //! `system` holds the rows, `active_set` says which of them count; `layout` says where in its matrix they
-//! are; `articulation` takes a step, `substep` and `project` one part of it each; `contacts`
-//! are those with what it cannot move, along surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
+//! are; `articulation` takes a step, `substep` and `project` one part of it each; `contacts` are those with what it cannot move, along
+//! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
 //! anything else that moves.
 
 use glam::{DMat3, DVec3};
