@@ -23,6 +23,7 @@ use super::body::DirectBody;
 use super::contacts::Touch;
 use super::history::{History, SecondOrder};
 use super::layout::Link;
+use super::points::Points;
 use super::system::{System, Topology};
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
@@ -102,6 +103,9 @@ pub(crate) struct Articulation {
     pub(super) step_start: Vec<Stance>,
     pub(super) topology: Topology,
     pub(super) system: System,
+    /// Whether all its joints hold points and it touches nothing, so that `points` takes the place of `system`.
+    pub(super) is_points: bool,
+    pub(super) points: Points,
     pub(super) asked: Vec<rows::ScalarRow>,
     pub(super) stiffness: Vec<DMat3>,
     /// Rate at which the forces on each body turn with what it slides around (rad/s).
@@ -339,6 +343,7 @@ impl Articulation {
         self.rates.extend(slots().map(|slot| Rate::of(&velocities[slot])));
         self.stances.clear();
         self.stances.extend(slots().map(|slot| motions[slot].stance()));
+        self.points.is_known = false;
     }
 
     /// How far the body with this slot and number has moved and turned in the step.
@@ -442,6 +447,7 @@ impl Articulation {
         let saved = &self.saved[depth as usize];
         self.rates.clone_from(&saved.rates);
         self.stances.clone_from(&saved.stances);
+        self.points.is_known = false;
         for (entry, saved) in self.entries.iter_mut().zip(&saved.joints) {
             entry.impulses = saved.impulses;
             [entry.linear_sum, entry.angular_sum] = saved.sums;

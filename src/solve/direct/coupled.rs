@@ -21,6 +21,10 @@ impl Articulation {
     ) {
         self.h = h;
         self.load(velocities, motions);
+        if self.is_points {
+            self.find_spots();
+            self.find_ends(false);
+        }
         self.find_stiffness(h, Mode::Safe, 1.0);
         for (i, body) in self.bodies.iter_mut().enumerate() {
             self.rates[i].angular = body.respond(&self.stances[i], self.stiffness[i], &self.rates[i]);
@@ -31,8 +35,7 @@ impl Articulation {
                 motion.refreshed = true;
             }
         }
-        self.build_rows(joints, Phase::Tangent { h });
-        self.system.begin(&self.bodies);
+        self.ask(joints, Phase::Tangent { h });
     }
 
     /// Solves all joints for the velocities of now.
@@ -40,8 +43,13 @@ impl Articulation {
         for (rate, body) in self.rates.iter_mut().zip(&self.bodies) {
             *rate = Rate::of(&velocities[body.slot as usize]);
         }
-        self.system.withdraw(&self.bodies, &mut self.rates);
-        self.system.solve(&self.topology, &self.bodies, &mut self.rates, PASSES);
+        if self.is_points {
+            self.points.withdraw(&self.bodies, &mut self.rates);
+            self.points.solve(&self.topology, &self.bodies, &mut self.rates);
+        } else {
+            self.system.withdraw(&self.bodies, &mut self.rates);
+            self.system.solve(&self.topology, &self.bodies, &mut self.rates, PASSES);
+        }
         for (rate, body) in self.rates.iter().zip(&self.bodies) {
             if body.is_dynamic() {
                 let velocity = &mut velocities[body.slot as usize];

@@ -188,7 +188,7 @@ dispatched!(
 );
 
 /// Rows of every node where all have as many: joints that hold points, as in chains, trees and bridges.
-const POINT: usize = 3;
+pub(super) const POINT: usize = 3;
 
 #[inline(always)]
 fn factorize_body(factor: &mut Factor, plan: &Plan) {

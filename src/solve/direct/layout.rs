@@ -31,7 +31,7 @@ pub(super) struct Link {
     pub bodies: [u32; 2],
     moves: [bool; 2],
     capacity: u32,
-    /// Whether it holds points together and does nothing else.
+    /// Whether it holds points rigidly together and does nothing else.
     pub is_plain: bool,
     is_contact: bool,
 }
@@ -58,8 +58,9 @@ impl Articulation {
         let link = |entry: &JointEntry| {
             let ends = [entry.a, entry.b].map(|slot| if slot == WORLD_SLOT { 0 } else { local[slot as usize].1 });
             let moves = ends.map(|body| bodies[body as usize].is_dynamic());
-            let kind = &joints[entry.joint].def.kind;
-            let (capacity, is_plain) = (kinds::most_rows(kind), kinds::is_plain(kind));
+            let def = &joints[entry.joint].def;
+            let capacity = kinds::most_rows(&def.kind);
+            let is_plain = kinds::is_plain(&def.kind) && def.linear.compliance == 0.0;
             Link { bodies: ends, moves, capacity, is_plain, is_contact: false }
         };
         let contact = |&bodies: &[u32; 2]| Link { bodies, moves: [true; 2], capacity: 0, is_plain: false, is_contact: true };
@@ -73,6 +74,7 @@ impl Articulation {
             self.stale = true;
         }
         self.hangs = self.touches.iter().any(|touch| !touch.other_moves) || self.links.iter().any(|link| link.moves != [true; 2]);
+        self.is_points = self.touches.is_empty() && self.links.iter().all(|link| link.is_plain);
         if !self.touches.is_empty() && self.is_rigid() {
             return false;
         }

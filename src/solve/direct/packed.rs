@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::block::{Block3, Lanes, MAX_ROWS, ZERO, add_product, add_scaled, block3_mut, sum, width};
+use super::block::{Lanes, MAX_ROWS, ZERO, add_product, add_scaled, sum, width};
 use super::body::DirectBody;
 use super::factor::Factor;
 use super::row::{Row, State};
@@ -137,55 +137,6 @@ fn side_by_side(v: &[DVec3; 4]) -> [Lanes; 3] {
 
 #[inline(always)]
 fn assemble_body(factor: &mut Factor, packed: &Packed, nodes: &[Node], topology: &Topology, bodies: &[DirectBody]) {
-    if factor.is_uniform {
-        assemble_points(factor, packed, nodes, topology, bodies);
-    } else {
-        assemble_any(factor, packed, nodes, topology, bodies);
-    }
-}
-
-/// As [`assemble_any`], where all nodes have three rows.
-#[inline(always)]
-fn assemble_points(factor: &mut Factor, packed: &Packed, nodes: &[Node], topology: &Topology, bodies: &[DirectBody]) {
-    let (jacobian, response) = (packed.jacobian.as_chunks::<6>().0, packed.response.as_chunks::<3>().0);
-    for (number, node) in nodes.iter().enumerate() {
-        let mut sum = [ZERO; 3];
-        for side in 0..2 {
-            let (own, mass) = (&jacobian[2 * number + side], bodies[node.bodies[side] as usize].inverse_mass);
-            add_points(&mut sum, own, own, &response[2 * number + side], mass);
-        }
-        let gamma = &packed.gamma[number];
-        for i in 0..3 {
-            sum[i][i] += gamma[i] + topology.regularization * sum[i][i];
-        }
-        factor.diagonal[number] = [sum[0][0], sum[1][1], sum[2][2], 0.0];
-        *block3_mut(factor.block_mut(topology.plan.diagonal(number))) = sum;
-    }
-    for coupling in &topology.couplings {
-        let late = 2 * coupling.late as usize + coupling.late_side as usize;
-        let early = 2 * coupling.early as usize + coupling.early_side as usize;
-        let mass = bodies[coupling.body as usize].inverse_mass;
-        let block = block3_mut(factor.block_mut(coupling.start));
-        let mut sum = *block;
-        add_points(&mut sum, &jacobian[late], &jacobian[early], &response[early], mass);
-        *block = sum;
-    }
-}
-
-#[inline(always)]
-fn add_points(sum: &mut Block3, rows: &[Lanes; 6], columns: &[Lanes; 6], response: &[Lanes; 3], mass: DVec3) {
-    for i in 0..3 {
-        add_scaled(&mut sum[i], mass.x * rows[0][i], &columns[0]);
-        add_scaled(&mut sum[i], mass.y * rows[1][i], &columns[1]);
-        add_scaled(&mut sum[i], mass.z * rows[2][i], &columns[2]);
-        add_scaled(&mut sum[i], rows[3][i], &response[0]);
-        add_scaled(&mut sum[i], rows[4][i], &response[1]);
-        add_scaled(&mut sum[i], rows[5][i], &response[2]);
-    }
-}
-
-#[inline(always)]
-fn assemble_any(factor: &mut Factor, packed: &Packed, nodes: &[Node], topology: &Topology, bodies: &[DirectBody]) {
     for (number, node) in nodes.iter().enumerate() {
         let (lanes, k) = (factor.lanes(number), factor.rows(number));
         let w = lanes.len();

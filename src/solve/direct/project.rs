@@ -40,8 +40,18 @@ pub(super) struct Errors {
 }
 
 impl Articulation {
+    /// What joints and contacts ask for in this phase, ready for the first solve.
+    pub(super) fn ask(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
+        if self.is_points {
+            self.ask_points(phase);
+        } else {
+            self.build_rows(joints, phase);
+            self.system.begin(&self.bodies);
+        }
+    }
+
     /// Makes the rows of all joints and contacts; those of a velocity phase need the predicted poses.
-    pub(super) fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
+    fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
         let Self { entries, links, rates, stances, began, predicted, implicit, system, asked, touches, step_start, h, .. } = self;
         let mut next_touch = 0;
         let mut add_touches = |number: usize, system: &mut System| {
@@ -106,6 +116,11 @@ impl Articulation {
 
     /// Errors at the present poses.
     pub(super) fn find_errors(&mut self, joints: &Pool<Joint, JointId>) -> Errors {
+        if self.is_points {
+            self.points.is_known = false;
+            let gap = self.worst_gap();
+            return Errors { worst: gap, gap, angle: 0.0, overlap: 0.0 };
+        }
         let (mut gap, mut angle) = (0.0_f64, 0.0_f64);
         for number in 0..self.entries.len() {
             let (own_gap, own_angle) = self.error_of(number, joints);
@@ -122,7 +137,7 @@ impl Articulation {
         let [a, b] = link.bodies.map(|body| self.stances[body as usize]);
         let def = &joints[entry.joint].def;
         if link.is_plain {
-            return (if def.linear.compliance == 0.0 { greatest(entry.points(&a, &b).gap) } else { 0.0 }, 0.0);
+            return (greatest(entry.points(&a, &b).gap), 0.0);
         }
         self.asked.clear();
         let mut sink = RowSink {
@@ -146,6 +161,22 @@ impl Articulation {
         (gap, angle)
     }
 
+    /// Displacements that would take out the errors at the present poses, to first order.
+    fn find_changes(&mut self, joints: &Pool<Joint, JointId>) {
+        self.changes.clear();
+        self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
+        let most = MOST_ANGLE * self.size;
+        if self.is_points {
+            self.ask_points(Phase::Position { most });
+            self.points.solve(&self.topology, &self.bodies, &mut self.changes);
+            return;
+        }
+        self.build_rows(joints, Phase::Position { most: f64::INFINITY });
+        self.system.begin_projection(most, MOST_ANGLE);
+        self.system.begin(&self.bodies);
+        self.system.solve(&self.topology, &self.bodies, &mut self.changes, PROJECTION_PASSES);
+    }
+
     /// Takes errors out of the positions; returns the worst of the joints that is left.
     pub(super) fn project(&mut self, joints: &Pool<Joint, JointId>, mut errors: Errors) -> f64 {
         self.outcome.penetration = self.outcome.penetration.max(errors.overlap);
@@ -155,12 +186,7 @@ impl Articulation {
             if (errors.worst <= good && !overlaps) || !errors.worst.is_finite() {
                 break;
             }
-            self.build_rows(joints, Phase::Position { most: f64::INFINITY });
-            self.changes.clear();
-            self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
-            self.system.begin_projection(MOST_ANGLE * self.size, MOST_ANGLE);
-            self.system.begin(&self.bodies);
-            self.system.solve(&self.topology, &self.bodies, &mut self.changes, PROJECTION_PASSES);
+            self.find_changes(joints);
             self.tried.clone_from(&self.stances);
             let mut accepted = false;
             for factor in BACKTRACKING {
@@ -174,6 +200,7 @@ impl Articulation {
                     break;
                 }
                 self.stances.clone_from(&self.tried);
+                self.points.is_known = false;
             }
             if !accepted {
                 break;

@@ -28,8 +28,14 @@ impl Articulation {
         self.began.extend(self.stances.iter().copied().zip(self.rates.iter().copied()));
         self.h = full;
         let momentum = self.expected_momentum(full);
+        if self.is_points {
+            self.find_spots();
+        }
         let h = if mode == Mode::SecondOrder { full * self.order.euler_share } else { full };
         self.predict(full, h, mode);
+        if self.is_points {
+            self.find_ends(mode != Mode::Safe);
+        }
         self.find_stiffness(h, mode, h / full);
         let turns = self.turning.iter().any(|turning| *turning != DVec3::ZERO);
         let before = if turns { self.kinetic_energy() } else { 0.0 };
@@ -40,21 +46,16 @@ impl Articulation {
                 self.rates[i].angular = damped;
             }
         }
-        self.build_rows(joints, if mode == Mode::Safe { Phase::Tangent { h } } else { Phase::Velocity { h } });
-        self.system.begin(&self.bodies);
-        self.system.settled = true;
-        let most_passes = if self.touches.is_empty() { PASSES } else { CONTACT_PASSES };
-        let most_passes = most_passes.min(FREE_PASSES + self.passes_left);
+        self.ask(joints, if mode == Mode::Safe { Phase::Tangent { h } } else { Phase::Velocity { h } });
         if turns {
             self.changes.clone_from(&self.rates);
             self.turn_along();
         }
-        let mut passes = self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
+        self.solve_rates();
         if turns && self.kinetic_energy() > before {
             self.rates.clone_from(&self.changes);
-            passes += self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
+            self.solve_rates();
         }
-        self.passes_left -= passes.saturating_sub(FREE_PASSES).min(self.passes_left);
         self.keep_impulses(full / h, if mode == Mode::SecondOrder { self.order.extrapolation } else { 0.0 });
         for (i, body) in self.bodies.iter().enumerate() {
             let (stance, rate) = (&mut self.stances[i], &mut self.rates[i]);
@@ -69,6 +70,19 @@ impl Articulation {
             }
         }
         momentum
+    }
+
+    /// Solves all rows for the velocities, within the step's budget of passes.
+    fn solve_rates(&mut self) {
+        if self.is_points {
+            self.points.solve(&self.topology, &self.bodies, &mut self.rates);
+            return;
+        }
+        self.system.settled = true;
+        let most_passes = if self.touches.is_empty() { PASSES } else { CONTACT_PASSES };
+        let most_passes = most_passes.min(FREE_PASSES + self.passes_left);
+        let passes = self.system.solve(&self.topology, &self.bodies, &mut self.rates, most_passes);
+        self.passes_left -= passes.saturating_sub(FREE_PASSES).min(self.passes_left);
     }
 
     /// Kinetic energy of all bodies that move freely (J).
@@ -222,9 +236,13 @@ impl Articulation {
                 self.turning[touch.body as usize] = turning;
             }
         }
-        for (link, entry) in self.links.iter().zip(&self.entries) {
+        for (number, (link, entry)) in self.links.iter().zip(&self.entries).enumerate() {
             let impulse = entry.impulses.point.as_dvec3() * share;
-            let levers = [0, 1].map(|side| self.stances[link.bodies[side] as usize].1 * entry.local_lever[side]);
+            let levers = if self.is_points {
+                self.points.ends[number].levers
+            } else {
+                [0, 1].map(|side| self.stances[link.bodies[side] as usize].1 * entry.local_lever[side])
+            };
             let implicit = if mode == Mode::Safe {
                 1.0
             } else {
@@ -249,6 +267,9 @@ impl Articulation {
     /// `carried` acts in this one, as the velocities that it changed are extrapolated: loads count what changes momentum, and a
     /// blow counts once.
     pub(super) fn keep_impulses(&mut self, scale: f64, carried: f64) {
+        if self.is_points {
+            return self.keep_point_impulses(scale, carried);
+        }
         let Self { entries, system, links, stances, touches, .. } = self;
         system.drop_senseless();
         for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {

@@ -21,6 +21,7 @@ use super::block::{Lanes, ZERO};
 use super::body::DirectBody;
 use super::factor::{self, Factor, Plan};
 use super::packed::{self, Packed};
+use super::refine::{Equations, refine};
 use super::row::{Origin, Row, State};
 use crate::solve::joint::rows::{self, Held, Rate};
 
@@ -39,16 +40,9 @@ const MOST_CLOSING: usize = 6;
 /// Passes that may go by without fewer rows in the wrong state before they are changed one by one.
 const PATIENCE: usize = 3;
 
-/// Most times that a solution is refined with the same factor, and the share of the first residual from which it is.
-const REFINEMENTS: usize = 2;
-const REFINE_ABOVE: f64 = 1.0e-7;
-
-/// Share of the residual that a refinement must reach to be kept.
-const IMPROVES: f64 = 0.5;
-
 /// Greatest multiplier that bodies can ask for: the greatest mass at the greatest speed (N·s). Rows that nothing can fulfil, as those
 /// of a body that is moved away from one with locked axes, have some that rise without end.
-const MOST_IMPULSE: f64 = 1.0e16;
+pub(super) const MOST_IMPULSE: f64 = 1.0e16;
 
 /// Compliance of a contact's row over its own response: of multipliers that hold equally, those of least norm are taken.
 const CONTACT_COMPLIANCE: f64 = 1.0e-6;
@@ -354,26 +348,7 @@ impl System {
         }
         packed.impulse.clear();
         packed.impulse.resize(factor.len(), ZERO);
-        unknowns.resize(factor.len(), ZERO);
-        increments.resize(factor.len(), ZERO);
-        let first = packed::find_residuals(unknowns, packed, nodes, factor, rates);
-        let mut before = first;
-        for round in 0..=REFINEMENTS {
-            factor::substitute(factor, &topology.plan, unknowns);
-            std::mem::swap(unknowns, increments);
-            packed::add_impulses(packed, increments, 1.0, nodes, factor, bodies, rates);
-            let left = packed::find_residuals(unknowns, packed, nodes, factor, rates);
-            let improves = left < IMPROVES * before;
-            if round > 0 && !improves {
-                // Rows that contradict each other: more of the same would only raise multipliers that cancel.
-                packed::add_impulses(packed, increments, -1.0, nodes, factor, bodies, rates);
-                break;
-            }
-            if left <= REFINE_ABOVE * first {
-                break;
-            }
-            before = left;
-        }
+        refine(&mut FreeRows { packed, nodes, bodies, rates }, factor, &topology.plan, unknowns, increments);
         packed.unpack(rows);
     }
 
@@ -391,6 +366,24 @@ impl System {
                 row.bias = row.bias.min(most);
             }
         }
+    }
+}
+
+/// The rows that are free, at rates that change as they are solved.
+struct FreeRows<'a> {
+    packed: &'a mut Packed,
+    nodes: &'a [Node],
+    bodies: &'a [DirectBody],
+    rates: &'a mut [Rate],
+}
+
+impl Equations for FreeRows<'_> {
+    fn find_residuals(&self, factor: &Factor, residuals: &mut [Lanes]) -> f64 {
+        packed::find_residuals(residuals, self.packed, self.nodes, factor, self.rates)
+    }
+
+    fn add_impulses(&mut self, factor: &Factor, increments: &[Lanes], share: f64) {
+        packed::add_impulses(self.packed, increments, share, self.nodes, factor, self.bodies, self.rates);
     }
 }
 
