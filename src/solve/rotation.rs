@@ -98,7 +98,7 @@ fn skew(v: DVec3) -> DMat3 {
 }
 
 /// 1/(n (n + 1)) and 1/(n (n − 1)) for n = 2, 4 … 16: the power series of sin x / x and cos x.
-const SERIES: [(f64, f64); 8] = {
+pub(crate) const SERIES: [(f64, f64); 8] = {
     let mut terms = [(0.0, 0.0); 8];
     let mut k = 0;
     while k < 8 {
@@ -110,8 +110,8 @@ const SERIES: [(f64, f64); 8] = {
 };
 
 /// Square of half an angle below which this many terms leave nothing but rounding, x⁵/11! < 3e-18.
-const FEW_TERMS_BELOW: f64 = 1.0e-2;
-const FEW_TERMS: usize = 4;
+pub(crate) const FEW_TERMS_BELOW: f64 = 1.0e-2;
+pub(crate) const FEW_TERMS: usize = 4;
 
 /// `rotation` turned by a rotation vector in world axes (rad), by power series: the same bits on every platform.
 pub(crate) fn rotated(rotation: DQuat, vector: DVec3) -> DQuat {

@@ -24,6 +24,7 @@ use super::contacts::Touch;
 use super::history::{History, SecondOrder};
 use super::layout::Link;
 use super::points::Points;
+use super::quads::Quad;
 use super::system::{System, Topology};
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
@@ -81,6 +82,7 @@ pub(super) enum Mode {
 pub(crate) struct Articulation {
     pub entries: Vec<JointEntry>,
     pub(super) bodies: Vec<DirectBody>,
+    pub(super) quads: Vec<Quad>,
     /// Where the bodies stood at the start of the step (m).
     pub(super) origins: Vec<DVec3>,
     pub(super) rates: Vec<Rate>,

@@ -1,24 +1,14 @@
 //! Bodies of an articulation, in the precision that its solve needs: `f64`.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DVec3};
 
 use super::super::joint::Stance;
 use super::super::joint::rows::Rate;
 use super::super::rotation::{self, Top, Turn};
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind};
-use super::stiffness;
 
 /// Largest rotation by which a projection turns a body at once (rad); beyond it a lever's direction has no meaning.
 const MAX_PROJECTED_TURN: f64 = 0.5;
-
-/// Passes in which the angular velocity at the end of a substep is found from an angular momentum.
-const MOMENTUM_PASSES: usize = 2;
-
-/// Rotation that makes no difference to the inertia of a body that has turned by it (rad).
-const NEGLIGIBLE_TURN: f64 = 1.0e-9;
-
-/// Relative gain of rotational energy beyond which a body's angular momentum is not carried into its new pose.
-const MOST_GAIN: f64 = 1.0e-6;
 
 /// One body: what stays as it is for a substep.
 #[derive(Debug, Clone, Copy)]
@@ -33,12 +23,12 @@ pub(crate) struct DirectBody {
     /// (I + G)⁻¹ in world axes (1/(kg·m²)), zero about locked axes.
     pub inverse_inertia: DMat3,
     /// I where it responds (kg·m²).
-    inertia: DMat3,
-    top: Top,
-    acceleration: DVec3,
-    torque: DVec3,
-    linear_damping: f64,
-    angular_damping: f64,
+    pub(super) inertia: DMat3,
+    pub(super) top: Top,
+    pub(super) acceleration: DVec3,
+    pub(super) torque: DVec3,
+    pub(super) linear_damping: f64,
+    pub(super) angular_damping: f64,
 }
 
 impl DirectBody {
@@ -71,21 +61,12 @@ impl DirectBody {
         axes * DMat3::from_diagonal(self.top.inertia) * axes.transpose()
     }
 
-    /// Adds the stiffness of its joints' forces, h·Σ [`stiffness::of_impulse`], to the inertia that answers to impulses; returns
-    /// the angular velocity taken through the same, (I + G) ω' = I ω, whose kinetic energy is no greater.
-    pub(crate) fn respond(&mut self, stance: &Stance, stiffness: DMat3, rate: &Rate) -> DVec3 {
-        if !self.is_dynamic() {
+    /// Its angular velocity taken through the inertia that answers to impulses, (I + G) ω' = I ω, whose kinetic energy is no greater.
+    pub(crate) fn damped(&self, stiffness: &DMat3, rate: &Rate) -> DVec3 {
+        if !self.is_dynamic() || self.top.free != DVec3::ONE || *stiffness == DMat3::ZERO {
             return rate.angular;
         }
-        self.inertia = self.inertia_at(stance);
-        let inertia = self.inertia;
-        let free = self.top.free;
-        if free != DVec3::ONE || stiffness == DMat3::ZERO {
-            self.inverse_inertia = masked(inertia.inverse(), free);
-            return rate.angular;
-        }
-        self.inverse_inertia = (inertia + stiffness::without_negative(stiffness)).inverse();
-        self.inverse_inertia * (inertia * rate.angular)
+        self.inverse_inertia * (self.inertia * rate.angular)
     }
 
     /// How readily a force across `lever` turns the body, over the lever's length: |r| tr(I⁻¹ across r) (1/(kg·m)), with I round.
@@ -110,51 +91,6 @@ impl DirectBody {
         rate.linear += DVec3::select(free, self.acceleration * h, DVec3::ZERO);
         rate.linear /= 1.0 + h * self.linear_damping;
         self.limit_speed(rate, h);
-    }
-
-    /// State at the end of a second-order substep without joints, from its extrapolated start, with the Euler part `h` long (s).
-    pub(crate) fn predict_second_order(&self, start: &Stance, mut rate: Rate, momentum: DVec3, h: f64) -> (Stance, Rate) {
-        let momentum = momentum + self.torque * h;
-        let mut rotation = start.1;
-        for _ in 0..MOMENTUM_PASSES {
-            let before = rate.angular;
-            rotation = self.turned(start.1, before, h);
-            rate.angular = self.spin_of(rotation, momentum) / (1.0 + h * self.angular_damping);
-            if (rate.angular - before).length_squared() * h * h < NEGLIGIBLE_TURN * NEGLIGIBLE_TURN {
-                break;
-            }
-        }
-        self.apply_linear_forces(&mut rate, h);
-        ((start.0 + rate.linear * h, rotation), rate)
-    }
-
-    /// Moves from the extrapolated start of a second-order substep to its end, at a rate found with the inertia of where it responds.
-    pub(crate) fn advance_second_order(&self, stance: &mut Stance, rate: &mut Rate, h: f64) {
-        self.limit_speed(rate, h);
-        stance.0 += rate.linear * h;
-        stance.1 = self.turned(stance.1, rate.angular, h);
-        if !self.is_dynamic() || self.top.round {
-            return;
-        }
-        // The momentum is what the joints left; on a thin rod it can be a far higher speed in another pose, which is refused.
-        let momentum = self.inertia * rate.angular;
-        let angular = self.spin_of(stance.1, momentum);
-        if momentum.dot(angular) <= momentum.dot(rate.angular) * (1.0 + MOST_GAIN) {
-            rate.angular = angular;
-        }
-    }
-
-    fn turned(&self, rotation: DQuat, angular: DVec3, h: f64) -> DQuat {
-        rotation::rotated(rotation, (angular * h).clamp_length_max(f64::from(rotation::MAX_TURN)))
-    }
-
-    /// Angular velocity of an angular momentum in this rotation.
-    fn spin_of(&self, rotation: DQuat, momentum: DVec3) -> DVec3 {
-        if self.top.round {
-            return momentum / self.top.inertia * self.top.free;
-        }
-        let axes = rotation * self.top.frame;
-        axes * ((axes.conjugate() * momentum) / self.top.inertia) * self.top.free
     }
 
     /// No speed is beyond what the world allows.

@@ -4,6 +4,7 @@
 //! hold; contacts see the bodies with their geometric stiffness, I + G, in place of I. Rows are those of a safe substep.
 
 use super::articulation::{Articulation, Mode};
+use super::quads;
 use super::system::PASSES;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
@@ -26,8 +27,9 @@ impl Articulation {
             self.find_ends(false);
         }
         self.find_stiffness(h, Mode::Safe, 1.0);
-        for (i, body) in self.bodies.iter_mut().enumerate() {
-            self.rates[i].angular = body.respond(&self.stances[i], self.stiffness[i], &self.rates[i]);
+        quads::respond(&self.quads, &self.stances, &self.stiffness, &mut self.bodies);
+        for (i, body) in self.bodies.iter().enumerate() {
+            self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i]);
             if body.is_dynamic() {
                 let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
                 velocity.angular = self.rates[i].angular.as_vec3();

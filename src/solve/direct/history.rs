@@ -21,7 +21,6 @@ use glam::{DQuat, DVec3, Vec3};
 use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;
 use crate::solve::lead::Twist;
-use crate::solve::rotation;
 
 /// Ratios of the lengths of two substeps at which the second may be of second order.
 const RATIOS: std::ops::RangeInclusive<f64> = 0.2..=2.2;
@@ -61,11 +60,11 @@ pub(crate) struct History {
     /// Substeps that the articulation should take in the next step.
     pub substeps: u32,
     /// Displacement (m) and rotation vector (rad).
-    displacement: Vec3,
-    turn: Vec3,
+    pub(super) displacement: Vec3,
+    pub(super) turn: Vec3,
     /// Velocity and angular momentum at its start (m/s, N·m·s); or a lead of the velocities (m/s, rad/s).
-    linear_before: Vec3,
-    momentum_before: Vec3,
+    pub(super) linear_before: Vec3,
+    pub(super) momentum_before: Vec3,
     /// Velocities at its end: others mean that the body has been struck or edited since.
     linear: Vec3,
     angular: Vec3,
@@ -126,21 +125,6 @@ impl History {
     /// Change of velocity beyond a steady one, δ (m/s).
     pub(crate) fn surprise(&self, now: DVec3, next: DVec3, order: &SecondOrder) -> DVec3 {
         next - now - (now - self.linear_before.as_dvec3()) * order.ratio
-    }
-
-    /// Extrapolated start of the next substep: stance, velocity (m/s) and angular momentum (N·m·s); `momentum` is that of now.
-    pub(crate) fn extrapolate(
-        &self,
-        stance: &Stance,
-        rate: &Rate,
-        momentum: DVec3,
-        order: &SecondOrder,
-    ) -> (Stance, DVec3, DVec3) {
-        let share = order.extrapolation;
-        let displacement = stance.0 + self.displacement.as_dvec3() * share;
-        let rotation = rotation::rotated(stance.1, self.turn.as_dvec3() * share);
-        let linear = rate.linear + (rate.linear - self.linear_before.as_dvec3()) * share;
-        ((displacement, rotation), linear, momentum + (momentum - self.momentum_before.as_dvec3()) * share)
     }
 }
 

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::articulation::Articulation;
 use super::block::MAX_ROWS;
 use super::factor::Plan;
+use super::quads;
 use super::root;
 use super::system::{Coupling, REGULARIZATION, TREE_REGULARIZATION, Topology};
 use crate::id::{JointId, Pool};
@@ -85,6 +86,7 @@ impl Articulation {
         if std::mem::take(&mut self.stale) {
             self.topology = derive_topology(&self.links, &self.room, self.bodies.len(), asked).unwrap_or_default();
         }
+        quads::gather(&mut self.quads, &self.bodies);
         let Self { entries, .. } = self;
         let levers = entries.iter().flat_map(|entry| entry.local_lever).map(DVec3::length).filter(|&length| length > 0.0);
         let (sum, count) = levers.fold((0.0, 0.0), |(sum, count), length| (sum + length, count + 1.0));

@@ -6,7 +6,7 @@
 //! [`Direct`] sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
 //! `system` holds the rows, `active_set` says which of them count, `points` is the same without rows where all joints hold points; `layout` says where in its matrix they
-//! are; `articulation` takes a step, `substep` and `project` one part of it each; `contacts` are those with what it cannot move, along
+//! are; `quads` moves bodies four at a time, in the arithmetic of `fours`; `articulation` takes a step, `substep` and `project` one part of it each; `contacts` are those with what it cannot move, along
 //! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
 //! anything else that moves.
 
@@ -27,12 +27,14 @@ mod contacts;
 mod coupled;
 mod curved;
 pub(crate) mod factor;
+mod fours;
 pub(crate) mod history;
 mod layout;
 mod order;
 mod packed;
 mod points;
 mod project;
+mod quads;
 mod refine;
 mod riders;
 mod row;

@@ -15,6 +15,8 @@
 
 use glam::{DMat3, DVec3};
 
+use super::fours::{Four, FourSymmetric, any, both};
+
 /// Newton steps towards the lowest eigenvalue.
 const EIGENVALUE_STEPS: usize = 6;
 
@@ -24,36 +26,28 @@ pub(crate) fn of_impulse(impulse: DVec3, lever: DVec3) -> DMat3 {
     DMat3::from_diagonal(DVec3::splat(impulse.dot(lever))) - (outer(impulse, lever) + outer(lever, impulse)) * 0.5
 }
 
-/// The same matrix with no negative eigenvalue.
-pub(crate) fn without_negative(g: DMat3) -> DMat3 {
-    let lowest = lowest_eigenvalue(&g);
-    if lowest < 0.0 { g - DMat3::from_diagonal(DVec3::splat(lowest)) } else { g }
-}
-
-/// A lower bound on the lowest eigenvalue of a symmetric matrix, equal to it but for a few Newton steps.
+/// The same matrices with no negative eigenvalue, but for rounding and what a few Newton steps leave on the safe side.
 ///
 /// p(λ) = det(A − λ) is convex and positive left of the lowest root, so that Newton's steps from a lower bound (Gershgorin's) never
 /// pass it.
-fn lowest_eigenvalue(a: &DMat3) -> f64 {
-    let (xx, yy, zz) = (a.x_axis.x, a.y_axis.y, a.z_axis.z);
-    let (xy, xz, yz) = (a.x_axis.y, a.x_axis.z, a.y_axis.z);
-    let row = |diagonal: f64, b: f64, c: f64| diagonal - b.abs() - c.abs();
-    let mut lambda = row(xx, xy, xz).min(row(yy, xy, yz)).min(row(zz, xz, yz));
-    if lambda >= 0.0 {
-        return lambda;
+#[inline(always)]
+pub(super) fn without_negative(g: FourSymmetric) -> FourSymmetric {
+    let (mut lambda, [trace, minors, determinant]) = g.characteristic();
+    let zero = Four::splat(0.0);
+    let mut open = lambda.below(zero);
+    if !any(open) {
+        return g;
     }
-    let trace = xx + yy + zz;
-    let minors = xx * yy + yy * zz + zz * xx - xy * xy - xz * xz - yz * yz;
-    let determinant = a.determinant();
     for _ in 0..EIGENVALUE_STEPS {
         let value = ((trace - lambda) * lambda - minors) * lambda + determinant;
-        let slope = (2.0 * trace - 3.0 * lambda) * lambda - minors;
-        if !(slope < 0.0 && value > 0.0) {
+        let slope = (trace + trace - (lambda + lambda + lambda)) * lambda - minors;
+        open = both(open, both(slope.below(zero), zero.below(value)));
+        if !any(open) {
             break;
         }
-        lambda -= value / slope;
+        lambda = Four::select(open, lambda - value / slope, lambda);
     }
-    lambda
+    g.shifted(Four::select(lambda.below(zero), -lambda, zero))
 }
 
 #[cfg(test)]
@@ -83,7 +77,7 @@ mod tests {
         for _ in 0..1000 {
             let mut draw = || DVec3::new(next(), next(), next());
             let g = of_impulse(draw(), draw()) + of_impulse(draw(), draw());
-            let shifted = without_negative(g);
+            let shifted = without_negative(FourSymmetric::of([&g; 4])).get(0);
             let added = shifted.x_axis.x - g.x_axis.x;
             assert!(is_positive(&shifted, -1.0e-12), "{shifted:?} is indefinite");
             let less = g + DMat3::from_diagonal(DVec3::splat(added * 0.9 - 1.0e-6));

@@ -4,13 +4,13 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::{Articulation, Mode};
 use super::history::{History, SecondOrder};
+use super::quads::{self, Start};
 use super::row::Origin;
 use super::stiffness;
 use super::system::{CONTACT_PASSES, PASSES};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
-use crate::solve::joint::Stance;
-use crate::solve::joint::rows::{Phase, Rate};
+use crate::solve::joint::rows::Phase;
 use crate::solve::momentum::{Inertia, Whole};
 use crate::solve::rotation;
 
@@ -39,11 +39,11 @@ impl Articulation {
         self.find_stiffness(h, mode, h / full);
         let turns = self.turning.iter().any(|turning| *turning != DVec3::ZERO);
         let before = if turns { self.kinetic_energy() } else { 0.0 };
-        for (i, body) in self.bodies.iter_mut().enumerate() {
-            let stance = if mode == Mode::SecondOrder { &self.predicted[i] } else { &self.stances[i] };
-            let damped = body.respond(stance, self.stiffness[i], &self.rates[i]);
-            if mode == Mode::Safe {
-                self.rates[i].angular = damped;
+        let stances = if mode == Mode::SecondOrder { &self.predicted } else { &self.stances };
+        quads::respond(&self.quads, stances, &self.stiffness, &mut self.bodies);
+        if mode == Mode::Safe {
+            for (i, body) in self.bodies.iter().enumerate() {
+                self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i]);
             }
         }
         self.ask(joints, if mode == Mode::Safe { Phase::Tangent { h } } else { Phase::Velocity { h } });
@@ -57,17 +57,16 @@ impl Articulation {
             self.solve_rates();
         }
         self.keep_impulses(full / h, if mode == Mode::SecondOrder { self.order.extrapolation } else { 0.0 });
-        for (i, body) in self.bodies.iter().enumerate() {
+        if mode == Mode::SecondOrder {
+            quads::advance(&self.quads, h, &self.bodies, &mut self.stances, &mut self.rates);
+        }
+        for (i, body) in self.bodies.iter().enumerate().filter(|(_, body)| mode != Mode::SecondOrder || !body.is_dynamic()) {
             let (stance, rate) = (&mut self.stances[i], &mut self.rates[i]);
-            if mode == Mode::SecondOrder {
-                body.advance_second_order(stance, rate, h);
-            } else {
-                body.limit_speed(rate, h);
-                let turn = body.turn(stance, rate, h);
-                stance.0 += rate.linear * h;
-                stance.1 = turn.rotation;
-                rate.angular = turn.angular;
-            }
+            body.limit_speed(rate, h);
+            let turn = body.turn(stance, rate, h);
+            stance.0 += rate.linear * h;
+            stance.1 = turn.rotation;
+            rate.angular = turn.angular;
         }
         momentum
     }
@@ -186,10 +185,7 @@ impl Articulation {
         self.predicted.clear();
         self.momenta.clear();
         if mode == Mode::SecondOrder {
-            for i in 0..self.bodies.len() {
-                let end = self.predict_second_order(i, full, h);
-                self.predicted.push(end);
-            }
+            self.predict_second_order(full, h);
             return;
         }
         self.apply_forces(h);
@@ -202,23 +198,20 @@ impl Articulation {
         }
     }
 
-    /// Puts a body where its second-order substep starts, `full` long with an Euler part of `h`; returns where that ends.
-    fn predict_second_order(&mut self, i: usize, full: f64, h: f64) -> Stance {
-        let (body, stance, rate) = (&self.bodies[i], &mut self.stances[i], &mut self.rates[i]);
-        if body.is_dynamic() {
-            let momentum = body.spin(stance, rate);
-            self.momenta.push(momentum);
-            let (start, linear, momentum) = self.histories[i].extrapolate(stance, rate, momentum, &self.order);
-            let (end, predicted) = body.predict_second_order(&start, Rate { linear, ..*rate }, momentum, h);
-            (*stance, *rate) = (start, predicted);
-            return end;
-        }
-        self.momenta.push(DVec3::ZERO);
+    /// Puts bodies where their second-order substep starts, `full` long with an Euler part of `h`, and finds where that ends.
+    fn predict_second_order(&mut self, full: f64, h: f64) {
+        let Self { bodies, quads, order, histories, stances, rates, momenta, predicted, .. } = self;
+        momenta.resize(bodies.len(), DVec3::ZERO);
+        predicted.extend_from_slice(stances);
+        quads::predict(quads, order, h, histories, &mut Start { stances, rates, momenta, predicted });
         // A body that is moved by others arrives where a whole substep takes it.
-        let rest = full - h;
-        stance.0 += rate.linear * rest;
-        stance.1 = rotation::rotated(stance.1, rate.angular * rest);
-        (stance.0 + rate.linear * h, rotation::rotated(stance.1, rate.angular * h))
+        for i in (0..bodies.len()).filter(|&i| !bodies[i].is_dynamic()) {
+            let (stance, rate) = (&mut stances[i], &rates[i]);
+            let rest = full - h;
+            stance.0 += rate.linear * rest;
+            stance.1 = rotation::rotated(stance.1, rate.angular * rest);
+            predicted[i] = (stance.0 + rate.linear * h, rotation::rotated(stance.1, rate.angular * h));
+        }
     }
 
     /// Stiffness of each body from the carried impulses, and with it where each joint takes its Jacobian.

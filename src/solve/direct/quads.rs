@@ -1,0 +1,236 @@
+//! What a substep does to each body by itself, to four of them at a time.
+
+use glam::{DMat3, DVec3};
+
+use super::body::DirectBody;
+use super::fours::{Four, Four3, FourSymmetric, FourTurns, Mask, any, both};
+use super::history::{History, SecondOrder};
+use super::stiffness;
+use crate::solve::dispatch::dispatched;
+use crate::solve::joint::Stance;
+use crate::solve::joint::rows::Rate;
+use crate::solve::rotation::MAX_TURN;
+
+/// Passes in which the angular velocity at the end of a substep is found from an angular momentum.
+const MOMENTUM_PASSES: usize = 2;
+
+/// Rotation that makes no difference to the inertia of a body that has turned by it (rad).
+const NEGLIGIBLE_TURN: f64 = 1.0e-9;
+
+/// Relative gain of rotational energy beyond which a body's angular momentum is not carried into its new pose.
+const MOST_GAIN: f64 = 1.0e-6;
+
+const MOST_SPEED: f64 = crate::body::MAX_LINEAR_SPEED as f64;
+const MOST_SPIN: f64 = crate::body::MAX_ANGULAR_SPEED as f64;
+const MOST_TURN: f64 = MAX_TURN as f64;
+
+/// Four bodies that move, and what stays as it is for a step; where there are fewer, the first takes the places of the others.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Quad {
+    numbers: [u32; 4],
+    count: usize,
+    /// Principal moments of inertia (kg·m²) and rotation of the principal axes in the body.
+    inertia: Four3,
+    frame: FourTurns,
+    /// Whether the principal axes are those of the body, of all four.
+    is_aligned: bool,
+    is_tumbling: Mask,
+    /// 1 about free world axes, 0 about locked ones; and along them.
+    free: Four3,
+    free_along: Four3,
+    is_free: Mask,
+    acceleration: Four3,
+    torque: Four3,
+    linear_damping: Four,
+    angular_damping: Four,
+}
+
+/// The bodies that move, four by four.
+pub(super) fn gather(quads: &mut Vec<Quad>, bodies: &[DirectBody]) {
+    quads.clear();
+    let mut moving = bodies.iter().enumerate().filter(|(_, body)| body.is_dynamic()).map(|(number, _)| number as u32);
+    while let Some(first) = moving.next() {
+        let (mut numbers, mut count) = ([first; 4], 1);
+        for (place, number) in numbers[1..].iter_mut().zip(&mut moving) {
+            *place = number;
+            count += 1;
+        }
+        quads.push(Quad::of(numbers, count, bodies));
+    }
+}
+
+impl Quad {
+    fn of(numbers: [u32; 4], count: usize, bodies: &[DirectBody]) -> Self {
+        let bodies = numbers.map(|number| &bodies[number as usize]);
+        let along = |body: &DirectBody| DVec3::select(body.inverse_mass.cmpgt(DVec3::ZERO), DVec3::ONE, DVec3::ZERO);
+        Self {
+            numbers,
+            count,
+            inertia: Four3::of(bodies.map(|body| body.top.inertia)),
+            frame: FourTurns::of(bodies.map(|body| body.top.frame)),
+            is_aligned: bodies.iter().all(|body| body.top.frame == glam::DQuat::IDENTITY),
+            is_tumbling: bodies.map(|body| !body.top.round),
+            free: Four3::of(bodies.map(|body| body.top.free)),
+            free_along: Four3::of(bodies.map(along)),
+            is_free: bodies.map(|body| body.top.free == DVec3::ONE),
+            acceleration: Four3::of(bodies.map(|body| body.acceleration)),
+            torque: Four3::of(bodies.map(|body| body.torque)),
+            linear_damping: Four(bodies.map(|body| body.linear_damping)),
+            angular_damping: Four(bodies.map(|body| body.angular_damping)),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, j: usize) -> usize {
+        self.numbers[j] as usize
+    }
+
+    #[inline(always)]
+    fn places(&self, stances: &[Stance]) -> (Four3, FourTurns) {
+        let [a, b, c, d] = [&stances[self.at(0)], &stances[self.at(1)], &stances[self.at(2)], &stances[self.at(3)]];
+        (Four3::of([a.0, b.0, c.0, d.0]), FourTurns::of([a.1, b.1, c.1, d.1]))
+    }
+
+    #[inline(always)]
+    fn velocities(&self, rates: &[Rate]) -> (Four3, Four3) {
+        let [a, b, c, d] = [&rates[self.at(0)], &rates[self.at(1)], &rates[self.at(2)], &rates[self.at(3)]];
+        (Four3::of([a.linear, b.linear, c.linear, d.linear]), Four3::of([a.angular, b.angular, c.angular, d.angular]))
+    }
+
+    /// Principal axes of bodies that are turned so.
+    #[inline(always)]
+    fn axes(&self, rotation: FourTurns) -> FourTurns {
+        if self.is_aligned { rotation } else { rotation * self.frame }
+    }
+
+    /// Angular velocity of an angular momentum about these principal axes.
+    #[inline(always)]
+    fn spin_of(&self, axes: FourTurns, momentum: Four3) -> Four3 {
+        axes.rotate(axes.conjugate().rotate(momentum) / self.inertia) * self.free
+    }
+}
+
+/// State of an articulation's bodies at a second-order substep's start, and where it ends without joints.
+pub(super) struct Start<'a> {
+    pub stances: &'a mut [Stance],
+    pub rates: &'a mut [Rate],
+    /// Angular momentum before anything is extrapolated (N·m·s).
+    pub momenta: &'a mut [DVec3],
+    pub predicted: &'a mut [Stance],
+}
+
+dispatched!(
+    /// Puts bodies where their second-order substep starts, whose Euler part is `h` long (s), and finds where that ends without
+    /// joints.
+    predict, predict_body, (quads: &[Quad], order: &SecondOrder, h: f64, histories: &[History], start: &mut Start)
+);
+
+dispatched!(
+    /// Moves bodies from the extrapolated start of a second-order substep to its end, at rates found with the inertia of where they
+    /// respond.
+    advance, advance_body, (quads: &[Quad], h: f64, bodies: &[DirectBody], stances: &mut [Stance], rates: &mut [Rate])
+);
+
+dispatched!(
+    /// Adds the stiffness of forces, h·Σ [`stiffness::of_impulse`], to the inertia that answers to impulses at these poses.
+    respond, respond_body, (quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody])
+);
+
+#[inline(always)]
+fn predict_body(quads: &[Quad], order: &SecondOrder, h: f64, histories: &[History], start: &mut Start) {
+    let Start { stances, rates, momenta, predicted } = start;
+    let (share, length, one) = (Four::splat(order.extrapolation), Four::splat(h), Four::splat(1.0));
+    for quad in quads {
+        let last = [&histories[quad.at(0)], &histories[quad.at(1)], &histories[quad.at(2)], &histories[quad.at(3)]];
+        let (place, rotation) = quad.places(stances);
+        let (linear, angular) = quad.velocities(rates);
+        let axes = quad.axes(rotation);
+        let spin = axes.rotate(axes.conjugate().rotate(angular) * quad.inertia);
+        let before = Four3::of([
+            last[0].momentum_before.as_dvec3(),
+            last[1].momentum_before.as_dvec3(),
+            last[2].momentum_before.as_dvec3(),
+            last[3].momentum_before.as_dvec3(),
+        ]);
+        let linear_before = Four3::of([
+            last[0].linear_before.as_dvec3(),
+            last[1].linear_before.as_dvec3(),
+            last[2].linear_before.as_dvec3(),
+            last[3].linear_before.as_dvec3(),
+        ]);
+        let displacement = Four3::of([
+            last[0].displacement.as_dvec3(),
+            last[1].displacement.as_dvec3(),
+            last[2].displacement.as_dvec3(),
+            last[3].displacement.as_dvec3(),
+        ]);
+        let turn =
+            Four3::of([last[0].turn.as_dvec3(), last[1].turn.as_dvec3(), last[2].turn.as_dvec3(), last[3].turn.as_dvec3()]);
+        let start = (place + displacement * share, rotation.turned(turn * share));
+        let momentum = spin + (spin - before) * share + quad.torque * length;
+        let slowed = one + length * quad.angular_damping;
+        let (mut end, mut angular) = (start.1, angular);
+        for _ in 0..MOMENTUM_PASSES {
+            let guess = angular;
+            end = start.1.turned((guess * length).clamp_length(MOST_TURN));
+            angular = quad.spin_of(quad.axes(end), momentum) * (one / slowed);
+            let change = (angular - guess) * length;
+            if !any(Four::splat(NEGLIGIBLE_TURN * NEGLIGIBLE_TURN).below(change.dot(change))) {
+                break;
+            }
+        }
+        let linear = linear + (linear - linear_before) * share + quad.acceleration * quad.free_along * length;
+        let linear = (linear * (one / (one + length * quad.linear_damping))).clamp_length(MOST_SPEED);
+        let angular = angular.clamp_length(MOST_SPIN.min(MOST_TURN / h));
+        let reached = start.0 + linear * length;
+        for j in 0..quad.count {
+            let i = quad.at(j);
+            momenta[i] = spin.get(j);
+            stances[i] = (start.0.get(j), start.1.get(j));
+            rates[i] = Rate { linear: linear.get(j), angular: angular.get(j) };
+            predicted[i] = (reached.get(j), end.get(j));
+        }
+    }
+}
+
+#[inline(always)]
+fn advance_body(quads: &[Quad], h: f64, bodies: &[DirectBody], stances: &mut [Stance], rates: &mut [Rate]) {
+    let length = Four::splat(h);
+    for quad in quads {
+        let (place, rotation) = quad.places(stances);
+        let (linear, angular) = quad.velocities(rates);
+        let (linear, angular) = (linear.clamp_length(MOST_SPEED), angular.clamp_length(MOST_SPIN.min(MOST_TURN / h)));
+        let place = place + linear * length;
+        let rotation = rotation.turned((angular * length).clamp_length(MOST_TURN));
+        let inertia =
+            [&bodies[quad.at(0)].inertia, &bodies[quad.at(1)].inertia, &bodies[quad.at(2)].inertia, &bodies[quad.at(3)].inertia];
+        // The momentum is what the joints left; on a thin rod it can be a far higher speed in another pose, which is refused.
+        let momentum = FourSymmetric::of(inertia).times(angular);
+        let carried = quad.spin_of(quad.axes(rotation), momentum);
+        let carries = momentum.dot(carried).at_most(momentum.dot(angular) * Four::splat(1.0 + MOST_GAIN));
+        let angular = Four3::select(both(carries, quad.is_tumbling), carried, angular);
+        for j in 0..quad.count {
+            let i = quad.at(j);
+            stances[i] = (place.get(j), rotation.get(j));
+            rates[i] = Rate { linear: linear.get(j), angular: angular.get(j) };
+        }
+    }
+}
+
+#[inline(always)]
+fn respond_body(quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody]) {
+    for quad in quads {
+        let (_, rotation) = quad.places(stances);
+        let inertia = quad.axes(rotation).turn_diagonal(quad.inertia);
+        let forces = [&stiffness[quad.at(0)], &stiffness[quad.at(1)], &stiffness[quad.at(2)], &stiffness[quad.at(3)]];
+        let forces = stiffness::without_negative(FourSymmetric::of(forces));
+        // Bodies with locked axes answer without stiffness.
+        let share = Four::select(quad.is_free, Four::splat(1.0), Four::splat(0.0));
+        let inverse = inertia.plus(forces, share).inverse().scaled(quad.free);
+        for j in 0..quad.count {
+            let body = &mut bodies[quad.at(j)];
+            body.inertia = inertia.get(j);
+            body.inverse_inertia = inverse.get(j);
+        }
+    }
+}
