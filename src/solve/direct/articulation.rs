@@ -24,7 +24,7 @@ use super::contacts::Touch;
 use super::history::{History, SecondOrder};
 use super::layout::Link;
 use super::points::Points;
-use super::quads::Quad;
+use super::quads::{self, Quad};
 use super::system::{System, Topology};
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
@@ -51,9 +51,12 @@ const MOST_PASSES: f64 = 400.0;
 /// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
 const MUST_FALL: f64 = 0.5;
 
-/// Change of velocity beyond a steady one that a second-order substep of the default effort may have, over the articulation's
-/// extent (1/s); at another effort it goes with the square of the substep.
-const MOST_SURPRISE: f64 = 2.0e-4;
+/// Change of velocity beyond a steady one that a second-order substep of the default effort may have in an articulation of one
+/// metre (m/s); at another effort it goes with the square of the substep.
+///
+/// With the extent L it goes as L √L: errors are judged against L, and grow with every swing, of which there are as many in a
+/// second as √L is small.
+const MOST_SURPRISE: f64 = 1.2e-4;
 
 /// Error of the path (m) after about a second for the same change of velocity (m/s) in every substep (s): 2.2 on a swing of 10
 /// links, 1.1 of 30, 0.7 of 100.
@@ -113,20 +116,21 @@ pub(crate) struct Articulation {
     /// Rate at which the forces on each body turn with what it slides around (rad/s).
     pub(super) turning: Vec<DVec3>,
     /// State at the start of the substep.
-    pub(super) began: Vec<(Stance, Rate)>,
+    pub(super) began: Began,
     pub(super) histories: Vec<History>,
     pub(super) predicted: Vec<Stance>,
-    /// Angular momentum of each body at the start of the substep, where it has been formed (N·m·s).
-    pub(super) momenta: Vec<DVec3>,
+    /// How readily the bodies of each joint turn under its force (1/(kg·m)).
+    pub(super) eases: Vec<f64>,
     pub(super) implicit: Vec<f64>,
     pub(super) changes: Vec<Rate>,
     pub(super) tried: Vec<Stance>,
-    saved: Vec<Saved>,
     /// Joints at the start of the step.
     untouched: Vec<JointEntry>,
     /// Whether a joint ties it to something that it does not move.
     pub(super) hangs: bool,
     pub(super) order: SecondOrder,
+    /// Length of the last substep, if it was one of this step that the histories hold (s).
+    continues: Option<f64>,
     /// Greatest change of velocity beyond a steady one in a substep of this step (m/s).
     surprise: f64,
     /// Length of the substep (s).
@@ -162,11 +166,11 @@ pub(crate) struct Outcome {
     pub penetration: f64,
 }
 
-/// State before a substep.
+/// State at the start of a substep, which can be undone until the next one begins.
 #[derive(Debug, Clone, Default)]
-struct Saved {
-    rates: Vec<Rate>,
-    stances: Vec<Stance>,
+pub(super) struct Began {
+    pub rates: Vec<Rate>,
+    pub stances: Vec<Stance>,
     joints: Vec<SavedJoint>,
     touches: Vec<Touch>,
 }
@@ -244,7 +248,7 @@ impl Articulation {
         // Carried multipliers are those of the world's substep.
         let share = f64::from(substeps) / f64::from(taken);
         self.scale_impulses(share as f32);
-        self.surprise = 0.0;
+        (self.surprise, self.continues) = (0.0, None);
         let energy = self.energy();
         let mut error = None;
         for _ in 0..taken {
@@ -312,7 +316,7 @@ impl Articulation {
             let bound = if target > 0.0 {
                 target / ERROR_PER_SURPRISE
             } else {
-                MOST_SURPRISE * self.extent() * (NOMINAL_SUBSTEPS / f64::from(substeps)).powi(2)
+                MOST_SURPRISE * self.extent() * self.extent().sqrt() * (NOMINAL_SUBSTEPS / f64::from(substeps)).powi(2)
             };
             let wanted = f64::from(taken) * (self.surprise / bound).sqrt();
             (wanted, settings.articulations.most_substeps * substeps)
@@ -379,9 +383,12 @@ impl Articulation {
 
     /// One substep, in halves where it must be; takes the worst error where it is known, and returns it (m).
     fn advance(&mut self, joints: &Pool<Joint, JointId>, h: f64, depth: u32, before: Option<f64>) -> f64 {
-        self.save(depth);
+        self.begin();
         if self.mode == Mode::Smooth {
-            let order = self.second_order(h);
+            let order = match self.continues {
+                Some(last) => SecondOrder::new(h, last),
+                None => self.second_order(h),
+            };
             let second_order = order.is_some();
             self.order = order.unwrap_or_default();
             let momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
@@ -393,14 +400,17 @@ impl Articulation {
                 if second_order {
                     self.surprise = self.surprise.max(self.surprise());
                 }
-                self.note_history(h);
+                quads::note(&self.quads, h, &self.began, (&self.stances, &self.rates), &mut self.histories);
+                // As the histories hold it.
+                self.continues = Some(f64::from(h as f32));
                 let order = if second_order { &mut self.outcome.second_order } else { &mut self.outcome.first_order };
                 *order += 1;
                 return error;
             }
             self.mode = Mode::Safe;
-            self.forget_history();
-            self.restore(depth);
+            self.histories.fill(History::NONE);
+            self.continues = None;
+            self.restore();
         }
         let before = before.unwrap_or_else(|| self.find_errors(joints).worst);
         let momentum = self.substep(joints, h, Mode::Safe);
@@ -412,7 +422,7 @@ impl Articulation {
         let gives_up = !settled && self.passes_left == 0;
         if good || gives_up || depth >= MOST_HALVINGS || self.budget == 0 {
             if !error.is_finite() {
-                self.restore(depth);
+                self.restore();
                 return before;
             }
             self.outcome.safe += 1;
@@ -421,7 +431,7 @@ impl Articulation {
         }
         self.budget -= 1;
         self.outcome.halvings += 1;
-        self.restore(depth);
+        self.restore();
         self.scale_impulses(0.5);
         let middle = self.advance(joints, 0.5 * h, depth + 1, Some(before));
         let error = self.advance(joints, 0.5 * h, depth + 1, Some(middle));
@@ -429,11 +439,8 @@ impl Articulation {
         error
     }
 
-    fn save(&mut self, depth: u32) {
-        if self.saved.len() <= depth as usize {
-            self.saved.push(Saved::default());
-        }
-        let saved = &mut self.saved[depth as usize];
+    fn begin(&mut self) {
+        let saved = &mut self.began;
         saved.rates.clone_from(&self.rates);
         saved.stances.clone_from(&self.stances);
         saved.joints.clear();
@@ -445,8 +452,8 @@ impl Articulation {
         saved.touches.clone_from(&self.touches);
     }
 
-    fn restore(&mut self, depth: u32) {
-        let saved = &self.saved[depth as usize];
+    fn restore(&mut self) {
+        let saved = &self.began;
         self.rates.clone_from(&saved.rates);
         self.stances.clone_from(&saved.stances);
         self.points.is_known = false;

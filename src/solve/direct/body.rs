@@ -122,9 +122,13 @@ impl DirectBody {
         let Some(mass) = self.free_mass() else { return 0.0 };
         let local = if self.top.round { rate.angular } else { (stance.1 * self.top.frame).conjugate() * rate.angular };
         let kinetic = 0.5 * (mass * rate.linear.length_squared() + local.dot(self.top.inertia * local));
+        let excess = kinetic - mass * self.acceleration.dot(stance.0 - start.0);
+        if self.torque == DVec3::ZERO {
+            return excess;
+        }
         let turned = stance.1 * start.1.conjugate();
         let turn = 2.0 * turned.w.signum() * DVec3::new(turned.x, turned.y, turned.z);
-        kinetic - mass * self.acceleration.dot(stance.0 - start.0) - self.torque.dot(turn)
+        excess - self.torque.dot(turn)
     }
 
     /// Mass of a body that moves freely (kg).

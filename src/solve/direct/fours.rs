@@ -10,6 +10,9 @@ use glam::{DMat3, DQuat, DVec3};
 use super::block::Lanes;
 use crate::solve::rotation::{FEW_TERMS, FEW_TERMS_BELOW, SERIES};
 
+/// Square of the sine of half an angle below which a rotation is small.
+const SMALL_SQUARE: f64 = 1.0e-3;
+
 /// A number of each of four bodies.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Four(pub Lanes);
@@ -270,6 +273,16 @@ impl FourTurns {
         let product = Self { v: half * sine_over_angle, w: cosine } * self;
         let share = one / (product.v.dot(product.v) + product.w * product.w).sqrt();
         Self { v: product.v * share, w: product.w * share }
+    }
+
+    /// The rotation vectors (rad), and where they are right: 2 asin(s)/s to rounding of `f32`, of rotations by less than 3.6°.
+    #[inline(always)]
+    pub(super) fn small_vector(self) -> (Four3, Mask) {
+        let square = self.v.dot(self.v);
+        let third = Four::splat(3.0 / 20.0) + square * Four::splat(5.0 / 56.0);
+        let share = Four::splat(2.0) + square * (Four::splat(1.0 / 3.0) + square * third);
+        let sign = Four::select(self.w.below(Four::splat(0.0)), -share, share);
+        (self.v * sign, square.below(Four::splat(SMALL_SQUARE)))
     }
 
     /// A D Aᵀ, with A the matrix of the rotation.

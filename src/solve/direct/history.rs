@@ -13,12 +13,11 @@
 //! error of first order. The first substep after an impact, an edit or a halving is of first order.
 //!
 //! **How many substeps.** The local error is (2/9) h³ x‴ ≈ (2/9) h |δ|, with δ = v_{n+1} − v_n − ω (v_n − v_{n−1}). An articulation
-//! takes as many substeps as keep (2/9) |δ|, as the root mean square over its mass, below a bound: one where it hangs still, more
+//! takes as many substeps as keep (2/9) |δ|, as the mean over its mass, below a bound: one where it hangs still, more
 //! where it whips.
 
 use glam::{DQuat, DVec3, Vec3};
 
-use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;
 use crate::solve::lead::Twist;
 
@@ -66,8 +65,8 @@ pub(crate) struct History {
     pub(super) linear_before: Vec3,
     pub(super) momentum_before: Vec3,
     /// Velocities at its end: others mean that the body has been struck or edited since.
-    linear: Vec3,
-    angular: Vec3,
+    pub(super) linear: Vec3,
+    pub(super) angular: Vec3,
 }
 
 crate::snapshot::stored::stored!(History { h, substeps, displacement, turn, linear_before, momentum_before, linear, angular });
@@ -83,22 +82,6 @@ impl History {
         linear: Vec3::ZERO,
         angular: Vec3::ZERO,
     };
-
-    /// Of a body that went from one state to another in a substep of length `h` (s).
-    ///
-    /// `momentum` is the angular momentum about the centre of mass in the first of them (N·m·s).
-    pub(crate) fn of(h: f64, from: (&Stance, &Rate), momentum: DVec3, to: (&Stance, &Rate)) -> Self {
-        Self {
-            h: h as f32,
-            substeps: 0,
-            displacement: (to.0.0 - from.0.0).as_vec3(),
-            turn: rotation_vector(to.0.1 * from.0.1.conjugate()).as_vec3(),
-            linear_before: from.1.linear.as_vec3(),
-            momentum_before: momentum.as_vec3(),
-            linear: to.1.linear.as_vec3(),
-            angular: to.1.angular.as_vec3(),
-        }
-    }
 
     /// Of a body that sweeps have moved, and whose velocity was told with this lead.
     pub(crate) fn leading([linear, angular]: Twist) -> Self {
@@ -128,15 +111,10 @@ impl History {
     }
 }
 
-/// Rotation vector of a rotation by less than half a turn (rad).
+/// Rotation vector of a rotation by less than half a turn, but not by next to nothing (rad).
 pub(super) fn rotation_vector(rotation: DQuat) -> DVec3 {
     let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
     let axis = DVec3::new(rotation.x, rotation.y, rotation.z);
     let sine = axis.length();
-    let square = sine * sine;
-    if square < 1.0e-3 {
-        // 2 asin(s)/s, to rounding of the numbers kept.
-        return axis * (2.0 + square * (1.0 / 3.0 + square * (3.0 / 20.0 + square * (5.0 / 56.0))));
-    }
     axis * (2.0 * libm::atan2(sine, rotation.w) / sine)
 }

@@ -87,7 +87,12 @@ impl Articulation {
             self.topology = derive_topology(&self.links, &self.room, self.bodies.len(), asked).unwrap_or_default();
         }
         quads::gather(&mut self.quads, &self.bodies);
-        let Self { entries, .. } = self;
+        let Self { entries, links, bodies, eases, .. } = self;
+        let ease = |(entry, link): (&JointEntry, &Link)| -> f64 {
+            [0, 1].map(|side| bodies[link.bodies[side] as usize].turning_ease(entry.local_lever[side])).iter().sum()
+        };
+        eases.clear();
+        eases.extend(entries.iter().zip(&*links).map(ease));
         let levers = entries.iter().flat_map(|entry| entry.local_lever).map(DVec3::length).filter(|&length| length > 0.0);
         let (sum, count) = levers.fold((0.0, 0.0), |(sum, count), length| (sum + length, count + 1.0));
         self.size = if count > 0.0 { sum / count } else { 1.0 };

@@ -254,7 +254,7 @@ impl Articulation {
                         0.0 => spots[number].halfway(),
                         share => {
                             let between = |body: u32| {
-                                let (from, to) = (began[body as usize].0, predicted[body as usize]);
+                                let (from, to) = (began.stances[body as usize], predicted[body as usize]);
                                 (from.0.lerp(to.0, share), from.1.lerp(to.1, share))
                             };
                             Spot::of(&entries[number], &between(bodies[0]), &between(bodies[1])).halfway()

@@ -77,10 +77,10 @@ impl Articulation {
             let [a, b] = link.bodies.map(|body| body as usize);
             let placement = |a: &Stance, b: &Stance| if link.is_plain { entry.points(a, b) } else { entry.placement(*a, *b) };
             let geometry = if matches!(phase, Phase::Velocity { .. }) {
-                let start = placement(&began[a].0, &began[b].0);
+                let start = placement(&began.stances[a], &began.stances[b]);
                 let end = placement(&predicted[a], &predicted[b]);
                 let between = |body: usize| {
-                    let (from, to) = (began[body].0, predicted[body]);
+                    let (from, to) = (began.stances[body], predicted[body]);
                     (from.0.lerp(to.0, implicit[number]), from.1.lerp(to.1, implicit[number]))
                 };
                 let gradient = match implicit[number] {

@@ -2,9 +2,10 @@
 
 use glam::{DMat3, DVec3};
 
+use super::articulation::Began;
 use super::body::DirectBody;
 use super::fours::{Four, Four3, FourSymmetric, FourTurns, Mask, any, both};
-use super::history::{History, SecondOrder};
+use super::history::{History, SecondOrder, rotation_vector};
 use super::stiffness;
 use crate::solve::dispatch::dispatched;
 use crate::solve::joint::Stance;
@@ -103,6 +104,13 @@ impl Quad {
         if self.is_aligned { rotation } else { rotation * self.frame }
     }
 
+    /// Angular momentum about the centre of mass (N·m·s).
+    #[inline(always)]
+    fn spin(&self, rotation: FourTurns, angular: Four3) -> Four3 {
+        let axes = self.axes(rotation);
+        axes.rotate(axes.conjugate().rotate(angular) * self.inertia)
+    }
+
     /// Angular velocity of an angular momentum about these principal axes.
     #[inline(always)]
     fn spin_of(&self, axes: FourTurns, momentum: Four3) -> Four3 {
@@ -114,8 +122,6 @@ impl Quad {
 pub(super) struct Start<'a> {
     pub stances: &'a mut [Stance],
     pub rates: &'a mut [Rate],
-    /// Angular momentum before anything is extrapolated (N·m·s).
-    pub momenta: &'a mut [DVec3],
     pub predicted: &'a mut [Stance],
 }
 
@@ -136,16 +142,20 @@ dispatched!(
     respond, respond_body, (quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody])
 );
 
+dispatched!(
+    /// Notes a substep of length `h` (s) that ends in these stances and rates, for the next one.
+    note, note_body, (quads: &[Quad], h: f64, began: &Began, ended: (&[Stance], &[Rate]), histories: &mut [History])
+);
+
 #[inline(always)]
 fn predict_body(quads: &[Quad], order: &SecondOrder, h: f64, histories: &[History], start: &mut Start) {
-    let Start { stances, rates, momenta, predicted } = start;
+    let Start { stances, rates, predicted } = start;
     let (share, length, one) = (Four::splat(order.extrapolation), Four::splat(h), Four::splat(1.0));
     for quad in quads {
         let last = [&histories[quad.at(0)], &histories[quad.at(1)], &histories[quad.at(2)], &histories[quad.at(3)]];
         let (place, rotation) = quad.places(stances);
         let (linear, angular) = quad.velocities(rates);
-        let axes = quad.axes(rotation);
-        let spin = axes.rotate(axes.conjugate().rotate(angular) * quad.inertia);
+        let spin = quad.spin(rotation, angular);
         let before = Four3::of([
             last[0].momentum_before.as_dvec3(),
             last[1].momentum_before.as_dvec3(),
@@ -185,7 +195,6 @@ fn predict_body(quads: &[Quad], order: &SecondOrder, h: f64, histories: &[Histor
         let reached = start.0 + linear * length;
         for j in 0..quad.count {
             let i = quad.at(j);
-            momenta[i] = spin.get(j);
             stances[i] = (start.0.get(j), start.1.get(j));
             rates[i] = Rate { linear: linear.get(j), angular: angular.get(j) };
             predicted[i] = (reached.get(j), end.get(j));
@@ -231,6 +240,33 @@ fn respond_body(quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies:
             let body = &mut bodies[quad.at(j)];
             body.inertia = inertia.get(j);
             body.inverse_inertia = inverse.get(j);
+        }
+    }
+}
+
+#[inline(always)]
+fn note_body(quads: &[Quad], h: f64, began: &Began, (stances, rates): (&[Stance], &[Rate]), histories: &mut [History]) {
+    for quad in quads {
+        let (from, before) = quad.places(&began.stances);
+        let (to, after) = quad.places(stances);
+        let (linear_before, angular_before) = quad.velocities(&began.rates);
+        let (linear, angular) = quad.velocities(rates);
+        let momentum = quad.spin(before, angular_before);
+        let displacement = to - from;
+        let change = after * before.conjugate();
+        let (turn, is_small) = change.small_vector();
+        for j in 0..quad.count {
+            let turn = if is_small[j] { turn.get(j) } else { rotation_vector(change.get(j)) };
+            histories[quad.at(j)] = History {
+                h: h as f32,
+                substeps: 0,
+                displacement: displacement.get(j).as_vec3(),
+                turn: turn.as_vec3(),
+                linear_before: linear_before.get(j).as_vec3(),
+                momentum_before: momentum.get(j).as_vec3(),
+                linear: linear.get(j).as_vec3(),
+                angular: angular.get(j).as_vec3(),
+            };
         }
     }
 }

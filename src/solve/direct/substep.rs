@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::{Articulation, Mode};
-use super::history::{History, SecondOrder};
+use super::history::SecondOrder;
 use super::quads::{self, Start};
 use super::row::Origin;
 use super::stiffness;
@@ -24,8 +24,6 @@ const IMPLICIT_RANGE: (f64, f64) = (0.5, 2.0);
 impl Articulation {
     /// Moves the bodies; returns the angular momentum that they should have, where joints alone act on them.
     pub(super) fn substep(&mut self, joints: &Pool<Joint, JointId>, full: f64, mode: Mode) -> Option<DVec3> {
-        self.began.clear();
-        self.began.extend(self.stances.iter().copied().zip(self.rates.iter().copied()));
         self.h = full;
         let momentum = self.expected_momentum(full);
         if self.is_points {
@@ -111,17 +109,19 @@ impl Articulation {
         if together { SecondOrder::new(h, f64::from(before)) } else { None }
     }
 
-    /// Root mean square over the mass of the change of velocity beyond a steady one in this substep (m/s).
+    /// Mean over the mass of the change of velocity beyond a steady one in this substep (m/s).
+    ///
+    /// Not its root mean square, which light links that tremble under a heavy weight would rule, though they hardly move it.
     pub(super) fn surprise(&self) -> f64 {
         let (mut sum, mut total) = (0.0, 0.0);
         for (i, body) in self.bodies.iter().enumerate() {
             if let Some(mass) = body.free_mass() {
-                let surprise = self.histories[i].surprise(self.began[i].1.linear, self.rates[i].linear, &self.order);
-                sum += mass * surprise.length_squared();
+                let surprise = self.histories[i].surprise(self.began.rates[i].linear, self.rates[i].linear, &self.order);
+                sum += mass * surprise.length();
                 total += mass;
             }
         }
-        if total > 0.0 { (sum / total).sqrt() } else { 0.0 }
+        if total > 0.0 { sum / total } else { 0.0 }
     }
 
     /// Angular momentum at the end of a substep of an articulation that hangs on nothing.
@@ -131,23 +131,8 @@ impl Articulation {
         }
         self.apply_forces(h);
         let momentum = self.whole().map(|whole| whole.spin());
-        for (rate, (_, began)) in self.rates.iter_mut().zip(&self.began) {
-            *rate = *began;
-        }
+        self.rates.clone_from(&self.began.rates);
         momentum
-    }
-
-    /// Notes the substep that ends here for the next one.
-    pub(super) fn note_history(&mut self, h: f64) {
-        for (i, (stance, rate)) in self.began.iter().enumerate() {
-            let momentum = self.momenta.get(i).copied().unwrap_or_else(|| self.bodies[i].spin(stance, rate));
-            self.histories[i] = History::of(h, (stance, rate), momentum, (&self.stances[i], &self.rates[i]));
-        }
-    }
-
-    /// Lets the next substep be of first order.
-    pub(super) fn forget_history(&mut self) {
-        self.histories.fill(History::NONE);
     }
 
     /// Gives back what the substep took of the angular momentum.
@@ -183,7 +168,6 @@ impl Articulation {
     /// Adds the forces, and finds where the bodies would be at the end of the substep without any joint.
     fn predict(&mut self, full: f64, h: f64, mode: Mode) {
         self.predicted.clear();
-        self.momenta.clear();
         if mode == Mode::SecondOrder {
             self.predict_second_order(full, h);
             return;
@@ -200,10 +184,9 @@ impl Articulation {
 
     /// Puts bodies where their second-order substep starts, `full` long with an Euler part of `h`, and finds where that ends.
     fn predict_second_order(&mut self, full: f64, h: f64) {
-        let Self { bodies, quads, order, histories, stances, rates, momenta, predicted, .. } = self;
-        momenta.resize(bodies.len(), DVec3::ZERO);
+        let Self { bodies, quads, order, histories, stances, rates, predicted, .. } = self;
         predicted.extend_from_slice(stances);
-        quads::predict(quads, order, h, histories, &mut Start { stances, rates, momenta, predicted });
+        quads::predict(quads, order, h, histories, &mut Start { stances, rates, predicted });
         // A body that is moved by others arrives where a whole substep takes it.
         for i in (0..bodies.len()).filter(|&i| !bodies[i].is_dynamic()) {
             let (stance, rate) = (&mut stances[i], &rates[i]);
@@ -239,9 +222,8 @@ impl Articulation {
             let implicit = if mode == Mode::Safe {
                 1.0
             } else {
-                let ease: f64 =
-                    [0, 1].map(|side| self.bodies[link.bodies[side] as usize].turning_ease(levers[side])).iter().sum();
-                ((h * impulse.length() * ease - IMPLICIT_RANGE.0) / (IMPLICIT_RANGE.1 - IMPLICIT_RANGE.0)).clamp(0.0, 1.0)
+                ((h * impulse.length() * self.eases[number] - IMPLICIT_RANGE.0) / (IMPLICIT_RANGE.1 - IMPLICIT_RANGE.0))
+                    .clamp(0.0, 1.0)
             };
             self.implicit.push(if mode == Mode::SecondOrder { 1.0 } else { implicit });
             if impulse == DVec3::ZERO || implicit == 0.0 {
