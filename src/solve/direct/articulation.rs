@@ -56,7 +56,7 @@ const MUST_FALL: f64 = 0.5;
 ///
 /// With the extent L it goes as L √L: errors are judged against L, and grow with every swing, of which there are as many in a
 /// second as √L is small.
-const MOST_SURPRISE: f64 = 1.2e-4;
+const MOST_SURPRISE: f64 = 1.8e-4;
 
 /// Error of the path (m) after about a second for the same change of velocity (m/s) in every substep (s): 2.2 on a swing of 10
 /// links, 1.1 of 30, 0.7 of 100.
@@ -131,7 +131,7 @@ pub(crate) struct Articulation {
     pub(super) order: SecondOrder,
     /// Length of the last substep, if it was one of this step that the histories hold (s).
     continues: Option<f64>,
-    /// Greatest change of velocity beyond a steady one in a substep of this step (m/s).
+    /// Change of velocity beyond a steady one in the last substep, where that was of second order (m/s).
     surprise: f64,
     /// Length of the substep (s).
     pub(super) h: f64,
@@ -234,7 +234,6 @@ impl Articulation {
         motions: &[BodyMotion],
         settings: &StepSettings,
     ) {
-        let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
         self.load(velocities, motions);
         self.step_start.clone_from(&self.stances);
         if !self.watched.is_empty() || !self.touches.is_empty() {
@@ -244,23 +243,50 @@ impl Articulation {
         self.passes_left = budget.clamp(LEAST_PASSES, MOST_PASSES) as usize;
         self.budget = if budget > 0.0 { budget.clamp(LEAST_HALVINGS, MOST_BUDGET) as u32 } else { 0 };
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
-        let taken = self.wanted_substeps(substeps, dt);
-        // Carried multipliers are those of the world's substep.
-        let share = f64::from(substeps) / f64::from(taken);
-        self.scale_impulses(share as f32);
-        (self.surprise, self.continues) = (0.0, None);
+        self.continues = None;
         let energy = self.energy();
+        self.take_substeps(joints, settings);
+        self.outcome.energy_change = self.energy() - energy;
+    }
+
+    /// Takes the substeps that the last step found to be enough, and more from where one shows that they are not.
+    fn take_substeps(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
+        let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
+        let (most, bound) = (settings.articulations.most_substeps * substeps, self.most_surprise(settings));
+        // Carried multipliers are those of the world's substep.
+        let of_world = dt / f64::from(substeps);
+        let (mut taken, mut rest, mut left, mut needed) = (0, self.wanted_substeps(substeps, dt), dt, 0.0_f64);
+        let mut h = dt / f64::from(rest);
+        self.scale_impulses((h / of_world) as f32);
         let mut error = None;
-        for _ in 0..taken {
-            error = Some(self.advance(joints, dt / f64::from(taken), 0, error));
-            // Its contacts are swept then, and what it did is taken back.
-            if self.outcome.unsettled {
+        loop {
+            self.surprise = 0.0;
+            error = Some(self.advance(joints, h, 0, error));
+            (taken, rest, left) = (taken + 1, rest - 1, left - h);
+            needed = needed.max(dt / h * (self.surprise / bound).sqrt());
+            // What is unsettled is taken back, and its contacts are swept.
+            if rest == 0 || self.outcome.unsettled {
                 break;
             }
+            let finer = ((left / h * (self.surprise / bound).sqrt()).ceil() as u32).min(2 * rest).min(most.saturating_sub(taken));
+            if finer > rest {
+                rest = finer;
+                let before = std::mem::replace(&mut h, left / f64::from(rest));
+                self.scale_impulses((h / before) as f32);
+            }
         }
-        self.scale_impulses((1.0 / share) as f32);
-        self.outcome.energy_change = self.energy() - energy;
-        self.note_wanted_substeps(settings, taken);
+        self.scale_impulses((of_world / h) as f32);
+        self.note_wanted_substeps(settings, taken, needed);
+    }
+
+    /// Greatest change of velocity beyond a steady one that a second-order substep may have (m/s).
+    fn most_surprise(&self, settings: &StepSettings) -> f64 {
+        let target = f64::from(settings.articulations.error_target);
+        if target > 0.0 {
+            return target / ERROR_PER_SURPRISE;
+        }
+        let extent = self.extent();
+        MOST_SURPRISE * extent * extent.sqrt() * (NOMINAL_SUBSTEPS / f64::from(settings.substeps)).powi(2)
     }
 
     /// Substeps that the last step found to be enough, or the world's where there is none to go by.
@@ -307,19 +333,13 @@ impl Articulation {
         (high - low).length().max(self.size)
     }
 
-    /// Notes for the next step how many substeps would have kept the local error below its bound, or where it moved safely, their
-    /// paths short.
-    fn note_wanted_substeps(&mut self, settings: &StepSettings, taken: u32) {
-        let (substeps, target) = (settings.substeps, f64::from(settings.articulations.error_target));
+    /// Notes for the next step how many substeps would have kept the local error below its bound, `needed`, or where it moved
+    /// safely, their paths short.
+    fn note_wanted_substeps(&mut self, settings: &StepSettings, taken: u32, needed: f64) {
+        let substeps = settings.substeps;
         let outcome = &self.outcome;
         let (wanted, most) = if outcome.first_order + outcome.safe + outcome.halvings == 0 {
-            let bound = if target > 0.0 {
-                target / ERROR_PER_SURPRISE
-            } else {
-                MOST_SURPRISE * self.extent() * self.extent().sqrt() * (NOMINAL_SUBSTEPS / f64::from(substeps)).powi(2)
-            };
-            let wanted = f64::from(taken) * (self.surprise / bound).sqrt();
-            (wanted, settings.articulations.most_substeps * substeps)
+            (needed, settings.articulations.most_substeps * substeps)
         } else if outcome.first_order + outcome.halvings == 0 && !outcome.unsettled {
             (self.greatest_speed() * f64::from(settings.dt) / (MOST_STRIDE * self.size), substeps)
         } else {
@@ -398,7 +418,7 @@ impl Articulation {
                 let error = self.project(joints, errors);
                 self.keep_momentum(momentum);
                 if second_order {
-                    self.surprise = self.surprise.max(self.surprise());
+                    self.surprise = self.surprise();
                 }
                 quads::note(&self.quads, h, &self.began, (&self.stances, &self.rates), &mut self.histories);
                 // As the histories hold it.
