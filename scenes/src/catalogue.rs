@@ -155,8 +155,10 @@ mod tests {
 
     #[test]
     fn common_keys_reach_the_world() {
-        let given = [set("substeps", "7"), set("iterations", "3"), set("seconds", "1")].concat();
+        let target = [set("error_target", "0.5"), set("most_substeps", "9")].concat();
+        let given = [set("substeps", "7"), set("iterations", "3"), set("seconds", "1"), target].concat();
         let scene = build("pile", &given).unwrap();
         assert_eq!((scene.world.substeps, scene.world.iterations, scene.steps), (7, 3, 60));
+        assert_eq!((scene.world.articulations.error_target, scene.world.articulations.most_substeps), (0.5, 9));
     }
 }

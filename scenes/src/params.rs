@@ -53,6 +53,9 @@ pub struct Params {
     asked: Vec<(String, String)>,
 }
 
+/// Keys that every scene takes beside the kinds of long-range constraints.
+const COMMON: [&str; 7] = ["seconds", "solver", "substeps", "iterations", "error_target", "most_substeps", "sleep"];
+
 impl Params {
     /// Of two values of one key the later counts.
     pub fn new(given: &[(String, String)]) -> Self {
@@ -125,8 +128,7 @@ impl Params {
         self.asked
     }
 
-    /// Applies the keys that every scene takes: `solver`, `substeps`, `iterations`, `sleep` and the long-range kinds. They are
-    /// recorded only if given.
+    /// Applies the keys that every scene takes, [`COMMON`] and the long-range kinds. They are recorded only if given.
     pub(crate) fn apply_common(&mut self, world: &mut WorldDef) -> Result<(), SceneError> {
         if self.given("solver").is_some() {
             world.solver = match self.word("solver", &["auto", "gs", "direct"])? {
@@ -157,6 +159,12 @@ impl Params {
         if self.given("iterations").is_some() {
             world.iterations = self.parsed("iterations", world.iterations, 1..=256)?;
         }
+        if self.given("error_target").is_some() {
+            world.articulations.error_target = self.parsed("error_target", world.articulations.error_target, 0.0..=1.0e3)?;
+        }
+        if self.given("most_substeps").is_some() {
+            world.articulations.most_substeps = self.parsed("most_substeps", world.articulations.most_substeps, 1..=64)?;
+        }
         if self.given("sleep").is_some() {
             world.sleep = SleepSettings { enabled: self.switch("sleep", false)?, ..world.sleep };
         }
@@ -177,7 +185,7 @@ impl Params {
         match self.given.iter().find(|(key, _)| !self.asked.iter().any(|(asked, _)| asked == key)) {
             None => Ok(()),
             Some((key, _)) => {
-                let common = ["seconds", "solver", "substeps", "iterations", "sleep"].into_iter().chain(LONG_RANGE_KINDS);
+                let common = COMMON.into_iter().chain(LONG_RANGE_KINDS);
                 let asked = self.asked.iter().map(|(key, _)| key.as_str());
                 let own: Vec<&str> = asked.filter(|key| !common.clone().any(|common| common == *key)).collect();
                 let valid = own.into_iter().chain(common.clone()).collect::<Vec<_>>().join(", ");

@@ -56,7 +56,7 @@ const MUST_FALL: f64 = 0.5;
 ///
 /// With the extent L it goes as L √L: errors are judged against L, and grow with every swing, of which there are as many in a
 /// second as √L is small.
-const MOST_SURPRISE: f64 = 1.8e-4;
+const MOST_SURPRISE: f64 = 1.35e-4;
 
 /// Error of the path (m) after about a second for the same change of velocity (m/s) in every substep (s): 2.2 on a swing of 10
 /// links, 1.1 of 30, 0.7 of 100.
@@ -268,7 +268,8 @@ impl Articulation {
             if rest == 0 || self.outcome.unsettled {
                 break;
             }
-            let finer = ((left / h * (self.surprise / bound).sqrt()).ceil() as u32).min(2 * rest).min(most.saturating_sub(taken));
+            let (wanted, finest) = (left / h * (self.surprise / bound).sqrt(), left / dt * f64::from(most));
+            let finer = (wanted.ceil().min(finest.round()) as u32).min(2 * rest);
             if finer > rest {
                 rest = finer;
                 let before = std::mem::replace(&mut h, left / f64::from(rest));
