@@ -51,6 +51,15 @@ fn a_box_beyond_the_edge_of_a_stack_falls_as_from_a_rigid_one() {
 }
 
 #[test]
+fn a_box_beyond_the_edge_of_a_stack_a_thousandth_as_heavy_falls_as_from_a_strut() {
+    // Sweeps leave the light boxes unbalanced: it fell 22 and 23 % early.
+    for (offset, ratio) in [("0.6", "1000"), ("0.6", "10000"), ("0.8", "10000")] {
+        let run = Run::of("heavy_on_light", &[("ratio", ratio), ("offset", offset), ("seconds", "0.5")]);
+        run.keeps("fall_time_err_pct", 2.0, "%");
+    }
+}
+
+#[test]
 fn columns_keep_their_height() {
     let run = Run::of("column", &[("n", "100")]);
     run.is("stood", 1.0);

@@ -49,6 +49,7 @@ mod scene;
 mod shifted;
 mod stack;
 pub mod stress;
+mod toppling;
 mod track;
 mod vase;
 mod violent;

@@ -8,6 +8,7 @@ use super::color::{Coloring, MAX_COLORS};
 use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
 use super::contact_kernels;
 use super::direct::Direct;
+use super::exact::ExactIslands;
 use super::joint::{BatchJoints, JointEntry};
 use super::lead::Leads;
 use super::load_pass::LoadPass;
@@ -108,6 +109,7 @@ pub(crate) struct Batch {
     replicas: Vec<Replica>,
     pub birth: Birth,
     pub load_pass: LoadPass,
+    pub exact: ExactIslands,
     pub coloring: Coloring,
     /// Colour of each manifold, twice, plus one if it has a single point; and [`GROUPS`] more where joints hold what
     /// moves of its bodies.

@@ -14,6 +14,7 @@ pub(crate) mod contact;
 mod contact_kernels;
 pub(crate) mod direct;
 mod dispatch;
+mod exact;
 pub(crate) mod integrate;
 pub(crate) mod joint;
 pub(crate) mod lead;
@@ -79,6 +80,7 @@ impl Batch {
         let h = settings.dt / settings.substeps as f32;
         self.start_contacts(settings.gravity, h);
         self.prepare_load_pass(settings.gravity, h);
+        self.prepare_exact(settings.gravity, h);
         self.bounds.lay_out(&self.motions, h);
         self.taut.lay_out(&self.bounds);
         self.poses.lay_out(&self.velocities, &mut self.motions, h);
@@ -93,6 +95,7 @@ impl Batch {
             self.bounds.warm_start(&mut self.velocities);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
             self.pass_loads();
+            self.solve_exactly();
             for iteration in 0..settings.iterations {
                 if iteration > 0 && iteration + 1 == settings.iterations {
                     self.prepare_joints(joints, h, true, settings.iterations >= LONG_SUBSTEP);
@@ -184,6 +187,19 @@ impl Batch {
         let mut pass = std::mem::take(&mut self.load_pass);
         pass.apply(self);
         self.load_pass = pass;
+    }
+
+    fn prepare_exact(&mut self, gravity: glam::Vec3, h: f32) {
+        let mut exact = std::mem::take(&mut self.exact);
+        exact.prepare(self, gravity, h);
+        self.exact = exact;
+    }
+
+    /// Solves contacts of small islands in which the heavy stands on the light.
+    fn solve_exactly(&mut self) {
+        let mut exact = std::mem::take(&mut self.exact);
+        exact.apply(self);
+        self.exact = exact;
     }
 
     /// Builds rows of joints at the poses predicted by now, and those of bounds and taut lines; `again` where they have been built in

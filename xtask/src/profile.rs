@@ -19,7 +19,7 @@ const STAGES: &[(&str, &[&str])] = &[
     ("filling of batches", &["src/world/load.rs", "src/solve/batch", "src/solve/contact.rs"]),
     ("masses of contacts", &["contact_kernels/masses"]),
     ("sweeps of contacts", &["contact_kernels"]),
-    ("loads in stacks", &["src/solve/load_pass", "src/solve/birth", "src/balance"]),
+    ("loads in stacks", &["src/solve/load_pass", "src/solve/exact", "src/solve/birth", "src/balance"]),
     (
         "motion of bodies",
         &["src/solve/integrate", "src/solve/rotation", "src/solve/poses", "src/solve/state", "src/solve/mod", "src/body"],
