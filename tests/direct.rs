@@ -174,6 +174,20 @@ fn thrown_articulations_gain_no_energy_and_close_again() {
 }
 
 #[test]
+fn joints_that_hold_points_alone_are_solved_as_others_are() {
+    let end = |compliance| {
+        let mut scene = common::scene("swinging_weight", &[("n", "10"), ("ratio", "100"), ("seconds", "1")]);
+        scene.joints.iter_mut().for_each(|joint| joint.def.linear.compliance = compliance);
+        let run = Run::on_threads(scene, 1);
+        run.world().bodies().map(|body| run.world().pose(body).expect("bodies stay").position).collect::<Vec<_>>()
+    };
+    // A compliance far below rounding asks for rows and takes the general way.
+    for (plain, general) in end(0.0).into_iter().zip(end(1e-20)) {
+        assert!((plain - general).length() < 1e-4, "{plain} and {general} after a second, bound 1e-4 m");
+    }
+}
+
+#[test]
 fn an_error_target_is_met_within_a_factor_of_two() {
     for n in ["10", "30", "100"] {
         let mut scene = common::scene("swinging_weight", &[("n", n)]);

@@ -111,10 +111,15 @@ impl History {
     }
 }
 
-/// Rotation vector of a rotation by less than half a turn, but not by next to nothing (rad).
+/// Rotation vector of a rotation by less than half a turn (rad).
 pub(super) fn rotation_vector(rotation: DQuat) -> DVec3 {
     let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
     let axis = DVec3::new(rotation.x, rotation.y, rotation.z);
     let sine = axis.length();
+    let square = sine * sine;
+    if square < 1.0e-3 {
+        // 2 asin(s)/s, to rounding of the numbers kept.
+        return axis * (2.0 + square * (1.0 / 3.0 + square * (3.0 / 20.0 + square * (5.0 / 56.0))));
+    }
     axis * (2.0 * libm::atan2(sine, rotation.w) / sine)
 }

@@ -270,3 +270,115 @@ fn note_body(quads: &[Quad], h: f64, began: &Began, (stances, rates): (&[Stance]
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DQuat, Quat, Vec3};
+
+    use super::*;
+    use crate::solve::rotation::rotated;
+    use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
+
+    /// Five bodies, two of them round or with a locked axis, so that the last of two fours is alone.
+    fn five() -> (Vec<DirectBody>, Vec<Stance>, Vec<Rate>, Vec<DMat3>, Vec<History>) {
+        let mut state = 5_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let mut draw = || DVec3::new(next(), next(), next());
+        let body = |i: u32| {
+            let velocity = BodyVelocity::new(Vec3::splat(0.5), Symmetric::from_mat3(glam::Mat3::IDENTITY));
+            let motion = BodyMotion {
+                kind: if i == 2 { MotionKind::Round } else { MotionKind::Tumbling },
+                inertia: if i == 2 { Vec3::ONE } else { Vec3::new(1.0, 2.0, 2.5) },
+                inertia_frame: Quat::from_rotation_y(0.1 * i as f32),
+                acceleration: Vec3::new(0.0, -9.0, 0.0),
+                angular_damping: 0.1,
+                ..BodyMotion::FIXED
+            };
+            let mut body = DirectBody::new(i, &velocity, &motion);
+            if i == 3 {
+                body.top.free = DVec3::new(1.0, 0.0, 1.0);
+            }
+            body
+        };
+        let stances = (0..5).map(|_| (draw(), rotated(DQuat::IDENTITY, draw()))).collect();
+        let rates = (0..5).map(|_| Rate { linear: draw(), angular: draw() }).collect();
+        let stiffness = (0..5).map(|_| stiffness::of_impulse(draw(), draw())).collect();
+        let histories = (0..5).map(|_| History { h: 0.01, turn: draw().as_vec3() * 0.02, ..History::NONE }).collect();
+        ((0..5).map(body).collect(), stances, rates, stiffness, histories)
+    }
+
+    #[test]
+    fn bodies_answer_with_the_inverse_of_inertia_and_stiffness() {
+        let (mut bodies, stances, _, stiffness, _) = five();
+        let mut quads = Vec::new();
+        gather(&mut quads, &bodies);
+        respond(&quads, &stances, &stiffness, &mut bodies);
+        for (i, body) in bodies.iter().enumerate() {
+            assert!((body.inertia - body.inertia_at(&stances[i])).abs_diff_eq(DMat3::ZERO, 1e-14), "inertia of body {i}");
+            let answer = body.inverse_inertia.inverse() - body.inertia;
+            let added = answer - stiffness[i];
+            let shift = added.x_axis.x;
+            if i == 3 {
+                assert_eq!(body.inverse_inertia.y_axis, DVec3::ZERO, "a locked axis answers");
+            } else {
+                assert!(
+                    shift > -1e-12 && added.abs_diff_eq(DMat3::from_diagonal(DVec3::splat(shift)), 1e-12),
+                    "body {i}: {added}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn four_bodies_turn_as_one_does() {
+        let (bodies, stances, rates, ..) = five();
+        let mut quads = Vec::new();
+        gather(&mut quads, &bodies);
+        for quad in &quads {
+            let (_, rotation) = quad.places(&stances);
+            let (_, angular) = quad.velocities(&rates);
+            for size in [1.0, 1e-3] {
+                let turned = rotation.turned(angular * Four::splat(size));
+                let (vector, is_small) = (turned * rotation.conjugate()).small_vector();
+                for j in 0..quad.count {
+                    let i = quad.at(j);
+                    let alone = rotated(stances[i].1, rates[i].angular * size);
+                    assert!(turned.get(j).abs_diff_eq(alone, 1e-15), "{} instead of {alone}", turned.get(j));
+                    assert_eq!(is_small[j], size < 1.0);
+                    let off = (vector.get(j) - rates[i].angular * size).length();
+                    assert!(!is_small[j] || off < 1e-14, "a rotation vector is off by {off:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn wide_registers_give_the_same_bits() {
+        let run = |is_wide: bool| {
+            let (mut bodies, mut stances, mut rates, stiffness, mut histories) = five();
+            let mut quads = Vec::new();
+            gather(&mut quads, &bodies);
+            let mut began = Began::default();
+            (began.rates, began.stances) = (rates.clone(), stances.clone());
+            let mut predicted = stances.clone();
+            let order = SecondOrder::new(0.01, 0.01).expect("the ratio is one");
+            let mut start = Start { stances: &mut stances, rates: &mut rates, predicted: &mut predicted };
+            if is_wide {
+                predict(&quads, &order, 0.007, &histories, &mut start);
+                respond(&quads, &predicted, &stiffness, &mut bodies);
+                advance(&quads, 0.007, &bodies, &mut stances, &mut rates);
+                note(&quads, 0.01, &began, (&stances, &rates), &mut histories);
+            } else {
+                predict_body(&quads, &order, 0.007, &histories, &mut start);
+                respond_body(&quads, &predicted, &stiffness, &mut bodies);
+                advance_body(&quads, 0.007, &bodies, &mut stances, &mut rates);
+                note_body(&quads, 0.01, &began, (&stances, &rates), &mut histories);
+            }
+            (stances, histories)
+        };
+        assert_eq!(run(true), run(false));
+    }
+}
