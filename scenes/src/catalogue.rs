@@ -49,6 +49,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry("ragdoll_rain", "ragdolls that fall onto open ground", crowd::ragdoll_rain),
     entry("arch", "a semicircular arch of wedges without mortar", masonry::arch),
     entry("support_gallery", "the stacks of the paper's figures, and whether each stone is supported", gallery::support_gallery),
+    entry("wedge", "a wedge hung between two blocks", masonry::wedge),
     entry("card_house", "a house of cards", masonry::card_house),
     entry("free_gyro", "a free body spinning about its middle axis", free::free_gyro),
     entry("free_cluster", "eight bodies in joints of every kind, tumbling freely", free::free_cluster),

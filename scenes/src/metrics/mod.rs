@@ -13,6 +13,7 @@ mod rigid;
 mod settling;
 mod solid;
 mod trajectory;
+mod verdicts;
 
 pub use breakage::{Breakage, FirstBreak};
 pub use energy::{AngularMomentumError, EnergyError, EnergyGrowth, EnergyRise, LinearMomentumError, energy_of};
@@ -27,6 +28,7 @@ pub use rigid::RigidDeviation;
 pub use settling::Settling;
 pub use solid::{Solid, overlap_depth};
 pub use trajectory::{MotionError, TrajectoryError};
+pub use verdicts::Verdicts;
 
 use longspan::glam::{DMat3, DVec3, Vec3};
 use longspan::{BodyDef, BodyKind, Mass, MassProperties, Pose};
