@@ -22,6 +22,7 @@ pub struct Entry {
 pub const CATALOGUE: &[Entry] = &[
     entry("hanging_chain", "a heavy box at the end of a chain of light links", chain::hanging_chain),
     entry("swinging_weight", "the same chain let go horizontally, against its exact motion", chain::swinging_weight),
+    entry("lifted_chain", "a chain of light links picked up at one of its joints", chain::lifted_chain),
     entry("rope_bridge", "a bridge of planks on ropes, with rails, at rest or walked over", bridge::rope_bridge),
     entry("footbridge", "planks hinged straight between piers, and a load set down on them", footbridge::footbridge),
     entry("cable_car", "a cable over two drums with two or three cars", cable_car::cable_car),

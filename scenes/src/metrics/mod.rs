@@ -1,6 +1,7 @@
 //! What judges a run: errors computed from poses and velocities alone, by the same code for every engine.
 
 mod breakage;
+mod driven;
 mod energy;
 mod held;
 mod hinge;
@@ -16,6 +17,7 @@ mod trajectory;
 mod verdicts;
 
 pub use breakage::{Breakage, FirstBreak};
+pub use driven::DrivenEnergy;
 pub use energy::{AngularMomentumError, EnergyError, EnergyGrowth, EnergyRise, LinearMomentumError, energy_of};
 pub use held::Held;
 pub use hinge::{HingeError, HingeOvershoot, SwingOvershoot, hinge_angle};
