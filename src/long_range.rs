@@ -149,7 +149,8 @@ pub struct BoundState {
     pub upper: f32,
     /// Least distance (m), 0 for none.
     pub lower: f32,
-    /// Tension, mean over the last step (N); negative where the lower bound pushes.
+    /// Tension, mean over the last step (N); negative where the lower bound pushes. Of a bound that is wrapped around something, what
+    /// its pull on the far body has along the straight line.
     pub tension: f32,
     /// Whether it had anything to do in the last step.
     pub active: bool,

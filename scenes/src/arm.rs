@@ -10,7 +10,7 @@ use longspan::{BodyDef, JointKind, Limits, Motor, Pose};
 
 use crate::assemble::{INTANGIBLE, filtered, solid};
 use crate::machines::servo_error;
-use crate::metrics::JointGap;
+use crate::metrics::{DrivenEnergy, JointGap};
 use crate::params::{Params, SceneError};
 use crate::scene::{Scene, cuboid, start};
 
@@ -56,5 +56,6 @@ pub(crate) fn arm(params: &mut Params) -> Result<Scene, SceneError> {
     let steps = scene.steps;
     scene.judge(servo_error(steps, joints));
     scene.judge(JointGap::over_last(steps));
+    scene.judge(DrivenEnergy::default());
     Ok(scene)
 }

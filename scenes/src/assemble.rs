@@ -134,6 +134,9 @@ mod tests {
         check("crossbow", &[], 2 * 8 + 2 * 10 + 2, 2 * 8 + 2 * 11);
         check("vase", &[], 60, 60 + 50);
         check("vase", &[("pieces", "500")], 493, 493 + 16 * 29);
+        check("lifted_chain", &[], 100, 100);
+        check("lifted_chain", &[("at", "100"), ("links", "mixed")], 100, 100);
+        check("hanging_chain", &[("links", "mixed")], 31, 31);
         check("violent", &[], 101, 101);
         check("violent", &[("what", "mobile")], 126, 126);
     }

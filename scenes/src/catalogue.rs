@@ -22,6 +22,7 @@ pub struct Entry {
 pub const CATALOGUE: &[Entry] = &[
     entry("hanging_chain", "a heavy box at the end of a chain of light links", chain::hanging_chain),
     entry("swinging_weight", "the same chain let go horizontally, against its exact motion", chain::swinging_weight),
+    entry("lifted_chain", "a chain of light links picked up at one of its joints", chain::lifted_chain),
     entry("rope_bridge", "a bridge of planks on ropes, with rails, at rest or walked over", bridge::rope_bridge),
     entry("footbridge", "planks hinged straight between piers, and a load set down on them", footbridge::footbridge),
     entry("cable_car", "a cable over two drums with two or three cars", cable_car::cable_car),
@@ -49,6 +50,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry("ragdoll_rain", "ragdolls that fall onto open ground", crowd::ragdoll_rain),
     entry("arch", "a semicircular arch of wedges without mortar", masonry::arch),
     entry("support_gallery", "the stacks of the paper's figures, and whether each stone is supported", gallery::support_gallery),
+    entry("wedge", "a wedge hung between two blocks", masonry::wedge),
     entry("card_house", "a house of cards", masonry::card_house),
     entry("free_gyro", "a free body spinning about its middle axis", free::free_gyro),
     entry("free_cluster", "eight bodies in joints of every kind, tumbling freely", free::free_cluster),

@@ -16,7 +16,7 @@ use longspan::{BodyDef, CollisionFilter, JointKind, Limits, Motor, Pose, SoftBou
 
 use crate::assemble::{INTANGIBLE, filtered, rod, solid};
 use crate::engine::SceneSoftBound;
-use crate::metrics::{HingeOvershoot, JointGap, Reading};
+use crate::metrics::{DrivenEnergy, HingeOvershoot, JointGap, Reading};
 use crate::params::{Params, SceneError};
 use crate::scene::{Scene, cuboid, start_in, weightless, with_friction};
 
@@ -63,6 +63,9 @@ pub(crate) fn crossbow(params: &mut Params) -> Result<Scene, SceneError> {
     scene.judge(Reading::worst_of_last(steps, "arrow_speed", move |view| f64::from(view.engine.linear_velocity(arrow).x)));
     scene.judge(JointGap::over_last(steps));
     scene.judge(HingeOvershoot::since(0));
+    if is_sprung {
+        scene.judge(DrivenEnergy::default());
+    }
     Ok(scene)
 }
 

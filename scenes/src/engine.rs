@@ -34,6 +34,11 @@ pub trait Engine {
         let _ = joint;
         None
     }
+    /// Torque that the joint exerts on body B about its point, mean over the last step (N·m), of an engine that reports it.
+    fn joint_torque(&self, joint: usize) -> Option<Vec3> {
+        let _ = joint;
+        None
+    }
     /// Whether the joint is still there: `false` once it has broken, in an engine whose joints do.
     fn has_joint(&self, joint: usize) -> bool {
         let _ = joint;

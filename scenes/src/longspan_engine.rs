@@ -163,6 +163,10 @@ impl Engine for LongspanEngine {
         self.world.joint_state(self.joints[joint]).ok().map(|state| state.force)
     }
 
+    fn joint_torque(&self, joint: usize) -> Option<Vec3> {
+        self.world.joint_state(self.joints[joint]).ok().map(|state| state.torque)
+    }
+
     fn has_joint(&self, joint: usize) -> bool {
         self.world.joint_def(self.joints[joint]).is_ok()
     }

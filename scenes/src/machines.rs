@@ -13,7 +13,7 @@ use longspan::glam::{DQuat, DVec3, Vec3};
 use longspan::{BodyDef, CollisionFilter, Geometry, JointKind, Limits, LocalPose, Motor, Pose};
 
 use crate::assemble::{INTANGIBLE, filtered, rod, solid};
-use crate::metrics::{JointGap, Overlap, Reading, Stretch, View, hinge_angle, or_infinite};
+use crate::metrics::{DrivenEnergy, JointGap, Overlap, Reading, Stretch, View, hinge_angle, or_infinite};
 use crate::params::{Params, SceneError};
 use crate::scene::{Scene, cuboid, shape, start};
 
@@ -70,6 +70,7 @@ pub(crate) fn crane(params: &mut Params) -> Result<Scene, SceneError> {
     scene.judge(Stretch::new(joints, PITCH * ROPE_LINKS as f64, steps));
     scene.judge(JointGap::over_last(steps));
     scene.judge(servo_error(steps, vec![(slew, SLEW_DEG.to_radians())]));
+    scene.judge(DrivenEnergy::default());
     Ok(scene)
 }
 
@@ -144,5 +145,6 @@ pub(crate) fn excavator(params: &mut Params) -> Result<Scene, SceneError> {
         stack.iter().zip(&starts).map(moved).map(or_infinite).fold(0.0, f64::max)
     }));
     scene.judge(Overlap::at_end());
+    scene.judge(DrivenEnergy::default());
     Ok(scene)
 }

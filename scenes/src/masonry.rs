@@ -1,11 +1,11 @@
-//! Masonry without mortar: an arch of wedges, a house of cards. Both stand by friction and thrust alone.
+//! Masonry without mortar: an arch of wedges, a house of cards, a wedge between two blocks. All stand by friction and thrust alone.
 
 use std::f32::consts::PI;
 
 use longspan::glam::{Quat, Vec3};
 use longspan::{BodyDef, Geometry, Pose, ShapeDef};
 
-use crate::metrics::{Moved, Stood};
+use crate::metrics::{Moved, Stood, Verdicts};
 use crate::params::{Params, SceneError};
 use crate::scene::{Scene, cuboid, floor, shape, start, with_friction};
 
@@ -95,4 +95,30 @@ fn judge_standing(scene: &mut Scene, reach: f64) {
     let end = scene.steps;
     scene.judge(Moved::after(end, None));
     scene.judge(Stood::within(reach));
+    scene.judge(Verdicts::within(reach));
+}
+
+/// A wedge hung between the leaning faces of two blocks, which stand fast or, if `free` is on, by friction with the floor.
+///
+/// Its thrust on each block is half its weight times cot(α + φ), with α what the faces lean from the vertical and φ = atan μ.
+pub(crate) fn wedge(params: &mut Params) -> Result<Scene, SceneError> {
+    let lean = params.number("angle_deg", 10.0, 1.0..=45.0)?.to_radians() as f32;
+    let friction = params.number("friction", 0.6, 0.0..=10.0)? as f32;
+    let free = params.switch("free", false)?;
+    let mut scene = start(params, 20.0)?;
+    scene.body(floor(20.0, 0.0, friction)?);
+    let prism = |corners: [(f32, f32); 4]| -> Result<ShapeDef, SceneError> {
+        let points = corners.into_iter().flat_map(|(x, y)| [Vec3::new(x, y, -0.3), Vec3::new(x, y, 0.3)]).collect();
+        Ok(ShapeDef { density: 2000.0, ..with_friction(shape(Geometry::ConvexHull { points })?, friction) })
+    };
+    let face = |y: f32| 0.35 + (y - 0.3) * lean.tan();
+    for side in [-1.0, 1.0] {
+        let flank = prism([(side * face(0.0), 0.0), (side * face(1.0), 1.0), (side * 1.8, 1.0), (side * 1.8, 0.0)])?;
+        let block = if free { BodyDef::dynamic(Pose::default()) } else { BodyDef::fixed(Pose::default()) };
+        scene.body(block.with_shape(flank));
+    }
+    let wedge = prism([(-face(0.3), 0.3), (face(0.3), 0.3), (face(0.9), 0.9), (-face(0.9), 0.9)])?;
+    scene.body(BodyDef::dynamic(Pose::default()).with_shape(wedge));
+    judge_standing(&mut scene, 0.1);
+    Ok(scene)
 }

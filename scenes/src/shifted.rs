@@ -77,6 +77,10 @@ impl Engine for Shifted<'_> {
         self.engine.joint_force(joint)
     }
 
+    fn joint_torque(&self, joint: usize) -> Option<Vec3> {
+        self.engine.joint_torque(joint)
+    }
+
     fn has_joint(&self, joint: usize) -> bool {
         self.engine.has_joint(joint)
     }

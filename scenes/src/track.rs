@@ -15,7 +15,7 @@ use longspan::{BodyDef, CollisionFilter, Geometry, JointKind, LocalPose, Pose};
 
 use crate::assemble::{filtered, solid, x_to};
 use crate::machines::servo;
-use crate::metrics::{JointGap, Reading, or_infinite};
+use crate::metrics::{DrivenEnergy, JointGap, Reading, or_infinite};
 use crate::params::{Params, SceneError};
 use crate::scene::{Scene, cuboid, shape, start, with_friction};
 
@@ -117,6 +117,7 @@ pub(crate) fn track(params: &mut Params) -> Result<Scene, SceneError> {
         links.iter().filter(off).count() as f64
     }));
     scene.judge(Reading::after(steps, "way_m", move |view| view.center(hull).x));
+    scene.judge(DrivenEnergy::default());
     Ok(scene)
 }
 

@@ -18,6 +18,7 @@ use super::plane::Planes;
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::taut::TautRows;
+use super::wrap::BatchWraps;
 use crate::room::make_room;
 
 /// Slot that stands for a body of the world in this batch.
@@ -84,6 +85,7 @@ pub(crate) struct Batch {
     pub bound_slots: Vec<u32>,
     pub bounds: BatchBounds,
     pub taut: TautRows,
+    pub wraps: BatchWraps,
     /// Hinge chains, by number in the world's list and as planes.
     pub chains: Vec<u32>,
     pub planes: Planes,
@@ -141,6 +143,7 @@ impl Batch {
         self.bound_slots.clear();
         self.bounds.clear();
         self.taut.clear();
+        self.wraps.clear();
         self.chains.clear();
         self.planes.clear();
         self.free.clear();

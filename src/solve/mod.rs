@@ -29,6 +29,7 @@ pub(crate) mod state;
 pub(crate) mod taut;
 mod wide;
 mod wide_matrix;
+pub(crate) mod wrap;
 
 use batch::Batch;
 use contact::POINTS;
@@ -93,6 +94,7 @@ impl Batch {
             self.prepare_joints(joints, h, false, true);
             self.joints.warm_start(&mut self.velocities);
             self.bounds.warm_start(&mut self.velocities);
+            self.wraps.begin_substep(&mut self.velocities, &self.motions, h);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
             self.pass_loads();
             self.solve_exactly();
@@ -101,6 +103,7 @@ impl Batch {
                     self.prepare_joints(joints, h, true, settings.iterations >= LONG_SUBSTEP);
                 }
                 if iteration % 2 == 0 {
+                    self.wraps.sweep(&mut self.velocities, false);
                     self.bounds.sweep(&mut self.velocities, false);
                     self.taut.sweep(&mut self.velocities, false);
                     self.direct.sweep(&mut self.velocities);
@@ -112,6 +115,7 @@ impl Batch {
                     self.direct.sweep(&mut self.velocities);
                     self.taut.sweep(&mut self.velocities, true);
                     self.bounds.sweep(&mut self.velocities, true);
+                    self.wraps.sweep(&mut self.velocities, true);
                 }
             }
             self.restrain();
@@ -121,11 +125,13 @@ impl Batch {
             self.joints.end_substep();
             self.direct.keep_impulses();
             self.bounds.add_loads();
+            self.wraps.add_loads();
             self.taut.add_loads();
             if is_last {
                 self.planes.fit_velocities(&mut self.velocities, &self.motions, &self.poses, h);
             }
             self.advance(h);
+            self.wraps.project(&self.velocities, &mut self.motions);
             self.bounds.project(&self.velocities, &mut self.motions, h);
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
             self.joints.project(joints, &mut self.velocities, &mut self.motions, h);

@@ -124,7 +124,8 @@ impl<W: Wide> Wide6<W> {
 
     /// The inverse on the directions across a unit vector, zero along it.
     ///
-    /// With A = P M P of rank two, P being the projection across, A⁻¹ = (tr A P − A)/d there, d = (tr² A − tr A²)/2.
+    /// With A = P M P of rank two, P being the projection across, A⁻¹ = (tr A P − A)/d there, d = (tr² A − tr A²)/2. Zero where A is
+    /// singular, or so small that d is below the normal numbers and 1/d may be infinite.
     #[inline(always)]
     pub fn inverse_across(&self, n: Wide3<W>) -> Self {
         let along = self.mul(n);
@@ -146,8 +147,8 @@ impl<W: Wide> Wide6<W> {
         let adjugate = a.adjugate();
         // The adjugate of a matrix of rank two is d n nᵀ.
         let determinant = adjugate.0[0] + adjugate.0[1] + adjugate.0[2];
-        let is_regular = determinant.above(W::splat(f32::EPSILON * 0.25) * (trace * trace));
-        let factor = W::select(is_regular, W::splat(1.0) / determinant, W::zero());
+        let least = (W::splat(f32::EPSILON * 0.25) * (trace * trace)).max(W::splat(f32::MIN_POSITIVE));
+        let factor = W::select(determinant.above(least), W::splat(1.0) / determinant, W::zero());
         let one = W::splat(1.0);
         Self([
             trace * (one - n.x * n.x) - axx,
@@ -283,4 +284,22 @@ pub(crate) fn arc_over_sine<W: Wide>(s: W) -> W {
     far = far * s + W::splat(std::f32::consts::FRAC_PI_2);
     let far = (W::splat(std::f32::consts::FRAC_PI_2) - (one - s).sqrt() * far) / s;
     W::select(s.above(W::splat(0.5)), far, near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solve::contact::LANES;
+    use crate::solve::wide::Plain;
+
+    #[test]
+    fn a_matrix_too_small_to_invert_has_no_inverse_across_instead_of_an_infinite_one() {
+        let (n, mut lanes) = (Wide3::<Plain>::splat(glam::Vec3::X), [[0.0; LANES]; 6]);
+        for exponent in 0..45 {
+            let matrix = Mat3::from_diagonal(glam::Vec3::new(1.0, 2.0, 1.5) * 10.0_f32.powi(-exponent));
+            Wide6::<Plain>::splat(&matrix).inverse_across(n).store(&mut lanes);
+            let finite = lanes.iter().flatten().all(|number| number.is_finite());
+            assert!(finite, "inverse of a matrix of 1e-{exponent}: {:?}", lanes.map(|lane| lane[0]));
+        }
+    }
 }

@@ -5,11 +5,18 @@ use super::graph::Graph;
 /// Share of the greatest mass of connected bodies from which on a body is heavy.
 const HEAVY_SHARE: f32 = 0.1;
 
+/// Share of the mass of all connected bodies from which on one of them keeps a chain straight that it hangs on, even where it swings:
+/// 270 kg on 30 links of 1 kg.
+const STRAIGHTENING_SHARE: f32 = 0.9;
+
 /// Connected bodies, by how they are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Weight {
     /// Held by one attachment: its bounds are for every body, and nothing else is needed.
     Hung,
+    /// Held by one attachment, in a chain that nothing heavy keeps straight. While it swings it hangs in a bend, where no straight
+    /// line from the attachment is taut, so its bodies get bounds between them too.
+    Bent,
     /// Of at least a tenth of the greatest mass around, and free or held in more than one place.
     Heavy,
     /// Lighter than that.
@@ -28,10 +35,13 @@ pub(crate) fn weigh(graph: &Graph) -> Vec<Weight> {
         members.clear();
         members.push(start);
         seen[start as usize] = true;
-        let (mut attachments, mut greatest, mut next) = (0, 0.0_f32, 0);
+        let (mut attachments, mut greatest, mut total, mut next) = (0, 0.0_f32, 0.0, 0);
+        let mut is_chain = true;
         while let Some(&body) = members.get(next) {
             next += 1;
             greatest = greatest.max(graph.masses[body as usize]);
+            total += graph.masses[body as usize];
+            is_chain &= graph.ends_on(body).iter().filter(|end| graph.dynamic_body(end.other()).is_some()).count() <= 2;
             for end in graph.ends_on(body) {
                 match graph.dynamic_body(end.other()) {
                     None => attachments += 1,
@@ -44,7 +54,9 @@ pub(crate) fn weigh(graph: &Graph) -> Vec<Weight> {
             }
         }
         for &body in &members {
-            weights[body as usize] = if attachments == 1 {
+            weights[body as usize] = if attachments == 1 && is_chain && greatest < STRAIGHTENING_SHARE * total {
+                Weight::Bent
+            } else if attachments == 1 {
                 Weight::Hung
             } else if graph.masses[body as usize] >= HEAVY_SHARE * greatest {
                 Weight::Heavy

@@ -28,6 +28,7 @@ use crate::span::union::UnionMotion;
 use crate::workers::for_each_chunk;
 
 mod direct;
+mod wrap;
 
 /// Relative difference of principal moments below which a body is taken as round.
 const ROUND: f32 = 1.0e-5;
@@ -310,11 +311,15 @@ impl Records<'_> {
         }
         batch.mark_swept();
         let pace = Pace::of(batch);
+        self.find_touches(batch);
         for number in 0..batch.bound_slots.len() {
             let slot = batch.bound_slots[number];
             let record = &self.bounds[slot as usize];
             let [near, far] = record.ends.map(|(joint, side)| self.joint_end(batch, joint, side as usize));
             if !batch.swept[far.slot as usize] || near.slot == far.slot {
+                continue;
+            }
+            if self.wrap(batch, slot, [&near, &far]) {
                 continue;
             }
             if self.is_too_slack(batch, &pace, record, [&near, &far]) {

@@ -200,6 +200,12 @@ impl World {
             }
         }
         for batch in &batches[..*batch_count] {
+            for entry in batch.wraps.entries.iter().filter(|entry| entry.sum.is_finite() && entry.far_sum.is_finite()) {
+                derived.paths.load(records[entry.bound as usize].bound.path, entry.far_sum / dt);
+                for bend in &batch.wraps.bends[entry.bends.0 as usize..entry.bends.1 as usize] {
+                    derived.paths.load(derived.inner[bend.inner as usize].path, bend.turn * (entry.sum / dt));
+                }
+            }
             for entry in batch.taut.entries.iter().filter(|entry| entry.own_sum != Vec3::ZERO) {
                 let (own, far) = (entry.own_sum / dt, entry.far_sum / dt);
                 if own.is_finite() && far.is_finite() {
@@ -233,6 +239,14 @@ impl World {
                 (record.impulses, record.far_force) = (entry.impulses, force);
             } else {
                 (record.impulses, record.far_force) = ([0.0; 2], Vec3::ZERO);
+            }
+        }
+        for entry in batches[..*batch_count].iter().flat_map(|batch| &batch.wraps.entries) {
+            let record = &mut records[entry.bound as usize];
+            let far_force = entry.far_sum / dt;
+            if far_force.is_finite() && entry.impulse.is_finite() {
+                (record.impulses, record.far_force, record.active) = ([entry.impulse, 0.0], far_force, entry.sum > 0.0);
+                report.counts.bounds_active += u32::from(record.active);
             }
         }
     }

@@ -229,10 +229,11 @@ impl World {
             let now = pair.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
             if let Some(support) = support.as_deref_mut().filter(|support| !support.rests) {
                 let bits = pack_touching(pair.manifolds.iter().map(|manifold| touching(manifold, pair.extent)));
-                if pair.updated || bits != pair.touching || bits == TOO_MANY {
+                // What touches nowhere, and did not a step ago, has no links.
+                if bits != pair.touching || (pair.updated && bits != 0) || bits == TOO_MANY {
                     support.altered.push(slot);
                 }
-                if pair.has_points() {
+                if bits != 0 {
                     support.near.push(slot);
                 }
                 pair.touching = bits;

@@ -48,7 +48,7 @@ pub(super) struct SupportState {
     left: Vec<u32>,
     /// Pairs that have fallen asleep since the last update: they are at rest now, and looked at once more.
     pub fell_asleep: Vec<u32>,
-    /// Active pairs with contact points, of bodies that are not all held.
+    /// Active pairs of which points press or touch, of bodies that are not all held.
     pub near: Vec<u32>,
     /// Pairs looked at so far.
     looked_at: u64,
@@ -397,7 +397,7 @@ impl World {
         } else if stirs {
             near.iter().for_each(|&slot| look_at(slot));
             altered.append(&mut unsettled);
-            let is_left = |pair: &Pair| pair.is_active() && (pair.still || !pair.has_points());
+            let is_left = |pair: &Pair| pair.is_active() && (pair.still || pair.touching == 0);
             altered.retain(|&slot| is_left(pairs.get(slot)));
             altered.sort_unstable();
             altered.dedup();

@@ -14,7 +14,7 @@ pub fn energy_of(view: &View, body: usize) -> f64 {
     0.5 * m * v.length_squared() + 0.5 * w.dot(inertia * w) - m * fall.dot(view.center(body))
 }
 
-fn total_energy(view: &View) -> f64 {
+pub(super) fn total_energy(view: &View) -> f64 {
     view.dynamic().map(|body| energy_of(view, body)).sum()
 }
 

@@ -1,6 +1,7 @@
 //! What judges a run: errors computed from poses and velocities alone, by the same code for every engine.
 
 mod breakage;
+mod driven;
 mod energy;
 mod held;
 mod hinge;
@@ -13,8 +14,10 @@ mod rigid;
 mod settling;
 mod solid;
 mod trajectory;
+mod verdicts;
 
 pub use breakage::{Breakage, FirstBreak};
+pub use driven::DrivenEnergy;
 pub use energy::{AngularMomentumError, EnergyError, EnergyGrowth, EnergyRise, LinearMomentumError, energy_of};
 pub use held::Held;
 pub use hinge::{HingeError, HingeOvershoot, SwingOvershoot, hinge_angle};
@@ -27,6 +30,7 @@ pub use rigid::RigidDeviation;
 pub use settling::Settling;
 pub use solid::{Solid, overlap_depth};
 pub use trajectory::{MotionError, TrajectoryError};
+pub use verdicts::Verdicts;
 
 use longspan::glam::{DMat3, DVec3, Vec3};
 use longspan::{BodyDef, BodyKind, Mass, MassProperties, Pose};

@@ -40,7 +40,7 @@ impl Slip {
     pub(crate) fn at_speeds(slowest: f32, fastest: f32, held: bool, has_reserve: impl FnOnce() -> bool) -> Option<bool> {
         if fastest <= Self::ALWAYS_HOLDS {
             Some(true)
-        } else if slowest > std::f32::consts::SQRT_2 * LEAVING_SPEED {
+        } else if slowest > std::f32::consts::SQRT_2 * if held { LEAVING_SPEED } else { RESTING_SPEED } {
             // Along the normal or across it, it is faster than the limit then.
             Some(false)
         } else if held && fastest <= LEAVING_SPEED && (fastest <= SLIDING_SPEED || has_reserve()) {
