@@ -56,7 +56,7 @@ const MUST_FALL: f64 = 0.5;
 ///
 /// With the extent L it goes as L √L: errors are judged against L, and grow with every swing, of which there are as many in a
 /// second as √L is small.
-const MOST_SURPRISE: f64 = 1.35e-4;
+const MOST_SURPRISE: f64 = 1.2e-4;
 
 /// Error of the path (m) after about a second for the same change of velocity (m/s) in every substep (s): 2.2 on a swing of 10
 /// links, 1.1 of 30, 0.7 of 100.
@@ -131,6 +131,8 @@ pub(crate) struct Articulation {
     pub(super) order: SecondOrder,
     /// Length of the last substep, if it was one of this step that the histories hold (s).
     continues: Option<f64>,
+    /// Whether the last substep of this step was of first order.
+    after_first_order: bool,
     /// Change of velocity beyond a steady one in the last substep, where that was of second order (m/s).
     surprise: f64,
     /// Length of the substep (s).
@@ -243,7 +245,7 @@ impl Articulation {
         self.passes_left = budget.clamp(LEAST_PASSES, MOST_PASSES) as usize;
         self.budget = if budget > 0.0 { budget.clamp(LEAST_HALVINGS, MOST_BUDGET) as u32 } else { 0 };
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
-        self.continues = None;
+        (self.continues, self.after_first_order) = (None, false);
         let energy = self.energy();
         self.take_substeps(joints, settings);
         self.outcome.energy_change = self.energy() - energy;
@@ -255,14 +257,14 @@ impl Articulation {
         let (most, bound) = (settings.articulations.most_substeps * substeps, self.most_surprise(settings));
         // Carried multipliers are those of the world's substep.
         let of_world = dt / f64::from(substeps);
-        let (mut taken, mut rest, mut left, mut needed) = (0, self.wanted_substeps(substeps, dt), dt, 0.0_f64);
+        let (mut rest, mut left, mut needed) = (self.wanted_substeps(substeps, dt), dt, 0.0_f64);
         let mut h = dt / f64::from(rest);
         self.scale_impulses((h / of_world) as f32);
         let mut error = None;
         loop {
             self.surprise = 0.0;
             error = Some(self.advance(joints, h, 0, error));
-            (taken, rest, left) = (taken + 1, rest - 1, left - h);
+            (rest, left) = (rest - 1, left - h);
             needed = needed.max(dt / h * (self.surprise / bound).sqrt());
             // What is unsettled is taken back, and its contacts are swept.
             if rest == 0 || self.outcome.unsettled {
@@ -277,7 +279,7 @@ impl Articulation {
             }
         }
         self.scale_impulses((of_world / h) as f32);
-        self.note_wanted_substeps(settings, taken, needed);
+        self.note_wanted_substeps(settings, h, needed);
     }
 
     /// Greatest change of velocity beyond a steady one that a second-order substep may have (m/s).
@@ -334,20 +336,22 @@ impl Articulation {
         (high - low).length().max(self.size)
     }
 
-    /// Notes for the next step how many substeps would have kept the local error below its bound, `needed`, or where it moved
-    /// safely, their paths short.
-    fn note_wanted_substeps(&mut self, settings: &StepSettings, taken: u32, needed: f64) {
-        let substeps = settings.substeps;
+    /// Notes for the next step, whose first substep follows one of length `h` (s), how many substeps would have kept the local error
+    /// below its bound, `needed`, or where it moved safely, their paths short.
+    fn note_wanted_substeps(&mut self, settings: &StepSettings, h: f64, needed: f64) {
+        let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
         let outcome = &self.outcome;
-        let (wanted, most) = if outcome.first_order + outcome.safe + outcome.halvings == 0 {
+        let (wanted, most) = if outcome.second_order > 0 && outcome.safe + outcome.halvings == 0 {
             (needed, settings.articulations.most_substeps * substeps)
         } else if outcome.first_order + outcome.halvings == 0 && !outcome.unsettled {
-            (self.greatest_speed() * f64::from(settings.dt) / (MOST_STRIDE * self.size), substeps)
+            (self.greatest_speed() * dt / (MOST_STRIDE * self.size), substeps)
         } else {
             (f64::from(substeps), substeps)
         };
-        // Where the host has lowered the effort since, half of what was taken may still be more than is allowed.
-        let wanted = (wanted.ceil() as u32).max(taken.div_ceil(2)).min((2 * taken).min(most)).max(1);
+        // Twice as long as the last, or half as long, a substep can still be of second order. Where the host has lowered the effort
+        // since, twice as long may still be more substeps than are allowed.
+        let last = dt / h;
+        let wanted = wanted.ceil().max((0.5 * last).ceil()).min((2.0 * last).floor().min(f64::from(most))).max(1.0) as u32;
         self.histories.iter_mut().for_each(|history| history.substeps = wanted);
     }
 
@@ -418,9 +422,11 @@ impl Articulation {
             {
                 let error = self.project(joints, errors);
                 self.keep_momentum(momentum);
-                if second_order {
+                // What a substep of first order got wrong says nothing of the one after it.
+                if second_order && !self.after_first_order {
                     self.surprise = self.surprise();
                 }
+                self.after_first_order = !second_order;
                 quads::note(&self.quads, h, &self.began, (&self.stances, &self.rates), &mut self.histories);
                 // As the histories hold it.
                 self.continues = Some(f64::from(h as f32));
