@@ -3,6 +3,8 @@
 //! Plain loops over arrays, as in [`super::block`]. No value is passed to a closure, which would be compiled without the wide
 //! registers of its caller.
 
+#![expect(clippy::needless_range_loop, reason = "an index runs over lanes")]
+
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use glam::{DMat3, DQuat, DVec3};

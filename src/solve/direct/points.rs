@@ -173,6 +173,7 @@ fn assemble_body(
             responses[side] = response(&body.inverse_inertia, lever);
             add(&mut sum, 1.0, body.inverse_mass, lever, &responses[side]);
         }
+        #[expect(clippy::needless_range_loop, reason = "the index is that of a row and of a column")]
         for i in 0..3 {
             sum[i][i] += topology.regularization * sum[i][i];
         }
