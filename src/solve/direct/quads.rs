@@ -280,7 +280,16 @@ mod tests {
     use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 
     /// Five bodies, two of them round or with a locked axis, so that the last of two fours is alone.
-    fn five() -> (Vec<DirectBody>, Vec<Stance>, Vec<Rate>, Vec<DMat3>, Vec<History>) {
+    struct Five {
+        bodies: Vec<DirectBody>,
+        quads: Vec<Quad>,
+        stances: Vec<Stance>,
+        rates: Vec<Rate>,
+        stiffness: Vec<DMat3>,
+        histories: Vec<History>,
+    }
+
+    fn five() -> Five {
         let mut state = 5_u64;
         let mut next = || {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
@@ -307,14 +316,14 @@ mod tests {
         let rates = (0..5).map(|_| Rate { linear: draw(), angular: draw() }).collect();
         let stiffness = (0..5).map(|_| stiffness::of_impulse(draw(), draw())).collect();
         let histories = (0..5).map(|_| History { h: 0.01, turn: draw().as_vec3() * 0.02, ..History::NONE }).collect();
-        ((0..5).map(body).collect(), stances, rates, stiffness, histories)
+        let (bodies, mut quads): (Vec<_>, _) = ((0..5).map(body).collect(), Vec::new());
+        gather(&mut quads, &bodies);
+        Five { bodies, quads, stances, rates, stiffness, histories }
     }
 
     #[test]
     fn bodies_answer_with_the_inverse_of_inertia_and_stiffness() {
-        let (mut bodies, stances, _, stiffness, _) = five();
-        let mut quads = Vec::new();
-        gather(&mut quads, &bodies);
+        let Five { mut bodies, quads, stances, stiffness, .. } = five();
         respond(&quads, &stances, &stiffness, &mut bodies);
         for (i, body) in bodies.iter().enumerate() {
             assert!((body.inertia - body.inertia_at(&stances[i])).abs_diff_eq(DMat3::ZERO, 1e-14), "inertia of body {i}");
@@ -334,22 +343,20 @@ mod tests {
 
     #[test]
     fn four_bodies_turn_as_one_does() {
-        let (bodies, stances, rates, ..) = five();
-        let mut quads = Vec::new();
-        gather(&mut quads, &bodies);
+        let Five { quads, stances, rates, .. } = five();
         for quad in &quads {
             let (_, rotation) = quad.places(&stances);
             let (_, angular) = quad.velocities(&rates);
             for size in [1.0, 1e-3] {
                 let turned = rotation.turned(angular * Four::splat(size));
                 let (vector, is_small) = (turned * rotation.conjugate()).small_vector();
-                for j in 0..quad.count {
+                for (j, is_small) in is_small.into_iter().enumerate().take(quad.count) {
                     let i = quad.at(j);
                     let alone = rotated(stances[i].1, rates[i].angular * size);
                     assert!(turned.get(j).abs_diff_eq(alone, 1e-15), "{} instead of {alone}", turned.get(j));
-                    assert_eq!(is_small[j], size < 1.0);
+                    assert_eq!(is_small, size < 1.0);
                     let off = (vector.get(j) - rates[i].angular * size).length();
-                    assert!(!is_small[j] || off < 1e-14, "a rotation vector is off by {off:e}");
+                    assert!(!is_small || off < 1e-14, "a rotation vector is off by {off:e}");
                 }
             }
         }
@@ -358,9 +365,7 @@ mod tests {
     #[test]
     fn wide_registers_give_the_same_bits() {
         let run = |is_wide: bool| {
-            let (mut bodies, mut stances, mut rates, stiffness, mut histories) = five();
-            let mut quads = Vec::new();
-            gather(&mut quads, &bodies);
+            let Five { mut bodies, quads, mut stances, mut rates, stiffness, mut histories } = five();
             let mut began = Began::default();
             (began.rates, began.stances) = (rates.clone(), stances.clone());
             let mut predicted = stances.clone();
