@@ -56,6 +56,8 @@ pub struct StepCounts {
     pub bounds_active: u32,
     /// Of those, how many were so slack that the step did not look at them again.
     pub bounds_skipped: u32,
+    /// Of those, how many were wrapped around what their chain lies on.
+    pub bounds_wrapped: u32,
     /// Batches of islands solved independently.
     pub batches: u32,
     /// Greatest number of contact colours in a batch.

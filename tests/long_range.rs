@@ -396,8 +396,15 @@ fn what_drives_a_scene_explains_its_energy() {
             Run::of(name, &[&[("solver", solver)], keys].concat()).keeps("unexplained_rise_pct", 0.1, "% of m g L");
         }
     }
-    // Sweeps alone do not hold the arm.
     Run::of("arm", &[]).keeps("unexplained_rise_pct", 0.1, "% of m g L");
+}
+
+#[test]
+fn servos_that_sweeps_do_not_hold_give_no_more_than_they_do() {
+    for substeps in ["1", "2", "4", "8", "16"] {
+        let run = Run::of("arm", &[("solver", "gs"), ("substeps", substeps)]);
+        run.keeps("unexplained_rise_pct", 0.1, "% of m g L");
+    }
 }
 
 #[test]
@@ -425,6 +432,34 @@ fn two_cars_pull_a_third_up() {
         assert!(run.error("third_rise_m") > 1.5, "{substeps} substeps: third car rises by {} m", run.error("third_rise_m"));
         run.keeps("car_drop_m", 1.5, "m");
     }
+}
+
+#[test]
+fn joints_of_a_cable_over_drums_bear_what_hangs_below() {
+    const LINKS: usize = 100;
+    // Joints 0 and 1 are those of the cars; the others follow along the cable.
+    let joint = |links_below: usize, right: bool| if right { LINKS + 1 - links_below } else { links_below + 1 };
+    for substeps in ["4", "16"] {
+        let scene = common::scene("cable_car", &[("solver", "gs"), ("substeps", substeps)]);
+        let (mut loads, mut looks) = ([0.0; 3], 0.0);
+        let last = scene.steps - 120;
+        let run = Run::watched(scene, |view| {
+            if view.step > last {
+                // The highest joint that hangs free on each side, and the middle of the cable.
+                for (sum, joint) in loads.iter_mut().zip([joint(24, false), joint(24, true), joint(LINKS / 2, false)]) {
+                    *sum += f64::from(view.engine.joint_force(joint).expect("our engine tells").length());
+                }
+                looks += 1.0;
+            }
+        });
+        for (load, links) in loads.map(|sum| sum / looks).into_iter().zip([24.0, 24.0, 27.0]) {
+            let weight = 9.81 * (1.0e4 + links);
+            let error = (load - weight).abs() / weight;
+            assert!(error <= 0.02, "{substeps} substeps: a joint bears {load} N, {weight} N hang below, bound 2 %");
+        }
+        assert!(run.world().report().counts.bounds_wrapped > 0, "no bound is wrapped");
+    }
+    assert_eq!(hanging(&[("seconds", "0.1")]).world().report().counts.bounds_wrapped, 0, "a chain that touches nothing");
 }
 
 #[test]

@@ -58,8 +58,8 @@ pub struct LsStepReport {
     pub union_members: u32,
     /// Worst angle by which a joint or a stop of an articulation is off (rad).
     pub joint_angle: f32,
-    /// Not used; 0.
-    pub reserved: u32,
+    /// Of the long-range bounds of bodies awake, how many were wrapped around what their chain lies on.
+    pub bounds_wrapped: u32,
     /// Long-range bounds derived in this step; 0 where nothing has changed that they follow from.
     pub bounds_derived: u32,
     /// Long-range bounds of bodies awake.
@@ -108,7 +108,7 @@ impl From<&StepReport> for LsStepReport {
             unions: counts.unions,
             union_members: counts.union_members,
             joint_angle: report.residuals.joint_angle,
-            reserved: 0,
+            bounds_wrapped: counts.bounds_wrapped,
             bounds_derived: counts.bounds_derived,
             bounds: counts.bounds,
             bounds_active: counts.bounds_active,

@@ -1109,8 +1109,8 @@ typedef struct LsStepReport {
     uint32_t union_members;
     /** Worst angle by which a joint or a stop of an articulation is off (rad). */
     float joint_angle;
-    /** Not used; 0. */
-    uint32_t reserved;
+    /** Of the long-range bounds of bodies awake, how many were wrapped around what their chain lies on. */
+    uint32_t bounds_wrapped;
     /** Long-range bounds derived in this step; 0 where nothing has changed that they follow from. */
     uint32_t bounds_derived;
     /** Long-range bounds of bodies awake. */

@@ -118,7 +118,7 @@ impl Batch {
                     self.wraps.sweep(&mut self.velocities, true);
                 }
             }
-            self.restrain();
+            self.restrain(joints);
             if substep == 0 {
                 self.leads.halve_start(self.passive.slots(), &mut self.velocities);
             }

@@ -226,12 +226,13 @@ impl FreeIslands {
 }
 
 impl FreeIslands {
-    /// Slows the motion of the members of the free island that begins with this slot against one another, so that kinetic energy that
-    /// has grown (J, from and to) is what it was; `false` if no free island begins there.
+    /// Slows the motion of the members of the free island that begins with this slot against one another, to the share that `kept` says
+    /// where the kinetic energy of that motion has grown (J, from and to); `false` if no free island begins there.
     pub(crate) fn slow(
         &self,
         first: u32,
         (from, to): (f64, f64),
+        kept: impl Fn(f64, f64) -> f64,
         velocities: &mut [BodyVelocity],
         motions: &[BodyMotion],
         poses: &Poses,
@@ -248,7 +249,7 @@ impl FreeIslands {
         let (center, linear) = (whole.center(), whole.linear() / whole.mass());
         let turn = moments.about(&whole).rate_of(whole.spin());
         let as_one = 0.5 * whole.linear().dot(linear) + 0.5 * whole.spin().dot(turn);
-        let kept = if to > as_one { ((from - as_one).max(0.0) / (to - as_one)).sqrt() } else { 1.0 };
+        let kept = if to > as_one { kept((from - as_one).max(0.0), to - as_one) } else { 1.0 };
         for &(slot, origin) in members {
             let (velocity, motion) = (&mut velocities[slot as usize], &motions[slot as usize]);
             let own = linear + turn.cross(origin + motion.displacement.as_dvec3() - center);

@@ -14,10 +14,17 @@
 //! held: J v = 0 is so at any scale, and rows of second order are off by the share taken. Multipliers are forces, not speeds, and
 //! stay; only where T' is beyond a thousand times T (`TORN`) they have grown from one substep to the next, and are given up with all
 //! that they have done.
+//!
+//! **Motors** do work. An impulse λ of rows J takes v to v' = v + M⁻¹ Jᵀ λ, and T' = T + λᵀ J v' − ½ (v' − v)ᵀ M (v' − v). What
+//! holds or stops has λ J v' ≤ 0 where it is solved; so with W the sum of λ J v' over the rows of motors, which have no more than that to
+//! give, T' ≤ T + W, and where sweeps have made it more,
+//!
+//! ```text
+//! v ← s v,    s² T' = T + s W.
+//! ```
 
 use super::batch::Batch;
-use super::joint::JointEntry;
-use super::joint::kinds::gives_no_energy;
+use super::joint::kinds::{gives_by_motors_alone, has_motor};
 use super::momentum::FreeIslands;
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity, MotionKind};
@@ -30,7 +37,7 @@ const LET_BE: f64 = 1.0e-6;
 /// Growth of kinetic energy by the sweeps of a substep beyond which their multipliers are worth nothing.
 const TORN: f64 = 1.0e3;
 
-/// An island whose joints and bounds can give no energy: a range of slots.
+/// An island whose joints and bounds give no energy but by motors: a range of slots.
 #[derive(Debug, Clone, Copy)]
 struct Island {
     first: u32,
@@ -38,6 +45,9 @@ struct Island {
     /// Kinetic energy before and after the sweeps (J).
     before: f64,
     after: f64,
+    /// Whether it has motors, and what they have done in the substep (J).
+    has_motors: bool,
+    work: f64,
 }
 
 impl Island {
@@ -50,11 +60,20 @@ impl Island {
     }
 
     fn has_grown(&self) -> bool {
-        self.after > self.before * (1.0 + LET_BE) || self.after.is_nan()
+        self.after > (self.before + self.work) * (1.0 + LET_BE) || self.after.is_nan()
     }
 
     fn is_torn(&self) -> bool {
-        self.after > self.before * TORN || self.after.is_nan()
+        self.after > (self.before + self.work.max(0.0)) * TORN || self.after.is_nan()
+    }
+
+    /// Share of a motion that is kept where its kinetic energy has grown (J, from and to).
+    fn kept(&self, from: f64, to: f64) -> f64 {
+        if self.has_motors {
+            (self.work + (self.work * self.work + 4.0 * to * from).sqrt()) / (2.0 * to)
+        } else {
+            (from / to).sqrt()
+        }
     }
 }
 
@@ -62,9 +81,10 @@ impl Island {
 #[derive(Debug, Default)]
 pub(crate) struct PassiveIslands {
     islands: Vec<Island>,
-    /// Number of the island of each slot, and whether each island may be given energy.
+    /// Number of the island of each slot, and whether each island may be given energy by anything but motors, or by them.
     owner: Vec<u32>,
     driven: Vec<bool>,
+    motorised: Vec<bool>,
     /// Velocities of all slots before the sweeps.
     before: Vec<BodyVelocity>,
     /// Whether the multipliers on each slot are given up.
@@ -79,9 +99,9 @@ impl PassiveIslands {
         self.islands.clear();
     }
 
-    /// Slots of each island.
+    /// Slots of each island that can be given no energy at all.
     pub(crate) fn slots(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
-        self.islands.iter().map(Island::slots)
+        self.islands.iter().filter(|island| !island.has_motors).map(Island::slots)
     }
 
     /// Notes velocities, and the energy that forces have left.
@@ -117,8 +137,11 @@ impl PassiveIslands {
                 for slot in island.slots() {
                     (velocities[slot].linear, velocities[slot].angular) = (before[slot].linear, before[slot].angular);
                 }
-            } else if !free.slow(island.first, (island.before, island.after), velocities, motions, poses) {
-                let kept = (island.before / island.after).sqrt() as f32;
+                continue;
+            }
+            let kept = |from, to| island.kept(from, to);
+            if !free.slow(island.first, (island.before, island.after), kept, velocities, motions, poses) {
+                let kept = kept(island.before, island.after) as f32;
                 for velocity in &mut velocities[island.slots()] {
                     velocity.linear *= kept;
                     velocity.angular *= kept;
@@ -130,9 +153,10 @@ impl PassiveIslands {
 }
 
 impl Batch {
-    /// Finds the islands whose rows can give no energy: joints without motor or give, and rigid bounds, on bodies moved in lanes.
+    /// Finds the islands whose rows give no energy but by motors: joints and bounds without give, on bodies moved in lanes.
     pub(crate) fn find_passive_islands(&mut self, joints: &Pool<Joint, JointId>) {
-        let Self { passive: PassiveIslands { islands, owner, driven, .. }, motions, inputs, direct, bounds, .. } = self;
+        let Self { passive: PassiveIslands { islands, owner, driven, motorised, .. }, motions, inputs, direct, bounds, .. } =
+            self;
         islands.clear();
         if self.joints.entries.is_empty() {
             return;
@@ -142,36 +166,59 @@ impl Batch {
         owner.resize(motions.len(), NOBODY);
         for (number, &first) in self.islands.iter().enumerate() {
             let end = self.islands.get(number + 1).map_or(motions.len(), |&next| next as usize);
-            islands.push(Island { first, end: end as u32, before: 0.0, after: 0.0 });
+            islands.push(Island { first, end: end as u32, before: 0.0, after: 0.0, has_motors: false, work: 0.0 });
             let own = || (first as usize..end).filter(|&slot| motions[slot].is_dynamic());
             own().for_each(|slot| owner[slot] = number as u32);
             driven.push(own().any(|slot| !motions[slot].in_lanes));
         }
-        let mut mark = |ends: [u32; 2], gives: bool| {
+        motorised.clear();
+        motorised.resize(islands.len(), false);
+        let mut mark = |ends: [u32; 2], gives: bool, has_motor: bool| {
             let is_moved = ends.iter().any(|&slot| motions[slot as usize].kind == MotionKind::Kinematic);
             for owner in ends.map(|slot| owner[slot as usize]).into_iter().filter(|&owner| owner != NOBODY) {
                 driven[owner as usize] |= gives || is_moved;
+                motorised[owner as usize] |= has_motor;
             }
         };
-        let gives = |entry: &JointEntry| !gives_no_energy(&joints[entry.joint].def);
-        inputs.iter().for_each(|input| mark([input.a, input.b], true));
-        direct.entries().for_each(|entry| mark([entry.a, entry.b], true));
-        self.joints.entries.iter().for_each(|entry| mark([entry.a, entry.b], gives(entry)));
-        bounds.entries.iter().for_each(|entry| mark([entry.near, entry.far], entry.has_give()));
+        inputs.iter().for_each(|input| mark([input.a, input.b], true, false));
+        direct.entries().for_each(|entry| mark([entry.a, entry.b], true, false));
+        for entry in &self.joints.entries {
+            let def = &joints[entry.joint].def;
+            mark([entry.a, entry.b], !gives_by_motors_alone(def), has_motor(&def.kind));
+        }
+        bounds.entries.iter().for_each(|entry| mark([entry.near, entry.far], entry.has_give(), false));
         let mut number = 0;
-        islands.retain(|_| {
+        islands.retain_mut(|island| {
             number += 1;
+            island.has_motors = motorised[number - 1];
             !driven[number - 1]
         });
     }
 
     /// Takes the energy out again that the sweeps of this substep have added.
-    pub(crate) fn restrain(&mut self) {
+    pub(crate) fn restrain(&mut self, joints: &Pool<Joint, JointId>) {
+        self.find_motor_work(joints);
         let Self { passive, velocities, motions, poses, free, joints, bounds, taut, .. } = self;
         if let Some(torn) = passive.restrain(velocities, motions, poses, free) {
             joints.give_up(torn);
             bounds.give_up(torn);
             taut.give_up(torn);
         }
+    }
+
+    fn find_motor_work(&mut self, joints: &Pool<Joint, JointId>) {
+        let Self { passive: PassiveIslands { islands, owner, .. }, velocities, .. } = self;
+        if !islands.iter().any(|island| island.has_motors) {
+            return;
+        }
+        islands.iter_mut().for_each(|island| island.work = 0.0);
+        self.joints.find_work(joints, velocities, |slots, work| {
+            let slot = slots.into_iter().find(|&slot| owner[slot as usize] != NOBODY);
+            // They are in the order of their slots.
+            let place = slot.map(|slot| islands.partition_point(|island| island.end <= slot));
+            if let Some(island) = place.and_then(|place| islands.get_mut(place)).filter(|island| Some(island.first) <= slot) {
+                island.work += work;
+            }
+        });
     }
 }

@@ -241,6 +241,7 @@ impl World {
                 (record.impulses, record.far_force) = ([0.0; 2], Vec3::ZERO);
             }
         }
+        report.counts.bounds_wrapped = batches[..*batch_count].iter().map(|batch| batch.wraps.entries.len() as u32).sum();
         for entry in batches[..*batch_count].iter().flat_map(|batch| &batch.wraps.entries) {
             let record = &mut records[entry.bound as usize];
             let far_force = entry.far_sum / dt;

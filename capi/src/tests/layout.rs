@@ -128,7 +128,7 @@ fn layouts() -> Vec<Layout> {
         LsStepReport {
             step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
             joints, batches, colors, moved, joint_gap, penetration, broad_phase_time, narrow_phase_time, island_time,
-            solve_time, finish_time, total_time, unions, union_members, joint_angle, reserved, bounds_derived, bounds,
+            solve_time, finish_time, total_time, unions, union_members, joint_angle, bounds_wrapped, bounds_derived, bounds,
             bounds_active, bounds_skipped, planes, long_range_time
         }
         LsMoved { body, user_word, pose, linear_velocity, angular_velocity, fell_asleep, woke }

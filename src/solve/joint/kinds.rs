@@ -54,17 +54,32 @@ pub(crate) fn most_rows(kind: &JointKind) -> u32 {
     }
 }
 
-/// Whether a joint holds or stops its coordinates and does nothing else: no motor, no give.
-pub(crate) fn gives_no_energy(def: &JointDef) -> bool {
+/// Whether a joint gives energy by its motors alone, if by anything: no spring, no give.
+pub(crate) fn gives_by_motors_alone(def: &JointDef) -> bool {
     let is_rigid = def.linear.compliance == 0.0 && def.angular.compliance == 0.0 && def.limit.compliance == 0.0;
-    is_rigid
-        && match &def.kind {
-            JointKind::Fixed => true,
-            JointKind::Hinge { motor, .. } | JointKind::Prismatic { motor, .. } => *motor == Motor::Off,
-            JointKind::Spherical { motor, .. } => *motor == SphericalMotor::Off,
-            JointKind::Distance { spring_length, motor, .. } => spring_length.is_none() && *motor == Motor::Off,
-            JointKind::Generic { linear, angular } => linear.iter().chain(angular).all(|axis| axis.motor == Motor::Off),
+    is_rigid && !matches!(def.kind, JointKind::Distance { spring_length: Some(_), .. })
+}
+
+/// Whether a joint of this kind has a motor.
+pub(crate) fn has_motor(kind: &JointKind) -> bool {
+    match kind {
+        JointKind::Fixed => false,
+        JointKind::Hinge { motor, .. } | JointKind::Prismatic { motor, .. } | JointKind::Distance { motor, .. } => {
+            *motor != Motor::Off
         }
+        JointKind::Spherical { motor, .. } => *motor != SphericalMotor::Off,
+        JointKind::Generic { linear, angular } => linear.iter().chain(angular).any(|axis| axis.motor != Motor::Off),
+    }
+}
+
+/// Whether the multiplier `id` of a joint of this kind is that of a motor.
+pub(super) fn is_motor_row(kind: &JointKind, id: u8) -> bool {
+    match kind {
+        JointKind::Fixed => false,
+        JointKind::Hinge { .. } | JointKind::Prismatic { .. } | JointKind::Distance { .. } => id == 2,
+        JointKind::Spherical { .. } => id >= 4,
+        JointKind::Generic { .. } => id % 3 == 2,
+    }
 }
 
 /// Whether a joint of this kind holds its points together and does nothing else.

@@ -207,6 +207,16 @@ impl BatchJoints {
         self.singles.give_up(slots);
     }
 
+    /// What the motors of each joint do on its bodies in this substep (J): handed over with the slots of the two.
+    pub(crate) fn find_work(
+        &self,
+        joints: &Pool<Joint, JointId>,
+        velocities: &[BodyVelocity],
+        hand_over: impl FnMut([u32; 2], f64),
+    ) {
+        self.singles.find_work(&self.entries, joints, velocities, hand_over);
+    }
+
     /// Ends the velocity rows of a substep: multipliers are kept, and added to the joints' loads.
     pub(crate) fn end_substep(&mut self) {
         self.lanes.add_loads();

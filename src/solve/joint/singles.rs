@@ -202,6 +202,24 @@ impl Singles {
         }
     }
 
+    /// What the motors of each joint do on its bodies, λ J v (J): handed over with the slots of the two.
+    pub(super) fn find_work(
+        &self,
+        entries: &[JointEntry],
+        joints: &Pool<Joint, JointId>,
+        velocities: &[BodyVelocity],
+        mut hand_over: impl FnMut([u32; 2], f64),
+    ) {
+        for rows in &self.rows {
+            let kind = &joints[entries[rows.entry].joint].def.kind;
+            let (a, b) = (&velocities[rows.a as usize], &velocities[rows.b as usize]);
+            let scalars = &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize];
+            let motors = scalars.iter().filter(|row| kinds::is_motor_row(kind, row.id));
+            let work = motors.map(|row| f64::from(row.impulse) * f64::from(row.rate(a, b))).sum();
+            hand_over([rows.a, rows.b], work);
+        }
+    }
+
     /// Keeps the multipliers for rows that are built anew.
     pub(super) fn keep_impulses(&self, entries: &mut [JointEntry]) {
         for rows in &self.rows {

@@ -131,8 +131,13 @@ impl ScalarRow {
         }
     }
 
+    /// J v.
+    pub(crate) fn rate(&self, a: &BodyVelocity, b: &BodyVelocity) -> f32 {
+        self.linear.dot(b.linear - a.linear) + self.angular_b.dot(b.angular) - self.angular_a.dot(a.angular)
+    }
+
     pub(crate) fn solve(&mut self, a: &mut BodyVelocity, b: &mut BodyVelocity) {
-        let rate = self.linear.dot(b.linear - a.linear) + self.angular_b.dot(b.angular) - self.angular_a.dot(a.angular);
+        let rate = self.rate(a, b);
         let free = self.impulse - self.mass * (rate + self.bias + self.gamma * self.impulse);
         let new = free.clamp(self.min, self.max);
         let change = new - self.impulse;
