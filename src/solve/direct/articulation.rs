@@ -54,13 +54,13 @@ const MUST_FALL: f64 = 0.5;
 /// Change of velocity beyond a steady one that a second-order substep of the default effort may have in an articulation of one
 /// metre (m/s); at another effort it goes with the square of the substep.
 ///
-/// With the extent L it goes as L √L: errors are judged against L, and grow with every swing, of which there are as many in a
-/// second as √L is small.
-const MOST_SURPRISE: f64 = 1.2e-4;
+/// With the extent L it goes as L^1.75, below a metre as L: errors are judged against L, and what is long swings and whips slowly, so
+/// that they grow less (see [`ERROR_PER_SURPRISE`]).
+const MOST_SURPRISE: f64 = 9.5e-5;
 
-/// Error of the path (m) after about a second for the same change of velocity (m/s) in every substep (s): 2.2 on a swing of 10
-/// links, 1.1 of 30, 0.7 of 100.
-const ERROR_PER_SURPRISE: f64 = 2.0;
+/// Error of the path (m) after about a second for the same change of velocity (m/s) in every substep (s): 4 on a swing of 10
+/// links, 2 m long, 0.6 of 30, 0.5 of 100.
+const ERROR_PER_SURPRISE: f64 = 2.5;
 
 /// Substeps of the default effort.
 const NOMINAL_SUBSTEPS: f64 = 4.0;
@@ -289,7 +289,8 @@ impl Articulation {
             return target / ERROR_PER_SURPRISE;
         }
         let extent = self.extent();
-        MOST_SURPRISE * extent * extent.sqrt() * (NOMINAL_SUBSTEPS / f64::from(settings.substeps)).powi(2)
+        let root = extent.max(1.0).sqrt();
+        MOST_SURPRISE * extent * root * root.sqrt() * (NOMINAL_SUBSTEPS / f64::from(settings.substeps)).powi(2)
     }
 
     /// Substeps that the last step found to be enough, or the world's where there is none to go by.
