@@ -98,6 +98,8 @@ pub struct WorldDef {
     pub hold: bool,
     /// Whether every step ends with the support analysis: which bodies are held up, and by what. Costs nothing if not.
     pub support: bool,
+    /// Whether the analysis also finds what stands by thrust: arches, leaning cards, wedges. Costs nothing if not.
+    pub support_by_thrust: bool,
     /// Bodies to reserve memory for.
     pub body_capacity: u32,
     /// Joints to reserve memory for.
@@ -120,6 +122,7 @@ impl Default for WorldDef {
             hit_threshold: f32::INFINITY,
             hold: true,
             support: false,
+            support_by_thrust: false,
             body_capacity: 0,
             joint_capacity: 0,
         }

@@ -107,6 +107,13 @@ fn a_standing_tower_takes_no_memory() {
 }
 
 #[test]
+fn judging_an_arch_by_thrust_takes_no_memory() {
+    // After a second its stones are braced, and not held yet: the hold takes some when it first looks at them.
+    let of = |thrust: &str| allocations_after("arch", &[("support", "on"), ("thrust", thrust), ("seconds", "1")]).0;
+    assert_eq!(of("on"), of("off"), "allocations by step, with thrust and without");
+}
+
+#[test]
 fn a_sleeping_world_takes_no_memory() {
     let (counts, run) = allocations_after("idle", &[("what", "asleep"), ("n", "100")]);
     assert_eq!(run.world().awake_body_count(), 0, "bodies awake");

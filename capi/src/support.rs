@@ -28,12 +28,14 @@ pub const LS_SUPPORT_HANGING_LOOSE: i32 = 7;
 pub const LS_SUPPORT_MOVING: i32 = 8;
 /// There is no gravity.
 pub const LS_SUPPORT_NO_GRAVITY: i32 = 9;
+/// The pushes of contacts that hold balance the body's weight, though they are not all below it: it is held up.
+pub const LS_SUPPORT_BRACED: i32 = 10;
 
 /// The verdict on a body at the end of the last step. The layout of this struct never changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct LsSupport {
-    /// LS_SUPPORT_ constant; the first three mean that the body is held up.
+    /// LS_SUPPORT_ constant; the first three, and LS_SUPPORT_BRACED, mean that the body is held up.
     pub verdict: i32,
     /// How far its centre of mass lies inside the hull of its supporting contacts, seen along gravity (m): negative outside,
     /// minus infinity without supporting contacts.
@@ -67,6 +69,7 @@ impl From<BodySupport> for LsSupport {
             Verdict::HangingLoose => LS_SUPPORT_HANGING_LOOSE,
             Verdict::Moving => LS_SUPPORT_MOVING,
             Verdict::NoGravity => LS_SUPPORT_NO_GRAVITY,
+            Verdict::Braced => LS_SUPPORT_BRACED,
         };
         Self { verdict, margin: support.margin }
     }

@@ -92,11 +92,13 @@ pub struct LsWorldDef {
     pub hit_threshold: f32,
     /// Whether and how fast joints break.
     pub fracture: LsFractureSettings,
+    /// Not 0: the support analysis also finds what stands by thrust: arches, leaning cards, wedges; default 0.
+    pub support_by_thrust: u32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsWorldDef {
-    const SIZES: &'static [usize] = &[64, 72, 76, 84];
+    const SIZES: &'static [usize] = &[64, 72, 76, 84, 88];
 }
 
 // SAFETY: begins with struct_size.
@@ -147,6 +149,7 @@ impl TryFrom<LsWorldDef> for WorldDef {
             body_capacity: def.body_capacity,
             joint_capacity: def.joint_capacity,
             fracture: def.fracture.into(),
+            support_by_thrust: def.support_by_thrust != 0,
             ..Self::default()
         })
     }
@@ -175,6 +178,7 @@ impl From<&WorldDef> for LsWorldDef {
             support: def.support.into(),
             hit_threshold: def.hit_threshold,
             fracture: def.fracture.into(),
+            support_by_thrust: def.support_by_thrust.into(),
         }
     }
 }

@@ -325,6 +325,9 @@
 /** There is no gravity. */
 #define LS_SUPPORT_NO_GRAVITY 9
 
+/** The pushes of contacts that hold balance the body's weight, though they are not all below it: it is held up. */
+#define LS_SUPPORT_BRACED 10
+
 /** Bound: from a static or kinematic attachment to what hangs on it. */
 #define LS_BOUND_ATTACHMENT 0
 
@@ -912,6 +915,8 @@ typedef struct LsWorldDef {
     float hit_threshold;
     /** Whether and how fast joints break. */
     struct LsFractureSettings fracture;
+    /** Not 0: the support analysis also finds what stands by thrust: arches, leaning cards, wedges; default 0. */
+    uint32_t support_by_thrust;
 } LsWorldDef;
 
 /** Names a world. Passed by value; any value is safe. */
@@ -1438,7 +1443,7 @@ typedef struct LsJointState {
 
 /** The verdict on a body at the end of the last step. The layout of this struct never changes. */
 typedef struct LsSupport {
-    /** LS_SUPPORT_ constant; the first three mean that the body is held up. */
+    /** LS_SUPPORT_ constant; the first three, and LS_SUPPORT_BRACED, mean that the body is held up. */
     int32_t verdict;
     /**
      * How far its centre of mass lies inside the hull of its supporting contacts, seen along gravity (m): negative outside,

@@ -7,8 +7,8 @@ use std::str::FromStr;
 use longspan::{SleepSettings, Solver, WorldDef};
 
 /// Long-range kinds that a run can switch off one by one.
-pub const LONG_RANGE_KINDS: [&str; 8] =
-    ["long_range", "attachment", "hierarchy", "soft", "plane_position", "plane_axis", "union", "support"];
+pub const LONG_RANGE_KINDS: [&str; 9] =
+    ["long_range", "attachment", "hierarchy", "soft", "plane_position", "plane_axis", "union", "support", "thrust"];
 
 /// Why a scene cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -144,6 +144,7 @@ impl Params {
                     "long_range" => world.long_range.enabled = on,
                     "attachment" => world.long_range.attachment.enabled = on,
                     "support" => (world.support, world.hold) = (on, on),
+                    "thrust" => world.support_by_thrust = on,
                     "soft" => world.long_range.soft = on,
                     "union" => world.long_range.union = on,
                     "plane_position" => world.long_range.plane_position = on,

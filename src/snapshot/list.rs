@@ -116,6 +116,7 @@ stored!(WorldDef {
     body_capacity,
     joint_capacity,
     support,
+    support_by_thrust,
     hold,
     long_range,
     articulations,

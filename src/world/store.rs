@@ -239,7 +239,8 @@ impl World {
                 pair.touching = bits;
             }
             if now && let Some(support) = support.as_deref_mut().filter(|support| support.rests && !support.has_landed) {
-                support.has_landed = Site::new(pair, slot, colliders, bodies).is_on_base(support.frame.as_ref());
+                support.has_landed =
+                    Site::new(pair, slot, colliders, bodies).is_on_base(support.frame.as_ref(), support.by_thrust);
             }
             if now != pair.in_contact {
                 pair.in_contact = now;

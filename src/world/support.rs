@@ -7,6 +7,7 @@
 mod query;
 mod record;
 mod site;
+mod thrust;
 
 use std::sync::OnceLock;
 
@@ -24,6 +25,7 @@ use crate::span::support::{Graph, Node, NodeKind};
 use record::{FAST, HELD, LEAVING, Record, Seen, TURNED};
 use site::TURN;
 pub(super) use site::{Frame, Site};
+use thrust::Thrust;
 
 /// Steps for which a body must be supported before that is an event: contacts come and go while something settles.
 const GAIN_STEPS: u8 = 6;
@@ -55,8 +57,12 @@ pub(super) struct SupportState {
     /// Whether the stage rests, and whether something has come to stand on what needs no support since.
     pub rests: bool,
     pub has_landed: bool,
-    /// Whether a joint holds anything to what needs no support.
+    /// Whether a joint holds anything to what needs no support, and whether anything is braced or pressed against such.
     has_anchors: bool,
+    leans: bool,
+    /// Whether what stands by thrust is looked for, and what was found.
+    pub by_thrust: bool,
+    thrust: Thrust,
     /// The analysis for those who ask while the stage rests.
     view: OnceLock<Box<Self>>,
     /// Whether everything must be looked at, also what sleeps.
@@ -71,9 +77,9 @@ pub(super) struct SupportState {
 }
 
 impl SupportState {
-    fn new(slots: usize) -> Self {
-        let graph = Graph::default();
-        Self { graph, bodies_changed: true, joints_changed: true, is_new: true, said: vec![false; slots], ..Self::default() }
+    fn new(slots: usize, by_thrust: bool) -> Self {
+        let said = vec![false; slots];
+        Self { by_thrust, bodies_changed: true, joints_changed: true, is_new: true, said, ..Self::default() }
     }
 
     /// Bodies that were said to be supported, and those whose verdict is watched: what a snapshot keeps.
@@ -92,6 +98,7 @@ impl SupportState {
         self.frame = frame;
         self.records.iter_mut().for_each(|record| record.clear(&mut self.graph));
         self.graph.clear();
+        self.thrust.clear();
         self.begin_anew();
         self.watched.extend((0..self.said.len() as u32).filter(|&body| self.said[body as usize]).map(|body| (body, 0)));
     }
@@ -119,6 +126,7 @@ impl SupportState {
             self.forget_pair(self.graph.link(link).pair);
         }
         self.graph.set_kind(index, NodeKind::Absent);
+        self.thrust.forget_body(index);
         if std::mem::take(&mut self.said[index as usize]) {
             self.supported_count -= 1;
         }
@@ -210,7 +218,7 @@ impl World {
             return;
         }
         self.def.support = on;
-        self.support = on.then(|| Box::new(SupportState::new(self.bodies.slot_count())));
+        self.support = on.then(|| Box::new(SupportState::new(self.bodies.slot_count(), self.def.support_by_thrust)));
         self.judge_support();
     }
 
@@ -251,7 +259,7 @@ impl World {
         if !state.rests {
             self.update_analysis(&mut state);
             self.list_changes(&mut state);
-            if !state.graph.has_bases() && !state.has_anchors {
+            if !state.graph.has_bases() && !state.has_anchors && !state.leans {
                 state.rest();
             }
         }
@@ -265,9 +273,15 @@ impl World {
     fn update_analysis(&self, state: &mut SupportState) {
         self.sync_bodies(state);
         let Some(frame) = state.frame else { return };
+        let all = state.is_new;
         self.sync_contacts(state, &frame);
         self.sync_joints(state);
         state.graph.update();
+        if state.by_thrust {
+            self.judge_thrust(state, &frame, all);
+        }
+        state.near.clear();
+        state.fell_asleep.clear();
     }
 
     fn sync_joints(&self, state: &mut SupportState) {
@@ -279,7 +293,7 @@ impl World {
 
     /// The analysis of the world as it is.
     fn analysis_anew(&self, gravity: Vec3) -> SupportState {
-        let mut state = SupportState::new(self.bodies.slot_count());
+        let mut state = SupportState::new(self.bodies.slot_count(), false);
         state.turn_to(gravity);
         self.sync_bodies(&mut state);
         if let Some(frame) = state.frame {
@@ -338,6 +352,9 @@ impl World {
                 } else {
                     state.graph.set_kind(index, kind);
                 }
+                if kind != NodeKind::Body {
+                    state.thrust.forget_body(index);
+                }
                 if self.bodies.get(index).is_some_and(|body| body.kind == BodyKind::Kinematic) {
                     state.kinematic.push(index);
                 }
@@ -372,9 +389,9 @@ impl World {
                 stirs |= state.signs[index as usize] & (TURNED | FAST | LEAVING) != 0;
             }
         }
-        let (is_new, mut fell_asleep) = (std::mem::take(&mut state.is_new), std::mem::take(&mut state.fell_asleep));
+        let (is_new, fell_asleep) = (std::mem::take(&mut state.is_new), std::mem::take(&mut state.fell_asleep));
         let (mut altered, mut unsettled) = (std::mem::take(&mut state.altered), std::mem::take(&mut state.unsettled));
-        let mut near = std::mem::take(&mut state.near);
+        let near = std::mem::take(&mut state.near);
         let unknown = Record::default();
         let mut left = std::mem::take(&mut state.left);
         left.clear();
@@ -410,12 +427,11 @@ impl World {
             altered.iter().filter(|&&slot| pairs.get(slot).is_active()).for_each(|&slot| look_at(slot));
         }
         altered.clear();
-        near.clear();
         state.near = near;
         (state.altered, state.unsettled, state.left) = (altered, left, unsettled);
         let mut sync = |slot: u32| state.sync_pair(&Site::new(pairs.get(slot), slot, colliders, bodies), frame);
         // What was dropped meanwhile has no contacts any more.
-        fell_asleep.drain(..).filter(|&slot| pairs.get(slot).has_points()).for_each(&mut sync);
+        fell_asleep.iter().copied().filter(|&slot| pairs.get(slot).has_points()).for_each(&mut sync);
         if is_new {
             self.sleeping.pairs().for_each(&mut sync);
         }
@@ -469,9 +485,9 @@ impl World {
     }
 
     fn list_changes(&self, state: &mut SupportState) {
-        let SupportState { graph, watched, said, events, supported_count, frame, .. } = state;
+        let SupportState { graph, thrust, watched, said, events, supported_count, frame, .. } = state;
         let has_frame = frame.is_some();
-        let is_supported = |index: u32| has_frame && graph.node(index).is_some_and(Node::is_supported);
+        let is_supported = |index: u32| has_frame && (graph.node(index).is_some_and(Node::is_supported) || thrust.braces(index));
         watched.extend(graph.changed().iter().map(|&index| (index, 0)));
         // Of a body that is watched already, the number of steps stays.
         watched.sort_unstable_by_key(|&(index, steps)| (index, std::cmp::Reverse(steps)));

@@ -49,7 +49,7 @@ const BREAKS_SEEN: u64 = 60;
 const LIST_EVERY: f32 = 1.0;
 
 /// What `LsStreamBody.support` means, by its number.
-const VERDICTS: [&str; 10] = [
+const VERDICTS: [&str; 11] = [
     "supported",
     "held by joints",
     "ground",
@@ -60,6 +60,7 @@ const VERDICTS: [&str; 10] = [
     "hangs loose",
     "moving",
     "no gravity",
+    "braced",
 ];
 
 /// Height of letters (pixels): the one that macroquad's own font was drawn for, others lose strokes.

@@ -123,7 +123,7 @@ fn layouts() -> Vec<Layout> {
         LsSleepSettings { enabled, linear_speed, angular_speed, time }
         LsWorldDef {
             struct_size, gravity, substeps, iterations, solver, threads, sleep, restitution_threshold, body_capacity,
-            joint_capacity, reserved, hold, support, hit_threshold, fracture
+            joint_capacity, reserved, hold, support, hit_threshold, fracture, support_by_thrust
         }
         LsStepReport {
             step, time, bodies_awake, bodies_asleep, islands, pairs, pairs_updated, pairs_reused, manifolds, contact_points,
@@ -233,7 +233,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsLongRangeDef", 72),
         ("LsBound", 96),
         ("LsSoftBound", 12),
-        ("LsWorldDef", 84),
+        ("LsWorldDef", 88),
         ("LsStepReport", 136),
         ("LsChainState", 20),
         ("LsChainLink", 32),

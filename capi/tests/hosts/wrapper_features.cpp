@@ -97,6 +97,35 @@ static void walls_and_support() {
     expect(report.diverged == 0 && report.steps == 2 && played.state_hash() == world.state_hash(), "played to the same bits");
 }
 
+/// Verdict after a second on one of two cards that lean on each other by 0.3 rad.
+static std::int32_t leaning_cards(bool by_thrust) {
+    longspan::WorldDef def;
+    def.support = 1;
+    def.support_by_thrust = by_thrust;
+    longspan::World world(def);
+    longspan::ShapeDef plane(LS_SHAPE_HALF_SPACE), card(LS_SHAPE_BOX);
+    card.half_extents[0] = 0.05f;
+    world.create_body(longspan::BodyDef(LS_BODY_STATIC).with(plane));
+    const float sin = std::sin(0.3f), cos = std::cos(0.3f);
+    LsBody left{};
+    for (const float side : {1.0f, -1.0f}) {
+        longspan::BodyDef body(LS_BODY_DYNAMIC);
+        body.at(side * (0.05f * cos + 0.5f * sin), 0.05f * sin + 0.5f * cos, 0).with(card);
+        body.pose.rotation[2] = side * std::sin(0.15f);
+        body.pose.rotation[3] = std::cos(0.15f);
+        left = world.create_body(body);
+    }
+    for (int i = 0; i < 60; ++i) {
+        world.step(1.0f / 60.0f);
+    }
+    return world.support(left).verdict;
+}
+
+static void thrust() {
+    expect(leaning_cards(true) == LS_SUPPORT_BRACED, "cards brace each other");
+    expect(leaning_cards(false) == LS_SUPPORT_OUTSIDE_HULL, "and are loose by projection");
+}
+
 static void streams() {
     longspan::World world;
     try {
@@ -113,6 +142,7 @@ static void streams() {
 int main() {
     chains_and_unions();
     walls_and_support();
+    thrust();
     streams();
     std::printf("%d failures\n", failures);
     return failures == 0 ? 0 : 1;

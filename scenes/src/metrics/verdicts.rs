@@ -4,47 +4,60 @@ use longspan::glam::DVec3;
 
 use super::{Errors, Metric, View};
 
-/// Step after which verdicts are read: contacts bear load, and what is not supported has hardly begun to move.
-const JUDGED_AT: u32 = 6;
+/// When verdicts are read, and the names of what they come to: once contacts bear load, when what is not supported has hardly begun
+/// to move; and once what stands has settled.
+const TIMES: [(u32, [&str; 4]); 2] = [
+    (6, ["stay", "supported", "wrongly_loose", "wrongly_supported"]),
+    (60, ["later_stay", "later_supported", "later_wrongly_loose", "later_wrongly_supported"]),
+];
 
-/// `stay`: bodies that end no farther than a reach from where they started; `supported`: those judged supported at the beginning;
-/// `wrongly_loose` and `wrongly_supported`: those of which the verdict is not what became of them. Nothing where no engine judges.
+/// `stay`: bodies that end no farther than a reach from where they were when verdicts were read; `supported`: those judged
+/// supported then; `wrongly_loose` and `wrongly_supported`: those of which the verdict is not what became of them. `later_…`: the
+/// same, read after a second. Nothing where no engine judges.
 pub struct Verdicts {
     reach: f64,
-    start: Vec<DVec3>,
-    supported: Vec<Option<bool>>,
-    stays: Vec<bool>,
+    judged: [Vec<Judged>; 2],
+}
+
+/// A body when its verdict was read, and whether it has stayed there.
+struct Judged {
+    center: DVec3,
+    supported: bool,
+    stays: bool,
 }
 
 impl Verdicts {
-    /// Farther than `reach` (m) from its start a body has fallen.
+    /// Farther than `reach` (m) a body has fallen.
     pub fn within(reach: f64) -> Self {
-        Self { reach, start: Vec::new(), supported: Vec::new(), stays: Vec::new() }
+        Self { reach, judged: [Vec::new(), Vec::new()] }
     }
 }
 
 impl Metric for Verdicts {
     fn observe(&mut self, view: &View) {
-        if view.step == 0 {
-            self.start = view.dynamic().map(|body| view.center(body)).collect();
+        for (judged, (step, _)) in self.judged.iter_mut().zip(TIMES) {
+            if view.step == step {
+                let judge = |body: usize| {
+                    Some(Judged { center: view.center(body), supported: view.engine.is_supported(body)?, stays: true })
+                };
+                *judged = view.dynamic().map(judge).collect::<Option<_>>().unwrap_or_default();
+            }
+            for (body, judged) in view.dynamic().zip(judged) {
+                judged.stays = view.center(body).distance(judged.center) <= self.reach;
+            }
         }
-        if view.step == JUDGED_AT {
-            self.supported = view.dynamic().map(|body| view.engine.is_supported(body)).collect();
-        }
-        self.stays.clear();
-        self.stays.extend(view.dynamic().zip(&self.start).map(|(body, start)| view.center(body).distance(*start) <= self.reach));
     }
 
     fn report(&self, errors: &mut Errors) {
-        let judged: Vec<(bool, bool)> =
-            self.supported.iter().zip(&self.stays).filter_map(|(supported, &stays)| Some(((*supported)?, stays))).collect();
-        if judged.is_empty() {
-            return;
+        for (judged, (_, names)) in self.judged.iter().zip(TIMES).filter(|(judged, _)| !judged.is_empty()) {
+            let count = |test: fn(&Judged) -> bool| judged.iter().filter(|&body| test(body)).count() as f64;
+            let counts = [
+                count(|body| body.stays),
+                count(|body| body.supported),
+                count(|body| !body.supported && body.stays),
+                count(|body| body.supported && !body.stays),
+            ];
+            errors.extend(names.into_iter().zip(counts));
         }
-        let count = |test: &dyn Fn(bool, bool) -> bool| judged.iter().filter(|&&(says, stays)| test(says, stays)).count() as f64;
-        errors.push(("stay", count(&|_, stays| stays)));
-        errors.push(("supported", count(&|says, _| says)));
-        errors.push(("wrongly_loose", count(&|says, stays| !says && stays)));
-        errors.push(("wrongly_supported", count(&|says, stays| says && !stays)));
     }
 }

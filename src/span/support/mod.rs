@@ -19,6 +19,7 @@
 //! does not matter, and a change is followed upwards only, one unit at a time from the lowest level, until hulls and verdicts
 //! stay what they were. Where things stand on each other in a circle, links that do not go up in level carry nothing.
 
+pub(crate) mod cone;
 pub(crate) mod hull;
 mod level;
 pub(crate) mod slip;
@@ -74,6 +75,11 @@ pub(crate) struct Node {
 impl Node {
     pub(crate) fn is_supported(&self) -> bool {
         self.stands() || self.held_by_joints
+    }
+
+    /// Whether it needs no support, or has it by what hulls and joints tell.
+    pub(crate) fn is_known(&self) -> bool {
+        self.kind != NodeKind::Body || self.is_supported()
     }
 
     /// Whether contacts alone support it.

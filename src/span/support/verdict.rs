@@ -9,6 +9,8 @@ pub enum Verdict {
     Supported,
     /// Joints hold it to the ground, or to a body that is supported.
     HeldByJoints,
+    /// The pushes of contacts that hold balance its weight, though they are not all below it: a stone of an arch, a leaning card.
+    Braced,
     /// Static, or kinematic and at rest: it needs no support.
     Ground,
     /// Nothing presses against it from below.
@@ -30,7 +32,7 @@ pub enum Verdict {
 impl Verdict {
     /// Whether the body is held up.
     pub fn is_supported(self) -> bool {
-        matches!(self, Self::Supported | Self::HeldByJoints | Self::Ground)
+        matches!(self, Self::Supported | Self::HeldByJoints | Self::Braced | Self::Ground)
     }
 }
 

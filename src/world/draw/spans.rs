@@ -122,7 +122,7 @@ fn draw_bound(pen: &mut Pen, bound: &BoundState, middle: DVec3) {
 fn color_of(verdict: Verdict) -> Color {
     match verdict {
         Verdict::Supported | Verdict::Ground => Color::GREEN,
-        Verdict::HeldByJoints => Color::CYAN,
+        Verdict::HeldByJoints | Verdict::Braced => Color::CYAN,
         Verdict::OutsideHull | Verdict::OnUnsupported => Color::ORANGE,
         Verdict::Sliding => Color::YELLOW,
         Verdict::NoContact | Verdict::HangingLoose | Verdict::Moving | Verdict::NoGravity => Color::RED,

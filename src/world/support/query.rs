@@ -93,8 +93,10 @@ impl World {
         let state = self.analysis()?;
         let Some(node) = state.graph.node(index) else { return Ok(Vec::new()) };
         let below = node.below.iter().filter(|&&link| state.graph.is_supporting(link)).map(|&link| state.graph.link(link).lower);
-        let tied = self.tied_to(index).filter(|&other| self.verdict(state, other).verdict.is_supported());
-        Ok(self.handles(below.chain(tied)))
+        let is_supported = |other: u32| self.verdict(state, other).verdict.is_supported();
+        let tied = self.tied_to(index).filter(|&other| is_supported(other));
+        let braces = self.lifts(state, index).into_iter().map(|(other, _)| other).filter(|&other| is_supported(other));
+        Ok(self.handles(below.chain(tied).chain(braces)))
     }
 
     /// Bodies that a body carries through supporting contacts, or that hang on it by joints, by slot.
@@ -108,7 +110,8 @@ impl World {
         let above = node.above.iter().filter(|&&link| state.graph.is_supporting(link)).map(|&link| state.graph.link(link).upper);
         let carries = node.kind == NodeKind::Ground || node.stands();
         let hangs = |&other: &u32| carries && self.verdict(state, other).verdict == Verdict::HeldByJoints;
-        Ok(self.handles(above.chain(self.tied_to(index).filter(hangs))))
+        let leaning = if state.thrust.braces_any() { self.lifted_by(state, index) } else { Vec::new() };
+        Ok(self.handles(above.chain(self.tied_to(index).filter(hangs)).chain(leaning)))
     }
 
     /// Force with which everything that stands on a body presses it down, along gravity, in the last substep (N).
@@ -163,6 +166,9 @@ impl World {
                 let supporting = node.below.iter().copied().filter(|&link| state.graph.is_supporting(link));
                 let heaviest = supporting.max_by(|&a, &b| load(a).total_cmp(&load(b)));
                 next = heaviest.map(|link| state.graph.link(link).lower);
+            } else if state.thrust.braces(index) {
+                let unseen = self.lifts(state, index).into_iter().filter(|&(other, _)| !seen[other as usize]);
+                next = unseen.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(other, _)| other);
             } else {
                 let way = self.way_along_joints(state, index);
                 for &body in way.iter().take(way.len().saturating_sub(1)) {
@@ -178,8 +184,8 @@ impl World {
     /// Bodies that are supported now and would not be without `removed`, by slot; the world stays as it is.
     ///
     /// This is a question to the graph of contacts, joints and hulls, not a simulation: it knows what no longer reaches the
-    /// ground or has its centre of mass over nothing, but neither what a fall would knock over, nor that what is left might slide,
-    /// nor arches, whose stones the analysis does not take for supported in the first place.
+    /// ground or has its centre of mass over nothing, and which stones of an arch have lost what they lean on, but neither what a
+    /// fall would knock over, nor that what is left might slide.
     ///
     /// # Errors
     /// As said above.
@@ -195,12 +201,15 @@ impl World {
                 graph.remove(link);
             }
         }
+        gone.iter().for_each(|&index| graph.set_kind(index, NodeKind::Absent));
         let (ties, anchors) = self.ties(|index| !is_gone(index));
         graph.set_joints(&ties, &anchors);
         graph.update();
         let is_supported = |node: Option<&Node>| node.is_some_and(Node::is_supported);
-        let lost = (0..self.bodies.slot_count() as u32)
-            .filter(|&index| is_supported(state.graph.node(index)) && !is_supported(graph.node(index)) && !is_gone(index));
+        let was = |index: u32| is_supported(state.graph.node(index)) || state.thrust.braces(index);
+        let braced = if state.thrust.braces_any() { self.braced_in(&graph, state) } else { Vec::new() };
+        let is = |index: u32| is_supported(graph.node(index)) || braced.get(index as usize).is_some_and(|&braced| braced);
+        let lost = (0..self.bodies.slot_count() as u32).filter(|&index| was(index) && !is(index) && !is_gone(index));
         Ok(self.handles(lost))
     }
 
@@ -233,6 +242,8 @@ impl World {
             Verdict::Supported
         } else if node.held_by_joints {
             Verdict::HeldByJoints
+        } else if state.thrust.braces(index) {
+            Verdict::Braced
         } else if !node.hull().is_empty() {
             Verdict::OutsideHull
         } else if links().any(|link: &Link| link.holds) {
@@ -245,6 +256,32 @@ impl World {
             Verdict::NoContact
         };
         BodySupport { verdict, margin: node.margin }
+    }
+
+    /// Bodies that push a braced one up, and how hard (N).
+    fn lifts(&self, state: &SupportState, index: u32) -> Vec<(u32, f32)> {
+        let (true, Some(frame)) = (state.thrust.braces(index), &state.frame) else { return Vec::new() };
+        let body = self.bodies.handle_of(index);
+        let mut lifts: Vec<(u32, f32)> = Vec::new();
+        for contact in self.contacts_of(body).into_iter().flatten() {
+            let up = contact.force().dot(frame.up);
+            let (other, up) = if contact.pair.body_b == body { (contact.pair.body_a, up) } else { (contact.pair.body_b, -up) };
+            let Ok(other) = self.bodies.find(other) else { continue };
+            match lifts.iter_mut().find(|(known, _)| *known == other) {
+                Some((_, sum)) => *sum += up,
+                None => lifts.push((other, up)),
+            }
+        }
+        lifts.retain(|&(_, up)| up > 0.0);
+        lifts
+    }
+
+    /// Braced bodies that a body pushes up.
+    fn lifted_by(&self, state: &SupportState, index: u32) -> Vec<u32> {
+        let contacts = self.contacts_of(self.bodies.handle_of(index)).into_iter().flatten();
+        let touched = contacts.flat_map(|contact| [contact.pair.body_a, contact.pair.body_b]);
+        let touched = touched.filter_map(|other| self.bodies.find(other).ok()).filter(|&other| other != index);
+        touched.filter(|&other| self.lifts(state, other).iter().any(|&(lifts, _)| lifts == index)).collect()
     }
 
     /// Bodies at the other ends of a body's joints.

@@ -17,7 +17,7 @@ pub(super) const TURN: f32 = 1.0e-3;
 const EXHAUSTED_SHARE: f32 = 0.99;
 
 /// Least cosine between a contact's normal and the vertical for one body to stand on the other.
-const MIN_RISE: f32 = 0.3;
+pub(super) const MIN_RISE: f32 = 0.3;
 
 /// Up, and two axes across it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,12 +100,12 @@ impl<'a> Site<'a> {
         Some(self.normal(manifold).dot(frame.up)).filter(|rise| rise.abs() >= MIN_RISE)
     }
 
-    /// Whether one of the bodies needs no support, and the other stands on it.
-    pub(in crate::world) fn is_on_base(&self, frame: Option<&Frame>) -> bool {
+    /// Whether one of the bodies needs no support, and the other stands on it, or presses it from any side if `by_thrust` counts.
+    pub(in crate::world) fn is_on_base(&self, frame: Option<&Frame>, by_thrust: bool) -> bool {
         let Some(frame) = frame else { return false };
         let stands = |manifold: &CarriedManifold| {
             let lower = |rise: f32| if rise > 0.0 { self.bodies.0 } else { self.bodies.1 };
-            self.rise(manifold, frame).is_some_and(|rise| !lower(rise).is_dynamic())
+            by_thrust || self.rise(manifold, frame).is_some_and(|rise| !lower(rise).is_dynamic())
         };
         self.bodies.0.is_dynamic() != self.bodies.1.is_dynamic() && self.pair.manifolds.iter().any(stands)
     }

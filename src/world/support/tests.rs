@@ -1,4 +1,4 @@
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 use super::SupportState;
 use super::record::Seen;
@@ -61,10 +61,15 @@ fn a_random_edit(world: &mut World, bodies: &mut Vec<BodyId>, random: &mut Rando
     }
 }
 
+/// Worlds that judge by thrust too.
+fn by_thrust() -> WorldDef {
+    WorldDef { support: true, support_by_thrust: true, ..WorldDef::default() }
+}
+
 /// The analysis made anew from the world as it is, with the words on what slides that the kept one has.
 fn made_anew(world: &World) -> SupportState {
     let kept = world.support.as_ref().unwrap();
-    let mut fresh = SupportState::new(world.bodies.slot_count());
+    let mut fresh = SupportState::new(world.bodies.slot_count(), world.def.support_by_thrust);
     fresh.turn_to(world.def.gravity);
     fresh.records.resize_with(kept.records.len(), Default::default);
     for (record, kept) in fresh.records.iter_mut().zip(&kept.records) {
@@ -76,6 +81,9 @@ fn made_anew(world: &World) -> SupportState {
         let (ties, anchors) = world.ties(|_| true);
         fresh.graph.set_joints(&ties, &anchors);
         fresh.graph.update();
+        if fresh.by_thrust {
+            world.judge_thrust(&mut fresh, &frame, true);
+        }
     }
     fresh
 }
@@ -91,14 +99,67 @@ fn stands_on_an_edge(graph: &Graph, node: &Node) -> bool {
     })
 }
 
-#[test]
-fn the_kept_analysis_equals_one_made_anew_over_a_thousand_edit_sequences_of_a_world() {
-    let (mut judged, mut supported, mut close) = (0, 0, 0);
+/// What a comparison of kept analyses with ones made anew has seen.
+#[derive(Debug, Default)]
+struct Tally {
+    judged: usize,
+    supported: usize,
+    braced: usize,
+    at_rest: usize,
+    /// Bodies of which the verdict hung on the last milliradian, and those of which the word on thrust did.
+    close: usize,
+    close_by_thrust: usize,
+}
+
+impl Tally {
+    fn compare(&mut self, world: &World, bodies: &[BodyId], context: &str) {
+        let fresh = made_anew(world);
+        let state = world.support.as_ref().unwrap();
+        let indices: Vec<u32> = bodies.iter().map(|&body| world.bodies.find(body).unwrap()).collect();
+        let mut hulls_agree = true;
+        for &index in &indices {
+            let (Some(kept), Some(fresh)) = (state.graph.node(index), fresh.graph.node(index)) else { continue };
+            self.judged += 1;
+            self.supported += usize::from(kept.is_supported());
+            if kept.is_supported() != fresh.is_supported() {
+                // Links follow a body in steps of a milliradian, and of a thousandth of its extent: on the edge that tells.
+                let near = |node: &Node| node.margin.abs() < 5e-3 * hull::reach(node.hull()).max(0.1);
+                let mut mates = indices.iter().filter_map(|&mate| state.graph.node(mate)).filter(|mate| mate.unit == kept.unit);
+                let is_close = mates.any(near) || near(fresh) || stands_on_an_edge(&state.graph, kept);
+                assert!(is_close, "{context}, body {index}: {kept:?} against {fresh:?}");
+                self.close += 1;
+                hulls_agree = false;
+            }
+        }
+        for &index in &indices {
+            let body = &world.bodies[index];
+            let (kept, fresh) = (state.thrust.braces(index), fresh.thrust.braces(index));
+            self.braced += usize::from(kept);
+            self.at_rest += usize::from(kept && (body.held || !body.is_awake()));
+            assert!(kept == fresh || !hulls_agree, "{context}, body {index}: braced {kept}, made anew {fresh}");
+            self.close_by_thrust += usize::from(kept != fresh);
+        }
+    }
+
+    fn check(&self) {
+        assert!(self.close * 1000 < self.judged && self.close_by_thrust * 1000 < self.judged, "{self:?}");
+    }
+}
+
+/// A world with ground from −5 m to 5 m at a height of zero.
+fn world_on_ground(def: &WorldDef) -> World {
+    let mut world = World::new(def).unwrap();
+    let ground = Shape::cuboid(Vec3::new(5.0, 0.5, 5.0)).unwrap();
+    world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, -0.5, 0.0)).with_shape(ShapeDef::new(ground))).unwrap();
+    world
+}
+
+/// Makes a thousand worlds of boxes, edits them at random, and compares after every few steps.
+fn compare_over_edits_of_boxes(def: &WorldDef) -> Tally {
+    let mut tally = Tally::default();
     for sequence in 0..1000_u64 {
         let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ ((sequence + 1) * 104_729));
-        let mut world = World::new(&WorldDef { support: true, ..WorldDef::default() }).unwrap();
-        let ground = Shape::cuboid(Vec3::new(5.0, 0.5, 5.0)).unwrap();
-        world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, -0.5, 0.0)).with_shape(ShapeDef::new(ground))).unwrap();
+        let mut world = world_on_ground(def);
         let mut bodies = Vec::new();
         (0..5).for_each(|_| bodies.push(add_box(&mut world, &mut random)));
         for _ in 0..12 {
@@ -106,34 +167,71 @@ fn the_kept_analysis_equals_one_made_anew_over_a_thousand_edit_sequences_of_a_wo
             for _ in 0..1 + random.below(12) {
                 world.step(1.0 / 60.0).unwrap();
             }
-            let fresh = made_anew(&world);
-            let state = world.support.as_ref().unwrap();
-            for &body in &bodies {
-                let index = world.bodies.find(body).unwrap();
-                let (Some(kept), Some(fresh)) = (state.graph.node(index), fresh.graph.node(index)) else { continue };
-                judged += 1;
-                supported += usize::from(kept.is_supported());
-                if kept.is_supported() != fresh.is_supported() {
-                    // Links follow a body in steps of a milliradian, and of a thousandth of its extent: on the edge that tells.
-                    let near = |node: &Node| node.margin.abs() < 5e-3 * hull::reach(node.hull()).max(0.1);
-                    let mates = bodies.iter().filter_map(|&body| world.bodies.find(body).ok());
-                    let mut mates = mates.filter_map(|mate| state.graph.node(mate)).filter(|mate| mate.unit == kept.unit);
-                    let is_close = mates.any(near) || near(fresh) || stands_on_an_edge(&state.graph, kept);
-                    assert!(is_close, "sequence {sequence}, body {index}: {kept:?} against {fresh:?}");
-                    close += 1;
+            tally.compare(&world, &bodies, &format!("sequence {sequence}"));
+        }
+    }
+    tally.check();
+    let Tally { judged, supported, .. } = tally;
+    assert!(judged > 50_000 && supported > judged / 6, "{supported} of {judged} verdicts were for support");
+    tally
+}
+
+#[test]
+fn the_kept_analysis_equals_one_made_anew_over_a_thousand_edit_sequences_of_a_world() {
+    let tally = compare_over_edits_of_boxes(&WorldDef { support: true, ..WorldDef::default() });
+    assert_eq!(tally.braced, 0);
+}
+
+#[test]
+fn with_thrust_the_kept_analysis_equals_one_made_anew_over_the_same_sequences() {
+    let tally = compare_over_edits_of_boxes(&by_thrust());
+    assert!(tally.braced > 20, "{tally:?}");
+}
+
+/// Makes pairs of leaning cards, which stand by thrust alone.
+fn add_cards(world: &mut World, random: &mut Random) -> Vec<BodyId> {
+    let half = Vec3::new(0.05, 0.5, 0.3);
+    let mut add = |apex: f32, side: f32| {
+        let (sin, cos) = random.between(0.1, 0.35).sin_cos();
+        let center = Vec3::new(apex + side * (half.x * cos + half.y * sin), half.x * sin + half.y * cos, 0.0);
+        let pose = Pose::at(center.as_dvec3()).rotated(Quat::from_rotation_z(side * sin.asin()));
+        world.create_body(&BodyDef::dynamic(pose).with_shape(ShapeDef::new(Shape::cuboid(half).unwrap()))).unwrap()
+    };
+    [-2.0, 0.0, 2.0].into_iter().flat_map(|apex| [add(apex, -1.0), add(apex, 1.0)]).collect()
+}
+
+#[test]
+fn the_kept_words_on_leaning_cards_equal_those_made_anew_over_a_thousand_edit_sequences() {
+    let mut tally = Tally::default();
+    for sequence in 0..1000_u64 {
+        let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ ((sequence + 1) * 15_485_863));
+        let mut world = world_on_ground(&by_thrust());
+        let mut bodies = add_cards(&mut world, &mut random);
+        for _ in 0..12 {
+            // At times for long enough that cards are held, and fall asleep.
+            let longest = if random.below(4) == 0 { 100 } else { 20 };
+            for _ in 0..1 + random.below(longest) {
+                world.step(1.0 / 60.0).unwrap();
+            }
+            tally.compare(&world, &bodies, &format!("sequence {sequence}"));
+            match random.below(9) {
+                0..3 => a_random_edit(&mut world, &mut bodies, &mut random),
+                3 if !bodies.is_empty() => {
+                    let chosen = bodies[random.below(bodies.len())];
+                    world.put_to_sleep(chosen).unwrap();
                 }
+                4 if !bodies.is_empty() => world.wake(bodies[random.below(bodies.len())]).unwrap(),
+                _ => {}
             }
         }
     }
-    assert!(judged > 50_000 && supported > judged / 6, "{supported} of {judged} verdicts were for support");
-    assert!(close * 1000 < judged, "{close} of {judged} verdicts hung on the last milliradian");
+    tally.check();
+    assert!(tally.braced > tally.judged / 10 && tally.at_rest > tally.braced / 10, "{tally:?}");
 }
 
 #[test]
 fn a_world_without_static_contacts_is_not_looked_at() {
-    let mut world = World::new(&WorldDef { support: true, ..WorldDef::default() }).unwrap();
-    let ground = Shape::cuboid(Vec3::new(5.0, 0.5, 5.0)).unwrap();
-    world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, -0.5, 0.0)).with_shape(ShapeDef::new(ground))).unwrap();
+    let mut world = world_on_ground(&WorldDef { support: true, ..WorldDef::default() });
     let add = |world: &mut World, y: f64| {
         let shape = ShapeDef::new(Shape::cuboid(Vec3::splat(0.5)).unwrap());
         world.create_body(&BodyDef::dynamic(Pose::at_xyz(0.0, y, 0.0)).with_shape(shape)).unwrap()

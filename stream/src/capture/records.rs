@@ -32,6 +32,7 @@ fn verdict(verdict: Verdict) -> i32 {
         Verdict::HangingLoose => 7,
         Verdict::Moving => 8,
         Verdict::NoGravity => 9,
+        Verdict::Braced => 10,
     }
 }
 
