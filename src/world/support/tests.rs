@@ -71,8 +71,8 @@ fn made_anew(world: &World) -> SupportState {
         record.manifolds.extend(kept.manifolds.iter().map(|&seen| Seen { link: None, ..seen }));
     }
     world.sync_bodies(&mut fresh);
-    if let Some(frame) = fresh.frame {
-        world.sync_contacts(&mut fresh, &frame);
+    if fresh.frame.is_some() {
+        world.sync_contacts(&mut fresh);
         let (ties, anchors) = world.ties(|_| true);
         fresh.graph.set_joints(&ties, &anchors);
         fresh.graph.update();
