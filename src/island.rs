@@ -91,6 +91,13 @@ impl SleepingIslands {
         }
     }
 
+    /// Follows pairs that have gone to other slots.
+    pub(crate) fn move_pairs(&mut self, places: &[u32]) {
+        for island in self.islands.iter_mut().flatten() {
+            island.pairs.iter_mut().for_each(|slot| *slot = places[*slot as usize]);
+        }
+    }
+
     pub(crate) fn take(&mut self, number: u32) -> SleepingIsland {
         let island = self.islands[number as usize].take().unwrap_or_default();
         self.bodies -= island.bodies.len();

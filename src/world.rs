@@ -181,6 +181,7 @@ impl World {
         self.store_results(dt);
         self.stop_fast_bodies();
         self.report_splits();
+        self.prepare_support();
         self.report_contacts();
         self.report_hits();
         self.sense();

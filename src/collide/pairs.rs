@@ -332,8 +332,8 @@ pub(crate) struct PairCache {
     /// How many of those were given up, and what edits have made active instead.
     gone: usize,
     woken: BTreeMap<PairKey, u32>,
-    /// Pairs given up so far.
-    releases: u64,
+    /// Slots given up and not yet [forgotten](Self::forget_released), where somebody wants to know.
+    released: Option<Vec<u32>>,
 }
 
 impl PairCache {
@@ -383,6 +383,31 @@ impl PairCache {
             let woken: Vec<(PairKey, u32)> = std::mem::take(&mut self.woken).into_iter().collect();
             self.merge(&woken);
         }
+    }
+
+    /// Puts slots in the order in which pairs are gone through, if they are much out of it, and says where each has gone.
+    ///
+    /// Pairs come and go, and slots are used again: after a while each pair is a read from another place of memory, a dozen times a
+    /// step.
+    pub(crate) fn tidy(&mut self) -> Option<Vec<u32>> {
+        self.settle();
+        let out_of_order = self.active.windows(2).filter(|two| two[0].1 > two[1].1).count();
+        if self.active.len() < LEAST_TIDIED || out_of_order as f32 <= MOST_OUT_OF_ORDER * self.active.len() as f32 {
+            return None;
+        }
+        const NONE: u32 = u32::MAX;
+        let mut places = vec![NONE; self.pairs.len()];
+        for ((_, slot), place) in self.active.iter_mut().zip(0..) {
+            places[*slot as usize] = place;
+            *slot = place;
+        }
+        let others = places.iter_mut().filter(|place| **place == NONE);
+        others.zip(self.active.len() as u32..).for_each(|(place, next)| *place = next);
+        put_in_places(&mut self.pairs, &places);
+        for slot in self.free.iter_mut().chain(self.released.iter_mut().flatten()) {
+            *slot = places[*slot as usize];
+        }
+        Some(places)
     }
 
     fn is_settled(&self) -> bool {
@@ -480,12 +505,26 @@ impl PairCache {
         pair.manifolds = Vec::new();
         pair.active = false;
         self.free.push(slot);
-        self.releases += 1;
+        if let Some(released) = &mut self.released {
+            released.push(slot);
+        }
     }
 
-    /// Number of pairs given up so far.
-    pub(crate) fn releases(&self) -> u64 {
-        self.releases
+    /// Notes which slots are given up from now on, or no longer.
+    pub(crate) fn follow_releases(&mut self, on: bool) {
+        self.released = on.then(Vec::new);
+    }
+
+    /// Slots that were given up; some may be those of other pairs by now.
+    pub(crate) fn released(&self) -> &[u32] {
+        self.released.as_deref().unwrap_or(&[])
+    }
+
+    /// Forgets which slots were given up.
+    pub(crate) fn forget_released(&mut self) {
+        if let Some(released) = &mut self.released {
+            released.clear();
+        }
     }
 
     /// Whether a slot still is that of a pair, active or asleep, that has contacts.
@@ -526,6 +565,22 @@ impl PairCache {
                 old -= 1;
             }
             self.active[old + number] = next;
+        }
+    }
+}
+
+/// Active pairs from which on their order in memory matters, and share of them that may come before the one before them.
+const LEAST_TIDIED: usize = 2048;
+const MOST_OUT_OF_ORDER: f32 = 0.2;
+
+/// Moves every item to its place.
+pub(crate) fn put_in_places<T>(items: &mut [T], places: &[u32]) {
+    let mut places = places.to_vec();
+    for i in 0..items.len() {
+        while places[i] as usize != i {
+            let place = places[i] as usize;
+            items.swap(i, place);
+            places.swap(i, place);
         }
     }
 }

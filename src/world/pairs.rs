@@ -49,6 +49,16 @@ impl World {
         }
         self.drop_distant_pairs();
         self.add_new_pairs();
+        self.tidy_pairs();
+    }
+
+    /// Keeps pairs in memory in the order in which they are gone through.
+    fn tidy_pairs(&mut self) {
+        let Some(places) = self.pairs.tidy() else { return };
+        self.sleeping.move_pairs(&places);
+        if let Some(support) = &mut self.support {
+            support.move_pairs(&places);
+        }
     }
 
     fn drop_distant_pairs(&mut self) {

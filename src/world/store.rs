@@ -8,7 +8,6 @@ use super::pairs::contact_pair;
 use super::support::Site;
 use super::unions::Anchor;
 use crate::body::BodyKind;
-use crate::collide::pairs::{TOO_MANY, pack_touching, touching};
 use crate::collide::sweep::PathStart;
 use crate::joint::Joint;
 use crate::report::{JointOverload, JointStop, Moved};
@@ -17,6 +16,10 @@ use crate::span::union::UnionMotion;
 
 /// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
 const ROTATION_TOLERANCE: f32 = 1.0e-3;
+
+/// Pairs that are reported before those of them that touch are judged: few enough to be still in the cache, and enough for reads of
+/// pairs to overlap, which they do not from one judgement to the next.
+const REPORTED_AT_ONCE: usize = 64;
 
 impl World {
     /// Writes poses, velocities and multipliers back.
@@ -219,33 +222,32 @@ impl World {
         // What was quarantined has no pairs any more.
         pairs.settle();
         let mut support = support.as_deref_mut();
-        for number in 0..pairs.active().len() {
-            let (key, slot) = pairs.active()[number];
-            let pair = pairs.get_mut(slot);
-            // Multipliers are those of a step ago.
-            if pair.still && !hold.let_go {
-                continue;
-            }
-            let now = pair.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
-            if let Some(support) = support.as_deref_mut().filter(|support| !support.rests) {
-                let bits = pack_touching(pair.manifolds.iter().map(|manifold| touching(manifold, pair.extent)));
-                // What touches nowhere, and did not a step ago, has no links.
-                if bits != pair.touching || (pair.updated && bits != 0) || bits == TOO_MANY {
-                    support.altered.push(slot);
+        let count = pairs.active().len();
+        for first in (0..count).step_by(REPORTED_AT_ONCE) {
+            for number in first..count.min(first + REPORTED_AT_ONCE) {
+                let (key, slot) = pairs.active()[number];
+                let pair = pairs.get_mut(slot);
+                // Multipliers are those of a step ago.
+                if pair.still && !hold.let_go {
+                    continue;
                 }
-                if bits != 0 {
-                    support.near.push(slot);
+                let now = pair.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
+                match support.as_deref_mut() {
+                    Some(support) if support.is_awake() => support.note_touching(slot, pair),
+                    Some(support) if now && support.rests && !support.has_landed => {
+                        let site = Site::new(pair, slot, colliders, bodies);
+                        support.has_landed = site.is_on_base(support.frame.as_ref(), support.by_thrust);
+                    }
+                    _ => {}
                 }
-                pair.touching = bits;
+                if now != pair.in_contact {
+                    pair.in_contact = now;
+                    let list = if now { &mut events.contact_began } else { &mut events.contact_ended };
+                    list.push(contact_pair(colliders, bodies, key));
+                }
             }
-            if now && let Some(support) = support.as_deref_mut().filter(|support| support.rests && !support.has_landed) {
-                support.has_landed =
-                    Site::new(pair, slot, colliders, bodies).is_on_base(support.frame.as_ref(), support.by_thrust);
-            }
-            if now != pair.in_contact {
-                pair.in_contact = now;
-                let list = if now { &mut events.contact_began } else { &mut events.contact_ended };
-                list.push(contact_pair(colliders, bodies, key));
+            if let Some(support) = support.as_deref_mut() {
+                support.look_at_near(pairs, colliders, bodies);
             }
         }
     }

@@ -4,6 +4,7 @@
 //! slide; everything else of the graph stays. What sleeps is not looked at. While nothing stands on, or hangs from, what needs no
 //! support itself, nothing is: the stage *rests*, and what is asked of it meanwhile is worked out for those who ask.
 
+mod look;
 mod query;
 mod record;
 mod site;
@@ -15,15 +16,11 @@ use glam::{Quat, Vec3};
 
 use super::World;
 use crate::body::{Body, BodyKind};
-use crate::collide::collider::Collider;
-use crate::collide::pairs::{Pair, pack_touching};
-use crate::id::{Pool, ShapeId};
+use crate::collide::pairs::{pack_touching, put_in_places};
 use crate::joint::{Axis, Joint, JointKind, Motor};
-use crate::span::support::slip::Slip;
 use crate::span::support::verdict::SupportChange;
 use crate::span::support::{Graph, Node, NodeKind};
-use record::{FAST, HELD, LEAVING, Record, Seen, TURNED};
-use site::TURN;
+use record::{Record, Seen};
 pub(super) use site::{Frame, Site};
 use thrust::Thrust;
 
@@ -43,15 +40,18 @@ pub(super) struct SupportState {
     /// What may have changed the links of each body since the last update: [`TURNED`], [`FAST`], [`LEAVING`], [`HELD`].
     signs: Vec<u8>,
     kinematic: Vec<u32>,
-    releases: u64,
+    /// Whether any sign is of more than being held.
+    stirs: bool,
     /// Pairs of which points or manifolds changed in the step, and those to be looked at again whatever happens.
-    pub altered: Vec<u32>,
+    altered: Vec<u32>,
     unsettled: Vec<u32>,
     left: Vec<u32>,
+    /// Pairs that touch, of those that are being reported.
+    near: Vec<u32>,
+    /// Pairs that touch after the step, of bodies that are not all held, where thrust is looked for.
+    pressed: Vec<u32>,
     /// Pairs that have fallen asleep since the last update: they are at rest now, and looked at once more.
     pub fell_asleep: Vec<u32>,
-    /// Active pairs of which points press or touch, of bodies that are not all held.
-    pub near: Vec<u32>,
     /// Pairs looked at so far.
     looked_at: u64,
     /// Whether the stage rests, and whether something has come to stand on what needs no support since.
@@ -113,7 +113,7 @@ impl SupportState {
     fn rest(&mut self) {
         self.records.clear();
         self.graph.clear();
-        for list in [&mut self.altered, &mut self.unsettled, &mut self.near, &mut self.fell_asleep] {
+        for list in [&mut self.altered, &mut self.unsettled, &mut self.left, &mut self.pressed, &mut self.fell_asleep] {
             list.clear();
         }
         self.rests = true;
@@ -134,6 +134,20 @@ impl SupportState {
 
     fn forget_pair(&mut self, slot: u32) {
         self.records[slot as usize].clear(&mut self.graph);
+    }
+
+    /// Follows pairs that have gone to other slots.
+    pub(super) fn move_pairs(&mut self, places: &[u32]) {
+        let place = |slot: &mut u32| *slot = places[*slot as usize];
+        for list in [&mut self.altered, &mut self.unsettled, &mut self.fell_asleep] {
+            list.iter_mut().for_each(place);
+        }
+        if !self.records.is_empty() {
+            self.records.resize_with(places.len(), Record::default);
+            put_in_places(&mut self.records, places);
+        }
+        self.graph.name_pairs(|pair| places[pair as usize]);
+        self.view.take();
     }
 
     /// Makes the links of a pair anew if they are not what they were.
@@ -182,24 +196,6 @@ impl SupportState {
     }
 }
 
-/// What may have changed the links of a body that is not held; `turn` is the rotation that they were made for, and whether it has
-/// turned since.
-fn signs_of(body: &Body, turn: &mut (Quat, bool), colliders: &Pool<Collider, ShapeId>) -> u8 {
-    let (made_for, turned) = turn;
-    // Not-a-number counts as turned.
-    let is_near = ((body.rotation - *made_for).length() * 2.0) <= TURN;
-    if !is_near {
-        (*made_for, *turned) = (body.rotation, true);
-    }
-    let reaches = body.shapes.iter().filter_map(|&id| colliders.find(id).ok()).map(|shape| colliders[shape].reach);
-    let speed = body.linear_velocity.length() + body.angular_velocity.length() * reaches.fold(0.0, f32::max);
-    // Of two bodies each may have half of it; not-a-number counts as fast.
-    let stays_below = |limit: f32| speed <= 0.5 * limit;
-    let sign = |holds: bool, sign: u8| if holds { sign } else { 0 };
-    let is_fast = !stays_below(Slip::STILL_HOLDS);
-    sign(*turned, TURNED) | sign(is_fast, FAST) | sign(!stays_below(Slip::LEAVES), LEAVING)
-}
-
 /// What a body is to the graph.
 pub(super) fn kind_of(body: &Body) -> NodeKind {
     match body.kind {
@@ -218,6 +214,7 @@ impl World {
             return;
         }
         self.def.support = on;
+        self.pairs.follow_releases(on);
         self.support = on.then(|| Box::new(SupportState::new(self.bodies.slot_count(), self.def.support_by_thrust)));
         self.judge_support();
     }
@@ -245,6 +242,7 @@ impl World {
     pub(super) fn judge_support(&mut self) {
         let Some(mut state) = self.support.take() else { return };
         self.pairs.settle();
+        self.forget_released(&mut state);
         state.events.clear();
         state.view.take();
         if state.gravity != self.def.gravity || state.frame.is_none() {
@@ -274,13 +272,13 @@ impl World {
         self.sync_bodies(state);
         let Some(frame) = state.frame else { return };
         let all = state.is_new;
-        self.sync_contacts(state, &frame);
+        self.sync_contacts(state);
         self.sync_joints(state);
         state.graph.update();
         if state.by_thrust {
             self.judge_thrust(state, &frame, all);
         }
-        state.near.clear();
+        state.pressed.clear();
         state.fell_asleep.clear();
     }
 
@@ -366,84 +364,6 @@ impl World {
             if state.graph.node(index).is_some_and(|node| node.kind != kind) {
                 state.graph.set_kind(index, kind);
                 state.joints_changed = true;
-            }
-        }
-    }
-
-    fn sync_contacts(&self, state: &mut SupportState, frame: &Frame) {
-        let Self { pairs, colliders, bodies, movers, .. } = self;
-        if state.releases != pairs.releases() {
-            state.releases = pairs.releases();
-            for slot in 0..state.records.len() as u32 {
-                let record = &state.records[slot as usize];
-                if record.key.is_some_and(|key| !pairs.holds(slot, key)) {
-                    state.forget_pair(slot);
-                }
-            }
-        }
-        let mut stirs = false;
-        for &index in movers {
-            if let Some(body) = bodies.get(index) {
-                state.signs[index as usize] =
-                    if body.held { HELD } else { signs_of(body, &mut state.turns[index as usize], colliders) };
-                stirs |= state.signs[index as usize] & (TURNED | FAST | LEAVING) != 0;
-            }
-        }
-        let (is_new, fell_asleep) = (std::mem::take(&mut state.is_new), std::mem::take(&mut state.fell_asleep));
-        let (mut altered, mut unsettled) = (std::mem::take(&mut state.altered), std::mem::take(&mut state.unsettled));
-        let near = std::mem::take(&mut state.near);
-        let unknown = Record::default();
-        let mut left = std::mem::take(&mut state.left);
-        left.clear();
-        let mut look_at = |slot: u32| {
-            let pair = pairs.get(slot);
-            let record = state.records.get(slot as usize).unwrap_or(&unknown);
-            if is_new || !record.is_up_to_date(pair, &state.signs) {
-                let (a, b) = pair.key.shapes();
-                // What is held was judged when it came to rest.
-                if is_new || !(bodies[colliders[a].body].held || bodies[colliders[b].body].held) {
-                    state.sync_pair(&Site::new(pair, slot, colliders, bodies), frame);
-                }
-            }
-            if !state.records.get(slot as usize).unwrap_or(&unknown).is_settled(pair) {
-                left.push(slot);
-            }
-        };
-        if is_new {
-            pairs.active().iter().for_each(|&(_, slot)| look_at(slot));
-        } else if stirs {
-            near.iter().for_each(|&slot| look_at(slot));
-            altered.append(&mut unsettled);
-            let is_left = |pair: &Pair| pair.is_active() && (pair.still || pair.touching == 0);
-            altered.retain(|&slot| is_left(pairs.get(slot)));
-            altered.sort_unstable();
-            altered.dedup();
-            altered.iter().for_each(|&slot| look_at(slot));
-        } else {
-            // While nothing moves, only what the solver changed can be other than it was.
-            altered.append(&mut unsettled);
-            altered.sort_unstable();
-            altered.dedup();
-            altered.iter().filter(|&&slot| pairs.get(slot).is_active()).for_each(|&slot| look_at(slot));
-        }
-        altered.clear();
-        state.near = near;
-        (state.altered, state.unsettled, state.left) = (altered, left, unsettled);
-        let mut sync = |slot: u32| state.sync_pair(&Site::new(pairs.get(slot), slot, colliders, bodies), frame);
-        // What was dropped meanwhile has no contacts any more.
-        fell_asleep.iter().copied().filter(|&slot| pairs.get(slot).has_points()).for_each(&mut sync);
-        if is_new {
-            self.sleeping.pairs().for_each(&mut sync);
-        }
-        state.fell_asleep = fell_asleep;
-        if !stirs {
-            // That a body is held is said anew in each step that it moves in; else there is nothing to take back.
-            return;
-        }
-        for &index in movers {
-            if let Some((_, turned)) = state.turns.get_mut(index as usize) {
-                *turned = false;
-                state.signs[index as usize] = 0;
             }
         }
     }

@@ -2,6 +2,9 @@
 //!
 //! What slides carries nothing, and counts for nothing. Levels depend on the graph alone, not on the order of its lists. Where units
 //! stand on each other in a circle, the lowest of those that wait is taken first; what points down or sideways then is cut.
+//!
+//! Without circles any levels that go up along every link give the same verdicts. So a link that begins to hold only raises what is
+//! above it, and one that ceases to leaves levels as they are.
 
 use super::{Node, NodeKind, Placed};
 
@@ -14,6 +17,44 @@ pub(super) struct Scratch {
     ready: Vec<u32>,
     /// Bodies that links stand under which begin or cease to go up.
     pub turned: Vec<u32>,
+}
+
+/// Units that are raised before it is better to number all anew.
+const MOST_RAISED: u32 = 256;
+
+/// Raises a unit that has come to stand on another, and what is above it, until every link goes up again; `false` if that is not to be
+/// done so. There are no circles yet.
+pub(super) fn raise(nodes: &mut [Node], links: &[Option<Placed>], (lower, upper): (u32, u32), scratch: &mut Scratch) -> bool {
+    let Scratch { ready, .. } = scratch;
+    ready.clear();
+    nodes[upper as usize].level = nodes[lower as usize].level + 1;
+    ready.push(upper);
+    let mut raised = 0;
+    while let Some(unit) = ready.pop() {
+        raised += 1;
+        let level = nodes[unit as usize].level;
+        // What ceases to hold lowers nothing; a chain of bodies is the longest path that there can be.
+        if raised > MOST_RAISED || level as usize > nodes.len() {
+            return false;
+        }
+        let count = nodes[unit as usize].members.len();
+        for i in 0..count.max(1) {
+            let body = if count == 0 { unit } else { nodes[unit as usize].members[i] };
+            for number in 0..nodes[body as usize].above.len() {
+                let Some(Placed { link, .. }) = &links[nodes[body as usize].above[number] as usize] else { continue };
+                let next = nodes[link.upper as usize].unit;
+                if !link.holds || next == unit || nodes[next as usize].level > level {
+                    continue;
+                }
+                if next == lower {
+                    return false;
+                }
+                nodes[next as usize].level = level + 1;
+                ready.push(next);
+            }
+        }
+    }
+    true
 }
 
 /// Numbers the levels anew; says whether there are circles.

@@ -292,16 +292,16 @@ impl Graph {
             self.links.push(None);
             self.links.len() as u32 - 1
         });
+        if link.holds {
+            self.mark(link.upper);
+            self.begin_to_hold(&link);
+        }
         let [below, above] = [link.upper, link.lower].map(|body| body as usize);
         let (in_below, in_above) = (self.nodes[below].below.len() as u32, self.nodes[above].above.len() as u32);
         self.links[number as usize] = Some(Placed { link, in_below, in_above, went_up: self.goes_up(&link) });
         self.nodes[below].below.push(number);
         self.nodes[above].above.push(number);
         self.bases += u32::from(self.nodes[above].kind != NodeKind::Body);
-        if link.holds {
-            self.mark(link.upper);
-            self.begin_to_hold(&link);
-        }
         number
     }
 
@@ -322,11 +322,11 @@ impl Graph {
         }
         match (old.holds, link.holds) {
             (false, true) => {
+                self.begin_to_hold(&link);
                 let went_up = self.goes_up(&link);
                 if let Some(placed) = &mut self.links[number as usize] {
                     placed.went_up = went_up;
                 }
-                self.begin_to_hold(&link);
             }
             (true, false) => self.levels_are_stale |= self.has_circles,
             _ => {}
@@ -336,13 +336,21 @@ impl Graph {
 
     /// Levels are those of links that hold.
     fn begin_to_hold(&mut self, link: &Link) {
-        let is_within = self.nodes[link.lower as usize].unit == self.nodes[link.upper as usize].unit;
-        let stands_on_a_body = self.nodes[link.lower as usize].kind == NodeKind::Body && !is_within;
-        self.levels_are_stale |= self.has_circles || (stands_on_a_body && !self.goes_up(link));
+        let [lower, upper] = [link.lower, link.upper].map(|body| self.nodes[body as usize].unit);
+        let stands_on_a_body = self.nodes[link.lower as usize].kind == NodeKind::Body && lower != upper;
+        self.levels_are_stale |= self.has_circles;
+        if stands_on_a_body && !self.goes_up(link) && !self.levels_are_stale {
+            self.levels_are_stale = !level::raise(&mut self.nodes, &self.links, (lower, upper), &mut self.scratch.levels);
+        }
     }
 
     fn goes_up(&self, link: &Link) -> bool {
         self.unit(link.lower).level < self.unit(link.upper).level
+    }
+
+    /// Gives the contacts of the world other names.
+    pub(crate) fn name_pairs(&mut self, name: impl Fn(u32) -> u32) {
+        self.links.iter_mut().flatten().for_each(|placed| placed.link.pair = name(placed.link.pair));
     }
 
     /// Takes a contact away.

@@ -78,7 +78,7 @@ impl World {
         let Some(node) = state.graph.node(index) else { return Vec::new() };
         let links = node.below.iter().filter(|&&link| state.graph.is_supporting(link));
         let mut pairs: Vec<u32> = links.map(|&link| state.graph.link(link).pair).collect();
-        pairs.sort_unstable();
+        pairs.sort_unstable_by_key(|&slot| self.pairs.get(slot).key);
         pairs.dedup();
         let contacts = pairs.iter().flat_map(|&slot| self.contacts_of_pair(self.pairs.get(slot).key, slot));
         contacts.flat_map(|contact| contact.points().iter().map(|point| point.position).collect::<Vec<_>>()).collect()
@@ -322,7 +322,7 @@ impl World {
     fn load_of(&self, state: &SupportState, frame: &Frame, links: impl Iterator<Item = u32>) -> f32 {
         let per_substep = if self.last_substep > 0.0 { 1.0 / self.last_substep } else { 0.0 };
         let mut pairs: Vec<(u32, u32)> = links.map(|link| (state.graph.link(link).pair, state.graph.link(link).lower)).collect();
-        pairs.sort_unstable();
+        pairs.sort_unstable_by_key(|&(slot, lower)| (self.pairs.get(slot).key, lower));
         pairs.dedup();
         let load = |&(slot, lower): &(u32, u32)| {
             let pair = self.pairs.get(slot);

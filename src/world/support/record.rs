@@ -1,5 +1,7 @@
 //! What the links of a pair were made from, and whether they still are those of the pair as it is.
 
+use smallvec::SmallVec;
+
 use super::site::has_reserve;
 use crate::collide::pairs::{Pair, PairKey, TOO_MANY};
 use crate::span::support::Graph;
@@ -17,7 +19,8 @@ pub(super) const HELD: u8 = 8;
 pub(super) struct Record {
     pub key: Option<PairKey>,
     pub version: u32,
-    pub manifolds: Vec<Seen>,
+    /// Nearly all pairs have one.
+    pub manifolds: SmallVec<[Seen; 1]>,
     pub bodies: [u32; 2],
     /// The points of all manifolds, and whether all hold.
     pub touching: u64,
@@ -41,7 +44,7 @@ impl Seen {
 impl Record {
     /// Whether nothing that its links were made from can have changed.
     pub fn is_up_to_date(&self, pair: &Pair, signs: &[u8]) -> bool {
-        if pair.manifolds.is_empty() {
+        if pair.touching == 0 {
             return !self.has_links;
         }
         if self.key != Some(pair.key) {
@@ -54,7 +57,7 @@ impl Record {
 
     /// Whether its links are those of the pair as it is, and stay so while the bodies stand still.
     pub fn is_settled(&self, pair: &Pair) -> bool {
-        if pair.manifolds.is_empty() {
+        if pair.touching == 0 {
             return !self.has_links;
         }
         let is_same = self.version == pair.version && self.touching == pair.touching && pair.touching != TOO_MANY;

@@ -286,8 +286,8 @@ impl World {
                     self.list_all_pushes(&mut thrust, (graph, frame), records);
                 } else {
                     let is_active = |slot: &u32| self.pairs.get(*slot).is_active();
-                    let (near, asleep) = (state.near.iter().copied(), state.fell_asleep.iter().copied());
-                    let slots = near.filter(is_active).chain(asleep.filter(|slot| !is_active(slot)));
+                    let (pressed, asleep) = (state.pressed.iter().copied(), state.fell_asleep.iter().copied());
+                    let slots = pressed.filter(is_active).chain(asleep.filter(|slot| !is_active(slot)));
                     self.list_pushes(&mut thrust, (graph, frame), records, slots);
                 }
                 self.keep_the_balanced(&mut thrust);
@@ -306,7 +306,7 @@ impl World {
             faces.clear();
         }
         // Only of interest where nothing stands on a base.
-        let leans = || state.near.iter().any(|&slot| self.leans_on_a_base(slot));
+        let leans = || self.pairs.active().iter().any(|&(_, slot)| self.leans_on_a_base(slot));
         state.leans = thrust.braces_any() || (!state.graph.has_bases() && leans());
         state.thrust = thrust;
     }
