@@ -53,19 +53,22 @@ pub(crate) fn touching(manifold: &CarriedManifold, extent: f32) -> u8 {
 }
 
 /// The bits of all manifolds of a pair in order, four each; [`TOO_MANY`] where there is no room for them.
-pub(crate) fn pack_touching(bits: impl Iterator<Item = u8>) -> u64 {
-    let (mut packed, mut count) = (0, 0);
-    for bits in bits {
-        packed |= u64::from(bits).checked_shl(4 * count).unwrap_or(0);
-        count += 1;
-    }
-    if count < u64::BITS / 4 { packed } else { TOO_MANY }
+pub(crate) fn pack_touching(bits: impl Iterator<Item = u8>) -> u32 {
+    bits.enumerate().fold(0, |packed, (number, bits)| with_touching(packed, number, bits))
+}
+
+/// The bits of the manifolds before one, and its own.
+fn with_touching(packed: u32, number: usize, bits: u8) -> u32 {
+    let has_room = number < u32::BITS as usize / 4 - 1;
+    if has_room { packed | u32::from(bits) << (4 * number) } else { TOO_MANY }
 }
 
 /// What [`pack_touching`] says of a pair of which it can tell nothing.
-pub(crate) const TOO_MANY: u64 = u64::MAX;
+pub(crate) const TOO_MANY: u32 = u32::MAX;
 
 /// Two shapes near each other.
+///
+/// A pile has ten for each of its bodies, and a dozen walks a step go over them: 136 bytes instead of 120 cost it a tenth.
 #[derive(Debug, Clone)]
 pub(crate) struct Pair {
     pub key: PairKey,
@@ -81,8 +84,11 @@ pub(crate) struct Pair {
     pub version: u32,
     /// Lesser least extent of the two shapes (m).
     pub extent: f32,
-    /// Which points touched at the end of the last step, where somebody wants to know.
-    pub touching: u64,
+    /// Which points touched at the end of the last step, and do now, where somebody wants to know.
+    pub touching: u32,
+    pub touches: u32,
+    /// Whether any normal multiplier is positive.
+    pub pressed: bool,
     /// Whether a point may close its separation within the step.
     pub may_touch: bool,
     /// Whether a normal impulse acted in the last step.
@@ -127,6 +133,8 @@ impl Pair {
             version: 0,
             extent: 0.0,
             touching: 0,
+            touches: 0,
+            pressed: false,
             may_touch: false,
             in_contact: false,
             approach: 0.0,
@@ -165,6 +173,7 @@ impl Pair {
         self.made_for = None;
         self.may_touch = false;
         self.updated = false;
+        (self.pressed, self.touches) = (false, 0);
     }
 
     /// Whether there are contact points at all.
@@ -217,6 +226,9 @@ impl Pair {
         self.manifolds.clear();
         self.manifolds.reserve_exact(carried.len());
         self.manifolds.extend_from_slice(carried);
+        if carried.is_empty() {
+            (self.pressed, self.touches) = (false, 0);
+        }
     }
 
     /// Multiplies all multipliers.
@@ -231,6 +243,26 @@ impl Pair {
         for manifold in &mut self.manifolds {
             manifold.impulses = ContactImpulses::default();
         }
+        (self.pressed, self.touches) = (false, 0);
+    }
+
+    /// Takes the multipliers of a manifold; manifolds come in order. `is_judged` says whether somebody wants to know which points touch.
+    pub(crate) fn store(&mut self, number: usize, impulses: ContactImpulses, is_judged: bool) {
+        let carried = &mut self.manifolds[number];
+        carried.impulses = impulses;
+        if number == 0 {
+            (self.pressed, self.touches) = (false, 0);
+        }
+        self.pressed |= impulses.normal.iter().any(|&lambda| lambda > 0.0);
+        if is_judged {
+            self.touches = with_touching(self.touches, number, touching(carried, self.extent));
+        }
+    }
+
+    /// Brings up to date what is known of the multipliers without looking at them.
+    fn note_pressed(&mut self) {
+        self.pressed = self.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
+        self.touches = pack_touching(self.manifolds.iter().map(|manifold| touching(manifold, self.extent)));
     }
 }
 
@@ -346,6 +378,7 @@ impl PairCache {
         let mut pairs = active;
         pairs.iter_mut().for_each(|pair| pair.active = true);
         pairs.extend(asleep);
+        pairs.iter_mut().for_each(Pair::note_pressed);
         Some(Self { pairs, active: keys, ..Self::default() })
     }
 

@@ -231,6 +231,9 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (Pai
         version: _,
         // Of the support analysis.
         touching: _,
+        touches: _,
+        // Of the multipliers.
+        pressed: _,
         // Of the shapes.
         extent: _,
         may_touch,

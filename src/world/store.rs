@@ -133,17 +133,17 @@ impl World {
 
     fn store_contacts(&mut self, number: usize, dt: f32) {
         let substep = dt / self.def.substeps as f32;
-        let Self { batches, pairs, colliders, bodies, .. } = self;
+        let Self { batches, pairs, colliders, bodies, support, .. } = self;
+        let is_judged = support.as_ref().is_some_and(|support| support.is_awake());
         let batch = &batches[number];
         for (i, &(slot, manifold)) in batch.manifolds.iter().enumerate() {
             let pair = pairs.get_mut(slot);
             let impulses = batch.contact_impulses(i);
-            let carried = &mut pair.manifolds[manifold as usize];
             if !impulses.normal.iter().sum::<f32>().is_finite() || !impulses.friction.is_finite() {
                 pair.forget_impulses();
                 continue;
             }
-            carried.impulses = impulses;
+            pair.store(manifold as usize, impulses, is_judged);
             if pair.approach > 0.0 {
                 pair.blow += batch.contact_blow(i);
             }
@@ -231,7 +231,7 @@ impl World {
                 if pair.still && !hold.let_go {
                     continue;
                 }
-                let now = pair.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
+                let now = pair.pressed;
                 match support.as_deref_mut() {
                     Some(support) if support.is_awake() => support.note_touching(slot, pair),
                     Some(support) if now && support.rests && !support.has_landed => {

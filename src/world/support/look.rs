@@ -10,7 +10,7 @@ use super::site::{Site, TURN};
 use super::{SupportState, World};
 use crate::body::Body;
 use crate::collide::collider::Collider;
-use crate::collide::pairs::{Pair, PairCache, TOO_MANY, pack_touching, touching};
+use crate::collide::pairs::{Pair, PairCache, TOO_MANY};
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::span::support::slip::Slip;
 
@@ -45,7 +45,7 @@ impl SupportState {
 
     /// Takes note of the points of a pair that touch after the step.
     pub fn note_touching(&mut self, slot: u32, pair: &mut Pair) {
-        let bits = pack_touching(pair.manifolds.iter().map(|manifold| touching(manifold, pair.extent)));
+        let bits = pair.touches;
         // What touches nowhere, and did not a step ago, has no links.
         let is_altered = bits != pair.touching || (pair.updated && bits != 0) || bits == TOO_MANY;
         pair.touching = bits;

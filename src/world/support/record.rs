@@ -23,7 +23,7 @@ pub(super) struct Record {
     pub manifolds: SmallVec<[Seen; 1]>,
     pub bodies: [u32; 2],
     /// The points of all manifolds, and whether all hold.
-    pub touching: u64,
+    pub touching: u32,
     pub all_hold: bool,
     pub has_links: bool,
 }
