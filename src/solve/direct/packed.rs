@@ -57,6 +57,15 @@ impl Packed {
         self.gamma.resize(lanes, ZERO);
     }
 
+    /// Takes the biases of the rows anew.
+    pub(super) fn take_biases(&mut self, rows: &[Row]) {
+        for (&row, bias) in self.index.iter().flatten().zip(self.bias.iter_mut().flatten()) {
+            if row != NONE {
+                *bias = rows[row as usize].bias;
+            }
+        }
+    }
+
     /// Hands the multipliers back to the rows.
     pub(super) fn unpack(&self, rows: &mut [Row]) {
         for (&row, &impulse) in self.index.iter().flatten().zip(self.impulse.iter().flatten()) {
