@@ -397,6 +397,7 @@ impl Articulation {
         self.entries.clone_from(&self.untouched);
         self.touches.clear();
         self.coupled = true;
+        self.lasting = Lasting::Never;
         self.outcome = Outcome::default();
     }
 

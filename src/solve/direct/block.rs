@@ -16,6 +16,16 @@ pub(super) const fn width(count: usize) -> usize {
     count.div_ceil(4)
 }
 
+/// into = from. Few lanes are moved as such, without a call.
+#[inline(always)]
+pub(super) fn copy(into: &mut [Lanes], from: &[Lanes]) {
+    match from {
+        [only] => into[0] = *only,
+        [first, second] => [into[0], into[1]] = [*first, *second],
+        _ => into.copy_from_slice(from),
+    }
+}
+
 /// row += share · other.
 #[inline(always)]
 pub(super) fn add_scaled(row: &mut Lanes, share: f64, other: &Lanes) {

@@ -70,7 +70,10 @@ impl Articulation {
             return;
         }
         self.load(velocities, motions);
-        let lasts = std::mem::take(&mut self.lasting) == Lasting::Good && self.system.is_factored;
+        let lasts = self.lasting == Lasting::Good && self.system.is_factored;
+        if self.lasting != Lasting::Never {
+            self.lasting = Lasting::No;
+        }
         let errors = if lasts { self.mend_with_lasting_rows(joints) } else { self.find_errors(joints) };
         self.project(joints, errors);
         for (body, stance) in self.bodies.iter().zip(&self.stances) {

@@ -45,6 +45,8 @@ pub(super) enum Lasting {
     /// They must be built.
     #[default]
     No,
+    /// They must be in every substep of the step: it has been taken once and given up, as the articulation would have met something.
+    Never,
     /// They have been built in this step.
     Built,
     /// They are still good for the next substep.
@@ -78,7 +80,7 @@ impl Articulation {
     pub(super) fn look_ahead(&mut self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion], rest: f64) {
         self.built.clear();
         self.predicted.clear();
-        if !self.is_lasting_kind(joints) {
+        if self.lasting == Lasting::Never || !self.is_lasting_kind(joints) {
             return;
         }
         self.lasting = Lasting::Built;
@@ -94,7 +96,7 @@ impl Articulation {
 
     /// Notes at the end of a substep whether the rows last for the next; nothing moves in between but by velocities.
     pub(super) fn find_lasting(&mut self, motions: &[BodyMotion]) -> bool {
-        let still = self.lasting != Lasting::No
+        let still = self.lasting == Lasting::Built
             && self.bodies.iter().zip(&self.built).all(|(body, &built)| {
                 let motion = &motions[body.slot as usize];
                 (motion.turn - built).length_squared() <= LASTING_TURN * LASTING_TURN
