@@ -89,7 +89,7 @@ impl Batch {
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
             self.leads.begin_substep(&self.velocities, substep, settings.substeps);
-            self.apply_forces(joints, h);
+            self.apply_forces(joints, h, h * (settings.substeps - substep) as f32);
             self.passive.note(&self.velocities, &self.poses);
             self.prepare_joints(joints, h, false, true);
             self.joints.warm_start(&mut self.velocities);
@@ -138,7 +138,7 @@ impl Batch {
             if is_last {
                 self.flatten();
             }
-            self.settle(joints);
+            self.settle(joints, false);
             if !is_last {
                 self.add_to_tally();
             }
@@ -147,7 +147,7 @@ impl Batch {
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.add_to_tally();
         self.recover_positions(settings.dt);
-        self.settle(joints);
+        self.settle(joints, true);
         self.leads.tell(self.passive.slots(), &mut self.velocities, &self.motions);
         self.joints.store();
         self.bounds.store();
@@ -238,15 +238,16 @@ impl Batch {
     }
 
     /// Takes errors of articulations out of positions, and restores the angular momentum of islands that nothing holds.
-    fn settle(&mut self, joints: &Pool<Joint, JointId>) {
-        self.direct.settle(joints, &self.velocities, &mut self.motions);
+    fn settle(&mut self, joints: &Pool<Joint, JointId>, is_end: bool) {
+        self.direct.settle(joints, &self.velocities, &mut self.motions, is_end);
         if !self.free.is_empty() {
             self.poses.find_inertia(&self.motions);
             self.free.restore(&mut self.velocities, &self.motions, &self.poses);
         }
     }
 
-    fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, h: f32) {
+    /// Begins a substep of length `h`, `rest` from the end of the step (s).
+    fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, h: f32, rest: f32) {
         for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
             integrate::apply_forces(velocity, motion, h);
         }
@@ -258,7 +259,7 @@ impl Batch {
             integrate::limit_speeds(velocity, motion, h);
         }
         self.poses.limit_speeds(&mut self.velocities, h);
-        self.direct.couple(joints, &mut self.velocities, &mut self.motions, h);
+        self.direct.couple(joints, &mut self.velocities, &mut self.motions, h, rest);
         if self.motions.iter().any(|motion| motion.refreshed) {
             for block in self.contacts.iter_mut().filter(|block| block.is_refreshed(&self.motions)) {
                 contact_kernels::set_masses(block, &self.velocities);

@@ -13,28 +13,25 @@ const CONE_TOLERANCE: f64 = 1.0e-2;
 impl System {
     /// Lists the rows with bounds that are in the wrong state; returns how many.
     pub(super) fn find_flips(&mut self, rates: &[Rate], may_free: bool) -> usize {
-        let Self { nodes, rows, flips, .. } = self;
+        let Self { nodes, rows, bounded, flips, .. } = self;
         flips.clear();
-        for node in &*nodes {
-            for number in node.first..node.last {
-                let row = &rows[number as usize];
-                match row.state {
-                    State::Absent => {}
-                    State::Free if row.impulse < row.min => flips.push((number, State::Low)),
-                    State::Free if row.impulse > row.max => flips.push((number, State::High)),
-                    State::Free => {}
-                    State::Low | State::High => {
-                        // Friction has no bounds of its own.
-                        if !may_free || row.min == row.max || row.min == f64::NEG_INFINITY {
-                            continue;
-                        }
-                        let pair = node.bodies.map(|body| rates[body as usize]);
-                        let error = row.rate(&pair) + row.bias + row.gamma * row.impulse;
-                        let wants_more = row.state == State::Low && error < -FREE_BELOW;
-                        let wants_less = row.state == State::High && error > FREE_BELOW;
-                        if wants_more || wants_less {
-                            flips.push((number, State::Free));
-                        }
+        for &(number, node) in &*bounded {
+            let row = &rows[number as usize];
+            match row.state {
+                State::Absent => {}
+                State::Free if row.impulse < row.min => flips.push((number, State::Low)),
+                State::Free if row.impulse > row.max => flips.push((number, State::High)),
+                State::Free => {}
+                State::Low | State::High => {
+                    if !may_free || row.min == row.max {
+                        continue;
+                    }
+                    let pair = nodes[node as usize].bodies.map(|body| rates[body as usize]);
+                    let error = row.rate(&pair) + row.bias + row.gamma * row.impulse;
+                    let wants_more = row.state == State::Low && error < -FREE_BELOW;
+                    let wants_less = row.state == State::High && error > FREE_BELOW;
+                    if wants_more || wants_less {
+                        flips.push((number, State::Free));
                     }
                 }
             }

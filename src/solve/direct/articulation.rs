@@ -22,6 +22,7 @@ use glam::{DMat3, DVec3, Vec3};
 use super::body::DirectBody;
 use super::contacts::Touch;
 use super::history::{History, SecondOrder};
+use super::lasting::Lasting;
 use super::layout::Link;
 use super::points::Points;
 use super::quads::{self, Quad};
@@ -140,6 +141,10 @@ pub(crate) struct Articulation {
     /// Length by which errors are judged (m).
     pub(super) size: f64,
     mode: Mode,
+    /// Whether the rows of the last substep are good for the next, where it is swept, and how the bodies had turned when they were
+    /// built (rad).
+    pub(super) lasting: Lasting,
+    pub(super) built: Vec<Vec3>,
     /// Whether it touches what moves and is not carried, so that its joints are swept with the contacts.
     pub coupled: bool,
     /// Halvings that this step may still spend.
@@ -192,6 +197,7 @@ impl Articulation {
         self.touches.clear();
         self.watched.clear();
         self.coupled = false;
+        self.lasting = Lasting::No;
         self.bodies.clear();
         self.origins.clear();
         self.histories.clear();
@@ -391,6 +397,7 @@ impl Articulation {
         self.entries.clone_from(&self.untouched);
         self.touches.clear();
         self.coupled = true;
+        self.lasting = Lasting::Never;
         self.outcome = Outcome::default();
     }
 

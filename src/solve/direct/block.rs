@@ -16,6 +16,16 @@ pub(super) const fn width(count: usize) -> usize {
     count.div_ceil(4)
 }
 
+/// into = from. Few lanes are moved as such, without a call.
+#[inline(always)]
+pub(super) fn copy(into: &mut [Lanes], from: &[Lanes]) {
+    match from {
+        [only] => into[0] = *only,
+        [first, second] => [into[0], into[1]] = [*first, *second],
+        _ => into.copy_from_slice(from),
+    }
+}
+
 /// row += share · other.
 #[inline(always)]
 pub(super) fn add_scaled(row: &mut Lanes, share: f64, other: &Lanes) {
@@ -221,9 +231,28 @@ pub(super) fn add_product(into: &mut Lanes, a: &Lanes, b: &Lanes) {
 /// x = U y, with U of m × m.
 #[inline(always)]
 pub(super) fn set_rows(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usize) {
-    let w = y.len();
-    x.fill(ZERO);
-    for (i, row) in u[..m * w].chunks_exact(w).enumerate() {
+    match y.len() {
+        1 => set_rows_of::<1>(x, u, y, m),
+        2 => set_rows_of::<2>(x, u, y, m),
+        w => {
+            x.fill(ZERO);
+            for (i, row) in u[..m * w].chunks_exact(w).enumerate() {
+                let mut products = ZERO;
+                for (a, b) in row.iter().zip(y) {
+                    add_product(&mut products, a, b);
+                }
+                x[i / 4][i % 4] = sum(&products);
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn set_rows_of<const W: usize>(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usize) {
+    let y: &[Lanes; W] = y.try_into().expect("the slice has W lanes");
+    let x: &mut [Lanes; W] = x.try_into().expect("a square block has as many rows as columns");
+    *x = [ZERO; W];
+    for (i, row) in u[..m * W].as_chunks::<W>().0.iter().enumerate() {
         let mut products = ZERO;
         for (a, b) in row.iter().zip(y) {
             add_product(&mut products, a, b);
@@ -235,13 +264,32 @@ pub(super) fn set_rows(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usize) {
 /// y += sign · Lᵀ x, with L of m × k.
 #[inline(always)]
 pub(super) fn add_columns(y: &mut [Lanes], l: &[Lanes], x: &[Lanes], m: usize, sign: f64) {
-    let w = y.len();
-    for (i, row) in l[..m * w].chunks_exact(w.max(1)).enumerate() {
+    match y.len() {
+        0 => {}
+        1 => add_columns_of::<1>(y, l, x, m, sign),
+        2 => add_columns_of::<2>(y, l, x, m, sign),
+        w => {
+            for (i, row) in l[..m * w].chunks_exact(w).enumerate() {
+                let share = sign * x[i / 4][i % 4];
+                for (lanes, other) in y.iter_mut().zip(row) {
+                    add_scaled(lanes, share, other);
+                }
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn add_columns_of<const W: usize>(y: &mut [Lanes], l: &[Lanes], x: &[Lanes], m: usize, sign: f64) {
+    let y: &mut [Lanes; W] = y.try_into().expect("the slice has W lanes");
+    let mut total = *y;
+    for (i, row) in l[..m * W].as_chunks::<W>().0.iter().enumerate() {
         let share = sign * x[i / 4][i % 4];
-        for (lanes, other) in y.iter_mut().zip(row) {
+        for (lanes, other) in total.iter_mut().zip(row) {
             add_scaled(lanes, share, other);
         }
     }
+    *y = total;
 }
 
 /// The transpose of a block of m × k.

@@ -4,23 +4,28 @@
 //! hold; contacts see the bodies with their geometric stiffness, I + G, in place of I. Rows are those of a safe substep.
 
 use super::articulation::{Articulation, Mode};
+use super::lasting::Lasting;
 use super::quads;
-use super::system::PASSES;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::joint::rows::{Phase, Rate};
-use crate::solve::state::{BodyMotion, BodyVelocity, Symmetric};
+use crate::solve::state::{BodyMotion, BodyVelocity};
 
 impl Articulation {
-    /// Begins a substep: forces are in the velocities already. Bodies answer with I + G from here on.
+    /// Begins a substep, `rest` (s) from the end of the step: forces are in the velocities already. Bodies answer with I + G from here
+    /// on.
     pub(crate) fn couple(
         &mut self,
         joints: &Pool<Joint, JointId>,
         velocities: &mut [BodyVelocity],
         motions: &mut [BodyMotion],
         h: f64,
+        rest: f64,
     ) {
         self.h = h;
+        if self.lasting == Lasting::Good {
+            return self.go_on(velocities, motions);
+        }
         self.load(velocities, motions);
         if self.is_points {
             self.find_spots();
@@ -28,15 +33,8 @@ impl Articulation {
         }
         self.find_stiffness(h, Mode::Safe, 1.0);
         quads::respond(&self.quads, &self.stances, &self.stiffness, &mut self.bodies);
-        for (i, body) in self.bodies.iter().enumerate() {
-            self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i]);
-            if body.is_dynamic() {
-                let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
-                velocity.angular = self.rates[i].angular.as_vec3();
-                velocity.inverse_inertia = Symmetric::from_mat3(body.inverse_inertia.as_mat3());
-                motion.refreshed = true;
-            }
-        }
+        self.answer_contacts(velocities, motions, true);
+        self.look_ahead(joints, motions, rest);
         self.ask(joints, Phase::Tangent { h });
     }
 
@@ -49,8 +47,7 @@ impl Articulation {
             self.points.withdraw(&self.bodies, &mut self.rates);
             self.points.solve(&self.topology, &self.bodies, &mut self.rates);
         } else {
-            self.system.withdraw(&self.bodies, &mut self.rates);
-            self.system.solve(&self.topology, &self.bodies, &mut self.rates, PASSES);
+            self.system.sweep(&self.topology, &self.bodies, &mut self.rates);
         }
         for (rate, body) in self.rates.iter().zip(&self.bodies) {
             if body.is_dynamic() {
@@ -61,10 +58,23 @@ impl Articulation {
         }
     }
 
-    /// Ends a substep, after the bodies have moved: positions are mended, velocities stay.
-    pub(crate) fn settle(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &mut [BodyMotion]) {
+    /// Ends a substep, after the bodies have moved, or the step: positions are mended, velocities stay.
+    pub(crate) fn settle(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        velocities: &[BodyVelocity],
+        motions: &mut [BodyMotion],
+        is_end: bool,
+    ) {
+        if !is_end && self.find_lasting(motions) {
+            return;
+        }
         self.load(velocities, motions);
-        let errors = self.find_errors(joints);
+        let lasts = self.lasting == Lasting::Good && self.system.is_factored;
+        if self.lasting != Lasting::Never {
+            self.lasting = Lasting::No;
+        }
+        let errors = if lasts { self.mend_with_lasting_rows(joints) } else { self.find_errors(joints) };
         self.project(joints, errors);
         for (body, stance) in self.bodies.iter().zip(&self.stances) {
             if body.is_dynamic() {

@@ -302,7 +302,7 @@ fn substitute_any(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
         own.fill(ZERO);
         let root = &factor.values[plan.diagonal[node as usize] as usize..];
         block::add_columns(own, root, &x[lanes.clone()], factor.rows(node as usize), 1.0);
-        x[lanes].copy_from_slice(own);
+        block::copy(&mut x[lanes], own);
         for &(other, start) in plan.column(place) {
             let into = &mut x[factor.lanes(other as usize)];
             block::subtract_rows(into, &factor.values[start as usize..], own, factor.rows(other as usize));
@@ -314,7 +314,7 @@ fn substitute_any(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
             continue;
         }
         let own = &mut own[..lanes.len()];
-        own.copy_from_slice(&x[lanes.clone()]);
+        block::copy(own, &x[lanes.clone()]);
         for &(other, start) in plan.column(place) {
             let from = &x[factor.lanes(other as usize)];
             block::add_columns(own, &factor.values[start as usize..], from, factor.rows(other as usize), -1.0);

@@ -76,9 +76,6 @@ impl Articulation {
         }
         self.hangs = self.touches.iter().any(|touch| !touch.other_moves) || self.links.iter().any(|link| link.moves != [true; 2]);
         self.is_points = self.touches.is_empty() && self.links.iter().all(|link| link.is_plain);
-        if !self.touches.is_empty() && self.is_rigid() {
-            return false;
-        }
         match self.place_touches() {
             Ok(grew) => self.stale |= grew,
             Err(NoRoom) => return false,
@@ -100,8 +97,8 @@ impl Articulation {
     }
 
     /// Whether joints leave no freedom: contacts then contradict one another, and no active set of theirs comes to an end.
-    fn is_rigid(&self) -> bool {
-        let rows: u32 = self.links.iter().map(|link| link.capacity).sum();
+    pub(super) fn is_rigid(&self, joints: &Pool<Joint, JointId>) -> bool {
+        let rows: u32 = self.entries.iter().map(|entry| kinds::most_rows(&joints[entry.joint].def.kind)).sum();
         rows as usize >= 6 * self.jointed_bodies()
     }
 

@@ -8,7 +8,7 @@
 //! `system` holds the rows, `active_set` says which of them count, `points` is the same without rows where all joints hold points; `layout` says where in its matrix they
 //! are; `quads` moves bodies four at a time, in the arithmetic of `fours`; `articulation` takes a step, `substep` and `project` one part of it each; `contacts` are those with what it cannot move, along
 //! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
-//! anything else that moves.
+//! anything else that moves, whose rows may be `lasting` ones.
 
 use glam::{DMat3, DVec3};
 
@@ -29,6 +29,7 @@ mod curved;
 pub(crate) mod factor;
 mod fours;
 pub(crate) mod history;
+mod lasting;
 mod layout;
 mod order;
 mod packed;
@@ -237,6 +238,7 @@ impl Direct {
             enlist(slot, articulation);
         }
         articulation.entries.extend_from_slice(entries);
+        let is_rigid = articulation.is_rigid(joints);
         let first = self.touching.partition_point(|&(other, _)| other < group);
         for &(_, number) in self.touching[first..].iter().take_while(|&&(other, _)| other == group) {
             let contact = &contacts[number as usize];
@@ -245,6 +247,10 @@ impl Direct {
             let solved_here = ends.map(|slot| solved_with(slot, motions, groups, riders) == Some(group));
             let is_carried = solved_here == [true; 2] && ends.iter().any(|&slot| riders.carrier_of(slot) == Some(group));
             if (moves != [true; 2] || is_carried) && contact.is_plain() {
+                if is_rigid {
+                    articulation.coupled = true;
+                    continue;
+                }
                 let body_is_b = moves[1] && !(is_carried && motions[contact.a as usize].jointed);
                 let (own, other) = if body_is_b { (contact.b, contact.a) } else { (contact.a, contact.b) };
                 let (own, other) = (enlist(own, articulation), enlist(other, articulation));
@@ -302,15 +308,17 @@ impl Direct {
         self.articulations[..self.count].iter_mut().filter(|articulation| articulation.coupled)
     }
 
-    /// Begins a substep of the articulations that touch what moves.
+    /// Begins a substep of the articulations that touch what moves, `rest` (s) from the end of the step.
     pub(crate) fn couple(
         &mut self,
         joints: &Pool<Joint, JointId>,
         velocities: &mut [BodyVelocity],
         motions: &mut [BodyMotion],
         h: f32,
+        rest: f32,
     ) {
-        self.coupled().for_each(|articulation| articulation.couple(joints, velocities, motions, f64::from(h)));
+        let [h, rest] = [h, rest].map(f64::from);
+        self.coupled().for_each(|articulation| articulation.couple(joints, velocities, motions, h, rest));
     }
 
     /// Solves the joints of the articulations that touch what moves.
@@ -323,9 +331,15 @@ impl Direct {
         self.coupled().for_each(|articulation| articulation.keep_impulses(1.0, 0.0));
     }
 
-    /// Mends the positions of the articulations that touch what moves.
-    pub(crate) fn settle(&mut self, joints: &Pool<Joint, JointId>, velocities: &[BodyVelocity], motions: &mut [BodyMotion]) {
-        self.coupled().for_each(|articulation| articulation.settle(joints, velocities, motions));
+    /// Mends the positions of the articulations that touch what moves, at the end of a substep or of the step.
+    pub(crate) fn settle(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        velocities: &[BodyVelocity],
+        motions: &mut [BodyMotion],
+        is_end: bool,
+    ) {
+        self.coupled().for_each(|articulation| articulation.settle(joints, velocities, motions, is_end));
     }
 
     /// Moves the articulations through the step that touch nothing which moves; one that comes to touch is left for the sweeps.

@@ -57,6 +57,15 @@ impl Packed {
         self.gamma.resize(lanes, ZERO);
     }
 
+    /// Takes the biases of the rows anew.
+    pub(super) fn take_biases(&mut self, rows: &[Row]) {
+        for (&row, bias) in self.index.iter().flatten().zip(self.bias.iter_mut().flatten()) {
+            if row != NONE {
+                *bias = rows[row as usize].bias;
+            }
+        }
+    }
+
     /// Hands the multipliers back to the rows.
     pub(super) fn unpack(&self, rows: &mut [Row]) {
         for (&row, &impulse) in self.index.iter().flatten().zip(self.impulse.iter().flatten()) {
@@ -211,11 +220,40 @@ fn add_narrow(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
 /// As [`add_narrow`], for nodes of any width.
 #[inline(always)]
 fn add_wide(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
-    let (row_w, w) = (rows.linear.len() / 3, columns.linear.len() / 3);
-    if w == 0 {
+    match columns.linear.len() / 3 {
         // A joint of which no row takes part.
-        return;
+        0 => {}
+        1 => add_wide_of::<1>(block, rows, columns, mass),
+        2 => add_wide_of::<2>(block, rows, columns, mass),
+        _ => add_wider(block, rows, columns, mass),
     }
+}
+
+/// As [`add_wider`], for W lanes of columns.
+#[inline(always)]
+fn add_wide_of<const W: usize>(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
+    let lists = |lists: &[Lanes]| -> [[Lanes; W]; 3] {
+        *lists.as_chunks::<W>().0.first_chunk().expect("a node has three lists a part and side")
+    };
+    let (push, turn) = (lists(columns.linear), lists(columns.response));
+    let (row_w, mass) = (rows.linear.len() / 3, [mass.x, mass.y, mass.z]);
+    for (i, row) in block.as_chunks_mut::<W>().0.iter_mut().enumerate() {
+        let mut sum = *row;
+        for axis in 0..3 {
+            let at = axis * row_w + i / 4;
+            let (along, about) = (mass[axis] * rows.linear[at][i % 4], rows.angular[at][i % 4]);
+            for lane in 0..W {
+                add_scaled(&mut sum[lane], along, &push[axis][lane]);
+                add_scaled(&mut sum[lane], about, &turn[axis][lane]);
+            }
+        }
+        *row = sum;
+    }
+}
+
+#[inline(always)]
+fn add_wider(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
+    let (row_w, w) = (rows.linear.len() / 3, columns.linear.len() / 3);
     let mass = [mass.x, mass.y, mass.z];
     for (i, row) in block.chunks_exact_mut(w).enumerate() {
         for (lane, into) in row.iter_mut().enumerate() {

@@ -106,7 +106,7 @@ impl Points {
             super::factor::factorize(factor, &topology.plan);
         }
         joints.iter_mut().for_each(|joint| joint.impulse = DVec3::ZERO);
-        refine(&mut Gaps { joints, bodies, rates }, factor, &topology.plan, unknowns, increments);
+        refine(&mut Gaps { joints, bodies, rates }, factor, &topology.plan, unknowns, increments, &mut false);
     }
 }
 

@@ -10,7 +10,7 @@ use crate::joint::{Joint, JointImpulses};
 use crate::solve::joint::Stance;
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
-use crate::solve::joint::rows::{BlockRow, Held, Phase, Rate};
+use crate::solve::joint::rows::{Held, Phase, Rate, ScalarRow};
 
 /// Share of the tolerance below which positions are left as they are.
 const GOOD_ENOUGH: f64 = 0.25;
@@ -39,6 +39,26 @@ pub(super) struct Errors {
     pub overlap: f64,
 }
 
+impl Errors {
+    pub(super) const NONE: Self = Self { worst: 0.0, gap: 0.0, angle: 0.0, overlap: 0.0 };
+
+    /// Counts in those of a joint: points and directions that it holds, and its scalar rows.
+    pub(super) fn add_joint(&mut self, point: DVec3, direction: DVec3, scalars: &[ScalarRow]) {
+        self.gap = greater(self.gap, greatest(point));
+        self.angle = greater(self.angle, greatest(direction));
+        for row in scalars.iter().filter(|row| row.acts) {
+            let error = if row.min == 0.0 { (-row.bias).max(0.0) } else { row.bias.abs() };
+            let worst = if row.jacobian.linear == DVec3::ZERO { &mut self.angle } else { &mut self.gap };
+            *worst = greater(*worst, error);
+        }
+    }
+
+    /// Finds the worst, with angles as lengths at this size (m).
+    pub(super) fn judge(&mut self, size: f64) {
+        self.worst = greater(self.gap, self.angle * size);
+    }
+}
+
 impl Articulation {
     /// What joints and contacts ask for in this phase, ready for the first solve.
     pub(super) fn ask(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
@@ -52,7 +72,22 @@ impl Articulation {
 
     /// Makes the rows of all joints and contacts; those of a velocity phase need the predicted poses.
     fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
-        let Self { entries, links, rates, stances, began, predicted, implicit, system, asked, touches, step_start, h, .. } = self;
+        let Self {
+            entries,
+            links,
+            rates,
+            stances,
+            began,
+            predicted,
+            implicit,
+            system,
+            asked,
+            touches,
+            step_start,
+            h,
+            coupled,
+            ..
+        } = self;
         let mut next_touch = 0;
         let mut add_touches = |number: usize, system: &mut System| {
             while let Some(touch) = touches.get(next_touch).filter(|touch| touch.node as usize == number) {
@@ -67,6 +102,7 @@ impl Articulation {
             }
         };
         let in_place = matches!(phase, Phase::Position { .. });
+        let looks_ahead = *coupled && !in_place && !predicted.is_empty();
         system.clear();
         for (number, link) in links.iter().enumerate() {
             let Some(entry) = entries.get(number) else {
@@ -88,9 +124,13 @@ impl Articulation {
                     1.0 => end,
                     _ => placement(&between(a), &between(b)),
                 };
-                JointGeometry { start, predicted: end, gradient }
+                JointGeometry { start, predicted: end, gradient, is_still: false }
             } else {
-                JointGeometry::at(placement(&stances[a], &stances[b]))
+                let mut geometry = JointGeometry::at(placement(&stances[a], &stances[b]));
+                if looks_ahead {
+                    geometry.gradient = placement(&predicted[a], &predicted[b]);
+                }
+                geometry
             };
             asked.clear();
             let mut sink = RowSink {
@@ -121,25 +161,26 @@ impl Articulation {
             let gap = self.worst_gap();
             return Errors { worst: gap, gap, angle: 0.0, overlap: 0.0 };
         }
-        let (mut gap, mut angle) = (0.0_f64, 0.0_f64);
+        let mut errors = Errors::NONE;
         for number in 0..self.entries.len() {
-            let (own_gap, own_angle) = self.error_of(number, joints);
-            (gap, angle) = (greater(gap, own_gap), greater(angle, own_angle));
+            let [point, direction] = self.biases_of(number, joints);
+            errors.add_joint(point, direction, &self.asked);
         }
-        let worst = greater(gap, angle * self.size);
+        errors.judge(self.size);
         let overlap = |touch: &Touch| touch.overlap(&self.stances, &self.step_start);
-        Errors { worst, gap, angle, overlap: self.touches.iter().map(overlap).fold(0.0, f64::max) }
+        errors.overlap = self.touches.iter().map(overlap).fold(0.0, f64::max);
+        errors
     }
 
-    /// Greatest errors of the rigid rows of a joint at the present poses, length (m) and angle (rad).
-    fn error_of(&mut self, number: usize, joints: &Pool<Joint, JointId>) -> (f64, f64) {
+    /// Errors of the points and directions that a joint holds rigidly, and `asked` filled with its scalar rows, at the present poses.
+    pub(super) fn biases_of(&mut self, number: usize, joints: &Pool<Joint, JointId>) -> [DVec3; 2] {
+        self.asked.clear();
         let (link, entry) = (&self.links[number], &self.entries[number]);
         let [a, b] = link.bodies.map(|body| self.stances[body as usize]);
         let def = &joints[entry.joint].def;
         if link.is_plain {
-            return (greatest(entry.points(&a, &b).gap), 0.0);
+            return [entry.points(&a, &b).gap, DVec3::ZERO];
         }
-        self.asked.clear();
         let mut sink = RowSink {
             rates: link.bodies.map(|body| self.rates[body as usize]),
             geometry: &JointGeometry::at(entry.placement(a, b)),
@@ -151,14 +192,7 @@ impl Articulation {
             scalars: &mut self.asked,
         };
         kinds::add_rows(&mut sink);
-        let block = |row: Option<BlockRow>| row.filter(|row| row.acts).map_or(0.0, |row| greatest(row.bias));
-        let (mut gap, mut angle) = (block(sink.point), block(sink.direction));
-        for row in self.asked.iter().filter(|row| row.acts) {
-            let error = if row.min == 0.0 { (-row.bias).max(0.0) } else { row.bias.abs() };
-            let worst = if row.jacobian.linear == DVec3::ZERO { &mut angle } else { &mut gap };
-            *worst = greater(*worst, error);
-        }
-        (gap, angle)
+        [sink.point, sink.direction].map(|row| row.filter(|row| row.acts).map_or(DVec3::ZERO, |row| row.bias))
     }
 
     /// Displacements that would take out the errors at the present poses, to first order.
@@ -214,12 +248,12 @@ impl Articulation {
 }
 
 /// The greater of two; unlike `max`, which passes over what is no number.
-fn greater(worst: f64, error: f64) -> f64 {
+pub(super) fn greater(worst: f64, error: f64) -> f64 {
     if error <= worst { worst } else { error }
 }
 
 /// Greatest component, where one that is no number counts as the greatest.
-fn greatest(v: DVec3) -> f64 {
+pub(super) fn greatest(v: DVec3) -> f64 {
     let v = v.abs();
     if v.is_nan() { f64::NAN } else { v.max_element() }
 }

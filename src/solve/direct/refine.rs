@@ -19,13 +19,15 @@ pub(super) trait Equations {
     fn add_impulses(&mut self, factor: &Factor, increments: &[Lanes], share: f64);
 }
 
-/// Solves the equations; the two lists are room for it.
+/// Solves the equations; the two lists are room for it. `is_exact` becomes true where the first solution needed no refinement, and then
+/// no residual is formed to see whether the next one does.
 pub(super) fn refine(
     equations: &mut impl Equations,
     factor: &Factor,
     plan: &Plan,
     unknowns: &mut Vec<Lanes>,
     increments: &mut Vec<Lanes>,
+    is_exact: &mut bool,
 ) {
     unknowns.resize(factor.len(), ZERO);
     increments.resize(factor.len(), ZERO);
@@ -35,6 +37,9 @@ pub(super) fn refine(
         factor::substitute(factor, plan, unknowns);
         std::mem::swap(unknowns, increments);
         equations.add_impulses(factor, increments, 1.0);
+        if *is_exact {
+            break;
+        }
         let left = equations.find_residuals(factor, unknowns);
         let improves = left < IMPROVES * before;
         if round > 0 && !improves {
@@ -43,6 +48,7 @@ pub(super) fn refine(
             break;
         }
         if left <= REFINE_ABOVE * first {
+            *is_exact = round == 0 && first > 0.0;
             break;
         }
         before = left;

@@ -137,8 +137,11 @@ pub(crate) struct System {
     increments: Vec<Lanes>,
     base: Vec<Rate>,
     has_pushed: bool,
-    /// Whether any row has bounds or takes no part.
+    /// Whether any row has bounds or takes no part, and those that have bounds, with their nodes.
     is_bounded: bool,
+    pub(super) bounded: Vec<(u32, u32)>,
+    /// Whether a solution by the factor has been found to need no refinement.
+    is_exact: bool,
     /// Whether the factor is that of the rows that are free now.
     pub(super) is_factored: bool,
     /// Rows in the wrong state, and the state that they want.
@@ -269,12 +272,79 @@ impl System {
             }
         }
         self.is_bounded = self.rows.iter().any(|row| row.state != State::Free || row.min > f64::NEG_INFINITY);
+        self.bounded.clear();
+        for (number, node) in self.nodes.iter().enumerate() {
+            let has_bounds = |&row: &u32| self.rows[row as usize].min > f64::NEG_INFINITY;
+            self.bounded.extend((node.first..node.last).filter(has_bounds).map(|row| (row, number as u32)));
+        }
         self.has_pushed = false;
         self.is_factored = false;
     }
 
+    /// Begins another substep with the same rows, after the bodies have changed so much over its length: stops are nearer or further.
+    pub(crate) fn follow(&mut self, changes: &[Rate]) {
+        for node in &self.nodes {
+            let pair = node.bodies.map(|body| changes[body as usize]);
+            for row in &mut self.rows[node.first as usize..node.last as usize] {
+                if row.min == 0.0 && row.max == f64::INFINITY {
+                    row.bias = (row.bias + row.rate(&pair)).max(0.0);
+                }
+            }
+        }
+        if self.is_factored {
+            self.packed.take_biases(&self.rows);
+        }
+        self.has_pushed = false;
+    }
+
+    /// Makes the rows of a joint ask for displacements that take out these errors, `scalars` as in a projection.
+    pub(super) fn take_errors(&mut self, node: usize, point: DVec3, direction: DVec3, scalars: &[rows::ScalarRow]) {
+        let node = &self.nodes[node];
+        for row in &mut self.rows[node.first as usize..node.last as usize] {
+            row.bias = match row.origin {
+                Origin::Point => row.linear[1].dot(point),
+                Origin::Direction => row.angular[1].dot(direction),
+                Origin::Scalar(id) => {
+                    let found = scalars.iter().find(|scalar| scalar.id == id && scalar.acts);
+                    let is_held = row.state == State::Free && row.min == 0.0;
+                    found.map_or(0.0, |scalar| if is_held { scalar.bias.min(0.0) } else { scalar.bias })
+                }
+                Origin::Contact => 0.0,
+            };
+        }
+    }
+
+    /// Worst overrun of the stops that have no part in the system, after these displacements (rad).
+    pub(super) fn overrun(&self, changes: &[Rate]) -> f64 {
+        let stops = self.bounded.iter().map(|&(row, node)| (&self.rows[row as usize], &self.nodes[node as usize]));
+        let apart = stops.filter(|(row, _)| row.state == State::Low && row.max == f64::INFINITY);
+        apart.map(|(row, node)| -(row.bias + row.rate(&node.bodies.map(|body| changes[body as usize])))).fold(0.0, f64::max)
+    }
+
+    /// Solves the rows that are free, whose factor is there, once more for what they ask for now.
+    pub(super) fn solve_lasting(&mut self, topology: &Topology, bodies: &[DirectBody], changes: &mut [Rate]) {
+        self.packed.take_biases(&self.rows);
+        self.solve_active(topology, bodies, changes);
+    }
+
+    /// Solves for all multipliers again, after what else acts on the bodies has changed the rates.
+    pub(crate) fn sweep(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
+        // What is free goes on from where it is, as long as all rows stay in their states.
+        if self.has_pushed && self.is_factored {
+            self.improve(topology, bodies, rates);
+            if self.find_flips(rates, true) == 0 {
+                return;
+            }
+            self.withdraw(bodies, rates);
+            self.flip(false);
+        } else {
+            self.withdraw(bodies, rates);
+        }
+        self.solve(topology, bodies, rates, PASSES);
+    }
+
     /// Takes the push of the last solve out of the rates.
-    pub(crate) fn withdraw(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
+    fn withdraw(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
         if std::mem::replace(&mut self.has_pushed, true) {
             for node in &self.nodes {
                 for row in &self.rows[node.first as usize..node.last as usize] {
@@ -338,8 +408,9 @@ impl System {
     }
 
     fn solve_active(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
-        let Self { nodes, rows, factor, packed, counts, unknowns, increments, .. } = self;
+        let Self { nodes, rows, factor, packed, counts, .. } = self;
         if !std::mem::replace(&mut self.is_factored, true) {
+            self.is_exact = false;
             packed.choose(nodes, rows, counts);
             factor.start(&topology.plan, counts);
             packed::pack(packed, nodes, rows, factor, bodies);
@@ -348,7 +419,15 @@ impl System {
         }
         packed.impulse.clear();
         packed.impulse.resize(factor.len(), ZERO);
-        refine(&mut FreeRows { packed, nodes, bodies, rates }, factor, &topology.plan, unknowns, increments);
+        self.improve(topology, bodies, rates);
+    }
+
+    /// Adds what the free rows still lack.
+    fn improve(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
+        let Self { nodes, rows, contacts, factor, packed, unknowns, increments, is_exact, .. } = self;
+        refine(&mut FreeRows { packed, nodes, bodies, rates }, factor, &topology.plan, unknowns, increments, is_exact);
+        // Rows of contacts repeat one another.
+        *is_exact &= contacts.is_empty();
         packed.unpack(rows);
     }
 

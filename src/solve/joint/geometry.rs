@@ -82,11 +82,19 @@ pub(crate) struct JointGeometry {
     pub predicted: Placement,
     /// Where the Jacobian is taken (see [`super`]).
     pub gradient: Placement,
+    /// Whether all three are one.
+    pub is_still: bool,
 }
 
 impl JointGeometry {
     /// Everything at one moment.
     pub(crate) fn at(placement: Placement) -> Self {
-        Self { start: placement, predicted: placement, gradient: placement }
+        Self { start: placement, predicted: placement, gradient: placement, is_still: true }
+    }
+
+    /// What is read off the start and off the prediction.
+    pub(crate) fn read<T: Copy>(&self, value: impl Fn(&Placement) -> T) -> (T, T) {
+        let start = value(&self.start);
+        (start, if self.is_still { start } else { value(&self.predicted) })
     }
 }

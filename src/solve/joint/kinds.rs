@@ -111,7 +111,8 @@ impl RowSink<'_> {
             Held::All => placement.gap,
             Held::Across(_) => g.gradient.a.frame * placement.local_gap(),
         };
-        let error = Error3 { start: seen(&g.start), predicted: seen(&g.predicted) };
+        let (start, predicted) = g.read(seen);
+        let error = Error3 { start, predicted };
         let give = Give::new(self.def.linear, self.phase);
         let levers = [lever_a, lever_b];
         self.point = Some(BlockRow::point(&self.rates, levers, error, held, give, self.impulses.point));
@@ -121,7 +122,8 @@ impl RowSink<'_> {
     pub(crate) fn hold_directions(&mut self, held: Held, error: impl Fn(&Placement) -> DVec3) {
         let g = self.geometry;
         let in_world = |placement: &Placement| g.gradient.a.frame * error(placement);
-        let error = Error3 { start: in_world(&g.start), predicted: in_world(&g.predicted) };
+        let (start, predicted) = g.read(in_world);
+        let error = Error3 { start, predicted };
         let give = Give::new(self.def.angular, self.phase);
         self.direction = Some(BlockRow::direction(&self.rates, error, held, give, self.impulses.angular));
     }
@@ -137,8 +139,7 @@ impl RowSink<'_> {
         if limits.min == f32::NEG_INFINITY && limits.max == f32::INFINITY && matches!(motor, Motor::Off) {
             return;
         }
-        let start = (coordinate.value)(&self.geometry.start);
-        let mut predicted = (coordinate.value)(&self.geometry.predicted);
+        let (start, mut predicted) = self.geometry.read(&coordinate.value);
         if coordinate.is_angle {
             predicted = start + super::geometry::wrapped(predicted - start);
         }

@@ -315,7 +315,7 @@ impl JointEntry {
             };
             self.placement(blend(a), blend(b))
         };
-        JointGeometry { start, predicted: end, gradient }
+        JointGeometry { start, predicted: end, gradient, is_still: false }
     }
 }
 

@@ -25,7 +25,8 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
         let sine = across.length();
         if sine > MIN_SWING {
             let limit = f64::from(swing_limit);
-            let error = Error1 { start: limit - swing(&sink.geometry.start), predicted: limit - swing(&sink.geometry.predicted) };
+            let (start, predicted) = sink.geometry.read(swing);
+            let error = Error1 { start: limit - start, predicted: limit - predicted };
             let give = Give::new(sink.def.limit, sink.phase);
             sink.scalar(Jacobian::angular(-across / sine), Demand::AtLeast(error), give, 0);
         }
@@ -66,7 +67,7 @@ fn drive(sink: &mut RowSink, motor: SphericalMotor) {
                 turned.a.frame = placement.a.frame * target;
                 target * turned.rotation_vector()
             };
-            let (start, predicted) = (error(&sink.geometry.start), error(&sink.geometry.predicted));
+            let (start, predicted) = sink.geometry.read(error);
             for i in 0..3 {
                 let error = Error1 { start: start[i], predicted: predicted[i] };
                 let demand = Demand::Drive { error, max_impulse };

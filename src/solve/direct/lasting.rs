@@ -1,0 +1,178 @@
+//! Rows of a swept articulation that last for several substeps.
+//!
+//! A ragdoll in a heap hardly turns within a step, so that its rows, their factor and the inertia that answers stay as the first
+//! substep has found them, as those of contacts do. What changes is how far stops are: it follows from the way since the last
+//! substep, to first order. Rows last while
+//!
+//! - all joints hold points or frames together rigidly, or drive at a steady speed: nothing else in a row of a safe substep depends on
+//!   where the bodies are;
+//! - no body has turned by more than [`LASTING_TURN`] since they were built. A row that turns by θ leaves a gap of θ²/2 of its lever,
+//!   most of which is given back as its gradient is that of halfway;
+//! - no joint's force is so great that its geometric stiffness matters, κ below [`LASTING_STIFFNESS`]: that would have to follow it.
+//!
+//! While they last positions are not looked at either, until the end of the step. Errors are taken out then with the factor of the
+//! same rows, stops that press and motors that hold among them; what that cannot mend, a stop that is overrun without pressing, is left to
+//! rows built anew.
+
+use glam::DVec3;
+
+use super::articulation::Articulation;
+use super::history::rotation_vector;
+use super::layout::Link;
+use super::project::{Errors, greater, greatest};
+use crate::id::{JointId, Pool};
+use crate::joint::{Joint, JointKind, Limits, Motor, SphericalMotor};
+use crate::solve::joint::kinds;
+use crate::solve::joint::rows::Rate;
+use crate::solve::joint::{JointEntry, Stance};
+use crate::solve::rotation;
+use crate::solve::state::{BodyMotion, BodyVelocity, Symmetric};
+
+/// Rotation of a body up to which rows last (rad): gaps of 2e-4 of a lever, of which positions may keep 5e-4.
+const LASTING_TURN: f32 = 0.02;
+
+/// Transverse stiffness κ of a joint up to which rows last.
+const LASTING_STIFFNESS: f64 = 0.5;
+
+/// Errors over the articulation's size that lasting rows mend: below, there is nothing to mend; beyond, what is left is of the order of
+/// the error's square.
+const NEGLIGIBLE: f64 = 1.0e-4;
+const LINEAR: f64 = 0.05;
+
+/// Whether rows last for a substep, and what for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Lasting {
+    /// They must be built.
+    #[default]
+    No,
+    /// They must be in every substep of the step: it has been taken once and given up, as the articulation would have met something.
+    Never,
+    /// They have been built in this step.
+    Built,
+    /// They are still good for the next substep.
+    Good,
+}
+
+impl Articulation {
+    /// Whether its joints are such that rows can last.
+    fn is_lasting_kind(&self, joints: &Pool<Joint, JointId>) -> bool {
+        !self.is_points
+            && self.entries.iter().all(|entry| {
+                let def = &joints[entry.joint].def;
+                let holds = match &def.kind {
+                    JointKind::Fixed => true,
+                    JointKind::Hinge { limits, motor } => match motor {
+                        Motor::Off => true,
+                        Motor::Velocity { .. } => *limits == Limits::NONE,
+                        Motor::Position { .. } => false,
+                    },
+                    JointKind::Spherical { motor, .. } => !matches!(motor, SphericalMotor::Position { .. }),
+                    JointKind::Distance { .. } | JointKind::Prismatic { .. } | JointKind::Generic { .. } => false,
+                };
+                holds && kinds::gives_by_motors_alone(def)
+            })
+    }
+
+    /// Notes where the bodies are as their rows are built, if those can last, and where they will be halfway between the start of this
+    /// substep and that of the last one, `rest` (s) from the end of the step, if they go on as they do: gradients are taken there.
+    /// Halfway through the rest of the step they would leave no gap, but angular momentum would be lost: forces act at the starts
+    /// of substeps.
+    pub(super) fn look_ahead(&mut self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion], rest: f64) {
+        self.built.clear();
+        self.predicted.clear();
+        if self.lasting == Lasting::Never || !self.is_lasting_kind(joints) {
+            return;
+        }
+        self.lasting = Lasting::Built;
+        self.built.extend(self.bodies.iter().map(|body| motions[body.slot as usize].turn));
+        let most = f64::from(LASTING_TURN) / rest;
+        if self.rates.iter().all(|rate| rate.angular.length_squared() <= most * most) {
+            let h = 0.5 * (rest - self.h);
+            let ahead =
+                |(stance, rate): (&Stance, &Rate)| (stance.0 + rate.linear * h, rotation::rotated(stance.1, rate.angular * h));
+            self.predicted.extend(self.stances.iter().zip(&self.rates).map(ahead));
+        }
+    }
+
+    /// Notes at the end of a substep whether the rows last for the next; nothing moves in between but by velocities.
+    pub(super) fn find_lasting(&mut self, motions: &[BodyMotion]) -> bool {
+        let still = self.lasting == Lasting::Built
+            && self.bodies.iter().zip(&self.built).all(|(body, &built)| {
+                let motion = &motions[body.slot as usize];
+                (motion.turn - built).length_squared() <= LASTING_TURN * LASTING_TURN
+            })
+            && self.entries.iter().zip(&self.eases).all(|(entry, ease)| {
+                let force = f64::from(entry.impulses.point.length());
+                self.h * force * ease <= LASTING_STIFFNESS
+            });
+        if still {
+            self.lasting = Lasting::Good;
+        }
+        still
+    }
+
+    /// Begins a substep with the rows of an earlier one.
+    pub(super) fn go_on(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
+        std::mem::swap(&mut self.stances, &mut self.tried);
+        self.load(velocities, motions);
+        self.changes.clear();
+        self.changes.extend(self.stances.iter().zip(&self.tried).map(|(now, before)| Rate {
+            linear: (now.0 - before.0) / self.h,
+            angular: rotation_vector(now.1 * before.1.conjugate()) / self.h,
+        }));
+        self.system.follow(&self.changes);
+        self.answer_contacts(velocities, motions, false);
+        self.lasting = Lasting::Built;
+    }
+
+    /// Takes errors out of the positions with the rows of the last substep; returns those that are left.
+    pub(super) fn mend_with_lasting_rows(&mut self, joints: &Pool<Joint, JointId>) -> Errors {
+        let mut errors = Errors::NONE;
+        for number in 0..self.entries.len() {
+            let [point, direction] = self.biases_of(number, joints);
+            errors.add_joint(point, direction, &self.asked);
+            self.system.take_errors(number, point, direction, &self.asked);
+        }
+        errors.judge(self.size);
+        if !(NEGLIGIBLE * self.size..LINEAR * self.size).contains(&errors.worst) {
+            return errors;
+        }
+        self.changes.clear();
+        self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
+        self.system.solve_lasting(&self.topology, &self.bodies, &mut self.changes);
+        self.tried.clone_from(&self.stances);
+        for ((body, stance), change) in self.bodies.iter().zip(&mut self.stances).zip(&self.changes) {
+            body.displace(stance, change, 1.0);
+        }
+        // Points show by how much the rows have been off; directions are as near.
+        let mut left = Errors { gap: self.widest_gap(), angle: self.system.overrun(&self.changes), ..Errors::NONE };
+        left.judge(self.size);
+        if left.worst < errors.worst {
+            return left;
+        }
+        self.stances.clone_from(&self.tried);
+        errors
+    }
+
+    /// Greatest distance of joint points at the present poses, by components (m).
+    fn widest_gap(&self) -> f64 {
+        let gap = |(link, entry): (&Link, &JointEntry)| {
+            let [a, b] = link.bodies.map(|body| &self.stances[body as usize]);
+            greatest(entry.points(a, b).gap)
+        };
+        self.links.iter().zip(&self.entries).map(gap).fold(0.0, greater)
+    }
+
+    /// Lets contacts see the inertia that answers; `anew` where that has changed since the last substep.
+    pub(super) fn answer_contacts(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], anew: bool) {
+        for (i, body) in self.bodies.iter().enumerate() {
+            self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i]);
+            if body.is_dynamic() {
+                let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
+                velocity.angular = self.rates[i].angular.as_vec3();
+                velocity.inverse_inertia = Symmetric::from_mat3(body.inverse_inertia.as_mat3());
+                motion.refreshed = anew;
+            }
+        }
+    }
+}
