@@ -174,6 +174,16 @@ fn thrown_articulations_gain_no_energy_and_close_again() {
 }
 
 #[test]
+fn chains_that_are_torn_are_brought_together_again() {
+    for seed in ["2", "3", "7"] {
+        let run = Run::of("violent", &[("ratio", "1000000"), ("seed", seed)]);
+        run.keeps("energy_growth_pct", 100.0, "%");
+        run.keeps("joint_gap_m", 1e-3, "m");
+        assert!(run.error("spin_peak") > 1000.0, "seed {seed} is no longer one of those that are torn");
+    }
+}
+
+#[test]
 fn joints_that_hold_points_alone_are_solved_as_others_are() {
     let end = |compliance| {
         let mut scene = common::scene("swinging_weight", &[("n", "10"), ("ratio", "100"), ("seconds", "1")]);

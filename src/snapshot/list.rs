@@ -163,6 +163,7 @@ stored!(Body {
     history,
     age,
     steady_for,
+    torn_for,
     calm_for,
     held,
     woke,
