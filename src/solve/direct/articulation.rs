@@ -319,9 +319,9 @@ impl Articulation {
         bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum()
     }
 
-    /// Whether joints have come so far apart that sweeps are to bring them together again.
+    /// Whether the budget is spent and joints have come so far apart that sweeps are to bring them together again.
     pub(crate) fn is_torn(&self) -> bool {
-        self.outcome.gap > TORN * self.size
+        !self.coupled && self.budget == 0 && self.outcome.gap > TORN * self.size
     }
 
     /// What is told of it; `body` is one of its bodies.
