@@ -3,8 +3,9 @@
 use super::World;
 use crate::body::{BodyKind, SleepState};
 use crate::collide::broad::still_near;
+use crate::collide::cache::Fate;
 use crate::collide::collider::Collider;
-use crate::collide::pairs::{Fate, PairKey};
+use crate::collide::pairs::PairKey;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::island::SleepingIsland;

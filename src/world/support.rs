@@ -16,7 +16,8 @@ use glam::{Quat, Vec3};
 
 use super::World;
 use crate::body::{Body, BodyKind};
-use crate::collide::pairs::{pack_touching, put_in_places};
+use crate::collide::cache::put_in_places;
+use crate::collide::pairs::pack_touching;
 use crate::joint::{Axis, Joint, JointKind, Motor};
 use crate::span::support::verdict::SupportChange;
 use crate::span::support::{Graph, Node, NodeKind};

@@ -9,8 +9,9 @@ use super::record::{FAST, HELD, LEAVING, TURNED};
 use super::site::{Site, TURN};
 use super::{SupportState, World};
 use crate::body::Body;
+use crate::collide::cache::PairCache;
 use crate::collide::collider::Collider;
-use crate::collide::pairs::{Pair, PairCache, TOO_MANY};
+use crate::collide::pairs::{Pair, TOO_MANY};
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::span::support::slip::Slip;
 

@@ -1,0 +1,285 @@
+//! Pairs of shapes that may touch: found by key, walked in key order.
+//!
+//! A pair is *active* while one of its bodies can move by itself; the pairs of a sleeping island are kept by the island.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use super::pairs::{Pair, PairKey};
+use crate::material::PairMaterial;
+use crate::room::make_room_behind;
+
+/// All pairs of a world.
+#[derive(Debug, Default)]
+pub(crate) struct PairCache {
+    pairs: Vec<Pair>,
+    free: Vec<u32>,
+    /// Active pairs in key order, and what edits have given up since it was last [settled](Self::settle).
+    active: Vec<(PairKey, u32)>,
+    /// How many of those were given up, and what edits have made active instead.
+    gone: usize,
+    woken: BTreeMap<PairKey, u32>,
+    /// Slots given up and not yet [forgotten](Self::forget_released), where somebody wants to know.
+    released: Option<Vec<u32>>,
+}
+
+impl PairCache {
+    /// A cache of active pairs, sorted by key, and of pairs that sleep, which take the slots after them; `None` if not sorted.
+    pub(crate) fn from_parts(active: Vec<Pair>, asleep: Vec<Pair>) -> Option<Self> {
+        if !active.windows(2).all(|two| two[0].key < two[1].key) {
+            return None;
+        }
+        let keys = active.iter().enumerate().map(|(slot, pair)| (pair.key, slot as u32)).collect();
+        let mut pairs = active;
+        pairs.iter_mut().for_each(|pair| pair.active = true);
+        pairs.extend(asleep);
+        pairs.iter_mut().for_each(Pair::note_pressed);
+        Some(Self { pairs, active: keys, ..Self::default() })
+    }
+
+    /// Every slot of the cache, also those not in use.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Pair> {
+        self.pairs.iter()
+    }
+
+    /// Active pairs, in key order; as they were before edits since [`settle`](Self::settle).
+    pub(crate) fn active(&self) -> &[(PairKey, u32)] {
+        debug_assert!(self.is_settled(), "stages of a step begin with settled pairs");
+        &self.active
+    }
+
+    /// Active pairs, in key order, also between steps.
+    pub(crate) fn listed(&self) -> Cow<'_, [(PairKey, u32)]> {
+        if self.is_settled() {
+            return Cow::Borrowed(&self.active);
+        }
+        let mut listed: Vec<(PairKey, u32)> = self.active.iter().copied().filter(|&(_, slot)| self.get(slot).active).collect();
+        listed.extend(self.woken.iter().map(|(&key, &slot)| (key, slot)));
+        listed.sort_unstable();
+        Cow::Owned(listed)
+    }
+
+    /// Brings the list of active pairs up to date with edits.
+    ///
+    /// Each edit touches few pairs of very many: it leaves a mark, and the list is gone through once for all of them.
+    pub(crate) fn settle(&mut self) {
+        if std::mem::take(&mut self.gone) > 0 {
+            let pairs = &self.pairs;
+            self.active.retain(|&(_, slot)| pairs[slot as usize].active);
+        }
+        if !self.woken.is_empty() {
+            let woken: Vec<(PairKey, u32)> = std::mem::take(&mut self.woken).into_iter().collect();
+            self.merge(&woken);
+        }
+    }
+
+    /// Puts slots in the order in which pairs are gone through, if they are much out of it, and says where each has gone.
+    ///
+    /// Pairs come and go, and slots are used again: after a while each pair is a read from another place of memory, a dozen times a
+    /// step.
+    pub(crate) fn tidy(&mut self) -> Option<Vec<u32>> {
+        self.settle();
+        let out_of_order = self.active.windows(2).filter(|two| two[0].1 > two[1].1).count();
+        if self.active.len() < LEAST_TIDIED || out_of_order as f32 <= MOST_OUT_OF_ORDER * self.active.len() as f32 {
+            return None;
+        }
+        const NONE: u32 = u32::MAX;
+        let mut places = vec![NONE; self.pairs.len()];
+        for ((_, slot), place) in self.active.iter_mut().zip(0..) {
+            places[*slot as usize] = place;
+            *slot = place;
+        }
+        let others = places.iter_mut().filter(|place| **place == NONE);
+        others.zip(self.active.len() as u32..).for_each(|(place, next)| *place = next);
+        put_in_places(&mut self.pairs, &places);
+        for slot in self.free.iter_mut().chain(self.released.iter_mut().flatten()) {
+            *slot = places[*slot as usize];
+        }
+        Some(places)
+    }
+
+    fn is_settled(&self) -> bool {
+        self.gone == 0 && self.woken.is_empty()
+    }
+
+    /// Slot of an active pair, also between steps.
+    pub(crate) fn find(&self, key: PairKey) -> Option<u32> {
+        let listed = self.active.binary_search_by_key(&key, |&(key, _)| key).ok().map(|place| self.active[place].1);
+        listed.filter(|&slot| self.get(slot).active).or_else(|| self.woken.get(&key).copied())
+    }
+
+    /// Gives up an active pair, also between steps.
+    pub(crate) fn give_up(&mut self, slot: u32) {
+        let key = self.get(slot).key;
+        if self.woken.remove(&key).is_none() {
+            self.gone += 1;
+        }
+        self.release(slot);
+    }
+
+    pub(crate) fn get(&self, slot: u32) -> &Pair {
+        &self.pairs[slot as usize]
+    }
+
+    pub(crate) fn get_mut(&mut self, slot: u32) -> &mut Pair {
+        &mut self.pairs[slot as usize]
+    }
+
+    /// Calls `f` for every active pair, in key order.
+    pub(crate) fn for_each_active(&mut self, mut f: impl FnMut(&mut Pair)) {
+        self.settle();
+        for &(_, slot) in &self.active {
+            f(&mut self.pairs[slot as usize]);
+        }
+    }
+
+    /// Every slot of the cache, also those not in use or asleep; see [`is_active`](Self::is_active).
+    pub(crate) fn slots_mut(&mut self) -> &mut [Pair] {
+        &mut self.pairs
+    }
+
+    /// Adds those of `keys` (sorted, without repeats) that are not active yet; `material` combines the surfaces of a pair.
+    pub(crate) fn activate_new(&mut self, keys: &[PairKey], material: impl Fn(PairKey) -> PairMaterial) {
+        if keys.is_empty() {
+            return;
+        }
+        self.settle();
+        let mut fresh = Vec::new();
+        for &key in keys {
+            if self.active.binary_search_by_key(&key, |&(key, _)| key).is_err() {
+                fresh.push((key, self.allocate(key, material(key))));
+            }
+        }
+        self.merge(&fresh);
+    }
+
+    /// Makes pairs active again that a sleeping island kept. Dropped are those that were found anew meanwhile, and those of which
+    /// one side has gone: `material` combines the surfaces of a pair that still is one.
+    pub(crate) fn activate_kept(&mut self, slots: &[u32], material: impl Fn(PairKey) -> Option<PairMaterial>) {
+        for &slot in slots {
+            let key = self.pairs[slot as usize].key;
+            match material(key).filter(|_| self.find(key).is_none()) {
+                None => self.release(slot),
+                Some(material) => {
+                    let pair = &mut self.pairs[slot as usize];
+                    (pair.active, pair.still, pair.material) = (true, false, material);
+                    self.woken.insert(key, slot);
+                }
+            }
+        }
+    }
+
+    /// Keeps the active pairs that `keep` says; `drop_or_store` takes the others and says whether their slot lives on.
+    pub(crate) fn retain_active(&mut self, mut fate: impl FnMut(PairKey, u32, &Pair) -> Fate) {
+        self.settle();
+        let mut active = std::mem::take(&mut self.active);
+        active.retain(|&(key, slot)| match fate(key, slot, &self.pairs[slot as usize]) {
+            Fate::Stay => true,
+            Fate::Store => {
+                self.pairs[slot as usize].active = false;
+                false
+            }
+            Fate::Drop => {
+                self.release(slot);
+                false
+            }
+        });
+        self.active = active;
+    }
+
+    /// Gives a slot back, and the room of its manifolds: three of four pairs never touch.
+    pub(crate) fn release(&mut self, slot: u32) {
+        let pair = &mut self.pairs[slot as usize];
+        pair.manifolds = Vec::new();
+        pair.active = false;
+        self.free.push(slot);
+        if let Some(released) = &mut self.released {
+            released.push(slot);
+        }
+    }
+
+    /// Notes which slots are given up from now on, or no longer.
+    pub(crate) fn follow_releases(&mut self, on: bool) {
+        self.released = on.then(Vec::new);
+    }
+
+    /// Slots that were given up; some may be those of other pairs by now.
+    pub(crate) fn released(&self) -> &[u32] {
+        self.released.as_deref().unwrap_or(&[])
+    }
+
+    /// Forgets which slots were given up.
+    pub(crate) fn forget_released(&mut self) {
+        if let Some(released) = &mut self.released {
+            released.clear();
+        }
+    }
+
+    /// Whether a slot still is that of a pair, active or asleep, that has contacts.
+    pub(crate) fn holds(&self, slot: u32, key: PairKey) -> bool {
+        let pair = &self.pairs[slot as usize];
+        pair.key == key && !pair.manifolds.is_empty()
+    }
+
+    fn allocate(&mut self, key: PairKey, material: PairMaterial) -> u32 {
+        match self.free.pop() {
+            Some(slot) => {
+                let version = self.pairs[slot as usize].version.wrapping_add(1);
+                self.pairs[slot as usize] = Pair { version, ..Pair::new(key, material) };
+                slot
+            }
+            None => {
+                make_room_behind(&mut self.pairs, 1);
+                self.pairs.push(Pair::new(key, material));
+                self.pairs.len() as u32 - 1
+            }
+        }
+    }
+
+    fn merge(&mut self, fresh: &[(PairKey, u32)]) {
+        if fresh.is_empty() {
+            return;
+        }
+        for &(_, slot) in fresh {
+            self.pairs[slot as usize].active = true;
+        }
+        let mut old = self.active.len();
+        make_room_behind(&mut self.active, fresh.len());
+        self.active.extend_from_slice(fresh);
+        // From the last to the first, so that nothing is written over before it is read.
+        for (number, &next) in fresh.iter().enumerate().rev() {
+            while old > 0 && self.active[old - 1].0 > next.0 {
+                self.active[old + number] = self.active[old - 1];
+                old -= 1;
+            }
+            self.active[old + number] = next;
+        }
+    }
+}
+
+/// Active pairs from which on their order in memory matters, and share of them that may come before the one before them.
+const LEAST_TIDIED: usize = 2048;
+const MOST_OUT_OF_ORDER: f32 = 0.2;
+
+/// Moves every item to its place.
+pub(crate) fn put_in_places<T>(items: &mut [T], places: &[u32]) {
+    let mut places = places.to_vec();
+    for i in 0..items.len() {
+        while places[i] as usize != i {
+            let place = places[i] as usize;
+            items.swap(i, place);
+            places.swap(i, place);
+        }
+    }
+}
+
+/// What becomes of an active pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fate {
+    /// Stays active.
+    Stay,
+    /// Leaves the active list; somebody else keeps its slot.
+    Store,
+    /// Is given up.
+    Drop,
+}
