@@ -173,8 +173,6 @@ pub(crate) struct Body {
     pub age: u8,
     /// Number of steps, at most 255, for which nothing in its island has moved fast across gravity.
     pub steady_for: u8,
-    /// Steps for which its joints are still left to sweeps, as they were torn.
-    pub torn_for: u8,
     /// Number of steps for which it has been calm, at most 255.
     pub calm_for: u8,
     /// Whether it keeps its pose in this step because nothing could move it.
@@ -239,7 +237,6 @@ impl Body {
             sleep: SleepState::Awake { quiet_for: 0.0 },
             age: 0,
             steady_for: u8::MAX,
-            torn_for: 0,
             calm_for: 0,
             woke: false,
             held: false,

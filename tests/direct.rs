@@ -174,12 +174,17 @@ fn thrown_articulations_gain_no_energy_and_close_again() {
 }
 
 #[test]
-fn chains_that_are_torn_are_brought_together_again() {
-    for seed in ["2", "3", "7"] {
+fn heavy_weights_thrown_beyond_their_chains_are_drawn_back_by_them() {
+    // The seeds are some of those where a projection that may turn bodies as it likes straightens light links instead.
+    for seed in ["16", "40", "46", "52"] {
         let run = Run::of("violent", &[("ratio", "1000000"), ("seed", seed)]);
         run.keeps("energy_growth_pct", 100.0, "%");
         run.keeps("joint_gap_m", 1e-3, "m");
-        assert!(run.error("spin_peak") > 1000.0, "seed {seed} is no longer one of those that are torn");
+    }
+    for what in ["graph", "tree"] {
+        let run = Run::of("violent", &[("what", what), ("n", "100"), ("ratio", "10000"), ("seed", "3")]);
+        run.keeps("energy_growth_pct", 100.0, "%");
+        run.keeps("joint_gap_m", 1e-3, "m");
     }
 }
 

@@ -163,7 +163,6 @@ stored!(Body {
     history,
     age,
     steady_for,
-    torn_for,
     calm_for,
     held,
     woke,

@@ -17,9 +17,6 @@ use crate::span::union::UnionMotion;
 /// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
 const ROTATION_TOLERANCE: f32 = 1.0e-3;
 
-/// Steps for which the joints of an articulation that was torn are left to sweeps: these close wide gaps soon, and narrow ones never.
-const TORN_STEPS: u8 = 4;
-
 /// Pairs that are reported before those of them that touch are judged: few enough to be still in the cache, and enough for reads of
 /// pairs to overlap, which they do not from one judgement to the next.
 const REPORTED_AT_ONCE: usize = 64;
@@ -43,11 +40,6 @@ impl World {
             residuals.penetration = residuals.penetration.max(batch.penetration);
             for articulation in batch.direct.articulations() {
                 let Some(slot) = articulation.moved_slots().next() else { continue };
-                if articulation.is_torn() {
-                    for slot in articulation.moved_slots() {
-                        self.bodies[batch.bodies[slot as usize]].torn_for = TORN_STEPS;
-                    }
-                }
                 let report = articulation.report(self.bodies.handle_of(batch.bodies[slot as usize]));
                 residuals.joint_angle = residuals.joint_angle.max(report.angle);
                 self.events.articulations.push(report);
@@ -120,7 +112,6 @@ impl World {
                         reach = reach.max(colliders[shape].reach);
                     }
                 }
-                body.torn_for = body.torn_for.saturating_sub(1);
                 body.age = body.age.saturating_add(1);
                 body.steady_for = if steady { body.steady_for.saturating_add(1) } else { 0 };
                 let is_calm = own.linear.length() + own.angular.length() * reach < calm_speed;

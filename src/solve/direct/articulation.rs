@@ -41,9 +41,10 @@ pub(super) const TOLERANCE: f64 = 2.0e-3;
 /// How often a substep may be halved.
 const MOST_HALVINGS: u32 = 4;
 
-/// The least and the greatest number of halvings that a step's budget of multiplications allows.
+/// The least and the greatest number of halvings that a step's budget of multiplications allows, and how many further solves one costs.
 const LEAST_HALVINGS: f64 = 4.0;
-const MOST_BUDGET: f64 = 60.0;
+const MOST_HALVINGS_OF_STEP: f64 = 60.0;
+const SOLVES_PER_HALVING: u32 = 4;
 
 /// The least and the greatest number of further passes of active sets that a step's budget of multiplications allows.
 const LEAST_PASSES: f64 = 8.0;
@@ -62,10 +63,6 @@ const MOST_SURPRISE: f64 = 9.5e-5;
 /// Error of the path (m) after about a second for the same change of velocity (m/s) in every substep (s): 4 on a swing of 10
 /// links, 2 m long, 0.6 of 30, 0.5 of 100.
 const ERROR_PER_SURPRISE: f64 = 2.5;
-
-/// Gap over the size by which errors are judged from which on joints count as torn. At 0.02 nearly twice as many thrown chains stay open,
-/// at 0.2 three times as many.
-const TORN: f64 = 0.05;
 
 /// Substeps of the default effort.
 const NOMINAL_SUBSTEPS: f64 = 4.0;
@@ -151,8 +148,8 @@ pub(crate) struct Articulation {
     pub(super) built: Vec<Vec3>,
     /// Whether it touches what moves and is not carried, so that its joints are swept with the contacts.
     pub coupled: bool,
-    /// Halvings that this step may still spend.
-    budget: u32,
+    /// Solves that this step may still spend on halvings and long projections.
+    solves_left: u32,
     /// Passes of active sets that this step may still spend beyond those that each substep has free.
     pub(super) passes_left: usize,
     pub outcome: Outcome,
@@ -202,6 +199,7 @@ impl Articulation {
         self.watched.clear();
         self.coupled = false;
         self.lasting = Lasting::No;
+        self.solves_left = 0;
         self.bodies.clear();
         self.origins.clear();
         self.histories.clear();
@@ -253,7 +251,8 @@ impl Articulation {
         }
         let budget = f64::from(settings.articulations.halving_budget) * 1.0e6 / self.topology.plan.work as f64;
         self.passes_left = budget.clamp(LEAST_PASSES, MOST_PASSES) as usize;
-        self.budget = if budget > 0.0 { budget.clamp(LEAST_HALVINGS, MOST_BUDGET) as u32 } else { 0 };
+        let halvings = if budget > 0.0 { budget.clamp(LEAST_HALVINGS, MOST_HALVINGS_OF_STEP) as u32 } else { 0 };
+        self.solves_left = halvings * SOLVES_PER_HALVING;
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
         (self.continues, self.after_first_order) = (None, false);
         let energy = self.energy();
@@ -317,11 +316,6 @@ impl Articulation {
     fn energy(&self) -> f64 {
         let bodies = self.bodies.iter().zip(&self.rates).zip(self.stances.iter().zip(&self.step_start));
         bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum()
-    }
-
-    /// Whether the budget is spent and joints have come so far apart that sweeps are to bring them together again.
-    pub(crate) fn is_torn(&self) -> bool {
-        !self.coupled && self.budget == 0 && self.outcome.gap > TORN * self.size
     }
 
     /// What is told of it; `body` is one of its bodies.
@@ -464,7 +458,7 @@ impl Articulation {
         self.keep_momentum(momentum);
         let good = error <= (TOLERANCE * self.size).max(MUST_FALL * before);
         let gives_up = !settled && self.passes_left == 0;
-        if good || gives_up || depth >= MOST_HALVINGS || self.budget == 0 {
+        if good || gives_up || depth >= MOST_HALVINGS || !self.pay(SOLVES_PER_HALVING) {
             if !error.is_finite() {
                 self.restore();
                 return before;
@@ -473,7 +467,6 @@ impl Articulation {
             self.outcome.unsettled |= !settled;
             return error;
         }
-        self.budget -= 1;
         self.outcome.halvings += 1;
         self.restore();
         self.scale_impulses(0.5);
@@ -481,6 +474,13 @@ impl Articulation {
         let error = self.advance(joints, 0.5 * h, depth + 1, Some(middle));
         self.scale_impulses(2.0);
         error
+    }
+
+    /// Takes further solves out of the step's budget; false where there are not as many left.
+    pub(super) fn pay(&mut self, solves: u32) -> bool {
+        let left = self.solves_left.checked_sub(solves);
+        self.solves_left = left.unwrap_or(self.solves_left);
+        left.is_some()
     }
 
     fn begin(&mut self) {

@@ -18,14 +18,27 @@ const GOOD_ENOUGH: f64 = 0.25;
 /// Overlap with what the articulation does not move below which positions are left as they are (m).
 const NEGLIGIBLE_OVERLAP: f64 = 1.0e-5;
 
-/// Greatest angle that a projection takes out at once (rad), and over the articulation's size the greatest length.
+/// Greatest angle that a projection takes out at once (rad), and greatest length over the articulation's size.
 const MOST_ANGLE: f64 = 0.1;
+const MOST_LENGTH: f64 = 0.4;
 
-/// Most projections of a substep.
-const PROJECTIONS: usize = 3;
+/// Most projections of a substep, and how many of them the step's budget does not count: nearly all take no more.
+const PROJECTIONS: usize = 16;
+const FREE_PROJECTIONS: usize = 3;
 
-/// Shares of a projection's step that are tried, one after the other.
-const BACKTRACKING: [f64; 3] = [1.0, 0.3, 0.09];
+/// How often bodies are stiffened against turning before a projection is shortened.
+const STIFFENINGS: usize = 4;
+
+/// Shares of a projection's step that are tried then, one after the other.
+const BACKTRACKING: [f64; 2] = [0.3, 0.09];
+
+/// Turns that bodies are to keep to once stiffened: at most this (rad), and this times the root of the worst error over the size, as a
+/// turn by θ opens a gap of θ²/2 of its lever.
+const MOST_TURN: f64 = 0.1;
+const TURN_PER_ROOT: f64 = 0.3;
+
+/// By how much more than in proportion to its turn a body is stiffened: what it does not give, its neighbours must.
+const STIFFENING: f64 = 4.0;
 
 /// Errors of the positions.
 #[derive(Debug, Clone, Copy)]
@@ -199,7 +212,7 @@ impl Articulation {
     fn find_changes(&mut self, joints: &Pool<Joint, JointId>) {
         self.changes.clear();
         self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
-        let most = MOST_ANGLE * self.size;
+        let most = MOST_LENGTH * self.size;
         if self.is_points {
             self.ask_points(Phase::Position { most });
             self.points.solve(&self.topology, &self.bodies, &mut self.changes);
@@ -211,34 +224,73 @@ impl Articulation {
         self.system.solve(&self.topology, &self.bodies, &mut self.changes, PROJECTION_PASSES);
     }
 
+    /// Displaces the bodies by a Newton step; returns the errors that it leaves, if they are accepted, and else moves nothing.
+    ///
+    /// Its linear rows do not know that levers turn. Where light bodies can follow by turning, they are turned by radians to spare a heavy one
+    /// a centimetre, and the gaps grow. Those bodies are stiffened, and the step is sought again: in the limit none turns, for which
+    /// the rows of points are exact.
+    fn displace(&mut self, joints: &Pool<Joint, JointId>, worst: f64, accept: impl Fn(&Errors) -> bool) -> Option<Errors> {
+        self.tried.clone_from(&self.stances);
+        self.find_changes(joints);
+        for attempt in 0..=STIFFENINGS {
+            let left = self.try_share(joints, 1.0);
+            if accept(&left) {
+                return Some(left);
+            }
+            self.take_back();
+            if attempt == STIFFENINGS || !self.pay(1) || !self.stiffen(worst) {
+                break;
+            }
+            self.find_changes(joints);
+        }
+        for share in BACKTRACKING {
+            let left = self.try_share(joints, share);
+            if accept(&left) {
+                return Some(left);
+            }
+            self.take_back();
+        }
+        None
+    }
+
+    fn try_share(&mut self, joints: &Pool<Joint, JointId>, share: f64) -> Errors {
+        for ((body, stance), change) in self.bodies.iter().zip(&mut self.stances).zip(&self.changes) {
+            body.displace(stance, change, share);
+        }
+        self.find_errors(joints)
+    }
+
+    fn take_back(&mut self) {
+        self.stances.clone_from(&self.tried);
+        self.points.is_known = false;
+    }
+
+    /// Makes bodies answer less by turning that have turned too far for an error of `worst` (m); returns whether there are any.
+    fn stiffen(&mut self, worst: f64) -> bool {
+        let most = MOST_TURN.min(TURN_PER_ROOT * (worst / self.size).sqrt());
+        let mut any = false;
+        for (body, change) in self.bodies.iter_mut().zip(&self.changes) {
+            let turn = change.angular.length();
+            if turn > most {
+                body.inverse_inertia *= most / (STIFFENING * turn);
+                any = true;
+            }
+        }
+        any
+    }
+
     /// Takes errors out of the positions; returns the worst of the joints that is left.
     pub(super) fn project(&mut self, joints: &Pool<Joint, JointId>, mut errors: Errors) -> f64 {
         self.outcome.penetration = self.outcome.penetration.max(errors.overlap);
         let good = GOOD_ENOUGH * TOLERANCE * self.size;
         let mut overlaps = errors.overlap > NEGLIGIBLE_OVERLAP;
-        for _ in 0..PROJECTIONS {
-            if (errors.worst <= good && !overlaps) || !errors.worst.is_finite() {
+        for round in 0..PROJECTIONS {
+            if (errors.worst <= good && !overlaps) || !errors.worst.is_finite() || (round >= FREE_PROJECTIONS && !self.pay(1)) {
                 break;
             }
-            self.find_changes(joints);
-            self.tried.clone_from(&self.stances);
-            let mut accepted = false;
-            for factor in BACKTRACKING {
-                for ((body, stance), change) in self.bodies.iter().zip(&mut self.stances).zip(&self.changes) {
-                    body.displace(stance, change, factor);
-                }
-                let left = self.find_errors(joints);
-                if left.worst < errors.worst || (overlaps && left.worst <= good) {
-                    errors = left;
-                    accepted = true;
-                    break;
-                }
-                self.stances.clone_from(&self.tried);
-                self.points.is_known = false;
-            }
-            if !accepted {
-                break;
-            }
+            let accept = |left: &Errors| left.worst < errors.worst || (overlaps && left.worst <= good);
+            let Some(left) = self.displace(joints, errors.worst, accept) else { break };
+            errors = left;
             // Overlaps are taken out bit by bit, once a substep.
             overlaps = false;
         }

@@ -53,8 +53,7 @@ impl Records<'_> {
         } else {
             let is_swept = |slot: u32| {
                 let body = bodies[slot as usize];
-                slot != WORLD_SLOT
-                    && (self.swept.get(body as usize).is_some_and(|&swept| swept) || self.bodies[body].torn_for > 0)
+                slot != WORLD_SLOT && self.swept.get(body as usize).is_some_and(|&swept| swept)
             };
             withheld.clear();
             withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
