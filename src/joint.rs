@@ -15,6 +15,7 @@ use crate::fracture::Strength;
 use crate::fracture::strain::Strain;
 use crate::id::BodyId;
 use crate::pose::Pose;
+use crate::settings::Solver;
 
 /// Give of a row of constraints: compliance (m/N or rad/(N·m)) and damping (N·s/m or N·m·s/rad).
 ///
@@ -237,6 +238,9 @@ pub struct JointDef {
     pub collide_connected: bool,
     /// Whether long-range constraints are derived from it: bounds past it, planes of hinges, unions of fixed joints.
     pub long_range: bool,
+    /// How the articulation that it belongs to is solved; [`Solver::Auto`] for as the world says. Of all joints of an articulation one that
+    /// asks for sweeps is enough for these, and else one that asks for the direct solve.
+    pub solver: Solver,
     /// The host's own word; the world only hands it back.
     pub user_word: u64,
 }
@@ -258,6 +262,7 @@ impl JointDef {
             strength: Strength::UNBREAKABLE,
             collide_connected: false,
             long_range: true,
+            solver: Solver::Auto,
             user_word: 0,
         }
     }
@@ -357,6 +362,9 @@ pub struct JointState {
     pub torque: Vec3,
     /// Distance between the two joint points beyond what the joint allows (m).
     pub gap: f32,
+    /// Force (N) or torque (N·m) on body B along the free axis, mean over the step: what motor, spring, stops at limits and a distance that
+    /// is held come to. Zero for kinds without a coordinate; of these `torque` has all.
+    pub effort: f32,
 }
 
 /// Most scalar rows of one joint: six axes, each with a lower stop, an upper stop and a motor.

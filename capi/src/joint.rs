@@ -4,6 +4,7 @@ use ls_core::JointState;
 
 use crate::access::{edit, read};
 use crate::boundary::call;
+use crate::enums;
 use crate::handle::{LsJoint, LsWorld};
 use crate::joint_def::{LsJointDef, LsSoftness};
 use crate::math::LsPose;
@@ -25,11 +26,14 @@ pub struct LsJointState {
     pub torque: [f32; 3],
     /// Distance between the two joint points beyond what the joint allows (m).
     pub gap: f32,
+    /// Force (N) or torque (N m) on body B along the free axis, mean over the step: what motor, spring, stops at limits and a
+    /// distance that is held come to. 0 for kinds without a coordinate; of these torque has all.
+    pub effort: f32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsJointState {
-    const SIZES: &'static [usize] = &[36];
+    const SIZES: &'static [usize] = &[36, 40];
 }
 
 impl From<JointState> for LsJointState {
@@ -40,6 +44,7 @@ impl From<JointState> for LsJointState {
             force: state.force.to_array(),
             torque: state.torque.to_array(),
             gap: state.gap,
+            effort: state.effort,
         }
     }
 }
@@ -170,6 +175,21 @@ pub extern "C" fn ls_joint_break_set(world: LsWorld, joint: LsJoint, break_force
 #[unsafe(no_mangle)]
 pub extern "C" fn ls_joint_long_range_set(world: LsWorld, joint: LsJoint, enabled: u32) -> LsResult {
     call("ls_joint_long_range_set", || edit(world, |world| world.set_joint_long_range(joint.into(), enabled != 0)))
+}
+
+/// Says how the articulation of a joint is solved, and wakes its bodies: LsJointDef.solver.
+///
+/// @param world   the world; any value is safe
+/// @param joint   a joint of that world; any value is safe
+/// @param solver  LS_SOLVER_ constant
+/// @return LS_OK, a world error, a handle error, LS_ERROR_INVALID_ENUM
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_joint_solver_set(world: LsWorld, joint: LsJoint, solver: i32) -> LsResult {
+    call("ls_joint_solver_set", || {
+        let solver = enums::solver(solver)?;
+        edit(world, |world| world.set_joint_solver(joint.into(), solver))
+    })
 }
 
 /// Sets where a joint is on its bodies and wakes them; the joint carries nothing over, as after a teleport.

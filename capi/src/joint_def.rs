@@ -11,6 +11,7 @@ use crate::pointer::host;
 use crate::result::{Failure, LS_ERROR_UNSUPPORTED, LsResult, Outcome};
 use crate::sized::{Definition, SizedOut, Versioned};
 use crate::strength::LsStrength;
+use crate::world_def::LS_SOLVER_AUTO;
 
 /// Joint kind: nothing moves.
 pub const LS_JOINT_FIXED: i32 = 0;
@@ -146,8 +147,9 @@ pub struct LsJointDef {
     pub strength: LsStrength,
     /// Not 0: long-range constraints are derived from it: bounds past it, planes of hinges, unions of fixed joints; default 1.
     pub long_range: u32,
-    /// Not used; 0.
-    pub reserved: u32,
+    /// LS_SOLVER_ constant: how the articulation that it belongs to is solved; default LS_SOLVER_AUTO, which is as the world says. One
+    /// joint that asks for sweeps is enough for these, and else one that asks for the direct solve.
+    pub solver: i32,
 }
 
 // SAFETY: numbers without padding.
@@ -186,7 +188,7 @@ impl Default for LsJointDef {
             angular_axes: [locked; 3],
             strength: Strength::UNBREAKABLE.into(),
             long_range: 1,
-            reserved: 0,
+            solver: LS_SOLVER_AUTO,
         }
     }
 }
@@ -219,6 +221,7 @@ impl TryFrom<&LsJointDef> for JointDef {
             strength: def.strength.into(),
             collide_connected: def.collide_connected != 0,
             long_range: def.long_range != 0,
+            solver: enums::solver(def.solver)?,
             user_word: def.user_word,
         })
     }
@@ -268,6 +271,7 @@ impl TryFrom<&JointDef> for LsJointDef {
             user_word: def.user_word,
             strength: def.strength.into(),
             long_range: def.long_range.into(),
+            solver: enums::from_solver(def.solver),
             ..Self::default()
         };
         c.set_kind(&def.kind)?;

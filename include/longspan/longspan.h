@@ -856,8 +856,11 @@ typedef struct LsJointDef {
     struct LsStrength strength;
     /** Not 0: long-range constraints are derived from it: bounds past it, planes of hinges, unions of fixed joints; default 1. */
     uint32_t long_range;
-    /** Not used; 0. */
-    uint32_t reserved;
+    /**
+     * LS_SOLVER_ constant: how the articulation that it belongs to is solved; default LS_SOLVER_AUTO, which is as the world says. One
+     * joint that asks for sweeps is enough for these, and else one that asks for the direct solve.
+     */
+    int32_t solver;
 } LsJointDef;
 
 /** When bodies fall asleep. */
@@ -1439,6 +1442,11 @@ typedef struct LsJointState {
     float torque[3];
     /** Distance between the two joint points beyond what the joint allows (m). */
     float gap;
+    /**
+     * Force (N) or torque (N m) on body B along the free axis, mean over the step: what motor, spring, stops at limits and a
+     * distance that is held come to. 0 for kinds without a coordinate; of these torque has all.
+     */
+    float effort;
 } LsJointState;
 
 /** The verdict on a body at the end of the last step. The layout of this struct never changes. */
@@ -3860,6 +3868,17 @@ LsResult ls_joint_break_set(LsWorld world, LsJoint joint, float break_force, flo
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_joint_long_range_set(LsWorld world, LsJoint joint, uint32_t enabled);
+
+/**
+ * Says how the articulation of a joint is solved, and wakes its bodies: LsJointDef.solver.
+ *
+ * @param world   the world; any value is safe
+ * @param joint   a joint of that world; any value is safe
+ * @param solver  LS_SOLVER_ constant
+ * @return LS_OK, a world error, a handle error, LS_ERROR_INVALID_ENUM
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_joint_solver_set(LsWorld world, LsJoint joint, int32_t solver);
 
 /**
  * Sets where a joint is on its bodies and wakes them; the joint carries nothing over, as after a teleport.

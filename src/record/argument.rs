@@ -8,7 +8,7 @@ use crate::long_range::{LongRangeDef, SoftBound};
 use crate::mass::Mass;
 use crate::material::Material;
 use crate::pose::Pose;
-use crate::settings::{ArticulationSettings, SleepSettings};
+use crate::settings::{ArticulationSettings, SleepSettings, Solver};
 use crate::shape::{CollisionFilter, Shape, ShapeDef};
 use crate::snapshot::forms::{KnownForms, NumberedForms};
 use crate::snapshot::stored::{Reader, Stored, Writer};
@@ -150,6 +150,7 @@ plain_arguments!(
     Strength,
     FractureSettings,
     Vec<JointId>,
+    Solver,
 );
 
 impl Argument for ShapeDef {

@@ -15,7 +15,7 @@ use crate::long_range::{LongRangeDef, SoftBound};
 use crate::mass::Mass;
 use crate::material::Material;
 use crate::pose::Pose;
-use crate::settings::{ArticulationSettings, SleepSettings};
+use crate::settings::{ArticulationSettings, SleepSettings, Solver};
 use crate::shape::{CollisionFilter, ShapeDef};
 use crate::snapshot::stored::Stored;
 use crate::world::World;
@@ -136,4 +136,5 @@ recorded! {
     46 apply_fractures(ref joints: Vec<JointId>) -> ();
     47 set_articulation_settings(val settings: ArticulationSettings) -> ();
     49 set_joint_long_range(val joint: JointId, val long_range: bool) -> ();
+    50 set_joint_solver(val joint: JointId, val solver: Solver) -> ();
 }

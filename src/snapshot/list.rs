@@ -221,6 +221,7 @@ stored!(JointDef {
     strength,
     collide_connected,
     long_range,
+    solver,
     user_word,
 });
 stored!(JointImpulses { point, angular, scalar });

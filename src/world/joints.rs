@@ -6,6 +6,7 @@ use super::World;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId};
 use crate::joint::{Joint, JointDef, JointKind, JointState, Softness};
+use crate::settings::Solver;
 use crate::solve::direct::history::History;
 use crate::solve::joint::{coordinate, gap_of, placement_of};
 
@@ -130,6 +131,18 @@ impl World {
         Ok(())
     }
 
+    /// Says how the articulation of a joint is solved, as [`JointDef::solver`], and wakes its bodies.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world.
+    pub fn set_joint_solver(&mut self, joint: JointId, solver: Solver) -> Result<()> {
+        let slot = self.joints.find(joint)?;
+        if self.joints[slot].def.solver != solver {
+            self.change_joint(slot, |def| def.solver = solver);
+        }
+        Ok(())
+    }
+
     /// What the joint does at the end of the last step.
     ///
     /// # Errors
@@ -148,9 +161,11 @@ impl World {
         let angular_rate = (velocity_b.1 - velocity_a.1).dot(axis);
         let point_rate =
             velocity_b.0 + velocity_b.1.cross(b.lever) - velocity_a.0 - velocity_a.1.cross(a.lever + placement.gap.as_vec3());
+        let turns = matches!(joint.def.kind, JointKind::Hinge { .. });
         Ok(JointState {
             position: position as f32,
-            velocity: if matches!(joint.def.kind, JointKind::Hinge { .. }) { angular_rate } else { point_rate.dot(axis) },
+            velocity: if turns { angular_rate } else { point_rate.dot(axis) },
+            effort: if turns { torque.dot(axis) } else { force.dot(axis) },
             force,
             torque,
             gap: gap_of(&joint.def.kind, &placement) as f32,

@@ -301,6 +301,7 @@ impl Records<'_> {
                 angular_sum: Vec3::ZERO,
                 acted: joint.acted,
                 pressed: 0,
+                solver: joint.def.solver,
             });
         }
     }

@@ -95,7 +95,7 @@ fn layouts() -> Vec<Layout> {
         LsJointDef {
             struct_size, kind, body_a, body_b, frame_a, frame_b, linear, angular, limit, limits, swing_limit, spring_length,
             has_spring, break_force, break_torque, collide_connected, user_word, motor, spherical_motor, linear_axes,
-            angular_axes, strength, long_range, reserved
+            angular_axes, strength, long_range, solver
         }
         LsStrength {
             tension, compression, shear, bending, torsion, window, wears, damage_from, damage_time, damage_half_life
@@ -113,7 +113,7 @@ fn layouts() -> Vec<Layout> {
             reserved
         }
         LsJointStress { force, torque, share, limit, damage }
-        LsJointState { position, velocity, force, torque, gap }
+        LsJointState { position, velocity, force, torque, gap, effort }
         LsBoundKindDef { enabled, upper, lower }
         LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft, unions, plane_position, plane_axis }
         LsSoftBound { share, softness }
@@ -228,7 +228,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsSplit", 72),
         ("LsPiece", 80),
         ("LsJointStress", 36),
-        ("LsJointState", 36),
+        ("LsJointState", 40),
         ("LsBoundKindDef", 20),
         ("LsLongRangeDef", 72),
         ("LsBound", 96),

@@ -18,6 +18,7 @@ use super::joint::JointEntry;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
+use crate::settings::Solver;
 
 mod active_set;
 mod articulation;
@@ -57,8 +58,8 @@ const NO_GROUP: u32 = u32::MAX;
 pub(crate) struct Direct {
     articulations: Vec<Articulation>,
     count: usize,
-    /// Whether the host has asked for direct solves.
-    pub asked: bool,
+    /// What the world says of joints that ask for nothing else.
+    pub solver: Solver,
     /// Articulation that has each slot of the batch, and its local number there.
     local: Vec<(u32, u32)>,
     /// Articulation of each slot, as a union–find forest, then as a number.
@@ -163,8 +164,10 @@ impl Direct {
         while start < entries.len() {
             let group = order[start];
             let end = start + order[start..].iter().take_while(|&&other| other == group).count();
-            let admitted =
-                group != NO_GROUP && self.admit(&entries[start..end], group, joints, velocities, motions, contacts, records);
+            let solver = solver_of(&entries[start..end], self.solver);
+            let admitted = group != NO_GROUP
+                && solver != Solver::GaussSeidel
+                && self.admit(&entries[start..end], group, solver, joints, velocities, motions, contacts, records);
             if !admitted {
                 self.left.extend_from_slice(&entries[start..end]);
             }
@@ -212,6 +215,7 @@ impl Direct {
         &mut self,
         entries: &[JointEntry],
         group: u32,
+        solver: Solver,
         joints: &Pool<Joint, JointId>,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
@@ -221,7 +225,8 @@ impl Direct {
         if self.articulations.len() == self.count {
             self.articulations.push(Articulation::default());
         }
-        let Self { articulations, local, count, asked, riders, group: groups, .. } = self;
+        let asked = solver == Solver::Direct;
+        let Self { articulations, local, count, riders, group: groups, .. } = self;
         let articulation = &mut articulations[*count];
         articulation.clear();
         articulation.enlist(WORLD_SLOT, DVec3::ZERO, History::NONE, &velocities[WORLD_SLOT as usize], &BodyMotion::FIXED);
@@ -268,12 +273,12 @@ impl Direct {
         if articulation.coupled {
             articulation.touches.clear();
         }
-        let mut admitted = articulation.lay_out(joints, local, *asked);
+        let mut admitted = articulation.lay_out(joints, local, asked);
         if !admitted && !articulation.touches.is_empty() {
             // Too many contacts for its matrix: they are swept.
             articulation.touches.clear();
             articulation.coupled = true;
-            admitted = articulation.lay_out(joints, local, *asked);
+            admitted = articulation.lay_out(joints, local, asked);
         }
         if !admitted {
             articulation.slots().for_each(|slot| local[slot as usize].0 = u32::MAX);
@@ -417,4 +422,10 @@ fn root(group: &mut [u32], mut member: u32) -> u32 {
         member = group[member as usize];
     }
     member
+}
+
+/// How joints that belong together are solved: swept if one asks for it, else directly if one asks for that, else as the world says.
+fn solver_of(entries: &[JointEntry], of_world: Solver) -> Solver {
+    let asks = |solver: Solver| entries.iter().any(|entry| entry.solver == solver);
+    [Solver::GaussSeidel, Solver::Direct].into_iter().find(|&solver| asks(solver)).unwrap_or(of_world)
 }

@@ -34,6 +34,7 @@ use super::integrate::Outlook;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind};
+use crate::settings::Solver;
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
 const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
@@ -69,6 +70,8 @@ pub(crate) struct JointEntry {
     pub acted: [Vec3; 2],
     /// Scalar rows that ended a substep with a positive multiplier, as bits.
     pub pressed: u32,
+    /// What its definition asks of its articulation.
+    pub solver: Solver,
 }
 
 /// All joints of a batch, in colour order.

@@ -64,6 +64,7 @@ mod tests {
 
     use super::*;
     use crate::joint::JointImpulses;
+    use crate::settings::Solver;
 
     const DT: f32 = 1.0 / 60.0;
 
@@ -84,6 +85,7 @@ mod tests {
             angular_sum: Vec3::ZERO,
             acted: [Vec3::ZERO; 2],
             pressed: 0,
+            solver: Solver::Auto,
         };
         stops_are_out_of_reach(&entry, &kind, &velocities, &[BodyMotion::FIXED; 2], DT)
     }

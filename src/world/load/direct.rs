@@ -9,6 +9,7 @@ use crate::solve::StepSettings;
 use crate::solve::batch::Batch;
 use crate::solve::direct::BatchRecords;
 use crate::solve::direct::history::History;
+use crate::solve::joint::JointEntry;
 use crate::solve::state::WORLD_SLOT;
 
 /// The records of what one batch has.
@@ -47,8 +48,9 @@ impl Records<'_> {
     pub(super) fn lay_out(&self, batch: &mut Batch, settings: &StepSettings) {
         let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, manifolds, .. } = batch;
         direct.group_slots(&joints.entries, motions);
-        direct.asked = self.solver == Solver::Direct;
-        if self.solver == Solver::GaussSeidel {
+        direct.solver = self.solver;
+        let asks = |entry: &JointEntry| entry.solver == Solver::Direct;
+        if self.solver == Solver::GaussSeidel && !joints.entries.iter().any(asks) {
             direct.clear();
         } else {
             let is_swept = |slot: u32| {

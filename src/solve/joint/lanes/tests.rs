@@ -6,6 +6,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::id::{BodyId, JointId, Pool, WorldTag};
 use crate::joint::Joint;
+use crate::settings::Solver;
 use crate::solve::color::Coloring;
 use crate::solve::joint::BatchJoints;
 use crate::solve::joint::singles::Singles;
@@ -86,6 +87,7 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             angular_sum: Vec3::ZERO,
             acted: [Vec3::ZERO; 2],
             pressed: 0,
+            solver: Solver::Auto,
         });
     }
     Scene { entries, defs, velocities, motions }

@@ -1,0 +1,123 @@
+//! What a joint says of itself, and who solves it.
+
+use longspan::glam::{Quat, Vec3};
+use longspan::{
+    BodyDef, BodyId, JointDef, JointId, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, Softness, Solver, World, WorldDef,
+};
+
+const DT: f32 = 1.0 / 60.0;
+const MASS: f32 = 8.0;
+const GRAVITY: f32 = 9.81;
+
+fn world(solver: Solver) -> World {
+    let mut def = WorldDef::default();
+    def.gravity = Vec3::NEG_Y * GRAVITY;
+    def.solver = solver;
+    def.sleep.enabled = false;
+    World::new(&def).expect("a valid world")
+}
+
+fn cube(world: &mut World, x: f64, y: f64) -> BodyId {
+    let shape = Shape::cuboid(Vec3::splat(0.1)).expect("a valid shape");
+    let def = BodyDef::dynamic(Pose::at_xyz(x, y, 0.0)).with_shape(ShapeDef::new(shape)).with_mass(Mass::Total(MASS));
+    world.create_body(&def).expect("a valid body")
+}
+
+/// A joint between the world and a cube 0.75 m along x from its point; the axis of both frames is turned by `turn` from x.
+fn joint(world: &mut World, kind: JointKind, turn: Quat) -> JointId {
+    let body = cube(world, 0.75, 0.0);
+    let mut def = JointDef::new(kind, BodyId::NULL, body);
+    (def.frame_a, def.frame_b) = (Pose::IDENTITY.rotated(turn), Pose::at_xyz(-0.75, 0.0, 0.0).rotated(turn));
+    world.create_joint(&def).expect("a valid joint")
+}
+
+/// Mean over the second half of so many seconds: by sweeps a body on a long lever trembles by half a milliradian.
+fn effort_over(world: &mut World, joint: JointId, seconds: f32) -> f32 {
+    let steps = (seconds / DT) as usize;
+    let mut sum = 0.0;
+    for step in 0..steps {
+        world.step(DT).expect("a valid step");
+        if step >= steps / 2 {
+            sum += world.joint_state(joint).expect("the joint stays").effort;
+        }
+    }
+    sum / (steps - steps / 2) as f32
+}
+
+#[track_caller]
+fn is_near(found: f32, expected: f32, what: &str) {
+    assert!((found - expected).abs() <= 0.01 * expected.abs(), "{what}: {found}, by statics {expected}, bound 1 %");
+}
+
+#[test]
+fn motors_and_stops_say_what_they_bear() {
+    let about_z = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+    let upwards = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        let holds = Motor::Position { target: 0.0, softness: Softness::RIGID, max_force: f32::INFINITY };
+        let mut arm = world(solver);
+        let held = joint(&mut arm, JointKind::Hinge { limits: Limits::NONE, motor: holds }, about_z);
+        is_near(effort_over(&mut arm, held, 4.0), MASS * GRAVITY * 0.75, "torque of a motor that holds an arm level");
+
+        let mut flap = world(solver);
+        let stopped = joint(&mut flap, JointKind::Hinge { limits: Limits::new(0.0, 1.0), motor: Motor::Off }, about_z);
+        is_near(effort_over(&mut flap, stopped, 4.0), MASS * GRAVITY * 0.75, "torque of a stop under a flap");
+
+        let mut lift = world(solver);
+        let raised = Motor::Velocity { target: 0.5, max_force: 1.0e4 };
+        let cabin = joint(&mut lift, JointKind::Prismatic { limits: Limits::NONE, motor: raised }, upwards);
+        is_near(effort_over(&mut lift, cabin, 4.0), MASS * GRAVITY, "force of a motor that lifts steadily");
+
+        let mut weak = world(solver);
+        let motor = Motor::Velocity { target: 0.0, max_force: 20.0 };
+        let slips = joint(&mut weak, JointKind::Hinge { limits: Limits::NONE, motor }, about_z);
+        is_near(effort_over(&mut weak, slips, 0.1), 20.0, "torque of a hinge whose friction slips");
+    }
+}
+
+/// A chain of three cubes that hangs from the world; returns its joints.
+fn chain(world: &mut World, x: f64) -> Vec<JointId> {
+    let mut above = BodyId::NULL;
+    let mut joints = Vec::new();
+    for link in 0..3 {
+        let body = cube(world, x, -0.5 * f64::from(link));
+        let mut def = JointDef::new(JointKind::SPHERICAL, above, body);
+        let on_a = if above == BodyId::NULL { Pose::at_xyz(x, 0.25, 0.0) } else { Pose::at_xyz(0.0, -0.25, 0.0) };
+        (def.frame_a, def.frame_b) = (on_a, Pose::at_xyz(0.0, 0.25, 0.0));
+        joints.push(world.create_joint(&def).expect("a valid joint"));
+        above = body;
+    }
+    joints
+}
+
+#[test]
+fn one_joint_chooses_how_its_articulation_is_solved() {
+    let solved_directly = |world: &mut World| {
+        world.step(DT).expect("a valid step");
+        world.articulations().iter().map(|articulation| articulation.bodies).sum::<u32>()
+    };
+    let mut mixed = world(Solver::Auto);
+    let [first, second] = [0.0, 2.0].map(|x| chain(&mut mixed, x));
+    assert_eq!(solved_directly(&mut mixed), 6, "both chains, as the world says");
+    mixed.set_joint_solver(second[1], Solver::GaussSeidel).expect("a joint of the world");
+    assert_eq!(solved_directly(&mut mixed), 3, "the first chain alone");
+    mixed.set_joint_solver(second[2], Solver::Direct).expect("a joint of the world");
+    assert_eq!(solved_directly(&mut mixed), 3, "one that asks for sweeps is enough");
+    mixed.set_joint_solver(second[1], Solver::Auto).expect("a joint of the world");
+    assert_eq!(solved_directly(&mut mixed), 6, "both again");
+    assert_eq!(mixed.joint_def(second[2]).expect("a joint of the world").solver, Solver::Direct);
+
+    let mut swept = world(Solver::GaussSeidel);
+    let [asking, _] = [0.0, 2.0].map(|x| chain(&mut swept, x));
+    assert_eq!(solved_directly(&mut swept), 0, "none, as the world says");
+    swept.set_joint_solver(asking[0], Solver::Direct).expect("a joint of the world");
+    assert_eq!(solved_directly(&mut swept), 3, "the chain that asks");
+    for world in [&mut mixed, &mut swept] {
+        for _ in 0..120 {
+            world.step(DT).expect("a valid step");
+        }
+        assert!(world.report().residuals.joint_gap < 1.0e-4, "a gap of {} m, bound 1e-4", world.report().residuals.joint_gap);
+    }
+    let other = world(Solver::Auto);
+    assert!({ other }.set_joint_solver(first[0], Solver::Direct).is_err(), "a joint of another world");
+}
