@@ -20,8 +20,6 @@ pub(super) const TURNED: u8 = 1;
 /// So fast that its links may slide where friction is spent, and so fast that they may leave.
 const FAST: u8 = 2;
 const LEAVING: u8 = 4;
-/// Judged when it came to rest.
-const HELD: u8 = 8;
 
 /// What may have changed the links of a body that is not held; `made_for` is the rotation that they were made for.
 fn signs_of(body: &Body, made_for: &mut Quat, colliders: &Pool<Collider, ShapeId>) -> u8 {
@@ -63,12 +61,6 @@ impl SupportState {
         }
         let (a, b) = key.shapes();
         let signs = self.signs[a as usize] | self.signs[b as usize];
-        if signs & HELD != 0 {
-            if !is_same {
-                pair.word = Word::Unsettled;
-            }
-            return;
-        }
         let stays = match pair.word {
             Word::Nothing | Word::Unsettled => false,
             Word::Holds if !is_same || signs & TURNED != 0 => false,
@@ -88,7 +80,10 @@ impl SupportState {
         let Some(frame) = self.frame else { return };
         let mut near = std::mem::take(&mut self.near);
         for slot in near.drain(..) {
-            let word = self.sync_pair(&Site::new(pairs.get(slot), slot, colliders, bodies), &frame);
+            let site = Site::new(pairs.get(slot), slot, colliders, bodies);
+            // What is held was judged when it came to rest.
+            let is_held = site.bodies.0.held || site.bodies.1.held;
+            let word = if is_held { Word::Unsettled } else { self.sync_pair(&site, &frame) };
             pairs.get_mut(slot).word = word;
         }
         self.near = near;
@@ -125,8 +120,8 @@ impl World {
         state.signs.clear();
         state.signs.resize(self.colliders.slot_count(), 0);
         for &index in &self.movers {
-            let Some(body) = self.bodies.get(index) else { continue };
-            let signs = if body.held { HELD } else { signs_of(body, &mut state.made_for[index as usize], &self.colliders) };
+            let Some(body) = self.bodies.get(index).filter(|body| !body.held) else { continue };
+            let signs = signs_of(body, &mut state.made_for[index as usize], &self.colliders);
             for shape in body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok()) {
                 state.signs[shape as usize] = signs;
             }
