@@ -7,13 +7,15 @@ mod masses;
 mod recover;
 mod rows;
 mod sweep;
+mod tell;
 #[cfg(test)]
 mod tests;
 mod warm_start;
 
-use super::contact::{ContactBlock, Lane, POINTS};
+use super::contact::{ContactBlock, LANES, Lane, POINTS};
 use super::dispatch::in_lanes;
 use super::state::{BodyMotion, BodyVelocity};
+use super::told::{Limits, Told};
 
 pub(crate) use recover::RECOVERY_SWEEPS;
 
@@ -40,6 +42,11 @@ in_lanes!(
 in_lanes!(
     /// Brings the separations to the end of the step, and raises `worst` to the greatest overlap of any point (m).
     pub(crate) end_step, recover::end_step, (blocks: &mut [ContactBlock], motions: &[BodyMotion], worst: &mut f32)
+);
+in_lanes!(
+    /// Adds to `told` what the step has made of the manifolds of each block.
+    pub(crate) tell, tell::all,
+    (blocks: &[ContactBlock], velocities: &[BodyVelocity], limits: &Limits, told: &mut Vec<[Told; LANES]>)
 );
 in_lanes!(
     /// One sweep of position recovery: overlapping points are pushed apart by displacements that leave no velocity behind.
