@@ -5,7 +5,7 @@ use glam::{DVec3, Quat, Vec3};
 use super::birth::Birth;
 use super::bound::BatchBounds;
 use super::color::{Coloring, MAX_COLORS};
-use super::contact::{ContactImpulses, ContactInput, LANES, Lane, POINTS};
+use super::contact::{ContactImpulses, ContactInput, LANES};
 use super::contact_block::ContactBlocks;
 use super::contact_kernels;
 use super::direct::Direct;
@@ -123,7 +123,6 @@ pub(crate) struct Batch {
     /// moves of its bodies.
     groups: Vec<u32>,
     pub pushes: Vec<BodyVelocity>,
-    pub recovery_lambdas: Vec<[Lane; POINTS]>,
     /// Number of colours that the contacts took.
     pub color_count: u32,
     /// Worst joint gap and penetration at the end of the step (m).

@@ -29,7 +29,7 @@ pub(crate) struct PointRows {
     pub inverse_diagonal: Lane,
     /// Separation at the start of the step (m).
     pub separation: Lane,
-    /// max(s, 0)/h of this substep (m/s).
+    /// max(s, 0)/h of this substep (m/s); once substeps are over, the multipliers of position recovery (kg m).
     pub closing_speed: Lane,
     pub lambda: Lane,
 }

@@ -33,11 +33,11 @@ mod wide_matrix;
 pub(crate) mod wrap;
 
 use batch::Batch;
-use contact::POINTS;
 use state::BodyVelocity;
 
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
+use crate::room::make_room;
 
 /// Overlap below which position recovery has nothing to do (m).
 const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
@@ -304,11 +304,10 @@ impl Batch {
             return;
         }
         self.pushes.clear();
+        make_room(&mut self.pushes, self.velocities.len());
         self.pushes.extend(self.velocities.iter().map(BodyVelocity::at_rest));
-        self.recovery_lambdas.clear();
-        self.recovery_lambdas.resize(self.contacts.len(), [[0.0; contact::LANES]; POINTS]);
         for _ in 0..contact_kernels::RECOVERY_SWEEPS {
-            contact_kernels::recover(&mut self.contacts, &mut self.recovery_lambdas, &mut self.pushes, dt);
+            contact_kernels::recover(&mut self.contacts, &mut self.pushes, dt);
         }
         for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
             motion.displace(push.linear, push.angular);

@@ -9,6 +9,9 @@ use crate::solve::batch::Batch;
 /// Bodies after which a batch takes no further island. It must not depend on the number of threads.
 const BATCH_BODIES: u32 = 64;
 
+/// Bodies for which batches that are not used may keep room.
+const LEAST_DROPPED: usize = 2048;
+
 /// Where each body is in the batches of this step.
 #[derive(Debug, Default)]
 pub(super) struct Groups {
@@ -176,6 +179,7 @@ impl World {
     fn make_batches(&mut self) {
         self.size_batches();
         self.give_room_to_batches();
+        self.drop_idle_batches();
         let Self { groups, batches, batch_count, unions, hold, .. } = self;
         batches[..*batch_count].iter_mut().for_each(Batch::clear);
         let mut batch = 0;
@@ -225,6 +229,18 @@ impl World {
             {
                 batches.swap(batch, roomiest);
             }
+        }
+    }
+
+    /// Gives back the memory of batches that are not used, where they have more room than those that are: bodies that fall one by one
+    /// are in many batches, and when they lie in a pile in one.
+    fn drop_idle_batches(&mut self) {
+        let Self { groups, batches, batch_count, .. } = self;
+        let needed: usize = groups.batch_sizes.iter().map(|&size| size as usize).sum();
+        let idle: usize = batches[*batch_count..].iter().map(Batch::room).sum();
+        if idle > needed.max(LEAST_DROPPED) {
+            batches.truncate(*batch_count);
+            batches.shrink_to_fit();
         }
     }
 

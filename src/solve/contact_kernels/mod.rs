@@ -13,7 +13,6 @@ mod warm_start;
 
 use std::ops::Range;
 
-use super::contact::{Lane, POINTS};
 use super::contact_block::ContactBlocks;
 use super::dispatch::in_lanes;
 use super::state::{BodyMotion, BodyVelocity};
@@ -42,7 +41,7 @@ in_lanes!(
     (contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], threshold: f32)
 );
 in_lanes!(
-    /// Brings the separations to the end of the step, and raises `worst` to the greatest overlap of any point (m).
+    /// Brings the separations to the end of the step, makes room for multipliers of [`recover`], and raises `worst` to the greatest overlap of any point (m).
     pub(crate) end_step, recover::end_step, (contacts: &mut ContactBlocks, motions: &[BodyMotion], worst: &mut f32)
 );
 in_lanes!(
@@ -52,5 +51,5 @@ in_lanes!(
     /// J δ ≥ −β s where s < 0 (never faster than [`MAX_RECOVERY_SPEED`](recover::MAX_RECOVERY_SPEED)) and J δ ≥ −s elsewhere, so
     /// that one overlap is not cured by making another; s is that of [`end_step`].
     pub(crate) recover, recover::all,
-    (contacts: &mut ContactBlocks, lambdas: &mut [[Lane; POINTS]], pushes: &mut [BodyVelocity], dt: f32)
+    (contacts: &mut ContactBlocks, pushes: &mut [BodyVelocity], dt: f32)
 );

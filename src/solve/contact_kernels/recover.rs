@@ -2,12 +2,12 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
-use super::super::contact::{LANES, Lane, POINTS};
+use super::super::contact::{LANES, POINTS};
 use super::super::contact_block::{ContactBlocks, Extra};
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
 use super::super::wide::Wide;
-use super::rows::{Faced, Manifolds, Single, lambdas, load_all, normal_rates, of_block, push_apart, separations, store_lambdas};
+use super::rows::{Faced, Manifolds, Single, lambdas, normal_rates, of_block, push_apart, separations, store_lambdas};
 
 /// Share of an overlap that is taken out in one step.
 const RECOVERY_SHARE: f32 = 0.2;
@@ -72,7 +72,7 @@ pub(super) fn end_step<W: Wide>(contacts: &mut ContactBlocks, motions: &[BodyMot
     *worst = lanes.iter().fold(*worst, |worst, &overlap| worst.max(overlap));
 }
 
-/// Brings the separations of a block up to date; greatest overlap of each lane (m).
+/// Brings the separations of a block up to date, and begins its recovery with nothing; greatest overlap of each lane (m).
 #[inline(always)]
 fn follow<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion]) -> W {
     let separation = separations::<W, M>(of, motions);
@@ -82,34 +82,36 @@ fn follow<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion]) -> W {
         let exists = W::load(&rows.inverse_diagonal).above(W::zero());
         deepest = deepest.max(W::select(exists, -separation[i], W::zero()));
         separation[i].store(&mut rows.separation);
+        W::zero().store(&mut rows.closing_speed);
     }
     deepest
 }
 
 #[inline(always)]
-pub(super) fn all<W: Wide>(contacts: &mut ContactBlocks, lambdas: &mut [[Lane; POINTS]], pushes: &mut [BodyVelocity], dt: f32) {
+pub(super) fn all<W: Wide>(contacts: &mut ContactBlocks, pushes: &mut [BodyVelocity], dt: f32) {
     let ContactBlocks { blocks, faces, .. } = contacts;
-    for (block, lambda) in blocks.iter_mut().zip(lambdas) {
-        of_block!(part_overlaps::<W>(block, faces, lambda, pushes, dt));
+    for block in blocks {
+        of_block!(part_overlaps::<W>(block, faces, pushes, dt));
     }
 }
 
 #[inline(always)]
-fn part_overlaps<W: Wide, M: Manifolds>(of: &mut M, lambda: &mut [Lane; POINTS], pushes: &mut [BodyVelocity], dt: f32) {
+fn part_overlaps<W: Wide, M: Manifolds>(of: &mut M, pushes: &mut [BodyVelocity], dt: f32) {
     let (a, b) = (&of.block().a, &of.block().b);
     let (mut side_a, mut side_b) = (Side::<W>::gather(a, pushes), Side::gather(b, pushes));
     let mut residual = normal_rates::<W, M>(of, &side_a, &side_b);
+    let mut old = [W::zero(); POINTS];
     for i in 0..M::COUNT {
+        old[i] = W::load(&of.rows(i).closing_speed);
         let s = W::load(&of.rows(i).separation);
         let apart = (W::splat(RECOVERY_SHARE) * s).max(W::splat(-MAX_RECOVERY_SPEED * dt));
         residual[i] = residual[i] + W::select(W::zero().above(s), apart, s);
     }
-    let old = load_all::<W, POINTS>(lambda);
     let new = of.solve(residual, &old);
     push_apart::<W, M>(of, &new, &old, &mut side_a, &mut side_b);
     side_a.scatter(&of.block().a, pushes);
     side_b.scatter(&of.block().b, pushes);
     for i in 0..M::COUNT {
-        new[i].store(&mut lambda[i]);
+        new[i].store(&mut of.rows_mut(i).closing_speed);
     }
 }

@@ -86,15 +86,14 @@ fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
     recover::restitute::<W>(&mut contacts, &mut velocities, 0.1);
     recover::end_step::<W>(&mut contacts, &motions, &mut worst);
     let mut pushes: Vec<_> = velocities.iter().map(BodyVelocity::at_rest).collect();
-    let mut lambdas = [[[0.0; LANES]; POINTS]];
-    recover::all::<W>(&mut contacts, &mut lambdas, &mut pushes, 0.016);
+    recover::all::<W>(&mut contacts, &mut pushes, 0.016);
 
     let block = &contacts.blocks[0];
     let points = (0..contacts.room_of(0)).map(|i| contacts.rows(0, i));
-    let points = points.flat_map(|rows| [&rows.lambda, &rows.inverse_diagonal]);
+    let points = points.flat_map(|rows| [&rows.lambda, &rows.closing_speed, &rows.inverse_diagonal]);
     let faces = contacts.faces.iter().flat_map(|face| face.diagonal.iter().chain(&face.inverse).chain(&face.coupling));
     let extras = contacts.extras.iter().flat_map(|extra| extra.rolling_lambda.iter().chain(&extra.peak_lambda));
-    let rows = points.chain(&block.tangent_lambda).chain(&lambdas[0]).chain(extras);
+    let rows = points.chain(&block.tangent_lambda).chain(extras);
     let masses = faces.chain(&block.tangent_mass);
     let single = [block.twist_lambda, block.twist_mass, [worst; LANES]];
     let lanes = rows.chain(masses).chain(&single).flatten();
