@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! blocks  [ a b n t · point 0 · friction, twist ][ … ][ … ]…      0.9 kB each
-//! faces           [ centres · points 1, 2, 3 · 4×4 matrices ]…    1.9 kB, for blocks with manifolds of more than one point
+//! faces           [ centres · points 1, 2, 3 · 4×4 matrices ]…    1.8 kB, for blocks with manifolds of more than one point
 //! extras          [ rolling · restitution, impacts ]…             0.5 kB, for blocks with such materials
 //! ```
 
