@@ -74,11 +74,11 @@ fn start<W: Wide, M: Manifolds>(
 fn close_in<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
     let separation = separations::<W, M>(of, motions);
     let inverse_h = W::splat(1.0 / h);
-    for i in 0..M::COUNT {
+    for (i, separation) in separation.into_iter().enumerate().take(M::COUNT) {
         let rows = of.rows_mut(i);
         let pressed = W::load(&rows.lambda).above(W::zero());
         let share = W::select(pressed, W::splat(PRESSED_GAP_SHARE), W::splat(1.0));
-        (separation[i].max(W::zero()) * (share * inverse_h)).store(&mut rows.closing_speed);
+        (separation.max(W::zero()) * (share * inverse_h)).store(&mut rows.closing_speed);
     }
 }
 
