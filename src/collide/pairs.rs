@@ -9,6 +9,7 @@ use crate::balance::{LoadedPoint, balance};
 use crate::body::Body;
 use crate::material::PairMaterial;
 use crate::solve::contact::{ContactImpulses, tangents};
+use crate::solve::told::Told;
 
 /// Two shapes' slots, the lower first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -37,13 +38,20 @@ const TOUCHING_SHARE: f32 = 1.0e-3;
 /// Points of a pressed manifold that are pressed or touch, as bits; none where nothing is pressed. `extent` is the lesser least
 /// extent of the two shapes (m).
 pub(crate) fn touching(manifold: &CarriedManifold, extent: f32) -> u8 {
-    let points = &manifold.geometry.points[..manifold.geometry.count as usize];
-    let is_pressed = |i: usize| manifold.impulses.normal[i] > 0.0;
-    if !(0..points.len()).any(is_pressed) {
-        return 0;
-    }
-    let touches = |i: usize| is_pressed(i) || points[i].separation <= TOUCHING_SHARE * extent;
-    (0..points.len()).fold(0, |bits, i| bits | u8::from(touches(i)) << i)
+    let exist = (1 << manifold.geometry.count) - 1;
+    let pressed = pressed(&manifold.impulses) & exist;
+    if pressed == 0 { 0 } else { pressed | near(&manifold.geometry, extent) }
+}
+
+/// Points with a normal multiplier above zero, as bits.
+fn pressed(impulses: &ContactImpulses) -> u8 {
+    (0..impulses.normal.len()).fold(0, |bits, i| bits | u8::from(impulses.normal[i] > 0.0) << i)
+}
+
+/// Points that are near enough to touch where others are pressed, as bits.
+fn near(geometry: &Manifold, extent: f32) -> u8 {
+    let points = geometry.points[..geometry.count as usize].iter().enumerate();
+    points.fold(0, |bits, (i, point)| bits | u8::from(point.separation <= TOUCHING_SHARE * extent) << i)
 }
 
 /// The bits of all manifolds of a pair in order, four each; [`TOO_MANY`] where there is no room for them.
@@ -60,9 +68,23 @@ fn with_touching(packed: u32, number: usize, bits: u8) -> u32 {
 /// What [`pack_touching`] says of a pair of which it can tell nothing.
 pub(crate) const TOO_MANY: u32 = u32::MAX;
 
+/// What the support analysis has made of a pair: enough to tell that it need not be looked at again, from the pair alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Word {
+    /// It has no links.
+    #[default]
+    Nothing,
+    /// It is to be looked at, whatever happens.
+    Unsettled,
+    /// Its links are those of its points, and hold.
+    Holds,
+    /// Its one manifold slides, and was told to [rise](Told::rise) like this.
+    Slides(u8),
+}
+
 /// Two shapes near each other.
 ///
-/// A pile has ten for each of its bodies, and a dozen walks a step go over them: 136 bytes instead of 120 cost it a tenth. Now it has 104.
+/// A pile has ten for each of its bodies, and a dozen walks a step go over them: 136 bytes instead of 120 cost it a tenth. Now it has 112.
 #[derive(Debug, Clone)]
 pub(crate) struct Pair {
     pub key: PairKey,
@@ -83,6 +105,12 @@ pub(crate) struct Pair {
     /// Which points touched at the end of the last step, and do now, where somebody wants to know.
     pub touching: u32,
     pub touches: u32,
+    /// Of a pair with one manifold: its points that are near enough to touch, as bits, and what the solver told of it last. Of others
+    /// nothing is told.
+    pub near: u8,
+    pub told: Told,
+    /// What the support analysis has made of it.
+    pub word: Word,
     /// Whether any normal multiplier is positive.
     pub pressed: bool,
     /// Whether a point may close its separation within the step.
@@ -134,6 +162,9 @@ impl Pair {
             extent: 0.0,
             touching: 0,
             touches: 0,
+            near: 0,
+            told: Told::NOTHING,
+            word: Word::Nothing,
             pressed: false,
             may_touch: false,
             in_contact: false,
@@ -164,6 +195,18 @@ impl Pair {
         }
         let points = self.manifolds.iter().flat_map(|m| &m.geometry.points[..m.geometry.count as usize]);
         self.may_touch = points.fold(f32::INFINITY, |least, point| least.min(point.separation)) <= motion;
+        self.note_near();
+    }
+
+    /// Whether the solver has told of all of it.
+    pub(crate) fn is_told(&self) -> bool {
+        self.active && self.told.is_known()
+    }
+
+    fn note_near(&mut self) {
+        if let [CarriedManifold { geometry, .. }] = &self.manifolds[..] {
+            self.near = near(geometry, self.extent);
+        }
     }
 
     /// Takes note that the two cannot touch in this step, and gives back the room of manifolds.
@@ -173,7 +216,7 @@ impl Pair {
         self.margin = NOT_MADE;
         self.may_touch = false;
         self.updated = false;
-        (self.pressed, self.touches) = (false, 0);
+        (self.pressed, self.touches, self.told) = (false, 0, Told::NOTHING);
     }
 
     /// Pose and margin that the manifolds were made for, if for any.
@@ -232,6 +275,9 @@ impl Pair {
         } else {
             self.manifolds = carried.as_slice().into();
         }
+        if carried.len() != 1 {
+            self.told = Told::NOTHING;
+        }
         if carried.is_empty() {
             (self.pressed, self.touches) = (false, 0);
         }
@@ -252,16 +298,23 @@ impl Pair {
         (self.pressed, self.touches) = (false, 0);
     }
 
-    /// Takes the multipliers of a manifold; manifolds come in order. `is_judged` says whether somebody wants to know which points touch.
-    pub(crate) fn store(&mut self, number: usize, impulses: ContactImpulses, is_judged: bool) {
-        let carried = &mut self.manifolds[number];
-        carried.impulses = impulses;
+    /// Takes the multipliers of a manifold; manifolds come in order.
+    pub(crate) fn store(&mut self, number: usize, impulses: ContactImpulses) {
+        self.manifolds[number].impulses = impulses;
         if number == 0 {
-            (self.pressed, self.touches) = (false, 0);
+            (self.pressed, self.touches, self.told) = (false, 0, Told::NOTHING);
         }
         self.pressed |= impulses.normal.iter().any(|&lambda| lambda > 0.0);
-        if is_judged {
-            self.touches = with_touching(self.touches, number, touching(carried, self.extent));
+    }
+
+    /// The same where somebody wants to know which points touch, with what the solver tells of it.
+    pub(crate) fn store_told(&mut self, number: usize, impulses: ContactImpulses, told: Told) {
+        self.store(number, impulses);
+        if self.manifolds.len() == 1 {
+            let pressed = pressed(&impulses);
+            (self.touches, self.told) = (if pressed == 0 { 0 } else { u32::from(pressed | self.near) }, told);
+        } else {
+            self.touches = with_touching(self.touches, number, touching(&self.manifolds[number], self.extent));
         }
     }
 
@@ -269,6 +322,7 @@ impl Pair {
     pub(super) fn note_pressed(&mut self) {
         self.pressed = self.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
         self.touches = pack_touching(self.manifolds.iter().map(|manifold| touching(manifold, self.extent)));
+        self.note_near();
     }
 }
 

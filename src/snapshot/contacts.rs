@@ -236,6 +236,9 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (Pai
         // Of the support analysis.
         touching: _,
         touches: _,
+        near: _,
+        told: _,
+        word: _,
         // Of the multipliers.
         pressed: _,
         // Of the shapes.

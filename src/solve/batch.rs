@@ -19,6 +19,7 @@ use super::plane::Planes;
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::taut::TautRows;
+use super::told::Told;
 use super::wrap::BatchWraps;
 use crate::room::make_room;
 
@@ -111,6 +112,8 @@ pub(crate) struct Batch {
     /// Whether contacts are added up over the substeps, and their sums by manifold.
     pub tallied: bool,
     tally: Vec<ContactImpulses>,
+    /// What is told of the manifolds of each block, if anybody wants to know.
+    pub told: Vec<[Told; LANES]>,
     /// Block and lane of each manifold.
     lanes: Vec<(u32, u32)>,
     /// Kinematic bodies that have a slot here, sorted by body.
@@ -157,6 +160,7 @@ impl Batch {
         self.direct.clear();
         self.lanes.clear();
         self.tally.clear();
+        self.told.clear();
         self.tallied = false;
         self.replicas.clear();
         self.color_count = 0;
@@ -301,6 +305,12 @@ impl Batch {
             return self.direct.impulses_of(number);
         }
         self.contacts.impulses(block as usize, lane as usize)
+    }
+
+    /// What is told of a manifold; nothing where an articulation holds it, or where nobody wants to know.
+    pub(crate) fn contact_told(&self, number: usize) -> Told {
+        let (block, lane) = self.lanes[number];
+        self.told.get(block as usize).map_or(Told::NOTHING, |block| block[lane as usize])
     }
 
     /// Impulse along the normal of a manifold over the step (N·s), where multipliers are added up.

@@ -28,6 +28,7 @@ mod rotation;
 mod side;
 pub(crate) mod state;
 pub(crate) mod taut;
+pub(crate) mod told;
 mod wide;
 mod wide_matrix;
 pub(crate) mod wrap;
@@ -68,6 +69,8 @@ pub(crate) struct StepSettings {
     pub articulations: crate::settings::ArticulationSettings,
     /// Approach speed above which a contact rebounds (m/s).
     pub restitution_threshold: f32,
+    /// What contacts are told by, where somebody wants to know.
+    pub limits: Option<told::Limits>,
 }
 
 impl Batch {
@@ -150,6 +153,9 @@ impl Batch {
         self.recover_positions(settings.dt);
         self.settle(joints, true);
         self.leads.tell(self.passive.slots(), &mut self.velocities, &self.motions);
+        if let Some(limits) = &settings.limits {
+            contact_kernels::tell(&mut self.contacts, &self.velocities, limits, &mut self.told);
+        }
         self.joints.store();
         self.bounds.store();
         self.taut.store();

@@ -98,6 +98,17 @@ impl<W: Wide> Side<W> {
     }
 }
 
+/// Linear and angular velocities of one side of a block.
+#[inline(always)]
+pub(crate) fn gather_velocities<W: Wide>(slots: &[u32; LANES], velocities: &[BodyVelocity]) -> (Wide3<W>, Wide3<W>) {
+    let mut rows = [W::zero(); LANES];
+    for l in 0..LANES {
+        rows[l] = W::load(velocities[slots[l] as usize].halves()[0]);
+    }
+    let [lx, ly, lz, ax, ay, az, _, _] = W::transpose(rows);
+    (Wide3::new(lx, ly, lz), Wide3::new(ax, ay, az))
+}
+
 /// Displacements and turns of one side of a block since the start of the step.
 #[inline(always)]
 pub(crate) fn moved<W: Wide>(slots: &[u32; LANES], motions: &[BodyMotion]) -> (Wide3<W>, Wide3<W>) {

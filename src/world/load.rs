@@ -27,6 +27,7 @@ use crate::span::Derived;
 use crate::span::plane::{Chain, Member};
 use crate::span::union::UnionMotion;
 use crate::workers::for_each_chunk;
+use crate::world::support::told_by;
 
 mod direct;
 mod wrap;
@@ -75,6 +76,7 @@ impl World {
             iterations: self.def.iterations,
             articulations: self.def.articulations,
             restitution_threshold: self.def.restitution_threshold,
+            limits: self.support.as_ref().filter(|support| support.is_awake()).and_then(|_| told_by(self.def.gravity)),
         };
         let substep = dt / self.def.substeps as f32;
         let impulse_scale = self.impulse_scale(substep);

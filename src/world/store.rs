@@ -152,7 +152,11 @@ impl World {
                 pair.forget_impulses();
                 continue;
             }
-            pair.store(manifold as usize, impulses, is_judged);
+            if is_judged {
+                pair.store_told(manifold as usize, impulses, batch.contact_told(i));
+            } else {
+                pair.store(manifold as usize, impulses);
+            }
             if pair.approach > 0.0 {
                 pair.blow += batch.contact_blow(i);
             }
@@ -242,7 +246,7 @@ impl World {
                 }
                 let now = pair.pressed;
                 match support.as_deref_mut() {
-                    Some(support) if support.is_awake() => support.note_touching(slot, pair),
+                    Some(support) if support.is_awake() => support.note_touching((key, slot), pair),
                     Some(support) if now && support.rests && !support.has_landed => {
                         let site = Site::new(pair, slot, colliders, bodies);
                         support.has_landed = site.is_on_base(support.frame.as_ref(), support.by_thrust);

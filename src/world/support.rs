@@ -17,12 +17,13 @@ use glam::{Quat, Vec3};
 use super::World;
 use crate::body::{Body, BodyKind};
 use crate::collide::cache::put_in_places;
-use crate::collide::pairs::pack_touching;
+use crate::collide::pairs::Word;
 use crate::joint::{Axis, Joint, JointKind, Motor};
 use crate::span::support::verdict::SupportChange;
 use crate::span::support::{Graph, Node, NodeKind};
+use look::TURNED;
 use record::{Record, Seen};
-pub(super) use site::{Frame, Site};
+pub(super) use site::{Frame, Site, told_by};
 use thrust::Thrust;
 
 /// Steps for which a body must be supported before that is an event: contacts come and go while something settles.
@@ -36,18 +37,12 @@ pub(super) struct SupportState {
     gravity: Vec3,
     /// What the links of each pair were made from, by pair slot.
     records: Vec<Record>,
-    /// Rotation of each body that its links were made for, and whether it has turned since.
-    turns: Vec<(Quat, bool)>,
-    /// What may have changed the links of each body since the last update: [`TURNED`], [`FAST`], [`LEAVING`], [`HELD`].
+    /// Rotation of each body that its links were made for.
+    made_for: Vec<Quat>,
+    /// What may have changed the links of each shape in the step, as in `look`.
     signs: Vec<u8>,
     kinematic: Vec<u32>,
-    /// Whether any sign is of more than being held.
-    stirs: bool,
-    /// Pairs of which points or manifolds changed in the step, and those to be looked at again whatever happens.
-    altered: Vec<u32>,
-    unsettled: Vec<u32>,
-    left: Vec<u32>,
-    /// Pairs that touch, of those that are being reported.
+    /// Pairs to look at, of those that are being reported.
     near: Vec<u32>,
     /// Pairs that touch after the step, of bodies that are not all held, where thrust is looked for.
     pressed: Vec<u32>,
@@ -114,9 +109,8 @@ impl SupportState {
     fn rest(&mut self) {
         self.records.clear();
         self.graph.clear();
-        for list in [&mut self.altered, &mut self.unsettled, &mut self.left, &mut self.pressed, &mut self.fell_asleep] {
-            list.clear();
-        }
+        self.pressed.clear();
+        self.fell_asleep.clear();
         self.rests = true;
     }
 
@@ -140,9 +134,7 @@ impl SupportState {
     /// Follows pairs that have gone to other slots.
     pub(super) fn move_pairs(&mut self, places: &[u32]) {
         let place = |slot: &mut u32| *slot = places[*slot as usize];
-        for list in [&mut self.altered, &mut self.unsettled, &mut self.fell_asleep] {
-            list.iter_mut().for_each(place);
-        }
+        self.fell_asleep.iter_mut().for_each(place);
         if !self.records.is_empty() {
             self.records.resize_with(places.len(), Record::default);
             put_in_places(&mut self.records, places);
@@ -151,16 +143,16 @@ impl SupportState {
         self.view.take();
     }
 
-    /// Makes the links of a pair anew if they are not what they were.
-    fn sync_pair(&mut self, site: &Site, frame: &Frame) {
-        let Self { records, graph, turns, .. } = self;
+    /// Makes the links of a pair anew if they are not what they were, and says what there is to remember of it.
+    fn sync_pair(&mut self, site: &Site, frame: &Frame) -> Word {
+        let Self { records, graph, signs, .. } = self;
         if records.len() <= site.slot as usize {
             records.resize_with(site.slot as usize + 1, Record::default);
         }
         let record = &mut records[site.slot as usize];
         let pair = site.pair;
         if pair.manifolds.is_empty() && !record.has_links {
-            return;
+            return Word::Nothing;
         }
         self.looked_at += 1;
         let mut is_same = record.key == Some(pair.key) && record.version == pair.version;
@@ -170,16 +162,16 @@ impl SupportState {
             record.manifolds.resize(pair.manifolds.len(), Seen::NOTHING);
         }
         for (manifold, seen) in pair.manifolds.iter().zip(&mut record.manifolds) {
-            let now = site.state(manifold, seen.holds);
+            let now = site.told_state(manifold, seen.holds);
             is_same &= now == (seen.points, seen.holds);
             (seen.points, seen.holds) = now;
         }
         record.bodies = [site.shapes.0.body, site.shapes.1.body];
-        record.touching = pack_touching(record.manifolds.iter().map(|seen| seen.points));
-        record.all_hold = record.manifolds.iter().all(|seen| seen.holds);
-        let turned = |body: u32| turns[body as usize].1;
-        if is_same && !turned(site.shapes.0.body) && !turned(site.shapes.1.body) {
-            return;
+        let rise = Some(pair.told.rise()).filter(|_| pair.is_told());
+        let (a, b) = pair.key.shapes();
+        let turned = |shape: u32| signs.get(shape as usize).is_some_and(|signs| signs & TURNED != 0);
+        if is_same && !turned(a) && !turned(b) {
+            return record.word(rise);
         }
         (record.key, record.version) = (Some(pair.key), pair.version);
         for (manifold, seen) in pair.manifolds.iter().zip(&mut record.manifolds) {
@@ -194,6 +186,7 @@ impl SupportState {
             };
         }
         record.has_links = record.manifolds.iter().any(|seen| seen.link.is_some());
+        record.word(rise)
     }
 }
 
@@ -269,7 +262,7 @@ impl World {
         self.support = Some(state);
     }
 
-    fn update_analysis(&self, state: &mut SupportState) {
+    fn update_analysis(&mut self, state: &mut SupportState) {
         self.sync_bodies(state);
         let Some(frame) = state.frame else { return };
         let all = state.is_new;
@@ -296,10 +289,7 @@ impl World {
         state.turn_to(gravity);
         self.sync_bodies(&mut state);
         if let Some(frame) = state.frame {
-            let listed = self.pairs.listed();
-            for slot in listed.iter().map(|&(_, slot)| slot).chain(self.sleeping.pairs()) {
-                state.sync_pair(&Site::new(self.pairs.get(slot), slot, &self.colliders, &self.bodies), &frame);
-            }
+            self.sync_all(&mut state, &frame);
             self.sync_joints(&mut state);
             state.graph.update();
         }
@@ -331,17 +321,15 @@ impl World {
 
     /// Tells the analysis that the centre of mass of a body has moved in it.
     pub(super) fn center_changed(&mut self, index: u32) {
-        if let Some((rotation, _)) = self.support.as_mut().and_then(|state| state.turns.get_mut(index as usize)) {
-            *rotation = Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0);
+        if let Some(made_for) = self.support.as_mut().and_then(|state| state.made_for.get_mut(index as usize)) {
+            *made_for = Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0);
         }
     }
 
     fn sync_bodies(&self, state: &mut SupportState) {
         if std::mem::take(&mut state.bodies_changed) {
             let count = self.bodies.slot_count();
-            state.turns.resize(count, (Quat::IDENTITY, false));
-            state.signs.clear();
-            state.signs.resize(count, 0);
+            state.made_for.resize(count, Quat::IDENTITY);
             state.said.resize(count, false);
             state.kinematic.clear();
             for index in 0..count as u32 {

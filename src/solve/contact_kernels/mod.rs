@@ -7,15 +7,18 @@ mod masses;
 mod recover;
 mod rows;
 mod sweep;
+mod tell;
 #[cfg(test)]
 mod tests;
 mod warm_start;
 
 use std::ops::Range;
 
+use super::contact::LANES;
 use super::contact_block::ContactBlocks;
 use super::dispatch::in_lanes;
 use super::state::{BodyMotion, BodyVelocity};
+use super::told::{Limits, Told};
 
 pub(crate) use recover::RECOVERY_SWEEPS;
 
@@ -41,8 +44,14 @@ in_lanes!(
     (contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], threshold: f32)
 );
 in_lanes!(
-    /// Brings the separations to the end of the step, makes room for multipliers of [`recover`], and raises `worst` to the greatest overlap of any point (m).
+    /// Brings the separations to the end of the step, makes room for multipliers of [`recover`], and raises `worst` to the greatest
+    /// overlap of any point (m).
     pub(crate) end_step, recover::end_step, (contacts: &mut ContactBlocks, motions: &[BodyMotion], worst: &mut f32)
+);
+in_lanes!(
+    /// Adds to `told` what the step has made of the manifolds of each block.
+    pub(crate) tell, tell::all,
+    (contacts: &mut ContactBlocks, velocities: &[BodyVelocity], limits: &Limits, told: &mut Vec<[Told; LANES]>)
 );
 in_lanes!(
     /// One sweep of position recovery: overlapping points are pushed apart by displacements that leave no velocity behind.

@@ -87,6 +87,9 @@ fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
     recover::end_step::<W>(&mut contacts, &motions, &mut worst);
     let mut pushes: Vec<_> = velocities.iter().map(BodyVelocity::at_rest).collect();
     recover::all::<W>(&mut contacts, &mut pushes, 0.016);
+    let limits = Limits { up: Vec3::Y, rise: 0.3, slips: [0.5, 1.0], speeds: [1.0, 3.0], reserve: 0.9 };
+    let mut told = Vec::new();
+    tell::all::<W>(&mut contacts, &velocities, &limits, &mut told);
 
     let block = &contacts.blocks[0];
     let points = (0..contacts.room_of(0)).map(|i| contacts.rows(0, i));
@@ -98,7 +101,8 @@ fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
     let single = [block.twist_lambda, block.twist_mass, [worst; LANES]];
     let lanes = rows.chain(masses).chain(&single).flatten();
     let bodies = velocities.iter().chain(&pushes).flat_map(|body| body.halves().into_iter().flatten());
-    lanes.chain(bodies).map(|x| x.to_bits()).collect()
+    let told = told.iter().flatten().map(|told| u32::from(told.bits()));
+    lanes.chain(bodies).map(|x| x.to_bits()).chain(told).collect()
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -128,4 +132,42 @@ proptest! {
         prop_assert!(least >= 0.0, "a point pulls with {least} N·s");
         prop_assert!(velocities.iter().all(|body| body.linear.is_finite() && body.angular.is_finite()));
     }
+}
+
+#[test]
+fn a_box_on_an_incline_is_told_by_its_slip_its_friction_and_its_slope() {
+    let limits = Limits { up: Vec3::Y, rise: 0.3, slips: [0.1, 0.5], speeds: [0.4, 2.0], reserve: 0.99 };
+    let material = PairMaterial { friction: 0.5, restitution: 0.0, rolling: 0.0, spinning: 0.0 };
+    let tell = |normal: Vec3, friction: f32, velocity: Vec3, angular: Vec3| {
+        let tangent = crate::solve::contact::tangents(normal).0;
+        let impulses =
+            ContactImpulses { normal: [1.0, 1.0, 0.0, 0.0], friction: tangent * friction, ..ContactImpulses::default() };
+        let input = ContactInput {
+            a: 0,
+            b: 1,
+            normal,
+            lever_a: [Vec3::ZERO; 4],
+            lever_b: [normal * -0.5; 4],
+            separation: [0.0; 4],
+            count: 2,
+            material,
+            impulses,
+        };
+        let mut contacts = ContactBlocks::default();
+        contacts.add(1, true);
+        contacts.set_lane(0, 0, &input, 1.0e-3);
+        let body = BodyVelocity { linear: velocity, angular, ..BodyVelocity::FIXED };
+        let mut told = Vec::new();
+        super::tell(&mut contacts, &[BodyVelocity::FIXED, body], &limits, &mut told);
+        told[0][0]
+    };
+    let words = |told: Told| [told.slips_less(0), told.slips_less(1), told.is_slower(0), told.is_slower(1), told.has_reserve()];
+    assert_eq!(words(tell(Vec3::Y, 0.9, Vec3::ZERO, Vec3::ZERO)), [true; 5], "at rest");
+    assert_eq!(words(tell(Vec3::Y, 1.0, Vec3::X * 0.3, Vec3::ZERO)), [false, true, true, true, false], "slips at its limit");
+    assert_eq!(words(tell(Vec3::Y, 0.9, Vec3::Y * 1.0, Vec3::ZERO)), [true, true, false, true, true], "leaves");
+    // v = ω × r, with r from the contact to the centre.
+    assert_eq!(words(tell(Vec3::Y, 0.9, Vec3::X, Vec3::Z * -2.0)), [true; 5], "rolls");
+    let rise = |normal: Vec3| tell(normal, 0.0, Vec3::ZERO, Vec3::ZERO).rise();
+    let steep = Vec3::new(0.98, 0.2, 0.0).normalize();
+    assert!(rise(Vec3::Y) != rise(Vec3::NEG_Y) && rise(steep) == rise(-steep) && rise(steep) != rise(Vec3::Y));
 }

@@ -13,6 +13,10 @@ const HOLDING_SPEED: f32 = 1.0e-4;
 const LEAVING_SPEED: f32 = 0.1;
 const RESTING_SPEED: f32 = 0.05;
 
+use glam::Vec3;
+
+use crate::solve::told::{Limits, Told};
+
 /// The solver's word on a manifold.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slip {
@@ -32,6 +36,21 @@ impl Slip {
             speed <= LEAVING_SPEED && (self.slip <= SLIDING_SPEED || self.has_reserve)
         } else {
             self.slip <= HOLDING_SPEED && speed <= RESTING_SPEED
+        }
+    }
+
+    /// What the solver is to tell manifolds by.
+    pub(crate) fn limits(up: Vec3, rise: f32, reserve: f32) -> Limits {
+        let (slips, speeds) = ([HOLDING_SPEED, SLIDING_SPEED], [RESTING_SPEED, LEAVING_SPEED]);
+        Limits { up, rise, slips, speeds, reserve }
+    }
+
+    /// As [`holds`](Self::holds), by what the solver has told by [`limits`](Self::limits).
+    pub(crate) fn told_to_hold(told: Told, held: bool) -> bool {
+        if held {
+            told.is_slower(1) && (told.slips_less(1) || told.has_reserve())
+        } else {
+            told.slips_less(0) && told.is_slower(0)
         }
     }
 

@@ -1,36 +1,44 @@
 //! Which pairs the analysis looks at in a step: those of which something may have changed that links are made from.
 //!
-//! While a body turns or is fast that may be any pair that touches. Those are looked at while contacts are reported: going through
-//! all pairs again later takes longer than judging them.
+//! Any pair that touches may be one. Whether it is, is told from the pair itself while contacts are reported: by the word that was
+//! found for it last, what the solver has told of it, and a byte for each shape. In a pile that moves nearly all contacts slide, and
+//! go on sliding; what slides carries nothing, wherever it is.
 
 use glam::Quat;
 
-use super::record::{FAST, HELD, LEAVING, TURNED};
-use super::site::{Site, TURN};
+use super::site::{Frame, Site, TURN, has_reserve};
 use super::{SupportState, World};
 use crate::body::Body;
 use crate::collide::cache::PairCache;
 use crate::collide::collider::Collider;
-use crate::collide::pairs::{Pair, TOO_MANY};
+use crate::collide::pairs::{Pair, PairKey, TOO_MANY, Word};
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::span::support::slip::Slip;
 
-/// What may have changed the links of a body that is not held; `turn` is the rotation that they were made for, and whether it has
-/// turned since.
-fn signs_of(body: &Body, turn: &mut (Quat, bool), colliders: &Pool<Collider, ShapeId>) -> u8 {
-    let (made_for, turned) = turn;
+/// Links of its body are to be made anew.
+pub(super) const TURNED: u8 = 1;
+/// So fast that its links may slide where friction is spent, and so fast that they may leave.
+const FAST: u8 = 2;
+const LEAVING: u8 = 4;
+
+/// What may have changed the links of a body that is not held; `made_for` is the rotation that they were made for.
+fn signs_of(body: &Body, made_for: &mut Quat, colliders: &Pool<Collider, ShapeId>) -> u8 {
     // Not-a-number counts as turned.
     let is_near = ((body.rotation - *made_for).length() * 2.0) <= TURN;
     if !is_near {
-        (*made_for, *turned) = (body.rotation, true);
+        *made_for = body.rotation;
     }
     let reaches = body.shapes.iter().filter_map(|&id| colliders.find(id).ok()).map(|shape| colliders[shape].reach);
     let speed = body.linear_velocity.length() + body.angular_velocity.length() * reaches.fold(0.0, f32::max);
     // Of two bodies each may have half of it; not-a-number counts as fast.
     let stays_below = |limit: f32| speed <= 0.5 * limit;
     let sign = |holds: bool, sign: u8| if holds { sign } else { 0 };
-    let is_fast = !stays_below(Slip::STILL_HOLDS);
-    sign(*turned, TURNED) | sign(is_fast, FAST) | sign(!stays_below(Slip::LEAVES), LEAVING)
+    sign(!is_near, TURNED) | sign(!stays_below(Slip::STILL_HOLDS), FAST) | sign(!stays_below(Slip::LEAVES), LEAVING)
+}
+
+/// Whether friction of any manifold is at its limit.
+fn is_spent(pair: &Pair) -> bool {
+    pair.manifolds.iter().any(|manifold| !has_reserve(manifold, pair.material.friction))
 }
 
 impl SupportState {
@@ -39,50 +47,46 @@ impl SupportState {
         !self.rests && self.frame.is_some()
     }
 
-    /// Whether any pair that touches may have changed, and is to be looked at when its contact is reported.
-    fn looks_at_all(&self) -> bool {
-        self.stirs && !self.is_new
-    }
-
-    /// Takes note of the points of a pair that touch after the step.
-    pub fn note_touching(&mut self, slot: u32, pair: &mut Pair) {
+    /// Takes note of the points of a pair that touch after the step, and whether it is to be looked at. Its key is that of the pair, which
+    /// begins in another line of memory than what else is asked here.
+    pub fn note_touching(&mut self, (key, slot): (PairKey, u32), pair: &mut Pair) {
         let bits = pair.touches;
-        // What touches nowhere, and did not a step ago, has no links.
-        let is_altered = bits != pair.touching || (pair.updated && bits != 0) || bits == TOO_MANY;
-        pair.touching = bits;
+        let is_same = bits == std::mem::replace(&mut pair.touching, bits) && bits != TOO_MANY && !pair.updated;
         if bits != 0 && self.by_thrust {
             self.pressed.push(slot);
         }
-        if bits != 0 && self.looks_at_all() {
-            self.near.push(slot);
-        } else if is_altered {
-            self.altered.push(slot);
+        // What touches nowhere, and did not when it was looked at, has no links.
+        if self.is_new || (bits == 0 && pair.word == Word::Nothing) {
+            return;
         }
-    }
-
-    /// Looks at the pairs that touch among those just reported.
-    pub fn look_at_near(&mut self, pairs: &PairCache, colliders: &Pool<Collider, ShapeId>, bodies: &Pool<Body, BodyId>) {
-        let mut near = std::mem::take(&mut self.near);
-        near.drain(..).for_each(|slot| self.look_at(slot, pairs.get(slot), colliders, bodies));
-        self.near = near;
-    }
-
-    /// Looks at a pair again if anything may have changed that its links were made from.
-    fn look_at(&mut self, slot: u32, pair: &Pair, colliders: &Pool<Collider, ShapeId>, bodies: &Pool<Body, BodyId>) {
-        let Some(frame) = self.frame else { return };
-        let record = self.records.get(slot as usize);
-        let is_up_to_date = record.map_or(pair.touching == 0, |record| record.is_up_to_date(pair, &self.signs));
-        if self.is_new || !is_up_to_date {
-            let site = Site::new(pair, slot, colliders, bodies);
-            // What is held was judged when it came to rest.
-            if self.is_new || !(site.bodies.0.held || site.bodies.1.held) {
-                self.sync_pair(&site, &frame);
+        let (a, b) = key.shapes();
+        let signs = self.signs[a as usize] | self.signs[b as usize];
+        let stays = match pair.word {
+            Word::Nothing | Word::Unsettled => false,
+            Word::Holds if !is_same || signs & TURNED != 0 => false,
+            Word::Holds if pair.is_told() => Slip::told_to_hold(pair.told, true),
+            Word::Holds => signs & LEAVING == 0 && (signs & FAST == 0 || !is_spent(pair)),
+            Word::Slides(rise) => {
+                bits != 0 && pair.is_told() && !Slip::told_to_hold(pair.told, false) && pair.told.rise() == rise
             }
+        };
+        if !stays {
+            self.near.push(slot);
         }
-        let record = self.records.get(slot as usize);
-        if !record.map_or(pair.touching == 0, |record| record.is_settled(pair)) {
-            self.left.push(slot);
+    }
+
+    /// Looks at those of the pairs just reported that are to be looked at.
+    pub fn look_at_near(&mut self, pairs: &mut PairCache, colliders: &Pool<Collider, ShapeId>, bodies: &Pool<Body, BodyId>) {
+        let Some(frame) = self.frame else { return };
+        let mut near = std::mem::take(&mut self.near);
+        for slot in near.drain(..) {
+            let site = Site::new(pairs.get(slot), slot, colliders, bodies);
+            // What is held was judged when it came to rest.
+            let is_held = site.bodies.0.held || site.bodies.1.held;
+            let word = if is_held { Word::Unsettled } else { self.sync_pair(&site, &frame) };
+            pairs.get_mut(slot).word = word;
         }
+        self.near = near;
     }
 }
 
@@ -113,57 +117,47 @@ impl World {
     }
 
     fn note_signs(&self, state: &mut SupportState) {
-        state.stirs = false;
+        state.signs.clear();
+        state.signs.resize(self.colliders.slot_count(), 0);
         for &index in &self.movers {
-            if let Some(body) = self.bodies.get(index) {
-                let turn = &mut state.turns[index as usize];
-                let signs = if body.held { HELD } else { signs_of(body, turn, &self.colliders) };
-                state.signs[index as usize] = signs;
-                state.stirs |= signs & (TURNED | FAST | LEAVING) != 0;
+            let Some(body) = self.bodies.get(index).filter(|body| !body.held) else { continue };
+            let signs = signs_of(body, &mut state.made_for[index as usize], &self.colliders);
+            for shape in body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok()) {
+                state.signs[shape as usize] = signs;
             }
         }
     }
 
-    /// Looks at the pairs that were not looked at when contacts were reported.
-    pub(super) fn sync_contacts(&self, state: &mut SupportState) {
-        let Self { pairs, colliders, bodies, .. } = self;
+    /// Looks at the pairs that were not looked at when contacts were reported: all of them where everything is new, and those that
+    /// have fallen asleep.
+    pub(super) fn sync_contacts(&mut self, state: &mut SupportState) {
         let Some(frame) = state.frame else { return };
-        let looked_at_all = state.looks_at_all();
-        let (mut altered, mut unsettled) = (std::mem::take(&mut state.altered), std::mem::take(&mut state.unsettled));
         if state.is_new {
             self.note_signs(state);
-            pairs.active().iter().for_each(|&(_, slot)| state.look_at(slot, pairs.get(slot), colliders, bodies));
-        } else {
-            // While nothing moves, only what the solver changed can be other than it was.
-            altered.append(&mut unsettled);
-            let is_left = |pair: &Pair| pair.is_active() && (!looked_at_all || pair.still || pair.touching == 0);
-            altered.retain(|&slot| is_left(pairs.get(slot)));
-            altered.sort_unstable();
-            altered.dedup();
-            altered.iter().for_each(|&slot| state.look_at(slot, pairs.get(slot), colliders, bodies));
-        }
-        altered.clear();
-        unsettled.clear();
-        state.altered = altered;
-        state.unsettled = std::mem::replace(&mut state.left, unsettled);
-        let fell_asleep = std::mem::take(&mut state.fell_asleep);
-        // What was dropped meanwhile has no contacts any more.
-        let dozing = fell_asleep.iter().copied().filter(|&slot| pairs.get(slot).has_points());
-        let asleep = state.is_new.then(|| self.sleeping.pairs());
-        dozing.chain(asleep.into_iter().flatten()).for_each(|slot| {
-            state.sync_pair(&Site::new(pairs.get(slot), slot, colliders, bodies), &frame);
-        });
-        state.fell_asleep = fell_asleep;
-        state.is_new = false;
-        if !state.stirs {
-            // That a body is held is said anew in each step that it moves in; else there is nothing to take back.
-            return;
-        }
-        for &index in &self.movers {
-            if let Some((_, turned)) = state.turns.get_mut(index as usize) {
-                *turned = false;
-                state.signs[index as usize] = 0;
+            for (slot, word) in self.sync_all(state, &frame) {
+                self.pairs.get_mut(slot).word = word;
             }
         }
+        for number in 0..state.fell_asleep.len() {
+            let slot = state.fell_asleep[number];
+            // What was dropped meanwhile has no contacts any more.
+            if self.pairs.get(slot).has_points() {
+                let site = Site::new(self.pairs.get(slot), slot, &self.colliders, &self.bodies);
+                let word = state.sync_pair(&site, &frame);
+                self.pairs.get_mut(slot).word = word;
+            }
+        }
+        state.is_new = false;
+    }
+
+    /// Looks at all pairs, also those that sleep, and says what it found.
+    pub(super) fn sync_all(&self, state: &mut SupportState, frame: &Frame) -> Vec<(u32, Word)> {
+        let listed = self.pairs.listed();
+        let slots = listed.iter().map(|&(_, slot)| slot).chain(self.sleeping.pairs());
+        let look = |slot: u32| {
+            let site = Site::new(self.pairs.get(slot), slot, &self.colliders, &self.bodies);
+            (slot, state.sync_pair(&site, frame))
+        };
+        slots.map(look).collect()
     }
 }

@@ -1,18 +1,9 @@
-//! What the links of a pair were made from, and whether they still are those of the pair as it is.
+//! What the links of a pair were made from.
 
 use smallvec::SmallVec;
 
-use super::site::has_reserve;
-use crate::collide::pairs::{Pair, PairKey, TOO_MANY};
+use crate::collide::pairs::{PairKey, Word};
 use crate::span::support::Graph;
-
-/// Its links are to be made anew.
-pub(super) const TURNED: u8 = 1;
-/// So fast that its links may slide where friction is spent, and so fast that they may leave.
-pub(super) const FAST: u8 = 2;
-pub(super) const LEAVING: u8 = 4;
-/// Judged when it came to rest.
-pub(super) const HELD: u8 = 8;
 
 /// A pair as it was looked at last.
 #[derive(Debug, Default)]
@@ -22,9 +13,6 @@ pub(super) struct Record {
     /// Nearly all pairs have one.
     pub manifolds: SmallVec<[Seen; 1]>,
     pub bodies: [u32; 2],
-    /// The points of all manifolds, and whether all hold.
-    pub touching: u32,
-    pub all_hold: bool,
     pub has_links: bool,
 }
 
@@ -42,26 +30,15 @@ impl Seen {
 }
 
 impl Record {
-    /// Whether nothing that its links were made from can have changed.
-    pub fn is_up_to_date(&self, pair: &Pair, signs: &[u8]) -> bool {
-        if pair.touching == 0 {
-            return !self.has_links;
+    /// What there is to say of the pair, of which the solver told this rise if it told of all of it.
+    pub fn word(&self, rise: Option<u8>) -> Word {
+        let touches = self.manifolds.iter().any(|seen| seen.points != 0);
+        match rise {
+            _ if !touches && !self.has_links => Word::Nothing,
+            _ if self.manifolds.iter().all(|seen| seen.holds) => Word::Holds,
+            Some(rise) => Word::Slides(rise),
+            None => Word::Unsettled,
         }
-        if self.key != Some(pair.key) {
-            return false;
-        }
-        let signs = self.bodies.iter().fold(0, |all, &body| all | signs[body as usize]);
-        let may_have_changed = signs & (TURNED | LEAVING) != 0 || (signs & FAST != 0 && is_spent(pair));
-        signs & HELD != 0 || (!may_have_changed && self.is_settled(pair))
-    }
-
-    /// Whether its links are those of the pair as it is, and stay so while the bodies stand still.
-    pub fn is_settled(&self, pair: &Pair) -> bool {
-        if pair.touching == 0 {
-            return !self.has_links;
-        }
-        let is_same = self.version == pair.version && self.touching == pair.touching && pair.touching != TOO_MANY;
-        self.key == Some(pair.key) && is_same && self.all_hold
     }
 
     /// Forgets the pair, and takes its links out of the graph.
@@ -70,9 +47,4 @@ impl Record {
         self.manifolds.drain(..).filter_map(|seen| seen.link).for_each(|link| graph.remove(link));
         self.has_links = false;
     }
-}
-
-/// Whether friction of any manifold is at its limit.
-fn is_spent(pair: &Pair) -> bool {
-    pair.manifolds.iter().any(|manifold| !has_reserve(manifold, pair.material.friction))
 }

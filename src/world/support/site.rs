@@ -7,6 +7,7 @@ use crate::collide::collider::Collider;
 use crate::collide::pairs::{CarriedManifold, Pair, WorldManifold, touching};
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::solve::contact::tangents;
+use crate::solve::told::Limits;
 use crate::span::support::Link;
 use crate::span::support::slip::Slip;
 
@@ -35,6 +36,11 @@ impl Frame {
     fn project(&self, v: Vec3) -> Vec2 {
         Vec2::new(v.dot(self.across.0), v.dot(self.across.1))
     }
+}
+
+/// What the solver is to tell manifolds by; nothing without gravity.
+pub(in crate::world) fn told_by(gravity: Vec3) -> Option<Limits> {
+    Frame::new(gravity).map(|frame| Slip::limits(frame.up, MIN_RISE, EXHAUSTED_SHARE))
 }
 
 /// A pair with its shapes and bodies.
@@ -79,6 +85,17 @@ impl<'a> Site<'a> {
             Slip { slip: (rate - normal * approach).length(), approach, has_reserve: has_reserve() }.holds(held)
         });
         (points, holds)
+    }
+
+    /// The same of one that the solver has just told of. It does not tell of what is at rest.
+    pub(super) fn told_state(&self, manifold: &CarriedManifold, held: bool) -> (u8, bool) {
+        let (a, b) = self.bodies;
+        if !self.pair.is_told() || a.held || b.held {
+            return self.state(manifold, held);
+        }
+        let points = self.pair.touches as u8;
+        debug_assert_eq!(points, touching(manifold, self.shapes.0.least_extent.min(self.shapes.1.least_extent)));
+        (points, if points == 0 { held } else { Slip::told_to_hold(self.pair.told, held) })
     }
 
     fn normal(&self, manifold: &CarriedManifold) -> Vec3 {

@@ -77,7 +77,7 @@ fn made_anew(world: &World) -> SupportState {
     }
     world.sync_bodies(&mut fresh);
     if let Some(frame) = fresh.frame {
-        world.sync_contacts(&mut fresh);
+        world.sync_all(&mut fresh, &frame);
         let (ties, anchors) = world.ties(|_| true);
         fresh.graph.set_joints(&ties, &anchors);
         fresh.graph.update();
