@@ -107,6 +107,10 @@ impl BodyDef {
     /// The same body with one more shape.
     #[must_use]
     pub fn with_shape(mut self, shape: ShapeDef) -> Self {
+        // Most bodies have one.
+        if self.shapes.is_empty() {
+            self.shapes.reserve_exact(1);
+        }
         self.shapes.push(shape);
         self
     }

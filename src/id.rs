@@ -264,6 +264,13 @@ impl<T, H: Handle> Pool<T, H> {
         }
     }
 
+    /// Slot index of an object that is known to be alive, without looking at it.
+    pub(crate) fn slot_of(&self, handle: H) -> u32 {
+        let index = (handle.to_bits() & INDEX_MASK) as u32 - 1;
+        debug_assert!(self.find(handle) == Ok(index), "who knows an object to be alive is told when it is destroyed");
+        index
+    }
+
     /// As [`find`](Self::find), for a call that destroys: a dead object is an error of its own.
     pub(crate) fn find_to_destroy(&self, handle: H) -> Result<u32> {
         self.find(handle).map_err(|error| match error.kind {

@@ -23,6 +23,17 @@ pub(crate) fn make_room_behind<T>(list: &mut Vec<T>, more: usize) {
     }
 }
 
+/// Elements for which a list keeps its room, however few it has now, and share of the room that it must need beyond that.
+const KEPT: usize = 16_384;
+const LEAST_USED: usize = 8;
+
+/// Gives back the room of a list that has needed much more than it does now.
+pub(crate) fn give_back_room<T>(list: &mut Vec<T>) {
+    if list.capacity() > KEPT && list.len() < list.capacity() / LEAST_USED {
+        list.shrink_to(KEPT);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -37,5 +48,19 @@ mod tests {
         list.resize(900, 1);
         make_room_behind(&mut list, 1);
         assert_eq!((list.capacity(), list.iter().sum()), (1013, 900));
+    }
+
+    #[test]
+    fn a_list_keeps_room_for_what_it_needs_now_and_then() {
+        let mut list: Vec<u64> = Vec::with_capacity(8 * KEPT);
+        list.resize(KEPT, 1);
+        give_back_room(&mut list);
+        assert_eq!(list.capacity(), 8 * KEPT);
+        list.truncate(KEPT - 1);
+        give_back_room(&mut list);
+        assert_eq!(list.capacity(), KEPT);
+        list.clear();
+        give_back_room(&mut list);
+        assert_eq!(list.capacity(), KEPT);
     }
 }

@@ -96,8 +96,7 @@ pub struct World {
 /// Buffers that steps reuse.
 #[derive(Default)]
 struct Scratch {
-    candidates: Vec<(u32, u32)>,
-    keys: Vec<PairKey>,
+    candidates: Vec<PairKey>,
     pair: PairScratch,
     paths: Vec<fast::Path>,
     slots: Vec<u32>,

@@ -7,6 +7,8 @@ use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhWorkspace, TraversalAction};
 
+use super::pairs::PairKey;
+
 /// Shapes of one group from which on what is near all of them is asked for at once, and up to how many others are then looked at one
 /// by one: members of a union lie close, and would find one another mostly.
 pub(crate) const LARGE_GROUP: usize = 8;
@@ -75,7 +77,7 @@ impl BroadPhase {
         &mut self,
         box_of: impl Fn(u32) -> Option<Aabb>,
         group_of: impl Fn(u32) -> Option<u32>,
-        candidates: &mut Vec<(u32, u32)>,
+        candidates: &mut Vec<PairKey>,
     ) {
         if self.changed.is_empty() {
             return;
@@ -97,7 +99,7 @@ impl BroadPhase {
                     for &shape in shapes {
                         let Some(kept) = box_of(shape) else { continue };
                         let meeting = self.near.iter().filter(|(_, other)| kept.intersects(other));
-                        candidates.extend(meeting.map(|&(other, _)| (shape, other)));
+                        candidates.extend(meeting.map(|&(other, _)| PairKey::new(shape, other)));
                     }
                     continue;
                 }
@@ -105,7 +107,7 @@ impl BroadPhase {
             for &shape in shapes {
                 if let Some(kept) = box_of(shape) {
                     let found = self.tree.intersect_aabb(&kept).filter(|&other| other != shape).filter(is_other);
-                    candidates.extend(found.map(|other| (shape, other)));
+                    candidates.extend(found.map(|other| PairKey::new(shape, other)));
                 }
             }
         }

@@ -190,7 +190,7 @@ impl PairCache {
     /// Gives a slot back, and the room of its manifolds: three of four pairs never touch.
     pub(crate) fn release(&mut self, slot: u32) {
         let pair = &mut self.pairs[slot as usize];
-        pair.manifolds = Vec::new();
+        pair.manifolds = Box::default();
         pair.active = false;
         self.free.push(slot);
         if let Some(released) = &mut self.released {

@@ -152,10 +152,12 @@ pub(crate) fn read(input: &mut Input, colliders: &Pool<Collider, ShapeId>) -> Op
     for row in rows {
         let now = Now::of(row.key, colliders)?;
         let mut pair = row.pair(&now, &mut far, colliders)?;
-        for _ in 0..row.info / MANIFOLDS {
-            pair.manifolds.reserve_exact(1);
-            pair.manifolds.push(manifolds.next()?.manifold(&now.exact, &mut points)?);
+        let count = (row.info / MANIFOLDS) as usize;
+        if count > manifolds.len() {
+            return None;
         }
+        pair.manifolds =
+            manifolds.by_ref().take(count).map(|row| row.manifold(&now.exact, &mut points)).collect::<Option<_>>()?;
         pairs.push(pair);
     }
     (far.next().is_none() && manifolds.next().is_none() && points.next().is_none()).then_some(pairs)
@@ -225,7 +227,9 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (Pai
         // Of the two shapes' materials.
         material: _,
         manifolds,
-        made_for,
+        // See `made_for`.
+        pose: _,
+        margin: _,
         updated: _,
         still: _,
         version: _,
@@ -250,10 +254,10 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (Pai
     let mut row = PairRow { key: *key, info, steps: 0, margin: 0, approach: *approach, blow: *blow };
     let mut far = None;
     let now = Now::of(*key, colliders).filter(|now| rests || pair.is_near(&now.exact, now.least_extent));
-    if let (Some((pose, margin)), Some(now)) = (made_for, now) {
+    if let (Some((pose, margin)), Some(now)) = (pair.made_for(), now) {
         row.info |= HAS_POSE;
         row.margin = margin.to_bits() >> MARGIN_SHIFT;
-        let (from, to) = (components(&now.coarse), components(pose));
+        let (from, to) = (components(&now.coarse), components(&pose));
         match packed(from, to, units(now.unit)) {
             Some(steps) => row.steps = steps,
             None => {
@@ -281,7 +285,7 @@ impl PairRow {
             } else {
                 unpacked(from, self.steps, units(now.unit))
             };
-            pair.made_for = Some((pose_of(to), f32::from_bits(self.margin.checked_shl(MARGIN_SHIFT)?)));
+            (pair.pose, pair.margin) = (pose_of(to), f32::from_bits(self.margin.checked_shl(MARGIN_SHIFT)?));
         }
         Some(pair)
     }

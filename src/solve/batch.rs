@@ -5,7 +5,8 @@ use glam::{DVec3, Quat, Vec3};
 use super::birth::Birth;
 use super::bound::BatchBounds;
 use super::color::{Coloring, MAX_COLORS};
-use super::contact::{ContactBlock, ContactImpulses, ContactInput, LANES, Lane, POINTS};
+use super::contact::{ContactImpulses, ContactInput, LANES};
+use super::contact_block::ContactBlocks;
 use super::contact_kernels;
 use super::direct::Direct;
 use super::exact::ExactIslands;
@@ -59,6 +60,11 @@ fn is_colored(group: usize) -> bool {
     group % GROUPS < ALONE
 }
 
+/// Whether manifolds of this group have more than one point.
+fn has_faces(group: usize) -> bool {
+    group.is_multiple_of(2)
+}
+
 /// Group, and block, of a manifold that an articulation holds.
 const HELD: u32 = u32::MAX;
 
@@ -78,7 +84,7 @@ pub(crate) struct Batch {
     pub velocities: Vec<BodyVelocity>,
     pub motions: Vec<BodyMotion>,
     /// Blocks of manifolds, those of which joints hold all that moves last.
-    pub contacts: Vec<ContactBlock>,
+    pub contacts: ContactBlocks,
     /// The first of those last ones.
     pub first_jointed: usize,
     pub joints: BatchJoints,
@@ -120,7 +126,6 @@ pub(crate) struct Batch {
     /// moves of its bodies.
     groups: Vec<u32>,
     pub pushes: Vec<BodyVelocity>,
-    pub recovery_lambdas: Vec<[Lane; POINTS]>,
     /// Number of colours that the contacts took.
     pub color_count: u32,
     /// Worst joint gap and penetration at the end of the step (m).
@@ -227,6 +232,10 @@ impl Batch {
     ///
     /// Within a colour, manifolds of one point have blocks of their own, which cost a fraction of those of four.
     pub(crate) fn color_contacts(&mut self) {
+        if self.ends.is_empty() {
+            self.first_jointed = 0;
+            return;
+        }
         self.coloring.reset(self.velocities.len());
         self.groups.clear();
         let mut counts = [0_u32; ALL_GROUPS];
@@ -246,21 +255,25 @@ impl Batch {
             counts[group] += 1;
             self.groups.push(group as u32);
         }
+        // What found no colour is solved one manifold a block, after the rest.
+        let blocks_of = |group: usize, count: u32| if is_colored(group) { count.div_ceil(LANES as u32) } else { count } as usize;
+        let (mut blocks, mut faces) = (0, 0);
+        for (group, &count) in counts.iter().enumerate() {
+            blocks += blocks_of(group, count);
+            faces += if has_faces(group) { blocks_of(group, count) } else { 0 };
+        }
+        self.contacts.make_room(blocks, faces);
         let mut next = [0_u32; ALL_GROUPS];
-        let mut blocks = 0;
         for (group, &count) in counts.iter().enumerate() {
             if group == GROUPS {
-                self.first_jointed = blocks as usize;
+                self.first_jointed = self.contacts.len();
             }
-            next[group] = blocks * LANES as u32;
-            // What found no colour is solved one manifold a block, after the rest.
-            blocks += if is_colored(group) { count.div_ceil(LANES as u32) } else { count };
+            next[group] = (self.contacts.len() * LANES) as u32;
+            self.contacts.add(blocks_of(group, count), has_faces(group));
         }
         let (free, jointed) = counts.split_at(GROUPS);
         let is_used = |groups: &[u32]| groups.iter().any(|&count| count > 0);
         self.color_count = free.chunks(2).zip(jointed.chunks(2)).filter(|(a, b)| is_used(a) || is_used(b)).count() as u32;
-        make_room(&mut self.contacts, blocks as usize);
-        self.contacts.resize(blocks as usize, ContactBlock::EMPTY);
         for &group in &self.groups {
             if group == HELD {
                 self.lanes.push((HELD, 0));
@@ -278,10 +291,10 @@ impl Batch {
         for (number, &(block, lane)) in self.lanes.iter().enumerate().filter(|(_, (block, _))| *block != HELD) {
             let formed = self.inputs.get(number).copied();
             let input = formed.unwrap_or_else(|| form(self.manifolds[number], self.ends[number]));
-            self.contacts[block as usize].set_lane(lane as usize, &input, reach);
+            self.contacts.set_lane(block as usize, lane as usize, &input, reach);
         }
-        for block in &mut self.contacts {
-            contact_kernels::set_masses(block, &self.velocities);
+        for number in 0..self.contacts.len() {
+            contact_kernels::set_masses(&mut self.contacts, number, &self.velocities);
         }
     }
 
@@ -291,7 +304,7 @@ impl Batch {
         if block == HELD {
             return self.direct.impulses_of(number);
         }
-        self.contacts[block as usize].impulses(lane as usize)
+        self.contacts.impulses(block as usize, lane as usize)
     }
 
     /// What is told of a manifold; nothing where an articulation holds it, or where nobody wants to know.
@@ -328,6 +341,6 @@ impl Batch {
     /// Normal of the manifold with this number.
     pub(crate) fn contact_normal(&self, number: usize) -> glam::Vec3 {
         let (block, lane) = self.lanes[number];
-        if block == HELD { self.inputs[number].normal } else { self.contacts[block as usize].normal_of(lane as usize) }
+        if block == HELD { self.inputs[number].normal } else { self.contacts.blocks[block as usize].normal_of(lane as usize) }
     }
 }

@@ -10,7 +10,7 @@
 use glam::{DVec3, Vec3};
 
 use super::batch::Batch;
-use super::contact::{LANES, POINTS};
+use super::contact::LANES;
 use super::state::WORLD_SLOT;
 use crate::balance::{LoadedPoint, balance};
 
@@ -134,11 +134,11 @@ impl Birth {
         self.new.clear();
         self.new.resize(slots, true);
         let mut any_new = false;
-        for (number, block) in batch.contacts.iter().enumerate() {
+        for (number, block) in batch.contacts.blocks.iter().enumerate() {
             for lane in 0..LANES {
                 let normal = block.normal_of(lane);
                 let rise = normal.dot(up);
-                if block.inverse_diagonal[0][lane] == 0.0 || rise.abs() < MIN_SUPPORT_COSINE {
+                if !block.is_movable(lane) || rise.abs() < MIN_SUPPORT_COSINE {
                     continue;
                 }
                 let (a, b) = (block.a[lane], block.b[lane]);
@@ -147,7 +147,8 @@ impl Birth {
                     continue;
                 }
                 let approach = normal.dot(batch.velocities[b as usize].linear - batch.velocities[a as usize].linear).abs();
-                let untouched = (0..POINTS).all(|i| block.lambda[i][lane] == 0.0);
+                let touched = |i: usize| batch.contacts.rows(number, i).lambda[lane] != 0.0;
+                let untouched = !(0..batch.contacts.room_of(number)).any(touched);
                 let fresh = untouched && approach < MAX_REST_SPEED + closable_speed;
                 self.new[upper as usize] &= fresh;
                 any_new |= fresh;
@@ -192,15 +193,17 @@ impl Birth {
         self.loaded.clear();
         let reach = motion.acceleration.length() * h * h;
         for support in &self.supports[self.first[slot as usize] as usize..self.first[slot as usize + 1] as usize] {
-            let (block, lane) = (&batch.contacts[support.block as usize], support.lane as usize);
+            let (number, lane) = (support.block as usize, support.lane as usize);
+            let block = &batch.contacts.blocks[number];
             let upper_is_b = block.b[lane] == slot;
             let normal = block.normal_of(lane).as_dvec3() * if upper_is_b { 1.0 } else { -1.0 };
-            for index in 0..POINTS {
+            for index in 0..batch.contacts.room_of(number) {
+                let rows = batch.contacts.rows(number, index);
                 // Touching means that gravity closes the gap within the substep.
-                if block.inverse_diagonal[index][lane] == 0.0 || block.separation[index][lane] > reach {
+                if rows.inverse_diagonal[lane] == 0.0 || rows.separation[lane] > reach {
                     continue;
                 }
-                let (lever_a, lever_b) = block.levers_of(index, lane);
+                let (lever_a, lever_b) = rows.levers_of(lane);
                 let (upper, lower) = if upper_is_b { (lever_b, lever_a) } else { (lever_a, lever_b) };
                 let turning = upper.as_dvec3().cross(normal);
                 let column = DVec3::new(normal.dot(up), turning.dot(axes[0]), turning.dot(axes[1]));
@@ -212,7 +215,7 @@ impl Birth {
         balance(&mut self.loaded, demand);
         for (point, loaded) in self.points.iter().zip(&self.loaded) {
             let Support { block, lane, lower, .. } = point.support;
-            batch.contacts[block as usize].lambda[point.index][lane as usize] = (loaded.force * f64::from(h)) as f32;
+            batch.contacts.rows_mut(block as usize, point.index).lambda[lane as usize] = (loaded.force * f64::from(h)) as f32;
             let push = -point.normal * loaded.force;
             let load = &mut self.load[lower as usize];
             load.0 += push;

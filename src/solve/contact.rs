@@ -1,4 +1,4 @@
-//! Contact rows in blocks of eight manifolds of one colour, laid out for SIMD lanes.
+//! Contacts as the solver takes them.
 //!
 //! Each manifold of up to four points carries
 //!
@@ -10,9 +10,8 @@
 //!
 //! Points and normal are those of the start of the step; separations follow the bodies' displacements linearly.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::Vec3;
 
-use super::state::BodyMotion;
 use crate::material::PairMaterial;
 
 /// Manifolds in a block.
@@ -94,201 +93,6 @@ impl ContactInput {
     }
 }
 
-/// Eight manifolds; unused lanes act on the world slot and do nothing.
-#[derive(Debug, Clone)]
-#[repr(C, align(64))]
-pub(crate) struct ContactBlock {
-    pub a: [u32; LANES],
-    pub b: [u32; LANES],
-    pub normal: Lane3,
-    pub tangent: Lane3,
-    pub center_a: Lane3,
-    pub center_b: Lane3,
-    pub lever_a: [Lane3; POINTS],
-    pub lever_b: [Lane3; POINTS],
-    /// A_ij for i < j: 01, 02, 03, 12, 13, 23.
-    pub coupling: [Lane; 6],
-    /// (A + ε)⁻¹ on the points that exist: 00, 11, 22, 33, 01, 02, 03, 12, 13, 23.
-    pub inverse: [Lane; 10],
-    /// A_ii, and its inverse; the inverse is zero for points that do not exist.
-    pub diagonal: [Lane; POINTS],
-    pub inverse_diagonal: [Lane; POINTS],
-    /// Separation at the start of the step (m).
-    pub separation: [Lane; POINTS],
-    /// max(s, 0)/h of this substep (m/s).
-    pub closing_speed: [Lane; POINTS],
-    pub lambda: [Lane; POINTS],
-    /// Inverse of the tangential 2×2 matrix: 11, 12, 22.
-    pub tangent_mass: [Lane; 3],
-    pub tangent_lambda: [Lane; 2],
-    pub friction: Lane,
-    pub twist_mass: Lane,
-    pub twist_lambda: Lane,
-    /// Torque limit about the normal per normal force (m).
-    pub twist_arm: Lane,
-    /// Inverse of the angular 2×2 matrix about the tangents: 11, 12, 22.
-    pub rolling_mass: [Lane; 3],
-    pub rolling_lambda: [Lane; 2],
-    /// Torque limit about the tangents per normal force (m).
-    pub rolling_arm: Lane,
-    pub restitution: Lane,
-    /// Normal velocity at the moment of impact, negative when approaching (m/s); zero where there was none.
-    pub impact_speed: [Lane; POINTS],
-    /// Greatest multiplier of each point in this step (N·s).
-    pub peak_lambda: [Lane; POINTS],
-    /// Points of each manifold.
-    pub count: [u8; LANES],
-    pub has_rolling: bool,
-    pub has_restitution: bool,
-    /// Whether any manifold has more than one point.
-    pub has_faces: bool,
-}
-
-impl ContactBlock {
-    pub(crate) const EMPTY: Self = Self {
-        a: [0; LANES],
-        b: [0; LANES],
-        normal: [[0.0; LANES]; 3],
-        tangent: [[0.0; LANES]; 3],
-        center_a: [[0.0; LANES]; 3],
-        center_b: [[0.0; LANES]; 3],
-        lever_a: [[[0.0; LANES]; 3]; POINTS],
-        lever_b: [[[0.0; LANES]; 3]; POINTS],
-        coupling: [[0.0; LANES]; 6],
-        inverse: [[0.0; LANES]; 10],
-        diagonal: [[0.0; LANES]; POINTS],
-        inverse_diagonal: [[0.0; LANES]; POINTS],
-        separation: [[0.0; LANES]; POINTS],
-        closing_speed: [[0.0; LANES]; POINTS],
-        lambda: [[0.0; LANES]; POINTS],
-        tangent_mass: [[0.0; LANES]; 3],
-        tangent_lambda: [[0.0; LANES]; 2],
-        friction: [0.0; LANES],
-        twist_mass: [0.0; LANES],
-        twist_lambda: [0.0; LANES],
-        twist_arm: [0.0; LANES],
-        rolling_mass: [[0.0; LANES]; 3],
-        rolling_lambda: [[0.0; LANES]; 2],
-        rolling_arm: [0.0; LANES],
-        restitution: [0.0; LANES],
-        impact_speed: [[0.0; LANES]; POINTS],
-        peak_lambda: [[0.0; LANES]; POINTS],
-        count: [0; LANES],
-        has_rolling: false,
-        has_restitution: false,
-        has_faces: false,
-    };
-
-    /// Prepares one manifold in lane `l`, all but its effective masses; points closer than `reach` (m) count as touching.
-    pub(crate) fn set_lane(&mut self, l: usize, input: &ContactInput, reach: f32) {
-        let n = input.normal;
-        let (t1, t2) = tangents(n);
-
-        self.a[l] = input.a;
-        self.b[l] = input.b;
-        put(&mut self.normal, l, n);
-        put(&mut self.tangent, l, t1);
-
-        let count = input.count;
-        for i in 0..count {
-            put(&mut self.lever_a[i], l, input.lever_a[i]);
-            put(&mut self.lever_b[i], l, input.lever_b[i]);
-            self.separation[i][l] = input.separation[i];
-            self.lambda[i][l] = input.impulses.normal[i];
-        }
-        let inverse_count = 1.0 / count as f32;
-        let center_a = input.lever_a[..count].iter().sum::<Vec3>() * inverse_count;
-        let center_b = input.lever_b[..count].iter().sum::<Vec3>() * inverse_count;
-        put(&mut self.center_a, l, center_a);
-        put(&mut self.center_b, l, center_b);
-        self.count[l] = count as u8;
-        self.has_faces |= count > 1;
-        self.has_rolling |= input.material.rolling > 0.0;
-        if count == POINTS {
-            self.level(l, reach);
-        }
-
-        let pressed: f32 = input.impulses.normal.iter().sum();
-        let carried = |lambda: f32| if lambda.abs() > NEGLIGIBLE_FRICTION * pressed { lambda } else { 0.0 };
-        self.friction[l] = input.material.friction;
-        self.tangent_lambda[0][l] = carried(input.impulses.friction.dot(t1));
-        self.tangent_lambda[1][l] = carried(input.impulses.friction.dot(t2));
-        let spread = input.lever_a[..count].iter().map(|lever| (*lever - center_a).length()).sum::<f32>() * inverse_count;
-        self.twist_lambda[l] = carried(input.impulses.twist);
-        self.twist_arm[l] = input.material.friction * spread + input.material.spinning;
-        if input.material.rolling > 0.0 {
-            self.rolling_arm[l] = input.material.rolling;
-            self.rolling_lambda[0][l] = input.impulses.rolling.dot(t1);
-            self.rolling_lambda[1][l] = input.impulses.rolling.dot(t2);
-        }
-        if input.material.restitution > 0.0 {
-            self.has_restitution = true;
-            self.restitution[l] = input.material.restitution;
-        }
-    }
-
-    /// Whether the inertia of any of its bodies has been formed anew.
-    pub(crate) fn is_refreshed(&self, motions: &[BodyMotion]) -> bool {
-        self.a.iter().chain(&self.b).any(|&slot| motions[slot as usize].refreshed)
-    }
-
-    /// Evens out the load of four touching points in lane `l` without changing its force or moments.
-    ///
-    /// Four points of a face have one combination ν of multipliers that does nothing: Σν = 0, Σν r = 0. Where some of them
-    /// overlap by a micrometre and others gape by one, their rows contradict each other along ν, and the sweeps would shift the
-    /// load along it until two points carry all and the face rocks on a diagonal.
-    fn level(&mut self, l: usize, reach: f32) {
-        if (0..POINTS).any(|i| self.separation[i][l] > reach) {
-            return;
-        }
-        let (n, t1) = (get(&self.normal, l), get(&self.tangent, l));
-        let t2 = n.cross(t1);
-        let p: [Vec2; POINTS] = std::array::from_fn(|i| {
-            let lever = get(&self.lever_a[i], l);
-            Vec2::new(lever.dot(t1), lever.dot(t2))
-        });
-        let area = |a: Vec2, b: Vec2, c: Vec2| (b - a).perp_dot(c - a);
-        let idle = Vec4::new(area(p[1], p[2], p[3]), -area(p[0], p[2], p[3]), area(p[0], p[1], p[3]), -area(p[0], p[1], p[2]));
-        let Some(idle) = idle.try_normalize() else { return };
-        let lambda = Vec4::from_array(std::array::from_fn(|i| self.lambda[i][l]));
-        let shift = idle * idle.dot(lambda);
-        let least = (lambda - shift).min_element();
-        if least >= 0.0 {
-            for i in 0..POINTS {
-                self.lambda[i][l] = lambda[i] - shift[i];
-            }
-        }
-    }
-
-    /// Multipliers of lane `l` at the end of the last substep.
-    pub(crate) fn impulses(&self, l: usize) -> ContactImpulses {
-        let n = get(&self.normal, l);
-        let t1 = get(&self.tangent, l);
-        let t2 = n.cross(t1);
-        ContactImpulses {
-            normal: std::array::from_fn(|i| self.lambda[i][l]),
-            friction: t1 * self.tangent_lambda[0][l] + t2 * self.tangent_lambda[1][l],
-            twist: self.twist_lambda[l],
-            rolling: t1 * self.rolling_lambda[0][l] + t2 * self.rolling_lambda[1][l],
-        }
-    }
-
-    /// Levers of a point of lane `l`.
-    pub(crate) fn levers_of(&self, point: usize, l: usize) -> (Vec3, Vec3) {
-        (get(&self.lever_a[point], l), get(&self.lever_b[point], l))
-    }
-
-    /// Levers of the middle of lane `l`, where friction acts.
-    pub(crate) fn centers_of(&self, l: usize) -> (Vec3, Vec3) {
-        (get(&self.center_a, l), get(&self.center_b, l))
-    }
-
-    /// Normal of lane `l`.
-    pub(crate) fn normal_of(&self, l: usize) -> Vec3 {
-        get(&self.normal, l)
-    }
-}
-
 /// Two unit vectors that complete `n` to a right-handed frame (Duff et al. 2017).
 pub(crate) fn tangents(n: Vec3) -> (Vec3, Vec3) {
     let sign = 1.0_f32.copysign(n.z);
@@ -296,14 +100,4 @@ pub(crate) fn tangents(n: Vec3) -> (Vec3, Vec3) {
     let b = n.x * n.y * a;
     let t1 = Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
     (t1, n.cross(t1))
-}
-
-fn put(lanes: &mut Lane3, l: usize, v: Vec3) {
-    lanes[0][l] = v.x;
-    lanes[1][l] = v.y;
-    lanes[2][l] = v.z;
-}
-
-fn get(lanes: &Lane3, l: usize) -> Vec3 {
-    Vec3::new(lanes[0][l], lanes[1][l], lanes[2][l])
 }

@@ -24,7 +24,8 @@ mod patch;
 use glam::{DVec3, Vec3};
 
 use super::batch::Batch;
-use super::contact::{ContactBlock, LANES, tangents};
+use super::contact::{LANES, tangents};
+use super::contact_block::ContactBlocks;
 use super::state::WORLD_SLOT;
 use crate::balance::{BoundedPoint, adjust};
 use patch::{Patch, Point, rows_of};
@@ -122,9 +123,9 @@ impl LoadPass {
         if !self.islands.iter().any(|island| island.is_steady && island.is_young) {
             return;
         }
-        for (number, block) in batch.contacts.iter().enumerate() {
+        for number in 0..batch.contacts.len() {
             for lane in 0..LANES {
-                self.list_patch(block, number as u32, lane);
+                self.list_patch(&batch.contacts, number as u32, lane);
             }
         }
         self.patches.sort_unstable_by_key(|patch| (patch.upper, patch.block, patch.lane));
@@ -173,8 +174,8 @@ impl LoadPass {
         }
     }
 
-    fn list_patch(&mut self, block: &ContactBlock, number: u32, lane: usize) {
-        let Some(patch) = Patch::of(block, number, lane, self.axes[0]) else { return };
+    fn list_patch(&mut self, contacts: &ContactBlocks, number: u32, lane: usize) {
+        let Some(patch) = Patch::of(contacts, number, lane, self.axes[0]) else { return };
         let island = self.island[patch.upper as usize];
         if island != NO_ISLAND && self.islands[island as usize].is_steady && self.islands[island as usize].is_young {
             self.patches.push(patch);
@@ -235,26 +236,27 @@ impl LoadPass {
         if self.order.is_empty() {
             return;
         }
+        self.read_points(batch);
         self.find_targets(batch);
         self.hand_down(batch);
         self.take_the_best_share(batch);
     }
 
-    fn closing_speed(&self, batch: &Batch, point: &Point) -> f32 {
-        batch.contacts[point.block as usize].closing_speed[point.index as usize][point.lane as usize]
-    }
-
-    fn lambda(batch: &Batch, point: &Point) -> f32 {
-        batch.contacts[point.block as usize].lambda[point.index as usize][point.lane as usize]
+    /// Takes multipliers and closing speeds of now from the blocks: each is asked for several times.
+    fn read_points(&mut self, batch: &Batch) {
+        for point in &mut self.points {
+            let rows = batch.contacts.rows(point.block as usize, point.index as usize);
+            (point.lambda, point.closing_speed) = (rows.lambda[point.lane as usize], rows.closing_speed[point.lane as usize]);
+        }
     }
 
     /// Whether a point of an upper body that can keep `target` presses or closes in.
     fn takes_part(&self, batch: &Batch, point: &Point) -> Option<f32> {
         let up = self.axes[0];
         let velocity = &batch.velocities[point.upper as usize];
-        let allowed = self.targets[point.lower as usize].dot(up) - self.closing_speed(batch, point);
+        let allowed = self.targets[point.lower as usize].dot(up) - point.closing_speed;
         let speed = (velocity.linear + velocity.angular.cross(point.lever_upper)).dot(up);
-        (speed < allowed || Self::lambda(batch, point) > 0.0).then_some(allowed)
+        (speed < allowed || point.lambda > 0.0).then_some(allowed)
     }
 
     /// Velocity that every body can keep.
@@ -272,9 +274,8 @@ impl LoadPass {
                         sum += allowed;
                         count += 1.0;
                     }
-                    let lambda = Self::lambda(batch, point);
-                    along += self.targets[patch.lower as usize] * lambda;
-                    load += lambda;
+                    along += self.targets[patch.lower as usize] * point.lambda;
+                    load += point.lambda;
                 }
             }
             let target = &mut self.targets[slot as usize];
@@ -299,7 +300,7 @@ impl LoadPass {
             let mass = 1.0 / velocity.inverse_mass.max_element();
             let push = (mass * (self.targets[slot] - velocity.linear)).as_dvec3() + self.carried[slot].0;
             let turn = self.carried[slot].1 - motion.angular_momentum(velocity.angular).as_dvec3();
-            self.share_friction(batch, slot as u32, push - up * push.dot(up));
+            self.share_friction(slot as u32, push - up * push.dot(up));
             if !self.adjust_points(batch, slot as u32, push, turn) {
                 // It turns over the edge of what is under it: the edge rests then, not the centre of mass.
                 let range = self.range(slot as u32);
@@ -323,7 +324,7 @@ impl LoadPass {
             for place in patch.points() {
                 let point = &self.points[place];
                 if self.takes_part(batch, point).is_some() {
-                    self.bounded.push(BoundedPoint::new(point.column, -f64::from(Self::lambda(batch, point))));
+                    self.bounded.push(BoundedPoint::new(point.column, -f64::from(point.lambda)));
                     self.places.push(place as u32);
                 }
             }
@@ -339,8 +340,8 @@ impl LoadPass {
     }
 
     /// Friction that takes momentum across gravity, on every manifold by the load that it bears.
-    fn share_friction(&mut self, batch: &Batch, slot: u32, push: DVec3) {
-        let pressed = |patch: &Patch| self.points[patch.points()].iter().map(|point| Self::lambda(batch, point)).sum::<f32>();
+    fn share_friction(&mut self, slot: u32, push: DVec3) {
+        let pressed = |patch: &Patch| self.points[patch.points()].iter().map(|point| point.lambda).sum::<f32>();
         let load: f32 = self.patches[self.range(slot)].iter().map(pressed).sum();
         if load > 0.0 {
             for number in self.range(slot) {
@@ -360,7 +361,7 @@ impl LoadPass {
             let carried = &mut self.carried[patch.lower as usize];
             for place in patch.points() {
                 let (point, delta) = (&self.points[place], self.deltas[place]);
-                load += Self::lambda(batch, point) + delta;
+                load += point.lambda + delta;
                 let push = (point.normal * delta).as_dvec3();
                 carried.0 += push;
                 carried.1 += point.lever_lower.as_dvec3().cross(push);
@@ -417,7 +418,7 @@ impl LoadPass {
         }
         for (point, &delta) in self.points.iter().zip(&self.deltas) {
             let island = &mut islands[self.island[point.upper as usize] as usize];
-            island.slope += f64::from(delta * self.closing_speed(batch, point));
+            island.slope += f64::from(delta * point.closing_speed);
         }
         (self.changes, self.islands) = (changes, islands);
         self.apply_shares(batch);
@@ -433,12 +434,12 @@ impl LoadPass {
         }
         for (point, &delta) in self.points.iter().zip(&self.deltas) {
             let share = share_of(point.upper);
-            let lambda = &mut batch.contacts[point.block as usize].lambda[point.index as usize][point.lane as usize];
+            let lambda = &mut batch.contacts.rows_mut(point.block as usize, point.index as usize).lambda[point.lane as usize];
             *lambda = (*lambda + delta * share).max(0.0);
         }
         for (patch, &rub) in self.patches.iter().zip(&self.rubs) {
             let on_b = rub * share_of(patch.upper) * if patch.upper_is_b { 1.0 } else { -1.0 };
-            let block = &mut batch.contacts[patch.block as usize];
+            let block = &mut batch.contacts.blocks[patch.block as usize];
             for (lambda, tangent) in block.tangent_lambda.iter_mut().zip(patch.tangents) {
                 lambda[patch.lane as usize] += on_b.dot(tangent);
             }

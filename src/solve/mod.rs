@@ -11,6 +11,7 @@ mod birth;
 pub(crate) mod bound;
 mod color;
 pub(crate) mod contact;
+mod contact_block;
 mod contact_kernels;
 pub(crate) mod direct;
 mod dispatch;
@@ -33,11 +34,11 @@ mod wide_matrix;
 pub(crate) mod wrap;
 
 use batch::Batch;
-use contact::POINTS;
 use state::BodyVelocity;
 
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
+use crate::room::make_room;
 
 /// Overlap below which position recovery has nothing to do (m).
 const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
@@ -153,7 +154,7 @@ impl Batch {
         self.settle(joints, true);
         self.leads.tell(self.passive.slots(), &mut self.velocities, &self.motions);
         if let Some(limits) = &settings.limits {
-            contact_kernels::tell(&self.contacts, &self.velocities, limits, &mut self.told);
+            contact_kernels::tell(&mut self.contacts, &self.velocities, limits, &mut self.told);
         }
         self.joints.store();
         self.bounds.store();
@@ -169,15 +170,15 @@ impl Batch {
 
     /// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold; backwards, all in the opposite order.
     fn sweep_contacts(&mut self, backwards: bool) {
-        let (free, jointed) = self.contacts.split_at_mut(self.first_jointed);
+        let (free, jointed) = (0..self.first_jointed, self.first_jointed..self.contacts.len());
         if !backwards {
-            contact_kernels::sweep(free, &mut self.velocities, false);
+            contact_kernels::sweep(&mut self.contacts, free.clone(), &mut self.velocities, false);
         }
         for sweep in 0..JOINTED_SWEEPS {
-            contact_kernels::sweep(jointed, &mut self.velocities, backwards != (sweep % 2 == 1));
+            contact_kernels::sweep(&mut self.contacts, jointed.clone(), &mut self.velocities, backwards != (sweep % 2 == 1));
         }
         if backwards {
-            contact_kernels::sweep(free, &mut self.velocities, true);
+            contact_kernels::sweep(&mut self.contacts, free, &mut self.velocities, true);
         }
     }
 
@@ -267,8 +268,10 @@ impl Batch {
         self.poses.limit_speeds(&mut self.velocities, h);
         self.direct.couple(joints, &mut self.velocities, &mut self.motions, h, rest);
         if self.motions.iter().any(|motion| motion.refreshed) {
-            for block in self.contacts.iter_mut().filter(|block| block.is_refreshed(&self.motions)) {
-                contact_kernels::set_masses(block, &self.velocities);
+            for number in 0..self.contacts.len() {
+                if self.contacts.blocks[number].is_refreshed(&self.motions) {
+                    contact_kernels::set_masses(&mut self.contacts, number, &self.velocities);
+                }
             }
         }
     }
@@ -307,11 +310,10 @@ impl Batch {
             return;
         }
         self.pushes.clear();
+        make_room(&mut self.pushes, self.velocities.len());
         self.pushes.extend(self.velocities.iter().map(BodyVelocity::at_rest));
-        self.recovery_lambdas.clear();
-        self.recovery_lambdas.resize(self.contacts.len(), [[0.0; contact::LANES]; POINTS]);
         for _ in 0..contact_kernels::RECOVERY_SWEEPS {
-            contact_kernels::recover(&self.contacts, &mut self.recovery_lambdas, &mut self.pushes, dt);
+            contact_kernels::recover(&mut self.contacts, &mut self.pushes, dt);
         }
         for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
             motion.displace(push.linear, push.angular);

@@ -15,7 +15,8 @@
 
 use glam::Vec3;
 
-use super::contact::{ContactBlock, LANES, POINTS};
+use super::contact::LANES;
+use super::contact_block::ContactBlocks;
 use super::state::{BodyMotion, BodyVelocity, MotionKind};
 
 /// Share of an error that is taken out of positions in a substep: some of it is the waypoints', which move on with the chain.
@@ -146,15 +147,16 @@ impl BatchWraps {
     }
 
     /// Notes what touches something fixed: presses on it, or is no farther from it than `reach` (m).
-    pub(crate) fn find_touches(&mut self, contacts: &[ContactBlock], motions: &[BodyMotion], reach: f32) {
+    pub(crate) fn find_touches(&mut self, contacts: &ContactBlocks, motions: &[BodyMotion], reach: f32) {
         let is_fixed = |slot: u32| motions[slot as usize].kind == MotionKind::Fixed;
-        for block in contacts {
+        for (number, block) in contacts.blocks.iter().enumerate() {
             for l in 0..LANES {
                 let (a, b) = (block.a[l], block.b[l]);
                 let touches = |i: usize| {
-                    block.inverse_diagonal[i][l] > 0.0 && (block.lambda[i][l] > 0.0 || block.separation[i][l] <= reach)
+                    let rows = contacts.rows(number, i);
+                    rows.inverse_diagonal[l] > 0.0 && (rows.lambda[l] > 0.0 || rows.separation[l] <= reach)
                 };
-                if is_fixed(a) == is_fixed(b) || !(0..POINTS).any(touches) {
+                if is_fixed(a) == is_fixed(b) || !(0..contacts.room_of(number)).any(touches) {
                     continue;
                 }
                 self.touches.resize(motions.len(), Vec3::ZERO);

@@ -2,12 +2,16 @@
 
 use super::World;
 use super::unions::Anchor;
-use crate::id::JointId;
+use crate::id::{JointId, Pool};
 use crate::island::UnionFind;
+use crate::joint::Joint;
 use crate::solve::batch::Batch;
 
 /// Bodies after which a batch takes no further island. It must not depend on the number of threads.
 const BATCH_BODIES: u32 = 64;
+
+/// Bodies for which batches that are not used may keep room.
+const LEAST_DROPPED: usize = 2048;
 
 /// Where each body is in the batches of this step.
 #[derive(Debug, Default)]
@@ -27,7 +31,14 @@ pub(super) struct Groups {
     batch_sizes: Vec<u32>,
     /// Place of each joint among those of its batch, by slot; of joints at rest, those of some step before.
     pub joint_places: Vec<u32>,
+    /// Bodies of each joint, by slot, and the version of the joints that this was found of: the joints themselves are far from one
+    /// another in memory, and each body asks for those of all its joints twice a step.
+    joint_bodies: Vec<[u32; 2]>,
+    joint_version: Option<u64>,
 }
+
+/// Body of a joint's side that is the world.
+const NO_BODY: u32 = u32::MAX;
 
 impl Groups {
     /// Members of each island, by number.
@@ -42,6 +53,20 @@ impl Groups {
         self.starts.clear();
         self.members.clear();
         self.place.clear();
+        self.joint_version = None;
+    }
+
+    /// Brings the list of the joints' bodies up to date.
+    fn list_joint_bodies(&mut self, joints: &Pool<Joint, JointId>) {
+        if self.joint_version == Some(joints.version()) {
+            return;
+        }
+        self.joint_version = Some(joints.version());
+        self.joint_bodies.clear();
+        self.joint_bodies.resize(joints.slot_count(), [NO_BODY; 2]);
+        for (slot, joint) in joints.iter() {
+            self.joint_bodies[slot as usize] = joint.bodies.map(|body| body.unwrap_or(NO_BODY));
+        }
     }
 }
 
@@ -90,8 +115,9 @@ impl World {
     }
 
     fn join_islands(&mut self) {
-        let Self { scratch, bodies, colliders, pairs, joints, movers, unions, .. } = self;
+        let Self { scratch, bodies, colliders, pairs, joints, movers, unions, groups, .. } = self;
         scratch.islands.reset(bodies.slot_count(), movers);
+        groups.list_joint_bodies(joints);
         let joins = |body: u32| bodies[body].is_free() && bodies[body].is_mover();
         for &(key, slot) in pairs.active() {
             if pairs.get(slot).has_points() {
@@ -104,17 +130,15 @@ impl World {
         }
         let islands = &mut scratch.islands;
         let join_ends = |slot: u32, islands: &mut UnionFind| {
-            if let [Some(a), Some(b)] = joints[slot].bodies
-                && joins(a)
-                && joins(b)
-            {
+            let [a, b] = groups.joint_bodies[slot as usize];
+            if a != NO_BODY && b != NO_BODY && joins(a) && joins(b) {
                 islands.union(a, b);
             }
         };
         for &body in movers.iter().filter(|&&body| bodies[body].is_free()) {
             match unions.moving(body) {
                 None => {
-                    bodies[body].joints.iter().filter_map(|&id| joints.find(id).ok()).for_each(|slot| join_ends(slot, islands))
+                    bodies[body].joints.iter().for_each(|&id| join_ends(joints.slot_of(id), islands));
                 }
                 Some(union) if union.lead == body => {
                     union.members.iter().for_each(|&member| islands.union(body, member));
@@ -176,6 +200,7 @@ impl World {
     fn make_batches(&mut self) {
         self.size_batches();
         self.give_room_to_batches();
+        self.drop_idle_batches();
         let Self { groups, batches, batch_count, unions, hold, .. } = self;
         batches[..*batch_count].iter_mut().for_each(Batch::clear);
         let mut batch = 0;
@@ -228,6 +253,18 @@ impl World {
         }
     }
 
+    /// Gives back the memory of batches that are not used, where they have more room than those that are: bodies that fall one by one
+    /// are in many batches, and when they lie in a pile in one.
+    fn drop_idle_batches(&mut self) {
+        let Self { groups, batches, batch_count, .. } = self;
+        let needed: usize = groups.batch_sizes.iter().map(|&size| size as usize).sum();
+        let idle: usize = batches[*batch_count..].iter().map(Batch::room).sum();
+        if idle > needed.max(LEAST_DROPPED) {
+            batches.truncate(*batch_count);
+            batches.shrink_to_fit();
+        }
+    }
+
     fn hand_out_contacts(&mut self) {
         let Self { groups, batches, pairs, colliders, bodies, report, .. } = self;
         for &(key, slot) in pairs.active() {
@@ -252,10 +289,11 @@ impl World {
     fn hand_out_joints(&mut self) {
         let Self { groups, batches, joints, bodies, movers, unions, scratch, report, .. } = self;
         scratch.slots.clear();
-        let moved =
-            |slot: u32| joints[slot].bodies.into_iter().flatten().find(|&body| bodies[body].is_free() && bodies[body].is_mover());
+        let moves = |body: u32| body != NO_BODY && bodies[body].is_free() && bodies[body].is_mover();
+        let joint_bodies = &groups.joint_bodies;
+        let moved = |slot: u32| joint_bodies[slot as usize].into_iter().find(|&body| moves(body));
         for &body in movers.iter().filter(|&&body| bodies[body].is_free() && !bodies[body].held) {
-            let own = |id: &JointId| joints.find(*id).ok().filter(|&slot| moved(slot) == Some(body));
+            let own = |id: &JointId| Some(joints.slot_of(*id)).filter(|&slot| moved(slot) == Some(body));
             match unions.moving(body) {
                 None => scratch.slots.extend(bodies[body].joints.iter().filter_map(own)),
                 Some(union) if union.lead == body => scratch.slots.extend_from_slice(&union.outer),

@@ -15,6 +15,7 @@ use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
 use crate::material::PairMaterial;
 use crate::report::{Contact, Hit};
+use crate::room::give_back_room;
 use crate::workers::for_each_chunk;
 
 /// Margins around a shape's box from which on the box that is kept is made anew although the shape is still in it.
@@ -86,18 +87,21 @@ impl World {
             |shape| colliders.get(shape).and_then(|collider| unions.number_of(collider.body)),
             &mut scratch.candidates,
         );
-        scratch.keys.clear();
-        for &(a, b) in &scratch.candidates {
-            if may_collide(&colliders[a], &colliders[b], bodies, joints, unions) {
-                scratch.keys.push(PairKey::new(a, b));
-            }
+        let candidates = &mut scratch.candidates;
+        if !candidates.is_empty() {
+            candidates.retain(|key| {
+                let (a, b) = key.shapes();
+                may_collide(&colliders[a], &colliders[b], bodies, joints, unions)
+            });
+            candidates.sort_unstable();
+            candidates.dedup();
+            pairs.activate_new(candidates, |key| {
+                let (a, b) = key.shapes();
+                PairMaterial::combine(&colliders[a].material, &colliders[b].material)
+            });
         }
-        scratch.keys.sort_unstable();
-        scratch.keys.dedup();
-        pairs.activate_new(&scratch.keys, |key| {
-            let (a, b) = key.shapes();
-            PairMaterial::combine(&colliders[a].material, &colliders[b].material)
-        });
+        // Most are found in the first step of all.
+        give_back_room(candidates);
     }
 
     /// Makes or follows the contacts of every active pair.

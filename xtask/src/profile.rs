@@ -16,7 +16,7 @@ const STAGES: &[(&str, &[&str])] = &[
     ("narrow phase", &["src/collide/", "parry3d"]),
     ("lists of pairs", &["src/world/pairs"]),
     ("islands and batches", &["src/world/group", "src/island", "src/solve/color"]),
-    ("filling of batches", &["src/world/load.rs", "src/solve/batch", "src/solve/contact.rs"]),
+    ("filling of batches", &["src/world/load.rs", "src/solve/batch", "src/solve/contact.rs", "src/solve/contact_block"]),
     ("masses of contacts", &["contact_kernels/masses"]),
     ("sweeps of contacts", &["contact_kernels"]),
     ("loads in stacks", &["src/solve/load_pass", "src/solve/exact", "src/solve/birth", "src/balance"]),

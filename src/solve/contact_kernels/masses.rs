@@ -2,11 +2,12 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
-use super::super::contact::{ContactBlock, LANES, Lane, POINTS};
+use super::super::contact::{LANES, Lane, POINTS};
+use super::super::contact_block::{ContactBlock, ContactBlocks, Face};
 use super::super::side::Side;
 use super::super::state::BodyVelocity;
 use super::super::wide::{Wide, Wide3};
-use super::rows::load_all;
+use super::rows::{Faced, Manifolds, Single, load_all, of_block};
 
 /// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
 const REGULARISATION: f32 = 1.0e-3;
@@ -21,17 +22,34 @@ const IMMOVABLE: f32 = 1.0e-12;
 const ENTRIES: [(usize, usize); 10] = [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
 #[inline(always)]
-pub(super) fn set<W: Wide>(block: &mut ContactBlock, velocities: &[BodyVelocity]) {
+pub(super) fn set<W: Wide>(contacts: &mut ContactBlocks, number: usize, velocities: &[BodyVelocity]) {
+    let ContactBlocks { blocks, faces, extras } = contacts;
+    let block = &mut blocks[number];
     let (side_a, side_b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
-    let inverse_mass = side_a.inverse_mass() + side_b.inverse_mass();
-    let n = Wide3::load(&block.normal);
-    let t1 = Wide3::load(&block.tangent);
-    let t2 = n.cross(t1);
-
     let immovable = Immovable::new(&side_a, &side_b);
-    set_normal(block, n, n.dot(inverse_mass.scale(n)), &side_a, &side_b, &immovable);
+    of_block!(set_rows::<W>(block, faces, &side_a, &side_b, &immovable));
+    if let Some(face) = faces.get_mut(block.face as usize) {
+        set_inverse(block, face);
+    }
+    if let Some(extra) = extras.get_mut(block.extra as usize).filter(|extra| extra.has_rolling) {
+        let n = Wide3::<W>::load(&block.normal);
+        let t1 = Wide3::load(&block.tangent);
+        let t2 = n.cross(t1);
+        let (turn1, turn2) = (side_a.response(t1) + side_b.response(t1), side_a.response(t2) + side_b.response(t2));
+        put_inverse2(&mut extra.rolling_mass, t1.dot(turn1), t1.dot(turn2), t2.dot(turn2), immovable.turning);
+    }
+}
 
-    let (center_a, center_b) = (Wide3::load(&block.center_a), Wide3::load(&block.center_b));
+/// Masses of all rows but those of rolling; inverses of manifolds of more than one point.
+#[inline(always)]
+fn set_rows<W: Wide, M: Manifolds>(of: &mut M, side_a: &Side<W>, side_b: &Side<W>, immovable: &Immovable<W>) {
+    let inverse_mass = side_a.inverse_mass() + side_b.inverse_mass();
+    let n = Wide3::load(&of.block().normal);
+    let t1 = Wide3::load(&of.block().tangent);
+    let t2 = n.cross(t1);
+    set_normal(of, n, n.dot(inverse_mass.scale(n)), side_a, side_b, immovable);
+
+    let (center_a, center_b) = of.centers::<W>();
     let least = immovable.at(center_a, center_b);
     let (arm_a1, arm_a2) = (center_a.cross(t1), center_a.cross(t2));
     let (arm_b1, arm_b2) = (center_b.cross(t1), center_b.cross(t2));
@@ -41,13 +59,10 @@ pub(super) fn set<W: Wide>(block: &mut ContactBlock, velocities: &[BodyVelocity]
     let m11 = t1.dot(push1) + arm_a1.dot(turn_a1) + arm_b1.dot(turn_b1);
     let m12 = t1.dot(push2) + arm_a1.dot(turn_a2) + arm_b1.dot(turn_b2);
     let m22 = t2.dot(push2) + arm_a2.dot(turn_a2) + arm_b2.dot(turn_b2);
+    let block = of.block_mut();
     put_inverse2(&mut block.tangent_mass, m11, m12, m22, least);
 
     invert(n.dot(side_a.response(n) + side_b.response(n)), immovable.turning).store(&mut block.twist_mass);
-    if block.has_rolling {
-        let (turn1, turn2) = (side_a.response(t1) + side_b.response(t1), side_a.response(t2) + side_b.response(t2));
-        put_inverse2(&mut block.rolling_mass, t1.dot(turn1), t1.dot(turn2), t2.dot(turn2), immovable.turning);
-    }
 }
 
 /// Inverse effective masses at or below which a row of two bodies is immovable: [`IMMOVABLE`] of the trace of M⁻¹ − [r]× I⁻¹ [r]×.
@@ -78,60 +93,57 @@ impl<W: Wide> Immovable<W> {
 
 /// A_ij = n·M⁻¹n + (r_i×n)·I⁻¹(r_j×n), summed over both sides, and its inverses.
 #[inline(always)]
-fn set_normal<W: Wide>(
-    block: &mut ContactBlock,
+fn set_normal<W: Wide, M: Manifolds>(
+    of: &mut M,
     n: Wide3<W>,
     along_normal: W,
     side_a: &Side<W>,
     side_b: &Side<W>,
     immovable: &Immovable<W>,
 ) {
-    let points = if block.has_faces { POINTS } else { 1 };
     let zero = W::zero();
     let mut exists = [[0.0; LANES]; POINTS];
-    for i in 0..points {
+    for i in 0..M::COUNT {
         for l in 0..LANES {
-            exists[i][l] = f32::from(u8::from(i < usize::from(block.count[l])));
+            exists[i][l] = f32::from(u8::from(i < usize::from(of.block().count[l])));
         }
     }
     let exists = load_all::<W, POINTS>(&exists);
     let mut torque = [(Wide3::zero(), Wide3::zero()); POINTS];
     let mut least = [zero; POINTS];
-    for i in 0..points {
-        let (lever_a, lever_b) = (Wide3::load(&block.lever_a[i]), Wide3::load(&block.lever_b[i]));
+    for i in 0..M::COUNT {
+        let (lever_a, lever_b) = (Wide3::load(&of.rows(i).lever_a), Wide3::load(&of.rows(i).lever_b));
         torque[i] = (lever_a.cross(n), lever_b.cross(n));
         least[i] = immovable.at(lever_a, lever_b);
     }
     let mut pair = 0;
-    for i in 0..points {
+    for i in 0..M::COUNT {
         let (turn_a, turn_b) = (side_a.response(torque[i].0), side_b.response(torque[i].1));
         let entry = along_normal + turn_a.dot(torque[i].0) + turn_b.dot(torque[i].1);
         let diagonal = W::select(exists[i].above(zero), entry, zero);
-        diagonal.store(&mut block.diagonal[i]);
-        invert(diagonal, least[i]).store(&mut block.inverse_diagonal[i]);
-        for j in i + 1..points {
+        invert(diagonal, least[i]).store(&mut of.rows_mut(i).inverse_diagonal);
+        let Some(face) = of.face_mut() else { continue };
+        diagonal.store(&mut face.diagonal[i]);
+        for j in i + 1..M::COUNT {
             // Points exist in order: where j does, i does.
             let entry = along_normal + turn_a.dot(torque[j].0) + turn_b.dot(torque[j].1);
-            W::select(exists[j].above(zero), entry, zero).store(&mut block.coupling[pair]);
+            W::select(exists[j].above(zero), entry, zero).store(&mut face.coupling[pair]);
             pair += 1;
         }
-    }
-    if block.has_faces {
-        set_inverse(block);
     }
 }
 
 /// Inverts the matrix of each lane. Four points of a face have a matrix of rank three; [`REGULARISATION`] makes it regular and picks
 /// the multipliers of least norm. A = L D Lᵀ, A⁻¹ = Mᵀ D⁻¹ M with M = L⁻¹, in `f64`.
 #[inline(always)]
-fn set_inverse(block: &mut ContactBlock) {
-    let ContactBlock { diagonal, inverse_diagonal, coupling, inverse, count, .. } = block;
-    let lanes: &mut [Lane; 10] = inverse;
+fn set_inverse(block: &ContactBlock, face: &mut Face) {
+    let Face { more: [second, third, fourth], diagonal, coupling, inverse: lanes, .. } = face;
+    let rows = [&block.first, second, third, fourth];
     for l in 0..LANES {
         let extra =
             f64::from(diagonal.iter().fold(0.0_f32, |most, lane| if lane[l] > most { lane[l] } else { most }) * REGULARISATION);
         // A point alone is solved by its diagonal.
-        let exists = [0, 1, 2, 3].map(|i: usize| count[l] > 1 && inverse_diagonal[i][l] > 0.0);
+        let exists = [0, 1, 2, 3].map(|i: usize| block.count[l] > 1 && rows[i].inverse_diagonal[l] > 0.0);
         let d = [0, 1, 2, 3].map(|i: usize| if exists[i] { f64::from(diagonal[i][l]) + extra } else { 1.0 });
         let [c01, c02, c03, c12, c13, c23] = coupling.map(|lane| f64::from(lane[l]));
 

@@ -12,7 +12,10 @@ mod tell;
 mod tests;
 mod warm_start;
 
-use super::contact::{ContactBlock, LANES, Lane, POINTS};
+use std::ops::Range;
+
+use super::contact::LANES;
+use super::contact_block::ContactBlocks;
 use super::dispatch::in_lanes;
 use super::state::{BodyMotion, BodyVelocity};
 use super::told::{Limits, Told};
@@ -21,32 +24,34 @@ pub(crate) use recover::RECOVERY_SWEEPS;
 
 in_lanes!(
     /// Forms the effective masses of a block from the bodies' inertia of now.
-    pub(crate) set_masses, masses::set, (block: &mut ContactBlock, velocities: &[BodyVelocity])
+    pub(crate) set_masses, masses::set, (contacts: &mut ContactBlocks, number: usize, velocities: &[BodyVelocity])
 );
 in_lanes!(
     /// Applies the carried multipliers and forms the closing speeds of this substep.
     ///
     /// The velocities have the substep's forces in them already.
     pub(crate) warm_start, warm_start::all,
-    (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32)
+    (contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32)
 );
 in_lanes!(
-    /// One sweep: friction, then the normal rows of each manifold as a block.
-    pub(crate) sweep, sweep::all, (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], backwards: bool)
+    /// One sweep over a range of blocks: friction, then the normal rows of each manifold as a block.
+    pub(crate) sweep, sweep::all,
+    (contacts: &mut ContactBlocks, range: Range<usize>, velocities: &mut [BodyVelocity], backwards: bool)
 );
 in_lanes!(
     /// After the substeps: points that hit something at more than `threshold` (m/s) leave at the rebound speed.
     pub(crate) restitute, recover::restitute,
-    (blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], threshold: f32)
+    (contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], threshold: f32)
 );
 in_lanes!(
-    /// Brings the separations to the end of the step, and raises `worst` to the greatest overlap of any point (m).
-    pub(crate) end_step, recover::end_step, (blocks: &mut [ContactBlock], motions: &[BodyMotion], worst: &mut f32)
+    /// Brings the separations to the end of the step, makes room for multipliers of [`recover`], and raises `worst` to the greatest
+    /// overlap of any point (m).
+    pub(crate) end_step, recover::end_step, (contacts: &mut ContactBlocks, motions: &[BodyMotion], worst: &mut f32)
 );
 in_lanes!(
     /// Adds to `told` what the step has made of the manifolds of each block.
     pub(crate) tell, tell::all,
-    (blocks: &[ContactBlock], velocities: &[BodyVelocity], limits: &Limits, told: &mut Vec<[Told; LANES]>)
+    (contacts: &mut ContactBlocks, velocities: &[BodyVelocity], limits: &Limits, told: &mut Vec<[Told; LANES]>)
 );
 in_lanes!(
     /// One sweep of position recovery: overlapping points are pushed apart by displacements that leave no velocity behind.
@@ -55,5 +60,5 @@ in_lanes!(
     /// J δ ≥ −β s where s < 0 (never faster than [`MAX_RECOVERY_SPEED`](recover::MAX_RECOVERY_SPEED)) and J δ ≥ −s elsewhere, so
     /// that one overlap is not cured by making another; s is that of [`end_step`].
     pub(crate) recover, recover::all,
-    (blocks: &[ContactBlock], lambdas: &mut [[Lane; POINTS]], pushes: &mut [BodyVelocity], dt: f32)
+    (contacts: &mut ContactBlocks, pushes: &mut [BodyVelocity], dt: f32)
 );

@@ -2,11 +2,12 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
-use super::super::contact::{ContactBlock, LANES, Lane, POINTS};
+use super::super::contact::{LANES, POINTS};
+use super::super::contact_block::{ContactBlocks, Extra};
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
 use super::super::wide::Wide;
-use super::rows::{load_points, normal_rates, push_apart, separations, solve_manifolds, store_points};
+use super::rows::{Faced, Manifolds, Single, lambdas, normal_rates, of_block, push_apart, separations, store_lambdas};
 
 /// Share of an overlap that is taken out in one step.
 const RECOVERY_SHARE: f32 = 0.2;
@@ -18,82 +19,99 @@ pub(super) const MAX_RECOVERY_SPEED: f32 = 0.9;
 pub(crate) const RECOVERY_SWEEPS: usize = 2;
 
 #[inline(always)]
-pub(super) fn restitute<W: Wide>(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], threshold: f32) {
-    for block in blocks.iter_mut().filter(|block| block.has_restitution) {
-        let (mut side_a, mut side_b) = (Side::<W>::gather(&block.a, velocities), Side::gather(&block.b, velocities));
-        let mut rebound = [[0.0; LANES]; POINTS];
-        let mut any = [0.0; LANES];
-        for l in 0..LANES {
-            for i in 0..POINTS {
-                if block.impact_speed[i][l] < -threshold && block.peak_lambda[i][l] > 0.0 {
-                    rebound[i][l] = block.restitution[l] * block.impact_speed[i][l];
-                    any[l] = 1.0;
-                }
-            }
-        }
-        let mut residual = normal_rates::<W, POINTS>(block, &side_a, &side_b);
-        for i in 0..POINTS {
-            residual[i] = residual[i] + W::load(&rebound[i]);
-        }
-        let old = load_points::<W>(&block.lambda);
-        let mut new = solve_manifolds::<W, POINTS>(block, residual, &old);
-        let any = W::load(&any).above(W::zero());
-        for i in 0..POINTS {
-            new[i] = W::select(any, new[i], old[i]);
-        }
-        push_apart::<W, POINTS>(block, &new, &old, &mut side_a, &mut side_b);
-        side_a.scatter(&block.a, velocities);
-        side_b.scatter(&block.b, velocities);
-        store_points::<W, POINTS>(&new, &mut block.lambda);
+pub(super) fn restitute<W: Wide>(contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], threshold: f32) {
+    let ContactBlocks { blocks, faces, extras } = contacts;
+    if extras.is_empty() {
+        return;
+    }
+    for block in blocks {
+        let Some(extra) = extras.get(block.extra as usize).filter(|extra| extra.has_restitution) else { continue };
+        of_block!(rebound::<W>(block, faces, extra, velocities, threshold));
     }
 }
 
 #[inline(always)]
-pub(super) fn end_step<W: Wide>(blocks: &mut [ContactBlock], motions: &[BodyMotion], worst: &mut f32) {
-    let zero = W::zero();
-    let mut deepest = zero;
-    for block in blocks {
-        let separation = separations::<W, POINTS>(block, motions);
-        for i in 0..POINTS {
-            let exists = W::load(&block.inverse_diagonal[i]).above(zero);
-            deepest = deepest.max(W::select(exists, -separation[i], zero));
+fn rebound<W: Wide, M: Manifolds>(of: &mut M, extra: &Extra, velocities: &mut [BodyVelocity], threshold: f32) {
+    let (a, b) = (&of.block().a, &of.block().b);
+    let (mut side_a, mut side_b) = (Side::<W>::gather(a, velocities), Side::gather(b, velocities));
+    let mut rebound = [[0.0; LANES]; POINTS];
+    let mut any = [0.0; LANES];
+    for l in 0..LANES {
+        for i in 0..M::COUNT {
+            if extra.impact_speed[i][l] < -threshold && extra.peak_lambda[i][l] > 0.0 {
+                rebound[i][l] = extra.restitution[l] * extra.impact_speed[i][l];
+                any[l] = 1.0;
+            }
         }
-        store_points::<W, POINTS>(&separation, &mut block.separation);
+    }
+    let mut residual = normal_rates::<W, M>(of, &side_a, &side_b);
+    for i in 0..M::COUNT {
+        residual[i] = residual[i] + W::load(&rebound[i]);
+    }
+    let old = lambdas::<W, M>(of);
+    let mut new = of.solve(residual, &old);
+    let any = W::load(&any).above(W::zero());
+    for i in 0..M::COUNT {
+        new[i] = W::select(any, new[i], old[i]);
+    }
+    push_apart::<W, M>(of, &new, &old, &mut side_a, &mut side_b);
+    side_a.scatter(&of.block().a, velocities);
+    side_b.scatter(&of.block().b, velocities);
+    store_lambdas::<W, M>(&new, of);
+}
+
+#[inline(always)]
+pub(super) fn end_step<W: Wide>(contacts: &mut ContactBlocks, motions: &[BodyMotion], worst: &mut f32) {
+    let ContactBlocks { blocks, faces, .. } = contacts;
+    let mut deepest = W::zero();
+    for block in blocks {
+        deepest = deepest.max(of_block!(follow::<W>(block, faces, motions)));
     }
     let mut lanes = [0.0; LANES];
     deepest.store(&mut lanes);
     *worst = lanes.iter().fold(*worst, |worst, &overlap| worst.max(overlap));
 }
 
+/// Brings the separations of a block up to date, and begins its recovery with nothing; greatest overlap of each lane (m).
 #[inline(always)]
-pub(super) fn all<W: Wide>(blocks: &[ContactBlock], lambdas: &mut [[Lane; POINTS]], pushes: &mut [BodyVelocity], dt: f32) {
-    for (block, lambda) in blocks.iter().zip(lambdas) {
-        if block.has_faces {
-            part_overlaps::<W, POINTS>(block, lambda, pushes, dt);
-        } else {
-            part_overlaps::<W, 1>(block, lambda, pushes, dt);
-        }
+fn follow<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion]) -> W {
+    let separation = separations::<W, M>(of, motions);
+    let mut deepest = W::zero();
+    for i in 0..M::COUNT {
+        let rows = of.rows_mut(i);
+        let exists = W::load(&rows.inverse_diagonal).above(W::zero());
+        deepest = deepest.max(W::select(exists, -separation[i], W::zero()));
+        separation[i].store(&mut rows.separation);
+        W::zero().store(&mut rows.closing_speed);
+    }
+    deepest
+}
+
+#[inline(always)]
+pub(super) fn all<W: Wide>(contacts: &mut ContactBlocks, pushes: &mut [BodyVelocity], dt: f32) {
+    let ContactBlocks { blocks, faces, .. } = contacts;
+    for block in blocks {
+        of_block!(part_overlaps::<W>(block, faces, pushes, dt));
     }
 }
 
 #[inline(always)]
-fn part_overlaps<W: Wide, const N: usize>(
-    block: &ContactBlock,
-    lambda: &mut [Lane; POINTS],
-    pushes: &mut [BodyVelocity],
-    dt: f32,
-) {
-    let (mut side_a, mut side_b) = (Side::<W>::gather(&block.a, pushes), Side::gather(&block.b, pushes));
-    let mut residual = normal_rates::<W, N>(block, &side_a, &side_b);
-    for i in 0..N {
-        let s = W::load(&block.separation[i]);
+fn part_overlaps<W: Wide, M: Manifolds>(of: &mut M, pushes: &mut [BodyVelocity], dt: f32) {
+    let (a, b) = (&of.block().a, &of.block().b);
+    let (mut side_a, mut side_b) = (Side::<W>::gather(a, pushes), Side::gather(b, pushes));
+    let mut residual = normal_rates::<W, M>(of, &side_a, &side_b);
+    let mut old = [W::zero(); POINTS];
+    for i in 0..M::COUNT {
+        old[i] = W::load(&of.rows(i).closing_speed);
+        let s = W::load(&of.rows(i).separation);
         let apart = (W::splat(RECOVERY_SHARE) * s).max(W::splat(-MAX_RECOVERY_SPEED * dt));
         residual[i] = residual[i] + W::select(W::zero().above(s), apart, s);
     }
-    let old = load_points::<W>(lambda);
-    let new = solve_manifolds::<W, N>(block, residual, &old);
-    push_apart::<W, N>(block, &new, &old, &mut side_a, &mut side_b);
-    side_a.scatter(&block.a, pushes);
-    side_b.scatter(&block.b, pushes);
-    store_points::<W, N>(&new, lambda);
+    let new = of.solve(residual, &old);
+    push_apart::<W, M>(of, &new, &old, &mut side_a, &mut side_b);
+    side_a.scatter(&of.block().a, pushes);
+    side_b.scatter(&of.block().b, pushes);
+    for i in 0..M::COUNT {
+        new[i].store(&mut of.rows_mut(i).closing_speed);
+    }
 }

@@ -2,7 +2,8 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
-use super::super::contact::{ContactBlock, Lane, POINTS};
+use super::super::contact::{Lane, POINTS};
+use super::super::contact_block::{ContactBlock, Face, PointRows};
 use super::super::side::{Side, moved};
 use super::super::state::BodyMotion;
 use super::super::wide::{Wide, Wide3};
@@ -23,99 +24,211 @@ pub(super) fn load_all<W: Wide, const N: usize>(lanes: &[Lane; N]) -> [W; N] {
 }
 
 #[inline(always)]
-pub(super) fn load_points<W: Wide>(lanes: &[Lane; POINTS]) -> Points<W> {
-    load_all(lanes)
-}
-
-#[inline(always)]
 fn product<W: Wide>(row: &Points<W>, column: &Points<W>) -> W {
     row[0] * column[0] + row[1] * column[1] + row[2] * column[2] + row[3] * column[3]
 }
 
-#[inline(always)]
-pub(super) fn store_points<W: Wide, const N: usize>(points: &Points<W>, lanes: &mut [Lane; POINTS]) {
-    for i in 0..N {
-        points[i].store(&mut lanes[i]);
+/// The manifolds of a block: of one point each, or of up to four.
+pub(super) trait Manifolds {
+    /// Most points of a manifold.
+    const COUNT: usize;
+
+    fn block(&self) -> &ContactBlock;
+    fn block_mut(&mut self) -> &mut ContactBlock;
+    fn rows(&self, point: usize) -> &PointRows;
+    fn rows_mut(&mut self, point: usize) -> &mut PointRows;
+    /// What manifolds of more than one point have.
+    fn face_mut(&mut self) -> Option<&mut Face>;
+
+    /// Levers of the middle, where friction acts.
+    fn centers<W: Wide>(&self) -> (Wide3<W>, Wide3<W>);
+
+    /// Multipliers λ ≥ 0, from `residual` = J v + b at the multipliers `old`.
+    fn solve<W: Wide>(&self, residual: Points<W>, old: &Points<W>) -> Points<W>;
+}
+
+/// Manifolds of one point.
+pub(super) struct Single<'a>(pub &'a mut ContactBlock);
+
+/// Manifolds of up to four points.
+pub(super) struct Faced<'a>(pub &'a mut ContactBlock, pub &'a mut Face);
+
+impl Manifolds for Single<'_> {
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn block(&self) -> &ContactBlock {
+        self.0
+    }
+
+    #[inline(always)]
+    fn block_mut(&mut self) -> &mut ContactBlock {
+        self.0
+    }
+
+    #[inline(always)]
+    fn rows(&self, _point: usize) -> &PointRows {
+        &self.0.first
+    }
+
+    #[inline(always)]
+    fn rows_mut(&mut self, _point: usize) -> &mut PointRows {
+        &mut self.0.first
+    }
+
+    #[inline(always)]
+    fn face_mut(&mut self) -> Option<&mut Face> {
+        None
+    }
+
+    #[inline(always)]
+    fn centers<W: Wide>(&self) -> (Wide3<W>, Wide3<W>) {
+        (Wide3::load(&self.0.first.lever_a), Wide3::load(&self.0.first.lever_b))
+    }
+
+    #[inline(always)]
+    fn solve<W: Wide>(&self, residual: Points<W>, old: &Points<W>) -> Points<W> {
+        let mut lambda = *old;
+        lambda[0] = (lambda[0] - residual[0] * W::load(&self.0.first.inverse_diagonal)).max(W::zero());
+        lambda
     }
 }
 
-/// Separation of the first `N` points with the bodies displaced as `motions` say (m).
+impl Manifolds for Faced<'_> {
+    const COUNT: usize = POINTS;
+
+    #[inline(always)]
+    fn block(&self) -> &ContactBlock {
+        self.0
+    }
+
+    #[inline(always)]
+    fn block_mut(&mut self) -> &mut ContactBlock {
+        self.0
+    }
+
+    #[inline(always)]
+    fn rows(&self, point: usize) -> &PointRows {
+        if point == 0 { &self.0.first } else { &self.1.more[point - 1] }
+    }
+
+    #[inline(always)]
+    fn rows_mut(&mut self, point: usize) -> &mut PointRows {
+        if point == 0 { &mut self.0.first } else { &mut self.1.more[point - 1] }
+    }
+
+    #[inline(always)]
+    fn face_mut(&mut self) -> Option<&mut Face> {
+        Some(self.1)
+    }
+
+    #[inline(always)]
+    fn centers<W: Wide>(&self) -> (Wide3<W>, Wide3<W>) {
+        (Wide3::load(&self.1.center_a), Wide3::load(&self.1.center_b))
+    }
+
+    /// Where all points press, the regularised inverse gives them at once. Elsewhere, and for what it leaves, projected
+    /// Gauss–Seidel on the manifold's own matrix. Without the inverse, the few inner sweeps leave a face's load uneven and tall
+    /// columns buckle.
+    #[inline(always)]
+    fn solve<W: Wide>(&self, mut residual: Points<W>, old: &Points<W>) -> Points<W> {
+        let zero = W::zero();
+        let mut lambda = *old;
+        let step = regular_step::<W>(self.1, &residual, &lambda);
+        for i in 0..POINTS {
+            lambda[i] = lambda[i] + step[i];
+        }
+        let [d0, d1, d2, d3] = load_all::<W, POINTS>(&self.1.diagonal);
+        let [c01, c02, c03, c12, c13, c23] = load_all::<W, 6>(&self.1.coupling);
+        let matrix = [[d0, c01, c02, c03], [c01, d1, c12, c13], [c02, c12, d2, c23], [c03, c13, c23, d3]];
+        for i in 0..POINTS {
+            residual[i] = residual[i] + product(&matrix[i], &step);
+        }
+        let mut inverse_diagonal = [zero; POINTS];
+        for i in 0..POINTS {
+            inverse_diagonal[i] = W::load(&self.rows(i).inverse_diagonal);
+        }
+        for _ in 0..INNER_SWEEPS {
+            for i in 0..POINTS {
+                let new = (lambda[i] - residual[i] * inverse_diagonal[i]).max(zero);
+                let change = new - lambda[i];
+                lambda[i] = new;
+                for j in 0..POINTS {
+                    residual[j] = residual[j] + matrix[j][i] * change;
+                }
+            }
+        }
+        lambda
+    }
+}
+
+/// Calls a kernel generic over the manifolds of a block.
+macro_rules! of_block {
+    ($kernel:ident::<$wide:ty>($block:expr, $faces:expr $(, $rest:expr)*)) => {
+        match $faces.get_mut($block.face as usize) {
+            Some(face) => $kernel::<$wide, _>(&mut Faced($block, face) $(, $rest)*),
+            None => $kernel::<$wide, _>(&mut Single($block) $(, $rest)*),
+        }
+    };
+}
+
+pub(super) use of_block;
+
+/// Multipliers of every point.
 #[inline(always)]
-pub(super) fn separations<W: Wide, const N: usize>(block: &ContactBlock, motions: &[BodyMotion]) -> Points<W> {
-    let (moved_a, turned_a) = moved::<W>(&block.a, motions);
-    let (moved_b, turned_b) = moved::<W>(&block.b, motions);
-    let n = Wide3::load(&block.normal);
+pub(super) fn lambdas<W: Wide, M: Manifolds>(of: &M) -> Points<W> {
+    let mut lambdas = [W::zero(); POINTS];
+    for i in 0..M::COUNT {
+        lambdas[i] = W::load(&of.rows(i).lambda);
+    }
+    lambdas
+}
+
+#[inline(always)]
+pub(super) fn store_lambdas<W: Wide, M: Manifolds>(lambdas: &Points<W>, of: &mut M) {
+    for i in 0..M::COUNT {
+        lambdas[i].store(&mut of.rows_mut(i).lambda);
+    }
+}
+
+/// Separation of every point with the bodies displaced as `motions` say (m).
+#[inline(always)]
+pub(super) fn separations<W: Wide, M: Manifolds>(of: &M, motions: &[BodyMotion]) -> Points<W> {
+    let (moved_a, turned_a) = moved::<W>(&of.block().a, motions);
+    let (moved_b, turned_b) = moved::<W>(&of.block().b, motions);
+    let n = Wide3::load(&of.block().normal);
     let shift = n.dot(moved_b - moved_a);
     let (axis_a, axis_b) = (n.cross(turned_a), n.cross(turned_b));
-    let mut separation = load_points::<W>(&block.separation);
-    for i in 0..N {
+    let mut separation = [W::zero(); POINTS];
+    for i in 0..M::COUNT {
+        let rows = of.rows(i);
         // n·(θ×r) = r·(n×θ)
-        let turning = Wide3::load(&block.lever_b[i]).dot(axis_b) - Wide3::load(&block.lever_a[i]).dot(axis_a);
-        separation[i] = separation[i] + (shift + turning);
+        let turning = Wide3::load(&rows.lever_b).dot(axis_b) - Wide3::load(&rows.lever_a).dot(axis_a);
+        separation[i] = W::load(&rows.separation) + (shift + turning);
     }
     separation
 }
 
 /// J v of every normal row.
 #[inline(always)]
-pub(super) fn normal_rates<W: Wide, const N: usize>(block: &ContactBlock, side_a: &Side<W>, side_b: &Side<W>) -> Points<W> {
-    let n = Wide3::load(&block.normal);
+pub(super) fn normal_rates<W: Wide, M: Manifolds>(of: &M, side_a: &Side<W>, side_b: &Side<W>) -> Points<W> {
+    let n = Wide3::load(&of.block().normal);
     let approach = n.dot(side_b.linear - side_a.linear);
     // n·(ω×r) = r·(n×ω)
     let (axis_a, axis_b) = (n.cross(side_a.angular), n.cross(side_b.angular));
     let mut rates = [W::zero(); POINTS];
-    for i in 0..N {
-        let turning = Wide3::load(&block.lever_b[i]).dot(axis_b) - Wide3::load(&block.lever_a[i]).dot(axis_a);
+    for i in 0..M::COUNT {
+        let rows = of.rows(i);
+        let turning = Wide3::load(&rows.lever_b).dot(axis_b) - Wide3::load(&rows.lever_a).dot(axis_a);
         rates[i] = approach + turning;
     }
     rates
 }
 
-/// Multipliers λ ≥ 0 of every manifold, from `residual` = J v + b at the multipliers `old`.
-///
-/// Where all points press, the regularised inverse gives them at once. Elsewhere, and for what it leaves, projected
-/// Gauss–Seidel on the manifold's own matrix. Without the inverse, the few inner sweeps leave a face's load uneven and tall
-/// columns buckle.
-#[inline(always)]
-pub(super) fn solve_manifolds<W: Wide, const N: usize>(
-    block: &ContactBlock,
-    mut residual: Points<W>,
-    old: &Points<W>,
-) -> Points<W> {
-    let zero = W::zero();
-    let mut lambda = *old;
-    if N == 1 {
-        lambda[0] = (lambda[0] - residual[0] * W::load(&block.inverse_diagonal[0])).max(zero);
-        return lambda;
-    }
-    let step = regular_step::<W>(block, &residual, &lambda);
-    for i in 0..POINTS {
-        lambda[i] = lambda[i] + step[i];
-    }
-    let [d0, d1, d2, d3] = load_points::<W>(&block.diagonal);
-    let [c01, c02, c03, c12, c13, c23] = load_all::<W, 6>(&block.coupling);
-    let matrix = [[d0, c01, c02, c03], [c01, d1, c12, c13], [c02, c12, d2, c23], [c03, c13, c23, d3]];
-    for i in 0..POINTS {
-        residual[i] = residual[i] + product(&matrix[i], &step);
-    }
-    let inverse_diagonal = load_points::<W>(&block.inverse_diagonal);
-    for _ in 0..INNER_SWEEPS {
-        for i in 0..POINTS {
-            let new = (lambda[i] - residual[i] * inverse_diagonal[i]).max(zero);
-            let change = new - lambda[i];
-            lambda[i] = new;
-            for j in 0..POINTS {
-                residual[j] = residual[j] + matrix[j][i] * change;
-            }
-        }
-    }
-    lambda
-}
-
 /// −(A + ε)⁻¹ residual where that leaves all multipliers ≥ 0, else nothing.
 #[inline(always)]
-fn regular_step<W: Wide>(block: &ContactBlock, residual: &Points<W>, lambda: &Points<W>) -> Points<W> {
-    let [b00, b11, b22, b33, b01, b02, b03, b12, b13, b23] = load_all::<W, 10>(&block.inverse);
+fn regular_step<W: Wide>(face: &Face, residual: &Points<W>, lambda: &Points<W>) -> Points<W> {
+    let [b00, b11, b22, b33, b01, b02, b03, b12, b13, b23] = load_all::<W, 10>(&face.inverse);
     let inverse = [[b00, b01, b02, b03], [b01, b11, b12, b13], [b02, b12, b22, b23], [b03, b13, b23, b33]];
     let zero = W::zero();
     let (mut step, mut least) = ([zero; POINTS], zero);
@@ -133,21 +246,21 @@ fn regular_step<W: Wide>(block: &ContactBlock, residual: &Points<W>, lambda: &Po
 
 /// Applies the difference of two sets of normal multipliers.
 #[inline(always)]
-pub(super) fn push_apart<W: Wide, const N: usize>(
-    block: &ContactBlock,
+pub(super) fn push_apart<W: Wide, M: Manifolds>(
+    of: &M,
     new: &Points<W>,
     old: &Points<W>,
     side_a: &mut Side<W>,
     side_b: &mut Side<W>,
 ) {
-    let n = Wide3::load(&block.normal);
+    let n = Wide3::load(&of.block().normal);
     let mut sum = W::zero();
     let (mut arm_a, mut arm_b) = (Wide3::zero(), Wide3::zero());
-    for i in 0..N {
+    for i in 0..M::COUNT {
         let change = new[i] - old[i];
         sum = sum + change;
-        arm_a = arm_a + Wide3::load(&block.lever_a[i]) * change;
-        arm_b = arm_b + Wide3::load(&block.lever_b[i]) * change;
+        arm_a = arm_a + Wide3::load(&of.rows(i).lever_a) * change;
+        arm_b = arm_b + Wide3::load(&of.rows(i).lever_b) * change;
     }
     side_a.apply(n * -sum, -arm_a.cross(n));
     side_b.apply(n * sum, arm_b.cross(n));

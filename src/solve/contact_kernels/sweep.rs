@@ -2,40 +2,45 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
-use super::super::contact::{ContactBlock, NEGLIGIBLE_FRICTION, POINTS};
+use std::ops::Range;
+
+use super::super::contact::NEGLIGIBLE_FRICTION;
+use super::super::contact_block::{ContactBlocks, Extra};
 use super::super::side::Side;
 use super::super::state::BodyVelocity;
 use super::super::wide::{Wide, Wide3};
-use super::rows::{load_all, load_points, normal_rates, push_apart, solve_manifolds, store_points};
+use super::rows::{Faced, Manifolds, Single, lambdas, load_all, normal_rates, of_block, push_apart, store_lambdas};
 
 #[inline(always)]
-pub(super) fn all<W: Wide>(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], backwards: bool) {
+pub(super) fn all<W: Wide>(contacts: &mut ContactBlocks, range: Range<usize>, velocities: &mut [BodyVelocity], backwards: bool) {
+    let ContactBlocks { blocks, faces, extras } = contacts;
+    let blocks = &mut blocks[range];
     if backwards {
         for block in blocks.iter_mut().rev() {
-            visit::<W>(block, velocities);
+            let extra = extras.get_mut(block.extra as usize);
+            of_block!(visit::<W>(block, faces, extra, velocities));
         }
     } else {
         for block in blocks {
-            visit::<W>(block, velocities);
+            let extra = extras.get_mut(block.extra as usize);
+            of_block!(visit::<W>(block, faces, extra, velocities));
         }
     }
 }
 
 #[inline(always)]
-fn visit<W: Wide>(block: &mut ContactBlock, velocities: &mut [BodyVelocity]) {
-    let (mut side_a, mut side_b) = (Side::<W>::gather(&block.a, velocities), Side::gather(&block.b, velocities));
-    if block.has_rolling {
-        roll(block, &mut side_a, &mut side_b);
+fn visit<W: Wide, M: Manifolds>(of: &mut M, mut extra: Option<&mut Extra>, velocities: &mut [BodyVelocity]) {
+    let (a, b) = (&of.block().a, &of.block().b);
+    let (mut side_a, mut side_b) = (Side::<W>::gather(a, velocities), Side::gather(b, velocities));
+    if let Some(extra) = extra.as_deref_mut()
+        && extra.has_rolling
+    {
+        roll(of, extra, &mut side_a, &mut side_b);
     }
-    if block.has_faces {
-        rub::<W, POINTS>(block, &mut side_a, &mut side_b);
-        press::<W, POINTS>(block, &mut side_a, &mut side_b);
-    } else {
-        rub::<W, 1>(block, &mut side_a, &mut side_b);
-        press::<W, 1>(block, &mut side_a, &mut side_b);
-    }
-    side_a.scatter(&block.a, velocities);
-    side_b.scatter(&block.b, velocities);
+    rub(of, &mut side_a, &mut side_b);
+    press(of, extra, &mut side_a, &mut side_b);
+    side_a.scatter(&of.block().a, velocities);
+    side_b.scatter(&of.block().b, velocities);
 }
 
 /// Two multipliers across the normal, from their old values and the slips, inside the disc of radius `limit`.
@@ -55,15 +60,16 @@ fn in_disc<W: Wide>(mass: [W; 3], old: [W; 2], slip: [W; 2], limit: W) -> [W; 2]
 
 /// Tangential and twist rows of every lane.
 #[inline(always)]
-fn rub<W: Wide, const N: usize>(block: &mut ContactBlock, side_a: &mut Side<W>, side_b: &mut Side<W>) {
+fn rub<W: Wide, M: Manifolds>(of: &mut M, side_a: &mut Side<W>, side_b: &mut Side<W>) {
+    let (center_a, center_b) = of.centers::<W>();
+    let mut load = W::zero();
+    for i in 0..M::COUNT {
+        load = load + W::load(&of.rows(i).lambda);
+    }
+    let block = of.block_mut();
     let n = Wide3::<W>::load(&block.normal);
     let t1 = Wide3::load(&block.tangent);
     let t2 = n.cross(t1);
-    let (center_a, center_b) = (Wide3::load(&block.center_a), Wide3::load(&block.center_b));
-    let mut load = W::zero();
-    for i in 0..N {
-        load = load + W::load(&block.lambda[i]);
-    }
 
     let slip = side_b.linear + side_b.angular.cross(center_b) - side_a.linear - side_a.angular.cross(center_a);
     let old = [W::load(&block.tangent_lambda[0]), W::load(&block.tangent_lambda[1])];
@@ -87,18 +93,18 @@ fn rub<W: Wide, const N: usize>(block: &mut ContactBlock, side_a: &mut Side<W>, 
 
 /// Rolling rows of every lane.
 #[inline(always)]
-fn roll<W: Wide>(block: &mut ContactBlock, side_a: &mut Side<W>, side_b: &mut Side<W>) {
-    let n = Wide3::<W>::load(&block.normal);
-    let t1 = Wide3::load(&block.tangent);
+fn roll<W: Wide, M: Manifolds>(of: &M, extra: &mut Extra, side_a: &mut Side<W>, side_b: &mut Side<W>) {
+    let n = Wide3::<W>::load(&of.block().normal);
+    let t1 = Wide3::load(&of.block().tangent);
     let t2 = n.cross(t1);
-    let [p0, p1, p2, p3] = load_points::<W>(&block.lambda);
+    let [p0, p1, p2, p3] = lambdas::<W, M>(of);
     let load = p0 + p1 + p2 + p3;
     let rolling = side_b.angular - side_a.angular;
-    let old = [W::load(&block.rolling_lambda[0]), W::load(&block.rolling_lambda[1])];
-    let mass = load_all(&block.rolling_mass);
-    let new = in_disc(mass, old, [rolling.dot(t1), rolling.dot(t2)], W::load(&block.rolling_arm) * load);
-    new[0].store(&mut block.rolling_lambda[0]);
-    new[1].store(&mut block.rolling_lambda[1]);
+    let old = [W::load(&extra.rolling_lambda[0]), W::load(&extra.rolling_lambda[1])];
+    let mass = load_all(&extra.rolling_mass);
+    let new = in_disc(mass, old, [rolling.dot(t1), rolling.dot(t2)], W::load(&extra.rolling_arm) * load);
+    new[0].store(&mut extra.rolling_lambda[0]);
+    new[1].store(&mut extra.rolling_lambda[1]);
     let moment = t1 * (new[0] - old[0]) + t2 * (new[1] - old[1]);
     side_a.turn(-moment);
     side_b.turn(moment);
@@ -106,20 +112,20 @@ fn roll<W: Wide>(block: &mut ContactBlock, side_a: &mut Side<W>, side_b: &mut Si
 
 /// Normal rows of every lane, each manifold as one block.
 #[inline(always)]
-fn press<W: Wide, const N: usize>(block: &mut ContactBlock, side_a: &mut Side<W>, side_b: &mut Side<W>) {
-    let mut residual = normal_rates::<W, N>(block, side_a, side_b);
-    for i in 0..N {
-        residual[i] = residual[i] + W::load(&block.closing_speed[i]);
+fn press<W: Wide, M: Manifolds>(of: &mut M, extra: Option<&mut Extra>, side_a: &mut Side<W>, side_b: &mut Side<W>) {
+    let mut residual = normal_rates::<W, M>(of, side_a, side_b);
+    for i in 0..M::COUNT {
+        residual[i] = residual[i] + W::load(&of.rows(i).closing_speed);
     }
-    let old = load_points::<W>(&block.lambda);
-    let new = solve_manifolds::<W, N>(block, residual, &old);
-    push_apart::<W, N>(block, &new, &old, side_a, side_b);
-    store_points::<W, N>(&new, &mut block.lambda);
-    if block.has_restitution {
-        let mut peak = load_points::<W>(&block.peak_lambda);
-        for i in 0..N {
-            peak[i] = peak[i].max(new[i]);
+    let old = lambdas::<W, M>(of);
+    let new = of.solve(residual, &old);
+    push_apart::<W, M>(of, &new, &old, side_a, side_b);
+    store_lambdas::<W, M>(&new, of);
+    if let Some(extra) = extra
+        && extra.has_restitution
+    {
+        for i in 0..M::COUNT {
+            W::load(&extra.peak_lambda[i]).max(new[i]).store(&mut extra.peak_lambda[i]);
         }
-        store_points::<W, N>(&peak, &mut block.peak_lambda);
     }
 }

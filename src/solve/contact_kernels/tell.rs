@@ -1,44 +1,59 @@
 //! After a step: what its contacts have come to.
 
-use super::super::contact::{ContactBlock, LANES, POINTS};
+use super::super::contact::LANES;
+use super::super::contact_block::ContactBlocks;
 use super::super::side::gather_velocities;
 use super::super::state::BodyVelocity;
 use super::super::told::{Limits, Told};
 use super::super::wide::{Wide, Wide3};
+use super::rows::{Faced, Manifolds, Single, of_block};
 
 #[inline(always)]
-pub(super) fn all<W: Wide>(blocks: &[ContactBlock], velocities: &[BodyVelocity], limits: &Limits, told: &mut Vec<[Told; LANES]>) {
-    let zero = W::zero();
+pub(super) fn all<W: Wide>(
+    contacts: &mut ContactBlocks,
+    velocities: &[BodyVelocity],
+    limits: &Limits,
+    told: &mut Vec<[Told; LANES]>,
+) {
+    let ContactBlocks { blocks, faces, .. } = contacts;
     for block in blocks {
-        let ((linear_a, angular_a), (linear_b, angular_b)) =
-            (gather_velocities::<W>(&block.a, velocities), gather_velocities::<W>(&block.b, velocities));
-        let n = Wide3::load(&block.normal);
-        let turning = angular_b.cross(Wide3::load(&block.center_b)) - angular_a.cross(Wide3::load(&block.center_a));
-        let rate = linear_b - linear_a + turning;
-        let approach = rate.dot(n);
-        let slip = (rate - n * approach).length();
-        let speed = slip.max(approach.abs());
-        let mut pressed = zero;
-        for i in 0..POINTS {
-            pressed = pressed + W::load(&block.lambda[i]);
-        }
-        let most = pressed * W::load(&block.friction) * W::splat(limits.reserve);
-        let (t, u) = (W::load(&block.tangent_lambda[0]), W::load(&block.tangent_lambda[1]));
-        let rise = n.dot(Wide3::splat(limits.up));
-        let mut sum = W::splat(Told::KNOWN);
-        for i in 0..2 {
-            sum = sum + W::select(W::splat(limits.slips[i]).above(slip), W::splat(Told::SLIPS[i]), zero);
-            sum = sum + W::select(W::splat(limits.speeds[i]).above(speed), W::splat(Told::SPEEDS[i]), zero);
-        }
-        sum = sum + W::select((most * most).above(t * t + u * u), W::splat(Told::RESERVE), zero);
-        sum = sum + W::select(rise.above(W::splat(limits.rise)), W::splat(Told::RISES[0]), zero);
-        sum = sum + W::select((-rise).above(W::splat(limits.rise)), W::splat(Told::RISES[1]), zero);
-        let mut lanes = [0.0; LANES];
-        sum.store(&mut lanes);
-        let mut of_block = [Told::NOTHING; LANES];
-        for l in 0..LANES {
-            of_block[l] = Told::of(lanes[l]);
-        }
-        told.push(of_block);
+        told.push(of_block!(words_of::<W>(block, faces, velocities, limits)));
     }
+}
+
+#[inline(always)]
+fn words_of<W: Wide, M: Manifolds>(of: &mut M, velocities: &[BodyVelocity], limits: &Limits) -> [Told; LANES] {
+    let block = of.block();
+    let ((linear_a, angular_a), (linear_b, angular_b)) =
+        (gather_velocities::<W>(&block.a, velocities), gather_velocities::<W>(&block.b, velocities));
+    let (center_a, center_b) = of.centers::<W>();
+    let n = Wide3::load(&block.normal);
+    let turning = angular_b.cross(center_b) - angular_a.cross(center_a);
+    let rate = linear_b - linear_a + turning;
+    let approach = rate.dot(n);
+    let slip = (rate - n * approach).length();
+    let speed = slip.max(approach.abs());
+    let zero = W::zero();
+    let mut pressed = zero;
+    for i in 0..M::COUNT {
+        pressed = pressed + W::load(&of.rows(i).lambda);
+    }
+    let most = pressed * W::load(&block.friction) * W::splat(limits.reserve);
+    let (t, u) = (W::load(&block.tangent_lambda[0]), W::load(&block.tangent_lambda[1]));
+    let rise = n.dot(Wide3::splat(limits.up));
+    let mut sum = W::splat(Told::KNOWN);
+    for i in 0..2 {
+        sum = sum + W::select(W::splat(limits.slips[i]).above(slip), W::splat(Told::SLIPS[i]), zero);
+        sum = sum + W::select(W::splat(limits.speeds[i]).above(speed), W::splat(Told::SPEEDS[i]), zero);
+    }
+    sum = sum + W::select((most * most).above(t * t + u * u), W::splat(Told::RESERVE), zero);
+    sum = sum + W::select(rise.above(W::splat(limits.rise)), W::splat(Told::RISES[0]), zero);
+    sum = sum + W::select((-rise).above(W::splat(limits.rise)), W::splat(Told::RISES[1]), zero);
+    let mut lanes = [0.0; LANES];
+    sum.store(&mut lanes);
+    let mut words = [Told::NOTHING; LANES];
+    for l in 0..LANES {
+        words[l] = Told::of(lanes[l]);
+    }
+    words
 }

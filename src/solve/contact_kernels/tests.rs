@@ -12,7 +12,7 @@ use crate::solve::wide::{Plain, Wide};
 /// Everything that a kernel reads or writes.
 #[derive(Debug, Clone)]
 struct Scene {
-    block: ContactBlock,
+    contacts: ContactBlocks,
     velocities: Vec<BodyVelocity>,
     motions: Vec<BodyMotion>,
 }
@@ -58,7 +58,8 @@ fn manifold() -> impl Strategy<Value = ContactInput> {
 /// A block in which some lanes are empty or stand on the world.
 fn scene() -> impl Strategy<Value = Scene> {
     (prop::collection::vec((manifold(), body(), body(), any::<bool>()), 0..=LANES), any::<bool>()).prop_map(|(lanes, single)| {
-        let mut block = ContactBlock::EMPTY;
+        let mut contacts = ContactBlocks::default();
+        contacts.add(1, !single);
         let (mut velocities, mut motions) = (vec![BodyVelocity::FIXED], vec![BodyMotion::FIXED]);
         for (l, (mut input, a, b, on_world)) in lanes.into_iter().enumerate() {
             let mut enlist = |(velocity, motion)| {
@@ -69,32 +70,34 @@ fn scene() -> impl Strategy<Value = Scene> {
             input.a = if on_world { 0 } else { enlist(a) };
             input.b = enlist(b);
             input.count = if single { 1 } else { input.count };
-            block.set_lane(l, &input, 1.0e-3);
+            contacts.set_lane(0, l, &input, 1.0e-3);
         }
-        Scene { block, velocities, motions }
+        Scene { contacts, velocities, motions }
     })
 }
 
 fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
-    let Scene { block, mut velocities, motions } = scene.clone();
-    let mut blocks = [block];
+    let Scene { mut contacts, mut velocities, motions } = scene.clone();
     let mut worst = 0.0;
-    masses::set::<W>(&mut blocks[0], &velocities);
-    warm_start::all::<W>(&mut blocks, &mut velocities, &motions, 0.004);
-    sweep::all::<W>(&mut blocks, &mut velocities, false);
-    sweep::all::<W>(&mut blocks, &mut velocities, true);
-    recover::restitute::<W>(&mut blocks, &mut velocities, 0.1);
-    recover::end_step::<W>(&mut blocks, &motions, &mut worst);
+    masses::set::<W>(&mut contacts, 0, &velocities);
+    warm_start::all::<W>(&mut contacts, &mut velocities, &motions, 0.004);
+    sweep::all::<W>(&mut contacts, 0..1, &mut velocities, false);
+    sweep::all::<W>(&mut contacts, 0..1, &mut velocities, true);
+    recover::restitute::<W>(&mut contacts, &mut velocities, 0.1);
+    recover::end_step::<W>(&mut contacts, &motions, &mut worst);
     let mut pushes: Vec<_> = velocities.iter().map(BodyVelocity::at_rest).collect();
-    let mut lambdas = [[[0.0; LANES]; POINTS]];
-    recover::all::<W>(&blocks, &mut lambdas, &mut pushes, 0.016);
+    recover::all::<W>(&mut contacts, &mut pushes, 0.016);
     let limits = Limits { up: Vec3::Y, rise: 0.3, slips: [0.5, 1.0], speeds: [1.0, 3.0], reserve: 0.9 };
     let mut told = Vec::new();
-    tell::all::<W>(&blocks, &velocities, &limits, &mut told);
+    tell::all::<W>(&mut contacts, &velocities, &limits, &mut told);
 
-    let block = &blocks[0];
-    let rows = block.lambda.iter().chain(&block.tangent_lambda).chain(&block.rolling_lambda).chain(&lambdas[0]);
-    let masses = block.diagonal.iter().chain(&block.inverse).chain(&block.coupling).chain(&block.tangent_mass);
+    let block = &contacts.blocks[0];
+    let points = (0..contacts.room_of(0)).map(|i| contacts.rows(0, i));
+    let points = points.flat_map(|rows| [&rows.lambda, &rows.closing_speed, &rows.inverse_diagonal]);
+    let faces = contacts.faces.iter().flat_map(|face| face.diagonal.iter().chain(&face.inverse).chain(&face.coupling));
+    let extras = contacts.extras.iter().flat_map(|extra| extra.rolling_lambda.iter().chain(&extra.peak_lambda));
+    let rows = points.chain(&block.tangent_lambda).chain(extras);
+    let masses = faces.chain(&block.tangent_mass);
     let single = [block.twist_lambda, block.twist_mass, [worst; LANES]];
     let lanes = rows.chain(masses).chain(&single).flatten();
     let bodies = velocities.iter().chain(&pushes).flat_map(|body| body.halves().into_iter().flatten());
@@ -120,12 +123,12 @@ proptest! {
 proptest! {
     #[test]
     fn a_block_never_pulls_and_stays_finite(scene in scene()) {
-        let Scene { block, mut velocities, motions } = scene;
-        let mut blocks = [block];
-        masses::set::<Plain>(&mut blocks[0], &velocities);
-        warm_start::all::<Plain>(&mut blocks, &mut velocities, &motions, 0.004);
-        sweep::all::<Plain>(&mut blocks, &mut velocities, false);
-        let least = blocks[0].lambda.iter().flatten().fold(0.0_f32, |least, &lambda| least.min(lambda));
+        let Scene { mut contacts, mut velocities, motions } = scene;
+            masses::set::<Plain>(&mut contacts, 0, &velocities);
+        warm_start::all::<Plain>(&mut contacts, &mut velocities, &motions, 0.004);
+        sweep::all::<Plain>(&mut contacts, 0..1, &mut velocities, false);
+        let lambdas = (0..contacts.room_of(0)).flat_map(|i| contacts.rows(0, i).lambda);
+        let least = lambdas.fold(0.0_f32, f32::min);
         prop_assert!(least >= 0.0, "a point pulls with {least} N·s");
         prop_assert!(velocities.iter().all(|body| body.linear.is_finite() && body.angular.is_finite()));
     }
@@ -150,11 +153,12 @@ fn a_box_on_an_incline_is_told_by_its_slip_its_friction_and_its_slope() {
             material,
             impulses,
         };
-        let mut block = ContactBlock::EMPTY;
-        block.set_lane(0, &input, 1.0e-3);
+        let mut contacts = ContactBlocks::default();
+        contacts.add(1, true);
+        contacts.set_lane(0, 0, &input, 1.0e-3);
         let body = BodyVelocity { linear: velocity, angular, ..BodyVelocity::FIXED };
         let mut told = Vec::new();
-        super::tell(&[block], &[BodyVelocity::FIXED, body], &limits, &mut told);
+        super::tell(&mut contacts, &[BodyVelocity::FIXED, body], &limits, &mut told);
         told[0][0]
     };
     let words = |told: Told| [told.slips_less(0), told.slips_less(1), told.is_slower(0), told.is_slower(1), told.has_reserve()];

@@ -2,11 +2,12 @@
 
 use glam::Vec3;
 
-use super::super::contact::{ContactBlock, LANES, Lane3, POINTS};
+use super::super::contact::{LANES, Lane3};
+use super::super::contact_block::{ContactBlocks, Extra};
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
 use super::super::wide::{Wide, Wide3};
-use super::rows::{load_points, separations, store_points};
+use super::rows::{Faced, Manifolds, Single, of_block, separations};
 
 /// Share of a gap that a point under load may close in one substep.
 ///
@@ -15,42 +16,53 @@ use super::rows::{load_points, separations, store_points};
 const PRESSED_GAP_SHARE: f32 = 0.01;
 
 #[inline(always)]
-pub(super) fn all<W: Wide>(blocks: &mut [ContactBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
+pub(super) fn all<W: Wide>(contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
+    let ContactBlocks { blocks, faces, extras } = contacts;
     for block in blocks {
-        if block.has_faces {
-            start::<W, POINTS>(block, velocities, motions, h);
-        } else {
-            start::<W, 1>(block, velocities, motions, h);
-        }
+        let extra = extras.get_mut(block.extra as usize);
+        of_block!(start::<W>(block, faces, extra, velocities, motions, h));
     }
 }
 
 #[inline(always)]
-fn start<W: Wide, const N: usize>(block: &mut ContactBlock, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
-    close_in::<W, N>(block, motions, h);
-    if block.has_restitution {
-        note_impacts(block, velocities, motions, h);
+fn start<W: Wide, M: Manifolds>(
+    of: &mut M,
+    mut extra: Option<&mut Extra>,
+    velocities: &mut [BodyVelocity],
+    motions: &[BodyMotion],
+    h: f32,
+) {
+    close_in::<W, M>(of, motions, h);
+    if let Some(extra) = extra.as_deref_mut()
+        && extra.has_restitution
+    {
+        note_impacts(of, extra, velocities, motions, h);
     }
+    let block = of.block();
     let (mut side_a, mut side_b) = (Side::<W>::gather(&block.a, velocities), Side::gather(&block.b, velocities));
     let n = Wide3::load(&block.normal);
     let t1 = Wide3::load(&block.tangent);
     let t2 = n.cross(t1);
     let friction = t1 * W::load(&block.tangent_lambda[0]) + t2 * W::load(&block.tangent_lambda[1]);
     let mut moment = n * W::load(&block.twist_lambda);
-    if block.has_rolling {
-        moment = moment + t1 * W::load(&block.rolling_lambda[0]) + t2 * W::load(&block.rolling_lambda[1]);
+    if let Some(extra) = extra
+        && extra.has_rolling
+    {
+        moment = moment + t1 * W::load(&extra.rolling_lambda[0]) + t2 * W::load(&extra.rolling_lambda[1]);
     }
     let mut sum = W::zero();
     let (mut arm_a, mut arm_b) = (Wide3::zero(), Wide3::zero());
-    for i in 0..N {
-        let lambda = W::load(&block.lambda[i]);
+    for i in 0..M::COUNT {
+        let rows = of.rows(i);
+        let lambda = W::load(&rows.lambda);
         sum = sum + lambda;
-        arm_a = arm_a + Wide3::load(&block.lever_a[i]) * lambda;
-        arm_b = arm_b + Wide3::load(&block.lever_b[i]) * lambda;
+        arm_a = arm_a + Wide3::load(&rows.lever_a) * lambda;
+        arm_b = arm_b + Wide3::load(&rows.lever_b) * lambda;
     }
     let impulse = n * sum + friction;
-    let torque_a = arm_a.cross(n) + Wide3::load(&block.center_a).cross(friction) + moment;
-    let torque_b = arm_b.cross(n) + Wide3::load(&block.center_b).cross(friction) + moment;
+    let (center_a, center_b) = of.centers::<W>();
+    let torque_a = arm_a.cross(n) + center_a.cross(friction) + moment;
+    let torque_b = arm_b.cross(n) + center_b.cross(friction) + moment;
     side_a.apply(-impulse, -torque_a);
     side_b.apply(impulse, torque_b);
     side_a.scatter(&block.a, velocities);
@@ -59,40 +71,41 @@ fn start<W: Wide, const N: usize>(block: &mut ContactBlock, velocities: &mut [Bo
 
 /// Forms max(s, 0)/h from the separations of now.
 #[inline(always)]
-fn close_in<W: Wide, const N: usize>(block: &mut ContactBlock, motions: &[BodyMotion], h: f32) {
-    let separation = separations::<W, N>(block, motions);
-    let lambda = load_points::<W>(&block.lambda);
+fn close_in<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
+    let separation = separations::<W, M>(of, motions);
     let inverse_h = W::splat(1.0 / h);
-    let mut closing = [W::zero(); POINTS];
-    for i in 0..N {
-        let share = W::select(lambda[i].above(W::zero()), W::splat(PRESSED_GAP_SHARE), W::splat(1.0));
-        closing[i] = separation[i].max(W::zero()) * (share * inverse_h);
+    for (i, separation) in separation.into_iter().enumerate().take(M::COUNT) {
+        let rows = of.rows_mut(i);
+        let pressed = W::load(&rows.lambda).above(W::zero());
+        let share = W::select(pressed, W::splat(PRESSED_GAP_SHARE), W::splat(1.0));
+        (separation.max(W::zero()) * (share * inverse_h)).store(&mut rows.closing_speed);
     }
-    store_points::<W, N>(&closing, &mut block.closing_speed);
 }
 
 /// Keeps the normal velocity that a point has at the moment it touches.
 ///
 /// A point that closes its gap within the substep touches after t = s/|v| of it; gravity has acted for t only, so the speed of
 /// impact is v − g (h − t). Without this a rebound loses up to a substep's worth of gravity.
-fn note_impacts(block: &mut ContactBlock, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
+fn note_impacts<M: Manifolds>(of: &M, extra: &mut Extra, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
+    let block = of.block();
     for l in 0..LANES {
-        if block.restitution[l] <= 0.0 {
+        if extra.restitution[l] <= 0.0 {
             continue;
         }
         let (a, b) = (block.a[l] as usize, block.b[l] as usize);
         let n = at(&block.normal, l);
         let gravity = n.dot(motions[b].acceleration - motions[a].acceleration);
-        for i in 0..POINTS {
-            if block.impact_speed[i][l] != 0.0 || block.lambda[i][l] > 0.0 {
+        for i in 0..M::COUNT {
+            let rows = of.rows(i);
+            if extra.impact_speed[i][l] != 0.0 || rows.lambda[l] > 0.0 {
                 continue;
             }
-            let at_b = velocities[b].linear + velocities[b].angular.cross(at(&block.lever_b[i], l));
-            let at_a = velocities[a].linear + velocities[a].angular.cross(at(&block.lever_a[i], l));
+            let at_b = velocities[b].linear + velocities[b].angular.cross(at(&rows.lever_b, l));
+            let at_a = velocities[a].linear + velocities[a].angular.cross(at(&rows.lever_a, l));
             let speed = n.dot(at_b - at_a);
-            if speed < 0.0 && speed + block.closing_speed[i][l] < 0.0 {
-                let fraction = (block.closing_speed[i][l] / -speed).min(1.0);
-                block.impact_speed[i][l] = speed - gravity * h * (1.0 - fraction);
+            if speed < 0.0 && speed + rows.closing_speed[l] < 0.0 {
+                let fraction = (rows.closing_speed[l] / -speed).min(1.0);
+                extra.impact_speed[i][l] = speed - gravity * h * (1.0 - fraction);
             }
         }
     }

@@ -142,7 +142,7 @@ impl ExactIslands {
 
     /// Lists the manifolds of all islands, sorted by island.
     fn list_contacts(&mut self, batch: &Batch) {
-        for (number, block) in batch.contacts.iter().enumerate() {
+        for (number, block) in batch.contacts.blocks.iter().enumerate() {
             for lane in (0..LANES).filter(|&lane| block.count[lane] > 0) {
                 let slots = [block.a[lane], block.b[lane]];
                 let locals = slots.map(|slot| self.local[slot as usize]);

@@ -8,7 +8,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::super::contact::{ContactBlock, POINTS, tangents};
+use super::super::contact::{POINTS, tangents};
+use super::super::contact_block::ContactBlocks;
 
 /// Most rows of a manifold: normals, two tangents, twist.
 pub(super) const ROWS: usize = POINTS + 3;
@@ -89,12 +90,12 @@ pub(super) struct Contact {
 }
 
 impl Contact {
-    pub(super) fn new(contacts: &[ContactBlock], block: u32, lane: usize, bodies: [u32; 2]) -> Self {
-        let of = &contacts[block as usize];
-        let normals = (0..POINTS).filter(|&i| i < usize::from(of.count[lane])).count();
+    pub(super) fn new(contacts: &ContactBlocks, block: u32, lane: usize, bodies: [u32; 2]) -> Self {
+        let of = &contacts.blocks[block as usize];
+        let normals = usize::from(of.count[lane]);
         let normal = of.normal_of(lane);
         let (t1, t2) = tangents(normal);
-        let (center_a, center_b) = of.centers_of(lane);
+        let (center_a, center_b) = contacts.centers_of(block as usize, lane);
         let mut jacobian = [[[0.0; 6]; 2]; ROWS];
         let put = |direction: glam::Vec3, (lever_a, lever_b): (glam::Vec3, glam::Vec3)| {
             let [push, lever_a, lever_b] = [direction, lever_a, lever_b].map(|v| v.as_dvec3());
@@ -102,7 +103,7 @@ impl Contact {
             [[-push.x, -push.y, -push.z, -turn_a.x, -turn_a.y, -turn_a.z], [push.x, push.y, push.z, turn_b.x, turn_b.y, turn_b.z]]
         };
         for (i, row) in jacobian.iter_mut().enumerate().take(normals) {
-            *row = put(normal, of.levers_of(i, lane));
+            *row = put(normal, contacts.rows(block as usize, i).levers_of(lane));
         }
         jacobian[normals] = put(t1, (center_a, center_b));
         jacobian[normals + 1] = put(t2, (center_a, center_b));
@@ -138,11 +139,13 @@ impl Contact {
     }
 
     /// Takes multipliers and closing speeds of now from its block; `fixed` are the velocities of bodies that it cannot move.
-    pub(super) fn load(&mut self, contacts: &[ContactBlock], fixed: [Option<Six>; 2]) {
-        let (block, lane, normals) = (&contacts[self.block as usize], usize::from(self.lane), self.normals());
+    pub(super) fn load(&mut self, contacts: &ContactBlocks, fixed: [Option<Six>; 2]) {
+        let (number, lane, normals) = (self.block as usize, usize::from(self.lane), self.normals());
+        let block = &contacts.blocks[number];
         for i in 0..normals {
-            self.bias[i] = f64::from(block.closing_speed[i][lane]);
-            self.warm[i] = f64::from(block.lambda[i][lane]);
+            let rows = contacts.rows(number, i);
+            self.bias[i] = f64::from(rows.closing_speed[lane]);
+            self.warm[i] = f64::from(rows.lambda[lane]);
         }
         self.bias[normals..].fill(0.0);
         self.warm[normals] = f64::from(block.tangent_lambda[0][lane]);
@@ -178,11 +181,12 @@ impl Contact {
     }
 
     /// Hands its multipliers back to its block.
-    pub(super) fn store(&self, contacts: &mut [ContactBlock]) {
-        let (block, lane, normals) = (&mut contacts[self.block as usize], usize::from(self.lane), self.normals());
+    pub(super) fn store(&self, contacts: &mut ContactBlocks) {
+        let (number, lane, normals) = (self.block as usize, usize::from(self.lane), self.normals());
         for i in 0..normals {
-            block.lambda[i][lane] = self.lambda[i] as f32;
+            contacts.rows_mut(number, i).lambda[lane] = self.lambda[i] as f32;
         }
+        let block = &mut contacts.blocks[number];
         block.tangent_lambda[0][lane] = self.lambda[normals] as f32;
         block.tangent_lambda[1][lane] = self.lambda[normals + 1] as f32;
         block.twist_lambda[lane] = self.lambda[normals + 2] as f32;

@@ -3,7 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use super::super::batch::Batch;
-use super::super::contact::{ContactBlock, POINTS, tangents};
+use super::super::contact::tangents;
+use super::super::contact_block::ContactBlocks;
 use super::super::state::BodyVelocity;
 
 /// A manifold through which `upper` stands on `lower`.
@@ -27,15 +28,16 @@ pub(super) struct Patch {
 
 impl Patch {
     /// The manifold of a lane, if the vertical lies in its friction cone.
-    pub(super) fn of(block: &ContactBlock, number: u32, lane: usize, up: Vec3) -> Option<Self> {
+    pub(super) fn of(contacts: &ContactBlocks, number: u32, lane: usize, up: Vec3) -> Option<Self> {
+        let block = &contacts.blocks[number as usize];
         let normal = block.normal_of(lane);
         let rise = normal.dot(up);
         let friction = block.friction[lane];
-        if block.inverse_diagonal[0][lane] == 0.0 || rise * rise * (1.0 + friction * friction) < 1.0 {
+        if !block.is_movable(lane) || rise * rise * (1.0 + friction * friction) < 1.0 {
             return None;
         }
         let (a, b) = (block.a[lane], block.b[lane]);
-        let (center_a, center_b) = block.centers_of(lane);
+        let (center_a, center_b) = contacts.centers_of(number as usize, lane);
         let upper_is_b = rise > 0.0;
         let (lower, upper) = if upper_is_b { (a, b) } else { (b, a) };
         let (center_lower, center_upper) = if upper_is_b { (center_a, center_b) } else { (center_b, center_a) };
@@ -46,17 +48,33 @@ impl Patch {
 
     /// Adds its points to the end of `points`.
     pub(super) fn list_points(&mut self, batch: &Batch, axes: &[Vec3; 3], points: &mut Vec<Point>) {
-        let block = &batch.contacts[self.block as usize];
-        let lane = usize::from(self.lane);
-        let normal = block.normal_of(lane) * if self.upper_is_b { 1.0 } else { -1.0 };
+        let (number, lane) = (self.block as usize, usize::from(self.lane));
+        let normal = batch.contacts.blocks[number].normal_of(lane) * if self.upper_is_b { 1.0 } else { -1.0 };
         let responses = &batch.velocities[self.upper as usize];
         self.first = points.len() as u32;
-        for index in (0..POINTS).filter(|&index| block.inverse_diagonal[index][lane] > 0.0) {
-            let (lever_a, lever_b) = block.levers_of(index, lane);
+        for index in 0..batch.contacts.room_of(number) {
+            let rows = batch.contacts.rows(number, index);
+            if rows.inverse_diagonal[lane] <= 0.0 {
+                continue;
+            }
+            let (lever_a, lever_b) = rows.levers_of(lane);
             let (lever_lower, lever_upper) = if self.upper_is_b { (lever_a, lever_b) } else { (lever_b, lever_a) };
             let column = rows_of(responses, axes, normal, lever_upper.cross(normal));
             let Self { upper, lower, block, lane, .. } = *self;
-            points.push(Point { upper, lower, block, lane, index: index as u8, normal, lever_upper, lever_lower, column });
+            let (index, lambda, closing_speed) = (index as u8, 0.0, 0.0);
+            points.push(Point {
+                upper,
+                lower,
+                block,
+                lane,
+                index,
+                normal,
+                lever_upper,
+                lever_lower,
+                column,
+                lambda,
+                closing_speed,
+            });
         }
         self.count = (points.len() - self.first as usize) as u8;
     }
@@ -67,7 +85,7 @@ impl Patch {
 
     /// Friction on the upper body now (N·s).
     pub(super) fn rubbed(&self, batch: &Batch) -> Vec3 {
-        let block = &batch.contacts[self.block as usize];
+        let block = &batch.contacts.blocks[self.block as usize];
         let [t1, t2] = self.tangents;
         let on_b = t1 * block.tangent_lambda[0][self.lane as usize] + t2 * block.tangent_lambda[1][self.lane as usize];
         if self.upper_is_b { on_b } else { -on_b }
@@ -88,6 +106,9 @@ pub(super) struct Point {
     pub lever_lower: Vec3,
     /// What a unit of λ is in the rows that are balanced; see [`rows_of`].
     pub column: DVec3,
+    /// Of this substep; see [`PointRows`](super::super::contact_block::PointRows).
+    pub lambda: f32,
+    pub closing_speed: f32,
 }
 
 /// The rows in which a body is balanced: momentum along up and angular momentum about the two axes across it, each of these over

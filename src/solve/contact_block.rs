@@ -1,0 +1,356 @@
+//! Contact rows in blocks of eight manifolds of one colour, laid out for SIMD lanes.
+//!
+//! Most manifolds have one point, no rolling friction and no rebound, and a pile's blocks are gone through a dozen times a step from
+//! beyond the cache. So a block has room for one point alone; what more points need is a [`Face`] beside it, and what rolls or
+//! rebounds has an [`Extra`].
+//!
+//! ```text
+//! blocks  [ a b n t · point 0 · friction, twist ][ … ][ … ]…      0.9 kB each
+//! faces           [ centres · points 1, 2, 3 · 4×4 matrices ]…    1.8 kB, for blocks with manifolds of more than one point
+//! extras          [ rolling · restitution, impacts ]…             0.5 kB, for blocks with such materials
+//! ```
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::contact::{ContactImpulses, ContactInput, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS, tangents};
+use super::state::BodyMotion;
+use crate::room::{make_room, make_room_behind};
+
+/// Where a block has neither a face nor an extra.
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// Rows of one point of each manifold.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub(crate) struct PointRows {
+    pub lever_a: Lane3,
+    pub lever_b: Lane3,
+    /// 1/A_ii; zero for points that do not exist.
+    pub inverse_diagonal: Lane,
+    /// Separation at the start of the step (m).
+    pub separation: Lane,
+    /// max(s, 0)/h of this substep (m/s); once substeps are over, the multipliers of position recovery (kg m).
+    pub closing_speed: Lane,
+    pub lambda: Lane,
+}
+
+/// Eight manifolds; unused lanes act on the world slot and do nothing.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub(crate) struct ContactBlock {
+    pub a: [u32; LANES],
+    pub b: [u32; LANES],
+    pub normal: Lane3,
+    pub tangent: Lane3,
+    pub first: PointRows,
+    /// Inverse of the tangential 2×2 matrix: 11, 12, 22.
+    pub tangent_mass: [Lane; 3],
+    pub tangent_lambda: [Lane; 2],
+    pub friction: Lane,
+    pub twist_mass: Lane,
+    pub twist_lambda: Lane,
+    /// Torque limit about the normal per normal force (m).
+    pub twist_arm: Lane,
+    /// Points of each manifold.
+    pub count: [u8; LANES],
+    /// Places of its face and its extra, or [`NONE`].
+    pub face: u32,
+    pub extra: u32,
+}
+
+/// What a block has beside it whose manifolds may have more than one point.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub(crate) struct Face {
+    /// Points 1 to 3.
+    pub more: [PointRows; POINTS - 1],
+    /// Middle of the points, where friction acts.
+    pub center_a: Lane3,
+    pub center_b: Lane3,
+    pub diagonal: [Lane; POINTS],
+    /// A_ij for i < j: 01, 02, 03, 12, 13, 23.
+    pub coupling: [Lane; 6],
+    /// (A + ε)⁻¹ on the points that exist: 00, 11, 22, 33, 01, 02, 03, 12, 13, 23.
+    pub inverse: [Lane; 10],
+}
+
+/// What a block has beside it of which a manifold resists rolling or rebounds.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+pub(crate) struct Extra {
+    /// Inverse of the angular 2×2 matrix about the tangents: 11, 12, 22.
+    pub rolling_mass: [Lane; 3],
+    pub rolling_lambda: [Lane; 2],
+    /// Torque limit about the tangents per normal force (m).
+    pub rolling_arm: Lane,
+    pub restitution: Lane,
+    /// Normal velocity at the moment of impact, negative when approaching (m/s); zero where there was none.
+    pub impact_speed: [Lane; POINTS],
+    /// Greatest multiplier of each point in this step (N·s).
+    pub peak_lambda: [Lane; POINTS],
+    pub has_rolling: bool,
+    pub has_restitution: bool,
+}
+
+const ZERO: Lane = [0.0; LANES];
+
+impl PointRows {
+    const EMPTY: Self = Self {
+        lever_a: [ZERO; 3],
+        lever_b: [ZERO; 3],
+        inverse_diagonal: ZERO,
+        separation: ZERO,
+        closing_speed: ZERO,
+        lambda: ZERO,
+    };
+
+    /// Levers of lane `l`.
+    pub(crate) fn levers_of(&self, l: usize) -> (Vec3, Vec3) {
+        (get(&self.lever_a, l), get(&self.lever_b, l))
+    }
+}
+
+impl ContactBlock {
+    const EMPTY: Self = Self {
+        a: [0; LANES],
+        b: [0; LANES],
+        normal: [ZERO; 3],
+        tangent: [ZERO; 3],
+        first: PointRows::EMPTY,
+        tangent_mass: [ZERO; 3],
+        tangent_lambda: [ZERO; 2],
+        friction: ZERO,
+        twist_mass: ZERO,
+        twist_lambda: ZERO,
+        twist_arm: ZERO,
+        count: [0; LANES],
+        face: NONE,
+        extra: NONE,
+    };
+
+    /// Whether the inertia of any of its bodies has been formed anew.
+    pub(crate) fn is_refreshed(&self, motions: &[BodyMotion]) -> bool {
+        self.a.iter().chain(&self.b).any(|&slot| motions[slot as usize].refreshed)
+    }
+
+    /// Whether lane `l` is in use, and its first point can be moved.
+    pub(crate) fn is_movable(&self, l: usize) -> bool {
+        self.first.inverse_diagonal[l] > 0.0
+    }
+
+    /// Normal of lane `l`.
+    pub(crate) fn normal_of(&self, l: usize) -> Vec3 {
+        get(&self.normal, l)
+    }
+}
+
+impl Face {
+    const EMPTY: Self = Self {
+        more: [PointRows::EMPTY; POINTS - 1],
+        center_a: [ZERO; 3],
+        center_b: [ZERO; 3],
+        diagonal: [ZERO; POINTS],
+        coupling: [ZERO; 6],
+        inverse: [ZERO; 10],
+    };
+}
+
+impl Extra {
+    const EMPTY: Self = Self {
+        rolling_mass: [ZERO; 3],
+        rolling_lambda: [ZERO; 2],
+        rolling_arm: ZERO,
+        restitution: ZERO,
+        impact_speed: [ZERO; POINTS],
+        peak_lambda: [ZERO; POINTS],
+        has_rolling: false,
+        has_restitution: false,
+    };
+}
+
+/// All blocks of a batch.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ContactBlocks {
+    pub blocks: Vec<ContactBlock>,
+    pub faces: Vec<Face>,
+    pub extras: Vec<Extra>,
+}
+
+impl ContactBlocks {
+    pub(crate) fn clear(&mut self) {
+        self.blocks.clear();
+        self.faces.clear();
+        self.extras.clear();
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.blocks.is_empty()
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Makes room in an empty list for this many blocks, of which so many have faces.
+    pub(crate) fn make_room(&mut self, blocks: usize, faces: usize) {
+        make_room(&mut self.blocks, blocks);
+        make_room(&mut self.faces, faces);
+    }
+
+    /// Adds empty blocks, for manifolds of one point or for faces.
+    pub(crate) fn add(&mut self, count: usize, has_faces: bool) {
+        for _ in 0..count {
+            let face = if has_faces { self.faces.len() as u32 } else { NONE };
+            self.blocks.push(ContactBlock { face, ..ContactBlock::EMPTY });
+            if has_faces {
+                self.faces.push(Face::EMPTY);
+            }
+        }
+    }
+
+    /// Points that a block has room for.
+    pub(crate) fn room_of(&self, block: usize) -> usize {
+        if self.blocks[block].face == NONE { 1 } else { POINTS }
+    }
+
+    /// Rows of a point of a block that has room for it.
+    pub(crate) fn rows(&self, block: usize, point: usize) -> &PointRows {
+        let block = &self.blocks[block];
+        if point == 0 { &block.first } else { &self.faces[block.face as usize].more[point - 1] }
+    }
+
+    pub(crate) fn rows_mut(&mut self, block: usize, point: usize) -> &mut PointRows {
+        let block = &mut self.blocks[block];
+        if point == 0 { &mut block.first } else { &mut self.faces[block.face as usize].more[point - 1] }
+    }
+
+    /// Levers of the middle of a manifold, where friction acts.
+    pub(crate) fn centers_of(&self, block: usize, l: usize) -> (Vec3, Vec3) {
+        let block = &self.blocks[block];
+        match self.faces.get(block.face as usize) {
+            Some(face) => (get(&face.center_a, l), get(&face.center_b, l)),
+            None => block.first.levers_of(l),
+        }
+    }
+
+    /// Prepares one manifold in lane `l` of a block, all but its effective masses; points closer than `reach` (m) count as touching.
+    pub(crate) fn set_lane(&mut self, number: usize, l: usize, input: &ContactInput, reach: f32) {
+        let n = input.normal;
+        let (t1, t2) = tangents(n);
+        let count = input.count;
+        for i in 0..count {
+            let rows = self.rows_mut(number, i);
+            put(&mut rows.lever_a, l, input.lever_a[i]);
+            put(&mut rows.lever_b, l, input.lever_b[i]);
+            rows.separation[l] = input.separation[i];
+            rows.lambda[l] = input.impulses.normal[i];
+        }
+        let block = &mut self.blocks[number];
+        block.a[l] = input.a;
+        block.b[l] = input.b;
+        put(&mut block.normal, l, n);
+        put(&mut block.tangent, l, t1);
+        block.count[l] = count as u8;
+
+        let pressed: f32 = input.impulses.normal.iter().sum();
+        let carried = |lambda: f32| if lambda.abs() > NEGLIGIBLE_FRICTION * pressed { lambda } else { 0.0 };
+        block.friction[l] = input.material.friction;
+        block.tangent_lambda[0][l] = carried(input.impulses.friction.dot(t1));
+        block.tangent_lambda[1][l] = carried(input.impulses.friction.dot(t2));
+        block.twist_lambda[l] = carried(input.impulses.twist);
+        block.twist_arm[l] = input.material.spinning;
+        if let Some(face) = self.faces.get_mut(block.face as usize) {
+            let inverse_count = 1.0 / count as f32;
+            let center_a = input.lever_a[..count].iter().sum::<Vec3>() * inverse_count;
+            let center_b = input.lever_b[..count].iter().sum::<Vec3>() * inverse_count;
+            put(&mut face.center_a, l, center_a);
+            put(&mut face.center_b, l, center_b);
+            let spread = input.lever_a[..count].iter().map(|lever| (*lever - center_a).length()).sum::<f32>() * inverse_count;
+            block.twist_arm[l] = input.material.friction * spread + input.material.spinning;
+        }
+        if count == POINTS {
+            self.level(number, l, reach);
+        }
+        if !input.is_plain() {
+            self.set_extra(number, l, input, [t1, t2]);
+        }
+    }
+
+    fn set_extra(&mut self, number: usize, l: usize, input: &ContactInput, [t1, t2]: [Vec3; 2]) {
+        let block = &mut self.blocks[number];
+        if block.extra == NONE {
+            block.extra = self.extras.len() as u32;
+            make_room_behind(&mut self.extras, 1);
+            self.extras.push(Extra::EMPTY);
+        }
+        let extra = &mut self.extras[block.extra as usize];
+        if input.material.rolling > 0.0 {
+            extra.has_rolling = true;
+            extra.rolling_arm[l] = input.material.rolling;
+            extra.rolling_lambda[0][l] = input.impulses.rolling.dot(t1);
+            extra.rolling_lambda[1][l] = input.impulses.rolling.dot(t2);
+        }
+        if input.material.restitution > 0.0 {
+            extra.has_restitution = true;
+            extra.restitution[l] = input.material.restitution;
+        }
+    }
+
+    /// Evens out the load of four touching points in lane `l` of a block without changing its force or moments.
+    ///
+    /// Four points of a face have one combination ν of multipliers that does nothing: Σν = 0, Σν r = 0. Where some of them
+    /// overlap by a micrometre and others gape by one, their rows contradict each other along ν, and the sweeps would shift the
+    /// load along it until two points carry all and the face rocks on a diagonal.
+    fn level(&mut self, number: usize, l: usize, reach: f32) {
+        if (0..POINTS).any(|i| self.rows(number, i).separation[l] > reach) {
+            return;
+        }
+        let (n, t1) = (get(&self.blocks[number].normal, l), get(&self.blocks[number].tangent, l));
+        let t2 = n.cross(t1);
+        let p: [Vec2; POINTS] = std::array::from_fn(|i| {
+            let lever = get(&self.rows(number, i).lever_a, l);
+            Vec2::new(lever.dot(t1), lever.dot(t2))
+        });
+        let area = |a: Vec2, b: Vec2, c: Vec2| (b - a).perp_dot(c - a);
+        let idle = Vec4::new(area(p[1], p[2], p[3]), -area(p[0], p[2], p[3]), area(p[0], p[1], p[3]), -area(p[0], p[1], p[2]));
+        let Some(idle) = idle.try_normalize() else { return };
+        let lambda = Vec4::from_array(std::array::from_fn(|i| self.rows(number, i).lambda[l]));
+        let shift = idle * idle.dot(lambda);
+        let least = (lambda - shift).min_element();
+        if least >= 0.0 {
+            for i in 0..POINTS {
+                self.rows_mut(number, i).lambda[l] = lambda[i] - shift[i];
+            }
+        }
+    }
+
+    /// Multipliers of lane `l` of a block at the end of the last substep.
+    pub(crate) fn impulses(&self, number: usize, l: usize) -> ContactImpulses {
+        let block = &self.blocks[number];
+        let n = get(&block.normal, l);
+        let t1 = get(&block.tangent, l);
+        let t2 = n.cross(t1);
+        let mut impulses = ContactImpulses {
+            friction: t1 * block.tangent_lambda[0][l] + t2 * block.tangent_lambda[1][l],
+            twist: block.twist_lambda[l],
+            ..ContactImpulses::default()
+        };
+        for i in 0..self.room_of(number) {
+            impulses.normal[i] = self.rows(number, i).lambda[l];
+        }
+        if let Some(extra) = self.extras.get(block.extra as usize) {
+            impulses.rolling = t1 * extra.rolling_lambda[0][l] + t2 * extra.rolling_lambda[1][l];
+        }
+        impulses
+    }
+}
+
+fn put(lanes: &mut Lane3, l: usize, v: Vec3) {
+    lanes[0][l] = v.x;
+    lanes[1][l] = v.y;
+    lanes[2][l] = v.z;
+}
+
+fn get(lanes: &Lane3, l: usize) -> Vec3 {
+    Vec3::new(lanes[0][l], lanes[1][l], lanes[2][l])
+}
