@@ -147,14 +147,18 @@ pub struct LsJointDef {
     pub strength: LsStrength,
     /// Not 0: long-range constraints are derived from it: bounds past it, planes of hinges, unions of fixed joints; default 1.
     pub long_range: u32,
+    /// Not used; 0.
+    pub reserved: u32,
     /// LS_SOLVER_ constant: how the articulation that it belongs to is solved; default LS_SOLVER_AUTO, which is as the world says. One
     /// joint that asks for sweeps is enough for these, and else one that asks for the direct solve.
     pub solver: i32,
+    /// Not used; 0.
+    pub reserved_too: u32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsJointDef {
-    const SIZES: &'static [usize] = &[400, 440, 448];
+    const SIZES: &'static [usize] = &[400, 440, 448, 456];
 }
 
 // SAFETY: begins with struct_size.
@@ -188,7 +192,9 @@ impl Default for LsJointDef {
             angular_axes: [locked; 3],
             strength: Strength::UNBREAKABLE.into(),
             long_range: 1,
+            reserved: 0,
             solver: LS_SOLVER_AUTO,
+            reserved_too: 0,
         }
     }
 }

@@ -856,11 +856,15 @@ typedef struct LsJointDef {
     struct LsStrength strength;
     /** Not 0: long-range constraints are derived from it: bounds past it, planes of hinges, unions of fixed joints; default 1. */
     uint32_t long_range;
+    /** Not used; 0. */
+    uint32_t reserved;
     /**
      * LS_SOLVER_ constant: how the articulation that it belongs to is solved; default LS_SOLVER_AUTO, which is as the world says. One
      * joint that asks for sweeps is enough for these, and else one that asks for the direct solve.
      */
     int32_t solver;
+    /** Not used; 0. */
+    uint32_t reserved_too;
 } LsJointDef;
 
 /** When bodies fall asleep. */
