@@ -2,7 +2,8 @@
 
 use longspan::glam::{Quat, Vec3};
 use longspan::{
-    BodyDef, BodyId, JointDef, JointId, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, Softness, Solver, World, WorldDef,
+    BodyDef, BodyId, JointDef, JointId, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, SleepSettings, Softness, Solver,
+    World, WorldDef,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -10,10 +11,8 @@ const MASS: f32 = 8.0;
 const GRAVITY: f32 = 9.81;
 
 fn world(solver: Solver) -> World {
-    let mut def = WorldDef::default();
-    def.gravity = Vec3::NEG_Y * GRAVITY;
-    def.solver = solver;
-    def.sleep.enabled = false;
+    let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+    let def = WorldDef { gravity: Vec3::NEG_Y * GRAVITY, solver, sleep, ..WorldDef::default() };
     World::new(&def).expect("a valid world")
 }
 
