@@ -109,7 +109,11 @@ fn combined(shapes: &[ShapeDef]) -> Result<MassProperties> {
     }
     let mass: f32 = parts.iter().map(|part| part.mass).sum();
     if mass <= 0.0 {
-        return Err(Error::new(ErrorKind::OutOfRange, "mass", "a dynamic body needs a shape with density, or a mass of its own"));
+        return Err(Error::new(
+            ErrorKind::OutOfRange,
+            "mass",
+            "a dynamic body needs a shape with density, or mass and inertia of its own",
+        ));
     }
     let center_of_mass = parts.iter().map(|part| part.mass * part.center_of_mass).sum::<Vec3>() / mass;
     let mut tensor = Mat3::ZERO;

@@ -45,7 +45,7 @@ impl RigidMass {
     fn of_shapes(shapes: &[ShapeDef]) -> Self {
         let parts: Vec<Self> = shapes.iter().filter(|shape| shape.density > 0.0).filter_map(Self::of_shape).collect();
         let mass: f32 = parts.iter().map(|part| part.mass).sum();
-        assert!(mass > 0.0, "a dynamic body needs a shape with density, or a mass of its own");
+        assert!(mass > 0.0, "a dynamic body needs a shape with density, or mass and inertia of its own");
         let center = parts.iter().map(|part| part.mass * part.center).sum::<Vec3>() / mass;
         let mut inertia = Mat3::ZERO;
         for part in &parts {
