@@ -226,9 +226,9 @@ impl Articulation {
 
     /// Displaces the bodies by a Newton step; returns the errors that it leaves, if they are accepted, and else moves nothing.
     ///
-    /// Its linear rows do not know that levers turn. Where light bodies can follow by turning, they are turned by radians to spare a heavy one
-    /// a centimetre, and the gaps grow. Those bodies are stiffened, and the step is sought again: in the limit none turns, for which
-    /// the rows of points are exact.
+    /// Its linear rows do not know that levers turn. Where light bodies can follow by turning, they are turned by radians to spare a
+    /// heavy one a centimetre, and the gaps grow. Those bodies are stiffened, and the step is sought again: in the limit none turns,
+    /// for which the rows of points are exact.
     fn displace(&mut self, joints: &Pool<Joint, JointId>, worst: f64, accept: impl Fn(&Errors) -> bool) -> Option<Errors> {
         self.tried.clone_from(&self.stances);
         self.find_changes(joints);
