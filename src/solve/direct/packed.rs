@@ -194,25 +194,25 @@ impl Packed {
     }
 }
 
-/// The three lists of a node of one lane.
+/// The first N lists of W lanes each.
 #[inline(always)]
-fn three(lists: &[Lanes]) -> &[Lanes; 3] {
-    lists.first_chunk().expect("a node has three lists a part and side")
+fn lists<const W: usize, const N: usize>(lanes: &[Lanes]) -> &[[Lanes; W]; N] {
+    lanes.as_chunks::<W>().0.first_chunk().expect("a node has as many lists of as many lanes as it has been counted")
 }
 
 /// Adds J_i M̃⁻¹ J_jᵀ over one body to a block of nodes of one lane.
 #[inline(always)]
 fn add_narrow(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
-    let (linear, angular) = (three(rows.linear), three(rows.angular));
-    let (push, turn) = (three(columns.linear), three(columns.response));
+    let (linear, angular) = (lists::<1, 3>(rows.linear), lists::<1, 3>(rows.angular));
+    let (push, turn) = (lists::<1, 3>(columns.linear), lists::<1, 3>(columns.response));
     for (i, row) in block.iter_mut().enumerate().take(4) {
         let mut sum = *row;
-        add_scaled(&mut sum, mass.x * linear[0][i], &push[0]);
-        add_scaled(&mut sum, mass.y * linear[1][i], &push[1]);
-        add_scaled(&mut sum, mass.z * linear[2][i], &push[2]);
-        add_scaled(&mut sum, angular[0][i], &turn[0]);
-        add_scaled(&mut sum, angular[1][i], &turn[1]);
-        add_scaled(&mut sum, angular[2][i], &turn[2]);
+        add_scaled(&mut sum, mass.x * linear[0][0][i], &push[0][0]);
+        add_scaled(&mut sum, mass.y * linear[1][0][i], &push[1][0]);
+        add_scaled(&mut sum, mass.z * linear[2][0][i], &push[2][0]);
+        add_scaled(&mut sum, angular[0][0][i], &turn[0][0]);
+        add_scaled(&mut sum, angular[1][0][i], &turn[1][0]);
+        add_scaled(&mut sum, angular[2][0][i], &turn[2][0]);
         *row = sum;
     }
 }
@@ -232,10 +232,7 @@ fn add_wide(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
 /// As [`add_wider`], for W lanes of columns.
 #[inline(always)]
 fn add_wide_of<const W: usize>(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
-    let lists = |lists: &[Lanes]| -> [[Lanes; W]; 3] {
-        *lists.as_chunks::<W>().0.first_chunk().expect("a node has three lists a part and side")
-    };
-    let (push, turn) = (lists(columns.linear), lists(columns.response));
+    let (push, turn) = (*lists::<W, 3>(columns.linear), *lists::<W, 3>(columns.response));
     let (row_w, mass) = (rows.linear.len() / 3, [mass.x, mass.y, mass.z]);
     for (i, row) in block.as_chunks_mut::<W>().0.iter_mut().enumerate() {
         let mut sum = *row;
@@ -268,35 +265,88 @@ fn add_wider(block: &mut [Lanes], rows: &Half, columns: &Half, mass: DVec3) {
     }
 }
 
+/// Calls a kernel of constant width for a node of one or two lanes, and one of any width for others; none where no row takes part.
+macro_rules! by_width {
+    ($w:expr, $narrow:ident, $any:ident, ($($arg:expr),*)) => {
+        match $w {
+            0 => {}
+            1 => $narrow::<1>($($arg),*),
+            2 => $narrow::<2>($($arg),*),
+            _ => $any($($arg),*),
+        }
+    };
+}
+
+/// The speeds of a node's two bodies, in the order of its lists.
+#[inline(always)]
+fn speeds_of(node: &Node, rates: &[Rate]) -> [f64; 12] {
+    let (a, b) = (&rates[node.bodies[0] as usize], &rates[node.bodies[1] as usize]);
+    let [al, aa, bl, ba] = [a.linear, a.angular, b.linear, b.angular];
+    [al.x, al.y, al.z, aa.x, aa.y, aa.z, bl.x, bl.y, bl.z, ba.x, ba.y, ba.z]
+}
+
 #[inline(always)]
 fn find_residuals_body(residuals: &mut [Lanes], packed: &Packed, nodes: &[Node], factor: &Factor, rates: &[Rate]) -> f64 {
     let mut worst = ZERO;
     for (number, node) in nodes.iter().enumerate() {
         let lanes = factor.lanes(number);
-        let w = lanes.len();
-        let jacobian = &packed.jacobian[12 * lanes.start..12 * lanes.end];
-        let (a, b) = (&rates[node.bodies[0] as usize], &rates[node.bodies[1] as usize]);
-        let rates = [
-            [a.linear.x, a.linear.y, a.linear.z, a.angular.x, a.angular.y, a.angular.z],
-            [b.linear.x, b.linear.y, b.linear.z, b.angular.x, b.angular.y, b.angular.z],
-        ];
-        for lane in lanes.clone() {
-            let mut lack = packed.bias[lane];
-            add_product(&mut lack, &packed.gamma[lane], &packed.impulse[lane]);
-            for side in 0..2 {
-                for part in 0..6 {
-                    add_scaled(&mut lack, rates[side][part], &jacobian[(side * 6 + part) * w + lane - lanes.start]);
-                }
-            }
-            for j in 0..4 {
-                let size = lack[j].abs();
-                worst[j] = if size > worst[j] { size } else { worst[j] };
-                lack[j] = -lack[j];
-            }
-            residuals[lane] = lack;
-        }
+        let speeds = speeds_of(node, rates);
+        by_width!(
+            lanes.len(),
+            find_residuals_of,
+            find_residuals_any,
+            (&mut residuals[lanes.clone()], packed, lanes, &speeds, &mut worst)
+        );
     }
     worst[0].max(worst[1]).max(worst[2].max(worst[3]))
+}
+
+/// Of a node of W lanes.
+#[inline(always)]
+fn find_residuals_of<const W: usize>(
+    residuals: &mut [Lanes],
+    packed: &Packed,
+    lanes: Range<usize>,
+    speeds: &[f64; 12],
+    worst: &mut Lanes,
+) {
+    let jacobian = lists::<W, 12>(&packed.jacobian[12 * lanes.start..]);
+    let [bias, gamma, impulse] =
+        [&packed.bias, &packed.gamma, &packed.impulse].map(|list| lists::<W, 1>(&list[lanes.start..])[0]);
+    let residuals: &mut [Lanes; W] = residuals.first_chunk_mut().expect("a node has as many lanes as it has been counted");
+    for lane in 0..W {
+        let mut lack = bias[lane];
+        add_product(&mut lack, &gamma[lane], &impulse[lane]);
+        for part in 0..12 {
+            add_scaled(&mut lack, speeds[part], &jacobian[part][lane]);
+        }
+        residuals[lane] = lacking(lack, worst);
+    }
+}
+
+#[inline(always)]
+fn find_residuals_any(residuals: &mut [Lanes], packed: &Packed, lanes: Range<usize>, speeds: &[f64; 12], worst: &mut Lanes) {
+    let w = lanes.len();
+    let jacobian = &packed.jacobian[12 * lanes.start..12 * lanes.end];
+    for (own, lane) in lanes.enumerate() {
+        let mut lack = packed.bias[lane];
+        add_product(&mut lack, &packed.gamma[lane], &packed.impulse[lane]);
+        for part in 0..12 {
+            add_scaled(&mut lack, speeds[part], &jacobian[part * w + own]);
+        }
+        residuals[own] = lacking(lack, worst);
+    }
+}
+
+/// What rows with these errors lack; `worst` is kept up to date.
+#[inline(always)]
+fn lacking(mut errors: Lanes, worst: &mut Lanes) -> Lanes {
+    for j in 0..4 {
+        let size = errors[j].abs();
+        worst[j] = if size > worst[j] { size } else { worst[j] };
+        errors[j] = -errors[j];
+    }
+    errors
 }
 
 #[inline(always)]
@@ -311,25 +361,43 @@ fn add_impulses_body(
 ) {
     for (number, node) in nodes.iter().enumerate() {
         let lanes = factor.lanes(number);
-        let w = lanes.len();
         let increments = &increments[lanes.clone()];
         for side in 0..2 {
             let body = node.bodies[side] as usize;
             let own = packed.half(&lanes, side);
-            let (mut pushes, mut turns) = ([ZERO; 3], [ZERO; 3]);
-            for axis in 0..3 {
-                for lane in 0..w {
-                    add_product(&mut pushes[axis], &increments[lane], &own.linear[axis * w + lane]);
-                    add_product(&mut turns[axis], &increments[lane], &own.response[axis * w + lane]);
-                }
-            }
-            let linear = DVec3::new(sum(&pushes[0]), sum(&pushes[1]), sum(&pushes[2]));
-            let angular = DVec3::new(sum(&turns[0]), sum(&turns[1]), sum(&turns[2]));
+            let mut sums = [ZERO; 6];
+            by_width!(increments.len(), push_of, push_any, (&own, increments, &mut sums));
+            let linear = DVec3::new(sum(&sums[0]), sum(&sums[1]), sum(&sums[2]));
+            let angular = DVec3::new(sum(&sums[3]), sum(&sums[4]), sum(&sums[5]));
             rates[body].linear += bodies[body].inverse_mass * linear * share;
             rates[body].angular += angular * share;
         }
+        for (impulse, increment) in packed.impulse[lanes].iter_mut().zip(increments) {
+            add_scaled(impulse, share, increment);
+        }
+    }
+}
+
+/// What increments of W lanes push on one body, linear and angular.
+#[inline(always)]
+fn push_of<const W: usize>(own: &Half, increments: &[Lanes], sums: &mut [Lanes; 6]) {
+    let (linear, response) = (lists::<W, 3>(own.linear), lists::<W, 3>(own.response));
+    let increments = &lists::<W, 1>(increments)[0];
+    for axis in 0..3 {
+        for lane in 0..W {
+            add_product(&mut sums[axis], &increments[lane], &linear[axis][lane]);
+            add_product(&mut sums[3 + axis], &increments[lane], &response[axis][lane]);
+        }
+    }
+}
+
+#[inline(always)]
+fn push_any(own: &Half, increments: &[Lanes], sums: &mut [Lanes; 6]) {
+    let w = increments.len();
+    for axis in 0..3 {
         for lane in 0..w {
-            add_scaled(&mut packed.impulse[lanes.start + lane], share, &increments[lane]);
+            add_product(&mut sums[axis], &increments[lane], &own.linear[axis * w + lane]);
+            add_product(&mut sums[3 + axis], &increments[lane], &own.response[axis * w + lane]);
         }
     }
 }
