@@ -389,6 +389,10 @@ impl JointImpulses {
         self.scalar.iter().enumerate().fold(0, |bits, (row, &impulse)| bits | u32::from(impulse > 0.0) << row)
     }
 
+    pub(crate) fn is_zero(&self) -> bool {
+        self.point == Vec3::ZERO && self.angular == Vec3::ZERO && self.scalar.iter().all(|&impulse| impulse == 0.0)
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
         self.point.is_finite() && self.angular.is_finite() && self.scalar.iter().all(|impulse| impulse.is_finite())
     }

@@ -100,6 +100,7 @@ impl Batch {
             self.bounds.warm_start(&mut self.velocities);
             self.wraps.begin_substep(&mut self.velocities, &self.motions, h);
             contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
+            self.direct.warm_start(&mut self.velocities, settings.iterations);
             self.pass_loads();
             self.solve_exactly();
             for iteration in 0..settings.iterations {

@@ -146,6 +146,8 @@ pub(crate) struct Articulation {
     /// built (rad).
     pub(super) lasting: Lasting,
     pub(super) built: Vec<Vec3>,
+    /// Whether carried multipliers have taken the place of the next solve, where it is swept.
+    pub(super) is_warm: bool,
     /// Whether it touches what moves and is not carried, so that its joints are swept with the contacts.
     pub coupled: bool,
     /// Solves that this step may still spend on halvings and long projections.
@@ -199,6 +201,7 @@ impl Articulation {
         self.watched.clear();
         self.coupled = false;
         self.lasting = Lasting::No;
+        self.is_warm = false;
         self.solves_left = 0;
         self.bodies.clear();
         self.origins.clear();

@@ -38,17 +38,30 @@ impl Articulation {
         self.ask(joints, Phase::Tangent { h });
     }
 
-    /// Solves all joints for the velocities of now.
-    pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity]) {
+    /// Applies the carried multipliers in place of the first of several sweeps, if there are any.
+    ///
+    /// They hold what the last substep has found, contacts among it; a solve would begin by holding the joints alone.
+    pub(crate) fn warm_start(&mut self, velocities: &mut [BodyVelocity], iterations: u32) {
+        self.is_warm = iterations > 1 && self.entries.iter().any(|entry| !entry.impulses.is_zero());
+        if !self.is_warm {
+            return;
+        }
+        self.take_rates(velocities);
+        if self.is_points {
+            self.points.warm_start(&self.bodies, &mut self.rates);
+        } else {
+            self.system.warm_start(&self.bodies, &mut self.rates);
+        }
+        self.give_rates(velocities);
+    }
+
+    fn take_rates(&mut self, velocities: &[BodyVelocity]) {
         for (rate, body) in self.rates.iter_mut().zip(&self.bodies) {
             *rate = Rate::of(&velocities[body.slot as usize]);
         }
-        if self.is_points {
-            self.points.withdraw(&self.bodies, &mut self.rates);
-            self.points.solve(&self.topology, &self.bodies, &mut self.rates);
-        } else {
-            self.system.sweep(&self.topology, &self.bodies, &mut self.rates);
-        }
+    }
+
+    fn give_rates(&self, velocities: &mut [BodyVelocity]) {
         for (rate, body) in self.rates.iter().zip(&self.bodies) {
             if body.is_dynamic() {
                 let velocity = &mut velocities[body.slot as usize];
@@ -56,6 +69,21 @@ impl Articulation {
                 velocity.angular = rate.angular.as_vec3();
             }
         }
+    }
+
+    /// Solves all joints for the velocities of now.
+    pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity]) {
+        if std::mem::replace(&mut self.is_warm, false) {
+            return;
+        }
+        self.take_rates(velocities);
+        if self.is_points {
+            self.points.withdraw(&self.bodies, &mut self.rates);
+            self.points.solve(&self.topology, &self.bodies, &mut self.rates);
+        } else {
+            self.system.sweep(&self.topology, &self.bodies, &mut self.rates);
+        }
+        self.give_rates(velocities);
     }
 
     /// Ends a substep, after the bodies have moved, or the step: positions are mended, velocities stay.

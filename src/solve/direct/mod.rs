@@ -326,6 +326,11 @@ impl Direct {
         self.coupled().for_each(|articulation| articulation.couple(joints, velocities, motions, h, rest));
     }
 
+    /// Applies the carried multipliers of the articulations that touch what moves.
+    pub(crate) fn warm_start(&mut self, velocities: &mut [BodyVelocity], iterations: u32) {
+        self.coupled().for_each(|articulation| articulation.warm_start(velocities, iterations));
+    }
+
     /// Solves the joints of the articulations that touch what moves.
     pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity]) {
         self.coupled().for_each(|articulation| articulation.sweep(velocities));

@@ -11,7 +11,7 @@
 //!
 //! Nothing has a bound, so that one pass of one factor solves it.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::Articulation;
 use super::block::{Block3, Lanes, ZERO, add_scaled, block3_mut};
@@ -83,6 +83,14 @@ impl Points {
             for joint in &self.joints {
                 push(joint, -joint.impulse, bodies, rates);
             }
+        }
+    }
+
+    /// Adds the push of the carried multipliers to the rates.
+    pub(super) fn warm_start(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
+        self.has_pushed = true;
+        for joint in &self.joints {
+            push(joint, joint.impulse, bodies, rates);
         }
     }
 
@@ -248,6 +256,8 @@ impl Articulation {
         (*is_factored, *has_pushed) = (false, false);
         for (number, link) in links.iter().enumerate() {
             let bodies = link.bodies;
+            let carried = if matches!(phase, Phase::Position { .. }) { Vec3::ZERO } else { entries[number].impulses.point };
+            let impulse = carried.as_dvec3();
             let (levers, bias) = match phase {
                 Phase::Velocity { h } => {
                     let levers = match implicit[number] {
@@ -268,7 +278,7 @@ impl Articulation {
                     (spots[number].halfway(), spots[number].gap.clamp(DVec3::splat(-most), DVec3::splat(most)))
                 }
             };
-            joints.push(Held { bodies, levers, bias, impulse: DVec3::ZERO });
+            joints.push(Held { bodies, levers, bias, impulse });
         }
     }
 

@@ -343,6 +343,16 @@ impl System {
         self.solve(topology, bodies, rates, PASSES);
     }
 
+    /// Adds the push of the carried multipliers to the rates.
+    pub(crate) fn warm_start(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
+        self.has_pushed = true;
+        for node in &self.nodes {
+            for row in self.rows[node.first as usize..node.last as usize].iter().filter(|row| row.impulse != 0.0) {
+                push(row, node, row.impulse, bodies, rates);
+            }
+        }
+    }
+
     /// Takes the push of the last solve out of the rates.
     fn withdraw(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
         if std::mem::replace(&mut self.has_pushed, true) {
