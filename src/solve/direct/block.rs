@@ -39,6 +39,39 @@ pub(super) fn sum(lanes: &Lanes) -> f64 {
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 }
 
+/// The sums of four lanes each, side by side.
+#[inline(always)]
+pub(super) fn sums(rows: &[Lanes; 4]) -> Lanes {
+    let mut columns = [ZERO; 4];
+    for i in 0..4 {
+        for j in 0..4 {
+            columns[j][i] = rows[i][j];
+        }
+    }
+    let mut sums = ZERO;
+    for i in 0..4 {
+        sums[i] = (columns[0][i] + columns[1][i]) + (columns[2][i] + columns[3][i]);
+    }
+    sums
+}
+
+/// The products of rows of W lanes with y, four rows at a time: L y, with zeros behind.
+#[inline(always)]
+fn products_of<const M: usize, const W: usize>(l: &[Lanes], y: &[Lanes; W]) -> [Lanes; 2] {
+    let rows: &[[Lanes; W]; M] = l.as_chunks::<W>().0.first_chunk().expect("blocks lie within what their plan has counted");
+    let mut found = [ZERO; 2];
+    for group in 0..M.div_ceil(4) {
+        let mut products = [ZERO; 4];
+        for i in 4 * group..M.min(4 * group + 4) {
+            for j in 0..W {
+                add_product(&mut products[i % 4], &rows[i][j], &y[j]);
+            }
+        }
+        found[group] = sums(&products);
+    }
+    found
+}
+
 /// A block of 3 × 3: that of two joints which hold points.
 pub(super) type Block3 = [Lanes; 3];
 
@@ -212,12 +245,24 @@ pub(super) fn subtract_rows(x: &mut [Lanes], l: &[Lanes], y: &[Lanes], m: usize)
 #[inline(always)]
 fn subtract_rows_of<const W: usize>(x: &mut [Lanes], l: &[Lanes], y: &[Lanes], m: usize) {
     let y: &[Lanes; W] = y.try_into().expect("the slice has W lanes");
-    for (i, row) in l[..m * W].as_chunks::<W>().0.iter().enumerate() {
-        let mut products = ZERO;
-        for (a, b) in row.iter().zip(y) {
-            add_product(&mut products, a, b);
+    let products = match m {
+        3 => products_of::<3, W>(l, y),
+        4 => products_of::<4, W>(l, y),
+        5 => products_of::<5, W>(l, y),
+        6 => products_of::<6, W>(l, y),
+        _ => {
+            for (i, row) in l[..m * W].as_chunks::<W>().0.iter().enumerate() {
+                let mut products = ZERO;
+                for (a, b) in row.iter().zip(y) {
+                    add_product(&mut products, a, b);
+                }
+                x[i / 4][i % 4] -= sum(&products);
+            }
+            return;
         }
-        x[i / 4][i % 4] -= sum(&products);
+    };
+    for (lanes, products) in x.iter_mut().zip(&products) {
+        *lanes = minus(lanes, products);
     }
 }
 
@@ -250,14 +295,26 @@ pub(super) fn set_rows(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usize) {
 #[inline(always)]
 fn set_rows_of<const W: usize>(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usize) {
     let y: &[Lanes; W] = y.try_into().expect("the slice has W lanes");
-    let x: &mut [Lanes; W] = x.try_into().expect("a square block has as many rows as columns");
-    *x = [ZERO; W];
-    for (i, row) in u[..m * W].as_chunks::<W>().0.iter().enumerate() {
-        let mut products = ZERO;
-        for (a, b) in row.iter().zip(y) {
-            add_product(&mut products, a, b);
+    let products = match m {
+        3 => products_of::<3, W>(u, y),
+        4 => products_of::<4, W>(u, y),
+        5 => products_of::<5, W>(u, y),
+        6 => products_of::<6, W>(u, y),
+        _ => {
+            let x: &mut [Lanes; W] = x.try_into().expect("a square block has as many rows as columns");
+            *x = [ZERO; W];
+            for (i, row) in u[..m * W].as_chunks::<W>().0.iter().enumerate() {
+                let mut products = ZERO;
+                for (a, b) in row.iter().zip(y) {
+                    add_product(&mut products, a, b);
+                }
+                x[i / 4][i % 4] = sum(&products);
+            }
+            return;
         }
-        x[i / 4][i % 4] = sum(&products);
+    };
+    for (lanes, products) in x.iter_mut().zip(&products) {
+        *lanes = *products;
     }
 }
 

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use super::block::{Lanes, MAX_ROWS, ZERO, add_product, add_scaled, sum, width};
+use super::block::{self, Lanes, MAX_ROWS, ZERO, add_product, add_scaled, width};
 use super::body::DirectBody;
 use super::factor::Factor;
 use super::row::{Row, State};
@@ -367,10 +367,10 @@ fn add_impulses_body(
             let own = packed.half(&lanes, side);
             let mut sums = [ZERO; 6];
             by_width!(increments.len(), push_of, push_any, (&own, increments, &mut sums));
-            let linear = DVec3::new(sum(&sums[0]), sum(&sums[1]), sum(&sums[2]));
-            let angular = DVec3::new(sum(&sums[3]), sum(&sums[4]), sum(&sums[5]));
-            rates[body].linear += bodies[body].inverse_mass * linear * share;
-            rates[body].angular += angular * share;
+            let [x, y, z, about_x] = block::sums(&[sums[0], sums[1], sums[2], sums[3]]);
+            let [about_y, about_z, ..] = block::sums(&[sums[4], sums[5], ZERO, ZERO]);
+            rates[body].linear += bodies[body].inverse_mass * DVec3::new(x, y, z) * share;
+            rates[body].angular += DVec3::new(about_x, about_y, about_z) * share;
         }
         for (impulse, increment) in packed.impulse[lanes].iter_mut().zip(increments) {
             add_scaled(impulse, share, increment);

@@ -346,21 +346,13 @@ impl System {
     /// Adds the push of the carried multipliers to the rates.
     pub(crate) fn warm_start(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
         self.has_pushed = true;
-        for node in &self.nodes {
-            for row in self.rows[node.first as usize..node.last as usize].iter().filter(|row| row.impulse != 0.0) {
-                push(row, node, row.impulse, bodies, rates);
-            }
-        }
+        self.push(bodies, rates, |row| row.impulse);
     }
 
     /// Takes the push of the last solve out of the rates.
     fn withdraw(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
         if std::mem::replace(&mut self.has_pushed, true) {
-            for node in &self.nodes {
-                for row in &self.rows[node.first as usize..node.last as usize] {
-                    push(row, node, -row.impulse, bodies, rates);
-                }
-            }
+            self.push(bodies, rates, |row| -row.impulse);
         }
     }
 
@@ -408,11 +400,26 @@ impl System {
     }
 
     fn push_fixed(&self, bodies: &[DirectBody], rates: &mut [Rate]) {
+        self.push(bodies, rates, |row| if matches!(row.state, State::Low | State::High) { row.impulse } else { 0.0 });
+    }
+
+    /// Adds what rows push with these impulses to the rates: one response for each body of a node.
+    fn push(&self, bodies: &[DirectBody], rates: &mut [Rate], impulse_of: impl Fn(&Row) -> f64) {
         for node in &self.nodes {
+            let (mut linear, mut angular) = ([DVec3::ZERO; 2], [DVec3::ZERO; 2]);
             for row in &self.rows[node.first as usize..node.last as usize] {
-                if matches!(row.state, State::Low | State::High) && row.impulse != 0.0 {
-                    push(row, node, row.impulse, bodies, rates);
+                let impulse = impulse_of(row);
+                if impulse == 0.0 {
+                    continue;
                 }
+                for side in 0..2 {
+                    linear[side] += row.linear[side] * impulse;
+                    angular[side] += row.angular[side] * impulse;
+                }
+            }
+            for (side, body) in node.bodies.map(|body| body as usize).into_iter().enumerate() {
+                rates[body].linear += bodies[body].inverse_mass * linear[side];
+                rates[body].angular += bodies[body].inverse_inertia * angular[side];
             }
         }
     }
@@ -473,13 +480,6 @@ impl Equations for FreeRows<'_> {
 
     fn add_impulses(&mut self, factor: &Factor, increments: &[Lanes], share: f64) {
         packed::add_impulses(self.packed, increments, share, self.nodes, factor, self.bodies, self.rates);
-    }
-}
-
-fn push(row: &Row, node: &Node, impulse: f64, bodies: &[DirectBody], rates: &mut [Rate]) {
-    for (side, body) in node.bodies.map(|body| body as usize).into_iter().enumerate() {
-        rates[body].linear += bodies[body].inverse_mass * row.linear[side] * impulse;
-        rates[body].angular += bodies[body].inverse_inertia * (row.angular[side] * impulse);
     }
 }
 
