@@ -1,7 +1,11 @@
 //! An articulation that touches what moves: its joints are one block of the sweeps over contacts.
 //!
-//! Sweep to: joints, contacts; sweep back: contacts, joints. Each solve of the joints is exact, so a substep ends with joints that
-//! hold; contacts see the bodies with their geometric stiffness, I + G, in place of I. Rows are those of a safe substep.
+//! A substep begins with the multipliers of the last one, as rows of contacts do, and has one solve of the joints between two sweeps,
+//! the last: contacts to, contacts back, joints. Carried multipliers know what the contacts weigh on the joints. A solve in their
+//! place, before the contacts have been swept, holds the joints alone: it takes back what contacts carried over have just given, and
+//! a heap trembles. Only where nothing is carried, as in the first substep of all, the joints are solved first too. Each solve is exact, so
+//! a substep ends with joints that hold; contacts see the bodies with their geometric stiffness, I + G, in place of I. Rows
+//! are those of a safe substep.
 
 use super::articulation::{Articulation, Mode};
 use super::lasting::Lasting;
@@ -38,9 +42,7 @@ impl Articulation {
         self.ask(joints, Phase::Tangent { h });
     }
 
-    /// Applies the carried multipliers in place of the first of several sweeps, if there are any.
-    ///
-    /// They hold what the last substep has found, contacts among it; a solve would begin by holding the joints alone.
+    /// Applies the carried multipliers in place of the first of several solves, if there are any.
     pub(crate) fn warm_start(&mut self, velocities: &mut [BodyVelocity], iterations: u32) {
         self.is_warm = iterations > 1 && self.entries.iter().any(|entry| !entry.impulses.is_zero());
         if !self.is_warm {
@@ -71,7 +73,7 @@ impl Articulation {
         }
     }
 
-    /// Solves all joints for the velocities of now.
+    /// Solves all joints for the velocities of now, unless carried multipliers stand for it.
     pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity]) {
         if std::mem::replace(&mut self.is_warm, false) {
             return;
