@@ -185,7 +185,7 @@ fn the_kept_analysis_equals_one_made_anew_over_a_thousand_edit_sequences_of_a_wo
 #[test]
 fn with_thrust_the_kept_analysis_equals_one_made_anew_over_the_same_sequences() {
     let tally = compare_over_edits_of_boxes(&by_thrust());
-    assert!(tally.braced > 20, "{tally:?}");
+    assert!(tally.braced > 10, "{tally:?}");
 }
 
 /// Makes pairs of leaning cards, which stand by thrust alone.
