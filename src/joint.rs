@@ -408,7 +408,8 @@ pub(crate) struct Joint {
     /// Force and torque on B, mean over the last step.
     pub force: Vec3,
     pub torque: Vec3,
-    /// Impulse on B of the last substep, if a direct solve took it (N·s, N·m·s).
+    /// Impulse on B of the last substep, if a direct solve took it (N·s, N·m·s); what it last moved by, if a sheet did: each takes
+    /// what the other left for what it is, a guess.
     pub acted: [Vec3; 2],
     /// What it has borne of late, if it can break.
     pub strain: Option<Box<Strain>>,

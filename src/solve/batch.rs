@@ -17,6 +17,7 @@ use super::momentum::FreeIslands;
 use super::passive::PassiveIslands;
 use super::plane::Planes;
 use super::poses::Poses;
+use super::sheet::Sheet;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::taut::TautRows;
 use super::told::Told;
@@ -99,6 +100,7 @@ pub(crate) struct Batch {
     pub poses: Poses,
     pub free: FreeIslands,
     pub passive: PassiveIslands,
+    pub sheet: Sheet,
     pub leads: Leads,
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,

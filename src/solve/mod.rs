@@ -25,6 +25,7 @@ mod passive;
 pub(crate) mod plane;
 mod poses;
 mod rotation;
+mod sheet;
 mod side;
 pub(crate) mod state;
 pub(crate) mod taut;
@@ -90,38 +91,17 @@ impl Batch {
         self.taut.lay_out(&self.bounds);
         self.poses.lay_out(&self.velocities, &mut self.motions, h);
         self.find_passive_islands(joints);
+        self.find_sheet();
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
             self.leads.begin_substep(&self.velocities, substep, settings.substeps);
             self.apply_forces(joints, h, h * (settings.substeps - substep) as f32);
             self.passive.note(&self.velocities, &self.poses);
             self.prepare_joints(joints, h, false, true);
-            self.joints.warm_start(&mut self.velocities);
-            self.bounds.warm_start(&mut self.velocities);
-            self.wraps.begin_substep(&mut self.velocities, &self.motions, h);
-            contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
-            self.direct.warm_start(&mut self.velocities, settings.iterations);
-            self.pass_loads();
-            self.solve_exactly();
-            for iteration in 0..settings.iterations {
-                if iteration > 0 && iteration + 1 == settings.iterations {
-                    self.prepare_joints(joints, h, true, settings.iterations >= LONG_SUBSTEP);
-                }
-                if iteration % 2 == 0 {
-                    self.wraps.sweep(&mut self.velocities, false);
-                    self.bounds.sweep(&mut self.velocities, false);
-                    self.taut.sweep(&mut self.velocities, false);
-                    self.direct.sweep(&mut self.velocities);
-                    self.joints.sweep(&mut self.velocities, false);
-                    self.sweep_contacts(false);
-                } else {
-                    self.sweep_contacts(true);
-                    self.joints.sweep(&mut self.velocities, true);
-                    self.direct.sweep(&mut self.velocities);
-                    self.taut.sweep(&mut self.velocities, true);
-                    self.bounds.sweep(&mut self.velocities, true);
-                    self.wraps.sweep(&mut self.velocities, true);
-                }
+            if self.sheet.is_one() {
+                self.solve_sheet(h);
+            } else {
+                self.sweep_all(joints, h, settings.iterations);
             }
             self.restrain(joints);
             if substep == 0 {
@@ -139,7 +119,11 @@ impl Batch {
             self.wraps.project(&self.velocities, &mut self.motions);
             self.bounds.project(&self.velocities, &mut self.motions, h);
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
-            self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
+            if self.sheet.is_one() {
+                self.push_sheet();
+            } else {
+                self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
+            }
             if is_last {
                 self.flatten();
             }
@@ -148,7 +132,11 @@ impl Batch {
                 self.add_to_tally();
             }
         }
-        self.close_joints(joints, h);
+        if self.sheet.is_one() {
+            self.joints.end_course();
+        } else {
+            self.close_joints(joints, h);
+        }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.add_to_tally();
         self.recover_positions(settings.dt);
@@ -162,6 +150,37 @@ impl Batch {
         self.taut.store();
         let swept_gap = self.joints.worst_gap(joints, &self.motions);
         self.joint_gap = joint::worst_gap(self.direct.entries(), joints, &self.motions).max(swept_gap);
+    }
+
+    /// Warm start and sweeps of a substep of length `h`.
+    fn sweep_all(&mut self, joints: &Pool<Joint, JointId>, h: f32, iterations: u32) {
+        self.joints.warm_start(&mut self.velocities);
+        self.bounds.warm_start(&mut self.velocities);
+        self.wraps.begin_substep(&mut self.velocities, &self.motions, h);
+        contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
+        self.direct.warm_start(&mut self.velocities, iterations);
+        self.pass_loads();
+        self.solve_exactly();
+        for iteration in 0..iterations {
+            if iteration > 0 && iteration + 1 == iterations {
+                self.prepare_joints(joints, h, true, iterations >= LONG_SUBSTEP);
+            }
+            if iteration % 2 == 0 {
+                self.wraps.sweep(&mut self.velocities, false);
+                self.bounds.sweep(&mut self.velocities, false);
+                self.taut.sweep(&mut self.velocities, false);
+                self.direct.sweep(&mut self.velocities);
+                self.joints.sweep(&mut self.velocities, false);
+                self.sweep_contacts(false);
+            } else {
+                self.sweep_contacts(true);
+                self.joints.sweep(&mut self.velocities, true);
+                self.direct.sweep(&mut self.velocities);
+                self.taut.sweep(&mut self.velocities, true);
+                self.bounds.sweep(&mut self.velocities, true);
+                self.wraps.sweep(&mut self.velocities, true);
+            }
+        }
     }
 
     /// Whether articulations have moved all bodies through the step, and nothing is left to solve.

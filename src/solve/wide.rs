@@ -99,6 +99,13 @@ impl<W: Wide> Wide3<W> {
         self * W::select(length.above(most), most / length, W::splat(1.0))
     }
 
+    /// Every component between −most and most.
+    #[inline(always)]
+    pub fn clamped(self, most: f32) -> Self {
+        let (least, most) = (W::splat(-most), W::splat(most));
+        Self::new(self.x.max(least).min(most), self.y.max(least).min(most), self.z.max(least).min(most))
+    }
+
     /// Zero where `mask` does not hold.
     #[inline(always)]
     pub fn only(self, mask: W::Mask) -> Self {

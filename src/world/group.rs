@@ -10,6 +10,9 @@ use crate::solve::batch::Batch;
 /// Bodies after which a batch takes no further island. It must not depend on the number of threads.
 const BATCH_BODIES: u32 = 64;
 
+/// Bodies of an island that has a batch to itself: it may be a sheet, which is solved as a whole.
+const LARGE_ISLAND: u32 = crate::span::sheet::LEAST_BODIES as u32;
+
 /// Bodies for which batches that are not used may keep room.
 const LEAST_DROPPED: usize = 2048;
 
@@ -225,7 +228,7 @@ impl World {
         let Self { groups, batches, batch_count, report, hold, .. } = self;
         groups.batch_sizes.clear();
         for (&size, _) in groups.slots.iter().zip(&hold.islands).filter(|&(_, &held)| !held) {
-            match groups.batch_sizes.last_mut().filter(|filled| **filled < BATCH_BODIES) {
+            match groups.batch_sizes.last_mut().filter(|filled| **filled < BATCH_BODIES && size < LARGE_ISLAND) {
                 Some(filled) => *filled += size,
                 None => groups.batch_sizes.push(size),
             }

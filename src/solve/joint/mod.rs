@@ -66,7 +66,7 @@ pub(crate) struct JointEntry {
     /// Sums over the substeps of the impulses on B (N·s, N·m·s).
     pub linear_sum: Vec3,
     pub angular_sum: Vec3,
-    /// Of the last substep, if a direct solve took it.
+    /// Of the last substep, if a direct solve took it; what its multipliers moved by last, if a sheet did.
     pub acted: [Vec3; 2],
     /// Scalar rows that ended a substep with a positive multiplier, as bits.
     pub pressed: u32,
@@ -78,7 +78,7 @@ pub(crate) struct JointEntry {
 #[derive(Debug, Default)]
 pub(crate) struct BatchJoints {
     pub entries: Vec<JointEntry>,
-    lanes: JointLanes,
+    pub lanes: JointLanes,
     singles: Singles,
     visits: Vec<Visit>,
     /// Group of each joint: its colour, and what it holds.
@@ -183,6 +183,28 @@ impl BatchJoints {
     pub(crate) fn warm_start(&self, velocities: &mut [BodyVelocity]) {
         self.lanes.warm_start(velocities);
         self.singles.warm_start(velocities);
+    }
+
+    /// Begins a step of joints that are solved as a sheet.
+    pub(crate) fn begin_course(&mut self) {
+        self.lanes.begin_course(&self.entries);
+    }
+
+    /// Ends it.
+    pub(crate) fn end_course(&mut self) {
+        self.lanes.end_course(&mut self.entries);
+    }
+
+    /// Displacements of joints in lanes, to and fro, that take errors out of positions in a substep of length `h`.
+    pub(crate) fn push(&self, pushes: &mut [BodyVelocity], h: f32) {
+        let most = rows::MAX_RECOVERY_SPEED as f32 * h;
+        self.visits.iter().for_each(|visit| self.lanes.push(visit.blocks.clone(), pushes, most, false));
+        self.visits.iter().rev().for_each(|visit| self.lanes.push(visit.blocks.clone(), pushes, most, true));
+    }
+
+    /// Whether none is swept by itself.
+    pub(crate) fn are_all_in_lanes(&self) -> bool {
+        self.singles.len() == 0
     }
 
     /// One sweep over all joints: directions, coordinates, then points; backwards, all in the opposite order.

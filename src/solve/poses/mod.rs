@@ -20,6 +20,7 @@ use super::dispatch::in_lanes;
 use super::integrate::{self, Outlook};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 
+pub(crate) mod course;
 mod kernels;
 #[cfg(test)]
 mod tests;

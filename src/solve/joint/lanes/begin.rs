@@ -12,7 +12,7 @@ const MIN_SINE: f32 = 1.0e-6;
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(lanes: &mut JointLanes, motions: &[BodyMotion]) {
-    let JointLanes { points, directions } = lanes;
+    let JointLanes { points, directions, .. } = lanes;
     for block in points {
         let (a, b) = (Stand::<W>::gather(&block.a, motions), Stand::<W>::gather(&block.b, motions));
         let placed = Points::of(block, &a, &b);

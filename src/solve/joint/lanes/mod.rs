@@ -9,6 +9,7 @@
 //! masses and biases each time that rows are built. Multipliers and their sums stay in the block until the step ends.
 
 mod begin;
+mod course;
 mod project;
 pub(crate) mod rows;
 mod sweep;
@@ -214,6 +215,7 @@ fn get(lanes: &Lane3, l: usize) -> Vec3 {
 pub(crate) struct JointLanes {
     points: Vec<PointBlock>,
     directions: Vec<DirectionBlock>,
+    course: course::Course,
 }
 
 impl JointLanes {
@@ -290,6 +292,12 @@ impl JointLanes {
         sweep_range(self, range.start, range.end, velocities, backwards);
     }
 
+    /// One sweep over a range of blocks of displacements that take out the errors found at the substep's start, each of at most `most`
+    /// (m or rad).
+    pub(crate) fn push(&self, range: std::ops::Range<usize>, pushes: &mut [BodyVelocity], most: f32, backwards: bool) {
+        push_range(self, range.start, range.end, pushes, most, backwards);
+    }
+
     /// Sets the multipliers of joints on these slots to nothing.
     pub(crate) fn give_up(&mut self, slots: &[bool]) {
         for block in &mut self.points {
@@ -347,6 +355,10 @@ in_lanes!(warm_start_all, sweep::warm_start, (lanes: &JointLanes, velocities: &m
 in_lanes!(
     sweep_range, sweep::sweep,
     (lanes: &mut JointLanes, start: usize, end: usize, velocities: &mut [BodyVelocity], backwards: bool)
+);
+in_lanes!(
+    push_range, sweep::push,
+    (lanes: &JointLanes, start: usize, end: usize, pushes: &mut [BodyVelocity], most: f32, backwards: bool)
 );
 in_lanes!(
     project_range, project::project,

@@ -31,7 +31,7 @@ pub(super) fn project<W: Wide>(
         let (arm_a, arm_b) = (points.levers.0 + half_gap, points.levers.1 - half_gap);
         let moved = push_b.angular.cross(arm_b) - push_a.angular.cross(arm_a);
         let mass = (a.response_at(arm_a) + b.response_at(arm_b)).inverse();
-        let impulse = mass.mul(moved + clamped(points.gap, most)) * -W::load(&block.give.rigid);
+        let impulse = mass.mul(moved + points.gap.clamped(most)) * -W::load(&block.give.rigid);
         push_a.apply(-impulse, -arm_a.cross(impulse));
         push_b.apply(impulse, arm_b.cross(impulse));
 
@@ -59,14 +59,7 @@ fn turn_back<W: Wide>(
         Holds::Frame => k.inverse(),
         Holds::Axis | Holds::Points => k.inverse_across(tilt.axes.0),
     };
-    mass.mul(clamped(tilt.error, most)) * -W::load(&block.give.rigid)
-}
-
-/// Every component between −most and most.
-#[inline(always)]
-fn clamped<W: Wide>(v: Wide3<W>, most: f32) -> Wide3<W> {
-    let (least, most) = (W::splat(-most), W::splat(most));
-    Wide3::new(v.x.max(least).min(most), v.y.max(least).min(most), v.z.max(least).min(most))
+    mass.mul(tilt.error.clamped(most)) * -W::load(&block.give.rigid)
 }
 
 /// As `keep_angular_momentum` of one pair: what moving bodies moves changes their angular momentum by is taken back.

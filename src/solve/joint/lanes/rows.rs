@@ -11,7 +11,7 @@ use crate::solve::wide_matrix::WideQuat;
 
 #[inline(always)]
 pub(super) fn prepare<W: Wide>(lanes: &mut JointLanes, velocities: &[BodyVelocity], outlooks: &[Outlook], h: f32) {
-    let JointLanes { points, directions } = lanes;
+    let JointLanes { points, directions, .. } = lanes;
     for block in points {
         let (a, b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
         let turns = (gather_turns::<W>(&block.a, outlooks), gather_turns::<W>(&block.b, outlooks));

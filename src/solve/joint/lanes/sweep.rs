@@ -25,7 +25,7 @@ pub(super) fn warm_start<W: Wide>(lanes: &JointLanes, velocities: &mut [BodyVelo
 
 #[inline(always)]
 pub(super) fn sweep<W: Wide>(lanes: &mut JointLanes, start: usize, end: usize, velocities: &mut [BodyVelocity], backwards: bool) {
-    let JointLanes { points, directions } = lanes;
+    let JointLanes { points, directions, .. } = lanes;
     for block in &mut points[start..end] {
         let (mut a, mut b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
         match block.directions {
@@ -64,4 +64,41 @@ fn hold_directions<W: Wide>(block: &mut DirectionBlock, a: &mut Side<W>, b: &mut
     (impulse + change).store(&mut block.impulse);
     a.turn(-change);
     b.turn(change);
+}
+
+/// One sweep of displacements `pushes` (m, rad) that take the errors found at the substep's start out, each component at most `most`.
+#[inline(always)]
+pub(super) fn push<W: Wide>(
+    lanes: &JointLanes,
+    start: usize,
+    end: usize,
+    pushes: &mut [BodyVelocity],
+    most: f32,
+    backwards: bool,
+) {
+    for block in &lanes.points[start..end] {
+        let (mut a, mut b) = (Side::<W>::gather(&block.a, pushes), Side::<W>::gather(&block.b, pushes));
+        let directions = block.directions.map(|number| &lanes.directions[number as usize]);
+        if let Some(directions) = directions.filter(|_| !backwards) {
+            push_directions(directions, &mut a, &mut b, most);
+        }
+        let (arm_a, arm_b) = (Wide3::load(&block.arm[0]), Wide3::load(&block.arm[1]));
+        let way = b.linear + b.angular.cross(arm_b) - a.linear - a.angular.cross(arm_a);
+        let impulse = -Wide6::load(&block.mass).mul(way + Wide3::load(&block.gap).clamped(most));
+        a.apply(-impulse, -arm_a.cross(impulse));
+        b.apply(impulse, arm_b.cross(impulse));
+        if let Some(directions) = directions.filter(|_| backwards) {
+            push_directions(directions, &mut a, &mut b, most);
+        }
+        a.scatter(&block.a, pushes);
+        b.scatter(&block.b, pushes);
+    }
+}
+
+#[inline(always)]
+fn push_directions<W: Wide>(block: &DirectionBlock, a: &mut Side<W>, b: &mut Side<W>, most: f32) {
+    let error = Wide3::load(&block.error).clamped(most);
+    let torque = -Wide6::load(&block.mass).mul(b.angular - a.angular + error);
+    a.turn(-torque);
+    b.turn(torque);
 }

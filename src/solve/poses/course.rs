@@ -1,0 +1,155 @@
+//! The velocities of all bodies in lanes as one point, moved along two lines at once: what sheets are solved with (*sheet.rs*).
+
+use super::{PoseBlock, Poses};
+use crate::solve::contact::{Lane, Lane3};
+use crate::solve::dispatch::in_lanes;
+use crate::solve::side::{Side, gather_rotations};
+use crate::solve::state::{BodyMotion, BodyVelocity};
+use crate::solve::wide::{Wide, Wide3};
+use crate::solve::wide_matrix::{Wide6, WideQuat};
+
+/// What is known of eight bodies: masses, where they come from, and where they went last.
+#[derive(Debug, Clone)]
+#[repr(C, align(64))]
+struct Station {
+    mass: Lane,
+    inertia: [Lane; 6],
+    /// Linear and angular velocity before the last sweeps, and what the last move changed it by.
+    before: [Lane3; 2],
+    way: [Lane3; 2],
+}
+
+impl Station {
+    const EMPTY: Self = Self { mass: [0.0; 8], inertia: [[0.0; 8]; 6], before: [[[0.0; 8]; 3]; 2], way: [[[0.0; 8]; 3]; 2] };
+}
+
+/// Stations of the blocks of [`Poses`].
+#[derive(Debug, Default)]
+pub(crate) struct Course {
+    stations: Vec<Station>,
+}
+
+/// Products with M of what sweeps have changed velocities by (d), of the last move (p), and of the velocities before (v).
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Products {
+    pub dd: f64,
+    pub dp: f64,
+    pub pp: f64,
+    pub vd: f64,
+    pub vp: f64,
+}
+
+impl Poses {
+    /// Finds masses as the bodies stand now.
+    pub(crate) fn begin_course(&self, course: &mut Course, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        course.stations.resize(self.blocks.len(), Station::EMPTY);
+        begin_all(&self.blocks, &mut course.stations, velocities, motions);
+    }
+
+    /// Notes the velocities that sweeps begin with.
+    pub(crate) fn note_course(&self, course: &mut Course, velocities: &[BodyVelocity]) {
+        note_all(&self.blocks, &mut course.stations, velocities);
+    }
+
+    /// Takes these velocities for the last move.
+    pub(crate) fn take_way(&self, course: &mut Course, ways: &[BodyVelocity]) {
+        take_all(&self.blocks, &mut course.stations, ways);
+    }
+
+    pub(crate) fn weigh_course(&self, course: &Course, velocities: &[BodyVelocity]) -> Products {
+        let mut products = Products::default();
+        weigh_all(&self.blocks, &course.stations, velocities, &mut products);
+        products
+    }
+
+    /// Moves from the velocities before by p ← α d + β p.
+    pub(crate) fn steer_course(&self, course: &mut Course, velocities: &mut [BodyVelocity], shares: [f32; 2]) {
+        steer_all(&self.blocks, &mut course.stations, velocities, shares);
+    }
+}
+
+in_lanes!(begin_all, begin, (blocks: &[PoseBlock], stations: &mut [Station], velocities: &[BodyVelocity], motions: &[BodyMotion]));
+in_lanes!(note_all, note, (blocks: &[PoseBlock], stations: &mut [Station], velocities: &[BodyVelocity]));
+in_lanes!(take_all, take, (blocks: &[PoseBlock], stations: &mut [Station], ways: &[BodyVelocity]));
+in_lanes!(weigh_all, weigh, (blocks: &[PoseBlock], stations: &[Station], velocities: &[BodyVelocity], products: &mut Products));
+in_lanes!(
+    steer_all, steer,
+    (blocks: &[PoseBlock], stations: &mut [Station], velocities: &mut [BodyVelocity], shares: [f32; 2])
+);
+
+#[inline(always)]
+fn begin<W: Wide>(blocks: &[PoseBlock], stations: &mut [Station], velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+    for (block, station) in blocks.iter().zip(stations) {
+        let inverse = Side::<W>::gather(&block.slots, velocities).inverse_mass().x;
+        // Unused lanes are the world.
+        let moves = inverse.above(W::zero());
+        W::select(moves, W::splat(1.0) / inverse, W::zero()).store(&mut station.mass);
+        let axes = gather_rotations::<W>(&block.slots, motions).after(&WideQuat::load(&block.frame)).axes();
+        Wide6::with_axes(&axes, Wide3::load(&block.inertia).only(moves)).store(&mut station.inertia);
+    }
+}
+
+#[inline(always)]
+fn note<W: Wide>(blocks: &[PoseBlock], stations: &mut [Station], velocities: &[BodyVelocity]) {
+    for (block, station) in blocks.iter().zip(stations) {
+        let side = Side::<W>::gather(&block.slots, velocities);
+        side.linear.store(&mut station.before[0]);
+        side.angular.store(&mut station.before[1]);
+    }
+}
+
+#[inline(always)]
+fn take<W: Wide>(blocks: &[PoseBlock], stations: &mut [Station], ways: &[BodyVelocity]) {
+    for (block, station) in blocks.iter().zip(stations) {
+        let side = Side::<W>::gather(&block.slots, ways);
+        side.linear.store(&mut station.way[0]);
+        side.angular.store(&mut station.way[1]);
+    }
+}
+
+#[inline(always)]
+fn weigh<W: Wide>(blocks: &[PoseBlock], stations: &[Station], velocities: &[BodyVelocity], products: &mut Products) {
+    let mut sums = [W::zero(); 5];
+    for (block, station) in blocks.iter().zip(stations) {
+        let side = Side::<W>::gather(&block.slots, velocities);
+        let (mass, inertia) = (W::load(&station.mass), Wide6::<W>::load(&station.inertia));
+        let v = [Wide3::load(&station.before[0]), Wide3::load(&station.before[1])];
+        let p = [Wide3::load(&station.way[0]), Wide3::load(&station.way[1])];
+        let d = [side.linear - v[0], side.angular - v[1]];
+        let momentum = [d[0] * mass, inertia.mul(d[1])];
+        sums[0] = sums[0] + (d[0].dot(momentum[0]) + d[1].dot(momentum[1]));
+        sums[1] = sums[1] + (p[0].dot(momentum[0]) + p[1].dot(momentum[1]));
+        sums[3] = sums[3] + (v[0].dot(momentum[0]) + v[1].dot(momentum[1]));
+        let momentum = [p[0] * mass, inertia.mul(p[1])];
+        sums[2] = sums[2] + (p[0].dot(momentum[0]) + p[1].dot(momentum[1]));
+        sums[4] = sums[4] + (v[0].dot(momentum[0]) + v[1].dot(momentum[1]));
+    }
+    let [mut dd, mut dp, mut pp, mut vd, mut vp] = [[0.0; 8]; 5];
+    sums[0].store(&mut dd);
+    sums[1].store(&mut dp);
+    sums[2].store(&mut pp);
+    sums[3].store(&mut vd);
+    sums[4].store(&mut vp);
+    *products = Products { dd: total(&dd), dp: total(&dp), pp: total(&pp), vd: total(&vd), vp: total(&vp) };
+}
+
+fn total(lanes: &Lane) -> f64 {
+    lanes.iter().map(|&lane| f64::from(lane)).sum()
+}
+
+#[inline(always)]
+fn steer<W: Wide>(blocks: &[PoseBlock], stations: &mut [Station], velocities: &mut [BodyVelocity], shares: [f32; 2]) {
+    let (alpha, beta) = (W::splat(shares[0]), W::splat(shares[1]));
+    for (block, station) in blocks.iter().zip(stations) {
+        let mut side = Side::<W>::gather(&block.slots, velocities);
+        let [linear, angular] = [Wide3::load(&station.before[0]), Wide3::load(&station.before[1])];
+        let way = [
+            (side.linear - linear) * alpha + Wide3::load(&station.way[0]) * beta,
+            (side.angular - angular) * alpha + Wide3::load(&station.way[1]) * beta,
+        ];
+        (side.linear, side.angular) = (linear + way[0], angular + way[1]);
+        side.scatter(&block.slots, velocities);
+        way[0].store(&mut station.way[0]);
+        way[1].store(&mut station.way[1]);
+    }
+}

@@ -1,0 +1,198 @@
+//! Sheets: sweeps that go on from one another along conjugate lines, until they are done.
+//!
+//! A sheet of n × n bodies is too much work for the direct solve, has no derived bounds, and needs some n² sweeps: what hangs below
+//! falls until the load has come up to what holds it. Left to two sweeps a substep, a net of 100 × 100 balls let go under seven
+//! that hold it fell for a second, tore its joints open by more than their levers, and what gaps there were then let on velocities
+//! whatever the sweeps did. So here sweeps are the preconditioner of a method that needs some n of them.
+//!
+//! **What is least.** All rows here are equations. With v* the velocities that forces leave, λ the multipliers, b the biases of the
+//! rows and v = v* + M⁻¹ Jᵀ λ, rows hold, J v + b = 0, where
+//!
+//! ```text
+//! F(λ) = ½ vᵀ M v + bᵀ λ
+//! ```
+//!
+//! is least: its gradient is J v + b. b is of second order, so F is all but the kinetic energy T, and what is left of an error is
+//! what T is greater by than it could be.
+//!
+//! **Sweeps.** One to and one fro change (v, λ) by d, at which they would stop: a symmetric preconditioner applied to the gradient.
+//! With p the change before that, the next point is the least of F over both,
+//!
+//! ```text
+//! p ← α d + β p,    | dᵀM d   dᵀM p | | α |     | vᵀM d + bᵀ d |
+//!                   | dᵀM p   pᵀM p | | β | = − | vᵀM p + bᵀ p |,
+//! ```
+//!
+//! of velocities or multipliers as the factor before asks. On one system this is the method of conjugate gradients (Hestenes, Stiefel
+//! 1952; in this form, which does not trust what was computed before, Takahashi 1965); p is kept through the substeps of a step, as
+//! multipliers, while systems change. It is left once such a move lowers F by less than a share (`ENOUGH`) of the energy that forces
+//! add to the sheet at rest, or of what it has (`SHARE_OF_MOTION`).
+//!
+//! **Across steps** p is kept as multipliers, by the joints, and the velocities that it stands for are found anew from the rows of each
+//! substep. Only its line counts, so what is kept may be anything.
+//!
+//! **Carried multipliers** λ₀ hold what load needs again, and what an error of the substep before needed once. The second is put on
+//! again and taken back: an error rings, as if the joints were springs. No more of λ₀ is taken than gives no energy: with w = M⁻¹ Jᵀ λ₀, T
+//! of v* + s w is least at s* = −v*ᵀ M w/(wᵀ M w) and what it was at 2 s*, and s = min(1, 2 s*). From there on F only falls.
+//!
+//! **Energy.** So T(v) is at most T(v*); but from rest, where v* = h a, that lets a whole sheet rise at h a/2 for ever, since
+//! T(−h a/2) = T(−h a/2 + h a). The work of forces in a substep is h aᵀ M (v₀ + v)/2, of the velocities v₀ before forces and v after all
+//! rows, and T(v) is at most T(v₀) and that: with c = h a/2,
+//!
+//! ```text
+//! T(v − c) ≤ T(v* − c),
+//! ```
+//!
+//! an equality where rows hold before and after. Where it fails, v is slowed to the share of it at which it holds. A sheet that nothing
+//! holds keeps its momentum instead.
+//!
+//! **Positions** are mended by displacements δ with J δ = −C, C the errors that a substep begins with, of one sweep to and one fro over
+//! the same rows, added once bodies have moved. Velocities do not hear of it.
+
+use super::batch::Batch;
+use super::poses::course::{Course, Products};
+use super::state::BodyVelocity;
+use crate::room::make_room;
+use crate::span::sheet::is_sheet;
+
+/// Moves in a substep at most: a sheet that is let go takes that many for some steps, one that hangs one to three.
+const MOST_MOVES: u32 = 16;
+
+/// Share of the energy that forces add to the sheet at rest which a move has to be worth for another one.
+const ENOUGH: f64 = 0.01;
+
+/// Share of the energy that the sheet has which counts as if forces had added it.
+const SHARE_OF_MOTION: f64 = 1.0e-4;
+
+/// Least share of dᵀM d · pᵀM p that is left of it where d and p are two lines.
+const TWO_LINES: f64 = 1.0e-6;
+
+/// The sheet of a batch, if it is one.
+#[derive(Debug, Default)]
+pub(crate) struct Sheet {
+    is_one: bool,
+    course: Course,
+    /// What the last move of the multipliers changes velocities by, then the velocities that forces leave.
+    scratch: Vec<BodyVelocity>,
+}
+
+impl Sheet {
+    pub(crate) fn is_one(&self) -> bool {
+        self.is_one
+    }
+}
+
+/// Shares of d and p that F is least at, and what it falls by.
+fn least(products: &Products, bias: [f64; 2]) -> ([f64; 2], f64) {
+    let Products { dd, dp, pp, vd, vp } = *products;
+    let (along_d, along_p) = (vd + bias[0], vp + bias[1]);
+    let determinant = dd * pp - dp * dp;
+    let shares = if determinant > TWO_LINES * dd * pp {
+        [(dp * along_p - pp * along_d) / determinant, (dp * along_d - dd * along_p) / determinant]
+    } else if dd > 0.0 {
+        [-along_d / dd, 0.0]
+    } else {
+        [0.0; 2]
+    };
+    (shares, -0.5 * (shares[0] * along_d + shares[1] * along_p))
+}
+
+impl Batch {
+    /// Finds out whether the batch is one sheet, and nothing else.
+    pub(crate) fn find_sheet(&mut self) {
+        let bodies = self.motions.len() - 1;
+        let has_other_rows = !self.contacts.is_empty() || !self.bounds.entries.is_empty() || !self.planes.entries.is_empty();
+        self.sheet.is_one = is_sheet(self.joints.entries.len(), bodies)
+            && self.islands.len() == 1
+            && self.passive.slots().next().is_some()
+            && self.joints.are_all_in_lanes()
+            && !has_other_rows;
+        if self.sheet.is_one {
+            self.joints.begin_course();
+        }
+    }
+
+    /// Warm start and sweeps of a substep of length `h`, from velocities to which forces have been added.
+    pub(crate) fn solve_sheet(&mut self, h: f32) {
+        let Self { sheet: Sheet { course, scratch, .. }, poses, joints, velocities, motions, pushes, .. } = self;
+        poses.begin_course(course, velocities, motions);
+        let (mut added, mut had) = (0.0, 0.0);
+        for (slot, motion) in motions.iter().enumerate().filter(|(_, motion)| motion.is_dynamic()) {
+            let gain = motion.acceleration * h;
+            added += 0.5 * f64::from(gain.length_squared() / velocities[slot].inverse_mass.x);
+            had += f64::from(poses.energies[slot]);
+        }
+        let enough = ENOUGH * (added + SHARE_OF_MOTION * had);
+
+        scratch.clear();
+        make_room(scratch, velocities.len());
+        scratch.extend(velocities.iter().map(BodyVelocity::at_rest));
+        pushes.clear();
+        make_room(pushes, velocities.len());
+        pushes.extend_from_slice(scratch);
+        joints.push(pushes, h);
+        joints.lanes.apply_way(scratch);
+        poses.take_way(course, scratch);
+
+        scratch.copy_from_slice(velocities);
+        poses.note_course(course, velocities);
+        joints.warm_start(velocities);
+        let Products { dd, vd, .. } = poses.weigh_course(course, velocities);
+        if -2.0 * vd < dd {
+            let share = (-2.0 * vd / dd).max(0.0) as f32;
+            joints.lanes.scale_impulses(share);
+            for (velocity, before) in velocities.iter_mut().zip(&*scratch) {
+                velocity.linear = before.linear + (velocity.linear - before.linear) * share;
+                velocity.angular = before.angular + (velocity.angular - before.angular) * share;
+            }
+        }
+
+        for _ in 0..MOST_MOVES {
+            joints.lanes.note_course();
+            poses.note_course(course, velocities);
+            joints.sweep(velocities, false);
+            joints.sweep(velocities, true);
+            let (shares, fall) = least(&poses.weigh_course(course, velocities), joints.lanes.weigh_course());
+            let shares = shares.map(|share| share as f32);
+            joints.lanes.steer_course(shares);
+            poses.steer_course(course, velocities, shares);
+            if fall.is_nan() || fall <= enough {
+                break;
+            }
+        }
+        if self.free.is_empty() {
+            self.slow_sheet(h, had);
+        }
+    }
+
+    /// Slows the sheet where it has more energy than forces have given it, of `had` with all that they add.
+    fn slow_sheet(&mut self, h: f32, had: f64) {
+        let Self { sheet: Sheet { scratch, .. }, poses, velocities, motions, .. } = self;
+        poses.find_energies(velocities, motions);
+        let (mut has, mut given, mut taken) = (0.0, 0.0, 0.0);
+        for (slot, motion) in motions.iter().enumerate().filter(|(_, motion)| motion.is_dynamic()) {
+            let half_gain = motion.acceleration * (0.5 * h / velocities[slot].inverse_mass.x);
+            has += f64::from(poses.energies[slot]);
+            let half_spin = motion.torque * (0.5 * h);
+            let product = |v: &BodyVelocity| f64::from(half_gain.dot(v.linear) + half_spin.dot(v.angular));
+            given += product(&velocities[slot]);
+            taken += product(&scratch[slot]);
+        }
+        let allowed = had - taken;
+        if has - given > allowed {
+            let root = (given * given + 4.0 * has * allowed).max(0.0).sqrt();
+            let kept = ((given + root) / (2.0 * has)).clamp(0.0, 1.0) as f32;
+            for velocity in velocities.iter_mut() {
+                velocity.linear *= kept;
+                velocity.angular *= kept;
+            }
+        }
+    }
+
+    /// Takes errors out of positions, by displacements found when the substep began.
+    pub(crate) fn push_sheet(&mut self) {
+        for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
+            motion.displace(push.linear, push.angular);
+        }
+    }
+}
