@@ -19,7 +19,7 @@ use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, ContactEnds, JointEnd};
 use crate::solve::bound::BoundEntry;
 use crate::solve::contact::ContactInput;
-use crate::solve::joint::JointEntry;
+use crate::solve::joint::{JointEntry, kinds};
 use crate::solve::plane::{PlaneEntry, PlaneHold, PlaneMember};
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::taut::TautEntry;
@@ -304,6 +304,8 @@ impl Records<'_> {
                 acted: joint.acted,
                 pressed: 0,
                 solver: joint.def.solver,
+                most_rows: kinds::most_rows(&joint.def.kind) as u8,
+                is_plain: kinds::is_plain(&joint.def.kind) && joint.def.linear.compliance == 0.0,
             });
         }
     }

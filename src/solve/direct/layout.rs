@@ -8,10 +8,7 @@ use super::factor::Plan;
 use super::quads;
 use super::root;
 use super::system::{Coupling, REGULARIZATION, TREE_REGULARIZATION, Topology};
-use crate::id::{JointId, Pool};
-use crate::joint::Joint;
 use crate::solve::joint::JointEntry;
-use crate::solve::joint::kinds;
 use crate::solve::state::WORLD_SLOT;
 
 /// Multiplications of a factorisation for each row of the articulation above which sweeps are the better choice, and above which
@@ -49,7 +46,7 @@ struct NoRoom;
 
 impl Articulation {
     /// Prepares the structure of the matrix; false where sweeps are the better choice, or where they must be if it is `asked` for.
-    pub(crate) fn lay_out(&mut self, joints: &Pool<Joint, JointId>, local: &[(u32, u32)], asked: bool) -> bool {
+    pub(crate) fn lay_out(&mut self, local: &[(u32, u32)], asked: bool) -> bool {
         self.stale |= std::mem::replace(&mut self.is_asked_for, asked) != asked;
         self.carried.clear();
         self.carried.extend(self.touches.iter().filter(|touch| touch.other_moves).map(|touch| [touch.body, touch.other]));
@@ -59,10 +56,8 @@ impl Articulation {
         let link = |entry: &JointEntry| {
             let ends = [entry.a, entry.b].map(|slot| if slot == WORLD_SLOT { 0 } else { local[slot as usize].1 });
             let moves = ends.map(|body| bodies[body as usize].is_dynamic());
-            let def = &joints[entry.joint].def;
-            let capacity = kinds::most_rows(&def.kind);
-            let is_plain = kinds::is_plain(&def.kind) && def.linear.compliance == 0.0;
-            Link { bodies: ends, moves, capacity, is_plain, is_contact: false }
+            let capacity = u32::from(entry.most_rows);
+            Link { bodies: ends, moves, capacity, is_plain: entry.is_plain, is_contact: false }
         };
         let contact = |&bodies: &[u32; 2]| Link { bodies, moves: [true; 2], capacity: 0, is_plain: false, is_contact: true };
         let links = || entries.iter().map(link).chain(carried.iter().map(contact));
@@ -83,6 +78,9 @@ impl Articulation {
         if std::mem::take(&mut self.stale) {
             self.topology = derive_topology(&self.links, &self.room, self.bodies.len(), asked).unwrap_or_default();
         }
+        if self.topology.plan.work == 0 {
+            return false;
+        }
         quads::gather(&mut self.quads, &self.bodies);
         let Self { entries, links, bodies, eases, .. } = self;
         let ease = |(entry, link): (&JointEntry, &Link)| -> f64 {
@@ -93,12 +91,12 @@ impl Articulation {
         let levers = entries.iter().flat_map(|entry| entry.local_lever).map(DVec3::length).filter(|&length| length > 0.0);
         let (sum, count) = levers.fold((0.0, 0.0), |(sum, count), length| (sum + length, count + 1.0));
         self.size = if count > 0.0 { sum / count } else { 1.0 };
-        self.topology.plan.work > 0
+        true
     }
 
     /// Whether joints leave no freedom: contacts then contradict one another, and no active set of theirs comes to an end.
-    pub(super) fn is_rigid(&self, joints: &Pool<Joint, JointId>) -> bool {
-        let rows: u32 = self.entries.iter().map(|entry| kinds::most_rows(&joints[entry.joint].def.kind)).sum();
+    pub(super) fn is_rigid(&self) -> bool {
+        let rows: u32 = self.entries.iter().map(|entry| u32::from(entry.most_rows)).sum();
         rows as usize >= 6 * self.jointed_bodies()
     }
 

@@ -6,7 +6,7 @@
 //! [`Direct`] sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
 //! `system` holds the rows, `active_set` says which of them count, `points` is the same without rows where all joints hold points; `layout` says where in its matrix they
-//! are; `quads` moves bodies four at a time, in the arithmetic of `fours`; `articulation` takes a step, `substep` and `project` one part of it each; `contacts` are those with what it cannot move, along
+//! are, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours`; `articulation` takes a step, `substep` and `project` one part of it each; `contacts` are those with what it cannot move, along
 //! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
 //! anything else that moves, whose rows may be `lasting` ones.
 
@@ -38,6 +38,7 @@ mod points;
 mod project;
 mod quads;
 mod refine;
+mod refused;
 mod riders;
 mod row;
 mod stiffness;
@@ -48,6 +49,7 @@ mod watch;
 use articulation::Articulation;
 use contacts::Touch;
 use history::History;
+use refused::Refused;
 use riders::Riders;
 
 /// Group of a joint that moves nothing.
@@ -71,6 +73,7 @@ pub(crate) struct Direct {
     /// Group and number of each contact of a jointed body or a rider, sorted.
     touching: Vec<(u32, u32)>,
     left: Vec<JointEntry>,
+    refused: Refused,
     /// Group of each joint.
     order: Vec<u32>,
     /// Contacts that need no other rows, by number, and the multipliers of those that press.
@@ -133,7 +136,6 @@ impl Direct {
     pub(crate) fn take(
         &mut self,
         entries: &mut Vec<JointEntry>,
-        joints: &Pool<Joint, JointId>,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
         contacts: &[ContactInput],
@@ -167,7 +169,7 @@ impl Direct {
             let solver = solver_of(&entries[start..end], self.solver);
             let admitted = group != NO_GROUP
                 && solver != Solver::GaussSeidel
-                && self.admit(&entries[start..end], group, solver, joints, velocities, motions, contacts, records);
+                && self.admit(&entries[start..end], group, solver, velocities, motions, contacts, records);
             if !admitted {
                 self.left.extend_from_slice(&entries[start..end]);
             }
@@ -216,7 +218,6 @@ impl Direct {
         entries: &[JointEntry],
         group: u32,
         solver: Solver,
-        joints: &Pool<Joint, JointId>,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
         contacts: &[ContactInput],
@@ -226,6 +227,11 @@ impl Direct {
             self.articulations.push(Articulation::default());
         }
         let asked = solver == Solver::Direct;
+        let first = self.touching.partition_point(|&(other, _)| other < group);
+        let touches = self.touching.get(first).is_some_and(|&(other, _)| other == group);
+        if !touches && self.refused.is_of(entries, motions, asked) {
+            return false;
+        }
         let Self { articulations, local, count, riders, group: groups, .. } = self;
         let articulation = &mut articulations[*count];
         articulation.clear();
@@ -243,8 +249,7 @@ impl Direct {
             enlist(slot, articulation);
         }
         articulation.entries.extend_from_slice(entries);
-        let is_rigid = articulation.is_rigid(joints);
-        let first = self.touching.partition_point(|&(other, _)| other < group);
+        let is_rigid = articulation.is_rigid();
         for &(_, number) in self.touching[first..].iter().take_while(|&&(other, _)| other == group) {
             let contact = &contacts[number as usize];
             let ends = [contact.a, contact.b];
@@ -273,15 +278,18 @@ impl Direct {
         if articulation.coupled {
             articulation.touches.clear();
         }
-        let mut admitted = articulation.lay_out(joints, local, asked);
+        let mut admitted = articulation.lay_out(local, asked);
         if !admitted && !articulation.touches.is_empty() {
             // Too many contacts for its matrix: they are swept.
             articulation.touches.clear();
             articulation.coupled = true;
-            admitted = articulation.lay_out(joints, local, asked);
+            admitted = articulation.lay_out(local, asked);
         }
         if !admitted {
             articulation.slots().for_each(|slot| local[slot as usize].0 = u32::MAX);
+            if !touches {
+                self.refused.note(entries, motions, asked);
+            }
         }
         self.count += usize::from(admitted);
         admitted

@@ -72,6 +72,10 @@ pub(crate) struct JointEntry {
     pub pressed: u32,
     /// What its definition asks of its articulation.
     pub solver: Solver,
+    /// Most rows that it can have.
+    pub most_rows: u8,
+    /// Whether it holds points rigidly together and does nothing else.
+    pub is_plain: bool,
 }
 
 /// All joints of a batch, in colour order.

@@ -86,6 +86,8 @@ mod tests {
             acted: [Vec3::ZERO; 2],
             pressed: 0,
             solver: Solver::Auto,
+            most_rows: 0,
+            is_plain: false,
         };
         stops_are_out_of_reach(&entry, &kind, &velocities, &[BodyMotion::FIXED; 2], DT)
     }

@@ -61,7 +61,7 @@ impl Records<'_> {
             withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
             direct.find_touching(inputs, velocities, motions, settings.dt);
             let records = Within { world: self, bodies, manifolds };
-            direct.take(&mut joints.entries, self.joints, velocities, motions, inputs, &records);
+            direct.take(&mut joints.entries, velocities, motions, inputs, &records);
             joints.entries.append(withheld);
             direct.step(self.joints, velocities, motions, inputs, settings);
         }

@@ -88,6 +88,8 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             acted: [Vec3::ZERO; 2],
             pressed: 0,
             solver: Solver::Auto,
+            most_rows: 0,
+            is_plain: false,
         });
     }
     Scene { entries, defs, velocities, motions }
