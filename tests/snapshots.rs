@@ -151,6 +151,13 @@ fn a_vase_that_is_hit_rolls_back_to_any_step() {
 }
 
 #[test]
+fn a_sheet_rolls_back_to_any_step() {
+    rolls_back("joint_grid", &[("n", "22"), ("solver", "gs")], 60, 60, 1);
+    // Too much work for the direct solve, which remembers that.
+    rolls_back("joint_grid", &[("n", "50")], 60, 20, 1);
+}
+
+#[test]
 fn a_rope_bridge_rolls_back_to_any_step() {
     rolls_back("rope_bridge", &[("planks", "24")], 90, 300, 1);
 }
