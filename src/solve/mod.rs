@@ -275,19 +275,19 @@ impl Batch {
 
     /// Begins a substep of length `h`, `rest` from the end of the step (s).
     fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, h: f32, rest: f32) {
-        for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
-            integrate::apply_forces(velocity, motion, h);
+        for &slot in &self.poses.singles {
+            integrate::apply_forces(&mut self.velocities[slot as usize], &mut self.motions[slot as usize], h);
         }
         self.poses.apply_forces(&mut self.velocities, &self.motions, h);
         // What is cut off of a speed is momentum too.
         self.find_inertia();
         self.free.note(&self.velocities, &self.motions, &self.poses);
-        for (velocity, motion) in self.velocities.iter_mut().zip(&self.motions).filter(|(_, motion)| !motion.in_lanes) {
-            integrate::limit_speeds(velocity, motion, h);
+        for &slot in &self.poses.singles {
+            integrate::limit_speeds(&mut self.velocities[slot as usize], &self.motions[slot as usize], h);
         }
         self.poses.limit_speeds(&mut self.velocities, h);
         self.direct.couple(joints, &mut self.velocities, &mut self.motions, h, rest);
-        if self.motions.iter().any(|motion| motion.refreshed) {
+        if !self.contacts.is_empty() && self.motions.iter().any(|motion| motion.refreshed) {
             for number in 0..self.contacts.len() {
                 if self.contacts.blocks[number].is_refreshed(&self.motions) {
                     contact_kernels::set_masses(&mut self.contacts, number, &self.velocities);
@@ -297,8 +297,9 @@ impl Batch {
     }
 
     fn advance(&mut self, h: f32) {
-        for (velocity, motion) in self.velocities.iter_mut().zip(&mut self.motions) {
-            if !motion.in_lanes && !poses::is_pushed(velocity, motion) {
+        for &slot in &self.poses.singles {
+            let (velocity, motion) = (&mut self.velocities[slot as usize], &mut self.motions[slot as usize]);
+            if !poses::is_pushed(velocity, motion) {
                 integrate::advance(velocity, motion, h);
             }
         }

@@ -162,7 +162,7 @@ impl Direct {
         let mut order = std::mem::take(&mut self.order);
         order.clear();
         order.extend(entries.iter().map(group_of));
-        let mut start = 0;
+        let (mut start, mut any) = (0, false);
         while start < entries.len() {
             let group = order[start];
             let end = start + order[start..].iter().take_while(|&&other| other == group).count();
@@ -170,13 +170,17 @@ impl Direct {
             let admitted = group != NO_GROUP
                 && solver != Solver::GaussSeidel
                 && self.admit(&entries[start..end], group, solver, velocities, motions, contacts, records);
-            if !admitted {
+            if admitted && !std::mem::replace(&mut any, true) {
+                self.left.extend_from_slice(&entries[..start]);
+            } else if any && !admitted {
                 self.left.extend_from_slice(&entries[start..end]);
             }
             start = end;
         }
         self.order = order;
-        std::mem::swap(entries, &mut self.left);
+        if any {
+            std::mem::swap(entries, &mut self.left);
+        }
     }
 
     /// Whether joints connect the body of this slot to another.

@@ -81,6 +81,8 @@ fn put(lanes: &mut Lane3, l: usize, v: Vec3) {
 pub(crate) struct Poses {
     blocks: Vec<PoseBlock>,
     pushed: Vec<PoseBlock>,
+    /// Slots that are not moved in lanes, or only moved there.
+    pub singles: Vec<u32>,
     /// Slots in joints that are predicted one by one: kinematic bodies, and those with locked axes.
     others: Vec<u32>,
     /// Where each jointed body will be at the end of the substep, as predicted when rows were last built.
@@ -121,11 +123,12 @@ fn add(blocks: &mut Vec<PoseBlock>, slot: u32, motion: &BodyMotion, h: f32) {
 impl Poses {
     /// Lays out lanes for substeps of length `h`.
     pub(crate) fn lay_out(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
-        let Self { blocks, pushed, others, outlooks, refused, inertia, energies } = self;
+        let Self { blocks, pushed, singles, others, outlooks, refused, inertia, energies } = self;
         inertia.resize(motions.len(), [0.0; LANES]);
         energies.resize(motions.len(), 0.0);
         blocks.clear();
         pushed.clear();
+        singles.clear();
         others.clear();
         outlooks.clear();
         for (slot, (velocity, motion)) in velocities.iter().zip(motions.iter_mut()).enumerate() {
@@ -133,7 +136,10 @@ impl Poses {
             if motion.in_lanes {
                 motion.refreshed = motion.kind == MotionKind::Tumbling;
                 add(blocks, slot as u32, motion, h);
-            } else if is_pushed(velocity, motion) {
+                continue;
+            }
+            singles.push(slot as u32);
+            if is_pushed(velocity, motion) {
                 add(pushed, slot as u32, motion, h);
             } else if motion.jointed {
                 others.push(slot as u32);
