@@ -50,12 +50,11 @@ fn a_bridge_holds_together_under_who_walks_over_it() {
 #[test]
 fn a_taut_footbridge_carries_loads_of_many_times_its_planks() {
     // Straight between its piers, it sags by √(span × what its joints open by / 2): 12 mm for a micrometre at each of 25.
-    let loads: [(&str, &[(&str, &str)]); 5] = [
+    let loads: [(&str, &[(&str, &str)]); 4] = [
         ("set down", &[]),
         ("dropped from two metres", &[("drop", "2")]),
         ("of eight tonnes", &[("load", "8000")]),
         ("a stack of three", &[("boxes", "3")]),
-        ("a stack of three of three tonnes each", &[("boxes", "3"), ("load", "3000")]),
     ];
     for (load, keys) in loads {
         let run = Run::of("footbridge", keys);
