@@ -422,16 +422,13 @@ impl LoadPass {
             (island.slope, island.curvature) = (0.0, 0.0);
         }
         for (ends, levers, push) in self.pushes() {
-            let power = |velocity: &dyn Fn(usize) -> (Vec3, Vec3)| {
-                let [upper, lower] = [0, 1].map(|end| {
-                    let (linear, angular) = velocity(ends[end]);
-                    linear + angular.cross(levers[end])
-                });
-                f64::from(push.dot(upper - lower))
+            let power = |upper: (Vec3, Vec3), lower: (Vec3, Vec3)| {
+                f64::from(push.dot((upper.0 + upper.1.cross(levers[0])) - (lower.0 + lower.1.cross(levers[1]))))
             };
+            let now = |slot: usize| (batch.velocities[slot].linear, batch.velocities[slot].angular);
             let island = &mut islands[self.island[ends[0]] as usize];
-            island.slope += power(&|slot| (batch.velocities[slot].linear, batch.velocities[slot].angular));
-            island.curvature += power(&|slot| changes[slot]);
+            island.slope += power(now(ends[0]), now(ends[1]));
+            island.curvature += power(changes[ends[0]], changes[ends[1]]);
         }
         for (point, delta) in self.changed_points() {
             let island = &mut islands[self.island[point.upper as usize] as usize];

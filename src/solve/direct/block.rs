@@ -60,14 +60,14 @@ pub(super) fn sums(rows: &[Lanes; 4]) -> Lanes {
 fn products_of<const M: usize, const W: usize>(l: &[Lanes], y: &[Lanes; W]) -> [Lanes; 2] {
     let rows: &[[Lanes; W]; M] = l.as_chunks::<W>().0.first_chunk().expect("blocks lie within what their plan has counted");
     let mut found = [ZERO; 2];
-    for group in 0..M.div_ceil(4) {
+    for (four, rows) in found.iter_mut().zip(rows.chunks(4)) {
         let mut products = [ZERO; 4];
-        for i in 4 * group..M.min(4 * group + 4) {
+        for (product, row) in products.iter_mut().zip(rows) {
             for j in 0..W {
-                add_product(&mut products[i % 4], &rows[i][j], &y[j]);
+                add_product(product, &row[j], &y[j]);
             }
         }
-        found[group] = sums(&products);
+        *four = sums(&products);
     }
     found
 }
