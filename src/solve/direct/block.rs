@@ -55,11 +55,30 @@ pub(super) fn sums(rows: &[Lanes; 4]) -> Lanes {
     sums
 }
 
-/// The products of rows of W lanes with y, four rows at a time: L y, with zeros behind.
+/// L y, for L of m × k in W lanes a row, with zeros behind.
 #[inline(always)]
-fn products_of<const M: usize, const W: usize>(l: &[Lanes], y: &[Lanes; W]) -> [Lanes; 2] {
+fn products<const W: usize>(l: &[Lanes], y: &[Lanes; W], m: usize) -> [Lanes; width(MAX_ROWS)] {
+    let mut found = [ZERO; width(MAX_ROWS)];
+    match m {
+        3 => products_of::<3, W>(&mut found, l, y),
+        4 => products_of::<4, W>(&mut found, l, y),
+        5 => products_of::<5, W>(&mut found, l, y),
+        6 => products_of::<6, W>(&mut found, l, y),
+        _ => products_of_rows(&mut found, &l.as_chunks::<W>().0[..m], y),
+    }
+    found
+}
+
+/// As [`products_of_rows`], in loops of constant length.
+#[inline(always)]
+fn products_of<const M: usize, const W: usize>(found: &mut [Lanes], l: &[Lanes], y: &[Lanes; W]) {
     let rows: &[[Lanes; W]; M] = l.as_chunks::<W>().0.first_chunk().expect("blocks lie within what their plan has counted");
-    let mut found = [ZERO; 2];
+    products_of_rows(found, rows, y);
+}
+
+/// Four rows at a time.
+#[inline(always)]
+fn products_of_rows<const W: usize>(found: &mut [Lanes], rows: &[[Lanes; W]], y: &[Lanes; W]) {
     for (four, rows) in found.iter_mut().zip(rows.chunks(4)) {
         let mut products = [ZERO; 4];
         for (product, row) in products.iter_mut().zip(rows) {
@@ -69,7 +88,6 @@ fn products_of<const M: usize, const W: usize>(l: &[Lanes], y: &[Lanes; W]) -> [
         }
         *four = sums(&products);
     }
-    found
 }
 
 /// A block of 3 × 3: that of two joints which hold points.
@@ -245,24 +263,8 @@ pub(super) fn subtract_rows(x: &mut [Lanes], l: &[Lanes], y: &[Lanes], m: usize)
 #[inline(always)]
 fn subtract_rows_of<const W: usize>(x: &mut [Lanes], l: &[Lanes], y: &[Lanes], m: usize) {
     let y: &[Lanes; W] = y.try_into().expect("the slice has W lanes");
-    let products = match m {
-        3 => products_of::<3, W>(l, y),
-        4 => products_of::<4, W>(l, y),
-        5 => products_of::<5, W>(l, y),
-        6 => products_of::<6, W>(l, y),
-        _ => {
-            for (i, row) in l[..m * W].as_chunks::<W>().0.iter().enumerate() {
-                let mut products = ZERO;
-                for (a, b) in row.iter().zip(y) {
-                    add_product(&mut products, a, b);
-                }
-                x[i / 4][i % 4] -= sum(&products);
-            }
-            return;
-        }
-    };
-    for (lanes, products) in x.iter_mut().zip(&products) {
-        *lanes = minus(lanes, products);
+    for (i, products) in products(l, y, m).iter().enumerate().take(width(m)) {
+        x[i] = minus(&x[i], products);
     }
 }
 
@@ -295,27 +297,8 @@ pub(super) fn set_rows(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usize) {
 #[inline(always)]
 fn set_rows_of<const W: usize>(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usize) {
     let y: &[Lanes; W] = y.try_into().expect("the slice has W lanes");
-    let products = match m {
-        3 => products_of::<3, W>(u, y),
-        4 => products_of::<4, W>(u, y),
-        5 => products_of::<5, W>(u, y),
-        6 => products_of::<6, W>(u, y),
-        _ => {
-            let x: &mut [Lanes; W] = x.try_into().expect("a square block has as many rows as columns");
-            *x = [ZERO; W];
-            for (i, row) in u[..m * W].as_chunks::<W>().0.iter().enumerate() {
-                let mut products = ZERO;
-                for (a, b) in row.iter().zip(y) {
-                    add_product(&mut products, a, b);
-                }
-                x[i / 4][i % 4] = sum(&products);
-            }
-            return;
-        }
-    };
-    for (lanes, products) in x.iter_mut().zip(&products) {
-        *lanes = *products;
-    }
+    let products = products(u, y, m);
+    x.copy_from_slice(&products[..W]);
 }
 
 /// y += sign · Lᵀ x, with L of m × k.
