@@ -396,6 +396,8 @@ impl System {
         // Written so that one which is no number counts.
         if !self.rows.iter().all(|row| row.impulse.abs() <= MOST_IMPULSE) {
             self.rows.iter_mut().for_each(|row| row.impulse = 0.0);
+            // What is packed would go on from the old ones.
+            self.is_factored = false;
         }
     }
 

@@ -23,6 +23,15 @@ pub(super) struct Course {
     directions: Vec<Station>,
 }
 
+/// Greatest move that is remembered (N·s, N·m·s): beyond, its products with the lightest bodies are no numbers in `f32`.
+const MOST_WAY: f32 = 1.0e10;
+
+/// A move, or none where it is beyond all measure.
+fn sane(way: Vec3) -> Vec3 {
+    // Written so that one which is no number counts.
+    if way.abs().cmple(Vec3::splat(MOST_WAY)).all() { way } else { Vec3::ZERO }
+}
+
 impl JointLanes {
     /// Begins a step: multipliers have last moved as the joints remember.
     pub(crate) fn begin_course(&mut self, entries: &[JointEntry]) {
@@ -34,9 +43,9 @@ impl JointLanes {
         for (block, station) in points.iter().zip(&mut course.points) {
             let first = block.first as usize;
             for (l, entry) in entries[first..first + block.count as usize].iter().enumerate() {
-                put(&mut station.way, l, entry.acted[0]);
+                put(&mut station.way, l, sane(entry.acted[0]));
                 if let Some(number) = block.directions {
-                    put(&mut course.directions[number as usize].way, l, entry.acted[1]);
+                    put(&mut course.directions[number as usize].way, l, sane(entry.acted[1]));
                 }
             }
         }
@@ -44,12 +53,11 @@ impl JointLanes {
 
     /// Has the joints remember how multipliers moved last.
     pub(crate) fn end_course(&self, entries: &mut [JointEntry]) {
-        let finite = |way: Vec3| if way.is_finite() { way } else { Vec3::ZERO };
         for (block, station) in self.points.iter().zip(&self.course.points) {
             let first = block.first as usize;
             for (l, entry) in entries[first..first + block.count as usize].iter_mut().enumerate() {
                 let turn = block.directions.map(|number| get(&self.course.directions[number as usize].way, l));
-                entry.acted = [get(&station.way, l), turn.unwrap_or_default()].map(finite);
+                entry.acted = [get(&station.way, l), turn.unwrap_or_default()].map(sane);
             }
         }
     }
