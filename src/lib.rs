@@ -30,6 +30,7 @@ mod balance;
 mod body;
 mod check;
 mod collide;
+mod crew;
 mod debug;
 mod error;
 mod fracture;

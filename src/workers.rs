@@ -2,8 +2,9 @@
 //!
 //! Parts share nothing and are the same whoever does them, so the bits of a step do not depend on it.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
+use crate::crew::Crew;
 use crate::error::{Error, ErrorKind, Result};
 
 /// A host's job system.
@@ -13,22 +14,31 @@ pub trait ParallelFor: Send + Sync {
     fn run(&self, count: usize, part: &(dyn Fn(usize) + Sync));
 }
 
+/// Pieces into which work is cut at most.
+pub(crate) const MOST_PIECES: usize = 64;
+
+/// Pieces for each thread: one may come late.
+const PIECES_EACH: usize = 8;
+
 /// The threads of a world.
 #[derive(Default)]
 pub(crate) struct Workers {
-    own: Option<rayon::ThreadPool>,
+    /// Threads that may ask a world at the same time share these; who finds them busy does without.
+    own: Option<Mutex<Crew>>,
+    members: usize,
     host: Option<Arc<dyn ParallelFor>>,
 }
 
 impl Workers {
-    /// Threads of the world's own, the calling one among them.
+    /// Threads of the world's own, the calling one among them; as many as the machine has for zero.
     pub(crate) fn new(count: u32) -> Result<Self> {
+        let count = if count == 0 { std::thread::available_parallelism().map_or(1, usize::from) } else { count as usize };
         if count == 1 {
             return Ok(Self::default());
         }
-        let builder = rayon::ThreadPoolBuilder::new().num_threads(count as usize).thread_name(|i| format!("longspan-{i}"));
         let refused = |_| Error::new(ErrorKind::CapacityExceeded, "threads", "the system gave no more threads");
-        Ok(Self { own: Some(builder.build().map_err(refused)?), host: None })
+        let crew = Crew::new(count - 1).map_err(refused)?;
+        Ok(Self { own: Some(Mutex::new(crew)), members: count, host: None })
     }
 
     /// Has the host's job system do the work, or no longer.
@@ -36,28 +46,60 @@ impl Workers {
         self.host = host;
     }
 
-    /// The world's own threads, unless the host does the work.
-    pub(crate) fn own(&self) -> Option<&rayon::ThreadPool> {
-        self.own.as_ref().filter(|_| self.host.is_none())
+    /// Whether the calling thread does everything.
+    pub(crate) fn is_alone(&self) -> bool {
+        self.own.is_none() && self.host.is_none()
     }
 
-    /// The host's job system, if it does the work.
-    pub(crate) fn host(&self) -> Option<&dyn ParallelFor> {
-        self.host.as_deref()
+    /// Whether the host's job system does the work, which it does in steps alone.
+    pub(crate) fn has_host(&self) -> bool {
+        self.host.is_some()
+    }
+
+    /// Length of the pieces into which `count` things are cut, of which `least` are worth another thread's while.
+    pub(crate) fn piece(&self, count: usize, least: usize) -> usize {
+        let pieces = match (&self.host, &self.own) {
+            (Some(_), _) => MOST_PIECES,
+            (None, Some(_)) => MOST_PIECES.min(PIECES_EACH * self.members),
+            (None, None) => 1,
+        };
+        count.div_ceil(pieces).max(least)
+    }
+
+    /// Works on all pieces, side by side.
+    pub(crate) fn share<T: Send>(&self, mut pieces: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
+        if self.is_alone() {
+            return pieces.for_each(work);
+        }
+        loop {
+            let waiting = [const { Mutex::new(None) }; MOST_PIECES];
+            let count = waiting.iter().zip(&mut pieces).map(|(place, piece)| *lock(place) = Some(piece)).count();
+            let part = |number: usize| {
+                let piece = waiting.get(number).and_then(|place| lock(place).take());
+                if let Some(piece) = piece {
+                    work(piece);
+                }
+            };
+            match (&self.host, &self.own) {
+                _ if count < 2 => (),
+                (Some(host), _) => host.run(count, &part),
+                (None, Some(crew)) => match crew.try_lock() {
+                    Ok(mut crew) => crew.for_each(count, &part),
+                    Err(TryLockError::Poisoned(failed)) => failed.into_inner().for_each(count, &part),
+                    Err(TryLockError::WouldBlock) => (),
+                },
+                (None, None) => (),
+            }
+            (0..count).for_each(part);
+            if count < MOST_PIECES {
+                return;
+            }
+        }
     }
 }
 
-/// Has a job system work on `items`, `length` of them at a time.
-pub(crate) fn for_each_chunk<T: Send>(host: &dyn ParallelFor, items: &mut [T], length: usize, work: impl Fn(&mut [T]) + Sync) {
-    let chunks: Vec<Mutex<Option<&mut [T]>>> = items.chunks_mut(length).map(|chunk| Mutex::new(Some(chunk))).collect();
-    let part = |number: usize| {
-        let chunk = chunks.get(number).and_then(|chunk| chunk.lock().unwrap_or_else(PoisonError::into_inner).take());
-        if let Some(chunk) = chunk {
-            work(chunk);
-        }
-    };
-    host.run(chunks.len(), &part);
-    (0..chunks.len()).for_each(part);
+fn lock<T>(place: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    place.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]
@@ -75,8 +117,14 @@ mod tests {
 
     #[test]
     fn everything_is_done_once_even_by_a_careless_host() {
-        let mut items = vec![0_u32; 1003];
-        for_each_chunk(&Careless, &mut items, 10, |chunk| chunk.iter_mut().for_each(|item| *item += 1));
-        assert!(items.iter().all(|&item| item == 1));
+        let mut careless = Workers::default();
+        careless.set_host(Some(Arc::new(Careless)));
+        for workers in [careless, Workers::default(), Workers::new(3).unwrap()] {
+            for length in [workers.piece(1003, 10), 1] {
+                let mut items = vec![0_u32; 1003];
+                workers.share(items.chunks_mut(length), |chunk| chunk.iter_mut().for_each(|item| *item += 1));
+                assert!(items.iter().all(|&item| item == 1), "pieces of {length}");
+            }
+        }
     }
 }

@@ -97,7 +97,8 @@ pub struct World {
 #[derive(Default)]
 struct Scratch {
     candidates: Vec<PairKey>,
-    pair: PairScratch,
+    /// For each piece of the pairs.
+    pairs: Vec<PairScratch>,
     paths: Vec<fast::Path>,
     slots: Vec<u32>,
     islands: UnionFind,

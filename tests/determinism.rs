@@ -2,9 +2,11 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::{Run, scene};
-use longspan::Pose;
-use longspan::glam::Vec3;
+use longspan::glam::{DVec3, Quat, Vec3};
+use longspan::{BodyDef, Material, ParallelFor, Pose, Shape, ShapeDef, World, WorldDef};
 
 fn hash_on(threads: usize, name: &str, keys: &[(&str, &str)]) -> u64 {
     Run::on_threads(scene(name, keys), threads).world().state_hash()
@@ -21,6 +23,61 @@ fn same_on_any_number_of_threads(name: &str, keys: &[(&str, &str)]) {
 #[test]
 fn a_pile_has_the_same_bits_on_any_number_of_threads() {
     same_on_any_number_of_threads("pile", &[("n", "1000"), ("seconds", "10")]);
+}
+
+/// A job system that does everything on the calling thread, the last part first.
+struct Inline;
+
+impl ParallelFor for Inline {
+    fn run(&self, count: usize, part: &(dyn Fn(usize) + Sync)) {
+        (0..count).rev().for_each(part);
+    }
+}
+
+/// One with a thread for each part.
+struct Crowd;
+
+impl ParallelFor for Crowd {
+    fn run(&self, count: usize, part: &(dyn Fn(usize) + Sync)) {
+        std::thread::scope(|scope| (0..count).for_each(|number| drop(scope.spawn(move || part(number)))));
+    }
+}
+
+/// State of a heap of boxes and balls that bounce and roll on a plate that turns: one island, large enough to be shared.
+fn heap(threads: u32, jobs: Option<Arc<dyn ParallelFor>>) -> u64 {
+    let mut world = World::new(&WorldDef { threads, ..WorldDef::default() }).unwrap();
+    world.set_parallel_for(jobs);
+    let top = ShapeDef::new(Shape::cuboid(Vec3::new(6.0, 0.5, 6.0)).unwrap());
+    let plate = BodyDef { angular_velocity: Vec3::Y * 0.5, ..BodyDef::kinematic(Pose::IDENTITY) };
+    world.create_body(&plate.with_shape(top)).unwrap();
+    for i in 0..900 {
+        let (layer, place) = (i / 100, i % 100);
+        let jitter = 0.013 * f64::from(i * 7919 % 31);
+        let position =
+            DVec3::new(f64::from(place % 10) - 4.5 + jitter, 1.0 + 0.9 * f64::from(layer), f64::from(place / 10) - 4.5);
+        let pose = Pose { position, rotation: Quat::from_rotation_y(0.1 * i as f32) };
+        let shape = if i % 3 == 0 { Shape::ball(0.45) } else { Shape::cuboid(Vec3::splat(0.4)) }.unwrap();
+        let (restitution, rolling_friction) = if i % 5 == 0 { (0.3, 0.02) } else { (0.0, 0.0) };
+        let material = Material { restitution, rolling_friction, ..Material::default() };
+        let shape = ShapeDef { material, ..ShapeDef::new(shape) };
+        world.create_body(&BodyDef::dynamic(pose).with_shape(shape)).unwrap();
+    }
+    for _ in 0..90 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    let counts = world.report().counts;
+    assert!(counts.manifolds > 1500 && counts.islands < 100, "{} manifolds, {} islands", counts.manifolds, counts.islands);
+    world.state_hash()
+}
+
+#[test]
+fn any_job_system_and_any_number_of_threads_give_one_island_the_same_bits() {
+    let one = heap(1, None);
+    for threads in [2, 3, 8] {
+        assert_eq!(heap(threads, None), one, "state hashes on {threads} threads and on one");
+    }
+    assert_eq!(heap(1, Some(Arc::new(Inline))), one, "state hashes with all parts inline, backwards, and on one thread");
+    assert_eq!(heap(1, Some(Arc::new(Crowd))), one, "state hashes with a thread a part and on one");
 }
 
 #[test]

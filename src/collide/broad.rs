@@ -8,11 +8,16 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhWorkspace, TraversalAction};
 
 use super::pairs::PairKey;
+use crate::room::give_back_room;
+use crate::workers::Workers;
 
 /// Shapes of one group from which on what is near all of them is asked for at once, and up to how many others are then looked at one
 /// by one: members of a union lie close, and would find one another mostly.
 pub(crate) const LARGE_GROUP: usize = 8;
 pub(crate) const FEW_SHAPES: usize = 16;
+
+/// Changed shapes that are worth another thread's while: some 20 µs.
+const LEAST_SHAPES: usize = 32;
 
 /// Boxes of all shapes, by slot.
 #[derive(Default)]
@@ -21,6 +26,14 @@ pub(crate) struct BroadPhase {
     workspace: BvhWorkspace,
     /// Shapes whose kept box changed since the last [`refresh`](Self::refresh).
     changed: Vec<u32>,
+    /// What was found of each piece of them.
+    found: Vec<Found>,
+}
+
+/// What was found of a piece of the changed shapes.
+#[derive(Default)]
+struct Found {
+    pairs: Vec<PairKey>,
     /// What is near a group.
     near: Vec<(u32, Aabb)>,
 }
@@ -72,46 +85,37 @@ impl BroadPhase {
         self.changed.push(shape);
     }
 
-    /// Brings the tree up to date and appends every (changed shape, neighbour) to `candidates`, but for two of the same group.
+    /// Brings the tree up to date and puts every (changed shape, neighbour) that `is_new` into an empty list, in no particular order,
+    /// but for two of the same group; some are there twice.
     pub(crate) fn refresh(
         &mut self,
-        box_of: impl Fn(u32) -> Option<Aabb>,
-        group_of: impl Fn(u32) -> Option<u32>,
+        threads: &Workers,
+        box_of: impl Fn(u32) -> Option<Aabb> + Sync,
+        group_of: impl Fn(u32) -> Option<u32> + Sync,
+        is_new: impl Fn(&PairKey) -> bool + Sync,
         candidates: &mut Vec<PairKey>,
     ) {
-        if self.changed.is_empty() {
+        let Self { tree, workspace, changed, found } = self;
+        if changed.is_empty() {
             return;
         }
-        self.changed.sort_unstable_by_key(|&shape| (group_of(shape), shape));
-        self.changed.dedup();
-        self.tree.refit(&mut self.workspace);
-        self.tree.optimize_incremental(&mut self.workspace);
-        for shapes in self.changed.chunk_by(|&a, &b| group_of(a).is_some() && group_of(a) == group_of(b)) {
-            let group = group_of(shapes[0]);
-            let is_other = |&other: &u32| group.is_none() || group_of(other) != group;
-            if shapes.len() >= LARGE_GROUP {
-                let boxes = shapes.iter().filter_map(|&shape| box_of(shape));
-                let Some(whole) = boxes.reduce(|whole, kept| whole.merged(&kept)) else { continue };
-                let others = self.tree.intersect_aabb(&whole).filter(is_other).take(FEW_SHAPES + 1);
-                self.near.clear();
-                self.near.extend(others.filter_map(|other| Some((other, box_of(other)?))));
-                if self.near.len() <= FEW_SHAPES {
-                    for &shape in shapes {
-                        let Some(kept) = box_of(shape) else { continue };
-                        let meeting = self.near.iter().filter(|(_, other)| kept.intersects(other));
-                        candidates.extend(meeting.map(|&(other, _)| PairKey::new(shape, other)));
-                    }
-                    continue;
-                }
-            }
-            for &shape in shapes {
-                if let Some(kept) = box_of(shape) {
-                    let found = self.tree.intersect_aabb(&kept).filter(|&other| other != shape).filter(is_other);
-                    candidates.extend(found.map(|other| PairKey::new(shape, other)));
-                }
-            }
+        changed.sort_unstable_by_key(|&shape| (group_of(shape), shape));
+        changed.dedup();
+        tree.refit(workspace);
+        tree.optimize_incremental(workspace);
+        let piece = threads.piece(changed.len(), LEAST_SHAPES);
+        let pieces = changed.len().div_ceil(piece);
+        found.resize_with(found.len().max(pieces), Found::default);
+        std::mem::swap(candidates, &mut found[0].pairs);
+        threads.share(changed.chunks(piece).zip(&mut *found), |(shapes, found)| {
+            found.look((tree, shapes), &box_of, &group_of, &is_new);
+        });
+        std::mem::swap(candidates, &mut found[0].pairs);
+        for found in &mut found[1..pieces] {
+            candidates.append(&mut found.pairs);
+            give_back_room(&mut found.pairs);
         }
-        self.changed.clear();
+        changed.clear();
     }
 
     /// Appends the shapes whose kept box a path enters (`enters` says where, of the box's corners), in no particular order.
@@ -130,6 +134,43 @@ impl BroadPhase {
     /// Shapes whose kept box meets `region`, in no particular order.
     pub(crate) fn overlapping<'a>(&'a self, region: &'a Aabb) -> impl Iterator<Item = u32> + 'a {
         self.tree.intersect_aabb(region)
+    }
+}
+
+impl Found {
+    /// Lists the new pairs of these shapes with their neighbours. A group that is cut into two pieces is looked for as two.
+    fn look(
+        &mut self,
+        (tree, shapes): (&Bvh, &[u32]),
+        box_of: &impl Fn(u32) -> Option<Aabb>,
+        group_of: &impl Fn(u32) -> Option<u32>,
+        is_new: &impl Fn(&PairKey) -> bool,
+    ) {
+        for shapes in shapes.chunk_by(|&a, &b| group_of(a).is_some() && group_of(a) == group_of(b)) {
+            let group = group_of(shapes[0]);
+            let is_other = |&other: &u32| group.is_none() || group_of(other) != group;
+            if shapes.len() >= LARGE_GROUP {
+                let boxes = shapes.iter().filter_map(|&shape| box_of(shape));
+                let Some(whole) = boxes.reduce(|whole, kept| whole.merged(&kept)) else { continue };
+                let others = tree.intersect_aabb(&whole).filter(is_other).take(FEW_SHAPES + 1);
+                self.near.clear();
+                self.near.extend(others.filter_map(|other| Some((other, box_of(other)?))));
+                if self.near.len() <= FEW_SHAPES {
+                    for &shape in shapes {
+                        let Some(kept) = box_of(shape) else { continue };
+                        let meeting = self.near.iter().filter(|(_, other)| kept.intersects(other));
+                        self.pairs.extend(meeting.map(|&(other, _)| PairKey::new(shape, other)).filter(is_new));
+                    }
+                    continue;
+                }
+            }
+            for &shape in shapes {
+                if let Some(kept) = box_of(shape) {
+                    let found = tree.intersect_aabb(&kept).filter(|&other| other != shape).filter(is_other);
+                    self.pairs.extend(found.map(|other| PairKey::new(shape, other)).filter(is_new));
+                }
+            }
+        }
     }
 }
 

@@ -108,6 +108,11 @@ impl PairCache {
         listed.filter(|&slot| self.get(slot).active).or_else(|| self.woken.get(&key).copied())
     }
 
+    /// Whether a settled list has a pair.
+    pub(crate) fn is_listed(&self, key: &PairKey) -> bool {
+        self.active.binary_search_by_key(key, |&(key, _)| key).is_ok()
+    }
+
     /// Gives up an active pair, also between steps.
     pub(crate) fn give_up(&mut self, slot: u32) {
         let key = self.get(slot).key;

@@ -1,7 +1,6 @@
 //! Stage that fills the batches from the world's records and solves them, side by side where there are threads.
 
 use glam::{Quat, Vec3};
-use rayon::prelude::*;
 
 use super::World;
 use super::long_range::BoundRecord;
@@ -26,7 +25,6 @@ use crate::solve::taut::TautEntry;
 use crate::span::Derived;
 use crate::span::plane::{Chain, Member};
 use crate::span::union::UnionMotion;
-use crate::workers::for_each_chunk;
 use crate::world::support::told_by;
 
 mod direct;
@@ -105,11 +103,8 @@ impl World {
             batch.solve(records.joints, &settings);
         };
         let batches = &mut self.batches[..self.batch_count];
-        match (self.threads.own(), self.threads.host()) {
-            (Some(pool), _) if batches.len() > 1 => pool.install(|| batches.par_iter_mut().for_each(work)),
-            (_, Some(host)) if batches.len() > 1 => for_each_chunk(host, batches, 1, |batch| batch.iter_mut().for_each(work)),
-            _ => batches.iter_mut().for_each(work),
-        }
+        let piece = self.threads.piece(batches.len(), 1);
+        self.threads.share(batches.chunks_mut(piece), |batches| batches.iter_mut().for_each(work));
     }
 }
 

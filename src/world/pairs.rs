@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
-use rayon::prelude::*;
 
 use super::World;
 use super::unions::Unions;
@@ -16,7 +15,7 @@ use crate::joint::Joint;
 use crate::material::PairMaterial;
 use crate::report::{Contact, Hit};
 use crate::room::give_back_room;
-use crate::workers::for_each_chunk;
+use crate::workers::MOST_PIECES;
 
 /// Margins around a shape's box from which on the box that is kept is made anew although the shape is still in it.
 const LOOSE: f32 = 4.0;
@@ -24,8 +23,8 @@ const LOOSE: f32 = 4.0;
 /// Active pairs below which the narrow phase stays on one thread.
 const MIN_PARALLEL_PAIRS: usize = 256;
 
-/// Pairs of one part of a host's job.
-const HOST_PAIRS: usize = 64;
+/// Pairs that are worth another thread's while: some 10 µs.
+const LEAST_PAIRS: usize = 64;
 
 impl World {
     /// Brings the boxes of what moves up to date and the list of active pairs with them.
@@ -80,19 +79,21 @@ impl World {
     }
 
     fn add_new_pairs(&mut self) {
-        let Self { broad, colliders, bodies, joints, unions, pairs, scratch, .. } = self;
+        let Self { broad, colliders, bodies, joints, unions, pairs, scratch, threads, .. } = self;
         scratch.candidates.clear();
+        pairs.settle();
         broad.refresh(
+            threads,
             |shape| colliders.get(shape).and_then(|collider| collider.fat_box),
             |shape| colliders.get(shape).and_then(|collider| unions.number_of(collider.body)),
+            |key| {
+                let (a, b) = key.shapes();
+                !pairs.is_listed(key) && may_collide(&colliders[a], &colliders[b], bodies, joints, unions)
+            },
             &mut scratch.candidates,
         );
         let candidates = &mut scratch.candidates;
         if !candidates.is_empty() {
-            candidates.retain(|key| {
-                let (a, b) = key.shapes();
-                may_collide(&colliders[a], &colliders[b], bodies, joints, unions)
-            });
             candidates.sort_unstable();
             candidates.dedup();
             pairs.activate_new(candidates, |key| {
@@ -124,20 +125,16 @@ impl World {
             let motion = relative_motion((shape_a, body_a), (shape_b, body_b), def.gravity, dt);
             pair.update(shape_a, shape_b, motion, scratch);
         };
-        match (threads.own(), threads.host()) {
-            (Some(pool), _) if active >= MIN_PARALLEL_PAIRS => pool.install(|| {
-                pairs.slots_mut().par_iter_mut().with_min_len(32).filter(|pair| pair.is_active()).for_each_init(
-                    PairScratch::default,
-                    |scratch, pair| {
-                        update(pair, scratch);
-                    },
-                );
-            }),
-            (_, Some(host)) if active >= MIN_PARALLEL_PAIRS => for_each_chunk(host, pairs.slots_mut(), HOST_PAIRS, |chunk| {
-                let mut scratch = PairScratch::default();
-                chunk.iter_mut().filter(|pair| pair.is_active()).for_each(|pair| update(pair, &mut scratch));
-            }),
-            _ => pairs.for_each_active(|pair| update(pair, &mut scratch.pair)),
+        if threads.is_alone() || active < MIN_PARALLEL_PAIRS {
+            scratch.pairs.resize_with(scratch.pairs.len().max(1), PairScratch::default);
+            pairs.for_each_active(|pair| update(pair, &mut scratch.pairs[0]));
+        } else {
+            scratch.pairs.resize_with(MOST_PIECES, PairScratch::default);
+            let slots = pairs.slots_mut();
+            let piece = threads.piece(slots.len(), LEAST_PAIRS);
+            threads.share(slots.chunks_mut(piece).zip(&mut scratch.pairs), |(chunk, scratch)| {
+                chunk.iter_mut().filter(|pair| pair.is_active()).for_each(|pair| update(pair, scratch));
+            });
         }
         let updated = pairs.active().iter().filter(|&&(_, slot)| pairs.get(slot).updated).count();
         report.counts.pairs = active as u32;

@@ -4,7 +4,6 @@ use std::sync::OnceLock;
 
 use glam::{DVec3, Vec3};
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
-use rayon::prelude::*;
 
 use super::World;
 use crate::check;
@@ -16,6 +15,9 @@ use crate::shape::Shape;
 
 /// Rays of a batch below which it stays on one thread.
 const MIN_PARALLEL_RAYS: usize = 64;
+
+/// Rays that are worth another thread's while: some 10 µs.
+const LEAST_RAYS: usize = 16;
 
 /// Shapes that an impact carried out of their kept box in the last step.
 ///
@@ -54,11 +56,11 @@ impl World {
         }
         rays.iter().try_for_each(|ray| ray.checked().map(drop))?;
         let cast = |(ray, hit): (&Ray, &mut Option<RayHit>)| *hit = self.cast_ray(ray, filter).unwrap_or(None);
-        match self.threads.own() {
-            Some(pool) if rays.len() >= MIN_PARALLEL_RAYS => {
-                pool.install(|| rays.par_iter().zip(out.par_iter_mut()).for_each(cast));
-            }
-            _ => rays.iter().zip(out).for_each(cast),
+        if rays.len() < MIN_PARALLEL_RAYS || self.threads.has_host() {
+            rays.iter().zip(out).for_each(cast);
+        } else {
+            let piece = self.threads.piece(rays.len(), LEAST_RAYS);
+            self.threads.share(rays.chunks(piece).zip(out.chunks_mut(piece)), |(rays, out)| rays.iter().zip(out).for_each(cast));
         }
         Ok(())
     }
