@@ -5,8 +5,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+use super::carried::Manifolds;
 use super::pairs::{Pair, PairKey};
-use crate::material::PairMaterial;
 use crate::room::make_room_behind;
 
 /// All pairs of a world.
@@ -143,8 +143,8 @@ impl PairCache {
         &mut self.pairs
     }
 
-    /// Adds those of `keys` (sorted, without repeats) that are not active yet; `material` combines the surfaces of a pair.
-    pub(crate) fn activate_new(&mut self, keys: &[PairKey], material: impl Fn(PairKey) -> PairMaterial) {
+    /// Adds those of `keys` (sorted, without repeats) that are not active yet.
+    pub(crate) fn activate_new(&mut self, keys: &[PairKey]) {
         if keys.is_empty() {
             return;
         }
@@ -152,24 +152,23 @@ impl PairCache {
         let mut fresh = Vec::new();
         for &key in keys {
             if self.active.binary_search_by_key(&key, |&(key, _)| key).is_err() {
-                fresh.push((key, self.allocate(key, material(key))));
+                fresh.push((key, self.allocate(key)));
             }
         }
         self.merge(&fresh);
     }
 
     /// Makes pairs active again that a sleeping island kept. Dropped are those that were found anew meanwhile, and those of which
-    /// one side has gone: `material` combines the surfaces of a pair that still is one.
-    pub(crate) fn activate_kept(&mut self, slots: &[u32], material: impl Fn(PairKey) -> Option<PairMaterial>) {
+    /// one side has gone: `is_whole` says whether a pair still is one.
+    pub(crate) fn activate_kept(&mut self, slots: &[u32], is_whole: impl Fn(PairKey) -> bool) {
         for &slot in slots {
             let key = self.pairs[slot as usize].key;
-            match material(key).filter(|_| self.find(key).is_none()) {
-                None => self.release(slot),
-                Some(material) => {
-                    let pair = &mut self.pairs[slot as usize];
-                    (pair.active, pair.still, pair.material) = (true, false, material);
-                    self.woken.insert(key, slot);
-                }
+            if is_whole(key) && self.find(key).is_none() {
+                let pair = &mut self.pairs[slot as usize];
+                (pair.active, pair.still) = (true, false);
+                self.woken.insert(key, slot);
+            } else {
+                self.release(slot);
             }
         }
     }
@@ -195,7 +194,7 @@ impl PairCache {
     /// Gives a slot back, and the room of its manifolds: three of four pairs never touch.
     pub(crate) fn release(&mut self, slot: u32) {
         let pair = &mut self.pairs[slot as usize];
-        pair.manifolds = Box::default();
+        pair.manifolds = Manifolds::default();
         pair.active = false;
         self.free.push(slot);
         if let Some(released) = &mut self.released {
@@ -226,16 +225,16 @@ impl PairCache {
         pair.key == key && !pair.manifolds.is_empty()
     }
 
-    fn allocate(&mut self, key: PairKey, material: PairMaterial) -> u32 {
+    fn allocate(&mut self, key: PairKey) -> u32 {
         match self.free.pop() {
             Some(slot) => {
                 let version = self.pairs[slot as usize].version.wrapping_add(1);
-                self.pairs[slot as usize] = Pair { version, ..Pair::new(key, material) };
+                self.pairs[slot as usize] = Pair { version, ..Pair::new(key) };
                 slot
             }
             None => {
                 make_room_behind(&mut self.pairs, 1);
-                self.pairs.push(Pair::new(key, material));
+                self.pairs.push(Pair::new(key));
                 self.pairs.len() as u32 - 1
             }
         }

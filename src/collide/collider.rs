@@ -5,7 +5,7 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose3;
 
 use crate::body::Body;
-use crate::material::Material;
+use crate::material::{Material, PairMaterial};
 use crate::shape::{CollisionFilter, LocalPose, Shape, ShapeDef};
 
 /// Margin of the box that the broad phase keeps around a shape, as a share of the shape's extent, and its bounds (m).
@@ -92,6 +92,11 @@ impl Collider {
     /// Takes note of where the body is now.
     pub(crate) fn follow(&mut self, body: &Body) {
         self.place = self.world_pose(body);
+    }
+
+    /// The two surfaces combined. It is asked of what touches alone; kept with every pair near enough to touch it would cost more.
+    pub(crate) fn surface_with(&self, other: &Self) -> PairMaterial {
+        PairMaterial::combine(&self.material, &other.material)
     }
 
     /// Pose of another shape in this one's frame.

@@ -1,14 +1,13 @@
 //! A pair of shapes that may touch, with the contacts it had last.
 
-use glam::{DVec3, Mat3, Quat, Vec3};
+use glam::{Mat3, Quat, Vec3};
 use parry3d::math::Pose3;
 
+use super::carried::{Carried, CarriedManifold, Manifolds, near, pressed, touching};
 use super::collider::{Collider, contact_margin};
-use super::narrow::{self, Manifold, ManifoldPoint, Scratch};
-use crate::balance::{LoadedPoint, balance};
+use super::narrow::{self, Manifold, Scratch};
 use crate::body::Body;
-use crate::material::PairMaterial;
-use crate::solve::contact::{ContactImpulses, tangents};
+use crate::solve::contact::ContactImpulses;
 use crate::solve::told::Told;
 
 /// Two shapes' slots, the lower first.
@@ -23,35 +22,6 @@ impl PairKey {
     pub(crate) fn shapes(self) -> (u32, u32) {
         ((self.0 >> 32) as u32, self.0 as u32)
     }
-}
-
-/// A manifold with the multipliers it had at the end of the last step.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct CarriedManifold {
-    pub geometry: Manifold,
-    pub impulses: ContactImpulses,
-}
-
-/// Separation of an unloaded point up to which it belongs to the region of a pressed face, over the smaller shape's extent.
-const TOUCHING_SHARE: f32 = 1.0e-3;
-
-/// Points of a pressed manifold that are pressed or touch, as bits; none where nothing is pressed. `extent` is the lesser least
-/// extent of the two shapes (m).
-pub(crate) fn touching(manifold: &CarriedManifold, extent: f32) -> u8 {
-    let exist = (1 << manifold.geometry.count) - 1;
-    let pressed = pressed(&manifold.impulses) & exist;
-    if pressed == 0 { 0 } else { pressed | near(&manifold.geometry, extent) }
-}
-
-/// Points with a normal multiplier above zero, as bits.
-fn pressed(impulses: &ContactImpulses) -> u8 {
-    (0..impulses.normal.len()).fold(0, |bits, i| bits | u8::from(impulses.normal[i] > 0.0) << i)
-}
-
-/// Points that are near enough to touch where others are pressed, as bits.
-fn near(geometry: &Manifold, extent: f32) -> u8 {
-    let points = geometry.points[..geometry.count as usize].iter().enumerate();
-    points.fold(0, |bits, (i, point)| bits | u8::from(point.separation <= TOUCHING_SHARE * extent) << i)
 }
 
 /// The bits of all manifolds of a pair in order, four each; [`TOO_MANY`] where there is no room for them.
@@ -84,12 +54,11 @@ pub(crate) enum Word {
 
 /// Two shapes near each other.
 ///
-/// A pile has ten for each of its bodies, and a dozen walks a step go over them: 136 bytes instead of 120 cost it a tenth. Now it has 112.
+/// A pile has ten for each of its bodies, and a dozen walks a step go over them: 136 bytes instead of 120 cost it a tenth. Now it has 96.
 #[derive(Debug, Clone)]
 pub(crate) struct Pair {
     pub key: PairKey,
-    pub material: PairMaterial,
-    pub manifolds: Box<[CarriedManifold]>,
+    pub manifolds: Manifolds,
     /// Pose of B's shape in A's, and margin, that the manifolds were made for, rounded as in [`coarse`] and [`rounded_up`]; the margin
     /// is [`NOT_MADE`] where they were made for none.
     pub pose: Pose3,
@@ -136,24 +105,16 @@ const REUSE: f32 = 5.0e-4;
 const REUSE_OF_FACES: f32 = 2.0e-3;
 
 /// Points from which on a manifold is one of faces.
-const FACE_POINTS: u8 = 3;
+const FACE_POINTS: usize = 3;
 
 /// Factor on relative motion in the margin that manifolds are made for, so that a slightly greater speed does not remake them.
 const MARGIN_RESERVE: f32 = 1.5;
 
-/// Cosine of the turn of a normal from which on multipliers are not carried over. Where bodies are pressed deep into one another the
-/// axis of least overlap jumps, and what held up a column of falling bodies would push sideways against nothing.
-const LEAST_ALIGNMENT: f32 = 0.9;
-
-/// Share of the old multipliers that matching features must have taken for them to be kept point by point.
-const ALL_TAKEN: f32 = 0.999;
-
 impl Pair {
-    pub(crate) fn new(key: PairKey, material: PairMaterial) -> Self {
+    pub(crate) fn new(key: PairKey) -> Self {
         Self {
             key,
-            material,
-            manifolds: Box::default(),
+            manifolds: Manifolds::default(),
             pose: Pose3::IDENTITY,
             margin: NOT_MADE,
             updated: false,
@@ -188,12 +149,12 @@ impl Pair {
                 return self.part();
             }
             narrow::collide(&a.shape, &b.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
-            self.carry_over(&scratch.manifolds, &mut scratch.carried);
+            self.take(&scratch.manifolds, &mut scratch.carried);
             (self.pose, self.margin) = (coarse(&relative, pose_unit(a, b)), margin);
         } else {
-            self.follow(&relative);
+            self.manifolds.follow(&relative);
         }
-        let points = self.manifolds.iter().flat_map(|m| &m.geometry.points[..m.geometry.count as usize]);
+        let points = self.manifolds.iter().flat_map(|manifold| manifold.points);
         self.may_touch = points.fold(f32::INFINITY, |least, point| least.min(point.separation)) <= motion;
         self.note_near();
     }
@@ -204,15 +165,15 @@ impl Pair {
     }
 
     fn note_near(&mut self) {
-        if let [CarriedManifold { geometry, .. }] = &self.manifolds[..] {
-            self.near = near(geometry, self.extent);
+        if self.manifolds.len() == 1 {
+            self.near = near(self.manifolds.get(0).points, self.extent);
         }
     }
 
     /// Takes note that the two cannot touch in this step, and gives back the room of manifolds.
     pub(crate) fn part(&mut self) {
         self.version = self.version.wrapping_add(1);
-        self.manifolds = Box::default();
+        self.manifolds = Manifolds::default();
         self.margin = NOT_MADE;
         self.may_touch = false;
         self.updated = false;
@@ -246,61 +207,36 @@ impl Pair {
         let shift = (relative.translation - self.pose.translation).length();
         let (p, q) = (relative.rotation, self.pose.rotation);
         let turn = (Quat::from_xyzw(p.x, p.y, p.z, p.w) - Quat::from_xyzw(q.x, q.y, q.z, q.w)).length() * 2.0;
-        let between_faces = self.manifolds.iter().all(|manifold| manifold.geometry.count >= FACE_POINTS);
+        let between_faces = self.manifolds.iter().all(|manifold| manifold.points.len() >= FACE_POINTS);
         let reuse = if between_faces && !self.manifolds.is_empty() { REUSE_OF_FACES } else { REUSE };
         shift <= extent * reuse && turn <= reuse
     }
 
-    /// Moves the kept points with the shapes: their separations follow, the points stay where they are on the surfaces.
-    fn follow(&mut self, relative: &Pose3) {
-        for manifold in &mut self.manifolds {
-            let normal = manifold.geometry.normal;
-            for point in &mut manifold.geometry.points[..manifold.geometry.count as usize] {
-                let on_b = relative.rotation * point.on_b + relative.translation;
-                point.separation = normal.dot(on_b - point.on_a);
-            }
-        }
-    }
-
     /// Takes new manifolds, with the multipliers of the old points that they continue.
-    fn carry_over(&mut self, fresh: &[Manifold], carried: &mut Vec<CarriedManifold>) {
-        carried.clear();
-        carried.extend(fresh.iter().map(|manifold| {
-            let old = self.manifolds.iter().find(|old| old.geometry.part == manifold.part);
-            let impulses = old.map_or(ContactImpulses::default(), |old| continued(old, manifold));
-            CarriedManifold { geometry: *manifold, impulses }
-        }));
-        if carried.len() == self.manifolds.len() {
-            self.manifolds.copy_from_slice(carried);
-        } else {
-            self.manifolds = carried.as_slice().into();
-        }
-        if carried.len() != 1 {
+    fn take(&mut self, fresh: &[Manifold], carried: &mut Vec<CarriedManifold>) {
+        self.manifolds.take(fresh, carried);
+        if fresh.len() != 1 {
             self.told = Told::NOTHING;
         }
-        if carried.is_empty() {
+        if fresh.is_empty() {
             (self.pressed, self.touches) = (false, 0);
         }
     }
 
     /// Multiplies all multipliers.
     pub(crate) fn scale_impulses(&mut self, scale: f32) {
-        for manifold in &mut self.manifolds {
-            manifold.impulses = manifold.impulses.scaled(scale);
-        }
+        self.manifolds.impulses_mut().for_each(|impulses| *impulses = impulses.scaled(scale));
     }
 
     /// Forgets all multipliers.
     pub(crate) fn forget_impulses(&mut self) {
-        for manifold in &mut self.manifolds {
-            manifold.impulses = ContactImpulses::default();
-        }
+        self.manifolds.impulses_mut().for_each(|impulses| *impulses = ContactImpulses::default());
         (self.pressed, self.touches) = (false, 0);
     }
 
     /// Takes the multipliers of a manifold; manifolds come in order.
     pub(crate) fn store(&mut self, number: usize, impulses: ContactImpulses) {
-        self.manifolds[number].impulses = impulses;
+        self.manifolds.set_impulses(number, impulses);
         if number == 0 {
             (self.pressed, self.touches, self.told) = (false, 0, Told::NOTHING);
         }
@@ -314,14 +250,14 @@ impl Pair {
             let pressed = pressed(&impulses);
             (self.touches, self.told) = (if pressed == 0 { 0 } else { u32::from(pressed | self.near) }, told);
         } else {
-            self.touches = with_touching(self.touches, number, touching(&self.manifolds[number], self.extent));
+            self.touches = with_touching(self.touches, number, touching(&self.manifolds.get(number), self.extent));
         }
     }
 
     /// Brings up to date what is known of the multipliers without looking at them.
     pub(super) fn note_pressed(&mut self) {
         self.pressed = self.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
-        self.touches = pack_touching(self.manifolds.iter().map(|manifold| touching(manifold, self.extent)));
+        self.touches = pack_touching(self.manifolds.iter().map(|manifold| touching(&manifold, self.extent)));
         self.note_near();
     }
 }
@@ -363,49 +299,6 @@ fn rounded_up(margin: f32) -> f32 {
     f32::from_bits((margin.to_bits() + LOST_MARGIN_BITS) & !LOST_MARGIN_BITS)
 }
 
-/// Multipliers of `old` for the points of `new`: point by point where features match, or else the same force and moments.
-///
-/// Two faces cross in up to eight points, of which four are kept; which four may change with the last bit. A point that took
-/// its multiplier with it would leave the others to find the load again, and a tower shakes itself down.
-fn continued(old: &CarriedManifold, new: &Manifold) -> ContactImpulses {
-    let old_points = &old.geometry.points[..old.geometry.count as usize];
-    let new_points = &new.points[..new.count as usize];
-    let mut impulses = ContactImpulses { normal: [0.0; 4], ..old.impulses };
-    let mut taken = 0.0;
-    for (point, normal) in new_points.iter().zip(&mut impulses.normal) {
-        if let Some(j) = old_points.iter().position(|old| old.feature == point.feature) {
-            *normal = old.impulses.normal[j];
-            taken += *normal;
-        }
-    }
-    let total: f32 = old.impulses.normal[..old_points.len()].iter().sum();
-    if total == 0.0 || old.geometry.normal.dot(new.normal) < LEAST_ALIGNMENT {
-        return ContactImpulses::default();
-    }
-    if taken < total * ALL_TAKEN {
-        impulses.normal = spread(old, new_points);
-    }
-    impulses
-}
-
-/// The old multipliers' force and moments on the new points.
-fn spread(old: &CarriedManifold, new_points: &[ManifoldPoint]) -> [f32; 4] {
-    let (u, v) = tangents(old.geometry.normal);
-    let column = |point: &ManifoldPoint| DVec3::new(1.0, f64::from(point.on_a.dot(u)), f64::from(point.on_a.dot(v)));
-    let old_points = &old.geometry.points[..old.geometry.count as usize];
-    // About the centre of the new points, so that the moments are those of small levers.
-    let center = new_points.iter().map(column).sum::<DVec3>() / new_points.len() as f64;
-    let about_center = |point: &ManifoldPoint| column(point) - DVec3::new(0.0, center.y, center.z);
-    let demand =
-        old_points.iter().zip(&old.impulses.normal).map(|(point, &lambda)| about_center(point) * f64::from(lambda)).sum();
-    let mut loaded = [LoadedPoint::new(DVec3::ZERO); 4];
-    for (loaded, point) in loaded.iter_mut().zip(new_points) {
-        *loaded = LoadedPoint::new(about_center(point));
-    }
-    balance(&mut loaded[..new_points.len()], demand);
-    loaded.map(|point| point.force as f32)
-}
-
 /// Buffers that one thread of the narrow phase reuses.
 #[derive(Default)]
 pub(crate) struct PairScratch {
@@ -423,7 +316,7 @@ pub(crate) struct WorldManifold {
 }
 
 impl WorldManifold {
-    pub(crate) fn new(manifold: &Manifold, a: (&Collider, &Body), b: (&Collider, &Body)) -> Self {
+    pub(crate) fn new(manifold: &Carried, a: (&Collider, &Body), b: (&Collider, &Body)) -> Self {
         let frame = |(collider, body): (&Collider, &Body)| {
             let offset = body.rotation * (collider.local_pose.position - body.local_center);
             (offset, Mat3::from_quat(collider.place.1))
@@ -431,33 +324,10 @@ impl WorldManifold {
         let ((offset_a, rotation_a), (offset_b, rotation_b)) = (frame(a), frame(b));
         let mut world =
             Self { normal: (rotation_a * manifold.normal).normalize(), lever_a: [Vec3::ZERO; 4], lever_b: [Vec3::ZERO; 4] };
-        for (i, point) in manifold.points[..manifold.count as usize].iter().enumerate() {
+        for (i, point) in manifold.points.iter().enumerate() {
             world.lever_a[i] = offset_a + rotation_a * point.on_a;
             world.lever_b[i] = offset_b + rotation_b * point.on_b;
         }
         world
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn pressed(normal: Vec3) -> Manifold {
-        let mut manifold = Manifold { normal, count: 1, ..Manifold::default() };
-        manifold.points[0].feature = 7;
-        manifold
-    }
-
-    #[test]
-    fn a_multiplier_stays_with_its_direction() {
-        let impulses = ContactImpulses { normal: [5.0, 0.0, 0.0, 0.0], friction: Vec3::X, ..ContactImpulses::default() };
-        let old = CarriedManifold { geometry: pressed(Vec3::Y), impulses };
-        let after_turn = |degrees: f32| continued(&old, &pressed(Quat::from_rotation_z(degrees.to_radians()) * Vec3::Y));
-        assert_eq!(after_turn(0.0), impulses);
-        assert_eq!(after_turn(10.0), impulses);
-        // The axis of least overlap has jumped from one face to the next.
-        assert_eq!(after_turn(90.0), ContactImpulses::default());
-        assert_eq!(after_turn(180.0), ContactImpulses::default());
     }
 }

@@ -10,11 +10,11 @@ use parry3d::math::Pose3;
 
 use super::stored::{Reader, Stored, Writer, stored};
 use super::table::{Input, Output};
+use crate::collide::carried::{Carried, CarriedManifold, Manifolds};
 use crate::collide::collider::Collider;
 use crate::collide::narrow::{Manifold, ManifoldPoint};
-use crate::collide::pairs::{CarriedManifold, Pair, PairKey, TURN_STEP, coarse, pose_unit};
+use crate::collide::pairs::{Pair, PairKey, TURN_STEP, coarse, pose_unit};
 use crate::id::{Pool, ShapeId};
-use crate::material::PairMaterial;
 use crate::solve::contact::ContactImpulses;
 
 /// A pair without its manifolds.
@@ -131,7 +131,7 @@ pub(crate) fn write<'a>(
     tables.table(rows.iter());
     let far: Vec<FarPose> = far.into_iter().flatten().collect();
     tables.table(far.iter());
-    let carried: Vec<(Pose3, &CarriedManifold)> = pairs
+    let carried: Vec<(Pose3, Carried)> = pairs
         .flat_map(|pair| {
             let pose = Now::of(pair.key, colliders).map_or(Pose3::IDENTITY, |now| now.exact);
             pair.manifolds.iter().map(move |manifold| (pose, manifold))
@@ -151,13 +151,13 @@ pub(crate) fn read(input: &mut Input, colliders: &Pool<Collider, ShapeId>) -> Op
     let mut pairs = Vec::with_capacity(rows.len());
     for row in rows {
         let now = Now::of(row.key, colliders)?;
-        let mut pair = row.pair(&now, &mut far, colliders)?;
+        let mut pair = row.pair(&now, &mut far)?;
         let count = (row.info / MANIFOLDS) as usize;
         if count > manifolds.len() {
             return None;
         }
-        pair.manifolds =
-            manifolds.by_ref().take(count).map(|row| row.manifold(&now.exact, &mut points)).collect::<Option<_>>()?;
+        let carried = manifolds.by_ref().take(count).map(|row| row.manifold(&now.exact, &mut points));
+        pair.manifolds = Manifolds::of(&carried.collect::<Option<Vec<_>>>()?);
         pairs.push(pair);
     }
     (far.next().is_none() && manifolds.next().is_none() && points.next().is_none()).then_some(pairs)
@@ -224,8 +224,6 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (Pai
     // Written out, so that a field that is new does not compile.
     let Pair {
         key,
-        // Of the two shapes' materials.
-        material: _,
         manifolds,
         // See `made_for`.
         pose: _,
@@ -270,10 +268,8 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (Pai
 }
 
 impl PairRow {
-    fn pair(&self, now: &Now, far: &mut impl Iterator<Item = FarPose>, colliders: &Pool<Collider, ShapeId>) -> Option<Pair> {
-        let (a, b) = self.key.shapes();
-        let material = PairMaterial::combine(&colliders.get(a)?.material, &colliders.get(b)?.material);
-        let mut pair = Pair::new(self.key, material);
+    fn pair(&self, now: &Now, far: &mut impl Iterator<Item = FarPose>) -> Option<Pair> {
+        let mut pair = Pair::new(self.key);
         (pair.approach, pair.blow) = (self.approach, self.blow);
         let has = |flag: u32| self.info & flag != 0;
         (pair.may_touch, pair.in_contact) = (has(MAY_TOUCH), has(IN_CONTACT));
@@ -292,10 +288,10 @@ impl PairRow {
 }
 
 impl ManifoldRow {
-    fn of(carried: &CarriedManifold) -> Self {
-        let CarriedManifold { geometry: Manifold { normal, points: _, count, part }, impulses } = carried;
+    fn of(carried: &Carried) -> Self {
+        let Carried { normal, part, points, impulses } = *carried;
         let ContactImpulses { normal: _, friction, twist, rolling } = *impulses;
-        Self { count: *count, part: *part, normal: *normal, friction, twist, rolling }
+        Self { count: points.len() as u8, part, normal, friction, twist, rolling }
     }
 
     fn manifold(&self, pose: &Pose3, points: &mut impl Iterator<Item = PointRow>) -> Option<CarriedManifold> {
@@ -312,11 +308,10 @@ impl ManifoldRow {
     }
 }
 
-fn points_of<'a>(pose: &'a Pose3, carried: &'a CarriedManifold) -> impl Iterator<Item = PointRow> + 'a {
-    let CarriedManifold { geometry, impulses } = carried;
-    let points = geometry.points[..usize::from(geometry.count)].iter().zip(&impulses.normal);
+fn points_of<'a>(pose: &'a Pose3, carried: &'a Carried) -> impl Iterator<Item = PointRow> + 'a {
+    let points = carried.points.iter().zip(&carried.impulses.normal);
     points.map(move |(&ManifoldPoint { on_a, on_b, separation, feature }, &impulse)| {
-        let (actual, expected) = (on_b.to_array(), expected_on_b(pose, on_a, geometry.normal, separation).to_array());
+        let (actual, expected) = (on_b.to_array(), expected_on_b(pose, on_a, carried.normal, separation).to_array());
         PointRow { feature, separation, impulse, on_a, on_b: std::array::from_fn(|i| Steps::between(expected[i], actual[i])) }
     })
 }

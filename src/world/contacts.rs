@@ -5,8 +5,9 @@ use glam::Vec3;
 use super::World;
 use super::pairs::contact_pair;
 use crate::body::SleepState;
+use crate::collide::carried::Carried;
 use crate::collide::collider::Collider;
-use crate::collide::pairs::{CarriedManifold, PairKey, WorldManifold};
+use crate::collide::pairs::{PairKey, WorldManifold};
 use crate::error::Result;
 use crate::id::BodyId;
 use crate::report::{ArticulationReport, Contact, ContactPair, ContactPoint, Hit, JointOverload, JointStop, Moved};
@@ -127,9 +128,9 @@ impl World {
         for pair in pairs.all().filter(|pair| pair.has_points()) {
             let (a, b) = pair.key.shapes();
             let rotation = colliders[a].place.1;
-            let force = |manifold: &CarriedManifold| {
+            let force = |manifold: Carried| {
                 let normal: f32 = manifold.impulses.normal.iter().sum();
-                ((rotation * manifold.geometry.normal) * normal + manifold.impulses.friction) * per_substep
+                ((rotation * manifold.normal) * normal + manifold.impulses.friction) * per_substep
             };
             let force: Vec3 = pair.manifolds.iter().map(force).sum();
             bodies[colliders[a].body].contact_force -= force;
@@ -153,9 +154,9 @@ impl World {
         let pair = contact_pair(&self.colliders, &self.bodies, key);
         let per_substep = if self.last_substep > 0.0 { 1.0 / self.last_substep } else { 0.0 };
         self.pairs.get(slot).manifolds.iter().map(move |manifold| {
-            let world = WorldManifold::new(&manifold.geometry, (shape_a, body_a), (shape_b, body_b));
+            let world = WorldManifold::new(&manifold, (shape_a, body_a), (shape_b, body_b));
             let mut contact = Contact::new(pair, world.normal, manifold.impulses.friction * per_substep);
-            for i in 0..manifold.geometry.count as usize {
+            for i in 0..manifold.points.len() {
                 let on_a = body_a.center + world.lever_a[i].as_dvec3();
                 let on_b = body_b.center + world.lever_b[i].as_dvec3();
                 contact.push(ContactPoint {

@@ -284,7 +284,7 @@ impl World {
             for (number, manifold) in pair.manifolds.iter().enumerate() {
                 batch.manifolds.push((slot, number as u32));
                 report.counts.manifolds += 1;
-                report.counts.contact_points += u32::from(manifold.geometry.count);
+                report.counts.contact_points += manifold.points.len() as u32;
             }
         }
     }

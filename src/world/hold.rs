@@ -154,12 +154,11 @@ impl World {
                 continue;
             }
             let extent = site.shapes.0.least_extent.min(site.shapes.1.least_extent);
-            for manifold in &pair.manifolds {
-                let points = &manifold.geometry.points[..manifold.geometry.count as usize];
-                candidates[number] &= points.iter().all(|point| point.separation >= -OVERLAP_SHARE * extent);
-                let (points, holds) = site.state(manifold, true);
+            for manifold in pair.manifolds.iter() {
+                candidates[number] &= manifold.points.iter().all(|point| point.separation >= -OVERLAP_SHARE * extent);
+                let (points, holds) = site.state(&manifold, true);
                 if points != 0
-                    && let Some(link) = site.link(manifold, points, holds, frame)
+                    && let Some(link) = site.link(&manifold, points, holds, frame)
                 {
                     ends.into_iter().for_each(|index| graph.set_kind(index, kind_of(&bodies[index])));
                     graph.insert(link);

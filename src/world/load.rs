@@ -247,7 +247,7 @@ impl Records<'_> {
             ends.push(ContactEnds {
                 a: self.slot(batch, self.colliders[a].body),
                 b: self.slot(batch, self.colliders[b].body),
-                points: u32::from(pair.manifolds[manifold as usize].geometry.count),
+                points: pair.manifolds.get(manifold as usize).points.len() as u32,
             });
         }
         batch.ends = ends;
@@ -261,11 +261,11 @@ impl Records<'_> {
     /// A manifold in world axes: a pair's slot, and which of its manifolds.
     fn contact_input(&self, (slot, manifold): (u32, u32), ends: ContactEnds) -> ContactInput {
         let pair = self.pairs.get(slot);
-        let carried = &pair.manifolds[manifold as usize];
+        let carried = pair.manifolds.get(manifold as usize);
         let (a, b) = pair.key.shapes();
         let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
         let bodies = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
-        let world = WorldManifold::new(&carried.geometry, (shape_a, bodies.0), (shape_b, bodies.1));
+        let world = WorldManifold::new(&carried, (shape_a, bodies.0), (shape_b, bodies.1));
         let [shift_a, shift_b] = [shape_a.body, shape_b.body].map(|index| self.arm(index));
         ContactInput {
             a: ends.a,
@@ -273,9 +273,9 @@ impl Records<'_> {
             normal: world.normal,
             lever_a: world.lever_a.map(|lever| lever + shift_a),
             lever_b: world.lever_b.map(|lever| lever + shift_b),
-            separation: carried.geometry.points.map(|point| point.separation),
+            separation: std::array::from_fn(|i| carried.points.get(i).map_or(0.0, |point| point.separation)),
             count: ends.points as usize,
-            material: pair.material,
+            material: shape_a.surface_with(shape_b),
             impulses: carried.impulses.scaled(self.impulse_scale),
         }
     }

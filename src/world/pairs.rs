@@ -12,7 +12,6 @@ use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::{Pair, PairKey, PairScratch, WorldManifold};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
-use crate::material::PairMaterial;
 use crate::report::{Contact, Hit};
 use crate::room::give_back_room;
 use crate::workers::MOST_PIECES;
@@ -96,10 +95,7 @@ impl World {
         if !candidates.is_empty() {
             candidates.sort_unstable();
             candidates.dedup();
-            pairs.activate_new(candidates, |key| {
-                let (a, b) = key.shapes();
-                PairMaterial::combine(&colliders[a].material, &colliders[b].material)
-            });
+            pairs.activate_new(candidates);
         }
         // Most are found in the first step of all.
         give_back_room(candidates);
@@ -193,9 +189,9 @@ fn approach(pair: &Pair, colliders: &Pool<Collider, ShapeId>, bodies: &Pool<Body
         return 0.0;
     }
     let mut greatest = 0.0;
-    for manifold in &pair.manifolds {
-        let world = WorldManifold::new(&manifold.geometry, (shape_a, body_a), (shape_b, body_b));
-        for i in 0..manifold.geometry.count as usize {
+    for manifold in pair.manifolds.iter() {
+        let world = WorldManifold::new(&manifold, (shape_a, body_a), (shape_b, body_b));
+        for i in 0..manifold.points.len() {
             let turning = body_b.angular_velocity.cross(world.lever_b[i]) - body_a.angular_velocity.cross(world.lever_a[i]);
             let speed = -(linear + turning).dot(world.normal);
             if speed > threshold {

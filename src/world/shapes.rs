@@ -11,7 +11,7 @@ use crate::collide::pairs::PairKey;
 use crate::error::Result;
 use crate::id::{BodyId, ShapeId};
 use crate::mass;
-use crate::material::{Material, PairMaterial};
+use crate::material::Material;
 use crate::shape::{CollisionFilter, ShapeDef};
 
 impl World {
@@ -68,10 +68,6 @@ impl World {
         self.wake_body(body);
         self.wake_around(body);
         self.colliders[slot].material = material;
-        for (key, pair) in self.pairs_of_shape(slot) {
-            let (a, b) = key.shapes();
-            self.pairs.get_mut(pair).material = PairMaterial::combine(&self.colliders[a].material, &self.colliders[b].material);
-        }
         Ok(())
     }
 
@@ -95,7 +91,12 @@ impl World {
         let collider = Collider::new(index, def, body.local_center);
         let (slot, id) = self.colliders.insert(collider)?;
         self.sensing.note(slot, def.sensor);
-        self.bodies[index].shapes.push(id);
+        let shapes = &mut self.bodies[index].shapes;
+        // Most bodies have one.
+        if shapes.is_empty() {
+            shapes.reserve_exact(1);
+        }
+        shapes.push(id);
         self.refresh_box(slot);
         Ok(id)
     }

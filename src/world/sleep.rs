@@ -9,7 +9,6 @@ use crate::collide::pairs::PairKey;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::island::SleepingIsland;
-use crate::material::PairMaterial;
 
 impl World {
     /// Whether a body is awake; static and kinematic bodies always are.
@@ -73,7 +72,7 @@ impl World {
                 self.movers.extend_from_slice(&island.bodies);
                 self.movers_sorted = false;
                 let Self { pairs, colliders, .. } = self;
-                pairs.activate_kept(&island.pairs, |key| kept_material(colliders, key));
+                pairs.activate_kept(&island.pairs, |key| is_whole(colliders, key));
             }
         }
         if self.bodies[index].is_mover() {
@@ -231,10 +230,10 @@ impl World {
     }
 }
 
-/// Surfaces of a pair that a sleeping island kept, if it still is one: what is kinematic may have moved away from what sleeps beside
-/// it, or be gone.
-pub(super) fn kept_material(colliders: &Pool<Collider, ShapeId>, key: PairKey) -> Option<PairMaterial> {
+/// Whether a pair that a sleeping island kept still is one: what is kinematic may have moved away from what sleeps beside it, or be
+/// gone.
+pub(super) fn is_whole(colliders: &Pool<Collider, ShapeId>, key: PairKey) -> bool {
     let (a, b) = key.shapes();
-    let (a, b) = (colliders.get(a)?, colliders.get(b)?);
-    still_near(&a.fat_box, &b.fat_box).then(|| PairMaterial::combine(&a.material, &b.material))
+    let Some((a, b)) = colliders.get(a).zip(colliders.get(b)) else { return false };
+    still_near(&a.fat_box, &b.fat_box)
 }

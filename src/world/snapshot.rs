@@ -5,7 +5,7 @@ use parry3d::bounding_volume::Aabb;
 
 use super::fracture::Fracture;
 use super::sense::Sensing;
-use super::sleep::kept_material;
+use super::sleep::is_whole;
 use super::{CarriedBound, CarriedUnion, World};
 use crate::body::{Anchored, Body, SleepState};
 use crate::collide::cache::PairCache;
@@ -145,7 +145,7 @@ impl World {
         };
         contacts::write(&mut tables, pairs.listed().iter().map(|&(_, slot)| pairs.get(slot)), colliders, rests);
         // What a sleeping island kept of a shape that has gone since is not there any more.
-        let is_whole = |slot: &u32| kept_material(colliders, pairs.get(*slot).key).is_some();
+        let is_whole = |slot: &u32| is_whole(colliders, pairs.get(*slot).key);
         let asleep: Vec<&Pair> = sleeping.pairs().filter(is_whole).map(|slot| pairs.get(slot)).collect();
         contacts::write(&mut tables, asleep.into_iter(), colliders, |_| true);
         let island = |island: &Option<SleepingIsland>| {

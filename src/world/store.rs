@@ -11,6 +11,7 @@ use crate::body::BodyKind;
 use crate::collide::sweep::PathStart;
 use crate::joint::Joint;
 use crate::report::{JointOverload, JointStop, Moved};
+use crate::room::make_room_behind;
 use crate::solve::direct::history::History;
 use crate::span::union::UnionMotion;
 
@@ -237,7 +238,7 @@ impl World {
                 }
                 let now = pair.pressed;
                 match support.as_deref_mut() {
-                    Some(support) if support.is_awake() => support.note_touching((key, slot), pair),
+                    Some(support) if support.is_awake() => support.note_touching((key, slot), pair, colliders),
                     Some(support) if now && support.rests && !support.has_landed => {
                         let site = Site::new(pair, slot, colliders, bodies);
                         support.has_landed = site.is_on_base(support.frame.as_ref(), support.by_thrust);
@@ -259,6 +260,7 @@ impl World {
     /// Lists every body that moved.
     pub(super) fn list_moved(&mut self) {
         let Self { movers, bodies, events, report, .. } = self;
+        make_room_behind(&mut events.moved, movers.len());
         for &index in movers.iter() {
             let body = &mut bodies[index];
             if body.quarantined || (body.held && body.is_awake()) {

@@ -162,7 +162,7 @@ impl SupportState {
             record.manifolds.resize(pair.manifolds.len(), Seen::NOTHING);
         }
         for (manifold, seen) in pair.manifolds.iter().zip(&mut record.manifolds) {
-            let now = site.told_state(manifold, seen.holds);
+            let now = site.told_state(&manifold, seen.holds);
             is_same &= now == (seen.points, seen.holds);
             (seen.points, seen.holds) = now;
         }
@@ -175,7 +175,7 @@ impl SupportState {
         }
         (record.key, record.version) = (Some(pair.key), pair.version);
         for (manifold, seen) in pair.manifolds.iter().zip(&mut record.manifolds) {
-            let link = if seen.points == 0 { None } else { site.link(manifold, seen.points, seen.holds, frame) };
+            let link = if seen.points == 0 { None } else { site.link(&manifold, seen.points, seen.holds, frame) };
             seen.link = match (seen.link, link) {
                 (None, link) => link.map(|link| graph.insert(link)),
                 (Some(number), Some(link)) => Some(graph.replace(number, link)),

@@ -185,16 +185,13 @@ impl World {
             }
             let pair = self.pairs.get(slot);
             for (number, carried) in pair.manifolds.iter().enumerate() {
-                let world = WorldManifold::new(
-                    &carried.geometry,
-                    (shape_a, &self.bodies[shape_a.body]),
-                    (shape_b, &self.bodies[shape_b.body]),
-                );
+                let world =
+                    WorldManifold::new(&carried, (shape_a, &self.bodies[shape_a.body]), (shape_b, &self.bodies[shape_b.body]));
                 let mean = means.binary_search_by_key(&(slot, number as u32), |&(pair, manifold, _)| (pair, manifold));
-                let impulses = mean.map_or(carried.impulses, |found| means[found].2);
+                let impulses = mean.map_or(*carried.impulses, |found| means[found].2);
                 for (end, sign, levers) in [(ends[0], -1.0, &world.lever_a), (ends[1], 1.0, &world.lever_b)] {
                     let Some(end) = end else { continue };
-                    let (force, torque) = impulses.wrench(world.normal, &levers[..carried.geometry.count as usize]);
+                    let (force, torque) = impulses.wrench(world.normal, &levers[..carried.points.len()]);
                     wrenches[end].force += force.as_dvec3() * (sign * per_substep);
                     wrenches[end].torque += torque.as_dvec3() * (sign * per_substep);
                 }

@@ -85,7 +85,7 @@ impl Manifold {
         self.count += 1;
     }
 
-    fn contacts(&self) -> &[ManifoldPoint] {
+    pub(crate) fn contacts(&self) -> &[ManifoldPoint] {
         &self.points[..usize::from(self.count)]
     }
 

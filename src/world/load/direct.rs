@@ -30,7 +30,7 @@ impl BatchRecords for Within<'_> {
     fn curvature(&self, contact: u32, of_b: bool) -> Option<([DMat3; 2], f64)> {
         let (slot, manifold) = self.manifolds[contact as usize];
         let pair = self.world.pairs.get(slot);
-        let manifold = &pair.manifolds[manifold as usize].geometry;
+        let manifold = pair.manifolds.get(manifold as usize);
         let (a, b) = pair.key.shapes();
         let [a, b] = [a, b].map(|shape| &self.world.colliders[shape]);
         let [to_a, to_b] = [a, b].map(|collider| Mat3::from_quat(collider.place.1));

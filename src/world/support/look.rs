@@ -37,8 +37,10 @@ fn signs_of(body: &Body, made_for: &mut Quat, colliders: &Pool<Collider, ShapeId
 }
 
 /// Whether friction of any manifold is at its limit.
-fn is_spent(pair: &Pair) -> bool {
-    pair.manifolds.iter().any(|manifold| !has_reserve(manifold, pair.material.friction))
+fn is_spent(pair: &Pair, colliders: &Pool<Collider, ShapeId>) -> bool {
+    let (a, b) = pair.key.shapes();
+    let friction = colliders[a].surface_with(&colliders[b]).friction;
+    pair.manifolds.iter().any(|manifold| !has_reserve(&manifold, friction))
 }
 
 impl SupportState {
@@ -49,7 +51,7 @@ impl SupportState {
 
     /// Takes note of the points of a pair that touch after the step, and whether it is to be looked at. Its key is that of the pair, which
     /// begins in another line of memory than what else is asked here.
-    pub fn note_touching(&mut self, (key, slot): (PairKey, u32), pair: &mut Pair) {
+    pub fn note_touching(&mut self, (key, slot): (PairKey, u32), pair: &mut Pair, colliders: &Pool<Collider, ShapeId>) {
         let bits = pair.touches;
         let is_same = bits == std::mem::replace(&mut pair.touching, bits) && bits != TOO_MANY && !pair.updated;
         if bits != 0 && self.by_thrust {
@@ -65,7 +67,7 @@ impl SupportState {
             Word::Nothing | Word::Unsettled => false,
             Word::Holds if !is_same || signs & TURNED != 0 => false,
             Word::Holds if pair.is_told() => Slip::told_to_hold(pair.told, true),
-            Word::Holds => signs & LEAVING == 0 && (signs & FAST == 0 || !is_spent(pair)),
+            Word::Holds => signs & LEAVING == 0 && (signs & FAST == 0 || !is_spent(pair, colliders)),
             Word::Slides(rise) => {
                 bits != 0 && pair.is_told() && !Slip::told_to_hold(pair.told, false) && pair.told.rise() == rise
             }

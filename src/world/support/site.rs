@@ -3,8 +3,9 @@
 use glam::{Vec2, Vec3};
 
 use crate::body::Body;
+use crate::collide::carried::{Carried, touching};
 use crate::collide::collider::Collider;
-use crate::collide::pairs::{CarriedManifold, Pair, WorldManifold, touching};
+use crate::collide::pairs::{Pair, WorldManifold};
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::solve::contact::tangents;
 use crate::solve::told::Limits;
@@ -63,12 +64,12 @@ impl<'a> Site<'a> {
         Self { pair, slot, shapes, bodies: (&bodies[shapes.0.body], &bodies[shapes.1.body]) }
     }
 
-    fn world(&self, manifold: &CarriedManifold) -> WorldManifold {
-        WorldManifold::new(&manifold.geometry, (self.shapes.0, self.bodies.0), (self.shapes.1, self.bodies.1))
+    fn world(&self, manifold: &Carried) -> WorldManifold {
+        WorldManifold::new(manifold, (self.shapes.0, self.bodies.0), (self.shapes.1, self.bodies.1))
     }
 
     /// Points of a manifold that take part, as bits, if it is pressed; and whether it holds, given that it held before or not.
-    pub(in crate::world) fn state(&self, manifold: &CarriedManifold, held: bool) -> (u8, bool) {
+    pub(in crate::world) fn state(&self, manifold: &Carried, held: bool) -> (u8, bool) {
         let points = touching(manifold, self.shapes.0.least_extent.min(self.shapes.1.least_extent));
         if points == 0 {
             return (0, held);
@@ -77,7 +78,7 @@ impl<'a> Site<'a> {
         let turning = |body: &Body, shape: &Collider| body.angular_velocity.length() * shape.reach;
         let linear = (b.linear_velocity - a.linear_velocity).length();
         let turning = turning(a, self.shapes.0) + turning(b, self.shapes.1);
-        let has_reserve = || has_reserve(manifold, self.pair.material.friction);
+        let has_reserve = || has_reserve(manifold, self.shapes.0.surface_with(self.shapes.1).friction);
         let holds = Slip::at_speeds(linear - turning, linear + turning, held, has_reserve).unwrap_or_else(|| {
             let rate = self.rate(manifold);
             let normal = self.normal(manifold);
@@ -88,7 +89,7 @@ impl<'a> Site<'a> {
     }
 
     /// The same of one that the solver has just told of. It does not tell of what is at rest.
-    pub(super) fn told_state(&self, manifold: &CarriedManifold, held: bool) -> (u8, bool) {
+    pub(super) fn told_state(&self, manifold: &Carried, held: bool) -> (u8, bool) {
         let (a, b) = self.bodies;
         if !self.pair.is_told() || a.held || b.held {
             return self.state(manifold, held);
@@ -98,13 +99,13 @@ impl<'a> Site<'a> {
         (points, if points == 0 { held } else { Slip::told_to_hold(self.pair.told, held) })
     }
 
-    fn normal(&self, manifold: &CarriedManifold) -> Vec3 {
-        self.shapes.0.place.1 * manifold.geometry.normal
+    fn normal(&self, manifold: &Carried) -> Vec3 {
+        self.shapes.0.place.1 * manifold.normal
     }
 
     /// Velocity of B's surface against A's in the middle of a manifold (m/s).
-    fn rate(&self, manifold: &CarriedManifold) -> Vec3 {
-        let points = &manifold.geometry.points[..manifold.geometry.count as usize];
+    fn rate(&self, manifold: &Carried) -> Vec3 {
+        let points = manifold.points;
         let middle = points.iter().map(|point| point.on_a).sum::<Vec3>() / points.len() as f32;
         let (a, b) = self.bodies;
         let lever_a = lever(a, self.shapes.0, middle);
@@ -113,22 +114,22 @@ impl<'a> Site<'a> {
     }
 
     /// Whether a manifold can be one through which one of the bodies stands on the other: how much its normal rises.
-    fn rise(&self, manifold: &CarriedManifold, frame: &Frame) -> Option<f32> {
+    fn rise(&self, manifold: &Carried, frame: &Frame) -> Option<f32> {
         Some(self.normal(manifold).dot(frame.up)).filter(|rise| rise.abs() >= MIN_RISE)
     }
 
     /// Whether one of the bodies needs no support, and the other stands on it, or presses it from any side if `by_thrust` counts.
     pub(in crate::world) fn is_on_base(&self, frame: Option<&Frame>, by_thrust: bool) -> bool {
         let Some(frame) = frame else { return false };
-        let stands = |manifold: &CarriedManifold| {
+        let stands = |manifold: Carried| {
             let lower = |rise: f32| if rise > 0.0 { self.bodies.0 } else { self.bodies.1 };
-            by_thrust || self.rise(manifold, frame).is_some_and(|rise| !lower(rise).is_dynamic())
+            by_thrust || self.rise(&manifold, frame).is_some_and(|rise| !lower(rise).is_dynamic())
         };
         self.bodies.0.is_dynamic() != self.bodies.1.is_dynamic() && self.pair.manifolds.iter().any(stands)
     }
 
     /// The link of a pressed manifold with these points, if one of the bodies stands on the other.
-    pub(in crate::world) fn link(&self, manifold: &CarriedManifold, points: u8, holds: bool, frame: &Frame) -> Option<Link> {
+    pub(in crate::world) fn link(&self, manifold: &Carried, points: u8, holds: bool, frame: &Frame) -> Option<Link> {
         let rise = self.rise(manifold, frame)?;
         let (a, b) = ((self.bodies.0, self.shapes.0), (self.bodies.1, self.shapes.1));
         let (lower, upper) = if rise > 0.0 { (a, b) } else { (b, a) };
@@ -139,7 +140,7 @@ impl<'a> Site<'a> {
         let (pair, offset) = (self.slot, frame.project((lower.0.center - upper.0.center).as_vec3()));
         let mut link =
             Link { lower: lower.1.body, upper: upper.1.body, points: [Vec2::ZERO; 4], count: 0, offset, slack, holds, pair };
-        for (i, point) in manifold.geometry.points.iter().enumerate() {
+        for (i, point) in manifold.points.iter().enumerate() {
             if !holds || points & (1 << i) == 0 {
                 continue;
             }
@@ -152,8 +153,8 @@ impl<'a> Site<'a> {
 
     /// Impulse of all manifolds of the pair on its second body, upwards (N·s).
     pub(in crate::world) fn force(&self, frame: &Frame) -> f32 {
-        let upwards = |manifold: &CarriedManifold| {
-            let normal = self.world(manifold).normal * manifold.impulses.normal.iter().sum::<f32>();
+        let upwards = |manifold: Carried| {
+            let normal = self.world(&manifold).normal * manifold.impulses.normal.iter().sum::<f32>();
             (normal + manifold.impulses.friction).dot(frame.up)
         };
         self.pair.manifolds.iter().map(upwards).sum()
@@ -161,7 +162,7 @@ impl<'a> Site<'a> {
 }
 
 /// Whether the friction of a manifold is below its limit.
-pub(super) fn has_reserve(manifold: &CarriedManifold, friction: f32) -> bool {
+pub(super) fn has_reserve(manifold: &Carried, friction: f32) -> bool {
     let limit = EXHAUSTED_SHARE * friction * manifold.impulses.normal.iter().sum::<f32>();
     manifold.impulses.friction.length_squared() < limit * limit
 }

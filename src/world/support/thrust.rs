@@ -414,7 +414,7 @@ impl World {
                 if !(rests || seen.holds) || manifold.impulses.normal.iter().all(|&lambda| lambda <= 0.0) {
                     continue;
                 }
-                let world = WorldManifold::new(&manifold.geometry, (a, &self.bodies[a.body]), (b, &self.bodies[b.body]));
+                let world = WorldManifold::new(&manifold, (a, &self.bodies[a.body]), (b, &self.bodies[b.body]));
                 let is_steep = world.normal.dot(frame.up).abs() < MIN_RISE;
                 for (side, unit) in ends.into_iter().enumerate().filter_map(|(side, unit)| Some((side, unit?))) {
                     let from = record.bodies[1 - side];
@@ -431,9 +431,9 @@ impl World {
                 }
                 thrust.faces.push(Face {
                     world,
-                    count: manifold.geometry.count as usize,
-                    impulses: manifold.impulses,
-                    friction: pair.material.friction,
+                    count: manifold.points.len(),
+                    impulses: *manifold.impulses,
+                    friction: a.surface_with(b).friction,
                     bodies: [a.body, b.body],
                 });
             }
