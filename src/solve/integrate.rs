@@ -142,7 +142,7 @@ fn predicted_turn(angular: Vec3, motion: &BodyMotion, h: f32) -> Quat {
     }
     let gains = momentum.dot(end) > momentum.dot(start) * (1.0 + rotation::MAX_ENERGY_GAIN as f32);
     let way = Vec3::new(turned.x, turned.y, turned.z);
-    if gains || squared * h * h > SAFE_TUMBLE * SAFE_TUMBLE || motion.free_rotation != Vec3::ONE {
+    if gains || squared * h * h > SAFE_TUMBLE * SAFE_TUMBLE || !motion.is_free_to_turn() {
         let rotation = motion.rotation.as_dquat().normalize();
         let exact = rotation::tumble(rotation, angular.as_dvec3(), &motion.top(), f64::from(h)).rotation;
         return (exact * rotation.conjugate()).as_quat();
@@ -202,7 +202,7 @@ fn refresh_inertia(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32)
     let turn = velocity.angular.length() * h;
     let inertia = motion.inertia.max(Vec3::splat(motion.inertia.max_element() * (turn * turn).min(1.0)));
     let tensor = crate::shape::inertia_tensor(1.0 / inertia, motion.rotation * motion.inertia_frame);
-    let free = motion.free_rotation;
+    let free = motion.free_rotation();
     let masked = Mat3::from_cols(tensor.x_axis * free * free.x, tensor.y_axis * free * free.y, tensor.z_axis * free * free.z);
     velocity.inverse_inertia = Symmetric::from_mat3(masked);
     motion.turn_at_refresh = motion.turn;

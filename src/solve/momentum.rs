@@ -158,7 +158,7 @@ impl FreeIslands {
             for slot in (first as usize..next).filter(|&slot| motions[slot].is_dynamic()) {
                 self.owner[slot] = number as u32;
                 bodies += 1;
-                held |= velocities[slot].inverse_mass.min_element() <= 0.0 || motions[slot].free_rotation != glam::Vec3::ONE;
+                held |= velocities[slot].inverse_mass.min_element() <= 0.0 || !motions[slot].is_free_to_turn();
             }
             self.held.push(held || bodies < 2);
         }

@@ -119,12 +119,10 @@ pub(crate) struct BodyMotion {
     pub torque: Vec3,
     /// Principal moments of inertia (kg·m²).
     pub inertia: Vec3,
-    /// Rotation of the principal axes in the body.
-    pub inertia_frame: Quat,
-    /// 1 along and about free world axes, 0 for locked ones.
-    pub free_rotation: Vec3,
     /// Rotation vector since the world inertia was last refreshed (rad).
     pub turn_at_refresh: Vec3,
+    /// Rotation of the principal axes in the body.
+    pub inertia_frame: Quat,
     pub kind: MotionKind,
     /// Whether joint rows need the predicted pose of this body.
     pub jointed: bool,
@@ -140,9 +138,14 @@ pub(crate) struct BodyMotion {
     pub refreshed: bool,
     /// Whether the body is moved with seven others.
     pub in_lanes: bool,
+    /// No rotation about these world axes.
+    pub locked_rotation: [bool; 3],
 }
 
 const _: () = assert!(std::mem::offset_of!(BodyMotion, rotation) == 32 && std::mem::offset_of!(BodyMotion, inertia) == 72);
+
+/// Two cache lines: all motions of a batch are gone through several times a substep.
+const _: () = assert!(size_of::<BodyMotion>() == 128);
 
 /// How a slot is integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -168,7 +171,6 @@ impl BodyMotion {
         angular_damping: 0.0,
         inertia: Vec3::ONE,
         inertia_frame: Quat::IDENTITY,
-        free_rotation: Vec3::ONE,
         turn_at_refresh: Vec3::ZERO,
         kind: MotionKind::Fixed,
         jointed: false,
@@ -178,6 +180,7 @@ impl BodyMotion {
         constrained: false,
         refreshed: false,
         in_lanes: false,
+        locked_rotation: [false; 3],
     };
 
     /// Displacement, turn, and two numbers more.
@@ -213,12 +216,21 @@ impl BodyMotion {
         self.rotation = super::integrate::rotated(self.rotation, turn);
     }
 
+    /// 1 about free world axes, 0 about locked ones.
+    pub(crate) fn free_rotation(&self) -> Vec3 {
+        crate::body::free_axes(self.locked_rotation)
+    }
+
+    pub(crate) fn is_free_to_turn(&self) -> bool {
+        self.locked_rotation == [false; 3]
+    }
+
     /// What decides how the body tumbles.
     pub(crate) fn top(&self) -> Top {
         Top {
             inertia: self.inertia.as_dvec3(),
             frame: self.inertia_frame.as_dquat().normalize(),
-            free: self.free_rotation.as_dvec3(),
+            free: self.free_rotation().as_dvec3(),
             round: self.kind == MotionKind::Round,
         }
     }

@@ -206,7 +206,7 @@ impl Records<'_> {
             angular_damping: body.angular_damping,
             inertia,
             inertia_frame: mass.map_or(Quat::IDENTITY, |mass| mass.inertia_frame),
-            free_rotation: crate::body::free_axes(body.locked_axes.rotation),
+            locked_rotation: body.locked_axes.rotation,
             kind: match body.acts_as() {
                 BodyKind::Static => MotionKind::Fixed,
                 BodyKind::Kinematic => MotionKind::Kinematic,

@@ -416,7 +416,7 @@ fn is_uneven(velocities: &[BodyVelocity], motions: &[BodyMotion]) -> bool {
     let (mut least, mut most) = (f32::INFINITY, 0.0_f32);
     for (velocity, motion) in velocities.iter().zip(motions).filter(|(_, motion)| motion.is_dynamic()) {
         let inverse_mass = velocity.inverse_mass;
-        if motion.jointed || inverse_mass.min_element() != inverse_mass.max_element() || motion.free_rotation != Vec3::ONE {
+        if motion.jointed || inverse_mass.min_element() != inverse_mass.max_element() || !motion.is_free_to_turn() {
             return false;
         }
         (least, most) = (least.min(inverse_mass.x), most.max(inverse_mass.x));

@@ -19,6 +19,7 @@ use super::contact::{LANES, Lane, Lane3};
 use super::dispatch::in_lanes;
 use super::integrate::{self, Outlook};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
+use crate::room::make_room_behind;
 
 pub(crate) mod course;
 mod kernels;
@@ -107,12 +108,13 @@ pub(crate) fn is_pushed(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
 }
 
 fn is_free(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
-    let is_unlocked = velocity.inverse_mass.min_element() > 0.0 && motion.free_rotation == Vec3::ONE;
+    let is_unlocked = velocity.inverse_mass.min_element() > 0.0 && motion.is_free_to_turn();
     !motion.direct && motion.is_dynamic() && is_unlocked
 }
 
 fn add(blocks: &mut Vec<PoseBlock>, slot: u32, motion: &BodyMotion, h: f32) {
     if blocks.last().is_none_or(|block| block.count as usize == LANES) {
+        make_room_behind(blocks, 1);
         blocks.push(PoseBlock::EMPTY);
     }
     if let Some(block) = blocks.last_mut() {
@@ -124,7 +126,6 @@ impl Poses {
     /// Lays out lanes for substeps of length `h`.
     pub(crate) fn lay_out(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
         let Self { blocks, pushed, singles, others, outlooks, refused, inertia, energies } = self;
-        inertia.resize(motions.len(), [0.0; LANES]);
         energies.resize(motions.len(), 0.0);
         blocks.clear();
         pushed.clear();
@@ -144,6 +145,9 @@ impl Poses {
             } else if motion.jointed {
                 others.push(slot as u32);
             }
+        }
+        if !blocks.is_empty() {
+            inertia.resize(motions.len(), [0.0; LANES]);
         }
         if !(blocks.is_empty() && others.is_empty()) {
             outlooks.extend(motions.iter().map(Outlook::still));
@@ -173,6 +177,9 @@ impl Poses {
 
     /// The same of a body that has been turned since, if it is in lanes.
     pub(crate) fn refresh_inertia_of(&mut self, slot: u32, motion: &BodyMotion) {
+        if !motion.in_lanes {
+            return;
+        }
         let tensor = crate::shape::inertia_tensor(motion.inertia, motion.rotation * motion.inertia_frame);
         self.inertia[slot as usize][..6].copy_from_slice(Symmetric::from_mat3(tensor).entries());
     }
