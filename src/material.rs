@@ -83,6 +83,11 @@ pub(crate) struct PairMaterial {
 }
 
 impl PairMaterial {
+    /// Whether contacts of it neither rebound nor resist rolling.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.restitution == 0.0 && self.rolling == 0.0
+    }
+
     pub(crate) fn combine(a: &Material, b: &Material) -> Self {
         let friction = |x, y| CombineRule::combine(a.friction_rule, b.friction_rule, x, y);
         Self {

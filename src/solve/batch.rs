@@ -23,6 +23,7 @@ use super::taut::TautRows;
 use super::told::Told;
 use super::wrap::BatchWraps;
 use crate::room::make_room;
+use crate::workers::Workers;
 
 /// Slot that stands for a body of the world in this batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,7 +48,9 @@ pub(crate) struct JointEnd {
 pub(crate) struct ContactEnds {
     pub a: u32,
     pub b: u32,
-    pub points: u32,
+    pub points: u8,
+    /// Whether it neither rebounds nor resists rolling.
+    pub is_plain: bool,
 }
 
 /// Groups of manifolds: two for each colour, two for what found none; the first of those; and all groups once more for manifolds of
@@ -68,6 +71,12 @@ fn has_faces(group: usize) -> bool {
 
 /// Group, and block, of a manifold that an articulation holds.
 const HELD: u32 = u32::MAX;
+
+/// Of a lane that has no manifold.
+const NO_MANIFOLD: u32 = u32::MAX;
+
+/// Blocks that are worth another thread's while: some 10 µs.
+const LEAST_BLOCKS: usize = 8;
 
 /// Bodies, contacts and joints solved together.
 #[derive(Debug, Default)]
@@ -116,8 +125,9 @@ pub(crate) struct Batch {
     tally: Vec<ContactImpulses>,
     /// What is told of the manifolds of each block, if anybody wants to know.
     pub told: Vec<[Told; LANES]>,
-    /// Block and lane of each manifold.
+    /// Block and lane of each manifold, and the manifold of each lane.
     lanes: Vec<(u32, u32)>,
+    numbers: Vec<[u32; LANES]>,
     /// Kinematic bodies that have a slot here, sorted by body.
     replicas: Vec<Replica>,
     pub birth: Birth,
@@ -173,6 +183,11 @@ impl Batch {
     /// Bodies enlisted so far.
     pub(crate) fn body_count(&self) -> u32 {
         self.bodies.len() as u32 - 1
+    }
+
+    /// Work that it makes for several threads.
+    pub(crate) fn load(&self) -> usize {
+        self.manifolds.len()
     }
 
     /// Bodies that it has had room for.
@@ -241,7 +256,7 @@ impl Batch {
         self.coloring.reset(self.velocities.len());
         self.groups.clear();
         let mut counts = [0_u32; ALL_GROUPS];
-        for (number, &ContactEnds { a, b, points }) in self.ends.iter().enumerate() {
+        for (number, &ContactEnds { a, b, points, .. }) in self.ends.iter().enumerate() {
             if self.direct.holds(number) {
                 self.groups.push(HELD);
                 continue;
@@ -285,19 +300,52 @@ impl Batch {
             self.lanes.push((*place / LANES as u32, *place % LANES as u32));
             *place += if is_colored(group as usize) { 1 } else { LANES as u32 };
         }
+        let Self { lanes, ends, contacts, .. } = self;
+        let needs = |number: &usize| lanes[*number].0 != HELD && !ends[*number].is_plain;
+        if (0..lanes.len()).any(|number| needs(&number)) {
+            contacts.add_extras((0..lanes.len()).filter(needs).map(|number| lanes[number].0 as usize));
+        }
     }
 
     /// Prepares the rows of all manifolds that have a lane, which `form` brings into world axes; points closer than `reach` (m) count
     /// as touching.
-    pub(crate) fn set_contacts(&mut self, reach: f32, form: impl Fn((u32, u32), ContactEnds) -> ContactInput) {
-        for (number, &(block, lane)) in self.lanes.iter().enumerate().filter(|(_, (block, _))| *block != HELD) {
-            let formed = self.inputs.get(number).copied();
-            let input = formed.unwrap_or_else(|| form(self.manifolds[number], self.ends[number]));
-            self.contacts.set_lane(block as usize, lane as usize, &input, reach);
+    pub(crate) fn set_contacts(
+        &mut self,
+        threads: &Workers,
+        reach: f32,
+        form: impl Fn((u32, u32), ContactEnds) -> ContactInput + Sync,
+    ) {
+        let Self { lanes, numbers, inputs, manifolds, ends, contacts, velocities, .. } = self;
+        let input = |number: usize| {
+            let formed = inputs.get(number).copied();
+            formed.unwrap_or_else(|| form(manifolds[number], ends[number]))
+        };
+        let placed = || lanes.iter().enumerate().filter(|(_, (block, _))| *block != HELD);
+        if threads.is_alone() {
+            // In the order in which pairs lie in memory, which blocks do not follow.
+            for (number, &(block, lane)) in placed() {
+                contacts.whole(block as usize).set_lane(lane as usize, &input(number), reach);
+            }
+            for number in 0..contacts.len() {
+                contact_kernels::set_masses(&mut contacts.whole(number), velocities);
+            }
+            return;
         }
-        for number in 0..self.contacts.len() {
-            contact_kernels::set_masses(&mut self.contacts, number, &self.velocities);
+        numbers.clear();
+        make_room(numbers, contacts.len());
+        numbers.resize(contacts.len(), [NO_MANIFOLD; LANES]);
+        for (number, &(block, lane)) in placed() {
+            numbers[block as usize][lane as usize] = number as u32;
         }
+        let piece = threads.piece(contacts.len(), LEAST_BLOCKS);
+        threads.share(contacts.parts(piece).zip(numbers.chunks(piece)), |(part, numbers)| {
+            for (mut block, numbers) in part.iter().zip(numbers) {
+                for (lane, &number) in numbers.iter().enumerate().filter(|(_, number)| **number != NO_MANIFOLD) {
+                    block.set_lane(lane, &input(number as usize), reach);
+                }
+                contact_kernels::set_masses(&mut block, velocities);
+            }
+        });
     }
 
     /// Multipliers of the manifold with this number.

@@ -84,7 +84,7 @@ pub(crate) struct ContactInput {
 impl ContactInput {
     /// Whether it neither rebounds nor resists rolling.
     pub(crate) fn is_plain(&self) -> bool {
-        self.material.restitution == 0.0 && self.material.rolling == 0.0
+        self.material.is_plain()
     }
 
     /// Whether any of its points has pressed in the last substep.

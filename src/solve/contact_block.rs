@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::contact::{ContactImpulses, ContactInput, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS, tangents};
 use super::state::BodyMotion;
-use crate::room::{make_room, make_room_behind};
+use crate::room::make_room;
 
 /// Where a block has neither a face nor an extra.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -56,6 +56,8 @@ pub(crate) struct ContactBlock {
     /// Places of its face and its extra, or [`NONE`].
     pub face: u32,
     pub extra: u32,
+    /// Faces and extras of the blocks before this one.
+    before: [u32; 2],
 }
 
 /// What a block has beside it whose manifolds may have more than one point.
@@ -126,6 +128,7 @@ impl ContactBlock {
         count: [0; LANES],
         face: NONE,
         extra: NONE,
+        before: [0; 2],
     };
 
     /// Whether the inertia of any of its bodies has been formed anew.
@@ -166,6 +169,19 @@ impl Extra {
         has_rolling: false,
         has_restitution: false,
     };
+
+    fn set_lane(&mut self, l: usize, input: &ContactInput, [t1, t2]: [Vec3; 2]) {
+        if input.material.rolling > 0.0 {
+            self.has_rolling = true;
+            self.rolling_arm[l] = input.material.rolling;
+            self.rolling_lambda[0][l] = input.impulses.rolling.dot(t1);
+            self.rolling_lambda[1][l] = input.impulses.rolling.dot(t2);
+        }
+        if input.material.restitution > 0.0 {
+            self.has_restitution = true;
+            self.restitution[l] = input.material.restitution;
+        }
+    }
 }
 
 /// All blocks of a batch.
@@ -200,8 +216,9 @@ impl ContactBlocks {
     /// Adds empty blocks, for manifolds of one point or for faces.
     pub(crate) fn add(&mut self, count: usize, has_faces: bool) {
         for _ in 0..count {
-            let face = if has_faces { self.faces.len() as u32 } else { NONE };
-            self.blocks.push(ContactBlock { face, ..ContactBlock::EMPTY });
+            let before = [self.faces.len() as u32, 0];
+            let face = if has_faces { before[0] } else { NONE };
+            self.blocks.push(ContactBlock { face, before, ..ContactBlock::EMPTY });
             if has_faces {
                 self.faces.push(Face::EMPTY);
             }
@@ -233,95 +250,36 @@ impl ContactBlocks {
         }
     }
 
-    /// Prepares one manifold in lane `l` of a block, all but its effective masses; points closer than `reach` (m) count as touching.
-    pub(crate) fn set_lane(&mut self, number: usize, l: usize, input: &ContactInput, reach: f32) {
-        let n = input.normal;
-        let (t1, t2) = tangents(n);
-        let count = input.count;
-        for i in 0..count {
-            let rows = self.rows_mut(number, i);
-            put(&mut rows.lever_a, l, input.lever_a[i]);
-            put(&mut rows.lever_b, l, input.lever_b[i]);
-            rows.separation[l] = input.separation[i];
-            rows.lambda[l] = input.impulses.normal[i];
-        }
-        let block = &mut self.blocks[number];
-        block.a[l] = input.a;
-        block.b[l] = input.b;
-        put(&mut block.normal, l, n);
-        put(&mut block.tangent, l, t1);
-        block.count[l] = count as u8;
-
-        let pressed: f32 = input.impulses.normal.iter().sum();
-        let carried = |lambda: f32| if lambda.abs() > NEGLIGIBLE_FRICTION * pressed { lambda } else { 0.0 };
-        block.friction[l] = input.material.friction;
-        block.tangent_lambda[0][l] = carried(input.impulses.friction.dot(t1));
-        block.tangent_lambda[1][l] = carried(input.impulses.friction.dot(t2));
-        block.twist_lambda[l] = carried(input.impulses.twist);
-        block.twist_arm[l] = input.material.spinning;
-        if let Some(face) = self.faces.get_mut(block.face as usize) {
-            let inverse_count = 1.0 / count as f32;
-            let center_a = input.lever_a[..count].iter().sum::<Vec3>() * inverse_count;
-            let center_b = input.lever_b[..count].iter().sum::<Vec3>() * inverse_count;
-            put(&mut face.center_a, l, center_a);
-            put(&mut face.center_b, l, center_b);
-            let spread = input.lever_a[..count].iter().map(|lever| (*lever - center_a).length()).sum::<f32>() * inverse_count;
-            block.twist_arm[l] = input.material.friction * spread + input.material.spinning;
-        }
-        if count == POINTS {
-            self.level(number, l, reach);
-        }
-        if !input.is_plain() {
-            self.set_extra(number, l, input, [t1, t2]);
-        }
-    }
-
-    fn set_extra(&mut self, number: usize, l: usize, input: &ContactInput, [t1, t2]: [Vec3; 2]) {
-        let block = &mut self.blocks[number];
-        if block.extra == NONE {
-            block.extra = self.extras.len() as u32;
-            make_room_behind(&mut self.extras, 1);
-            self.extras.push(Extra::EMPTY);
-        }
-        let extra = &mut self.extras[block.extra as usize];
-        if input.material.rolling > 0.0 {
-            extra.has_rolling = true;
-            extra.rolling_arm[l] = input.material.rolling;
-            extra.rolling_lambda[0][l] = input.impulses.rolling.dot(t1);
-            extra.rolling_lambda[1][l] = input.impulses.rolling.dot(t2);
-        }
-        if input.material.restitution > 0.0 {
-            extra.has_restitution = true;
-            extra.restitution[l] = input.material.restitution;
-        }
-    }
-
-    /// Evens out the load of four touching points in lane `l` of a block without changing its force or moments.
-    ///
-    /// Four points of a face have one combination ν of multipliers that does nothing: Σν = 0, Σν r = 0. Where some of them
-    /// overlap by a micrometre and others gape by one, their rows contradict each other along ν, and the sweeps would shift the
-    /// load along it until two points carry all and the face rocks on a diagonal.
-    fn level(&mut self, number: usize, l: usize, reach: f32) {
-        if (0..POINTS).any(|i| self.rows(number, i).separation[l] > reach) {
-            return;
-        }
-        let (n, t1) = (get(&self.blocks[number].normal, l), get(&self.blocks[number].tangent, l));
-        let t2 = n.cross(t1);
-        let p: [Vec2; POINTS] = std::array::from_fn(|i| {
-            let lever = get(&self.rows(number, i).lever_a, l);
-            Vec2::new(lever.dot(t1), lever.dot(t2))
-        });
-        let area = |a: Vec2, b: Vec2, c: Vec2| (b - a).perp_dot(c - a);
-        let idle = Vec4::new(area(p[1], p[2], p[3]), -area(p[0], p[2], p[3]), area(p[0], p[1], p[3]), -area(p[0], p[1], p[2]));
-        let Some(idle) = idle.try_normalize() else { return };
-        let lambda = Vec4::from_array(std::array::from_fn(|i| self.rows(number, i).lambda[l]));
-        let shift = idle * idle.dot(lambda);
-        let least = (lambda - shift).min_element();
-        if least >= 0.0 {
-            for i in 0..POINTS {
-                self.rows_mut(number, i).lambda[l] = lambda[i] - shift[i];
+    /// Gives each of the blocks that `need` says what manifolds have that roll or rebound.
+    pub(crate) fn add_extras(&mut self, needs: impl Iterator<Item = usize>) {
+        needs.for_each(|number| self.blocks[number].extra = 0);
+        let mut count = 0;
+        for block in &mut self.blocks {
+            block.before[1] = count;
+            if block.extra != NONE {
+                block.extra = count;
+                count += 1;
             }
         }
+        make_room(&mut self.extras, count as usize);
+        self.extras.resize(count as usize, Extra::EMPTY);
+    }
+
+    /// A block with what it has beside it.
+    pub(crate) fn whole(&mut self, number: usize) -> WholeBlock<'_> {
+        let block = &mut self.blocks[number];
+        let (face, extra) = (self.faces.get_mut(block.face as usize), self.extras.get_mut(block.extra as usize));
+        WholeBlock { block, face, extra }
+    }
+
+    /// All blocks in parts of this length.
+    pub(crate) fn parts(&mut self, length: usize) -> impl Iterator<Item = BlockPart<'_>> {
+        let Self { blocks, faces, extras } = self;
+        let mut rest = BlockPart { blocks, faces, extras };
+        std::iter::from_fn(move || {
+            let count = length.min(rest.blocks.len());
+            (count > 0).then(|| rest.split_off(count))
+        })
     }
 
     /// Multipliers of lane `l` of a block at the end of the last substep.
@@ -342,6 +300,131 @@ impl ContactBlocks {
             impulses.rolling = t1 * extra.rolling_lambda[0][l] + t2 * extra.rolling_lambda[1][l];
         }
         impulses
+    }
+}
+
+/// Blocks that follow one another, and what they have beside them.
+pub(crate) struct BlockPart<'a> {
+    blocks: &'a mut [ContactBlock],
+    faces: &'a mut [Face],
+    extras: &'a mut [Extra],
+}
+
+impl<'a> BlockPart<'a> {
+    /// Takes the first `count` blocks out, which are not none.
+    fn split_off(&mut self, count: usize) -> Self {
+        let before = self.blocks[0].before;
+        let (blocks, rest) = std::mem::take(&mut self.blocks).split_at_mut(count);
+        let beside = |kind: usize, all: usize| rest.first().map_or(all, |next| (next.before[kind] - before[kind]) as usize);
+        let (own_faces, own_extras) = (beside(0, self.faces.len()), beside(1, self.extras.len()));
+        let (faces, more_faces) = std::mem::take(&mut self.faces).split_at_mut(own_faces);
+        let (extras, more_extras) = std::mem::take(&mut self.extras).split_at_mut(own_extras);
+        *self = Self { blocks: rest, faces: more_faces, extras: more_extras };
+        Self { blocks, faces, extras }
+    }
+
+    /// The blocks one by one.
+    pub(crate) fn iter(self) -> impl Iterator<Item = WholeBlock<'a>> {
+        let (mut faces, mut extras) = (self.faces.iter_mut(), self.extras.iter_mut());
+        self.blocks.iter_mut().map(move |block| {
+            let face = if block.face == NONE { None } else { faces.next() };
+            let extra = if block.extra == NONE { None } else { extras.next() };
+            WholeBlock { block, face, extra }
+        })
+    }
+}
+
+/// A block, and what it has beside it.
+pub(crate) struct WholeBlock<'a> {
+    pub block: &'a mut ContactBlock,
+    pub face: Option<&'a mut Face>,
+    pub extra: Option<&'a mut Extra>,
+}
+
+impl WholeBlock<'_> {
+    fn rows(&self, point: usize) -> &PointRows {
+        match &self.face {
+            Some(face) if point > 0 => &face.more[point - 1],
+            _ => &self.block.first,
+        }
+    }
+
+    fn rows_mut(&mut self, point: usize) -> &mut PointRows {
+        match &mut self.face {
+            Some(face) if point > 0 => &mut face.more[point - 1],
+            _ => &mut self.block.first,
+        }
+    }
+
+    /// Prepares one manifold in lane `l`, all but its effective masses; points closer than `reach` (m) count as touching.
+    pub(crate) fn set_lane(&mut self, l: usize, input: &ContactInput, reach: f32) {
+        let n = input.normal;
+        let (t1, t2) = tangents(n);
+        let count = input.count;
+        for i in 0..count {
+            let rows = self.rows_mut(i);
+            put(&mut rows.lever_a, l, input.lever_a[i]);
+            put(&mut rows.lever_b, l, input.lever_b[i]);
+            rows.separation[l] = input.separation[i];
+            rows.lambda[l] = input.impulses.normal[i];
+        }
+        let block = &mut *self.block;
+        block.a[l] = input.a;
+        block.b[l] = input.b;
+        put(&mut block.normal, l, n);
+        put(&mut block.tangent, l, t1);
+        block.count[l] = count as u8;
+
+        let pressed: f32 = input.impulses.normal.iter().sum();
+        let carried = |lambda: f32| if lambda.abs() > NEGLIGIBLE_FRICTION * pressed { lambda } else { 0.0 };
+        block.friction[l] = input.material.friction;
+        block.tangent_lambda[0][l] = carried(input.impulses.friction.dot(t1));
+        block.tangent_lambda[1][l] = carried(input.impulses.friction.dot(t2));
+        block.twist_lambda[l] = carried(input.impulses.twist);
+        block.twist_arm[l] = input.material.spinning;
+        if let Some(face) = &mut self.face {
+            let inverse_count = 1.0 / count as f32;
+            let center_a = input.lever_a[..count].iter().sum::<Vec3>() * inverse_count;
+            let center_b = input.lever_b[..count].iter().sum::<Vec3>() * inverse_count;
+            put(&mut face.center_a, l, center_a);
+            put(&mut face.center_b, l, center_b);
+            let spread = input.lever_a[..count].iter().map(|lever| (*lever - center_a).length()).sum::<f32>() * inverse_count;
+            block.twist_arm[l] = input.material.friction * spread + input.material.spinning;
+        }
+        if count == POINTS {
+            self.level(l, reach);
+        }
+        if let Some(extra) = &mut self.extra {
+            extra.set_lane(l, input, [t1, t2]);
+        }
+    }
+
+    /// Evens out the load of four touching points in lane `l` of a block without changing its force or moments.
+    ///
+    /// Four points of a face have one combination ν of multipliers that does nothing: Σν = 0, Σν r = 0. Where some of them
+    /// overlap by a micrometre and others gape by one, their rows contradict each other along ν, and the sweeps would shift the
+    /// load along it until two points carry all and the face rocks on a diagonal.
+    fn level(&mut self, l: usize, reach: f32) {
+        if (0..POINTS).any(|i| self.rows(i).separation[l] > reach) {
+            return;
+        }
+        let (n, t1) = (get(&self.block.normal, l), get(&self.block.tangent, l));
+        let t2 = n.cross(t1);
+        let p: [Vec2; POINTS] = std::array::from_fn(|i| {
+            let lever = get(&self.rows(i).lever_a, l);
+            Vec2::new(lever.dot(t1), lever.dot(t2))
+        });
+        let area = |a: Vec2, b: Vec2, c: Vec2| (b - a).perp_dot(c - a);
+        let idle = Vec4::new(area(p[1], p[2], p[3]), -area(p[0], p[2], p[3]), area(p[0], p[1], p[3]), -area(p[0], p[1], p[2]));
+        let Some(idle) = idle.try_normalize() else { return };
+        let lambda = Vec4::from_array(std::array::from_fn(|i| self.rows(i).lambda[l]));
+        let shift = idle * idle.dot(lambda);
+        let least = (lambda - shift).min_element();
+        if least >= 0.0 {
+            for i in 0..POINTS {
+                self.rows_mut(i).lambda[l] = lambda[i] - shift[i];
+            }
+        }
     }
 }
 

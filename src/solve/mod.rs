@@ -290,7 +290,7 @@ impl Batch {
         if !self.contacts.is_empty() && self.motions.iter().any(|motion| motion.refreshed) {
             for number in 0..self.contacts.len() {
                 if self.contacts.blocks[number].is_refreshed(&self.motions) {
-                    contact_kernels::set_masses(&mut self.contacts, number, &self.velocities);
+                    contact_kernels::set_masses(&mut self.contacts.whole(number), &self.velocities);
                 }
             }
         }

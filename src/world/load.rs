@@ -25,6 +25,7 @@ use crate::solve::taut::TautEntry;
 use crate::span::Derived;
 use crate::span::plane::{Chain, Member};
 use crate::span::union::UnionMotion;
+use crate::workers::Workers;
 use crate::world::support::told_by;
 
 mod direct;
@@ -36,6 +37,11 @@ const ROUND: f32 = 1.0e-5;
 /// How much faster than the fastest body of its batch a body may become in one step by what others do to it: an elastic blow from
 /// one that is far heavier doubles its speed.
 const OUTPACED: f32 = 2.0;
+
+/// Manifolds of a batch from which on all threads work on it together, and the share of all that it must have: only a quarter of its
+/// work is shared so far, so other batches had better be solved beside it where they are as much.
+const LEAST_SHARED: usize = 512;
+const SHARED_FROM: f32 = 0.8;
 
 /// Everything that a batch reads.
 struct Records<'a> {
@@ -67,6 +73,9 @@ struct Records<'a> {
 impl World {
     /// Fills every batch, prepares its rows and moves its bodies through the step.
     pub(super) fn solve_batches(&mut self, dt: f32) {
+        if self.batch_count == 0 {
+            return;
+        }
         let settings = StepSettings {
             dt,
             gravity: self.def.gravity,
@@ -98,13 +107,19 @@ impl World {
             dt,
             impulse_scale,
         };
-        let work = |batch: &mut Batch| {
-            records.fill(batch, &settings);
+        let work = |batch: &mut Batch, threads: &Workers| {
+            records.fill(batch, &settings, threads);
             batch.solve(records.joints, &settings);
         };
         let batches = &mut self.batches[..self.batch_count];
+        let all: usize = batches.iter().map(Batch::load).sum();
+        let is_large = |batch: &&mut Batch| batch.load() >= LEAST_SHARED && batch.load() as f32 > SHARED_FROM * all as f32;
+        batches.iter_mut().filter(is_large).for_each(|batch| work(batch, &self.threads));
+        let alone = Workers::default();
         let piece = self.threads.piece(batches.len(), 1);
-        self.threads.share(batches.chunks_mut(piece), |batches| batches.iter_mut().for_each(work));
+        self.threads.share(batches.chunks_mut(piece), |batches| {
+            batches.iter_mut().filter(|batch| !is_large(batch)).for_each(|batch| work(batch, &alone));
+        });
     }
 }
 
@@ -116,7 +131,7 @@ impl World {
 }
 
 impl Records<'_> {
-    fn fill(&self, batch: &mut Batch, settings: &StepSettings) {
+    fn fill(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
         batch.tallied = self.tallied;
         batch.load_bodies(|index| self.slot_state(index));
         if self.solver == Solver::GaussSeidel {
@@ -124,7 +139,7 @@ impl Records<'_> {
         }
         self.list_contacts(batch);
         self.list_joints(batch);
-        self.lay_out(batch, settings);
+        self.lay_out(batch, settings, threads);
         self.fill_bounds(batch);
         self.fill_planes(batch);
         self.find_free_islands(batch);
@@ -244,10 +259,12 @@ impl Records<'_> {
             let (slot, manifold) = batch.manifolds[number];
             let pair = self.pairs.get(slot);
             let (a, b) = pair.key.shapes();
+            let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
             ends.push(ContactEnds {
-                a: self.slot(batch, self.colliders[a].body),
-                b: self.slot(batch, self.colliders[b].body),
-                points: pair.manifolds.get(manifold as usize).points.len() as u32,
+                a: self.slot(batch, shape_a.body),
+                b: self.slot(batch, shape_b.body),
+                points: pair.manifolds.get(manifold as usize).points.len() as u8,
+                is_plain: shape_a.surface_with(shape_b).is_plain(),
             });
         }
         batch.ends = ends;

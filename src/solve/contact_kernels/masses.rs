@@ -3,11 +3,11 @@
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
 use super::super::contact::{LANES, Lane, POINTS};
-use super::super::contact_block::{ContactBlock, ContactBlocks, Face};
+use super::super::contact_block::{ContactBlock, Face, WholeBlock};
 use super::super::side::Side;
 use super::super::state::BodyVelocity;
 use super::super::wide::{Wide, Wide3};
-use super::rows::{Faced, Manifolds, Single, load_all, of_block};
+use super::rows::{Faced, Manifolds, Single, load_all};
 
 /// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
 const REGULARISATION: f32 = 1.0e-3;
@@ -22,16 +22,18 @@ const IMMOVABLE: f32 = 1.0e-12;
 const ENTRIES: [(usize, usize); 10] = [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
 #[inline(always)]
-pub(super) fn set<W: Wide>(contacts: &mut ContactBlocks, number: usize, velocities: &[BodyVelocity]) {
-    let ContactBlocks { blocks, faces, extras } = contacts;
-    let block = &mut blocks[number];
+pub(super) fn set<W: Wide>(whole: &mut WholeBlock<'_>, velocities: &[BodyVelocity]) {
+    let WholeBlock { block, face, extra } = whole;
     let (side_a, side_b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
     let immovable = Immovable::new(&side_a, &side_b);
-    of_block!(set_rows::<W>(block, faces, &side_a, &side_b, &immovable));
-    if let Some(face) = faces.get_mut(block.face as usize) {
-        set_inverse(block, face);
+    match face {
+        Some(face) => {
+            set_rows(&mut Faced(block, face), &side_a, &side_b, &immovable);
+            set_inverse(block, face);
+        }
+        None => set_rows(&mut Single(block), &side_a, &side_b, &immovable),
     }
-    if let Some(extra) = extras.get_mut(block.extra as usize).filter(|extra| extra.has_rolling) {
+    if let Some(extra) = extra.as_deref_mut().filter(|extra| extra.has_rolling) {
         let n = Wide3::<W>::load(&block.normal);
         let t1 = Wide3::load(&block.tangent);
         let t2 = n.cross(t1);

@@ -15,7 +15,7 @@ mod warm_start;
 use std::ops::Range;
 
 use super::contact::LANES;
-use super::contact_block::ContactBlocks;
+use super::contact_block::{ContactBlocks, WholeBlock};
 use super::dispatch::in_lanes;
 use super::state::{BodyMotion, BodyVelocity};
 use super::told::{Limits, Told};
@@ -24,7 +24,7 @@ pub(crate) use recover::RECOVERY_SWEEPS;
 
 in_lanes!(
     /// Forms the effective masses of a block from the bodies' inertia of now.
-    pub(crate) set_masses, masses::set, (contacts: &mut ContactBlocks, number: usize, velocities: &[BodyVelocity])
+    pub(crate) set_masses, masses::set, (whole: &mut WholeBlock<'_>, velocities: &[BodyVelocity])
 );
 in_lanes!(
     /// Applies the carried multipliers and forms the closing speeds of this substep.

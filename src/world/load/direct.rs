@@ -11,6 +11,7 @@ use crate::solve::direct::BatchRecords;
 use crate::solve::direct::history::History;
 use crate::solve::joint::JointEntry;
 use crate::solve::state::WORLD_SLOT;
+use crate::workers::Workers;
 
 /// The records of what one batch has.
 struct Within<'a> {
@@ -45,7 +46,7 @@ impl BatchRecords for Within<'_> {
 
 impl Records<'_> {
     /// Moves what the direct solver can move by itself, and lays out rows for the rest.
-    pub(super) fn lay_out(&self, batch: &mut Batch, settings: &StepSettings) {
+    pub(super) fn lay_out(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
         let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, manifolds, .. } = batch;
         direct.group_slots(&joints.entries, motions);
         direct.solver = self.solver;
@@ -66,7 +67,7 @@ impl Records<'_> {
             direct.step(self.joints, velocities, motions, inputs, settings);
         }
         batch.color_contacts();
-        batch.set_contacts(self.reach, |manifold, ends| self.contact_input(manifold, ends));
+        batch.set_contacts(threads, self.reach, |manifold, ends| self.contact_input(manifold, ends));
         let Batch { joints, coloring, velocities, motions, .. } = batch;
         let h = settings.dt / settings.substeps as f32;
         joints.lay_out(self.joints, coloring, velocities, motions, h, settings.substeps);
