@@ -39,15 +39,22 @@ pub(super) fn sum(lanes: &Lanes) -> f64 {
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 }
 
-/// The sums of four lanes each, side by side.
+/// The columns of four rows.
 #[inline(always)]
-pub(super) fn sums(rows: &[Lanes; 4]) -> Lanes {
+fn columns_of(rows: &[Lanes; 4]) -> [Lanes; 4] {
     let mut columns = [ZERO; 4];
     for i in 0..4 {
         for j in 0..4 {
             columns[j][i] = rows[i][j];
         }
     }
+    columns
+}
+
+/// The sums of four lanes each, side by side.
+#[inline(always)]
+pub(super) fn sums(rows: &[Lanes; 4]) -> Lanes {
+    let columns = columns_of(rows);
     let mut sums = ZERO;
     for i in 0..4 {
         sums[i] = (columns[0][i] + columns[1][i]) + (columns[2][i] + columns[3][i]);
@@ -335,11 +342,32 @@ fn add_columns_of<const W: usize>(y: &mut [Lanes], l: &[Lanes], x: &[Lanes], m: 
 /// The transpose of a block of m × k.
 #[inline(always)]
 pub(super) fn transpose(into: &mut [Lanes], from: &[Lanes], m: usize, k: usize) {
-    let (w, wk) = (width(m), width(k));
-    into[..k * w].fill(ZERO);
-    for i in 0..m {
-        for l in 0..k {
-            into[l * w + i / 4][i % 4] = from[i * wk + l / 4][l % 4];
+    match width(k) {
+        1 => transpose_of::<1>(into, from, m, k),
+        2 => transpose_of::<2>(into, from, m, k),
+        wk => transpose_tiles(into, from, m, k, wk),
+    }
+}
+
+/// As [`transpose_tiles`], with rows of constant length.
+#[inline(always)]
+fn transpose_of<const W: usize>(into: &mut [Lanes], from: &[Lanes], m: usize, k: usize) {
+    transpose_tiles(into, from, m, k, W);
+}
+
+/// Four rows by four columns at a time, of rows of `wk` lanes.
+#[inline(always)]
+fn transpose_tiles(into: &mut [Lanes], from: &[Lanes], m: usize, k: usize, wk: usize) {
+    let w = width(m);
+    for (i, rows) in from[..m * wk].chunks(4 * wk).enumerate() {
+        for j in 0..wk {
+            let mut tile = [ZERO; 4];
+            for (lanes, row) in tile.iter_mut().zip(rows.chunks_exact(wk)) {
+                *lanes = row[j];
+            }
+            for (row, column) in into[4 * j * w..k * w].chunks_exact_mut(w).zip(columns_of(&tile)) {
+                row[i] = column;
+            }
         }
     }
 }
@@ -382,8 +410,9 @@ fn invert_root_of<const N: usize, const W: usize>(values: &mut [Lanes], before: 
             continue;
         }
         scale[k] = 1.0 / pivot.sqrt();
+        let inverse = -scale[k] * scale[k];
         for i in k + 1..N {
-            let share = -a[i][k / 4][k % 4] / pivot;
+            let share = a[i][k / 4][k % 4] * inverse;
             for j in 0..W {
                 let (row_a, row_t) = (a[k][j], t[k][j]);
                 add_scaled(&mut a[i][j], share, &row_a);
@@ -418,8 +447,9 @@ fn invert_root_any(a: &mut [Lanes], n: usize, w: usize, before: &[Lanes]) {
             continue;
         }
         scale[k] = 1.0 / pivot.sqrt();
+        let inverse = -scale[k] * scale[k];
         for i in k + 1..n {
-            let share = -a[i * w + k / 4][k % 4] / pivot;
+            let share = a[i * w + k / 4][k % 4] * inverse;
             for j in 0..w {
                 let (row_a, row_t) = (a[k * w + j], t[k * w + j]);
                 add_scaled(&mut a[i * w + j], share, &row_a);
