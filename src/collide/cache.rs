@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::carried::Manifolds;
 use super::pairs::{Pair, PairKey};
-use crate::room::make_room_behind;
+use crate::room::{make_room, make_room_behind};
 
 /// All pairs of a world.
 #[derive(Debug, Default)]
@@ -234,6 +234,8 @@ impl PairCache {
             }
             None => {
                 make_room_behind(&mut self.pairs, 1);
+                // Bodies that part must not ask for memory.
+                make_room(&mut self.free, self.pairs.capacity());
                 self.pairs.push(Pair::new(key));
                 self.pairs.len() as u32 - 1
             }

@@ -111,19 +111,13 @@ impl Direct {
         self.articulations().iter().filter(|articulation| !articulation.coupled).flat_map(Articulation::histories)
     }
 
-    /// Lists the contacts of each group, and finds what each carries; the step is `dt` long (s).
-    pub(crate) fn find_touching(
-        &mut self,
-        contacts: &[ContactInput],
-        velocities: &[BodyVelocity],
-        motions: &[BodyMotion],
-        dt: f32,
-    ) {
+    /// Lists the contacts of each group, and finds what each carries.
+    pub(crate) fn find_touching(&mut self, contacts: &[ContactInput], motions: &[BodyMotion]) {
         self.touching.clear();
         if self.group.is_empty() {
             return;
         }
-        self.riders.find(contacts, &self.group, velocities, motions, dt);
+        self.riders.find(contacts, &self.group, motions);
         for (number, contact) in contacts.iter().enumerate() {
             let groups = [contact.a, contact.b].map(|slot| solved_with(slot, motions, &self.group, &self.riders));
             self.touching.extend(groups.into_iter().flatten().map(|group| (group, number as u32)));
@@ -350,7 +344,7 @@ impl Direct {
 
     /// Hands the multipliers of a substep back to the joints.
     pub(crate) fn keep_impulses(&mut self) {
-        self.coupled().for_each(|articulation| articulation.keep_impulses(1.0, 0.0));
+        self.coupled().for_each(|articulation| articulation.keep_impulses(1.0));
     }
 
     /// Mends the positions of the articulations that touch what moves, at the end of a substep or of the step.

@@ -5,12 +5,13 @@
 //! then. Rows between an articulation and what it carries are therefore rows of its system, and what it carries are bodies of it.
 //!
 //! *Riders* are unjointed bodies in contact with an articulation, and what is in contact with them in turn, unless that leads to
-//! another articulation, or to so many bodies or manifolds that an active set is no longer the way to solve them.
+//! another articulation, or to so many bodies or manifolds that an active set is no longer the way to solve them. Whether they press
+//! or are about to is not asked: how a light plank between taut ones will move is known only once its joints are solved, and a load
+//! that it meets unforeseen would be left to sweeps for that step.
 
-use super::watch;
 use super::{NO_GROUP, root};
 use crate::solve::contact::ContactInput;
-use crate::solve::state::{BodyMotion, BodyVelocity};
+use crate::solve::state::BodyMotion;
 
 /// Most bodies that an articulation carries, and most manifolds of theirs.
 const MOST_RIDERS: u32 = 12;
@@ -28,8 +29,6 @@ pub(super) struct Riders {
     carrier: Vec<u32>,
     /// Bodies and manifolds of what each group carries, by group.
     load: Vec<(u32, u32)>,
-    /// Whether the bodies of each contact feel each other in this step.
-    felt: Vec<bool>,
 }
 
 impl Riders {
@@ -43,15 +42,8 @@ impl Riders {
         Some(self.carrier[set as usize]).filter(|&carrier| carrier != NO_GROUP)
     }
 
-    /// Finds all riders of a step of `dt` (s); `group` says which slots joints connect.
-    pub(super) fn find(
-        &mut self,
-        contacts: &[ContactInput],
-        group: &[u32],
-        velocities: &[BodyVelocity],
-        motions: &[BodyMotion],
-        dt: f32,
-    ) {
+    /// Finds all riders of a step; `group` says which slots joints connect.
+    pub(super) fn find(&mut self, contacts: &[ContactInput], group: &[u32], motions: &[BodyMotion]) {
         self.clear();
         let jointed = |slot: u32| motions[slot as usize].is_dynamic() && motions[slot as usize].jointed;
         let loose = |slot: u32| motions[slot as usize].is_dynamic() && !motions[slot as usize].jointed;
@@ -65,12 +57,8 @@ impl Riders {
         self.carrier.resize(motions.len(), NO_GROUP);
         self.load.clear();
         self.load.resize(motions.len(), (0, 0));
-        let path = |slot: u32| watch::free_paths(&velocities[slot as usize], &motions[slot as usize], dt);
-        let feels = |contact: &ContactInput| contact.presses() || watch::meets(contact, path(contact.a), path(contact.b));
-        let both_move = |contact: &ContactInput| [contact.a, contact.b].iter().all(|&slot| motions[slot as usize].is_dynamic());
-        self.felt.clear();
-        self.felt.extend(contacts.iter().map(|contact| both_move(contact) && feels(contact)));
-        for (contact, _) in contacts.iter().zip(&self.felt).filter(|(_, felt)| **felt) {
+        let both_move = |contact: &&ContactInput| [contact.a, contact.b].iter().all(|&slot| motions[slot as usize].is_dynamic());
+        for contact in contacts.iter().filter(both_move) {
             if loose(contact.a) && loose(contact.b) {
                 let (a, b) = (root(&mut self.set, contact.a), root(&mut self.set, contact.b));
                 self.set[a.max(b) as usize] = a.min(b);
@@ -79,7 +67,7 @@ impl Riders {
         for slot in 0..self.set.len() as u32 {
             self.set[slot as usize] = root(&mut self.set, slot);
         }
-        for (contact, _) in contacts.iter().zip(&self.felt).filter(|(_, felt)| **felt) {
+        for contact in contacts.iter().filter(both_move) {
             for (own, other) in [(contact.a, contact.b), (contact.b, contact.a)] {
                 if loose(own) {
                     let carrier = &mut self.carrier[self.set[own as usize] as usize];

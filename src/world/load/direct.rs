@@ -60,7 +60,7 @@ impl Records<'_> {
             };
             withheld.clear();
             withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
-            direct.find_touching(inputs, velocities, motions, settings.dt);
+            direct.find_touching(inputs, motions);
             let records = Within { world: self, bodies, manifolds };
             direct.take(&mut joints.entries, velocities, motions, inputs, &records);
             joints.entries.append(withheld);
