@@ -28,9 +28,9 @@ fn a_weight_swings_on_its_chain_along_the_exact_path() {
 #[test]
 fn the_error_of_the_path_falls_with_the_square_of_the_substep() {
     let error = |substeps| Run::of("swinging_weight", &[("n", "30"), ("substeps", substeps)]).error("traj_err_rms_m");
-    let (coarse, fine) = (error("1"), error("4"));
-    // 16 to second order; substeps are whole numbers, chosen step by step.
-    assert!(fine < coarse / 12.0, "the mean error falls from {coarse} to {fine} m");
+    let (coarse, fine) = (error("2"), error("32"));
+    // 256 to second order; substeps are whole numbers, chosen step by step.
+    assert!(fine < coarse / 200.0, "the mean error falls from {coarse} to {fine} m");
 }
 
 #[test]
@@ -266,7 +266,7 @@ fn a_still_chain_takes_one_substep_and_reports_its_errors() {
         (1, 0, 0, 0),
         "substeps of a still chain"
     );
-    assert!(report.gap < 1e-5, "joints gape {} m, bound 1e-5 m", report.gap);
+    assert!(report.gap < 2e-5, "joints gape {} m, bound 2e-5 m", report.gap);
     // Of the weight's 10 t moving at a metre a second.
     assert!(report.energy_change.abs() < 1.0, "a still chain gains {} J in a step", report.energy_change);
 }

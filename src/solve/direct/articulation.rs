@@ -58,11 +58,11 @@ const MUST_FALL: f64 = 0.5;
 ///
 /// With the extent L it goes as L^1.75, below a metre as L: errors are judged against L, and what is long swings and whips slowly, so
 /// that they grow less (see [`ERROR_PER_SURPRISE`]).
-const MOST_SURPRISE: f64 = 9.5e-5;
+const MOST_SURPRISE: f64 = 1.6e-4;
 
-/// Error of the path (m) after about a second for the same change of velocity (m/s) in every substep (s): 4 on a swing of 10
-/// links, 2 m long, 0.6 of 30, 0.5 of 100.
-const ERROR_PER_SURPRISE: f64 = 2.5;
+/// Error of the path (m) after about a second for the same change of velocity (m/s) in every substep (s): 3.5 on a swing of
+/// 10 links, 2 m long, 0.6 of 30, 0.4 of 100.
+const ERROR_PER_SURPRISE: f64 = 1.5;
 
 /// Substeps of the default effort.
 const NOMINAL_SUBSTEPS: f64 = 4.0;
@@ -137,7 +137,9 @@ pub(crate) struct Articulation {
     after_first_order: bool,
     /// Change of velocity beyond a steady one in the last substep, where that was of second order (m/s).
     surprise: f64,
-    /// Length of the substep (s).
+    /// Lengths of the step, of the world's substep and of its own (s).
+    pub(super) dt: f64,
+    world_substep: f64,
     pub(super) h: f64,
     /// Length by which errors are judged (m).
     pub(super) size: f64,
@@ -200,6 +202,7 @@ impl Articulation {
         self.touches.clear();
         self.watched.clear();
         self.coupled = false;
+        self.order = SecondOrder::EULER;
         self.lasting = Lasting::No;
         self.is_warm = false;
         self.solves_left = 0;
@@ -248,6 +251,8 @@ impl Articulation {
         settings: &StepSettings,
     ) {
         self.load(velocities, motions);
+        self.dt = f64::from(settings.dt);
+        self.world_substep = self.dt / f64::from(settings.substeps);
         self.step_start.clone_from(&self.stances);
         if !self.watched.is_empty() || !self.touches.is_empty() {
             self.untouched.clone_from(&self.entries);
@@ -257,6 +262,7 @@ impl Articulation {
         let halvings = if budget > 0.0 { budget.clamp(LEAST_HALVINGS, MOST_HALVINGS_OF_STEP) as u32 } else { 0 };
         self.solves_left = halvings * SOLVES_PER_HALVING;
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
+        self.order = SecondOrder::EULER;
         (self.continues, self.after_first_order) = (None, false);
         let energy = self.energy();
         self.take_substeps(joints, settings);
@@ -268,10 +274,9 @@ impl Articulation {
         let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
         let (most, bound) = (settings.articulations.most_substeps * substeps, self.most_surprise(settings));
         // Carried multipliers are those of the world's substep.
-        let of_world = dt / f64::from(substeps);
         let (mut rest, mut left, mut needed) = (self.wanted_substeps(substeps, dt), dt, 0.0_f64);
         let mut h = dt / f64::from(rest);
-        self.scale_impulses((h / of_world) as f32);
+        self.scale_impulses((h / self.world_substep) as f32);
         let mut error = None;
         loop {
             self.surprise = 0.0;
@@ -290,7 +295,7 @@ impl Articulation {
                 self.scale_impulses((h / before) as f32);
             }
         }
-        self.scale_impulses((of_world / h) as f32);
+        self.scale_impulses((self.world_substep / h) as f32);
         self.note_wanted_substeps(settings, h, needed);
     }
 
@@ -354,17 +359,17 @@ impl Articulation {
     fn note_wanted_substeps(&mut self, settings: &StepSettings, h: f64, needed: f64) {
         let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
         let outcome = &self.outcome;
-        let (wanted, most) = if outcome.second_order > 0 && outcome.safe + outcome.halvings == 0 {
-            (needed, settings.articulations.most_substeps * substeps)
+        let wanted = if outcome.second_order > 0 && outcome.safe + outcome.halvings == 0 {
+            // Twice as long as the last, or half as long, a substep can still be of second order. Where the host has lowered the
+            // effort since, twice as long may still be more substeps than are allowed.
+            let (last, most) = (dt / h, settings.articulations.most_substeps * substeps);
+            needed.ceil().max((0.5 * last).ceil()).min((2.0 * last).floor().min(f64::from(most)))
         } else if outcome.first_order + outcome.halvings == 0 && !outcome.unsettled {
-            (self.greatest_speed() * dt / (MOST_STRIDE * self.size), substeps)
+            (self.greatest_speed() * dt / (MOST_STRIDE * self.size)).ceil().min(f64::from(substeps))
         } else {
-            (f64::from(substeps), substeps)
+            f64::from(substeps)
         };
-        // Twice as long as the last, or half as long, a substep can still be of second order. Where the host has lowered the effort
-        // since, twice as long may still be more substeps than are allowed.
-        let last = dt / h;
-        let wanted = wanted.ceil().max((0.5 * last).ceil()).min((2.0 * last).floor().min(f64::from(most))).max(1.0) as u32;
+        let wanted = wanted.max(1.0) as u32;
         self.histories.iter_mut().for_each(|history| history.substeps = wanted);
     }
 
@@ -429,7 +434,7 @@ impl Articulation {
                 None => self.second_order(h),
             };
             let second_order = order.is_some();
-            self.order = order.unwrap_or_default();
+            self.order = order.unwrap_or(SecondOrder::EULER);
             let momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
             let errors = self.find_errors(joints);
             if errors.worst <= (TOLERANCE * self.size).max(before.unwrap_or_default()) && !self.touches.iter().any(Touch::presses)
@@ -441,17 +446,28 @@ impl Articulation {
                     self.surprise = self.surprise();
                 }
                 self.after_first_order = !second_order;
-                quads::note(&self.quads, h, &self.began, (&self.stances, &self.rates), &mut self.histories);
+                quads::note(&self.quads, h, &self.order, &self.began, (&self.stances, &self.rates), &mut self.histories);
                 // As the histories hold it.
                 self.continues = Some(f64::from(h as f32));
+                if self.meets_stop(joints) {
+                    // A blow is not what the bodies go on with.
+                    self.histories.fill(History::NONE);
+                    self.continues = None;
+                }
                 let order = if second_order { &mut self.outcome.second_order } else { &mut self.outcome.first_order };
                 *order += 1;
                 return error;
             }
             self.mode = Mode::Safe;
+            self.order = SecondOrder::EULER;
             self.histories.fill(History::NONE);
             self.continues = None;
             self.restore();
+            // What moved smoothly took few substeps, and what it has met has had no say in how many.
+            let parts = (h / self.world_substep).round() as u32;
+            if parts > 1 {
+                return self.advance_in_parts(joints, h, parts, depth, before);
+            }
         }
         let before = before.unwrap_or_else(|| self.find_errors(joints).worst);
         let momentum = self.substep(joints, h, Mode::Safe);
@@ -472,11 +488,27 @@ impl Articulation {
         }
         self.outcome.halvings += 1;
         self.restore();
-        self.scale_impulses(0.5);
-        let middle = self.advance(joints, 0.5 * h, depth + 1, Some(before));
-        let error = self.advance(joints, 0.5 * h, depth + 1, Some(middle));
-        self.scale_impulses(2.0);
-        error
+        self.advance_in_parts(joints, h, 2, depth + 1, Some(before))
+    }
+
+    /// Whether a stop presses that did not before this substep.
+    fn meets_stop(&self, joints: &Pool<Joint, JointId>) -> bool {
+        !self.is_points
+            && self.entries.iter().zip(&self.began.joints).any(|(entry, before)| {
+                let met = entry.impulses.pressing() & !before.impulses.pressing();
+                met != 0 && joints[entry.joint].stops_of(met) != 0
+            })
+    }
+
+    /// As [`advance`](Self::advance), in parts of equal length.
+    fn advance_in_parts(&mut self, joints: &Pool<Joint, JointId>, h: f64, parts: u32, depth: u32, before: Option<f64>) -> f64 {
+        self.scale_impulses(1.0 / parts as f32);
+        let mut error = before;
+        for _ in 0..parts {
+            error = Some(self.advance(joints, h / f64::from(parts), depth, error));
+        }
+        self.scale_impulses(parts as f32);
+        error.expect("there are parts")
     }
 
     /// Takes further solves out of the step's budget; false where there are not as many left.

@@ -291,11 +291,12 @@ impl Articulation {
     }
 
     /// As [`Articulation::keep_impulses`].
-    pub(super) fn keep_point_impulses(&mut self, scale: f64, carried: f64) {
+    pub(super) fn keep_point_impulses(&mut self, scale: f64) {
+        let (carried, steady) = (self.order.extrapolation, self.order.steady_share);
         self.points.drop_senseless();
         for (entry, joint) in self.entries.iter_mut().zip(&self.points.joints) {
-            entry.impulses.point = (joint.impulse * scale).as_vec3();
-            let acted = joint.impulse + entry.acted[0].as_dvec3() * carried;
+            let last = std::mem::replace(&mut entry.impulses.point, (joint.impulse * scale).as_vec3());
+            let acted = joint.impulse + last.as_dvec3() * steady + entry.acted[0].as_dvec3() * carried;
             entry.acted[0] = acted.as_vec3();
             entry.linear_sum += entry.acted[0];
         }

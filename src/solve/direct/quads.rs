@@ -1,6 +1,6 @@
 //! What a substep does to each body by itself, to four of them at a time.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::Began;
 use super::body::DirectBody;
@@ -144,40 +144,26 @@ dispatched!(
 
 dispatched!(
     /// Notes a substep of length `h` (s) that ends in these stances and rates, for the next one.
-    note, note_body, (quads: &[Quad], h: f64, began: &Began, ended: (&[Stance], &[Rate]), histories: &mut [History])
+    note, note_body,
+    (quads: &[Quad], h: f64, order: &SecondOrder, began: &Began, ended: (&[Stance], &[Rate]), histories: &mut [History])
 );
 
 #[inline(always)]
 fn predict_body(quads: &[Quad], order: &SecondOrder, h: f64, histories: &[History], start: &mut Start) {
     let Start { stances, rates, predicted } = start;
     let (share, length, one) = (Four::splat(order.extrapolation), Four::splat(h), Four::splat(1.0));
+    let steady = Four::splat(order.steady_share * h / order.euler_share);
     for quad in quads {
         let last = [&histories[quad.at(0)], &histories[quad.at(1)], &histories[quad.at(2)], &histories[quad.at(3)]];
         let (place, rotation) = quad.places(stances);
         let (linear, angular) = quad.velocities(rates);
         let spin = quad.spin(rotation, angular);
-        let before = Four3::of([
-            last[0].momentum_before.as_dvec3(),
-            last[1].momentum_before.as_dvec3(),
-            last[2].momentum_before.as_dvec3(),
-            last[3].momentum_before.as_dvec3(),
-        ]);
-        let linear_before = Four3::of([
-            last[0].linear_before.as_dvec3(),
-            last[1].linear_before.as_dvec3(),
-            last[2].linear_before.as_dvec3(),
-            last[3].linear_before.as_dvec3(),
-        ]);
-        let displacement = Four3::of([
-            last[0].displacement.as_dvec3(),
-            last[1].displacement.as_dvec3(),
-            last[2].displacement.as_dvec3(),
-            last[3].displacement.as_dvec3(),
-        ]);
-        let turn =
-            Four3::of([last[0].turn.as_dvec3(), last[1].turn.as_dvec3(), last[2].turn.as_dvec3(), last[3].turn.as_dvec3()]);
-        let start = (place + displacement * share, rotation.turned(turn * share));
-        let momentum = spin + (spin - before) * share + quad.torque * length;
+        let of_last = |of: fn(&History) -> Vec3| Four3::of(last.map(|last| of(last).as_dvec3()));
+        let (momentum_before, linear_before) = (of_last(|last| last.momentum_before), of_last(|last| last.linear_before));
+        let (displacement, turn) = (of_last(|last| last.displacement), of_last(|last| last.turn));
+        let (acceleration, torque) = (of_last(|last| last.acceleration), of_last(|last| last.torque));
+        let start = (place + displacement * share + linear * steady, rotation.turned(turn * share + angular * steady));
+        let momentum = spin + (spin - momentum_before) * share + torque * steady + quad.torque * length;
         let slowed = one + length * quad.angular_damping;
         let (mut end, mut angular) = (start.1, angular);
         for _ in 0..MOMENTUM_PASSES {
@@ -189,7 +175,8 @@ fn predict_body(quads: &[Quad], order: &SecondOrder, h: f64, histories: &[Histor
                 break;
             }
         }
-        let linear = linear + (linear - linear_before) * share + quad.acceleration * quad.free_along * length;
+        let linear =
+            linear + (linear - linear_before) * share + acceleration * steady + quad.acceleration * quad.free_along * length;
         let linear = (linear * (one / (one + length * quad.linear_damping))).clamp_length(MOST_SPEED);
         let angular = angular.clamp_length(MOST_SPIN.min(MOST_TURN / h));
         let reached = start.0 + linear * length;
@@ -245,13 +232,30 @@ fn respond_body(quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies:
 }
 
 #[inline(always)]
-fn note_body(quads: &[Quad], h: f64, began: &Began, (stances, rates): (&[Stance], &[Rate]), histories: &mut [History]) {
+fn note_body(
+    quads: &[Quad],
+    h: f64,
+    order: &SecondOrder,
+    began: &Began,
+    (stances, rates): (&[Stance], &[Rate]),
+    histories: &mut [History],
+) {
+    let share = Four::splat(order.extrapolation);
+    let steady = Four::splat(order.steady_share * h);
+    let inverse = Four::splat(1.0 / (order.euler_share * h));
     for quad in quads {
         let (from, before) = quad.places(&began.stances);
         let (to, after) = quad.places(stances);
         let (linear_before, angular_before) = quad.velocities(&began.rates);
         let (linear, angular) = quad.velocities(rates);
         let momentum = quad.spin(before, angular_before);
+        let last = [&histories[quad.at(0)], &histories[quad.at(1)], &histories[quad.at(2)], &histories[quad.at(3)]];
+        let of_last = |of: fn(&History) -> Vec3| Four3::of(last.map(|last| of(last).as_dvec3()));
+        let (linear_last, momentum_last) = (of_last(|last| last.linear_before), of_last(|last| last.momentum_before));
+        let extrapolated = (linear_before - linear_last) * share + of_last(|last| last.acceleration) * steady;
+        let acceleration = (linear - linear_before - extrapolated) * inverse;
+        let extrapolated = (momentum - momentum_last) * share + of_last(|last| last.torque) * steady;
+        let torque = (quad.spin(after, angular) - momentum - extrapolated) * inverse;
         let displacement = to - from;
         let change = after * before.conjugate();
         let (turn, is_small) = change.small_vector();
@@ -264,6 +268,9 @@ fn note_body(quads: &[Quad], h: f64, began: &Began, (stances, rates): (&[Stance]
                 turn: turn.as_vec3(),
                 linear_before: linear_before.get(j).as_vec3(),
                 momentum_before: momentum.get(j).as_vec3(),
+                acceleration: acceleration.get(j).as_vec3(),
+                torque: torque.get(j).as_vec3(),
+                jerk: if order.ratio > 0.0 { histories[quad.at(j)].jerk } else { Vec3::ZERO },
                 linear: linear.get(j).as_vec3(),
                 angular: angular.get(j).as_vec3(),
             };
@@ -273,7 +280,7 @@ fn note_body(quads: &[Quad], h: f64, began: &Began, (stances, rates): (&[Stance]
 
 #[cfg(test)]
 mod tests {
-    use glam::{DQuat, Quat, Vec3};
+    use glam::{DQuat, Quat};
 
     use super::*;
     use crate::solve::rotation::rotated;
@@ -375,12 +382,12 @@ mod tests {
                 predict(&quads, &order, 0.007, &histories, &mut start);
                 respond(&quads, &predicted, &stiffness, &mut bodies);
                 advance(&quads, 0.007, &bodies, &mut stances, &mut rates);
-                note(&quads, 0.01, &began, (&stances, &rates), &mut histories);
+                note(&quads, 0.01, &order, &began, (&stances, &rates), &mut histories);
             } else {
                 predict_body(&quads, &order, 0.007, &histories, &mut start);
                 respond_body(&quads, &predicted, &stiffness, &mut bodies);
                 advance_body(&quads, 0.007, &bodies, &mut stances, &mut rates);
-                note_body(&quads, 0.01, &began, (&stances, &rates), &mut histories);
+                note_body(&quads, 0.01, &order, &began, (&stances, &rates), &mut histories);
             }
             (stances, histories)
         };

@@ -29,7 +29,7 @@ impl Articulation {
         if self.is_points {
             self.find_spots();
         }
-        let h = if mode == Mode::SecondOrder { full * self.order.euler_share } else { full };
+        let h = full * self.order.euler_share;
         self.predict(full, h, mode);
         if self.is_points {
             self.find_ends(mode != Mode::Safe);
@@ -54,7 +54,7 @@ impl Articulation {
             self.rates.clone_from(&self.changes);
             self.solve_rates();
         }
-        self.keep_impulses(full / h, if mode == Mode::SecondOrder { self.order.extrapolation } else { 0.0 });
+        self.keep_impulses(full / h);
         if mode == Mode::SecondOrder {
             quads::advance(&self.quads, h, &self.bodies, &mut self.stances, &mut self.rates);
         }
@@ -109,19 +109,19 @@ impl Articulation {
         if together { SecondOrder::new(h, f64::from(before)) } else { None }
     }
 
-    /// Mean over the mass of the change of velocity beyond a steady one in this substep (m/s).
+    /// Mean over the mass of the change of velocity beyond a steady one in this substep, δ (m/s), averaged over a step.
     ///
     /// Not its root mean square, which light links that tremble under a heavy weight would rule, though they hardly move it.
-    pub(super) fn surprise(&self) -> f64 {
+    pub(super) fn surprise(&mut self) -> f64 {
         let (mut sum, mut total) = (0.0, 0.0);
         for (i, body) in self.bodies.iter().enumerate() {
             if let Some(mass) = body.free_mass() {
-                let surprise = self.histories[i].surprise(self.began.rates[i].linear, self.rates[i].linear, &self.order);
-                sum += mass * surprise.length();
+                let (now, next) = (self.began.rates[i].linear, self.rates[i].linear);
+                sum += mass * self.histories[i].note_jerk(now, next, &self.order, self.h, self.dt).length();
                 total += mass;
             }
         }
-        if total > 0.0 { sum / total } else { 0.0 }
+        if total > 0.0 { self.h * self.h * sum / total } else { 0.0 }
     }
 
     /// Angular momentum at the end of a substep of an articulation that hangs on nothing.
@@ -238,18 +238,20 @@ impl Articulation {
 
     /// Hands the multipliers back to the joints and adds them to their loads.
     ///
-    /// `scale` is the length of the whole substep over that of the one they were found for. Of the last substep's impulse the share
-    /// `carried` acts in this one, as the velocities that it changed are extrapolated: loads count what changes momentum, and a
-    /// blow counts once.
-    pub(super) fn keep_impulses(&mut self, scale: f64, carried: f64) {
+    /// `scale` is the length of the whole substep over that of the one they were found for. In one of second order the last
+    /// substep's impulse and forces act too, as what they changed is extrapolated: loads count what changes momentum, and a blow
+    /// counts once.
+    pub(super) fn keep_impulses(&mut self, scale: f64) {
         if self.is_points {
-            return self.keep_point_impulses(scale, carried);
+            return self.keep_point_impulses(scale);
         }
+        let (carried, steady) = (self.order.extrapolation, self.order.steady_share);
         let Self { entries, system, links, stances, touches, .. } = self;
         system.drop_senseless();
         for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {
             let (mut point, mut angular) = (DVec3::ZERO, DVec3::ZERO);
             let (mut linear_load, mut angular_load) = (DVec3::ZERO, DVec3::ZERO);
+            let mut last = [entry.impulses.point.as_dvec3(), entry.impulses.angular.as_dvec3()];
             let lever = stances[link.bodies[1] as usize].1 * entry.local_lever[1];
             for row in &system.rows[node.first as usize..node.last as usize] {
                 let impulse = row.impulse * scale;
@@ -257,18 +259,23 @@ impl Articulation {
                     Origin::Point => point += row.linear[1] * impulse,
                     Origin::Direction => angular += row.angular[1] * impulse,
                     Origin::Scalar(id) => {
-                        entry.impulses.scalar[id as usize] = impulse as f32;
+                        let before = std::mem::replace(&mut entry.impulses.scalar[id as usize], impulse as f32);
+                        let moment = row.angular[1] - lever.cross(row.linear[1]);
                         linear_load += row.linear[1] * impulse;
-                        angular_load += (row.angular[1] - lever.cross(row.linear[1])) * impulse;
+                        angular_load += moment * impulse;
+                        last[0] += row.linear[1] * f64::from(before);
+                        last[1] += moment * f64::from(before);
                     }
                     Origin::Contact => {}
                 }
             }
             entry.impulses.point = point.as_vec3();
             entry.impulses.angular = angular.as_vec3();
-            let acted = |found: DVec3, last: Vec3| (found / scale + last.as_dvec3() * carried).as_vec3();
+            let acted =
+                |found: DVec3, last: DVec3, acted: Vec3| (found / scale + last * steady + acted.as_dvec3() * carried).as_vec3();
             entry.pressed |= entry.impulses.pressing();
-            entry.acted = [acted(point + linear_load, entry.acted[0]), acted(angular + angular_load, entry.acted[1])];
+            entry.acted =
+                [acted(point + linear_load, last[0], entry.acted[0]), acted(angular + angular_load, last[1], entry.acted[1])];
             entry.linear_sum += entry.acted[0];
             entry.angular_sum += entry.acted[1];
         }

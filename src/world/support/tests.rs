@@ -113,19 +113,22 @@ struct Tally {
 
 impl Tally {
     fn compare(&mut self, world: &World, bodies: &[BodyId], context: &str) {
-        let fresh = made_anew(world);
+        let anew = made_anew(world);
         let state = world.support.as_ref().unwrap();
         let indices: Vec<u32> = bodies.iter().map(|&body| world.bodies.find(body).unwrap()).collect();
         let mut hulls_agree = true;
         for &index in &indices {
-            let (Some(kept), Some(fresh)) = (state.graph.node(index), fresh.graph.node(index)) else { continue };
+            let (Some(kept), Some(fresh)) = (state.graph.node(index), anew.graph.node(index)) else { continue };
             self.judged += 1;
             self.supported += usize::from(kept.is_supported());
             if kept.is_supported() != fresh.is_supported() {
                 // Links follow a body in steps of a milliradian, and of a thousandth of its extent: on the edge that tells.
                 let near = |node: &Node| node.margin.abs() < 5e-3 * hull::reach(node.hull()).max(0.1);
-                let mut mates = indices.iter().filter_map(|&mate| state.graph.node(mate)).filter(|mate| mate.unit == kept.unit);
-                let is_close = mates.any(near) || near(fresh) || stands_on_an_edge(&state.graph, kept);
+                let on_edge = |graph: &Graph, unit: u32| {
+                    let mut mates = indices.iter().filter_map(|&mate| graph.node(mate)).filter(|mate| mate.unit == unit);
+                    mates.any(|mate| near(mate) || stands_on_an_edge(graph, mate))
+                };
+                let is_close = on_edge(&state.graph, kept.unit) || on_edge(&anew.graph, fresh.unit);
                 assert!(is_close, "{context}, body {index}: {kept:?} against {fresh:?}");
                 self.close += 1;
                 hulls_agree = false;
@@ -133,7 +136,7 @@ impl Tally {
         }
         for &index in &indices {
             let body = &world.bodies[index];
-            let (kept, fresh) = (state.thrust.braces(index), fresh.thrust.braces(index));
+            let (kept, fresh) = (state.thrust.braces(index), anew.thrust.braces(index));
             self.braced += usize::from(kept);
             self.at_rest += usize::from(kept && (body.held || !body.is_awake()));
             assert!(kept == fresh || !hulls_agree, "{context}, body {index}: braced {kept}, made anew {fresh}");
