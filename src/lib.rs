@@ -30,7 +30,6 @@ mod balance;
 mod body;
 mod check;
 mod collide;
-mod crew;
 mod debug;
 mod error;
 mod fracture;

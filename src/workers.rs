@@ -2,9 +2,9 @@
 //!
 //! Parts share nothing and are the same whoever does them, so the bits of a step do not depend on it.
 
-use std::sync::{Arc, Mutex, PoisonError, TryLockError};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::crew::Crew;
 use crate::error::{Error, ErrorKind, Result};
 
 /// A host's job system.
@@ -23,9 +23,8 @@ const PIECES_EACH: usize = 8;
 /// The threads of a world.
 #[derive(Default)]
 pub(crate) struct Workers {
-    /// Threads that may ask a world at the same time share these; who finds them busy does without.
-    own: Option<Mutex<Crew>>,
-    members: usize,
+    /// The calling thread does its share: these are one fewer than there are in all.
+    own: Option<rayon::ThreadPool>,
     host: Option<Arc<dyn ParallelFor>>,
 }
 
@@ -37,8 +36,8 @@ impl Workers {
             return Ok(Self::default());
         }
         let refused = |_| Error::new(ErrorKind::CapacityExceeded, "threads", "the system gave no more threads");
-        let crew = Crew::new(count - 1).map_err(refused)?;
-        Ok(Self { own: Some(Mutex::new(crew)), members: count, host: None })
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(count - 1).thread_name(|i| format!("longspan-{i}"));
+        Ok(Self { own: Some(builder.build().map_err(refused)?), host: None })
     }
 
     /// Has the host's job system do the work, or no longer.
@@ -60,7 +59,7 @@ impl Workers {
     pub(crate) fn piece(&self, count: usize, least: usize) -> usize {
         let pieces = match (&self.host, &self.own) {
             (Some(_), _) => MOST_PIECES,
-            (None, Some(_)) => MOST_PIECES.min(PIECES_EACH * self.members),
+            (None, Some(pool)) => MOST_PIECES.min(PIECES_EACH * (pool.current_num_threads() + 1)),
             (None, None) => 1,
         };
         count.div_ceil(pieces).max(least)
@@ -83,11 +82,15 @@ impl Workers {
             match (&self.host, &self.own) {
                 _ if count < 2 => (),
                 (Some(host), _) => host.run(count, &part),
-                (None, Some(crew)) => match crew.try_lock() {
-                    Ok(mut crew) => crew.for_each(count, &part),
-                    Err(TryLockError::Poisoned(failed)) => failed.into_inner().for_each(count, &part),
-                    Err(TryLockError::WouldBlock) => (),
-                },
+                (None, Some(pool)) => {
+                    let next = AtomicUsize::new(0);
+                    let numbers = || std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
+                    let take_all = || numbers().take_while(|&number| number < count).for_each(part);
+                    pool.in_place_scope(|scope| {
+                        (1..count).take(pool.current_num_threads()).for_each(|_| scope.spawn(|_| take_all()));
+                        take_all();
+                    });
+                }
                 (None, None) => (),
             }
             (0..count).for_each(part);
