@@ -53,23 +53,6 @@ const MOST_PASSES: f64 = 400.0;
 /// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
 const MUST_FALL: f64 = 0.5;
 
-/// Change of velocity beyond a steady one that a second-order substep of the default effort may have in an articulation of one
-/// metre (m/s); at another effort it goes with the square of the substep.
-///
-/// With the extent L it goes as L^1.75, below a metre as L: errors are judged against L, and what is long swings and whips slowly, so
-/// that they grow less (see [`ERROR_PER_SURPRISE`]).
-const MOST_SURPRISE: f64 = 1.6e-4;
-
-/// Error of the path (m) after about a second for the same change of velocity (m/s) in every substep (s): 3.5 on a swing of
-/// 10 links, 2 m long, 0.6 of 30, 0.4 of 100.
-const ERROR_PER_SURPRISE: f64 = 1.5;
-
-/// Substeps of the default effort.
-const NOMINAL_SUBSTEPS: f64 = 4.0;
-
-/// Greatest path in a safe substep, over the size by which errors are judged: joints and contacts change little along it.
-const MOST_STRIDE: f64 = 0.03;
-
 /// How a substep treats the path of its bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Mode {
@@ -136,14 +119,14 @@ pub(crate) struct Articulation {
     /// Whether the last substep of this step was of first order.
     after_first_order: bool,
     /// Change of velocity beyond a steady one in the last substep, where that was of second order (m/s).
-    surprise: f64,
+    pub(super) surprise: f64,
     /// Lengths of the step, of the world's substep and of its own (s).
     pub(super) dt: f64,
-    world_substep: f64,
+    pub(super) world_substep: f64,
     pub(super) h: f64,
     /// Length by which errors are judged (m).
     pub(super) size: f64,
-    mode: Mode,
+    pub(super) mode: Mode,
     /// Whether the rows of the last substep are good for the next, where it is swept, and how the bodies had turned when they were
     /// built (rad).
     pub(super) lasting: Lasting,
@@ -262,62 +245,10 @@ impl Articulation {
         let halvings = if budget > 0.0 { budget.clamp(LEAST_HALVINGS, MOST_HALVINGS_OF_STEP) as u32 } else { 0 };
         self.solves_left = halvings * SOLVES_PER_HALVING;
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
-        self.order = SecondOrder::EULER;
         (self.continues, self.after_first_order) = (None, false);
         let energy = self.energy();
         self.take_substeps(joints, settings);
         self.outcome.energy_change = self.energy() - energy;
-    }
-
-    /// Takes the substeps that the last step found to be enough, and more from where one shows that they are not.
-    fn take_substeps(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
-        let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
-        let (most, bound) = (settings.articulations.most_substeps * substeps, self.most_surprise(settings));
-        // Carried multipliers are those of the world's substep.
-        let (mut rest, mut left, mut needed) = (self.wanted_substeps(substeps, dt), dt, 0.0_f64);
-        let mut h = dt / f64::from(rest);
-        self.scale_impulses((h / self.world_substep) as f32);
-        let mut error = None;
-        loop {
-            self.surprise = 0.0;
-            error = Some(self.advance(joints, h, 0, error));
-            (rest, left) = (rest - 1, left - h);
-            needed = needed.max(dt / h * (self.surprise / bound).sqrt());
-            // What is unsettled is taken back, and its contacts are swept.
-            if rest == 0 || self.outcome.unsettled {
-                break;
-            }
-            let (wanted, finest) = (left / h * (self.surprise / bound).sqrt(), left / dt * f64::from(most));
-            let finer = (wanted.ceil().min(finest.round()) as u32).min(2 * rest);
-            if finer > rest {
-                rest = finer;
-                let before = std::mem::replace(&mut h, left / f64::from(rest));
-                self.scale_impulses((h / before) as f32);
-            }
-        }
-        self.scale_impulses((self.world_substep / h) as f32);
-        self.note_wanted_substeps(settings, h, needed);
-    }
-
-    /// Greatest change of velocity beyond a steady one that a second-order substep may have (m/s).
-    fn most_surprise(&self, settings: &StepSettings) -> f64 {
-        let target = f64::from(settings.articulations.error_target);
-        if target > 0.0 {
-            return target / ERROR_PER_SURPRISE;
-        }
-        let extent = self.extent();
-        let root = extent.max(1.0).sqrt();
-        MOST_SURPRISE * extent * root * root.sqrt() * (NOMINAL_SUBSTEPS / f64::from(settings.substeps)).powi(2)
-    }
-
-    /// Substeps that the last step found to be enough, or the world's where there is none to go by.
-    fn wanted_substeps(&self, substeps: u32, dt: f64) -> u32 {
-        let wanted = self.histories.iter().map(|history| history.substeps).max().unwrap_or(0);
-        match self.mode {
-            Mode::Safe if wanted > 0 => wanted.min(substeps),
-            Mode::Smooth | Mode::SecondOrder if wanted > 0 && self.second_order(dt / f64::from(wanted)).is_some() => wanted,
-            _ => substeps,
-        }
     }
 
     /// Kinetic energy less the work of forces since the start of the step (J), of all bodies that move freely.
@@ -344,46 +275,6 @@ impl Articulation {
             energy_change: outcome.energy_change as f32,
             factor_size: self.topology.plan.numbers() as u32,
         }
-    }
-
-    /// Diagonal of the box around the bodies' centres at the start of the step, and at least the size by which errors are judged (m).
-    fn extent(&self) -> f64 {
-        let centers = || self.origins.iter().skip(1);
-        let low = centers().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = centers().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        (high - low).length().max(self.size)
-    }
-
-    /// Notes for the next step, whose first substep follows one of length `h` (s), how many substeps would have kept the local error
-    /// below its bound, `needed`, or where it moved safely, their paths short.
-    fn note_wanted_substeps(&mut self, settings: &StepSettings, h: f64, needed: f64) {
-        let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
-        let outcome = &self.outcome;
-        let wanted = if outcome.second_order > 0 && outcome.safe + outcome.halvings == 0 {
-            // Twice as long as the last, or half as long, a substep can still be of second order. Where the host has lowered the
-            // effort since, twice as long may still be more substeps than are allowed.
-            let (last, most) = (dt / h, settings.articulations.most_substeps * substeps);
-            needed.ceil().max((0.5 * last).ceil()).min((2.0 * last).floor().min(f64::from(most)))
-        } else if outcome.first_order + outcome.halvings == 0 && !outcome.unsettled {
-            (self.greatest_speed() * dt / (MOST_STRIDE * self.size)).ceil().min(f64::from(substeps))
-        } else {
-            f64::from(substeps)
-        };
-        let wanted = wanted.max(1.0) as u32;
-        self.histories.iter_mut().for_each(|history| history.substeps = wanted);
-    }
-
-    /// Greatest speed of any joint point (m/s).
-    fn greatest_speed(&self) -> f64 {
-        let mut greatest = 0.0_f64;
-        for (link, entry) in self.links.iter().zip(&self.entries) {
-            for side in 0..2 {
-                let body = link.bodies[side] as usize;
-                let (rate, lever) = (&self.rates[body], self.stances[body].1 * entry.local_lever[side]);
-                greatest = greatest.max((rate.linear + rate.angular.cross(lever)).length());
-            }
-        }
-        greatest
     }
 
     pub(super) fn load(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
@@ -426,7 +317,7 @@ impl Articulation {
     }
 
     /// One substep, in halves where it must be; takes the worst error where it is known, and returns it (m).
-    fn advance(&mut self, joints: &Pool<Joint, JointId>, h: f64, depth: u32, before: Option<f64>) -> f64 {
+    pub(super) fn advance(&mut self, joints: &Pool<Joint, JointId>, h: f64, depth: u32, before: Option<f64>) -> f64 {
         self.begin();
         if self.mode == Mode::Smooth {
             let order = match self.continues {
@@ -544,7 +435,7 @@ impl Articulation {
         self.touches.clone_from(&saved.touches);
     }
 
-    fn scale_impulses(&mut self, factor: f32) {
+    pub(super) fn scale_impulses(&mut self, factor: f32) {
         for entry in &mut self.entries {
             let JointImpulses { point, angular, scalar } = &mut entry.impulses;
             *point *= factor;
