@@ -4,6 +4,8 @@ use glam::{Mat3, Quat, Vec3};
 
 use super::rotation::{self, MAX_TURN};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
+use super::wide::{Wide, Wide3};
+use super::wide_matrix::WideQuat;
 use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
 /// Rotation since the last refresh, times the ratio of greatest to least inertia, after which the world inertia of an unjointed
@@ -174,6 +176,10 @@ pub(crate) fn skew(v: Vec3) -> Mat3 {
     Mat3::from_cols(Vec3::new(0.0, v.z, -v.y), Vec3::new(-v.z, 0.0, v.x), Vec3::new(v.y, -v.x, 0.0))
 }
 
+/// Ratios of the terms of the power series of sin φ/φ and of cos φ to the terms before, over −φ².
+const SINE_TERMS: [f32; 4] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0];
+const COSINE_TERMS: [f32; 5] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0];
+
 /// `rotation` turned by a rotation vector in world axes (rad).
 ///
 /// Sine and cosine of the half angle are power series: exact to rounding below the largest turn of a substep, and the same
@@ -186,12 +192,31 @@ pub(crate) fn rotated(rotation: Quat, vector: Vec3) -> Quat {
 fn quaternion_of(vector: Vec3) -> Quat {
     let half = vector * 0.5;
     let x = half.length_squared();
-    let [s1, s2, s3, s4] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0].map(|term: f32| x * term);
-    let sine_over_angle = 1.0 - s1 * (1.0 - s2 * (1.0 - s3 * (1.0 - s4)));
-    let [c1, c2, c3, c4, c5] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0].map(|term: f32| x * term);
-    let cosine = 1.0 - c1 * (1.0 - c2 * (1.0 - c3 * (1.0 - c4 * (1.0 - c5))));
+    let series = |terms: &[f32]| terms.iter().rev().fold(1.0, |sum, term| 1.0 - x * term * sum);
+    let (sine_over_angle, cosine) = (series(&SINE_TERMS), series(&COSINE_TERMS));
     let axis = half * sine_over_angle;
     Quat::from_xyzw(axis.x, axis.y, axis.z, cosine)
+}
+
+/// As [`rotated`], to the same bits.
+#[inline(always)]
+pub(crate) fn rotated_in_lanes<W: Wide>(rotation: &WideQuat<W>, vector: Wide3<W>) -> WideQuat<W> {
+    let (one, half) = (W::splat(1.0), vector * W::splat(0.5));
+    let x = half.dot(half);
+    let (mut sine_over_angle, mut cosine) = (one, one);
+    for term in SINE_TERMS.into_iter().rev() {
+        sine_over_angle = one - x * W::splat(term) * sine_over_angle;
+    }
+    for term in COSINE_TERMS.into_iter().rev() {
+        cosine = one - x * W::splat(term) * cosine;
+    }
+    let (v, w, u) = (half * sine_over_angle, cosine, rotation.v);
+    // In the order of the product of two `Quat`, which that of lanes is not.
+    let x = w * u.x + v.x * rotation.w + v.y * u.z - v.z * u.y;
+    let y = w * u.y - v.x * u.z + v.y * rotation.w + v.z * u.x;
+    let z = w * u.z + v.x * u.y - v.y * u.x + v.z * rotation.w;
+    let w = w * rotation.w - v.x * u.x - v.y * u.y - v.z * u.z;
+    WideQuat { v: Wide3::new(x, y, z), w }.normalized()
 }
 
 /// Forms the world inertia that rows respond with.

@@ -90,7 +90,7 @@ impl Batch {
         self.bounds.lay_out(&self.motions, h);
         self.taut.lay_out(&self.bounds);
         self.poses.lay_out(&self.velocities, &mut self.motions, h);
-        self.find_passive_islands(joints);
+        self.find_passive_islands();
         self.find_sheet();
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
@@ -98,12 +98,11 @@ impl Batch {
             self.apply_forces(joints, h, h * (settings.substeps - substep) as f32);
             self.passive.note(&self.velocities, &self.poses);
             self.prepare_joints(joints, h, false, true);
-            if self.sheet.is_one() {
-                self.solve_sheet(h);
-            } else {
+            let is_weighed = self.sheet.is_one() && self.solve_sheet(h);
+            if !self.sheet.is_one() {
                 self.sweep_all(joints, h, settings.iterations);
             }
-            self.restrain(joints);
+            self.restrain(joints, is_weighed);
             if substep == 0 {
                 self.leads.halve_start(self.passive.slots(), &mut self.velocities);
             }

@@ -24,7 +24,6 @@
 //! ```
 
 use super::batch::Batch;
-use super::joint::kinds::{gives_by_motors_alone, has_motor};
 use super::momentum::FreeIslands;
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity, MotionKind};
@@ -115,19 +114,28 @@ impl PassiveIslands {
         islands.iter_mut().for_each(|island| island.before = island.sum(&poses.energies));
     }
 
-    /// Takes out what sweeps have added; says on which slots multipliers are given up, if on any.
+    /// Velocities that forces have left, of all slots.
+    pub(crate) fn noted(&self) -> &[BodyVelocity] {
+        &self.before
+    }
+
+    /// Takes out what sweeps have added; says on which slots multipliers are given up, if on any. Energies are found anew unless those of
+    /// `poses` are of now.
     fn restrain(
         &mut self,
         velocities: &mut [BodyVelocity],
         motions: &[BodyMotion],
         poses: &mut Poses,
         free: &FreeIslands,
+        is_weighed: bool,
     ) -> Option<&[bool]> {
         let Self { islands, before, torn, .. } = self;
         if islands.is_empty() {
             return None;
         }
-        poses.find_energies(velocities, motions);
+        if !is_weighed {
+            poses.find_energies(velocities, motions);
+        }
         islands.iter_mut().for_each(|island| island.after = island.sum(&poses.energies));
         torn.clear();
         for island in islands.iter().filter(|island| island.has_grown()) {
@@ -154,7 +162,7 @@ impl PassiveIslands {
 
 impl Batch {
     /// Finds the islands whose rows give no energy but by motors: joints and bounds without give, on bodies moved in lanes.
-    pub(crate) fn find_passive_islands(&mut self, joints: &Pool<Joint, JointId>) {
+    pub(crate) fn find_passive_islands(&mut self) {
         let Self { passive: PassiveIslands { islands, owner, driven, motorised, .. }, motions, inputs, direct, bounds, .. } =
             self;
         islands.clear();
@@ -183,8 +191,7 @@ impl Batch {
         inputs.iter().for_each(|input| mark([input.a, input.b], true, false));
         direct.entries().for_each(|entry| mark([entry.a, entry.b], true, false));
         for entry in &self.joints.entries {
-            let def = &joints[entry.joint].def;
-            mark([entry.a, entry.b], !gives_by_motors_alone(def), has_motor(&def.kind));
+            mark([entry.a, entry.b], !entry.gives_by_motors_alone, entry.has_motor);
         }
         bounds.entries.iter().for_each(|entry| mark([entry.near, entry.far], entry.has_give(), false));
         let mut number = 0;
@@ -195,11 +202,11 @@ impl Batch {
         });
     }
 
-    /// Takes the energy out again that the sweeps of this substep have added.
-    pub(crate) fn restrain(&mut self, joints: &Pool<Joint, JointId>) {
+    /// Takes the energy out again that the sweeps of this substep have added; `is_weighed` where energies of now have been found.
+    pub(crate) fn restrain(&mut self, joints: &Pool<Joint, JointId>, is_weighed: bool) {
         self.find_motor_work(joints);
         let Self { passive, velocities, motions, poses, free, joints, bounds, taut, .. } = self;
-        if let Some(torn) = passive.restrain(velocities, motions, poses, free) {
+        if let Some(torn) = passive.restrain(velocities, motions, poses, free, is_weighed) {
             joints.give_up(torn);
             bounds.give_up(torn);
             taut.give_up(torn);

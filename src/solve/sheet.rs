@@ -72,8 +72,8 @@ const TWO_LINES: f64 = 1.0e-6;
 pub(crate) struct Sheet {
     is_one: bool,
     course: Course,
-    /// What the last move of the multipliers changes velocities by, then the velocities that forces leave.
-    scratch: Vec<BodyVelocity>,
+    /// What the last move of the multipliers changes velocities by.
+    way: Vec<BodyVelocity>,
 }
 
 impl Sheet {
@@ -112,9 +112,10 @@ impl Batch {
         }
     }
 
-    /// Warm start and sweeps of a substep of length `h`, from velocities to which forces have been added.
-    pub(crate) fn solve_sheet(&mut self, h: f32) {
-        let Self { sheet: Sheet { course, scratch, .. }, poses, joints, velocities, motions, pushes, .. } = self;
+    /// Warm start and sweeps of a substep of length `h`, from velocities to which forces have been added; says whether the energies of
+    /// those that it ends with have been found.
+    pub(crate) fn solve_sheet(&mut self, h: f32) -> bool {
+        let Self { sheet: Sheet { course, way, .. }, poses, joints, velocities, motions, pushes, passive, .. } = self;
         poses.begin_course(course, velocities, motions);
         let (mut added, mut had) = (0.0, 0.0);
         for (slot, motion) in motions.iter().enumerate().filter(|(_, motion)| motion.is_dynamic()) {
@@ -124,24 +125,22 @@ impl Batch {
         }
         let enough = ENOUGH * (added + SHARE_OF_MOTION * had);
 
-        scratch.clear();
-        make_room(scratch, velocities.len());
-        scratch.extend(velocities.iter().map(BodyVelocity::at_rest));
-        pushes.clear();
-        make_room(pushes, velocities.len());
-        pushes.extend_from_slice(scratch);
+        for changes in [&mut *way, &mut *pushes] {
+            changes.clear();
+            make_room(changes, velocities.len());
+            changes.extend(velocities.iter().map(BodyVelocity::at_rest));
+        }
         joints.push(pushes, h);
-        joints.lanes.apply_way(scratch);
-        poses.take_way(course, scratch);
+        joints.lanes.apply_way(way);
+        poses.take_way(course, way);
 
-        scratch.copy_from_slice(velocities);
         poses.note_course(course, velocities);
         joints.warm_start(velocities);
         let Products { dd, vd, .. } = poses.weigh_course(course, velocities);
         if -2.0 * vd < dd {
             let share = (-2.0 * vd / dd).max(0.0) as f32;
             joints.lanes.scale_impulses(share);
-            for (velocity, before) in velocities.iter_mut().zip(&*scratch) {
+            for (velocity, before) in velocities.iter_mut().zip(passive.noted()) {
                 velocity.linear = before.linear + (velocity.linear - before.linear) * share;
                 velocity.angular = before.angular + (velocity.angular - before.angular) * share;
             }
@@ -160,14 +159,14 @@ impl Batch {
                 break;
             }
         }
-        if self.free.is_empty() {
-            self.slow_sheet(h, had);
-        }
+        self.free.is_empty() && !self.slow_sheet(h, had)
     }
 
-    /// Slows the sheet where it has more energy than forces have given it, of `had` with all that they add.
-    fn slow_sheet(&mut self, h: f32, had: f64) {
-        let Self { sheet: Sheet { scratch, .. }, poses, velocities, motions, .. } = self;
+    /// Slows the sheet where it has more energy than forces have given it, of `had` with all that they add; says whether it had. Energies
+    /// are those before.
+    fn slow_sheet(&mut self, h: f32, had: f64) -> bool {
+        let Self { passive, poses, velocities, motions, .. } = self;
+        let noted = passive.noted();
         poses.find_energies(velocities, motions);
         let (mut has, mut given, mut taken) = (0.0, 0.0, 0.0);
         for (slot, motion) in motions.iter().enumerate().filter(|(_, motion)| motion.is_dynamic()) {
@@ -176,10 +175,11 @@ impl Batch {
             let half_spin = motion.torque * (0.5 * h);
             let product = |v: &BodyVelocity| f64::from(half_gain.dot(v.linear) + half_spin.dot(v.angular));
             given += product(&velocities[slot]);
-            taken += product(&scratch[slot]);
+            taken += product(&noted[slot]);
         }
         let allowed = had - taken;
-        if has - given > allowed {
+        let is_too_much = has - given > allowed;
+        if is_too_much {
             let root = (given * given + 4.0 * has * allowed).max(0.0).sqrt();
             let kept = ((given + root) / (2.0 * has)).clamp(0.0, 1.0) as f32;
             for velocity in velocities.iter_mut() {
@@ -187,12 +187,11 @@ impl Batch {
                 velocity.angular *= kept;
             }
         }
+        is_too_much
     }
 
-    /// Takes errors out of positions, by displacements found when the substep began.
+    /// Takes errors out of positions, by displacements found when the substep began: all that moves of a sheet is in lanes.
     pub(crate) fn push_sheet(&mut self) {
-        for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
-            motion.displace(push.linear, push.angular);
-        }
+        self.poses.displace(&mut self.motions, &self.pushes);
     }
 }

@@ -298,11 +298,16 @@ impl Records<'_> {
     }
 
     fn list_joints(&self, batch: &mut Batch) {
+        let are_asked_for = !batch.bound_slots.is_empty() || !batch.chains.is_empty();
         for number in 0..batch.joint_slots.len() {
             let slot = batch.joint_slots[number];
             let joint = &self.joints[slot];
             let (a, b) = (self.find_joint_end(batch, joint, 0), self.find_joint_end(batch, joint, 1));
-            batch.joint_ends.push([a, b]);
+            if are_asked_for {
+                batch.joint_ends.push([a, b]);
+            }
+            let def = &joint.def;
+            let most_rows = kinds::most_rows(&def.kind);
             batch.joints.entries.push(JointEntry {
                 joint: slot,
                 a: a.slot,
@@ -315,9 +320,12 @@ impl Records<'_> {
                 angular_sum: Vec3::ZERO,
                 acted: joint.acted,
                 pressed: 0,
-                solver: joint.def.solver,
-                most_rows: kinds::most_rows(&joint.def.kind) as u8,
-                is_plain: kinds::is_plain(&joint.def.kind) && joint.def.linear.compliance == 0.0,
+                solver: def.solver,
+                most_rows: most_rows as u8,
+                is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0,
+                gives_by_motors_alone: kinds::gives_by_motors_alone(def),
+                has_motor: kinds::has_motor(&def.kind),
+                can_be_overloaded: def.break_force.min(def.break_torque) < f32::INFINITY,
             });
         }
     }
@@ -441,8 +449,10 @@ impl Records<'_> {
     /// One side of a joint in the slot `joint`.
     fn joint_end(&self, batch: &mut Batch, joint: u32, side: usize) -> JointEnd {
         let place = self.joint_places[joint as usize] as usize;
-        if batch.joint_slots.get(place) == Some(&joint) {
-            return batch.joint_ends[place][side];
+        if batch.joint_slots.get(place) == Some(&joint)
+            && let Some(ends) = batch.joint_ends.get(place)
+        {
+            return ends[side];
         }
         self.find_joint_end(batch, &self.joints[joint], side)
     }

@@ -171,11 +171,14 @@ impl World {
                 continue;
             }
             // A stop that was met and left within the step has pressed too.
-            let pressed = joint.stops_of(entry.pressed);
+            let pressed = if entry.pressed == 0 { 0 } else { joint.stops_of(entry.pressed) };
             for (axis, upper) in Joint::stops(pressed & !joint.pressed) {
                 events.joint_stops.push(JointStop { joint: handle, user_word: joint.def.user_word, axis, upper });
             }
             joint.pressed = pressed;
+            if !entry.can_be_overloaded {
+                continue;
+            }
             let (force, torque) = (joint.force.length(), joint.torque.length());
             if force > joint.def.break_force || torque > joint.def.break_torque {
                 events.overloaded.push(JointOverload { joint: handle, user_word: joint.def.user_word, force, torque });

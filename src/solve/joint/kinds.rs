@@ -82,9 +82,9 @@ pub(super) fn is_motor_row(kind: &JointKind, id: u8) -> bool {
     }
 }
 
-/// Whether a joint of this kind holds its points together and does nothing else.
-pub(crate) fn is_plain(kind: &JointKind) -> bool {
-    matches!(kind, JointKind::Spherical { .. }) && most_rows(kind) == 3
+/// Whether a joint of this kind, that has so many rows at most, holds its points together and does nothing else.
+pub(crate) fn is_plain(kind: &JointKind, most_rows: u32) -> bool {
+    matches!(kind, JointKind::Spherical { .. }) && most_rows == 3
 }
 
 /// A coordinate of a joint: its gradient and how to read it off a placement.

@@ -33,7 +33,7 @@ use super::color::{Coloring, MAX_COLORS};
 use super::integrate::Outlook;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
-use crate::joint::{Joint, JointImpulses, JointKind};
+use crate::joint::{Joint, JointImpulses, JointKind, Softness};
 use crate::settings::Solver;
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
@@ -76,6 +76,11 @@ pub(crate) struct JointEntry {
     pub most_rows: u8,
     /// Whether it holds points rigidly together and does nothing else.
     pub is_plain: bool,
+    /// Whether it gives energy by its motors alone, if by anything, and whether it has one.
+    pub gives_by_motors_alone: bool,
+    pub has_motor: bool,
+    /// Whether there is a force or torque above which it is overloaded.
+    pub can_be_overloaded: bool,
 }
 
 /// All joints of a batch, in colour order.
@@ -87,6 +92,8 @@ pub(crate) struct BatchJoints {
     visits: Vec<Visit>,
     /// Group of each joint: its colour, and what it holds.
     groups: Vec<u32>,
+    /// Joints in the order of their groups, as numbers and as they are.
+    order: Vec<u32>,
     sorted: Vec<JointEntry>,
 }
 
@@ -114,7 +121,7 @@ impl BatchJoints {
         substeps: u32,
     ) {
         let dt = h * substeps as f32;
-        let Self { entries, lanes, singles, visits, groups, sorted, .. } = self;
+        let Self { entries, lanes, singles, visits, groups, order, sorted } = self;
         lanes.clear();
         singles.clear();
         visits.clear();
@@ -127,10 +134,16 @@ impl BatchJoints {
         for entry in entries.iter() {
             let end = |slot: u32| (slot, motions[slot as usize].is_dynamic());
             let color = coloring.assign(end(entry.a), end(entry.b));
-            let kind = &joints[entry.joint].def.kind;
-            let plain = color.and_then(|_| Holds::of(kind, false));
-            let free = plain.is_none() && color.is_some() && reach::stops_are_out_of_reach(entry, kind, velocities, motions, dt);
-            let holds = if free { Holds::of(kind, true) } else { plain };
+            let holds = color.and_then(|_| {
+                // What most joints of a net are, said without a look at their records.
+                if entry.is_plain {
+                    return Some(Holds::Points);
+                }
+                let kind = &joints[entry.joint].def.kind;
+                let always = Holds::of(kind, u32::from(entry.most_rows), false);
+                let is_free = || reach::stops_are_out_of_reach(entry, kind, velocities, motions, dt);
+                always.or_else(|| if is_free() { Holds::of(kind, u32::from(entry.most_rows), true) } else { None })
+            });
             let group = color.unwrap_or(MAX_COLORS as u32) * KINDS as u32 + holds.map_or(0, |holds| 1 + holds as u32);
             groups.push(group);
             places[group as usize + 1] += 1;
@@ -139,20 +152,28 @@ impl BatchJoints {
             places[group + 1] += places[group];
         }
         let firsts = places;
-        sorted.clear();
-        sorted.resize(entries.len(), entries[0]);
-        for (entry, &group) in entries.iter().zip(&*groups) {
+        order.resize(entries.len(), 0);
+        for (number, &group) in groups.iter().enumerate() {
             let place = &mut places[group as usize];
-            sorted[*place as usize] = *entry;
+            order[*place as usize] = number as u32;
             *place += 1;
         }
+        sorted.clear();
+        sorted.extend(order.iter().map(|&number| entries[number as usize]));
         std::mem::swap(entries, sorted);
         for (group, range) in firsts.windows(2).enumerate().filter(|(_, range)| range[0] < range[1]) {
             let range = range[0] as usize..range[1] as usize;
             let (blocks, first_single) = (lanes.len(), singles.len());
             match (group % KINDS).checked_sub(1) {
                 Some(holds) => {
-                    let own = entries[range.clone()].iter().map(|entry| (entry, &joints[entry.joint].def));
+                    let give = |entry: &JointEntry| {
+                        if entry.is_plain {
+                            return [Softness::RIGID; 2];
+                        }
+                        let def = &joints[entry.joint].def;
+                        [def.linear, def.angular]
+                    };
+                    let own = entries[range.clone()].iter().map(|entry| (entry, give(entry)));
                     lanes.add(range.start, own, Holds::ALL[holds], h);
                 }
                 None => singles.add(range),

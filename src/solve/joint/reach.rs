@@ -88,6 +88,9 @@ mod tests {
             solver: Solver::Auto,
             most_rows: 0,
             is_plain: false,
+            gives_by_motors_alone: true,
+            has_motor: false,
+            can_be_overloaded: false,
         };
         stops_are_out_of_reach(&entry, &kind, &velocities, &[BodyMotion::FIXED; 2], DT)
     }

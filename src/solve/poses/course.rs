@@ -3,8 +3,9 @@
 use super::{PoseBlock, Poses};
 use crate::solve::contact::{Lane, Lane3};
 use crate::solve::dispatch::in_lanes;
-use crate::solve::side::{Side, gather_rotations};
-use crate::solve::state::{BodyMotion, BodyVelocity};
+use crate::solve::integrate::rotated_in_lanes;
+use crate::solve::side::{Side, Stand, gather_rotations};
+use crate::solve::state::{BodyMotion, BodyVelocity, MAX_PUSH_TURN};
 use crate::solve::wide::{Wide, Wide3};
 use crate::solve::wide_matrix::{Wide6, WideQuat};
 
@@ -62,6 +63,11 @@ impl Poses {
         products
     }
 
+    /// Displaces bodies by `pushes` (m, rad): as [`BodyMotion::displace`], to the same bits.
+    pub(crate) fn displace(&self, motions: &mut [BodyMotion], pushes: &[BodyVelocity]) {
+        displace_all(&self.blocks, motions, pushes);
+    }
+
     /// Moves from the velocities before by p ← α d + β p.
     pub(crate) fn steer_course(&self, course: &mut Course, velocities: &mut [BodyVelocity], shares: [f32; 2]) {
         steer_all(&self.blocks, &mut course.stations, velocities, shares);
@@ -72,6 +78,7 @@ in_lanes!(begin_all, begin, (blocks: &[PoseBlock], stations: &mut [Station], vel
 in_lanes!(note_all, note, (blocks: &[PoseBlock], stations: &mut [Station], velocities: &[BodyVelocity]));
 in_lanes!(take_all, take, (blocks: &[PoseBlock], stations: &mut [Station], ways: &[BodyVelocity]));
 in_lanes!(weigh_all, weigh, (blocks: &[PoseBlock], stations: &[Station], velocities: &[BodyVelocity], products: &mut Products));
+in_lanes!(displace_all, displace, (blocks: &[PoseBlock], motions: &mut [BodyMotion], pushes: &[BodyVelocity]));
 in_lanes!(
     steer_all, steer,
     (blocks: &[PoseBlock], stations: &mut [Station], velocities: &mut [BodyVelocity], shares: [f32; 2])
@@ -151,5 +158,27 @@ fn steer<W: Wide>(blocks: &[PoseBlock], stations: &mut [Station], velocities: &m
         side.scatter(&block.slots, velocities);
         way[0].store(&mut station.way[0]);
         way[1].store(&mut station.way[1]);
+    }
+}
+
+#[inline(always)]
+fn displace<W: Wide>(blocks: &[PoseBlock], motions: &mut [BodyMotion], pushes: &[BodyVelocity]) {
+    let most = W::splat(MAX_PUSH_TURN);
+    for block in blocks {
+        let side = Side::<W>::gather(&block.slots, pushes);
+        let mut stand = Stand::gather(&block.slots, motions);
+        // Unused lanes are the world.
+        let moves = side.inverse_mass().x.above(W::zero());
+        let squared = side.angular.dot(side.angular);
+        let (is_far, length) = (squared.above(most * most), squared.sqrt());
+        let turn = Wide3::new(
+            W::select(is_far, most * (side.angular.x / length), side.angular.x),
+            W::select(is_far, most * (side.angular.y / length), side.angular.y),
+            W::select(is_far, most * (side.angular.z / length), side.angular.z),
+        );
+        stand.displacement = stand.displacement + side.linear.only(moves);
+        stand.turn = stand.turn + turn.only(moves);
+        stand.rotation = WideQuat::select(moves, rotated_in_lanes(&stand.rotation, turn), stand.rotation);
+        stand.scatter(&block.slots, motions);
     }
 }

@@ -129,6 +129,19 @@ proptest! {
     }
 }
 
+proptest! {
+    #[test]
+    fn lanes_displace_bodies_to_the_bits_of_bodies_displaced_one_by_one((velocities, mut motions) in any_bodies()) {
+        let mut poses = Poses::default();
+        poses.lay_out(&velocities, &mut motions, H);
+        let mut other = motions.clone();
+        other.iter_mut().zip(&velocities).for_each(|(motion, push)| motion.displace(push.linear, push.angular));
+        poses.displace(&mut motions, &velocities);
+        let bits = |motions: &[BodyMotion]| motions.iter().flat_map(BodyMotion::halves).flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
+        prop_assert_eq!(bits(&motions), bits(&other));
+    }
+}
+
 /// Greatest entry of any inverse inertia.
 fn velocities_scale(velocities: &[BodyVelocity]) -> f32 {
     velocities.iter().flat_map(|body| body.inverse_inertia.entries()).fold(0.0, |most, entry| most.max(entry.abs()))

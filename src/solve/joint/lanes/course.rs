@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Holds, JointEntry, JointLanes, ZERO3, get, put};
+use super::{Holds, JointEntry, JointLanes, ZERO3, get, put, sweep};
 use crate::solve::contact::{LANES, Lane3};
 use crate::solve::dispatch::in_lanes;
 use crate::solve::state::BodyVelocity;
@@ -88,16 +88,7 @@ impl JointLanes {
                 put(&mut station.way, l, way - axis * axis.dot(way));
             }
         }
-        self.swap_way();
-        self.warm_start(velocities);
-        self.swap_way();
-    }
-
-    fn swap_way(&mut self) {
-        let Self { points, directions, course } = self;
-        let swap = |(station, impulse): (&mut Station, &mut Lane3)| std::mem::swap(&mut station.way, impulse);
-        course.points.iter_mut().zip(points.iter_mut().map(|block| &mut block.impulse)).for_each(swap);
-        course.directions.iter_mut().zip(directions.iter_mut().map(|block| &mut block.impulse)).for_each(swap);
+        apply_all(self, velocities);
     }
 
     /// Products of the biases with what sweeps have changed the multipliers by, and with the last move.
@@ -113,8 +104,18 @@ impl JointLanes {
     }
 }
 
+in_lanes!(apply_all, apply, (lanes: &JointLanes, velocities: &mut [BodyVelocity]));
 in_lanes!(weigh_all, weigh, (lanes: &JointLanes, products: &mut [f64; 2]));
 in_lanes!(steer_all, steer, (lanes: &mut JointLanes, shares: [f32; 2]));
+
+#[inline(always)]
+fn apply<W: Wide>(lanes: &JointLanes, velocities: &mut [BodyVelocity]) {
+    let JointLanes { points, course, .. } = lanes;
+    for (block, station) in points.iter().zip(&course.points) {
+        let torque = block.directions.map(|number| &course.directions[number as usize].way);
+        sweep::apply::<W>(block, &station.way, torque, velocities);
+    }
+}
 
 #[inline(always)]
 fn weigh<W: Wide>(lanes: &JointLanes, products: &mut [f64; 2]) {

@@ -19,7 +19,7 @@ mod tests;
 use glam::Vec3;
 
 use super::JointEntry;
-use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor, Softness};
+use crate::joint::{JointImpulses, JointKind, Limits, Motor, Softness};
 use crate::solve::contact::{LANES, Lane, Lane3};
 use crate::solve::dispatch::in_lanes;
 use crate::solve::integrate::Outlook;
@@ -39,14 +39,15 @@ impl Holds {
     /// In their order.
     pub(crate) const ALL: [Self; 3] = [Self::Points, Self::Axis, Self::Frame];
 
-    /// `None` where a joint has rows that are not laid out in lanes; `free` where none of its stops is within reach.
-    pub(crate) fn of(kind: &JointKind, free: bool) -> Option<Self> {
+    /// `None` where a joint, of so many rows at most, has rows that are not laid out in lanes; `free` where none of its stops is within
+    /// reach.
+    pub(crate) fn of(kind: &JointKind, most_rows: u32, free: bool) -> Option<Self> {
         match kind {
             JointKind::Fixed => Some(Self::Frame),
             JointKind::Hinge { .. } if free => Some(Self::Axis),
             JointKind::Spherical { .. } if free => Some(Self::Points),
             JointKind::Hinge { limits, motor } if *limits == Limits::NONE && *motor == Motor::Off => Some(Self::Axis),
-            kind if super::kinds::is_plain(kind) => Some(Self::Points),
+            kind if super::kinds::is_plain(kind, most_rows) => Some(Self::Points),
             _ => None,
         }
     }
@@ -69,6 +70,10 @@ impl GiveLanes {
     const RIGID: Self = Self { gamma: [0.0; LANES], share: [1.0; LANES], start: [0.0; LANES], rigid: [1.0; LANES] };
 
     fn set(&mut self, l: usize, softness: Softness, h: f32) {
+        // Lanes begin so.
+        if softness == Softness::RIGID {
+            return;
+        }
         let k = softness.damping * softness.compliance / h;
         let share = 1.0 / (1.0 + k);
         let rigid = softness.compliance == 0.0;
@@ -157,15 +162,15 @@ impl PointBlock {
         sum: ZERO3,
     };
 
-    fn set(&mut self, l: usize, entry: &JointEntry, def: &JointDef, h: f32) {
+    fn set(&mut self, l: usize, entry: &JointEntry, give: Softness, h: f32) {
         (self.a[l], self.b[l]) = (entry.a, entry.b);
-        self.give.set(l, def.linear, h);
+        self.give.set(l, give, h);
         put(&mut self.offset, l, entry.offset.as_vec3());
         for side in [0, 1] {
             put(&mut self.local[side], l, entry.local_lever[side].as_vec3());
         }
         let levers = entry.local_lever[0].length() + entry.local_lever[1].length();
-        let is_rigid = def.linear.compliance == 0.0 && levers > 0.0;
+        let is_rigid = give.compliance == 0.0 && levers > 0.0;
         self.shortness[l] = if is_rigid { (1.0 / levers) as f32 } else { 0.0 };
         put(&mut self.impulse, l, entry.impulses.point);
     }
@@ -188,8 +193,8 @@ impl DirectionBlock {
         sum: ZERO3,
     };
 
-    fn set(&mut self, l: usize, entry: &JointEntry, def: &JointDef, h: f32) {
-        self.give.set(l, def.angular, h);
+    fn set(&mut self, l: usize, entry: &JointEntry, give: Softness, h: f32) {
+        self.give.set(l, give, h);
         let [a, b] = entry.local_frame;
         for (lanes, frame) in self.local_axis.iter_mut().zip([a, b]) {
             put(lanes, l, (frame * glam::DVec3::X).as_vec3());
@@ -228,15 +233,16 @@ impl JointLanes {
         self.points.len()
     }
 
-    /// Lays out joints of one colour that hold alike; `first` is the place of the first among the batch's joints.
+    /// Lays out joints of one colour that hold alike, each with the give of its points and of its directions; `first` is the place of
+    /// the first among the batch's joints.
     pub(crate) fn add<'a>(
         &mut self,
         first: usize,
-        joints: impl ExactSizeIterator<Item = (&'a JointEntry, &'a JointDef)>,
+        joints: impl ExactSizeIterator<Item = (&'a JointEntry, [Softness; 2])>,
         holds: Holds,
         h: f32,
     ) {
-        for (number, (entry, def)) in joints.enumerate() {
+        for (number, (entry, [linear, angular])) in joints.enumerate() {
             let l = number % LANES;
             if l == 0 {
                 let mut block = PointBlock { first: (first + number) as u32, ..PointBlock::EMPTY };
@@ -248,9 +254,9 @@ impl JointLanes {
             }
             if let Some(block) = self.points.last_mut() {
                 block.count += 1;
-                block.set(l, entry, def, h);
+                block.set(l, entry, linear, h);
                 if let Some(directions) = block.directions {
-                    self.directions[directions as usize].set(l, entry, def, h);
+                    self.directions[directions as usize].set(l, entry, angular, h);
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! Sweeps over blocks: directions, then points; backwards, points, then directions.
 
 use super::{DirectionBlock, JointLanes, PointBlock};
+use crate::solve::contact::Lane3;
 use crate::solve::side::Side;
 use crate::solve::state::BodyVelocity;
 use crate::solve::wide::{Wide, Wide3};
@@ -9,18 +10,25 @@ use crate::solve::wide_matrix::Wide6;
 #[inline(always)]
 pub(super) fn warm_start<W: Wide>(lanes: &JointLanes, velocities: &mut [BodyVelocity]) {
     for block in &lanes.points {
-        let (mut a, mut b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
-        let impulse = Wide3::load(&block.impulse);
-        let (mut torque_a, mut torque_b) = (Wide3::load(&block.arm[0]).cross(impulse), Wide3::load(&block.arm[1]).cross(impulse));
-        if let Some(number) = block.directions {
-            let torque = Wide3::load(&lanes.directions[number as usize].impulse);
-            (torque_a, torque_b) = (torque_a + torque, torque_b + torque);
-        }
-        a.apply(-impulse, -torque_a);
-        b.apply(impulse, torque_b);
-        a.scatter(&block.a, velocities);
-        b.scatter(&block.b, velocities);
+        let torque = block.directions.map(|number| &lanes.directions[number as usize].impulse);
+        apply::<W>(block, &block.impulse, torque, velocities);
     }
+}
+
+/// Applies multipliers of a block: those on its points, and those on its directions where it has any.
+#[inline(always)]
+pub(super) fn apply<W: Wide>(block: &PointBlock, impulse: &Lane3, torque: Option<&Lane3>, velocities: &mut [BodyVelocity]) {
+    let (mut a, mut b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
+    let impulse = Wide3::load(impulse);
+    let (mut torque_a, mut torque_b) = (Wide3::load(&block.arm[0]).cross(impulse), Wide3::load(&block.arm[1]).cross(impulse));
+    if let Some(torque) = torque {
+        let torque = Wide3::load(torque);
+        (torque_a, torque_b) = (torque_a + torque, torque_b + torque);
+    }
+    a.apply(-impulse, -torque_a);
+    b.apply(impulse, torque_b);
+    a.scatter(&block.a, velocities);
+    b.scatter(&block.b, velocities);
 }
 
 #[inline(always)]

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::id::{BodyId, JointId, Pool, WorldTag};
-use crate::joint::Joint;
+use crate::joint::{Joint, JointDef};
 use crate::settings::Solver;
 use crate::solve::color::Coloring;
 use crate::solve::joint::BatchJoints;
@@ -90,6 +90,9 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             solver: Solver::Auto,
             most_rows: 0,
             is_plain: false,
+            gives_by_motors_alone: true,
+            has_motor: false,
+            can_be_overloaded: false,
         });
     }
     Scene { entries, defs, velocities, motions }
@@ -106,7 +109,7 @@ fn outlooks(scene: &Scene) -> Vec<Outlook> {
 /// Everything that a substep's kernels leave behind, as bits.
 fn run<W: Wide>(holds: Holds, scene: &Scene) -> Vec<u32> {
     let mut lanes = JointLanes::default();
-    lanes.add(0, scene.entries.iter().zip(&scene.defs), holds, H);
+    lanes.add(0, scene.entries.iter().zip(scene.defs.iter().map(|def| [def.linear, def.angular])), holds, H);
     let Scene { mut velocities, mut motions, .. } = scene.clone();
     let blocks = lanes.len();
     begin::all::<W>(&mut lanes, &motions);
