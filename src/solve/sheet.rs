@@ -49,6 +49,8 @@
 //! **Positions** are mended by displacements δ with J δ = −C, C the errors that a substep begins with, of one sweep to and one fro over
 //! the same rows, added once bodies have moved. Velocities do not hear of it.
 
+use glam::Vec3;
+
 use super::batch::Batch;
 use super::poses::course::{Course, Products};
 use super::state::BodyVelocity;
@@ -72,8 +74,6 @@ const TWO_LINES: f64 = 1.0e-6;
 pub(crate) struct Sheet {
     is_one: bool,
     course: Course,
-    /// What the last move of the multipliers changes velocities by.
-    way: Vec<BodyVelocity>,
 }
 
 impl Sheet {
@@ -115,7 +115,7 @@ impl Batch {
     /// Warm start and sweeps of a substep of length `h`, from velocities to which forces have been added; says whether the energies of
     /// those that it ends with have been found.
     pub(crate) fn solve_sheet(&mut self, h: f32) -> bool {
-        let Self { sheet: Sheet { course, way, .. }, poses, joints, velocities, motions, pushes, passive, .. } = self;
+        let Self { sheet: Sheet { course, .. }, poses, joints, velocities, motions, pushes, passive, .. } = self;
         poses.begin_course(course, velocities, motions);
         let (mut added, mut had) = (0.0, 0.0);
         for (slot, motion) in motions.iter().enumerate().filter(|(_, motion)| motion.is_dynamic()) {
@@ -125,14 +125,13 @@ impl Batch {
         }
         let enough = ENOUGH * (added + SHARE_OF_MOTION * had);
 
-        for changes in [&mut *way, &mut *pushes] {
-            changes.clear();
-            make_room(changes, velocities.len());
-            changes.extend(velocities.iter().map(BodyVelocity::at_rest));
-        }
+        pushes.clear();
+        make_room(pushes, velocities.len());
+        pushes.extend(velocities.iter().map(BodyVelocity::at_rest));
+        joints.lanes.apply_way(pushes);
+        poses.take_way(course, pushes);
+        pushes.iter_mut().for_each(|push| (push.linear, push.angular) = (Vec3::ZERO, Vec3::ZERO));
         joints.push(pushes, h);
-        joints.lanes.apply_way(way);
-        poses.take_way(course, way);
 
         poses.note_course(course, velocities);
         joints.warm_start(velocities);

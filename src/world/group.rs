@@ -38,6 +38,9 @@ pub(super) struct Groups {
     /// another in memory, and each body asks for those of all its joints twice a step.
     joint_bodies: Vec<[u32; 2]>,
     joint_version: Option<u64>,
+    /// Joints of what moves as the bodies name them, and the same in order, each once: sorted anew only where they have changed.
+    found_joints: Vec<u32>,
+    sorted_joints: Vec<u32>,
 }
 
 /// Body of a joint's side that is the world.
@@ -141,7 +144,14 @@ impl World {
         for &body in movers.iter().filter(|&&body| bodies[body].is_free()) {
             match unions.moving(body) {
                 None => {
-                    bodies[body].joints.iter().for_each(|&id| join_ends(joints.slot_of(id), islands));
+                    for &id in &bodies[body].joints {
+                        let slot = joints.slot_of(id);
+                        let first = groups.joint_bodies[slot as usize][0];
+                        // Once, from its first body, unless that is moved as another.
+                        if first == body || unions.moving(first).is_some() {
+                            join_ends(slot, islands);
+                        }
+                    }
                 }
                 Some(union) if union.lead == body => {
                     union.members.iter().for_each(|&member| islands.union(body, member));
@@ -303,10 +313,14 @@ impl World {
                 Some(_) => {}
             }
         }
-        scratch.slots.sort_unstable();
-        scratch.slots.dedup();
+        if groups.found_joints != scratch.slots {
+            groups.found_joints.clone_from(&scratch.slots);
+            scratch.slots.sort_unstable();
+            scratch.slots.dedup();
+            groups.sorted_joints.clone_from(&scratch.slots);
+        }
         groups.joint_places.resize(joints.slot_count(), 0);
-        for &slot in &scratch.slots {
+        for &slot in &groups.sorted_joints {
             if let Some(body) = moved(slot) {
                 let joint_slots = &mut batches[groups.place[body as usize].0 as usize].joint_slots;
                 groups.joint_places[slot as usize] = joint_slots.len() as u32;

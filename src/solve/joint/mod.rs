@@ -83,7 +83,7 @@ pub(crate) struct JointEntry {
     pub can_be_overloaded: bool,
 }
 
-/// All joints of a batch, in colour order.
+/// All joints of a batch, and what is swept of them, in the order of their colours.
 #[derive(Debug, Default)]
 pub(crate) struct BatchJoints {
     pub entries: Vec<JointEntry>,
@@ -92,9 +92,8 @@ pub(crate) struct BatchJoints {
     visits: Vec<Visit>,
     /// Group of each joint: its colour, and what it holds.
     groups: Vec<u32>,
-    /// Joints in the order of their groups, as numbers and as they are.
+    /// Numbers of the joints in the order of their groups: the joints themselves stay where they are, as they are large.
     order: Vec<u32>,
-    sorted: Vec<JointEntry>,
 }
 
 /// What is swept of one colour: blocks, then joints one by one.
@@ -109,7 +108,7 @@ impl BatchJoints {
         self.entries.clear();
     }
 
-    /// Lays the joints out in the order of their colours, for a step of `substeps` of length `h`; joints of one colour share no
+    /// Lays out rows of the joints in the order of their colours, for a step of `substeps` of length `h`; joints of one colour share no
     /// moving body.
     pub(crate) fn lay_out(
         &mut self,
@@ -121,7 +120,7 @@ impl BatchJoints {
         substeps: u32,
     ) {
         let dt = h * substeps as f32;
-        let Self { entries, lanes, singles, visits, groups, order, sorted } = self;
+        let Self { entries, lanes, singles, visits, groups, order } = self;
         lanes.clear();
         singles.clear();
         visits.clear();
@@ -158,11 +157,8 @@ impl BatchJoints {
             order[*place as usize] = number as u32;
             *place += 1;
         }
-        sorted.clear();
-        sorted.extend(order.iter().map(|&number| entries[number as usize]));
-        std::mem::swap(entries, sorted);
         for (group, range) in firsts.windows(2).enumerate().filter(|(_, range)| range[0] < range[1]) {
-            let range = range[0] as usize..range[1] as usize;
+            let own = &order[range[0] as usize..range[1] as usize];
             let (blocks, first_single) = (lanes.len(), singles.len());
             match (group % KINDS).checked_sub(1) {
                 Some(holds) => {
@@ -173,10 +169,13 @@ impl BatchJoints {
                         let def = &joints[entry.joint].def;
                         [def.linear, def.angular]
                     };
-                    let own = entries[range.clone()].iter().map(|entry| (entry, give(entry)));
-                    lanes.add(range.start, own, Holds::ALL[holds], h);
+                    let of_number = |&number: &u32| {
+                        let entry = &entries[number as usize];
+                        (number, entry, give(entry))
+                    };
+                    lanes.add(own.iter().map(of_number), Holds::ALL[holds], h);
                 }
-                None => singles.add(range),
+                None => singles.add(own),
             }
             visits.push(Visit { blocks: blocks..lanes.len(), singles: first_single..singles.len() });
         }

@@ -91,8 +91,8 @@ impl Singles {
         self.scalars.clear();
     }
 
-    pub(super) fn add(&mut self, numbers: Range<usize>) {
-        self.numbers.extend(numbers);
+    pub(super) fn add(&mut self, numbers: &[u32]) {
+        self.numbers.extend(numbers.iter().map(|&number| number as usize));
     }
 
     pub(super) fn len(&self) -> usize {

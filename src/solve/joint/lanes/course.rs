@@ -41,8 +41,8 @@ impl JointLanes {
             stations.resize(count, Station { before: ZERO3, way: ZERO3 });
         }
         for (block, station) in points.iter().zip(&mut course.points) {
-            let first = block.first as usize;
-            for (l, entry) in entries[first..first + block.count as usize].iter().enumerate() {
+            for (l, &number) in block.numbers().iter().enumerate() {
+                let entry = &entries[number as usize];
                 put(&mut station.way, l, sane(entry.acted[0]));
                 if let Some(number) = block.directions {
                     put(&mut course.directions[number as usize].way, l, sane(entry.acted[1]));
@@ -54,8 +54,8 @@ impl JointLanes {
     /// Has the joints remember how multipliers moved last.
     pub(crate) fn end_course(&self, entries: &mut [JointEntry]) {
         for (block, station) in self.points.iter().zip(&self.course.points) {
-            let first = block.first as usize;
-            for (l, entry) in entries[first..first + block.count as usize].iter_mut().enumerate() {
+            for (l, &number) in block.numbers().iter().enumerate() {
+                let entry = &mut entries[number as usize];
                 let turn = block.directions.map(|number| get(&self.course.directions[number as usize].way, l));
                 entry.acted = [get(&station.way, l), turn.unwrap_or_default()].map(sane);
             }

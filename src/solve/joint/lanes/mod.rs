@@ -90,8 +90,8 @@ impl GiveLanes {
 pub(crate) struct PointBlock {
     a: [u32; LANES],
     b: [u32; LANES],
-    /// First of its joints among the batch's, and how many.
-    first: u32,
+    /// Its joints among the batch's, and how many.
+    numbers: [u32; LANES],
     count: u32,
     /// Its rows on directions, among the batch's.
     directions: Option<u32>,
@@ -146,7 +146,7 @@ impl PointBlock {
     const EMPTY: Self = Self {
         a: [0; LANES],
         b: [0; LANES],
-        first: 0,
+        numbers: [0; LANES],
         count: 0,
         directions: None,
         give: GiveLanes::RIGID,
@@ -161,6 +161,11 @@ impl PointBlock {
         impulse: ZERO3,
         sum: ZERO3,
     };
+
+    /// Its joints among the batch's.
+    fn numbers(&self) -> &[u32] {
+        &self.numbers[..self.count as usize]
+    }
 
     fn set(&mut self, l: usize, entry: &JointEntry, give: Softness, h: f32) {
         (self.a[l], self.b[l]) = (entry.a, entry.b);
@@ -233,19 +238,13 @@ impl JointLanes {
         self.points.len()
     }
 
-    /// Lays out joints of one colour that hold alike, each with the give of its points and of its directions; `first` is the place of
-    /// the first among the batch's joints.
-    pub(crate) fn add<'a>(
-        &mut self,
-        first: usize,
-        joints: impl ExactSizeIterator<Item = (&'a JointEntry, [Softness; 2])>,
-        holds: Holds,
-        h: f32,
-    ) {
-        for (number, (entry, [linear, angular])) in joints.enumerate() {
-            let l = number % LANES;
+    /// Lays out joints of one colour that hold alike, each with its number among the batch's joints and the give of its points and of
+    /// its directions.
+    pub(crate) fn add<'a>(&mut self, joints: impl Iterator<Item = (u32, &'a JointEntry, [Softness; 2])>, holds: Holds, h: f32) {
+        for (place, (number, entry, [linear, angular])) in joints.enumerate() {
+            let l = place % LANES;
             if l == 0 {
-                let mut block = PointBlock { first: (first + number) as u32, ..PointBlock::EMPTY };
+                let mut block = PointBlock::EMPTY;
                 if holds != Holds::Points {
                     block.directions = Some(self.directions.len() as u32);
                     self.directions.push(DirectionBlock { holds, ..DirectionBlock::EMPTY });
@@ -253,6 +252,7 @@ impl JointLanes {
                 self.points.push(block);
             }
             if let Some(block) = self.points.last_mut() {
+                block.numbers[l] = number;
                 block.count += 1;
                 block.set(l, entry, linear, h);
                 if let Some(directions) = block.directions {
@@ -265,8 +265,8 @@ impl JointLanes {
     /// Hands multipliers and their sums back to the joints.
     pub(crate) fn store(&self, entries: &mut [JointEntry]) {
         for block in &self.points {
-            let first = block.first as usize;
-            for (l, entry) in entries[first..first + block.count as usize].iter_mut().enumerate() {
+            for (l, &number) in block.numbers().iter().enumerate() {
+                let entry = &mut entries[number as usize];
                 entry.impulses = JointImpulses { point: get(&block.impulse, l), ..JointImpulses::ZERO };
                 entry.linear_sum = get(&block.sum, l);
                 if let Some(directions) = block.directions {

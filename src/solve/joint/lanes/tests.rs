@@ -109,7 +109,8 @@ fn outlooks(scene: &Scene) -> Vec<Outlook> {
 /// Everything that a substep's kernels leave behind, as bits.
 fn run<W: Wide>(holds: Holds, scene: &Scene) -> Vec<u32> {
     let mut lanes = JointLanes::default();
-    lanes.add(0, scene.entries.iter().zip(scene.defs.iter().map(|def| [def.linear, def.angular])), holds, H);
+    let joints = scene.entries.iter().zip(&scene.defs).enumerate();
+    lanes.add(joints.map(|(number, (entry, def))| (number as u32, entry, [def.linear, def.angular])), holds, H);
     let Scene { mut velocities, mut motions, .. } = scene.clone();
     let blocks = lanes.len();
     begin::all::<W>(&mut lanes, &motions);
@@ -162,7 +163,7 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
     } else {
         let all = 0..entries.len();
         let mut singles = Singles::default();
-        singles.add(all.clone());
+        singles.add(&Vec::from_iter(0..entries.len() as u32));
         singles.prepare(&entries, &pool, &velocities, &motions, &outlooks(scene), H);
         singles.warm_start(&mut velocities);
         singles.sweep(all.clone(), &mut velocities, false);
