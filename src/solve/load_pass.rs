@@ -113,11 +113,18 @@ const UNBALANCED_SHARE: f64 = 0.1;
 const NO_ISLAND: u32 = u32::MAX;
 
 impl LoadPass {
-    /// Lists the points and the order of the step.
-    pub(crate) fn prepare(&mut self, batch: &Batch, gravity: Vec3, h: f32) {
+    /// Forgets the islands of the last step.
+    pub(crate) fn clear(&mut self) {
         self.points.clear();
         self.patches.clear();
         self.order.clear();
+        self.islands.clear();
+        self.island.clear();
+    }
+
+    /// Lists the points and the order of the step.
+    pub(crate) fn prepare(&mut self, batch: &Batch, gravity: Vec3, h: f32) {
+        self.clear();
         let Some(up) = (-gravity).try_normalize() else { return };
         let (u, v) = tangents(up);
         self.axes = [up, u, v];
@@ -153,9 +160,7 @@ impl LoadPass {
     }
 
     fn find_slow_islands(&mut self, batch: &Batch, limit: f32, h: f32) {
-        self.islands.clear();
         self.islands.resize(batch.islands.len(), Island { is_slow: true, is_steady: true, ..Island::default() });
-        self.island.clear();
         self.island.resize(batch.velocities.len(), NO_ISLAND);
         for (number, &first) in batch.islands.iter().enumerate() {
             let next = batch.islands.get(number + 1).map_or(batch.velocities.len(), |&next| next as usize);

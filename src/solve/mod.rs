@@ -77,13 +77,18 @@ pub(crate) struct StepSettings {
 impl Batch {
     /// Moves all bodies of the batch through the step.
     pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
+        let h = settings.dt / settings.substeps as f32;
         if self.is_done() {
+            // What it says of the bodies is stored with them, and asked of those without joints.
+            match self.motions[1..].iter().all(|motion| motion.jointed) {
+                true => self.load_pass.clear(),
+                false => self.prepare_load_pass(settings.gravity, h),
+            }
             (0..settings.substeps).for_each(|_| self.add_to_tally());
             self.penetration = self.direct.penetration() as f32;
             self.joint_gap = joint::worst_gap(self.direct.entries(), joints, &self.motions);
             return;
         }
-        let h = settings.dt / settings.substeps as f32;
         self.start_contacts(settings.gravity, h);
         self.prepare_load_pass(settings.gravity, h);
         self.prepare_exact(settings.gravity, h);
