@@ -96,7 +96,8 @@ pub struct ArticulationReport {
     pub bodies: u32,
     /// Joints.
     pub joints: u32,
-    /// Whether it touched what moves, so that its joints were swept with the contacts.
+    /// Whether it touched what moves, or its contacts did not settle in one system with its joints, so that these were swept with the
+    /// contacts.
     pub swept: bool,
     /// Substeps of second order, smooth ones of first order, and safe ones, in which kinetic energy cannot grow.
     pub second_order: u32,

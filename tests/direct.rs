@@ -1,6 +1,7 @@
 //! What the direct joint solver promises, at default effort.
 
 use common::Run;
+use longspan_scenes::{Engine, LongspanEngine};
 
 mod common;
 
@@ -137,6 +138,25 @@ fn ragdolls_in_a_heap_keep_their_joints_and_limits() {
     let run = Run::of("ragdoll_pile", &[("n", "8"), ("seconds", "4")]);
     run.keeps("joint_gap_m", 1e-3, "m");
     run.keeps("overshoot_deg", 0.5, "degrees");
+}
+
+#[test]
+fn a_ragdoll_that_lands_is_swept_for_a_second_at_a_time_and_then_lies_still() {
+    let mut engine =
+        LongspanEngine::start(&common::scene("ragdoll_rain", &[("n", "1"), ("seed", "2")])).expect("its world is valid");
+    let (mut was_swept, mut worst_gap) = (Vec::new(), 0.0_f32);
+    for _ in 0..360 {
+        engine.step(1.0 / 60.0);
+        let [report] = engine.world().articulations() else { panic!("one ragdoll is one articulation") };
+        was_swept.push(report.swept);
+        worst_gap = worst_gap.max(engine.world().report().residuals.joint_gap);
+    }
+    let landed = was_swept.iter().position(|&swept| swept).expect("it lands on more of its limbs than rows settle for");
+    let until = was_swept[landed..].iter().position(|&swept| !swept).map_or(was_swept.len(), |steps| landed + steps);
+    assert!(until - landed > 60, "swept from step {landed} to {until}");
+    assert!(worst_gap < 1e-3, "joints gape {worst_gap} m, bound 0.001 m");
+    let overlap = engine.world().report().residuals.penetration;
+    assert!(overlap < 1e-3, "it lies {overlap} m deep, bound 0.001 m");
 }
 
 #[test]

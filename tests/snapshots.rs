@@ -180,6 +180,11 @@ fn what_breaks_rolls_back_to_any_step() {
 }
 
 #[test]
+fn ragdolls_whose_contacts_are_swept_for_a_while_roll_back_to_any_step() {
+    rolls_back("ragdoll_rain", &[("n", "3")], 120, 100, 1);
+}
+
+#[test]
 fn a_pile_that_falls_asleep_rolls_back_to_any_step() {
     rolls_back("pile", &[("n", "150")], 300, 300, 1);
     rolls_back("resting", &[], 120, 200, 1);

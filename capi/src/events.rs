@@ -37,7 +37,8 @@ pub struct LsArticulation {
     pub bodies: u32,
     /// Joints.
     pub joints: u32,
-    /// 1 if it touched what moves, so that its joints were swept with the contacts, else 0.
+    /// 1 if it touched what moves, or its contacts did not settle in one system with its joints, so that these were swept with the
+    /// contacts, else 0.
     pub swept: u32,
     /// Substeps of second order.
     pub second_order: u32,

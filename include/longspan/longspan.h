@@ -1194,7 +1194,10 @@ typedef struct LsArticulation {
     uint32_t bodies;
     /** Joints. */
     uint32_t joints;
-    /** 1 if it touched what moves, so that its joints were swept with the contacts, else 0. */
+    /**
+     * 1 if it touched what moves, or its contacts did not settle in one system with its joints, so that these were swept with the
+     * contacts, else 0.
+     */
     uint32_t swept;
     /** Substeps of second order. */
     uint32_t second_order;

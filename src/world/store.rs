@@ -128,6 +128,9 @@ impl World {
         for (slot, history) in batch.direct.histories() {
             bodies[batch.bodies[slot as usize]].history = *history;
         }
+        for (slot, steps) in batch.direct.swept_steps() {
+            bodies[batch.bodies[slot as usize]].history.swept_steps = steps;
+        }
         self.broken.append(&mut broken);
         self.scratch.slots = broken;
     }

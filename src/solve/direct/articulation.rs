@@ -50,6 +50,12 @@ const SOLVES_PER_HALVING: u32 = 4;
 const LEAST_PASSES: f64 = 8.0;
 const MOST_PASSES: f64 = 400.0;
 
+/// Steps for which contacts are swept once they have not settled as rows: what lands or tumbles soon does not settle again.
+const SWEPT_STEPS: u32 = 60;
+
+/// Greatest mass over the least up to which sweeps carry an articulation on its contacts nearly as well as rows do.
+const EVEN_MASSES: f64 = 100.0;
+
 /// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
 const MUST_FALL: f64 = 0.5;
 
@@ -133,8 +139,11 @@ pub(crate) struct Articulation {
     pub(super) built: Vec<Vec3>,
     /// Whether carried multipliers have taken the place of the next solve, where it is swept.
     pub(super) is_warm: bool,
-    /// Whether it touches what moves and is not carried, so that its joints are swept with the contacts.
+    /// Whether it touches what moves and is not carried, or its contacts have not settled as rows, so that its joints are swept with the
+    /// contacts.
     pub coupled: bool,
+    /// Further steps for which its contacts are swept although they might be rows.
+    pub swept_steps: u32,
     /// Solves that this step may still spend on halvings and long projections.
     solves_left: u32,
     /// Passes of active sets that this step may still spend beyond those that each substep has free.
@@ -181,6 +190,7 @@ struct SavedJoint {
 impl Articulation {
     /// Empties it but keeps its memory, and the structure of its matrix in case it stays the same.
     pub(crate) fn clear(&mut self) {
+        self.swept_steps = 0;
         self.entries.clear();
         self.touches.clear();
         self.watched.clear();
@@ -204,10 +214,26 @@ impl Articulation {
         velocity: &BodyVelocity,
         motion: &BodyMotion,
     ) -> u32 {
+        self.swept_steps = self.swept_steps.max(history.swept_steps);
         self.origins.push(origin);
         self.histories.push(history);
         self.bodies.push(DirectBody::new(slot, velocity, motion));
         self.bodies.len() as u32 - 1
+    }
+
+    /// Whether it has contacts as rows that sweeps solve nearly as well: nothing heavy rests on it, nor hangs on what is light.
+    fn may_sweep_contacts(&self) -> bool {
+        if self.touches.is_empty() || self.touches.iter().any(|touch| touch.other_moves) {
+            return false;
+        }
+        let masses = || self.bodies.iter().filter_map(DirectBody::free_mass);
+        masses().fold(0.0, f64::max) <= EVEN_MASSES * masses().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Has its contacts swept where they have not settled as rows a short while ago.
+    pub(crate) fn remember_sweeps(&mut self) {
+        self.coupled |= self.swept_steps > 0 && self.may_sweep_contacts();
+        self.swept_steps = self.swept_steps.saturating_sub(1);
     }
 
     /// The last substep of each body that it moves, by slot.
@@ -241,7 +267,8 @@ impl Articulation {
             self.untouched.clone_from(&self.entries);
         }
         let budget = f64::from(settings.articulations.halving_budget) * 1.0e6 / self.topology.plan.work as f64;
-        self.passes_left = budget.clamp(LEAST_PASSES, MOST_PASSES) as usize;
+        let most_passes = if self.may_sweep_contacts() { LEAST_PASSES } else { MOST_PASSES };
+        self.passes_left = budget.clamp(LEAST_PASSES, most_passes) as usize;
         let halvings = if budget > 0.0 { budget.clamp(LEAST_HALVINGS, MOST_HALVINGS_OF_STEP) as u32 } else { 0 };
         self.solves_left = halvings * SOLVES_PER_HALVING;
         self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
@@ -296,6 +323,9 @@ impl Articulation {
 
     /// Leaves the step to the sweeps, as if it had not been taken.
     pub(crate) fn give_up(&mut self) {
+        if self.outcome.unsettled && self.may_sweep_contacts() {
+            self.swept_steps = SWEPT_STEPS;
+        }
         self.entries.clone_from(&self.untouched);
         self.touches.clear();
         self.coupled = true;

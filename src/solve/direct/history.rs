@@ -82,6 +82,8 @@ pub(crate) struct History {
     pub h: f32,
     /// Substeps that the articulation should take in the next step.
     pub substeps: u32,
+    /// Steps for which its articulation's contacts are swept, as rows of the same system they did not settle.
+    pub swept_steps: u32,
     /// Displacement (m) and rotation vector (rad).
     pub(super) displacement: Vec3,
     pub(super) turn: Vec3,
@@ -101,6 +103,7 @@ pub(crate) struct History {
 crate::snapshot::stored::stored!(History {
     h,
     substeps,
+    swept_steps,
     displacement,
     turn,
     linear_before,
@@ -116,6 +119,7 @@ impl History {
     pub(crate) const NONE: Self = Self {
         h: 0.0,
         substeps: 0,
+        swept_steps: 0,
         displacement: Vec3::ZERO,
         turn: Vec3::ZERO,
         linear_before: Vec3::ZERO,

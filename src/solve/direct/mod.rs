@@ -112,6 +112,12 @@ impl Direct {
         self.articulations().iter().filter(|articulation| !articulation.coupled).flat_map(Articulation::histories)
     }
 
+    /// Bodies whose contacts are swept in the next steps too although they might be rows, by slot, and for how many steps.
+    pub(crate) fn swept_steps(&self) -> impl Iterator<Item = (u32, u32)> {
+        let swept = self.articulations().iter().filter(|articulation| articulation.coupled && articulation.swept_steps > 0);
+        swept.flat_map(|articulation| articulation.moved_slots().map(|slot| (slot, articulation.swept_steps)))
+    }
+
     /// Lists the contacts of each group, and finds what each carries.
     pub(crate) fn find_touching(&mut self, contacts: &[ContactInput], motions: &[BodyMotion]) {
         self.touching.clear();
@@ -274,6 +280,7 @@ impl Direct {
                 articulation.watched.push(number);
             }
         }
+        articulation.remember_sweeps();
         if articulation.coupled {
             articulation.touches.clear();
         }

@@ -264,6 +264,7 @@ fn note_body(
             histories[quad.at(j)] = History {
                 h: h as f32,
                 substeps: 0,
+                swept_steps: 0,
                 displacement: displacement.get(j).as_vec3(),
                 turn: turn.as_vec3(),
                 linear_before: linear_before.get(j).as_vec3(),
