@@ -114,7 +114,13 @@ fn two_cars_pull_a_third_up() {
 #[test]
 fn a_curling_chain_keeps_its_swing_limits() {
     for ratio in ["1", "10000"] {
-        Run::of("cantilever", &[("ratio", ratio), ("seconds", "4")]).keeps("limit_err_deg", 0.05, "degrees");
+        let run = Run::of("cantilever", &[("ratio", ratio), ("seconds", "4")]);
+        run.keeps("limit_err_deg", 0.05, "degrees");
+        // Links as heavy as the weight give theirs away as they strike their stops; light ones have none to give.
+        if ratio == "10000" {
+            run.keeps("energy_drift_pct", 0.5, "%");
+        }
+        run.keeps("energy_rise_pct", 1e-3, "%");
     }
 }
 
