@@ -147,7 +147,7 @@ fn ragdolls_in_a_heap_keep_their_joints_and_limits() {
 }
 
 #[test]
-fn a_ragdoll_that_lands_is_swept_for_a_second_at_a_time_and_then_lies_still() {
+fn a_ragdoll_that_lands_is_swept_for_a_second_at_a_time_and_does_not_sink() {
     let mut engine =
         LongspanEngine::start(&common::scene("ragdoll_rain", &[("n", "1"), ("seed", "2")])).expect("its world is valid");
     let (mut was_swept, mut worst_gap) = (Vec::new(), 0.0_f32);
