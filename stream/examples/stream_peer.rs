@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! stream_peer publish DOMAIN SCENE SECONDS RATE    steps a scene, RATE times a second (0: as fast as it can), with a stream
-//! stream_peer read    DOMAIN SECONDS               reads each newest frame, and says what was lost and how old frames were
-//!                                                  (0: until the publisher has gone)
+//! stream_peer read    DOMAIN SECONDS               reads each newest frame, and says when a publisher's first one comes, and at the
+//!                                                  end what was lost and how old frames were (0: until it has gone)
 //! stream_peer measure DOMAIN SCENE STEPS READERS   what publishing costs, and whether it shows in the step itself, with so many
 //!                                                  readers in as many processes
 //! stream_peer endure  DOMAIN SCENE LIVES           publishes while a reader and another publisher are started, stopped and killed
@@ -310,6 +310,7 @@ fn read(domain: &Domain, seconds: f64) {
                 // What waited for a reader that was not there yet is old for another reason.
                 if is_first {
                     lives += 1;
+                    println!("life {lives}");
                 } else {
                     ages.push(clock.saturating_sub(reader.scene().frame().clock) as f64 / 1e3);
                 }

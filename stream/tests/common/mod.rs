@@ -1,7 +1,7 @@
 //! What the tests of streams share.
 #![allow(dead_code)]
 
-use std::io::{BufRead, BufReader};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -128,10 +128,14 @@ pub fn peer(words: &[&str]) -> Child {
     let here = std::env::current_exe().unwrap();
     let program = here.parent().and_then(|deps| deps.parent()).unwrap().join("examples/stream_peer");
     let mut child = Command::new(program).args(words).stdout(Stdio::piped()).spawn().expect("cargo builds examples for tests");
-    let mut line = String::new();
-    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
-    assert_eq!(line, "ready\n");
+    assert_eq!(line(&mut child), "ready");
     child
+}
+
+/// The next line that a process says, without what follows it.
+pub fn line(child: &mut Child) -> String {
+    let said = child.stdout.as_mut().unwrap().bytes().map(|byte| byte.unwrap());
+    String::from_utf8(said.take_while(|&byte| byte != b'\n').collect()).unwrap()
 }
 
 /// What was given to [`Room::new`], and the number of this process.
