@@ -1,12 +1,12 @@
-//! Broad phase: which shapes may touch, from enlarged boxes in parry3d's bounding volume hierarchy.
+//! Broad phase: which shapes may touch, from enlarged [`boxes`](super::boxes).
 //!
-//! A shape's kept box changes only when the shape leaves it; only then are new neighbours looked for. The tree's form depends
-//! on history, but what it reports does not: it only ever adds candidates, and those too far apart are dropped exactly.
+//! A shape's kept box changes only when the shape leaves it; only then are new neighbours looked for. The form of a tree of boxes
+//! depends on history, but what it reports does not: it only ever adds candidates, and those too far apart are dropped exactly.
 
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
-use parry3d::partitioning::{Bvh, BvhWorkspace, TraversalAction};
 
+use super::boxes::Boxes;
 use super::pairs::PairKey;
 use crate::room::give_back_room;
 use crate::workers::Workers;
@@ -22,10 +22,11 @@ const LEAST_SHAPES: usize = 32;
 /// Boxes of all shapes, by slot.
 #[derive(Default)]
 pub(crate) struct BroadPhase {
-    tree: Bvh,
-    workspace: BvhWorkspace,
+    boxes: Boxes,
     /// Shapes whose kept box changed since the last [`refresh`](Self::refresh).
     changed: Vec<u32>,
+    /// Whether each shape is one of them.
+    is_changed: Vec<bool>,
     /// What was found of each piece of them.
     found: Vec<Found>,
 }
@@ -39,16 +40,16 @@ struct Found {
 }
 
 impl BroadPhase {
-    /// Keeps `kept` for a shape, whose neighbours are looked for at the next refresh; until then the tree is out of date.
+    /// Keeps `kept` for a shape, whose neighbours are looked for at the next refresh; until then the boxes may be out of date.
     pub(crate) fn set(&mut self, shape: u32, kept: Aabb) {
-        self.tree.insert_or_update_partially(kept, shape, 0.0);
-        self.changed.push(shape);
+        self.boxes.set(shape, kept);
+        self.revisit(shape);
     }
 
-    /// As [`set`](Self::set), for edits between steps: the tree stays fit to be asked.
+    /// As [`set`](Self::set), for edits between steps: the boxes stay fit to be asked.
     pub(crate) fn place(&mut self, shape: u32, kept: Aabb) {
-        self.tree.insert(kept, shape);
-        self.changed.push(shape);
+        self.boxes.place(shape, kept);
+        self.revisit(shape);
     }
 
     /// Shapes whose neighbours are to be looked for at the next refresh.
@@ -58,35 +59,45 @@ impl BroadPhase {
 
     /// Holds these boxes and no others.
     pub(crate) fn rebuild(&mut self, slots: usize, box_of: impl Fn(u32) -> Option<Aabb>, changed: Vec<u32>) {
-        let known = self.tree.leaf_count() as usize;
-        let mut held = Vec::with_capacity(known);
-        held.extend(self.tree.leaves(|_| true));
+        let held: Vec<u32> = self.boxes.shapes().collect();
         for shape in held {
             if box_of(shape).is_none() {
-                self.tree.remove(shape);
+                self.boxes.remove(shape);
             }
         }
         for shape in 0..slots as u32 {
             if let Some(kept) = box_of(shape) {
-                self.tree.insert_or_update_partially(kept, shape, 0.0);
+                self.boxes.set(shape, kept);
             }
         }
-        self.tree.refit(&mut self.workspace);
-        self.changed = changed;
+        self.boxes.refit();
+        self.forget_changes();
+        self.is_changed.resize(slots, false);
+        changed.into_iter().filter(|&shape| (shape as usize) < slots).for_each(|shape| self.revisit(shape));
+    }
+
+    fn forget_changes(&mut self) {
+        self.changed.drain(..).for_each(|shape| self.is_changed[shape as usize] = false);
     }
 
     pub(crate) fn remove(&mut self, shape: u32) {
         // Where it is still listed as changed, it is passed over as one without a box.
-        self.tree.remove(shape);
+        self.boxes.remove(shape);
     }
 
     /// Looks for a shape's neighbours again although it has not moved.
     pub(crate) fn revisit(&mut self, shape: u32) {
-        self.changed.push(shape);
+        let slot = shape as usize;
+        if self.is_changed.len() <= slot {
+            self.is_changed.resize(slot + 1, false);
+        }
+        if !std::mem::replace(&mut self.is_changed[slot], true) {
+            self.changed.push(shape);
+        }
     }
 
-    /// Brings the tree up to date and puts every (changed shape, neighbour) that `is_new` into an empty list, in no particular order,
-    /// but for two of the same group; some are there twice.
+    /// Brings the boxes up to date and puts every (changed shape, neighbour) that `is_new` into an empty list, in no particular order
+    /// and each once, but for two of the same group.
     pub(crate) fn refresh(
         &mut self,
         threads: &Workers,
@@ -95,45 +106,37 @@ impl BroadPhase {
         is_new: impl Fn(&PairKey) -> bool + Sync,
         candidates: &mut Vec<PairKey>,
     ) {
-        let Self { tree, workspace, changed, found } = self;
+        let Self { boxes, changed, is_changed, found } = self;
         if changed.is_empty() {
             return;
         }
         changed.sort_unstable_by_key(|&shape| (group_of(shape), shape));
-        changed.dedup();
-        tree.refit(workspace);
-        tree.optimize_incremental(workspace);
+        boxes.refit();
+        boxes.optimize();
+        let (boxes, all_changed) = (&*boxes, &*is_changed);
         let piece = threads.piece(changed.len(), LEAST_SHAPES);
         let pieces = changed.len().div_ceil(piece);
         found.resize_with(found.len().max(pieces), Found::default);
         std::mem::swap(candidates, &mut found[0].pairs);
         threads.share(changed.chunks(piece).zip(&mut *found), |(shapes, found)| {
-            found.look((tree, shapes), &box_of, &group_of, &is_new);
+            found.look((boxes, shapes, all_changed), &box_of, &group_of, &is_new);
         });
         std::mem::swap(candidates, &mut found[0].pairs);
         for found in &mut found[1..pieces] {
             candidates.append(&mut found.pairs);
             give_back_room(&mut found.pairs);
         }
-        changed.clear();
+        self.forget_changes();
     }
 
     /// Appends the shapes whose kept box a path enters (`enters` says where, of the box's corners), in no particular order.
     pub(crate) fn along(&self, enters: impl Fn(Vec3, Vec3) -> Option<f64>, found: &mut Vec<(f64, u32)>) {
-        self.tree.traverse(|node| match enters(node.mins(), node.maxs()) {
-            None => TraversalAction::Prune,
-            Some(entry) => {
-                if let Some(shape) = node.leaf_data() {
-                    found.push((entry, shape));
-                }
-                TraversalAction::Continue
-            }
-        });
+        self.boxes.along(enters, found);
     }
 
     /// Shapes whose kept box meets `region`, in no particular order.
     pub(crate) fn overlapping<'a>(&'a self, region: &'a Aabb) -> impl Iterator<Item = u32> + 'a {
-        self.tree.intersect_aabb(region)
+        self.boxes.overlapping(region)
     }
 }
 
@@ -141,7 +144,7 @@ impl Found {
     /// Lists the new pairs of these shapes with their neighbours. A group that is cut into two pieces is looked for as two.
     fn look(
         &mut self,
-        (tree, shapes): (&Bvh, &[u32]),
+        (boxes, shapes, is_changed): (&Boxes, &[u32], &[bool]),
         box_of: &impl Fn(u32) -> Option<Aabb>,
         group_of: &impl Fn(u32) -> Option<u32>,
         is_new: &impl Fn(&PairKey) -> bool,
@@ -149,16 +152,18 @@ impl Found {
         for shapes in shapes.chunk_by(|&a, &b| group_of(a).is_some() && group_of(a) == group_of(b)) {
             let group = group_of(shapes[0]);
             let is_other = |&other: &u32| group.is_none() || group_of(other) != group;
+            // Where both have changed, the lower one finds the pair.
+            let is_ours = |shape: u32, other: u32| shape < other || shape > other && !is_changed[other as usize];
             if shapes.len() >= LARGE_GROUP {
-                let boxes = shapes.iter().filter_map(|&shape| box_of(shape));
-                let Some(whole) = boxes.reduce(|whole, kept| whole.merged(&kept)) else { continue };
-                let others = tree.intersect_aabb(&whole).filter(is_other).take(FEW_SHAPES + 1);
+                let own = shapes.iter().filter_map(|&shape| box_of(shape));
+                let Some(whole) = own.reduce(|whole, kept| whole.merged(&kept)) else { continue };
+                let others = boxes.overlapping(&whole).filter(is_other).take(FEW_SHAPES + 1);
                 self.near.clear();
                 self.near.extend(others.filter_map(|other| Some((other, box_of(other)?))));
                 if self.near.len() <= FEW_SHAPES {
                     for &shape in shapes {
                         let Some(kept) = box_of(shape) else { continue };
-                        let meeting = self.near.iter().filter(|(_, other)| kept.intersects(other));
+                        let meeting = self.near.iter().filter(|&&(other, near)| is_ours(shape, other) && kept.intersects(&near));
                         self.pairs.extend(meeting.map(|&(other, _)| PairKey::new(shape, other)).filter(is_new));
                     }
                     continue;
@@ -166,8 +171,8 @@ impl Found {
             }
             for &shape in shapes {
                 if let Some(kept) = box_of(shape) {
-                    let found = tree.intersect_aabb(&kept).filter(|&other| other != shape).filter(is_other);
-                    self.pairs.extend(found.map(|other| PairKey::new(shape, other)).filter(is_new));
+                    let found = boxes.overlapping(&kept).filter(|&other| is_ours(shape, other)).filter(is_other);
+                    found.map(|other| PairKey::new(shape, other)).filter(is_new).for_each(|key| self.pairs.push(key));
                 }
             }
         }

@@ -1,8 +1,9 @@
 //! Which shapes touch, and where. parry3d stays behind this door.
 //!
-//! `broad` finds candidates, `cache` keeps `pairs` of them with what was `carried` over of the contacts they had, `narrow` makes manifolds from geometry alone,
+//! `broad` finds candidates among kept `boxes`, `cache` keeps `pairs` of them with what was `carried` over of the contacts they had, `narrow` makes manifolds from geometry alone,
 //! `curvature` says how surfaces bend where they touch, `sweep` stops fast bodies at what they would pass through.
 
+mod boxes;
 pub(crate) mod broad;
 pub(crate) mod cache;
 pub(crate) mod carried;

@@ -94,7 +94,6 @@ impl World {
         let candidates = &mut scratch.candidates;
         if !candidates.is_empty() {
             candidates.sort_unstable();
-            candidates.dedup();
             pairs.activate_new(candidates);
         }
         // Most are found in the first step of all.
@@ -226,16 +225,15 @@ pub(super) fn may_collide(
         && !unions.same(a.body, b.body)
         && (body_a.is_mover() || body_b.is_mover())
         && !(body_a.quarantined || body_b.quarantined)
-        && !kept_apart(body_a, body_b, b.body, joints)
+        && !kept_apart((a.body, body_a), (b.body, body_b), joints)
 }
 
 /// Whether a joint between two bodies forbids that they collide.
-fn kept_apart(a: &Body, b: &Body, b_index: u32, joints: &Pool<Joint, JointId>) -> bool {
-    let fewer = if a.joints.len() <= b.joints.len() { a } else { b };
-    fewer.joints.iter().filter_map(|&id| joints.find(id).ok()).any(|slot| {
-        let joint = &joints[slot];
-        let other_is_there = joint.bodies.contains(&Some(b_index)) && a.joints.iter().any(|&id| joints.find(id) == Ok(slot));
-        other_is_there && !joint.def.collide_connected
+fn kept_apart((a, body_a): (u32, &Body), (b, body_b): (u32, &Body), joints: &Pool<Joint, JointId>) -> bool {
+    let fewer = if body_a.joints.len() <= body_b.joints.len() { &body_a.joints } else { &body_b.joints };
+    fewer.iter().map(|&id| &joints[joints.slot_of(id)]).any(|joint| {
+        let connects = joint.bodies.contains(&Some(a)) && joint.bodies.contains(&Some(b));
+        connects && !joint.def.collide_connected
     })
 }
 
