@@ -1,13 +1,13 @@
 //! The kept boxes of all shapes: a list while they are few, parry3d's bounding volume hierarchy from then on.
 //!
-//! Some dozens of boxes are compared with one another in less time than it takes to bring a tree up to date and to descend into it
-//! from each.
+//! Some dozens of boxes are compared with one another in less time than it takes to bring a tree up to date and to descend into
+//! it from each.
 
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::partitioning::{Bvh, BvhWorkspace, TraversalAction};
 
-/// Boxes up to which they are a list: with twice as many, all of them changed, a list costs as much as a tree.
+/// Boxes up to which they are a list. Of a hundred, all of which change in every step, a list costs about as much as a tree.
 const MOST_LISTED: usize = 64;
 
 /// Boxes by the slots of their shapes.

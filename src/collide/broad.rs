@@ -96,8 +96,8 @@ impl BroadPhase {
         }
     }
 
-    /// Brings the boxes up to date and puts every (changed shape, neighbour) that `is_new` into an empty list, in no particular order
-    /// and each once, but for two of the same group.
+    /// Brings the boxes up to date and puts every (changed shape, neighbour) that `is_new` into an empty list, in no particular
+    /// order and each once, but for two of the same group.
     pub(crate) fn refresh(
         &mut self,
         threads: &Workers,

@@ -23,9 +23,12 @@ macro_rules! dispatched {
 
 pub(crate) use dispatched;
 
-/// Makes a function that runs a kernel, generic over [`Wide`](super::wide::Wide), with the registers that the processor has.
-macro_rules! in_lanes {
-    ($(#[$doc:meta])* $vis:vis $name:ident, $body:path, ($($arg:ident: $type:ty),*) $(-> $result:ty)?) => {
+/// Makes a function that runs a kernel, generic over the registers that it computes in, with those that the processor has: the
+/// first of two types where it has AVX2, else the second.
+macro_rules! in_registers {
+    (
+        $(#[$doc:meta])* $vis:vis $name:ident, $body:path, ($avx2:ty, $plain:ty), ($($arg:ident: $type:ty),*) $(-> $result:ty)?
+    ) => {
         $(#[$doc])*
         $vis fn $name($($arg: $type),*) $(-> $result)? {
             use $body as body;
@@ -33,13 +36,25 @@ macro_rules! in_lanes {
             if std::arch::is_x86_feature_detected!("avx2") {
                 #[target_feature(enable = "avx2")]
                 fn with_avx2($($arg: $type),*) $(-> $result)? {
-                    body::<$crate::solve::wide::avx2::Avx2>($($arg),*)
+                    body::<$avx2>($($arg),*)
                 }
                 // SAFETY: the processor has just been found to have AVX2, the only feature that the function needs.
                 return unsafe { with_avx2($($arg),*) };
             }
-            body::<$crate::solve::wide::Plain>($($arg),*)
+            body::<$plain>($($arg),*)
         }
+    };
+}
+
+pub(crate) use in_registers;
+
+/// As [`in_registers`], of a kernel that is generic over [`Wide`](super::wide::Wide).
+macro_rules! in_lanes {
+    ($(#[$doc:meta])* $vis:vis $name:ident, $body:path, ($($arg:ident: $type:ty),*) $(-> $result:ty)?) => {
+        $crate::solve::dispatch::in_registers!(
+            $(#[$doc])* $vis $name, $body, ($crate::solve::wide::avx2::Avx2, $crate::solve::wide::Plain),
+            ($($arg: $type),*) $(-> $result)?
+        );
     };
 }
 

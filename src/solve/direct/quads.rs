@@ -4,10 +4,11 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::Began;
 use super::body::DirectBody;
-use super::fours::{Four, Four3, FourSymmetric, FourTurns, Mask, any, both};
+use super::fours::{Four3, FourSymmetric, FourTurns};
 use super::history::{History, SecondOrder, rotation_vector};
+use super::registers::{Four, Plain};
 use super::stiffness;
-use crate::solve::dispatch::dispatched;
+use crate::solve::dispatch::in_registers;
 use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;
 use crate::solve::rotation::MAX_TURN;
@@ -31,19 +32,21 @@ pub(super) struct Quad {
     numbers: [u32; 4],
     count: usize,
     /// Principal moments of inertia (kg·m²) and rotation of the principal axes in the body.
-    inertia: Four3,
-    frame: FourTurns,
+    inertia: Four3<Plain>,
+    frame: FourTurns<Plain>,
     /// Whether the principal axes are those of the body, of all four.
     is_aligned: bool,
-    is_tumbling: Mask,
+    /// 1 where a body tumbles, 0 where it is round.
+    tumbling: Plain,
     /// 1 about free world axes, 0 about locked ones; and along them.
-    free: Four3,
-    free_along: Four3,
-    is_free: Mask,
-    acceleration: Four3,
-    torque: Four3,
-    linear_damping: Four,
-    angular_damping: Four,
+    free: Four3<Plain>,
+    free_along: Four3<Plain>,
+    /// 1 where no axis is locked, else 0.
+    unlocked: Plain,
+    acceleration: Four3<Plain>,
+    torque: Four3<Plain>,
+    linear_damping: Plain,
+    angular_damping: Plain,
 }
 
 /// The bodies that move, four by four.
@@ -70,14 +73,14 @@ impl Quad {
             inertia: Four3::of(bodies.map(|body| body.top.inertia)),
             frame: FourTurns::of(bodies.map(|body| body.top.frame)),
             is_aligned: bodies.iter().all(|body| body.top.frame == glam::DQuat::IDENTITY),
-            is_tumbling: bodies.map(|body| !body.top.round),
+            tumbling: Plain(bodies.map(|body| if body.top.round { 0.0 } else { 1.0 })),
             free: Four3::of(bodies.map(|body| body.top.free)),
             free_along: Four3::of(bodies.map(along)),
-            is_free: bodies.map(|body| body.top.free == DVec3::ONE),
+            unlocked: Plain(bodies.map(|body| if body.top.free == DVec3::ONE { 1.0 } else { 0.0 })),
             acceleration: Four3::of(bodies.map(|body| body.acceleration)),
             torque: Four3::of(bodies.map(|body| body.torque)),
-            linear_damping: Four(bodies.map(|body| body.linear_damping)),
-            angular_damping: Four(bodies.map(|body| body.angular_damping)),
+            linear_damping: Plain(bodies.map(|body| body.linear_damping)),
+            angular_damping: Plain(bodies.map(|body| body.angular_damping)),
         }
     }
 
@@ -87,34 +90,34 @@ impl Quad {
     }
 
     #[inline(always)]
-    fn places(&self, stances: &[Stance]) -> (Four3, FourTurns) {
+    fn places<F: Four>(&self, stances: &[Stance]) -> (Four3<F>, FourTurns<F>) {
         let [a, b, c, d] = [&stances[self.at(0)], &stances[self.at(1)], &stances[self.at(2)], &stances[self.at(3)]];
         (Four3::of([a.0, b.0, c.0, d.0]), FourTurns::of([a.1, b.1, c.1, d.1]))
     }
 
     #[inline(always)]
-    fn velocities(&self, rates: &[Rate]) -> (Four3, Four3) {
+    fn velocities<F: Four>(&self, rates: &[Rate]) -> (Four3<F>, Four3<F>) {
         let [a, b, c, d] = [&rates[self.at(0)], &rates[self.at(1)], &rates[self.at(2)], &rates[self.at(3)]];
         (Four3::of([a.linear, b.linear, c.linear, d.linear]), Four3::of([a.angular, b.angular, c.angular, d.angular]))
     }
 
     /// Principal axes of bodies that are turned so.
     #[inline(always)]
-    fn axes(&self, rotation: FourTurns) -> FourTurns {
-        if self.is_aligned { rotation } else { rotation * self.frame }
+    fn axes<F: Four>(&self, rotation: FourTurns<F>) -> FourTurns<F> {
+        if self.is_aligned { rotation } else { rotation * FourTurns::load(&self.frame) }
     }
 
     /// Angular momentum about the centre of mass (N·m·s).
     #[inline(always)]
-    fn spin(&self, rotation: FourTurns, angular: Four3) -> Four3 {
+    fn spin<F: Four>(&self, rotation: FourTurns<F>, angular: Four3<F>) -> Four3<F> {
         let axes = self.axes(rotation);
-        axes.rotate(axes.conjugate().rotate(angular) * self.inertia)
+        axes.rotate(axes.conjugate().rotate(angular) * Four3::load(&self.inertia))
     }
 
     /// Angular velocity of an angular momentum about these principal axes.
     #[inline(always)]
-    fn spin_of(&self, axes: FourTurns, momentum: Four3) -> Four3 {
-        axes.rotate(axes.conjugate().rotate(momentum) / self.inertia) * self.free
+    fn spin_of<F: Four>(&self, axes: FourTurns<F>, momentum: Four3<F>) -> Four3<F> {
+        axes.rotate(axes.conjugate().rotate(momentum) / Four3::load(&self.inertia)) * Four3::load(&self.free)
     }
 }
 
@@ -125,76 +128,83 @@ pub(super) struct Start<'a> {
     pub predicted: &'a mut [Stance],
 }
 
-dispatched!(
+in_registers!(
     /// Puts bodies where their second-order substep starts, whose Euler part is `h` long (s), and finds where that ends without
     /// joints.
-    predict, predict_body, (quads: &[Quad], order: &SecondOrder, h: f64, histories: &[History], start: &mut Start)
+    pub(super) predict, self::predict_body, (super::registers::avx2::Avx2, Plain),
+    (quads: &[Quad], order: &SecondOrder, h: f64, histories: &[History], start: &mut Start)
 );
 
-dispatched!(
+in_registers!(
     /// Moves bodies from the extrapolated start of a second-order substep to its end, at rates found with the inertia of where they
     /// respond.
-    advance, advance_body, (quads: &[Quad], h: f64, bodies: &[DirectBody], stances: &mut [Stance], rates: &mut [Rate])
+    pub(super) advance, self::advance_body, (super::registers::avx2::Avx2, Plain),
+    (quads: &[Quad], h: f64, bodies: &[DirectBody], stances: &mut [Stance], rates: &mut [Rate])
 );
 
-dispatched!(
+in_registers!(
     /// Adds the stiffness of forces, h·Σ [`stiffness::of_impulse`], to the inertia that answers to impulses at these poses.
-    respond, respond_body, (quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody])
+    pub(super) respond, self::respond_body, (super::registers::avx2::Avx2, Plain),
+    (quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody])
 );
 
-dispatched!(
+in_registers!(
     /// Notes a substep of length `h` (s) that ends in these stances and rates, for the next one.
-    note, note_body,
+    pub(super) note, self::note_body, (super::registers::avx2::Avx2, Plain),
     (quads: &[Quad], h: f64, order: &SecondOrder, began: &Began, ended: (&[Stance], &[Rate]), histories: &mut [History])
 );
 
 #[inline(always)]
-fn predict_body(quads: &[Quad], order: &SecondOrder, h: f64, histories: &[History], start: &mut Start) {
+fn predict_body<F: Four>(quads: &[Quad], order: &SecondOrder, h: f64, histories: &[History], start: &mut Start) {
     let Start { stances, rates, predicted } = start;
-    let (share, length, one) = (Four::splat(order.extrapolation), Four::splat(h), Four::splat(1.0));
-    let steady = Four::splat(order.steady_share * h / order.euler_share);
+    let (share, length, one) = (F::splat(order.extrapolation), F::splat(h), F::splat(1.0));
+    let steady = F::splat(order.steady_share * h / order.euler_share);
     for quad in quads {
         let last = [&histories[quad.at(0)], &histories[quad.at(1)], &histories[quad.at(2)], &histories[quad.at(3)]];
-        let (place, rotation) = quad.places(stances);
-        let (linear, angular) = quad.velocities(rates);
+        let (place, rotation) = quad.places::<F>(stances);
+        let (linear, angular) = quad.velocities::<F>(rates);
         let spin = quad.spin(rotation, angular);
-        let of_last = |of: fn(&History) -> Vec3| Four3::of(last.map(|last| of(last).as_dvec3()));
-        let (momentum_before, linear_before) = (of_last(|last| last.momentum_before), of_last(|last| last.linear_before));
-        let (displacement, turn) = (of_last(|last| last.displacement), of_last(|last| last.turn));
-        let (acceleration, torque) = (of_last(|last| last.acceleration), of_last(|last| last.torque));
+        let (momentum_before, linear_before) =
+            (of_last(last, |last| last.momentum_before), of_last(last, |last| last.linear_before));
+        let (displacement, turn) = (of_last(last, |last| last.displacement), of_last(last, |last| last.turn));
+        let (acceleration, torque) = (of_last(last, |last| last.acceleration), of_last(last, |last| last.torque));
         let start = (place + displacement * share + linear * steady, rotation.turned(turn * share + angular * steady));
-        let momentum = spin + (spin - momentum_before) * share + torque * steady + quad.torque * length;
-        let slowed = one + length * quad.angular_damping;
+        let momentum = spin + (spin - momentum_before) * share + torque * steady + Four3::load(&quad.torque) * length;
+        let slowed = one + length * F::load(&quad.angular_damping.0);
         let (mut end, mut angular) = (start.1, angular);
         for _ in 0..MOMENTUM_PASSES {
             let guess = angular;
             end = start.1.turned((guess * length).clamp_length(MOST_TURN));
             angular = quad.spin_of(quad.axes(end), momentum) * (one / slowed);
             let change = (angular - guess) * length;
-            if !any(Four::splat(NEGLIGIBLE_TURN * NEGLIGIBLE_TURN).below(change.dot(change))) {
+            if !F::any(F::splat(NEGLIGIBLE_TURN * NEGLIGIBLE_TURN).below(change.dot(change))) {
                 break;
             }
         }
-        let linear =
-            linear + (linear - linear_before) * share + acceleration * steady + quad.acceleration * quad.free_along * length;
-        let linear = (linear * (one / (one + length * quad.linear_damping))).clamp_length(MOST_SPEED);
+        let linear = linear
+            + (linear - linear_before) * share
+            + acceleration * steady
+            + Four3::load(&quad.acceleration) * Four3::load(&quad.free_along) * length;
+        let linear = (linear * (one / (one + length * F::load(&quad.linear_damping.0)))).clamp_length(MOST_SPEED);
         let angular = angular.clamp_length(MOST_SPIN.min(MOST_TURN / h));
         let reached = start.0 + linear * length;
+        let (place, rotation, linear, angular) = (start.0.each(), start.1.each(), linear.each(), angular.each());
+        let (reached, end) = (reached.each(), end.each());
         for j in 0..quad.count {
             let i = quad.at(j);
-            stances[i] = (start.0.get(j), start.1.get(j));
-            rates[i] = Rate { linear: linear.get(j), angular: angular.get(j) };
-            predicted[i] = (reached.get(j), end.get(j));
+            stances[i] = (place[j], rotation[j]);
+            rates[i] = Rate { linear: linear[j], angular: angular[j] };
+            predicted[i] = (reached[j], end[j]);
         }
     }
 }
 
 #[inline(always)]
-fn advance_body(quads: &[Quad], h: f64, bodies: &[DirectBody], stances: &mut [Stance], rates: &mut [Rate]) {
-    let length = Four::splat(h);
+fn advance_body<F: Four>(quads: &[Quad], h: f64, bodies: &[DirectBody], stances: &mut [Stance], rates: &mut [Rate]) {
+    let length = F::splat(h);
     for quad in quads {
-        let (place, rotation) = quad.places(stances);
-        let (linear, angular) = quad.velocities(rates);
+        let (place, rotation) = quad.places::<F>(stances);
+        let (linear, angular) = quad.velocities::<F>(rates);
         let (linear, angular) = (linear.clamp_length(MOST_SPEED), angular.clamp_length(MOST_SPIN.min(MOST_TURN / h)));
         let place = place + linear * length;
         let rotation = rotation.turned((angular * length).clamp_length(MOST_TURN));
@@ -203,36 +213,39 @@ fn advance_body(quads: &[Quad], h: f64, bodies: &[DirectBody], stances: &mut [St
         // The momentum is what the joints left; on a thin rod it can be a far higher speed in another pose, which is refused.
         let momentum = FourSymmetric::of(inertia).times(angular);
         let carried = quad.spin_of(quad.axes(rotation), momentum);
-        let carries = momentum.dot(carried).at_most(momentum.dot(angular) * Four::splat(1.0 + MOST_GAIN));
-        let angular = Four3::select(both(carries, quad.is_tumbling), carried, angular);
+        let is_tumbling = F::splat(0.0).below(F::load(&quad.tumbling.0));
+        let carries = momentum.dot(carried).at_most(momentum.dot(angular) * F::splat(1.0 + MOST_GAIN));
+        let angular = Four3::select(F::both(carries, is_tumbling), carried, angular);
+        let (place, rotation, linear, angular) = (place.each(), rotation.each(), linear.each(), angular.each());
         for j in 0..quad.count {
             let i = quad.at(j);
-            stances[i] = (place.get(j), rotation.get(j));
-            rates[i] = Rate { linear: linear.get(j), angular: angular.get(j) };
+            stances[i] = (place[j], rotation[j]);
+            rates[i] = Rate { linear: linear[j], angular: angular[j] };
         }
     }
 }
 
 #[inline(always)]
-fn respond_body(quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody]) {
+fn respond_body<F: Four>(quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody]) {
     for quad in quads {
-        let (_, rotation) = quad.places(stances);
-        let inertia = quad.axes(rotation).turn_diagonal(quad.inertia);
+        let (_, rotation) = quad.places::<F>(stances);
+        let inertia = quad.axes(rotation).turn_diagonal(Four3::load(&quad.inertia));
         let forces = [&stiffness[quad.at(0)], &stiffness[quad.at(1)], &stiffness[quad.at(2)], &stiffness[quad.at(3)]];
         let forces = stiffness::without_negative(FourSymmetric::of(forces));
         // Bodies with locked axes answer without stiffness.
-        let share = Four::select(quad.is_free, Four::splat(1.0), Four::splat(0.0));
-        let inverse = inertia.plus(forces, share).inverse().scaled(quad.free);
+        let share = F::load(&quad.unlocked.0);
+        let inverse = inertia.plus(forces, share).inverse().scaled(Four3::load(&quad.free));
+        let (inertia, inverse) = (inertia.each(), inverse.each());
         for j in 0..quad.count {
             let body = &mut bodies[quad.at(j)];
-            body.inertia = inertia.get(j);
-            body.inverse_inertia = inverse.get(j);
+            body.inertia = inertia[j];
+            body.inverse_inertia = inverse[j];
         }
     }
 }
 
 #[inline(always)]
-fn note_body(
+fn note_body<F: Four>(
     quads: &[Quad],
     h: f64,
     order: &SecondOrder,
@@ -240,43 +253,52 @@ fn note_body(
     (stances, rates): (&[Stance], &[Rate]),
     histories: &mut [History],
 ) {
-    let share = Four::splat(order.extrapolation);
-    let steady = Four::splat(order.steady_share * h);
-    let inverse = Four::splat(1.0 / (order.euler_share * h));
+    let share = F::splat(order.extrapolation);
+    let steady = F::splat(order.steady_share * h);
+    let inverse = F::splat(1.0 / (order.euler_share * h));
     for quad in quads {
-        let (from, before) = quad.places(&began.stances);
-        let (to, after) = quad.places(stances);
-        let (linear_before, angular_before) = quad.velocities(&began.rates);
-        let (linear, angular) = quad.velocities(rates);
+        let (from, before) = quad.places::<F>(&began.stances);
+        let (to, after) = quad.places::<F>(stances);
+        let (linear_before, angular_before) = quad.velocities::<F>(&began.rates);
+        let (linear, angular) = quad.velocities::<F>(rates);
         let momentum = quad.spin(before, angular_before);
         let last = [&histories[quad.at(0)], &histories[quad.at(1)], &histories[quad.at(2)], &histories[quad.at(3)]];
-        let of_last = |of: fn(&History) -> Vec3| Four3::of(last.map(|last| of(last).as_dvec3()));
-        let (linear_last, momentum_last) = (of_last(|last| last.linear_before), of_last(|last| last.momentum_before));
-        let extrapolated = (linear_before - linear_last) * share + of_last(|last| last.acceleration) * steady;
+        let (linear_last, momentum_last) = (of_last(last, |last| last.linear_before), of_last(last, |last| last.momentum_before));
+        let extrapolated = (linear_before - linear_last) * share + of_last(last, |last| last.acceleration) * steady;
         let acceleration = (linear - linear_before - extrapolated) * inverse;
-        let extrapolated = (momentum - momentum_last) * share + of_last(|last| last.torque) * steady;
+        let extrapolated = (momentum - momentum_last) * share + of_last(last, |last| last.torque) * steady;
         let torque = (quad.spin(after, angular) - momentum - extrapolated) * inverse;
         let displacement = to - from;
         let change = after * before.conjugate();
         let (turn, is_small) = change.small_vector();
+        let (is_small, turn, change) = (F::truths(is_small), turn.each(), change.each());
+        let (displacement, momentum) = (displacement.each(), momentum.each());
+        let (acceleration, torque) = (acceleration.each(), torque.each());
+        let (linear_before, linear, angular) = (linear_before.each(), linear.each(), angular.each());
         for j in 0..quad.count {
-            let turn = if is_small[j] { turn.get(j) } else { rotation_vector(change.get(j)) };
+            let turn = if is_small[j] { turn[j] } else { rotation_vector(change[j]) };
             histories[quad.at(j)] = History {
                 h: h as f32,
                 substeps: 0,
                 swept_steps: 0,
-                displacement: displacement.get(j).as_vec3(),
+                displacement: displacement[j].as_vec3(),
                 turn: turn.as_vec3(),
-                linear_before: linear_before.get(j).as_vec3(),
-                momentum_before: momentum.get(j).as_vec3(),
-                acceleration: acceleration.get(j).as_vec3(),
-                torque: torque.get(j).as_vec3(),
+                linear_before: linear_before[j].as_vec3(),
+                momentum_before: momentum[j].as_vec3(),
+                acceleration: acceleration[j].as_vec3(),
+                torque: torque[j].as_vec3(),
                 jerk: if order.ratio > 0.0 { histories[quad.at(j)].jerk } else { Vec3::ZERO },
-                linear: linear.get(j).as_vec3(),
-                angular: angular.get(j).as_vec3(),
+                linear: linear[j].as_vec3(),
+                angular: angular[j].as_vec3(),
             };
         }
     }
+}
+
+/// What each of four bodies was told of its last substep.
+#[inline(always)]
+fn of_last<F: Four>(last: [&History; 4], of: fn(&History) -> Vec3) -> Four3<F> {
+    Four3::widened(last.map(of))
 }
 
 #[cfg(test)]
@@ -353,17 +375,18 @@ mod tests {
     fn four_bodies_turn_as_one_does() {
         let Five { quads, stances, rates, .. } = five();
         for quad in &quads {
-            let (_, rotation) = quad.places(&stances);
-            let (_, angular) = quad.velocities(&rates);
+            let (_, rotation) = quad.places::<Plain>(&stances);
+            let (_, angular) = quad.velocities::<Plain>(&rates);
             for size in [1.0, 1e-3] {
-                let turned = rotation.turned(angular * Four::splat(size));
+                let turned = rotation.turned(angular * Plain::splat(size));
                 let (vector, is_small) = (turned * rotation.conjugate()).small_vector();
+                let (turned, vector) = (turned.each(), vector.each());
                 for (j, is_small) in is_small.into_iter().enumerate().take(quad.count) {
                     let i = quad.at(j);
                     let alone = rotated(stances[i].1, rates[i].angular * size);
-                    assert!(turned.get(j).abs_diff_eq(alone, 1e-15), "{} instead of {alone}", turned.get(j));
+                    assert!(turned[j].abs_diff_eq(alone, 1e-15), "{} instead of {alone}", turned[j]);
                     assert_eq!(is_small, size < 1.0);
-                    let off = (vector.get(j) - rates[i].angular * size).length();
+                    let off = (vector[j] - rates[i].angular * size).length();
                     assert!(!is_small || off < 1e-14, "a rotation vector is off by {off:e}");
                 }
             }
@@ -385,10 +408,10 @@ mod tests {
                 advance(&quads, 0.007, &bodies, &mut stances, &mut rates);
                 note(&quads, 0.01, &order, &began, (&stances, &rates), &mut histories);
             } else {
-                predict_body(&quads, &order, 0.007, &histories, &mut start);
-                respond_body(&quads, &predicted, &stiffness, &mut bodies);
-                advance_body(&quads, 0.007, &bodies, &mut stances, &mut rates);
-                note_body(&quads, 0.01, &order, &began, (&stances, &rates), &mut histories);
+                predict_body::<Plain>(&quads, &order, 0.007, &histories, &mut start);
+                respond_body::<Plain>(&quads, &predicted, &stiffness, &mut bodies);
+                advance_body::<Plain>(&quads, 0.007, &bodies, &mut stances, &mut rates);
+                note_body::<Plain>(&quads, 0.01, &order, &began, (&stances, &rates), &mut histories);
             }
             (stances, histories)
         };

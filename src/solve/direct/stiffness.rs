@@ -15,15 +15,19 @@
 
 use glam::{DMat3, DVec3};
 
-use super::fours::{Four, FourSymmetric, any, both};
+use super::fours::FourSymmetric;
+use super::registers::Four;
 
 /// Newton steps towards the lowest eigenvalue.
 const EIGENVALUE_STEPS: usize = 6;
 
 /// Stiffness of an impulse (N·s) at a lever (m): as inertia (kg·m²) once multiplied by h (s).
 pub(crate) fn of_impulse(impulse: DVec3, lever: DVec3) -> DMat3 {
-    let outer = |a: DVec3, b: DVec3| DMat3::from_cols(a * b.x, a * b.y, a * b.z);
-    DMat3::from_diagonal(DVec3::splat(impulse.dot(lever))) - (outer(impulse, lever) + outer(lever, impulse)) * 0.5
+    let (f, r) = (impulse, lever);
+    let diagonal = DVec3::splat(f.dot(r)) - f * r;
+    let across = |a: usize, b: usize| 0.0 - (f[a] * r[b] + r[a] * f[b]) * 0.5;
+    let (xy, xz, yz) = (across(0, 1), across(0, 2), across(1, 2));
+    DMat3::from_cols(DVec3::new(diagonal.x, xy, xz), DVec3::new(xy, diagonal.y, yz), DVec3::new(xz, yz, diagonal.z))
 }
 
 /// The same matrices with no negative eigenvalue, but for rounding and what a few Newton steps leave on the safe side.
@@ -31,28 +35,29 @@ pub(crate) fn of_impulse(impulse: DVec3, lever: DVec3) -> DMat3 {
 /// p(λ) = det(A − λ) is convex and positive left of the lowest root, so that Newton's steps from a lower bound (Gershgorin's) never
 /// pass it.
 #[inline(always)]
-pub(super) fn without_negative(g: FourSymmetric) -> FourSymmetric {
+pub(super) fn without_negative<F: Four>(g: FourSymmetric<F>) -> FourSymmetric<F> {
     let (mut lambda, [trace, minors, determinant]) = g.characteristic();
-    let zero = Four::splat(0.0);
+    let zero = F::splat(0.0);
     let mut open = lambda.below(zero);
-    if !any(open) {
+    if !F::any(open) {
         return g;
     }
     for _ in 0..EIGENVALUE_STEPS {
         let value = ((trace - lambda) * lambda - minors) * lambda + determinant;
         let slope = (trace + trace - (lambda + lambda + lambda)) * lambda - minors;
-        open = both(open, both(slope.below(zero), zero.below(value)));
-        if !any(open) {
+        open = F::both(open, F::both(slope.below(zero), zero.below(value)));
+        if !F::any(open) {
             break;
         }
-        lambda = Four::select(open, lambda - value / slope, lambda);
+        lambda = F::select(open, lambda - value / slope, lambda);
     }
-    g.shifted(Four::select(lambda.below(zero), -lambda, zero))
+    g.shifted(F::select(lambda.below(zero), -lambda, zero))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solve::direct::registers::Plain;
 
     #[test]
     fn tension_along_the_lever_stiffens_only_across_it() {
@@ -77,7 +82,7 @@ mod tests {
         for _ in 0..1000 {
             let mut draw = || DVec3::new(next(), next(), next());
             let g = of_impulse(draw(), draw()) + of_impulse(draw(), draw());
-            let shifted = without_negative(FourSymmetric::of([&g; 4])).get(0);
+            let shifted = without_negative(FourSymmetric::<Plain>::of([&g; 4])).each()[0];
             let added = shifted.x_axis.x - g.x_axis.x;
             assert!(is_positive(&shifted, -1.0e-12), "{shifted:?} is indefinite");
             let less = g + DMat3::from_diagonal(DVec3::splat(added * 0.9 - 1.0e-6));
