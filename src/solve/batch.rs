@@ -256,6 +256,7 @@ impl Batch {
         self.coloring.reset(self.velocities.len());
         self.groups.clear();
         let mut counts = [0_u32; ALL_GROUPS];
+        let mut color_count = 0;
         for (number, &ContactEnds { a, b, points, .. }) in self.ends.iter().enumerate() {
             if self.direct.holds(number) {
                 self.groups.push(HELD);
@@ -270,27 +271,31 @@ impl Batch {
                 ends.iter().any(|end| end.is_dynamic()) && ends.iter().all(|end| end.jointed || !end.is_dynamic());
             let group = 2 * color as usize + usize::from(points == 1) + if held_by_joints { GROUPS } else { 0 };
             counts[group] += 1;
+            color_count = color_count.max(color + 1);
             self.groups.push(group as u32);
         }
+        // Most of the groups are of colours that no manifold has.
+        let used = 2 * color_count as usize;
+        let groups = || (0..used).chain(GROUPS..GROUPS + used).map(|group| (group, counts[group]));
         // What found no colour is solved one manifold a block, after the rest.
         let blocks_of = |group: usize, count: u32| if is_colored(group) { count.div_ceil(LANES as u32) } else { count } as usize;
         let (mut blocks, mut faces) = (0, 0);
-        for (group, &count) in counts.iter().enumerate() {
+        for (group, count) in groups() {
             blocks += blocks_of(group, count);
             faces += if has_faces(group) { blocks_of(group, count) } else { 0 };
         }
         self.contacts.make_room(blocks, faces);
         let mut next = [0_u32; ALL_GROUPS];
-        for (group, &count) in counts.iter().enumerate() {
+        self.first_jointed = 0;
+        for (group, count) in groups() {
             if group == GROUPS {
                 self.first_jointed = self.contacts.len();
             }
             next[group] = (self.contacts.len() * LANES) as u32;
             self.contacts.add(blocks_of(group, count), has_faces(group));
         }
-        let (free, jointed) = counts.split_at(GROUPS);
-        let is_used = |groups: &[u32]| groups.iter().any(|&count| count > 0);
-        self.color_count = free.chunks(2).zip(jointed.chunks(2)).filter(|(a, b)| is_used(a) || is_used(b)).count() as u32;
+        // Colours are taken from the lowest on.
+        self.color_count = color_count;
         for &group in &self.groups {
             if group == HELD {
                 self.lanes.push((HELD, 0));

@@ -133,7 +133,6 @@ impl Birth {
         self.supports.clear();
         self.new.clear();
         self.new.resize(slots, true);
-        let mut any_new = false;
         for (number, block) in batch.contacts.blocks.iter().enumerate() {
             for lane in 0..LANES {
                 let normal = block.normal_of(lane);
@@ -151,11 +150,10 @@ impl Birth {
                 let untouched = !(0..batch.contacts.room_of(number)).any(touched);
                 let fresh = untouched && approach < MAX_REST_SPEED + closable_speed;
                 self.new[upper as usize] &= fresh;
-                any_new |= fresh;
                 self.supports.push(Support { upper, lower, block: number as u32, lane: lane as u32 });
             }
         }
-        if !any_new {
+        if !self.supports.iter().any(|support| self.new[support.upper as usize]) {
             self.supports.clear();
             return;
         }

@@ -137,6 +137,10 @@ pub(crate) struct Articulation {
     /// built (rad).
     pub(super) lasting: Lasting,
     pub(super) built: Vec<Vec3>,
+    /// Way and turn of each body in the step as its rows were last looked at (m, rad).
+    pub(super) followed: Vec<[Vec3; 2]>,
+    /// Whether the inertia with which its bodies answer is that of the next substep already, where it is swept.
+    pub(super) has_answer: bool,
     /// Whether carried multipliers have taken the place of the next solve, where it is swept.
     pub(super) is_warm: bool,
     /// Whether it touches what moves and is not carried, or its contacts have not settled as rows, so that its joints are swept with the
@@ -197,6 +201,7 @@ impl Articulation {
         self.coupled = false;
         self.order = SecondOrder::EULER;
         self.lasting = Lasting::No;
+        self.has_answer = false;
         self.is_warm = false;
         self.solves_left = 0;
         self.bodies.clear();

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use super::super::joint::Stance;
 use super::super::joint::rows::Rate;
 use super::super::rotation::{self, Top, Turn};
-use super::super::state::{BodyMotion, BodyVelocity, MotionKind};
+use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 
 /// Largest rotation by which a projection turns a body at once (rad); beyond it a lever's direction has no meaning.
 const MAX_PROJECTED_TURN: f64 = 0.5;
@@ -59,6 +59,11 @@ impl DirectBody {
         }
         let axes = DMat3::from_quat(stance.1 * self.top.frame);
         axes * DMat3::from_diagonal(self.top.inertia) * axes.transpose()
+    }
+
+    /// The inertia with which it answers, as contacts see it.
+    pub(super) fn answer(&self) -> Symmetric {
+        Symmetric::from_mat3(self.inverse_inertia.as_mat3())
     }
 
     /// Its angular velocity taken through the inertia that answers to impulses, (I + G) ω' = I ω, whose kinetic energy is no greater.

@@ -7,15 +7,39 @@
 //! a substep ends with joints that hold; contacts see the bodies with their geometric stiffness, I + G, in place of I. Rows
 //! are those of a safe substep.
 
+use glam::DVec3;
+
 use super::articulation::{Articulation, Mode};
 use super::lasting::Lasting;
 use super::quads;
+use super::row::Origin;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::joint::rows::{Phase, Rate};
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 impl Articulation {
+    /// Finds the inertia with which the bodies answer in the first substep, of length `h` (s), so that rows of contacts know it from
+    /// the start.
+    pub(crate) fn get_ready(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f64) {
+        self.h = h;
+        self.find_answer(velocities, motions);
+        for body in self.bodies.iter().filter(|body| body.is_dynamic()) {
+            velocities[body.slot as usize].inverse_inertia = body.answer();
+        }
+        self.has_answer = true;
+    }
+
+    fn find_answer(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        self.load(velocities, motions);
+        if self.is_points {
+            self.find_spots();
+            self.find_ends(false);
+        }
+        self.find_stiffness(self.h, Mode::Safe, 1.0);
+        quads::respond(&self.quads, &self.stances, &self.stiffness, &mut self.bodies);
+    }
+
     /// Begins a substep, `rest` (s) from the end of the step: forces are in the velocities already. Bodies answer with I + G from here
     /// on.
     pub(crate) fn couple(
@@ -30,21 +54,20 @@ impl Articulation {
         if self.lasting == Lasting::Good {
             return self.go_on(velocities, motions);
         }
-        self.load(velocities, motions);
-        if self.is_points {
-            self.find_spots();
-            self.find_ends(false);
+        let has_answer = std::mem::replace(&mut self.has_answer, false);
+        if has_answer {
+            self.take_rates(velocities);
+        } else {
+            self.find_answer(velocities, motions);
         }
-        self.find_stiffness(h, Mode::Safe, 1.0);
-        quads::respond(&self.quads, &self.stances, &self.stiffness, &mut self.bodies);
-        self.answer_contacts(velocities, motions, true);
+        self.answer_contacts(velocities, motions, !has_answer);
         self.look_ahead(joints, motions, rest);
         self.ask(joints, Phase::Tangent { h });
     }
 
     /// Applies the carried multipliers in place of the first of several solves, if there are any.
     pub(crate) fn warm_start(&mut self, velocities: &mut [BodyVelocity], iterations: u32) {
-        self.is_warm = iterations > 1 && self.entries.iter().any(|entry| !entry.impulses.is_zero());
+        self.is_warm = iterations > 1 && self.is_pressed();
         if !self.is_warm {
             return;
         }
@@ -57,7 +80,16 @@ impl Articulation {
         self.give_rates(velocities);
     }
 
-    fn take_rates(&mut self, velocities: &[BodyVelocity]) {
+    /// Whether any joint has a carried multiplier.
+    fn is_pressed(&self) -> bool {
+        if self.system.sums.is_empty() {
+            self.entries.iter().any(|entry| !entry.impulses.is_zero())
+        } else {
+            self.system.is_pressed()
+        }
+    }
+
+    pub(super) fn take_rates(&mut self, velocities: &[BodyVelocity]) {
         for (rate, body) in self.rates.iter_mut().zip(&self.bodies) {
             *rate = Rate::of(&velocities[body.slot as usize]);
         }
@@ -88,6 +120,57 @@ impl Articulation {
         self.give_rates(velocities);
     }
 
+    /// Keeps the multipliers of a substep. Rows that may last keep them themselves, and what they add up to.
+    pub(crate) fn keep_swept_impulses(&mut self) {
+        if self.is_points {
+            return self.keep_impulses(1.0);
+        }
+        self.system.add_up();
+        if self.lasting != Lasting::Built {
+            self.hand_back_impulses();
+        }
+    }
+
+    /// Hands the multipliers back to the joints, and adds all since that was last done to their loads.
+    fn hand_back_impulses(&mut self) {
+        let Self { entries, system, links, stances, .. } = self;
+        if system.sums.is_empty() {
+            return;
+        }
+        for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {
+            let lever = stances[link.bodies[1] as usize].1 * entry.local_lever[1];
+            let (mut point, mut angular) = (DVec3::ZERO, DVec3::ZERO);
+            let (mut last, mut all) = ([DVec3::ZERO; 2], [DVec3::ZERO; 2]);
+            let rows = node.first as usize..node.last as usize;
+            for (row, &sum) in system.rows[rows.clone()].iter().zip(&system.sums[rows]) {
+                let (force, moment) = match row.origin {
+                    Origin::Point => {
+                        point += row.linear[1] * row.impulse;
+                        (row.linear[1], DVec3::ZERO)
+                    }
+                    Origin::Direction => {
+                        angular += row.angular[1] * row.impulse;
+                        (DVec3::ZERO, row.angular[1])
+                    }
+                    Origin::Scalar(id) => {
+                        entry.impulses.scalar[id as usize] = row.impulse as f32;
+                        entry.pressed |= u32::from(sum > 0.0) << id;
+                        (row.linear[1], row.angular[1] - lever.cross(row.linear[1]))
+                    }
+                    Origin::Contact => continue,
+                };
+                last = [last[0] + force * row.impulse, last[1] + moment * row.impulse];
+                all = [all[0] + force * sum, all[1] + moment * sum];
+            }
+            entry.impulses.point = point.as_vec3();
+            entry.impulses.angular = angular.as_vec3();
+            entry.acted = last.map(|impulse| impulse.as_vec3());
+            entry.linear_sum += all[0].as_vec3();
+            entry.angular_sum += all[1].as_vec3();
+        }
+        system.sums.clear();
+    }
+
     /// Ends a substep, after the bodies have moved, or the step: positions are mended, velocities stay.
     pub(crate) fn settle(
         &mut self,
@@ -99,6 +182,7 @@ impl Articulation {
         if !is_end && self.find_lasting(motions) {
             return;
         }
+        self.hand_back_impulses();
         self.load(velocities, motions);
         let lasts = self.lasting == Lasting::Good && self.system.is_factored;
         if self.lasting != Lasting::Never {
@@ -111,7 +195,7 @@ impl Articulation {
                 let motion = &mut motions[body.slot as usize];
                 let turn = stance.1 * motion.rotation.as_dquat().normalize().conjugate();
                 motion.displacement = stance.0.as_vec3();
-                motion.turn += (2.0 * glam::DVec3::new(turn.x, turn.y, turn.z) * turn.w.signum()).as_vec3();
+                motion.turn += (2.0 * DVec3::new(turn.x, turn.y, turn.z) * turn.w.signum()).as_vec3();
                 motion.rotation = stance.1.as_quat();
             }
         }

@@ -14,10 +14,9 @@
 //! same rows, stops that press and motors that hold among them; what that cannot mend, a stop that is overrun without pressing, is left to
 //! rows built anew.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::articulation::Articulation;
-use super::history::rotation_vector;
 use super::layout::Link;
 use super::project::{Errors, greater, greatest};
 use crate::id::{JointId, Pool};
@@ -26,7 +25,7 @@ use crate::solve::joint::kinds;
 use crate::solve::joint::rows::Rate;
 use crate::solve::joint::{JointEntry, Stance};
 use crate::solve::rotation;
-use crate::solve::state::{BodyMotion, BodyVelocity, Symmetric};
+use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// Rotation of a body up to which rows last (rad): gaps of 2e-4 of a lever, of which positions may keep 5e-4.
 const LASTING_TURN: f32 = 0.02;
@@ -84,7 +83,9 @@ impl Articulation {
             return;
         }
         self.lasting = Lasting::Built;
-        self.built.extend(self.bodies.iter().map(|body| motions[body.slot as usize].turn));
+        self.followed.clear();
+        self.followed.extend(self.bodies.iter().map(|body| way_of(&motions[body.slot as usize])));
+        self.built.extend(self.followed.iter().map(|[_, turn]| *turn));
         let most = f64::from(LASTING_TURN) / rest;
         if self.rates.iter().all(|rate| rate.angular.length_squared() <= most * most) {
             let h = 0.5 * (rest - self.h);
@@ -101,10 +102,11 @@ impl Articulation {
                 let motion = &motions[body.slot as usize];
                 (motion.turn - built).length_squared() <= LASTING_TURN * LASTING_TURN
             })
-            && self.entries.iter().zip(&self.eases).all(|(entry, ease)| {
-                let force = f64::from(entry.impulses.point.length());
-                self.h * force * ease <= LASTING_STIFFNESS
-            });
+            && self
+                .eases
+                .iter()
+                .enumerate()
+                .all(|(number, ease)| self.h * self.system.point_impulse(number) * ease <= LASTING_STIFFNESS);
         if still {
             self.lasting = Lasting::Good;
         }
@@ -113,13 +115,13 @@ impl Articulation {
 
     /// Begins a substep with the rows of an earlier one.
     pub(super) fn go_on(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
-        std::mem::swap(&mut self.stances, &mut self.tried);
-        self.load(velocities, motions);
+        self.take_rates(velocities);
         self.changes.clear();
-        self.changes.extend(self.stances.iter().zip(&self.tried).map(|(now, before)| Rate {
-            linear: (now.0 - before.0) / self.h,
-            angular: rotation_vector(now.1 * before.1.conjugate()) / self.h,
-        }));
+        for (body, before) in self.bodies.iter().zip(&mut self.followed) {
+            let now = way_of(&motions[body.slot as usize]);
+            let [way, turn] = std::mem::replace(before, now);
+            self.changes.push(Rate { linear: (now[0] - way).as_dvec3() / self.h, angular: (now[1] - turn).as_dvec3() / self.h });
+        }
         self.system.follow(&self.changes);
         self.answer_contacts(velocities, motions, false);
         self.lasting = Lasting::Built;
@@ -170,9 +172,14 @@ impl Articulation {
             if body.is_dynamic() {
                 let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
                 velocity.angular = self.rates[i].angular.as_vec3();
-                velocity.inverse_inertia = Symmetric::from_mat3(body.inverse_inertia.as_mat3());
+                velocity.inverse_inertia = body.answer();
                 motion.refreshed = anew;
             }
         }
     }
+}
+
+/// Way and turn of a body since the start of the step (m, rad).
+fn way_of(motion: &BodyMotion) -> [Vec3; 2] {
+    [motion.displacement, motion.turn]
 }

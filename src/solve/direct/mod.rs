@@ -328,6 +328,11 @@ impl Direct {
         self.articulations[..self.count].iter_mut().filter(|articulation| articulation.coupled)
     }
 
+    /// Has the articulations that touch what moves answer contacts as in the first substep, of length `h` (s).
+    pub(crate) fn get_ready(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
+        self.coupled().for_each(|articulation| articulation.get_ready(velocities, motions, f64::from(h)));
+    }
+
     /// Begins a substep of the articulations that touch what moves, `rest` (s) from the end of the step.
     pub(crate) fn couple(
         &mut self,
@@ -353,7 +358,7 @@ impl Direct {
 
     /// Hands the multipliers of a substep back to the joints.
     pub(crate) fn keep_impulses(&mut self) {
-        self.coupled().for_each(|articulation| articulation.keep_impulses(1.0));
+        self.coupled().for_each(Articulation::keep_swept_impulses);
     }
 
     /// Mends the positions of the articulations that touch what moves, at the end of a substep or of the step.

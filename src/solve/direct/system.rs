@@ -128,6 +128,8 @@ pub(crate) struct Topology {
 pub(crate) struct System {
     pub nodes: Vec<Node>,
     pub rows: Vec<Row>,
+    /// Sum of each row's multipliers over the substeps since they were handed back to the joints; empty where there are none.
+    pub sums: Vec<f64>,
     pub contacts: Vec<ContactRows>,
     factor: Factor,
     packed: Packed,
@@ -155,6 +157,7 @@ impl System {
     pub(crate) fn clear(&mut self) {
         self.nodes.clear();
         self.rows.clear();
+        self.sums.clear();
         self.contacts.clear();
     }
 
@@ -283,15 +286,16 @@ impl System {
 
     /// Begins another substep with the same rows, after the bodies have changed so much over its length: stops are nearer or further.
     pub(crate) fn follow(&mut self, changes: &[Rate]) {
-        for node in &self.nodes {
-            let pair = node.bodies.map(|body| changes[body as usize]);
-            for row in &mut self.rows[node.first as usize..node.last as usize] {
-                if row.min == 0.0 && row.max == f64::INFINITY {
-                    row.bias = (row.bias + row.rate(&pair)).max(0.0);
-                }
+        let mut any_free = false;
+        for &(row, node) in &self.bounded {
+            let row = &mut self.rows[row as usize];
+            if row.min == 0.0 && row.max == f64::INFINITY {
+                let pair = self.nodes[node as usize].bodies.map(|body| changes[body as usize]);
+                row.bias = (row.bias + row.rate(&pair)).max(0.0);
+                any_free |= row.state == State::Free;
             }
         }
-        if self.is_factored {
+        if self.is_factored && any_free {
             self.packed.take_biases(&self.rows);
         }
         self.has_pushed = false;
@@ -346,7 +350,38 @@ impl System {
     /// Adds the push of the carried multipliers to the rates.
     pub(crate) fn warm_start(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
         self.has_pushed = true;
-        self.push(bodies, rates, |row| row.impulse);
+        if !self.is_factored {
+            return self.push(bodies, rates, |row| row.impulse);
+        }
+        let Self { nodes, rows, factor, packed, increments, bounded, .. } = self;
+        increments.clone_from(&packed.impulse);
+        packed.impulse.fill(ZERO);
+        packed::add_impulses(packed, increments, 1.0, nodes, factor, bodies, rates);
+        let pushes = |row: &Row| matches!(row.state, State::Low | State::High) && row.impulse != 0.0;
+        if bounded.iter().any(|&(row, _)| pushes(&rows[row as usize])) {
+            self.push_fixed(bodies, rates);
+        }
+    }
+
+    /// Adds the multipliers of a substep to the sums of all since the rows were built.
+    pub(super) fn add_up(&mut self) {
+        self.drop_senseless();
+        self.sums.resize(self.rows.len(), 0.0);
+        for (sum, row) in self.sums.iter_mut().zip(&self.rows) {
+            *sum += row.impulse;
+        }
+    }
+
+    /// Whether any row has a multiplier.
+    pub(super) fn is_pressed(&self) -> bool {
+        self.rows.iter().any(|row| row.impulse != 0.0)
+    }
+
+    /// Length of the multiplier by which a joint holds its points together (N·s).
+    pub(super) fn point_impulse(&self, node: usize) -> f64 {
+        let node = &self.nodes[node];
+        let rows = self.rows[node.first as usize..node.last as usize].iter().filter(|row| row.origin == Origin::Point);
+        rows.map(|row| row.impulse * row.impulse).sum::<f64>().sqrt()
     }
 
     /// Takes the push of the last solve out of the rates.

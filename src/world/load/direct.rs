@@ -47,6 +47,7 @@ impl BatchRecords for Within<'_> {
 impl Records<'_> {
     /// Moves what the direct solver can move by itself, and lays out rows for the rest.
     pub(super) fn lay_out(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
+        let h = settings.dt / settings.substeps as f32;
         let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, manifolds, .. } = batch;
         direct.group_slots(&joints.entries, motions);
         direct.solver = self.solver;
@@ -65,11 +66,11 @@ impl Records<'_> {
             direct.take(&mut joints.entries, velocities, motions, inputs, &records);
             joints.entries.append(withheld);
             direct.step(self.joints, velocities, motions, inputs, settings);
+            direct.get_ready(velocities, motions, h);
         }
         batch.color_contacts();
         batch.set_contacts(threads, self.reach, |manifold, ends| self.contact_input(manifold, ends));
         let Batch { joints, coloring, velocities, motions, .. } = batch;
-        let h = settings.dt / settings.substeps as f32;
         joints.lay_out(self.joints, coloring, velocities, motions, h, settings.substeps);
     }
 }
