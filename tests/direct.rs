@@ -44,6 +44,16 @@ fn a_bridge_of_1132_joints_keeps_its_sag() {
 }
 
 #[test]
+fn a_bridge_four_times_as_long_with_the_same_sag_lies_still() {
+    // Its ropes are pulled by 440 kN, its pieces weigh 0.2 kg.
+    let run = Run::of("rope_bridge", &[("planks", "445"), ("seconds", "1.5")]);
+    run.keeps("stretch_pct", 0.001, "%");
+    run.keeps("joint_gap_m", 1e-5, "m");
+    let sag = run.error("mid_sag_m");
+    assert!((1.995..2.005).contains(&sag), "the bridge sags {sag} m instead of 2.00");
+}
+
+#[test]
 fn a_bridge_holds_together_under_who_walks_over_it() {
     Run::of("rope_bridge", &[("walk", "on"), ("seconds", "5")]).keeps("joint_gap_m", 1e-3, "m");
 }

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::articulation::{Articulation, TOLERANCE};
+use super::body::DirectBody;
 use super::contacts::Touch;
 use super::system::{PROJECTION_PASSES, System};
 use crate::id::{JointId, Pool};
@@ -14,6 +15,12 @@ use crate::solve::joint::rows::{Held, Phase, Rate, ScalarRow};
 
 /// Share of the tolerance below which positions are left as they are.
 const GOOD_ENOUGH: f64 = 0.25;
+
+/// Energy that gaps may stand for: this share of what is kinetic, or as much as bodies have at this speed (m/s); and the gap, over the
+/// articulation's size, that is never too wide.
+const HARMLESS: f64 = 0.01;
+const HARMLESS_SPEED: f64 = 0.3;
+const LEAST_GAP: f64 = 1.0e-7;
 
 /// Overlap with what the articulation does not move below which positions are left as they are (m).
 const NEGLIGIBLE_OVERLAP: f64 = 1.0e-5;
@@ -279,13 +286,32 @@ impl Articulation {
         any
     }
 
+    /// Whether gaps up to this (m) stand for so little energy that positions may stay as they are.
+    ///
+    /// A gap under a force is energy: a taut rope that is longer by 0.1 mm at each of its joints sags by a multiple of their sum, and its
+    /// light pieces spin with what it falls by. What touches is not asked: contacts take more than that.
+    fn is_harmless(&self, gap: f64) -> bool {
+        if self.coupled || gap <= LEAST_GAP * self.size {
+            return true;
+        }
+        let impulse = self.entries.iter().map(|entry| f64::from(entry.impulses.point.length())).sum::<f64>();
+        let most = |(body, rate): (&DirectBody, &Rate)| {
+            let mass = body.free_mass()?;
+            Some(0.5 * mass * (HARMLESS * rate.linear.length_squared()).max(HARMLESS_SPEED * HARMLESS_SPEED))
+        };
+        impulse * gap <= self.h * self.bodies.iter().zip(&self.rates).filter_map(most).sum::<f64>()
+    }
+
     /// Takes errors out of the positions; returns the worst of the joints that is left.
     pub(super) fn project(&mut self, joints: &Pool<Joint, JointId>, mut errors: Errors) -> f64 {
         self.outcome.penetration = self.outcome.penetration.max(errors.overlap);
         let good = GOOD_ENOUGH * TOLERANCE * self.size;
         let mut overlaps = errors.overlap > NEGLIGIBLE_OVERLAP;
         for round in 0..PROJECTIONS {
-            if (errors.worst <= good && !overlaps) || !errors.worst.is_finite() || (round >= FREE_PROJECTIONS && !self.pay(1)) {
+            if (errors.worst <= good && !overlaps && self.is_harmless(errors.gap))
+                || !errors.worst.is_finite()
+                || (round >= FREE_PROJECTIONS && !self.pay(1))
+            {
                 break;
             }
             let accept = |left: &Errors| left.worst < errors.worst || (overlaps && left.worst <= good);
