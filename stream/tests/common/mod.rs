@@ -134,8 +134,12 @@ pub fn peer(words: &[&str]) -> Child {
 
 /// The next line that a process says, without what follows it.
 pub fn line(child: &mut Child) -> String {
-    let said = child.stdout.as_mut().unwrap().bytes().map(|byte| byte.unwrap());
-    String::from_utf8(said.take_while(|&byte| byte != b'\n').collect()).unwrap()
+    let (mut said, mut byte) = (Vec::new(), [0]);
+    // Byte by byte: what a buffer took beyond the line would be lost.
+    while child.stdout.as_mut().unwrap().read_exact(&mut byte).is_ok() && byte != *b"\n" {
+        said.extend(byte);
+    }
+    String::from_utf8(said).unwrap()
 }
 
 /// What was given to [`Room::new`], and the number of this process.
