@@ -361,6 +361,9 @@ impl Articulation {
             };
             let second_order = order.is_some();
             self.order = order.unwrap_or(SecondOrder::EULER);
+            if !second_order && self.entries.iter().all(|entry| entry.impulses.is_zero()) {
+                self.guess_impulses(joints, h);
+            }
             let momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
             let errors = self.find_errors(joints);
             if errors.worst <= (TOLERANCE * self.size).max(before.unwrap_or_default()) && !self.touches.iter().any(Touch::presses)
@@ -415,6 +418,17 @@ impl Articulation {
         self.outcome.halvings += 1;
         self.restore();
         self.advance_in_parts(joints, h, 2, depth + 1, Some(before))
+    }
+
+    /// Finds multipliers for a first substep that carries none: those of one taken on trial.
+    ///
+    /// Without them bodies have no geometric stiffness, and the substep leaves what is pulled hard trembling.
+    fn guess_impulses(&mut self, joints: &Pool<Joint, JointId>, h: f64) {
+        self.substep(joints, h, Mode::Smooth);
+        for (entry, saved) in self.entries.iter().zip(&mut self.began.joints) {
+            saved.impulses = entry.impulses;
+        }
+        self.restore();
     }
 
     /// Whether a stop presses that did not before this substep.
