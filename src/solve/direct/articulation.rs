@@ -189,6 +189,7 @@ struct SavedJoint {
     impulses: JointImpulses,
     sums: [Vec3; 2],
     acted: [Vec3; 2],
+    pressed: u32,
 }
 
 impl Articulation {
@@ -467,6 +468,7 @@ impl Articulation {
             impulses: entry.impulses,
             sums: [entry.linear_sum, entry.angular_sum],
             acted: entry.acted,
+            pressed: entry.pressed,
         }));
         saved.touches.clone_from(&self.touches);
     }
@@ -480,6 +482,7 @@ impl Articulation {
             entry.impulses = saved.impulses;
             [entry.linear_sum, entry.angular_sum] = saved.sums;
             entry.acted = saved.acted;
+            entry.pressed = saved.pressed;
         }
         self.touches.clone_from(&saved.touches);
     }

@@ -61,7 +61,7 @@ impl DirectBody {
         axes * DMat3::from_diagonal(self.top.inertia) * axes.transpose()
     }
 
-    /// The inertia with which it answers, as contacts see it.
+    /// Inverse of the inertia with which it answers, as contacts see it (1/(kg·m²)).
     pub(super) fn answer(&self) -> Symmetric {
         Symmetric::from_mat3(self.inverse_inertia.as_mat3())
     }
