@@ -18,12 +18,12 @@ pub(crate) struct Elimination {
     pub work: u64,
 }
 
-/// Orders the nodes of a graph given by sorted neighbour lists; `None` when the factor would cost more than `most_work`.
-pub(crate) fn minimum_degree(mut neighbors: Vec<Vec<u32>>, rows: &[u32], most_work: u64) -> Option<Elimination> {
-    let degree = |list: &[u32]| list.iter().map(|&node| u64::from(rows[node as usize])).sum::<u64>();
+/// Orders the nodes of a graph given by neighbour lists; `None` when the factor would cost more than `most_work`.
+pub(crate) fn minimum_degree(neighbors: Vec<Vec<u32>>, rows: &[u32], most_work: u64) -> Option<Elimination> {
+    let mut graph = Quotient::new(neighbors, rows);
+    let mut current: Vec<u64> = graph.neighbors.iter().map(|list| graph.weigh(list).rows).collect();
     let mut queue: BinaryHeap<Reverse<(u64, u32)>> =
-        neighbors.iter().zip(0..).map(|(list, node)| Reverse((degree(list), node))).collect();
-    let mut current: Vec<u64> = neighbors.iter().map(|list| degree(list)).collect();
+        current.iter().zip(0..).map(|(&degree, node)| Reverse((degree, node))).collect();
     let mut done = vec![false; rows.len()];
     let mut result = Elimination::default();
     while let Some(Reverse((queued, node))) = queue.pop() {
@@ -36,41 +36,140 @@ pub(crate) fn minimum_degree(mut neighbors: Vec<Vec<u32>>, rows: &[u32], most_wo
         if result.work > most_work {
             return None;
         }
-        let list = std::mem::take(&mut neighbors[node as usize]);
-        for &other in &list {
-            let joined = union_without(&neighbors[other as usize], &list, [node, other]);
-            neighbors[other as usize] = joined;
-            current[other as usize] = degree(&neighbors[other as usize]);
-            queue.push(Reverse((current[other as usize], other)));
-        }
+        graph.eliminate(node, |other, degree| {
+            if std::mem::replace(&mut current[other as usize], degree) != degree {
+                queue.push(Reverse((degree, other)));
+            }
+        });
         result.order.push(node);
-        result.coupled.push(list);
     }
+    result.coupled = result.order.iter().map(|&node| std::mem::take(&mut graph.coupled[node as usize])).collect();
     Some(result)
 }
 
-/// Union of two sorted lists, less two members.
-fn union_without(a: &[u32], b: &[u32], without: [u32; 2]) -> Vec<u32> {
-    let mut union = Vec::with_capacity(a.len() + b.len());
-    let (mut i, mut j) = (0, 0);
-    while i < a.len() || j < b.len() {
-        let next = match (a.get(i), b.get(j)) {
-            (Some(&x), Some(&y)) => x.min(y),
-            (Some(&x), None) => x,
-            (None, Some(&y)) => y,
-            (None, None) => break,
-        };
-        i += usize::from(a.get(i) == Some(&next));
-        j += usize::from(b.get(j) == Some(&next));
-        if !without.contains(&next) {
-            union.push(next);
+/// How many nodes, and how many rows they have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Weight {
+    nodes: u32,
+    rows: u64,
+}
+
+/// What is left of a graph while its nodes are eliminated, as a *quotient graph* (George and Liu 1980): an eliminated node, an
+/// *element* by then, stands for all couplings among its neighbours, and these are never written out one by one. Degrees are exact.
+struct Quotient<'a> {
+    rows: &'a [u32],
+    /// Neighbours of each node by couplings of the matrix that no element of the node stands for.
+    neighbors: Vec<Vec<u32>>,
+    /// Elements that each node is a neighbour of, but those that add nothing to another.
+    elements: Vec<Vec<u32>>,
+    /// Neighbours of each element, and what they weigh. As long as the element is one of theirs, none of them has been eliminated.
+    coupled: Vec<Vec<u32>>,
+    weight: Vec<Weight>,
+    /// Of each element: the last one that it was set against, and what its neighbours weigh that are not that one's too.
+    against: Vec<u32>,
+    outside: Vec<Weight>,
+    /// The last element that each node was found to be a neighbour of.
+    within: Vec<u32>,
+    /// The round in which each node was counted last.
+    counted: Vec<u32>,
+    round: u32,
+}
+
+/// Number of no node.
+const NONE: u32 = u32::MAX;
+
+impl<'a> Quotient<'a> {
+    fn new(neighbors: Vec<Vec<u32>>, rows: &'a [u32]) -> Self {
+        let count = rows.len();
+        Self {
+            rows,
+            neighbors,
+            elements: vec![Vec::new(); count],
+            coupled: vec![Vec::new(); count],
+            weight: vec![Weight::default(); count],
+            against: vec![NONE; count],
+            outside: vec![Weight::default(); count],
+            within: vec![NONE; count],
+            counted: vec![0; count],
+            round: 0,
         }
     }
-    union
+
+    fn weigh(&self, nodes: &[u32]) -> Weight {
+        let rows = nodes.iter().map(|&node| u64::from(self.rows[node as usize])).sum();
+        Weight { nodes: nodes.len() as u32, rows }
+    }
+
+    /// Takes a node out, and tells of each of its neighbours how many rows the neighbours of that one have from now on.
+    fn eliminate(&mut self, node: u32, mut tell: impl FnMut(u32, u64)) {
+        let absorbed = std::mem::take(&mut self.elements[node as usize]);
+        let own = self.find_neighbors(node, &absorbed);
+        let weight = self.weigh(&own);
+        for &other in &own {
+            self.elements[other as usize].retain(|element| !absorbed.contains(element));
+            let Self { elements, neighbors, within, against, outside, weight, rows, .. } = self;
+            neighbors[other as usize].retain(|&neighbor| neighbor != node && within[neighbor as usize] != node);
+            for element in elements[other as usize].iter().map(|&element| element as usize) {
+                if std::mem::replace(&mut against[element], node) != node {
+                    outside[element] = weight[element];
+                }
+                outside[element].nodes -= 1;
+                outside[element].rows -= u64::from(rows[other as usize]);
+            }
+        }
+        for &other in &own {
+            let Self { elements, outside, .. } = self;
+            elements[other as usize].retain(|&element| outside[element as usize].nodes > 0);
+            let beyond = self.rows_beyond(other, node);
+            self.elements[other as usize].push(node);
+            tell(other, weight.rows - u64::from(self.rows[other as usize]) + beyond);
+        }
+        (self.coupled[node as usize], self.weight[node as usize]) = (own, weight);
+    }
+
+    /// Neighbours of a node that is in these elements.
+    fn find_neighbors(&mut self, node: u32, elements: &[u32]) -> Vec<u32> {
+        let mut found = std::mem::take(&mut self.neighbors[node as usize]);
+        found.iter().for_each(|&other| self.within[other as usize] = node);
+        self.within[node as usize] = node;
+        for &element in elements {
+            for &other in &self.coupled[element as usize] {
+                if std::mem::replace(&mut self.within[other as usize], node) != node {
+                    found.push(other);
+                }
+            }
+        }
+        found
+    }
+
+    /// Rows of the neighbours of `node` that are not neighbours of `element`, the newest one. What is coupled through one of its elements
+    /// is not listed as coupled by the matrix, but may be coupled through another.
+    fn rows_beyond(&mut self, node: u32, element: u32) -> u64 {
+        let by_matrix = self.weigh(&self.neighbors[node as usize]).rows;
+        let Self { elements, coupled, outside, within, counted, round, rows, .. } = self;
+        by_matrix
+            + match elements[node as usize][..] {
+                [] => 0,
+                [only] => outside[only as usize].rows,
+                ref several => {
+                    *round += 1;
+                    let around = several.iter().flat_map(|&other| &coupled[other as usize]).map(|&node| node as usize);
+                    let beyond = around.filter(|&node| within[node] != element);
+                    beyond
+                        .filter(|&node| std::mem::replace(&mut counted[node], *round) != *round)
+                        .map(|node| u64::from(rows[node]))
+                        .sum()
+                }
+            }
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
+    use proptest::prelude::*;
+
     use super::*;
 
     #[test]
@@ -88,6 +187,46 @@ mod tests {
         let elimination = minimum_degree(neighbors, &[3; 15], u64::MAX).expect("no limit is set");
         let blocks: usize = elimination.coupled.iter().map(Vec::len).sum();
         assert_eq!(blocks, 14, "a tree of 15 nodes has 14 edges and its factor as many blocks");
+    }
+
+    /// The same with all couplings written out.
+    fn written_out(mut neighbors: Vec<BTreeSet<u32>>, rows: &[u32]) -> (Vec<u32>, Vec<BTreeSet<u32>>) {
+        let mut left: BTreeSet<u32> = (0..rows.len() as u32).collect();
+        let (mut order, mut coupled) = (Vec::new(), Vec::new());
+        while let Some(&node) = left.iter().min_by_key(|&&node| {
+            let degree: u32 = neighbors[node as usize].iter().map(|&other| rows[other as usize]).sum();
+            (degree, node)
+        }) {
+            left.remove(&node);
+            let own = std::mem::take(&mut neighbors[node as usize]);
+            for &other in &own {
+                neighbors[other as usize].extend(own.iter().filter(|&&third| third != other));
+                neighbors[other as usize].remove(&node);
+            }
+            order.push(node);
+            coupled.push(own);
+        }
+        (order, coupled)
+    }
+
+    proptest! {
+        #[test]
+        fn a_quotient_graph_is_eliminated_as_one_that_is_written_out(
+            pairs in prop::collection::vec((0..40_u32, 0..40_u32), 0..120),
+            rows in prop::collection::vec(0..7_u32, 40),
+        ) {
+            let mut sets = vec![BTreeSet::new(); 40];
+            for (a, b) in pairs.into_iter().filter(|(a, b)| a != b) {
+                sets[a as usize].insert(b);
+                sets[b as usize].insert(a);
+            }
+            let lists = sets.iter().map(|set| set.iter().copied().collect()).collect();
+            let found = minimum_degree(lists, &rows, u64::MAX).expect("no limit is set");
+            let (order, coupled) = written_out(sets, &rows);
+            prop_assert_eq!(found.order, order);
+            let found: Vec<BTreeSet<u32>> = found.coupled.into_iter().map(|list| list.into_iter().collect()).collect();
+            prop_assert_eq!(found, coupled);
+        }
     }
 
     #[test]
