@@ -86,6 +86,23 @@ fn a_tower_has_the_same_bits_on_any_number_of_threads_while_it_stands_and_falls(
 }
 
 #[test]
+fn a_net_that_is_cut_into_strips_has_the_same_bits_on_any_number_of_threads() {
+    same_on_any_number_of_threads("joint_grid", &[("n", "50"), ("seconds", "0.25")]);
+    // Contacts have its joints swept with them.
+    let with_a_guest = |threads| {
+        let mut scene = scene("joint_grid", &[("n", "50"), ("seconds", "0.25")]);
+        let mut guest = scene.bodies[scene.bodies.len() / 2 + 20].clone();
+        guest.pose.position -= scene.world.gravity.normalize().as_dvec3() * 0.9;
+        scene.bodies.push(guest);
+        Run::on_threads(scene, threads).world().state_hash()
+    };
+    let one = with_a_guest(1);
+    for threads in [2, 4] {
+        assert_eq!(with_a_guest(threads), one, "state hashes on {threads} threads and on one");
+    }
+}
+
+#[test]
 fn jointed_bodies_have_the_same_bits_on_any_number_of_threads() {
     same_on_any_number_of_threads("violent", &[("what", "joints"), ("n", "200"), ("seconds", "2")]);
 }

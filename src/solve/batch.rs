@@ -187,7 +187,7 @@ impl Batch {
 
     /// Work that it makes for several threads.
     pub(crate) fn load(&self) -> usize {
-        self.manifolds.len()
+        self.manifolds.len() + self.joint_slots.len()
     }
 
     /// Bodies that it has had room for.

@@ -35,11 +35,13 @@ mod wide_matrix;
 pub(crate) mod wrap;
 
 use batch::Batch;
+use joint::Moving;
 use state::BodyVelocity;
 
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::room::make_room;
+use crate::workers::Workers;
 
 /// Overlap below which position recovery has nothing to do (m).
 const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
@@ -76,7 +78,7 @@ pub(crate) struct StepSettings {
 
 impl Batch {
     /// Moves all bodies of the batch through the step.
-    pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
+    pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, settings: &StepSettings) {
         let h = settings.dt / settings.substeps as f32;
         if self.is_done() {
             // What it says of the bodies is stored with them, and asked of those without joints.
@@ -96,22 +98,22 @@ impl Batch {
         self.taut.lay_out(&self.bounds);
         self.poses.lay_out(&self.velocities, &mut self.motions, h);
         self.find_passive_islands();
-        self.find_sheet();
+        self.find_sheet(threads);
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
             self.leads.begin_substep(&self.velocities, substep, settings.substeps);
             self.apply_forces(joints, h, h * (settings.substeps - substep) as f32);
             self.passive.note(&self.velocities, &self.poses);
-            self.prepare_joints(joints, h, false, true);
-            let is_weighed = self.sheet.is_one() && self.solve_sheet(h);
+            self.prepare_joints(joints, threads, h, false, true);
+            let is_weighed = self.sheet.is_one() && self.solve_sheet(threads, h);
             if !self.sheet.is_one() {
-                self.sweep_all(joints, h, settings.iterations);
+                self.sweep_all(joints, threads, h, settings.iterations);
             }
             self.restrain(joints, is_weighed);
             if substep == 0 {
                 self.leads.halve_start(self.passive.slots(), &mut self.velocities);
             }
-            self.joints.end_substep();
+            self.joints.end_substep(threads);
             self.direct.keep_impulses();
             self.bounds.add_loads();
             self.wraps.add_loads();
@@ -126,7 +128,7 @@ impl Batch {
             if self.sheet.is_one() {
                 self.push_sheet();
             } else {
-                self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
+                self.joints.project(joints, threads, &mut self.velocities, &mut self.motions, h);
             }
             if is_last {
                 self.flatten();
@@ -139,7 +141,7 @@ impl Batch {
         if self.sheet.is_one() {
             self.joints.end_course();
         } else {
-            self.close_joints(joints, h);
+            self.close_joints(joints, threads, h);
         }
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
         self.add_to_tally();
@@ -157,8 +159,8 @@ impl Batch {
     }
 
     /// Warm start and sweeps of a substep of length `h`.
-    fn sweep_all(&mut self, joints: &Pool<Joint, JointId>, h: f32, iterations: u32) {
-        self.joints.warm_start(&mut self.velocities);
+    fn sweep_all(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, iterations: u32) {
+        self.joints.warm_start(threads, &mut self.velocities);
         self.bounds.warm_start(&mut self.velocities);
         self.wraps.begin_substep(&mut self.velocities, &self.motions, h);
         contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
@@ -167,18 +169,18 @@ impl Batch {
         self.solve_exactly();
         for iteration in 0..iterations {
             if iteration > 0 && iteration + 1 == iterations {
-                self.prepare_joints(joints, h, true, iterations >= LONG_SUBSTEP);
+                self.prepare_joints(joints, threads, h, true, iterations >= LONG_SUBSTEP);
             }
             if iteration % 2 == 0 {
                 self.wraps.sweep(&mut self.velocities, false);
                 self.bounds.sweep(&mut self.velocities, false);
                 self.taut.sweep(&mut self.velocities, false);
                 self.direct.sweep(&mut self.velocities);
-                self.joints.sweep(&mut self.velocities, false);
+                self.joints.sweep(threads, &mut self.velocities, false);
                 self.sweep_contacts(false);
             } else {
                 self.sweep_contacts(true);
-                self.joints.sweep(&mut self.velocities, true);
+                self.joints.sweep(threads, &mut self.velocities, true);
                 self.direct.sweep(&mut self.velocities);
                 self.taut.sweep(&mut self.velocities, true);
                 self.bounds.sweep(&mut self.velocities, true);
@@ -241,13 +243,13 @@ impl Batch {
 
     /// Builds rows of joints at the poses predicted by now, and those of bounds and taut lines; `again` where they have been built in
     /// this substep, and `bounds_too` where those of bounds are to be built anew with them.
-    fn prepare_joints(&mut self, joints: &Pool<Joint, JointId>, h: f32, again: bool, bounds_too: bool) {
+    fn prepare_joints(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, again: bool, bounds_too: bool) {
         let Self { poses, velocities, motions, bounds, .. } = self;
         if self.joints.entries.is_empty() {
             return;
         }
         poses.predict(velocities, motions, h);
-        self.joints.prepare(joints, velocities, motions, &poses.outlooks, h, again);
+        self.joints.prepare(joints, threads, &Moving { velocities, motions, outlooks: &poses.outlooks }, h, again);
         if bounds_too {
             bounds.prepare(velocities, motions, &poses.outlooks, h, again);
             self.taut.prepare(bounds, velocities, motions, &poses.outlooks, h);
@@ -312,13 +314,13 @@ impl Batch {
 
     /// Sweeps position rows on where joints are left ajar and a sweep at least halves that: what bends has no taut bound, and one
     /// sweep a substep leaves it gaps.
-    fn close_joints(&mut self, joints: &Pool<Joint, JointId>, h: f32) {
+    fn close_joints(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32) {
         let mut opening = self.joints.opening(joints, &self.motions);
         for _ in 0..CLOSING_SWEEPS {
             if !AJAR.contains(&opening) {
                 break;
             }
-            self.joints.project(joints, &mut self.velocities, &mut self.motions, h);
+            self.joints.project(joints, threads, &mut self.velocities, &mut self.motions, h);
             self.flatten();
             let before = std::mem::replace(&mut opening, self.joints.opening(joints, &self.motions));
             if opening > 0.5 * before {

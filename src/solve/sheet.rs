@@ -56,6 +56,7 @@ use super::poses::course::{Course, Products};
 use super::state::BodyVelocity;
 use crate::room::make_room;
 use crate::span::sheet::is_sheet;
+use crate::workers::Workers;
 
 /// Moves in a substep at most: a sheet that is let go takes that many for some steps, one that hangs one to three.
 const MOST_MOVES: u32 = 16;
@@ -99,7 +100,7 @@ fn least(products: &Products, bias: [f64; 2]) -> ([f64; 2], f64) {
 
 impl Batch {
     /// Finds out whether the batch is one sheet, and nothing else.
-    pub(crate) fn find_sheet(&mut self) {
+    pub(crate) fn find_sheet(&mut self, threads: &Workers) {
         let bodies = self.motions.len() - 1;
         let has_other_rows = !self.contacts.is_empty() || !self.bounds.entries.is_empty() || !self.planes.entries.is_empty();
         self.sheet.is_one = is_sheet(self.joints.entries.len(), bodies)
@@ -108,13 +109,13 @@ impl Batch {
             && self.joints.are_all_in_lanes()
             && !has_other_rows;
         if self.sheet.is_one {
-            self.joints.begin_course();
+            self.joints.begin_course(threads);
         }
     }
 
     /// Warm start and sweeps of a substep of length `h`, from velocities to which forces have been added; says whether the energies of
     /// those that it ends with have been found.
-    pub(crate) fn solve_sheet(&mut self, h: f32) -> bool {
+    pub(crate) fn solve_sheet(&mut self, threads: &Workers, h: f32) -> bool {
         let Self { sheet: Sheet { course, .. }, poses, joints, velocities, motions, pushes, passive, .. } = self;
         poses.begin_course(course, velocities, motions);
         let (mut added, mut had) = (0.0, 0.0);
@@ -128,17 +129,17 @@ impl Batch {
         pushes.clear();
         make_room(pushes, velocities.len());
         pushes.extend(velocities.iter().map(BodyVelocity::at_rest));
-        joints.lanes.apply_way(pushes);
+        joints.apply_way(threads, pushes);
         poses.take_way(course, pushes);
         pushes.iter_mut().for_each(|push| (push.linear, push.angular) = (Vec3::ZERO, Vec3::ZERO));
-        joints.push(pushes, h);
+        joints.push(threads, pushes, h);
 
         poses.note_course(course, velocities);
-        joints.warm_start(velocities);
+        joints.warm_start(threads, velocities);
         let Products { dd, vd, .. } = poses.weigh_course(course, velocities);
         if -2.0 * vd < dd {
             let share = (-2.0 * vd / dd).max(0.0) as f32;
-            joints.lanes.scale_impulses(share);
+            joints.scale_impulses(share);
             for (velocity, before) in velocities.iter_mut().zip(passive.noted()) {
                 velocity.linear = before.linear + (velocity.linear - before.linear) * share;
                 velocity.angular = before.angular + (velocity.angular - before.angular) * share;
@@ -146,13 +147,11 @@ impl Batch {
         }
 
         for _ in 0..MOST_MOVES {
-            joints.lanes.note_course();
             poses.note_course(course, velocities);
-            joints.sweep(velocities, false);
-            joints.sweep(velocities, true);
-            let (shares, fall) = least(&poses.weigh_course(course, velocities), joints.lanes.weigh_course());
+            let bias = joints.sweep_course(threads, velocities);
+            let (shares, fall) = least(&poses.weigh_course(course, velocities), bias);
             let shares = shares.map(|share| share as f32);
-            joints.lanes.steer_course(shares);
+            joints.steer_course(threads, shares);
             poses.steer_course(course, velocities, shares);
             if fall.is_nan() || fall <= enough {
                 break;

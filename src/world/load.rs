@@ -38,7 +38,7 @@ const ROUND: f32 = 1.0e-5;
 /// one that is far heavier doubles its speed.
 const OUTPACED: f32 = 2.0;
 
-/// Manifolds of a batch from which on all threads work on it together, and the share of all that it must have: only a quarter of its
+/// Manifolds and joints of a batch from which on all threads work on it together, and the share of all that it must have: only a quarter of its
 /// work is shared so far, so other batches had better be solved beside it where they are as much.
 const LEAST_SHARED: usize = 512;
 const SHARED_FROM: f32 = 0.8;
@@ -109,7 +109,7 @@ impl World {
         };
         let work = |batch: &mut Batch, threads: &Workers| {
             records.fill(batch, &settings, threads);
-            batch.solve(records.joints, &settings);
+            batch.solve(records.joints, threads, &settings);
         };
         let batches = &mut self.batches[..self.batch_count];
         let all: usize = batches.iter().map(Batch::load).sum();

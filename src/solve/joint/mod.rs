@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3, Vec3};
 
+mod course;
 mod distance;
 mod fixed;
 mod generic;
@@ -22,24 +23,29 @@ mod reach;
 pub(crate) mod rows;
 mod singles;
 mod spherical;
+mod strips;
 mod sweep;
 
 use geometry::{JointGeometry, Placement, Side};
 pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lanes};
 use lanes::{Holds, JointLanes};
 use singles::Singles;
+use strips::Strips;
 
 use super::color::{Coloring, MAX_COLORS};
+use super::contact::LANES;
 use super::integrate::Outlook;
-use super::state::{BodyMotion, BodyVelocity};
+use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind, Softness};
 use crate::settings::Solver;
+use crate::workers::Workers;
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
 const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
 
-/// What joints of one colour may hold, none of it in lanes among that; and groups by colour and that, the last for no colour.
+/// What joints of one colour may hold, none of it in lanes among that; and groups by colour and that, the last for no colour. Each has
+/// a part for every strip, and one for what is in none.
 const KINDS: usize = 1 + Holds::ALL.len();
 const GROUPS: usize = KINDS * (MAX_COLORS + 1);
 
@@ -87,12 +93,17 @@ pub(crate) struct JointEntry {
 #[derive(Debug, Default)]
 pub(crate) struct BatchJoints {
     pub entries: Vec<JointEntry>,
-    pub lanes: JointLanes,
+    /// What is swept by itself; and the rest, of most batches all.
+    strips: Strips,
+    lanes: JointLanes,
     singles: Singles,
     visits: Vec<Visit>,
-    /// Group of each joint: its colour, and what it holds.
-    groups: Vec<u32>,
-    /// Numbers of the joints in the order of their groups: the joints themselves stay where they are, as they are large.
+    /// Part of each joint: its colour, what it holds, and its strip; and the first place of each part in the order.
+    parts: Vec<u32>,
+    places: Vec<u32>,
+    /// Joints of one colour that are in no strip, or left over there.
+    left_over: Vec<u32>,
+    /// Numbers of the joints in the order of their parts: the joints themselves stay where they are, as they are large.
     order: Vec<u32>,
 }
 
@@ -101,6 +112,13 @@ pub(crate) struct BatchJoints {
 struct Visit {
     blocks: Range<usize>,
     singles: Range<usize>,
+}
+
+/// The bodies of a batch by slot: how fast they are, where they are, and where they are predicted to be at the end of the substep.
+pub(crate) struct Moving<'a> {
+    pub velocities: &'a [BodyVelocity],
+    pub motions: &'a [BodyMotion],
+    pub outlooks: &'a [Outlook],
 }
 
 impl BatchJoints {
@@ -120,16 +138,19 @@ impl BatchJoints {
         substeps: u32,
     ) {
         let dt = h * substeps as f32;
-        let Self { entries, lanes, singles, visits, groups, order } = self;
-        lanes.clear();
+        let Self { entries, strips, lanes, singles, visits, parts, places, left_over, order } = self;
+        strips.cut(entries, motions.len());
+        lanes.clear(WORLD_SLOT);
         singles.clear();
         visits.clear();
-        groups.clear();
+        parts.clear();
         if entries.is_empty() {
             return;
         }
         coloring.reset(motions.len());
-        let mut places = [0_u32; GROUPS + 1];
+        let parts_each = strips.len() + 1;
+        places.clear();
+        places.resize(GROUPS * parts_each + 1, 0);
         for entry in entries.iter() {
             let end = |slot: u32| (slot, motions[slot as usize].is_dynamic());
             let color = coloring.assign(end(entry.a), end(entry.b));
@@ -143,39 +164,60 @@ impl BatchJoints {
                 let is_free = || reach::stops_are_out_of_reach(entry, kind, velocities, motions, dt);
                 always.or_else(|| if is_free() { Holds::of(kind, u32::from(entry.most_rows), true) } else { None })
             });
-            let group = color.unwrap_or(MAX_COLORS as u32) * KINDS as u32 + holds.map_or(0, |holds| 1 + holds as u32);
-            groups.push(group);
-            places[group as usize + 1] += 1;
+            let group = color.unwrap_or(MAX_COLORS as u32) as usize * KINDS + holds.map_or(0, |holds| 1 + holds as usize);
+            let strip = holds.and_then(|_| strips.strip_of(entry)).unwrap_or(strips.len());
+            let part = group * parts_each + strip;
+            parts.push(part as u32);
+            places[part + 1] += 1;
         }
-        for group in 0..GROUPS {
-            places[group + 1] += places[group];
+        for part in 0..GROUPS * parts_each {
+            places[part + 1] += places[part];
         }
-        let firsts = places;
         order.resize(entries.len(), 0);
-        for (number, &group) in groups.iter().enumerate() {
-            let place = &mut places[group as usize];
+        for (number, &part) in parts.iter().enumerate() {
+            let place = &mut places[part as usize];
             order[*place as usize] = number as u32;
             *place += 1;
         }
-        for (group, range) in firsts.windows(2).enumerate().filter(|(_, range)| range[0] < range[1]) {
-            let own = &order[range[0] as usize..range[1] as usize];
-            let (blocks, first_single) = (lanes.len(), singles.len());
-            match (group % KINDS).checked_sub(1) {
-                Some(holds) => {
-                    let give = |entry: &JointEntry| {
-                        if entry.is_plain {
-                            return [Softness::RIGID; 2];
-                        }
-                        let def = &joints[entry.joint].def;
-                        [def.linear, def.angular]
-                    };
-                    let of_number = |&number: &u32| {
-                        let entry = &entries[number as usize];
-                        (number, entry, give(entry))
-                    };
-                    lanes.add(own.iter().map(of_number), Holds::ALL[holds], h);
+        // Each part begins where the one before ends by now.
+        let mut first = 0;
+        for (group, ends) in places[..GROUPS * parts_each].chunks_exact(parts_each).enumerate() {
+            let last = ends[strips.len()] as usize;
+            if first == last {
+                continue;
+            }
+            let holds = (group % KINDS).checked_sub(1).map(|holds| Holds::ALL[holds]);
+            let of_number = |&number: &u32| {
+                let entry = &entries[number as usize];
+                if entry.is_plain {
+                    return (number, entry, [Softness::RIGID; 2]);
                 }
-                None => singles.add(own),
+                let def = &joints[entry.joint].def;
+                (number, entry, [def.linear, def.angular])
+            };
+            left_over.clear();
+            for (strip, &end) in strips.all_mut().iter_mut().zip(ends) {
+                let own = &order[first..end as usize];
+                let full = own.len() - own.len() % LANES;
+                if let Some(holds) = holds.filter(|_| full > 0) {
+                    let first_block = strip.lanes.len();
+                    strip.lanes.add(own[..full].iter().map(of_number), holds, h);
+                    strip.visits.push(first_block..strip.lanes.len());
+                }
+                left_over.extend_from_slice(&own[full..]);
+                first = end as usize;
+            }
+            let between = &order[std::mem::replace(&mut first, last)..last];
+            let rest = if left_over.is_empty() {
+                between
+            } else {
+                left_over.extend_from_slice(between);
+                &*left_over
+            };
+            let (blocks, first_single) = (lanes.len(), singles.len());
+            match holds {
+                Some(holds) => lanes.add(rest.iter().map(of_number), holds, h),
+                None => singles.add(rest),
             }
             visits.push(Visit { blocks: blocks..lanes.len(), singles: first_single..singles.len() });
         }
@@ -188,47 +230,30 @@ impl BatchJoints {
     pub(crate) fn prepare(
         &mut self,
         joints: &Pool<Joint, JointId>,
-        velocities: &[BodyVelocity],
-        motions: &[BodyMotion],
-        outlooks: &[Outlook],
+        threads: &Workers,
+        &Moving { velocities, motions, outlooks }: &Moving<'_>,
         h: f32,
         again: bool,
     ) {
+        let prepare = |lanes: &mut JointLanes, slots: Range<usize>| {
+            if !again {
+                lanes.begin(&motions[slots.clone()]);
+            }
+            lanes.prepare(&velocities[slots.clone()], &outlooks[slots], h);
+        };
         if again {
             self.singles.keep_impulses(&mut self.entries);
-        } else {
-            self.lanes.begin(motions);
         }
-        self.lanes.prepare(velocities, outlooks, h);
+        self.strips.each(threads, |strip| prepare(&mut strip.lanes, strip.slots.clone()));
+        prepare(&mut self.lanes, 0..motions.len());
         self.singles.prepare(&self.entries, joints, velocities, motions, outlooks, h);
     }
 
     /// Applies the carried multipliers.
-    pub(crate) fn warm_start(&self, velocities: &mut [BodyVelocity]) {
+    pub(crate) fn warm_start(&mut self, threads: &Workers, velocities: &mut [BodyVelocity]) {
+        self.strips.each_with(threads, velocities, |strip, own| strip.lanes.warm_start(own));
         self.lanes.warm_start(velocities);
         self.singles.warm_start(velocities);
-    }
-
-    /// Begins a step of joints that are solved as a sheet.
-    pub(crate) fn begin_course(&mut self) {
-        self.lanes.begin_course(&self.entries);
-    }
-
-    /// Ends it.
-    pub(crate) fn end_course(&mut self) {
-        self.lanes.end_course(&mut self.entries);
-    }
-
-    /// Displacements of joints in lanes, to and fro, that take errors out of positions in a substep of length `h`.
-    pub(crate) fn push(&self, pushes: &mut [BodyVelocity], h: f32) {
-        let most = rows::MAX_RECOVERY_SPEED as f32 * h;
-        self.visits.iter().for_each(|visit| self.lanes.push(visit.blocks.clone(), pushes, most, false));
-        self.visits.iter().rev().for_each(|visit| self.lanes.push(visit.blocks.clone(), pushes, most, true));
-    }
-
-    /// Whether none is swept by itself.
-    pub(crate) fn are_all_in_lanes(&self) -> bool {
-        self.singles.len() == 0
     }
 
     /// One sweep over all joints: directions, coordinates, then points; backwards, all in the opposite order.
@@ -237,21 +262,23 @@ impl BatchJoints {
     /// and g an eigenvalue of the error that the sweeps leave, r' = g (r + μ), μ' = g μ − (1 − g) r grows by |z| a substep, z² −
     /// 2 g z + g = 0. For g in 0…1, as a symmetric sweep has it, |z| = √g < 1; sweeps in one direction have complex g, |z| may
     /// pass 1, and a tree of fixed joints tears itself apart.
-    pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity], backwards: bool) {
-        let Self { lanes, singles, visits, .. } = self;
-        let mut visit = |visit: &Visit| {
+    pub(crate) fn sweep(&mut self, threads: &Workers, velocities: &mut [BodyVelocity], backwards: bool) {
+        let Self { strips, lanes, singles, visits, .. } = self;
+        if !backwards {
+            strips.each_with(threads, velocities, |strip, own| strip.sweep(own, false));
+        }
+        in_order(visits, backwards, |visit| {
             lanes.sweep(visit.blocks.clone(), velocities, backwards);
             singles.sweep(visit.singles.clone(), velocities, backwards);
-        };
+        });
         if backwards {
-            visits.iter().rev().for_each(&mut visit);
-        } else {
-            visits.iter().for_each(&mut visit);
+            strips.each_with(threads, velocities, |strip, own| strip.sweep(own, true));
         }
     }
 
     /// Sets the multipliers of joints on these slots to nothing.
     pub(crate) fn give_up(&mut self, slots: &[bool]) {
+        self.strips.all_mut().iter_mut().for_each(|strip| strip.lanes.give_up(&slots[strip.slots.clone()]));
         self.lanes.give_up(slots);
         self.singles.give_up(slots);
     }
@@ -267,7 +294,8 @@ impl BatchJoints {
     }
 
     /// Ends the velocity rows of a substep: multipliers are kept, and added to the joints' loads.
-    pub(crate) fn end_substep(&mut self) {
+    pub(crate) fn end_substep(&mut self, threads: &Workers) {
+        self.strips.each(threads, |strip| strip.lanes.add_loads());
         self.lanes.add_loads();
         self.singles.keep_impulses(&mut self.entries);
         self.singles.add_loads(&mut self.entries);
@@ -275,20 +303,29 @@ impl BatchJoints {
 
     /// Hands multipliers and loads of joints in lanes back to their entries.
     pub(crate) fn store(&mut self) {
-        self.lanes.store(&mut self.entries);
+        let Self { entries, strips, lanes, .. } = self;
+        strips.all().iter().for_each(|strip| strip.lanes.store(entries));
+        lanes.store(entries);
     }
 
     /// One sweep of position rows, joint by joint at the poses of now: rigid errors are taken out, angular momentum is kept.
     pub(crate) fn project(
         &mut self,
         joints: &Pool<Joint, JointId>,
+        threads: &Workers,
         velocities: &mut [BodyVelocity],
         motions: &mut [BodyMotion],
         h: f32,
     ) {
-        let Self { entries, lanes, singles, visits, .. } = self;
+        let Self { entries, strips, lanes, singles, visits, .. } = self;
+        let most = rows::MAX_RECOVERY_SPEED as f32 * h;
+        strips.each_moved(threads, velocities, motions, |strip, velocities, motions| {
+            for blocks in &strip.visits {
+                strip.lanes.project(blocks.clone(), velocities, motions, most);
+            }
+        });
         for visit in visits.iter() {
-            lanes.project(visit.blocks.clone(), velocities, motions, rows::MAX_RECOVERY_SPEED as f32 * h);
+            lanes.project(visit.blocks.clone(), velocities, motions, most);
             singles.project(visit.singles.clone(), entries, joints, velocities, motions, h);
         }
     }
@@ -306,13 +343,24 @@ impl BatchJoints {
             points.gap.length() / levers.max(f64::MIN_POSITIVE)
         };
         let singles = self.singles.entries().map(|number| opening(&self.entries[number])).fold(0.0, f64::max);
-        singles.max(f64::from(self.lanes.opening(motions)))
+        let of_strips = self.strips.all().iter().map(|strip| strip.lanes.opening(&motions[strip.slots.clone()]));
+        singles.max(f64::from(of_strips.fold(self.lanes.opening(motions), f32::max)))
     }
 
     /// Worst distance between joint points beyond what the joints allow (m).
     pub(crate) fn worst_gap(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion]) -> f32 {
         let singles = self.singles.entries().map(|number| &self.entries[number]);
-        self.lanes.worst_gap(motions).max(worst_gap(singles, joints, motions))
+        let of_strips = self.strips.all().iter().map(|strip| strip.lanes.worst_gap(&motions[strip.slots.clone()]));
+        of_strips.fold(self.lanes.worst_gap(motions), f32::max).max(worst_gap(singles, joints, motions))
+    }
+}
+
+/// Visits all, in their order or backwards.
+fn in_order<T>(visits: &[T], backwards: bool, visit: impl FnMut(&T)) {
+    if backwards {
+        visits.iter().rev().for_each(visit);
+    } else {
+        visits.iter().for_each(visit);
     }
 }
 

@@ -35,7 +35,7 @@ fn sane(way: Vec3) -> Vec3 {
 impl JointLanes {
     /// Begins a step: multipliers have last moved as the joints remember.
     pub(crate) fn begin_course(&mut self, entries: &[JointEntry]) {
-        let Self { points, directions, course } = self;
+        let Self { points, directions, course, .. } = self;
         for (stations, count) in [(&mut course.points, points.len()), (&mut course.directions, directions.len())] {
             stations.clear();
             stations.resize(count, Station { before: ZERO3, way: ZERO3 });
@@ -64,7 +64,7 @@ impl JointLanes {
 
     /// Notes the multipliers that sweeps begin with.
     pub(crate) fn note_course(&mut self) {
-        let Self { points, directions, course } = self;
+        let Self { points, directions, course, .. } = self;
         let note = |(station, impulse): (&mut Station, &Lane3)| station.before = *impulse;
         course.points.iter_mut().zip(points.iter().map(|block| &block.impulse)).for_each(note);
         course.directions.iter_mut().zip(directions.iter().map(|block| &block.impulse)).for_each(note);
@@ -119,7 +119,7 @@ fn apply<W: Wide>(lanes: &JointLanes, velocities: &mut [BodyVelocity]) {
 
 #[inline(always)]
 fn weigh<W: Wide>(lanes: &JointLanes, products: &mut [f64; 2]) {
-    let JointLanes { points, directions, course } = lanes;
+    let JointLanes { points, directions, course, .. } = lanes;
     let mut sums = [W::zero(); 2];
     for (block, station) in points.iter().zip(&course.points) {
         weigh_block(station, &block.impulse, &block.bias, &mut sums);
@@ -143,7 +143,7 @@ fn weigh_block<W: Wide>(station: &Station, impulse: &Lane3, bias: &Lane3, sums: 
 
 #[inline(always)]
 fn steer<W: Wide>(lanes: &mut JointLanes, shares: [f32; 2]) {
-    let JointLanes { points, directions, course } = lanes;
+    let JointLanes { points, directions, course, .. } = lanes;
     for (block, station) in points.iter_mut().zip(&mut course.points) {
         steer_block::<W>(station, &mut block.impulse, shares);
     }

@@ -167,8 +167,8 @@ impl PointBlock {
         &self.numbers[..self.count as usize]
     }
 
-    fn set(&mut self, l: usize, entry: &JointEntry, give: Softness, h: f32) {
-        (self.a[l], self.b[l]) = (entry.a, entry.b);
+    fn set(&mut self, l: usize, entry: &JointEntry, first: u32, give: Softness, h: f32) {
+        (self.a[l], self.b[l]) = (entry.a - first, entry.b - first);
         self.give.set(l, give, h);
         put(&mut self.offset, l, entry.offset.as_vec3());
         for side in [0, 1] {
@@ -220,16 +220,20 @@ fn get(lanes: &Lane3, l: usize) -> Vec3 {
     Vec3::new(lanes[0][l], lanes[1][l], lanes[2][l])
 }
 
-/// All joints of a batch that are swept in lanes.
+/// Joints of a batch that are swept in lanes: all, or those of a range of slots.
 #[derive(Debug, Default)]
 pub(crate) struct JointLanes {
+    /// The slot that those of its blocks count from, as do those of the arrays that it is given.
+    first: u32,
     points: Vec<PointBlock>,
     directions: Vec<DirectionBlock>,
     course: course::Course,
 }
 
 impl JointLanes {
-    pub(crate) fn clear(&mut self) {
+    /// Empties it, for joints on slots from `first` on.
+    pub(crate) fn clear(&mut self, first: u32) {
+        self.first = first;
         self.points.clear();
         self.directions.clear();
     }
@@ -254,7 +258,7 @@ impl JointLanes {
             if let Some(block) = self.points.last_mut() {
                 block.numbers[l] = number;
                 block.count += 1;
-                block.set(l, entry, linear, h);
+                block.set(l, entry, self.first, linear, h);
                 if let Some(directions) = block.directions {
                     self.directions[directions as usize].set(l, entry, angular, h);
                 }

@@ -8,10 +8,11 @@ use crate::id::{BodyId, JointId, Pool, WorldTag};
 use crate::joint::{Joint, JointDef};
 use crate::settings::Solver;
 use crate::solve::color::Coloring;
-use crate::solve::joint::BatchJoints;
 use crate::solve::joint::singles::Singles;
+use crate::solve::joint::{BatchJoints, Moving};
 use crate::solve::state::{MotionKind, Symmetric};
 use crate::solve::wide::{Plain, Wide};
+use crate::workers::Workers;
 
 const H: f32 = 1.0 / 240.0;
 
@@ -153,13 +154,14 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
     }
     let Scene { mut velocities, mut motions, entries, .. } = scene.clone();
     if in_lanes {
-        let mut joints = BatchJoints { entries, ..BatchJoints::default() };
+        let (mut joints, alone) = (BatchJoints { entries, ..BatchJoints::default() }, Workers::default());
         joints.lay_out(&pool, &mut Coloring::default(), &velocities, &motions, H, 1);
-        joints.prepare(&pool, &velocities, &motions, &outlooks(scene), H, false);
-        joints.warm_start(&mut velocities);
-        joints.sweep(&mut velocities, false);
-        joints.sweep(&mut velocities, true);
-        joints.project(&pool, &mut velocities, &mut motions, H);
+        let moving = Moving { velocities: &velocities, motions: &motions, outlooks: &outlooks(scene) };
+        joints.prepare(&pool, &alone, &moving, H, false);
+        joints.warm_start(&alone, &mut velocities);
+        joints.sweep(&alone, &mut velocities, false);
+        joints.sweep(&alone, &mut velocities, true);
+        joints.project(&pool, &alone, &mut velocities, &mut motions, H);
     } else {
         let all = 0..entries.len();
         let mut singles = Singles::default();

@@ -1,0 +1,142 @@
+//! Strips of a large net: ranges of slots, of which each has its joints swept beside those of the others.
+//!
+//! Joints between bodies of one strip read and write nothing of the next, so strips are worked on side by side, by as many threads
+//! as there are. What is left (joints between strips, on what is fixed, one by one, and those that fill no block of eight) is swept
+//! after them, and on the way back before them: to and fro stay symmetric. Where a net is cut follows from its bodies and joints
+//! alone, never from the number of threads.
+
+use std::ops::Range;
+
+use super::lanes::JointLanes;
+use super::{JointEntry, in_order};
+use crate::solve::state::{BodyMotion, BodyVelocity};
+use crate::span::sheet::is_sheet;
+use crate::workers::Workers;
+
+/// Bodies of a strip: some 30 µs of each sweep, a few times what it takes to have another thread begin.
+const BODIES: usize = 1024;
+
+/// Strips at most.
+const MOST: usize = 16;
+
+/// Share of joints between strips from which on a net is left whole: they are swept by one thread.
+const MOST_BETWEEN: f32 = 0.125;
+
+/// The slots of one strip, and what is swept of its joints.
+#[derive(Debug, Default)]
+pub(crate) struct Strip {
+    /// Slots of the batch; those of its lanes count from the first.
+    pub slots: Range<usize>,
+    pub lanes: JointLanes,
+    pub visits: Vec<Range<usize>>,
+    /// Products of its biases with the last changes of its multipliers.
+    pub products: [f64; 2],
+}
+
+impl Strip {
+    /// One sweep over its joints; `own` are the velocities of its bodies.
+    pub(super) fn sweep(&mut self, own: &mut [BodyVelocity], backwards: bool) {
+        let Self { lanes, visits, .. } = self;
+        in_order(visits, backwards, |blocks| lanes.sweep(blocks.clone(), own, backwards));
+    }
+
+    /// One sweep of displacements, each error at most `most` (m or rad).
+    pub(super) fn push(&self, own: &mut [BodyVelocity], most: f32, backwards: bool) {
+        in_order(&self.visits, backwards, |blocks| self.lanes.push(blocks.clone(), own, most, backwards));
+    }
+}
+
+/// All strips of a batch; none of most.
+#[derive(Debug, Default)]
+pub(crate) struct Strips {
+    strips: Vec<Strip>,
+    count: usize,
+    /// Slots of each, but for the last, which may have more.
+    length: usize,
+}
+
+impl Strips {
+    /// Cuts a batch of so many slots, the first of which is the world's.
+    pub(super) fn cut(&mut self, entries: &[JointEntry], slots: usize) {
+        let bodies = slots - 1;
+        self.count = 0;
+        if bodies < 2 * BODIES || !is_sheet(entries.len(), bodies) {
+            return;
+        }
+        let count = (bodies / BODIES).min(MOST);
+        self.length = bodies / count;
+        self.count = count;
+        let between = entries.iter().filter(|entry| self.strip_of(entry).is_none()).count();
+        if between as f32 > MOST_BETWEEN * entries.len() as f32 {
+            self.count = 0;
+            return;
+        }
+        if self.strips.len() < count {
+            self.strips.resize_with(count, Strip::default);
+        }
+        for (number, strip) in self.strips[..count].iter_mut().enumerate() {
+            let end = if number + 1 == count { slots } else { 1 + (number + 1) * self.length };
+            strip.slots = 1 + number * self.length..end;
+            strip.lanes.clear(strip.slots.start as u32);
+            strip.visits.clear();
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The strip of a joint, if both of its bodies are in one.
+    pub(super) fn strip_of(&self, entry: &JointEntry) -> Option<usize> {
+        let last = self.count.checked_sub(1)?;
+        let strip = |slot: u32| Some((slot.checked_sub(1)? as usize / self.length).min(last));
+        let (a, b) = (strip(entry.a)?, strip(entry.b)?);
+        (a == b).then_some(a)
+    }
+
+    pub(super) fn all(&self) -> &[Strip] {
+        &self.strips[..self.count]
+    }
+
+    pub(super) fn all_mut(&mut self) -> &mut [Strip] {
+        &mut self.strips[..self.count]
+    }
+
+    /// Works on all strips, side by side.
+    pub(super) fn each(&mut self, threads: &Workers, work: impl Fn(&mut Strip) + Sync) {
+        threads.share(self.all_mut().iter_mut(), work);
+    }
+
+    /// Works on all strips and their bodies.
+    pub(super) fn each_with(
+        &mut self,
+        threads: &Workers,
+        bodies: &mut [BodyVelocity],
+        work: impl Fn(&mut Strip, &mut [BodyVelocity]) + Sync,
+    ) {
+        let own = own_of(bodies, self.length, self.count);
+        threads.share(self.all_mut().iter_mut().zip(own), |(strip, own)| work(strip, own));
+    }
+
+    /// Works on all strips, their bodies and where those are.
+    pub(super) fn each_moved(
+        &mut self,
+        threads: &Workers,
+        bodies: &mut [BodyVelocity],
+        motions: &mut [BodyMotion],
+        work: impl Fn(&mut Strip, &mut [BodyVelocity], &mut [BodyMotion]) + Sync,
+    ) {
+        let own = own_of(bodies, self.length, self.count).zip(own_of(motions, self.length, self.count));
+        threads.share(self.all_mut().iter_mut().zip(own), |(strip, (bodies, motions))| work(strip, bodies, motions));
+    }
+}
+
+/// The parts that strips have of an array by slot.
+fn own_of<T>(slots: &mut [T], length: usize, count: usize) -> impl Iterator<Item = &mut [T]> {
+    // The world's.
+    let mut rest = slots.get_mut(1..).unwrap_or_default();
+    (1..=count).map(move |number| {
+        let length = if number == count { rest.len() } else { length };
+        rest.split_off_mut(..length).unwrap_or_default()
+    })
+}
