@@ -4,9 +4,6 @@
 //! Walker 1967, scheme 2). On a chain or a tree no two nodes are ever joined anew; on a bridge the factor has about twice the
 //! blocks of the matrix. Ties go to the lowest number, so the order depends on the graph alone.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 /// Nodes in the order of elimination, and the nodes that each is coupled to when its turn comes.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Elimination {
@@ -21,30 +18,64 @@ pub(crate) struct Elimination {
 /// Orders the nodes of a graph given by neighbour lists; `None` when the factor would cost more than `most_work`.
 pub(crate) fn minimum_degree(neighbors: Vec<Vec<u32>>, rows: &[u32], most_work: u64) -> Option<Elimination> {
     let mut graph = Quotient::new(neighbors, rows);
-    let mut current: Vec<u64> = graph.neighbors.iter().map(|list| graph.weigh(list).rows).collect();
-    let mut queue: BinaryHeap<Reverse<(u64, u32)>> =
-        current.iter().zip(0..).map(|(&degree, node)| Reverse((degree, node))).collect();
-    let mut done = vec![false; rows.len()];
+    let mut queue = Queue::new(graph.neighbors.iter().map(|list| graph.weigh(list).rows));
     let mut result = Elimination::default();
-    while let Some(Reverse((queued, node))) = queue.pop() {
-        if done[node as usize] || queued != current[node as usize] {
-            continue;
-        }
-        done[node as usize] = true;
+    while let Some((degree, node)) = queue.first() {
         let own = u64::from(rows[node as usize]);
-        result.work += own * (own + queued) * (own + queued);
+        result.work += own * (own + degree) * (own + degree);
         if result.work > most_work {
             return None;
         }
-        graph.eliminate(node, |other, degree| {
-            if std::mem::replace(&mut current[other as usize], degree) != degree {
-                queue.push(Reverse((degree, other)));
-            }
-        });
+        queue.remove(node);
+        graph.eliminate(node, |other, degree| queue.set(other, degree));
         result.order.push(node);
     }
     result.coupled = result.order.iter().map(|&node| std::mem::take(&mut graph.coupled[node as usize])).collect();
     Some(result)
+}
+
+/// Nodes by degree, then by number: a binary tree of which each node is the lesser of its two below, with the nodes of the graph as
+/// leaves. Degrees change far more often than the least of all is asked for.
+struct Queue {
+    tree: Vec<(u64, u32)>,
+    leaves: usize,
+}
+
+impl Queue {
+    const NOTHING: (u64, u32) = (u64::MAX, NONE);
+
+    fn new(degrees: impl ExactSizeIterator<Item = u64>) -> Self {
+        let leaves = degrees.len().next_power_of_two();
+        let mut tree = vec![Self::NOTHING; leaves];
+        tree.extend(degrees.zip(0..));
+        tree.resize(2 * leaves, Self::NOTHING);
+        for at in (1..leaves).rev() {
+            tree[at] = tree[2 * at].min(tree[2 * at + 1]);
+        }
+        Self { tree, leaves }
+    }
+
+    /// The node of least degree.
+    fn first(&self) -> Option<(u64, u32)> {
+        Some(self.tree[1]).filter(|first| *first != Self::NOTHING)
+    }
+
+    fn set(&mut self, node: u32, degree: u64) {
+        self.put(node, (degree, node));
+    }
+
+    fn remove(&mut self, node: u32) {
+        self.put(node, Self::NOTHING);
+    }
+
+    fn put(&mut self, node: u32, leaf: (u64, u32)) {
+        let mut at = self.leaves + node as usize;
+        let mut least = leaf;
+        while std::mem::replace(&mut self.tree[at], least) != least && at > 1 {
+            least = least.min(self.tree[at ^ 1]);
+            at /= 2;
+        }
+    }
 }
 
 /// How many nodes, and how many rows they have.
