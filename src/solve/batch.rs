@@ -362,6 +362,12 @@ impl Batch {
         self.contacts.impulses(block as usize, lane as usize)
     }
 
+    /// Sum of the multipliers with which a manifold has rebounded in this step, where none presses any more (N·s).
+    pub(crate) fn contact_rebound(&self, number: usize) -> f32 {
+        let (block, lane) = self.lanes[number];
+        if block == HELD { 0.0 } else { self.contacts.blow(block as usize, lane as usize) }
+    }
+
     /// What is told of a manifold; nothing where an articulation holds it, or where nobody wants to know.
     pub(crate) fn contact_told(&self, number: usize) -> Told {
         let (block, lane) = self.lanes[number];

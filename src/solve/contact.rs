@@ -27,6 +27,9 @@ pub(crate) type Lane = [f32; LANES];
 /// One vector for each manifold of a block: x, y, z.
 pub(crate) type Lane3 = [Lane; 3];
 
+/// Multiplier that says that a point has been hit in the step and has rebounded, and that pushes nothing (N·s).
+pub(crate) const TOUCHED: f32 = 1.0e-30;
+
 /// Multipliers of a manifold, to start the next substep or step from.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct ContactImpulses {

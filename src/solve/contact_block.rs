@@ -12,7 +12,7 @@
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::contact::{ContactImpulses, ContactInput, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS, tangents};
+use super::contact::{ContactImpulses, ContactInput, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS, TOUCHED, tangents};
 use super::state::BodyMotion;
 use crate::room::make_room;
 
@@ -86,10 +86,12 @@ pub(crate) struct Extra {
     /// Torque limit about the tangents per normal force (m).
     pub rolling_arm: Lane,
     pub restitution: Lane,
-    /// Normal velocity at the moment of impact, negative when approaching (m/s); zero where there was none.
+    /// Normal velocity at the moment of impact, negative when approaching (m/s); zero where there is none in this substep.
     pub impact_speed: [Lane; POINTS],
-    /// Greatest multiplier of each point in this step (N·s).
-    pub peak_lambda: [Lane; POINTS],
+    /// Sum of the multipliers of the last rebound in this step (N·s).
+    pub blow: Lane,
+    /// Whether that was in this substep.
+    pub rebounds: [bool; LANES],
     pub has_rolling: bool,
     pub has_restitution: bool,
 }
@@ -165,7 +167,8 @@ impl Extra {
         rolling_arm: ZERO,
         restitution: ZERO,
         impact_speed: [ZERO; POINTS],
-        peak_lambda: [ZERO; POINTS],
+        blow: ZERO,
+        rebounds: [false; LANES],
         has_rolling: false,
         has_restitution: false,
     };
@@ -301,6 +304,25 @@ impl ContactBlocks {
         }
         impulses
     }
+
+    /// Sum of the multipliers of the last rebound of a manifold in this step (N·s); zero without one.
+    pub(crate) fn blow(&self, number: usize, l: usize) -> f32 {
+        self.extras.get(self.blocks[number].extra as usize).map_or(0.0, |extra| extra.blow[l])
+    }
+
+    /// Ends a substep of what has rebounded in it: those are multipliers of a blow, and nothing to carry on.
+    pub(crate) fn end_blows(&mut self) {
+        let Self { blocks, faces, extras } = self;
+        for block in blocks {
+            let Some(extra) = extras.get_mut(block.extra as usize).filter(|extra| extra.has_restitution) else { continue };
+            for l in (0..LANES).filter(|&l| std::mem::take(&mut extra.rebounds[l])) {
+                let more = faces.get_mut(block.face as usize).into_iter().flat_map(|face| &mut face.more);
+                std::iter::once(&mut block.first).chain(more).for_each(|rows| rows.lambda[l] = 0.0);
+                let others = block.tangent_lambda.iter_mut().chain(&mut extra.rolling_lambda);
+                others.chain([&mut block.twist_lambda]).for_each(|lambda| lambda[l] = 0.0);
+            }
+        }
+    }
 }
 
 /// Blocks that follow one another, and what they have beside them.
@@ -366,7 +388,8 @@ impl WholeBlock<'_> {
             put(&mut rows.lever_a, l, input.lever_a[i]);
             put(&mut rows.lever_b, l, input.lever_b[i]);
             rows.separation[l] = input.separation[i];
-            rows.lambda[l] = input.impulses.normal[i];
+            let impulse = input.impulses.normal[i];
+            rows.lambda[l] = if impulse > TOUCHED { impulse } else { 0.0 };
         }
         let block = &mut *self.block;
         block.a[l] = input.a;

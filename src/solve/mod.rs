@@ -135,7 +135,7 @@ impl Batch {
             }
             self.settle(joints, false);
             if !is_last {
-                self.add_to_tally();
+                self.rebound(settings.restitution_threshold);
             }
         }
         if self.sheet.is_one() {
@@ -143,8 +143,7 @@ impl Batch {
         } else {
             self.close_joints(joints, threads, h);
         }
-        contact_kernels::restitute(&mut self.contacts, &mut self.velocities, settings.restitution_threshold);
-        self.add_to_tally();
+        self.rebound(settings.restitution_threshold);
         self.recover_positions(settings.dt);
         self.settle(joints, true);
         self.leads.tell(self.passive.slots(), &mut self.velocities, &self.motions);
@@ -156,6 +155,13 @@ impl Batch {
         self.taut.store();
         let swept_gap = self.joints.worst_gap(joints, &self.motions);
         self.joint_gap = joint::worst_gap(self.direct.entries(), joints, &self.motions).max(swept_gap);
+    }
+
+    /// Lets points that have hit something in the substep leave again, and adds up its multipliers.
+    fn rebound(&mut self, threshold: f32) {
+        contact_kernels::restitute(&mut self.contacts, &mut self.velocities, threshold);
+        self.add_to_tally();
+        self.contacts.end_blows();
     }
 
     /// Warm start and sweeps of a substep of length `h`.

@@ -12,6 +12,7 @@ use crate::collide::sweep::PathStart;
 use crate::joint::Joint;
 use crate::report::{JointOverload, JointStop, Moved};
 use crate::room::make_room_behind;
+use crate::solve::contact::TOUCHED;
 use crate::solve::direct::history::History;
 use crate::span::union::UnionMotion;
 
@@ -142,7 +143,12 @@ impl World {
         let batch = &batches[number];
         for (i, &(slot, manifold)) in batch.manifolds.iter().enumerate() {
             let pair = pairs.get_mut(slot);
-            let impulses = batch.contact_impulses(i);
+            let mut impulses = batch.contact_impulses(i);
+            let pressed = impulses.normal.iter().sum::<f32>();
+            let rebound = if pressed > 0.0 { 0.0 } else { batch.contact_rebound(i) };
+            if rebound > 0.0 {
+                impulses.normal[0] = TOUCHED;
+            }
             if !impulses.normal.iter().sum::<f32>().is_finite() || !impulses.friction.is_finite() {
                 pair.forget_impulses();
                 continue;
@@ -157,7 +163,7 @@ impl World {
             }
             let (a, b) = pair.key.shapes();
             let normal = batch.contact_normal(i);
-            let force = (normal * impulses.normal.iter().sum::<f32>() + impulses.friction) / substep;
+            let force = (normal * (pressed + rebound) + impulses.friction) / substep;
             bodies[colliders[a].body].contact_force -= force;
             bodies[colliders[b].body].contact_force += force;
         }

@@ -39,7 +39,7 @@ in_lanes!(
     (contacts: &mut ContactBlocks, range: Range<usize>, velocities: &mut [BodyVelocity], backwards: bool)
 );
 in_lanes!(
-    /// After the substeps: points that hit something at more than `threshold` (m/s) leave at the rebound speed.
+    /// After a substep: points that hit something at more than `threshold` (m/s) leave at the rebound speed.
     pub(crate) restitute, recover::restitute,
     (contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], threshold: f32)
 );

@@ -1,4 +1,4 @@
-//! After the substeps: rebounds, and overlaps out of positions.
+//! After a substep: rebounds. After all: overlaps out of positions.
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
@@ -25,24 +25,28 @@ pub(super) fn restitute<W: Wide>(contacts: &mut ContactBlocks, velocities: &mut 
         return;
     }
     for block in blocks {
-        let Some(extra) = extras.get(block.extra as usize).filter(|extra| extra.has_restitution) else { continue };
+        let Some(extra) = extras.get_mut(block.extra as usize).filter(|extra| extra.has_restitution) else { continue };
         of_block!(rebound::<W>(block, faces, extra, velocities, threshold));
     }
 }
 
 #[inline(always)]
-fn rebound<W: Wide, M: Manifolds>(of: &mut M, extra: &Extra, velocities: &mut [BodyVelocity], threshold: f32) {
+fn rebound<W: Wide, M: Manifolds>(of: &mut M, extra: &mut Extra, velocities: &mut [BodyVelocity], threshold: f32) {
     let (a, b) = (&of.block().a, &of.block().b);
     let (mut side_a, mut side_b) = (Side::<W>::gather(a, velocities), Side::gather(b, velocities));
     let mut rebound = [[0.0; LANES]; POINTS];
     let mut any = [0.0; LANES];
     for l in 0..LANES {
         for i in 0..M::COUNT {
-            if extra.impact_speed[i][l] < -threshold && extra.peak_lambda[i][l] > 0.0 {
+            if extra.impact_speed[i][l] < -threshold && of.rows(i).lambda[l] > 0.0 {
                 rebound[i][l] = extra.restitution[l] * extra.impact_speed[i][l];
                 any[l] = 1.0;
+                extra.rebounds[l] = true;
             }
         }
+    }
+    if any == [0.0; LANES] {
+        return;
     }
     let mut residual = normal_rates::<W, M>(of, &side_a, &side_b);
     for i in 0..M::COUNT {
@@ -51,9 +55,12 @@ fn rebound<W: Wide, M: Manifolds>(of: &mut M, extra: &Extra, velocities: &mut [B
     let old = lambdas::<W, M>(of);
     let mut new = of.solve(residual, &old);
     let any = W::load(&any).above(W::zero());
+    let mut sum = W::zero();
     for i in 0..M::COUNT {
         new[i] = W::select(any, new[i], old[i]);
+        sum = sum + new[i];
     }
+    W::select(any, sum, W::load(&extra.blow)).store(&mut extra.blow);
     push_apart::<W, M>(of, &new, &old, &mut side_a, &mut side_b);
     side_a.scatter(&of.block().a, velocities);
     side_b.scatter(&of.block().b, velocities);

@@ -29,16 +29,16 @@ pub(super) fn all<W: Wide>(contacts: &mut ContactBlocks, range: Range<usize>, ve
 }
 
 #[inline(always)]
-fn visit<W: Wide, M: Manifolds>(of: &mut M, mut extra: Option<&mut Extra>, velocities: &mut [BodyVelocity]) {
+fn visit<W: Wide, M: Manifolds>(of: &mut M, extra: Option<&mut Extra>, velocities: &mut [BodyVelocity]) {
     let (a, b) = (&of.block().a, &of.block().b);
     let (mut side_a, mut side_b) = (Side::<W>::gather(a, velocities), Side::gather(b, velocities));
-    if let Some(extra) = extra.as_deref_mut()
+    if let Some(extra) = extra
         && extra.has_rolling
     {
         roll(of, extra, &mut side_a, &mut side_b);
     }
     rub(of, &mut side_a, &mut side_b);
-    press(of, extra, &mut side_a, &mut side_b);
+    press(of, &mut side_a, &mut side_b);
     side_a.scatter(&of.block().a, velocities);
     side_b.scatter(&of.block().b, velocities);
 }
@@ -112,7 +112,7 @@ fn roll<W: Wide, M: Manifolds>(of: &M, extra: &mut Extra, side_a: &mut Side<W>, 
 
 /// Normal rows of every lane, each manifold as one block.
 #[inline(always)]
-fn press<W: Wide, M: Manifolds>(of: &mut M, extra: Option<&mut Extra>, side_a: &mut Side<W>, side_b: &mut Side<W>) {
+fn press<W: Wide, M: Manifolds>(of: &mut M, side_a: &mut Side<W>, side_b: &mut Side<W>) {
     let mut residual = normal_rates::<W, M>(of, side_a, side_b);
     for i in 0..M::COUNT {
         residual[i] = residual[i] + W::load(&of.rows(i).closing_speed);
@@ -121,11 +121,4 @@ fn press<W: Wide, M: Manifolds>(of: &mut M, extra: Option<&mut Extra>, side_a: &
     let new = of.solve(residual, &old);
     push_apart::<W, M>(of, &new, &old, side_a, side_b);
     store_lambdas::<W, M>(&new, of);
-    if let Some(extra) = extra
-        && extra.has_restitution
-    {
-        for i in 0..M::COUNT {
-            W::load(&extra.peak_lambda[i]).max(new[i]).store(&mut extra.peak_lambda[i]);
-        }
-    }
 }

@@ -96,7 +96,7 @@ fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
     let points = (0..contacts.room_of(0)).map(|i| contacts.rows(0, i));
     let points = points.flat_map(|rows| [&rows.lambda, &rows.closing_speed, &rows.inverse_diagonal]);
     let faces = contacts.faces.iter().flat_map(|face| face.diagonal.iter().chain(&face.inverse).chain(&face.coupling));
-    let extras = contacts.extras.iter().flat_map(|extra| extra.rolling_lambda.iter().chain(&extra.peak_lambda));
+    let extras = contacts.extras.iter().flat_map(|extra| extra.rolling_lambda.iter().chain(&extra.impact_speed));
     let rows = points.chain(&block.tangent_lambda).chain(extras);
     let masses = faces.chain(&block.tangent_mass);
     let single = [block.twist_lambda, block.twist_mass, [worst; LANES]];

@@ -88,27 +88,28 @@ fn close_in<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
 /// impact is v − g (h − t). Without this a rebound loses up to a substep's worth of gravity.
 fn note_impacts<M: Manifolds>(of: &M, extra: &mut Extra, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
     let block = of.block();
-    for l in 0..LANES {
-        if extra.restitution[l] <= 0.0 {
-            continue;
-        }
+    for l in (0..LANES).filter(|&l| extra.restitution[l] > 0.0) {
         let (a, b) = (block.a[l] as usize, block.b[l] as usize);
-        let n = at(&block.normal, l);
-        let gravity = n.dot(motions[b].acceleration - motions[a].acceleration);
+        let gravity = at(&block.normal, l).dot(motions[b].acceleration - motions[a].acceleration);
         for i in 0..M::COUNT {
+            extra.impact_speed[i][l] = 0.0;
             let rows = of.rows(i);
-            if extra.impact_speed[i][l] != 0.0 || rows.lambda[l] > 0.0 {
-                continue;
-            }
-            let at_b = velocities[b].linear + velocities[b].angular.cross(at(&rows.lever_b, l));
-            let at_a = velocities[a].linear + velocities[a].angular.cross(at(&rows.lever_a, l));
-            let speed = n.dot(at_b - at_a);
-            if speed < 0.0 && speed + rows.closing_speed[l] < 0.0 {
+            let speed = normal_speed(of, velocities, i, l);
+            if rows.lambda[l] <= 0.0 && speed < 0.0 && speed + rows.closing_speed[l] < 0.0 {
                 let fraction = (rows.closing_speed[l] / -speed).min(1.0);
                 extra.impact_speed[i][l] = speed - gravity * h * (1.0 - fraction);
             }
         }
     }
+}
+
+/// Speed at which point `i` of lane `l` opens (m/s).
+fn normal_speed<M: Manifolds>(of: &M, velocities: &[BodyVelocity], i: usize, l: usize) -> f32 {
+    let (block, rows) = (of.block(), of.rows(i));
+    let (a, b) = (&velocities[block.a[l] as usize], &velocities[block.b[l] as usize]);
+    let at_b = b.linear + b.angular.cross(at(&rows.lever_b, l));
+    let at_a = a.linear + a.angular.cross(at(&rows.lever_a, l));
+    at(&block.normal, l).dot(at_b - at_a)
 }
 
 /// Lane `l` of a vector.

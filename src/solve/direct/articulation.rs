@@ -112,6 +112,8 @@ pub(crate) struct Articulation {
     pub(super) predicted: Vec<Stance>,
     /// How readily the bodies of each joint turn under its force (1/(kg·m)).
     pub(super) eases: Vec<f64>,
+    /// Of each joint, with what its line pulls in a substep, times its length: h² T (kg·m).
+    pub(super) tensions: Vec<f64>,
     pub(super) implicit: Vec<f64>,
     pub(super) changes: Vec<Rate>,
     pub(super) tried: Vec<Stance>,

@@ -157,7 +157,7 @@ impl Articulation {
                         entry.pressed |= u32::from(sum > 0.0) << id;
                         (row.linear[1], row.angular[1] - lever.cross(row.linear[1]))
                     }
-                    Origin::Contact => continue,
+                    Origin::Across | Origin::Contact => continue,
                 };
                 last = [last[0] + force * row.impulse, last[1] + moment * row.impulse];
                 all = [all[0] + force * sum, all[1] + moment * sum];

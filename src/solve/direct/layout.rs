@@ -20,6 +20,9 @@ use crate::solve::state::WORLD_SLOT;
 const MOST_WORK_PER_ROW: u64 = 10_000;
 const MOST_WORK_PER_ROW_IF_ASKED: u64 = 100_000;
 
+/// Least size of an articulation without levers (m).
+const LEAST_SIZE: f64 = 1.0e-3;
+
 /// Rows of a face with friction.
 const CONTACT_WEIGHT: u32 = 7;
 
@@ -56,7 +59,7 @@ impl Articulation {
         let link = |entry: &JointEntry| {
             let ends = [entry.a, entry.b].map(|slot| if slot == WORLD_SLOT { 0 } else { local[slot as usize].1 });
             let moves = ends.map(|body| bodies[body as usize].is_dynamic());
-            let capacity = u32::from(entry.most_rows);
+            let capacity = u32::from(entry.most_rows) + if entry.is_distance { 2 } else { 0 };
             Link { bodies: ends, moves, capacity, is_plain: entry.is_plain, is_contact: false }
         };
         let contact = |&bodies: &[u32; 2]| Link { bodies, moves: [true; 2], capacity: 0, is_plain: false, is_contact: true };
@@ -90,7 +93,13 @@ impl Articulation {
         eases.extend(entries.iter().zip(&*links).map(ease));
         let levers = entries.iter().flat_map(|entry| entry.local_lever).map(DVec3::length).filter(|&length| length > 0.0);
         let (sum, count) = levers.fold((0.0, 0.0), |(sum, count), length| (sum + length, count + 1.0));
-        self.size = if count > 0.0 { sum / count } else { 1.0 };
+        self.size = if count > 0.0 {
+            sum / count
+        } else {
+            // Lines between the middles of bodies have no levers, and are as long as they are.
+            let lines: f64 = entries.iter().map(|entry| entry.offset.length()).sum();
+            (lines / entries.len() as f64).clamp(LEAST_SIZE, 1.0)
+        };
         true
     }
 

@@ -6,7 +6,7 @@
 //! [`Direct`] sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
 //! `system` holds the rows, `active_set` says which of them count, `points` is the same without rows where all joints hold points; `layout` says where in its matrix they
-//! are, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours` and `registers`; `articulation` takes a step, in as many substeps as `effort` says, `substep` and `project` one part of it each; `contacts` are those with what it cannot move, along
+//! are, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours` and `registers`; `articulation` takes a step, in as many substeps as `effort` says, `substep` and `project` one part of it each; `ropes` is what distance joints that pull ask for across their lines; `contacts` are those with what it cannot move, along
 //! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
 //! anything else that moves, whose rows may be `lasting` ones.
 
@@ -42,6 +42,7 @@ mod refine;
 mod refused;
 mod registers;
 mod riders;
+mod ropes;
 mod row;
 mod stiffness;
 mod substep;

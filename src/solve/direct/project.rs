@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::articulation::{Articulation, TOLERANCE};
 use super::body::DirectBody;
 use super::contacts::Touch;
+use super::ropes;
 use super::system::{PROJECTION_PASSES, System};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
@@ -100,6 +101,8 @@ impl Articulation {
             began,
             predicted,
             implicit,
+            tensions,
+            bodies,
             system,
             asked,
             touches,
@@ -170,6 +173,11 @@ impl Articulation {
             }
             let (point, direction) = (sink.point, sink.direction);
             system.add(link.bodies, point.as_ref(), direction.as_ref(), asked);
+            if tensions.get(number).is_some_and(|&tension| tension > 0.0) {
+                let rows =
+                    ropes::rows(&geometry.gradient, tensions[number], [&bodies[a], &bodies[b]], &[rates[a], rates[b]], phase);
+                rows.into_iter().flatten().for_each(|row| system.add_row(row));
+            }
             add_touches(number, system);
         }
     }
@@ -294,7 +302,8 @@ impl Articulation {
         if self.coupled || gap <= LEAST_GAP * self.size {
             return true;
         }
-        let impulse = self.entries.iter().map(|entry| f64::from(entry.impulses.point.length())).sum::<f64>();
+        let impulse =
+            self.entries.iter().map(|entry| f64::from(entry.impulses.point.length()) + ropes::pull(entry).abs()).sum::<f64>();
         let most = |(body, rate): (&DirectBody, &Rate)| {
             let mass = body.free_mass()?;
             Some(0.5 * mass * (HARMLESS * rate.linear.length_squared()).max(HARMLESS_SPEED * HARMLESS_SPEED))

@@ -23,6 +23,8 @@ pub(crate) enum Origin {
     Direction,
     /// A scalar row, by number.
     Scalar(u8),
+    /// Across the line of a distance joint that pulls.
+    Across,
     /// A row of a contact.
     Contact,
 }

@@ -5,6 +5,7 @@ use glam::{DMat3, DVec3, Vec3};
 use super::articulation::{Articulation, Mode};
 use super::history::SecondOrder;
 use super::quads::{self, Start};
+use super::ropes::Line;
 use super::row::Origin;
 use super::stiffness;
 use super::system::{CONTACT_PASSES, PASSES};
@@ -206,6 +207,7 @@ impl Articulation {
         self.turning.clear();
         self.turning.resize(self.bodies.len(), DVec3::ZERO);
         self.implicit.clear();
+        self.tensions.clear();
         for touch in self.touches.iter().filter(|_| mode == Mode::Safe) {
             if let Some((stiffness, turning)) = touch.stiffness(&self.stances, &self.step_start, &self.rates) {
                 self.stiffness[touch.body as usize] += stiffness * (h * share);
@@ -213,7 +215,11 @@ impl Articulation {
             }
         }
         for (number, (link, entry)) in self.links.iter().zip(&self.entries).enumerate() {
-            let impulse = entry.impulses.point.as_dvec3() * share;
+            let line = if entry.is_distance { self.line_of(number) } else { None };
+            let pull = line.as_ref().map_or(DVec3::ZERO, |line| line.direction * -line.pull);
+            let impulse = (entry.impulses.point.as_dvec3() + pull) * share;
+            let ease = self.eases[number]
+                + line.as_ref().map_or(0.0, |line| line.ease(link.bodies.map(|body| &self.bodies[body as usize])));
             let levers = if self.is_points {
                 self.points.ends[number].levers
             } else {
@@ -222,10 +228,10 @@ impl Articulation {
             let implicit = if mode == Mode::Safe {
                 1.0
             } else {
-                ((h * impulse.length() * self.eases[number] - IMPLICIT_RANGE.0) / (IMPLICIT_RANGE.1 - IMPLICIT_RANGE.0))
-                    .clamp(0.0, 1.0)
+                ((h * impulse.length() * ease - IMPLICIT_RANGE.0) / (IMPLICIT_RANGE.1 - IMPLICIT_RANGE.0)).clamp(0.0, 1.0)
             };
             self.implicit.push(if mode == Mode::SecondOrder { 1.0 } else { implicit });
+            self.tensions.push(line.map_or(0.0, |line| line.pull * share * h * implicit));
             if impulse == DVec3::ZERO || implicit == 0.0 {
                 continue;
             }
@@ -234,6 +240,13 @@ impl Articulation {
                     stiffness::of_impulse(impulse * sign, levers[side]) * (h * implicit);
             }
         }
+    }
+
+    /// Line of a distance joint that pulls, at the poses of now.
+    fn line_of(&self, number: usize) -> Option<Line> {
+        let (link, entry) = (&self.links[number], &self.entries[number]);
+        let [a, b] = link.bodies.map(|body| &self.stances[body as usize]);
+        Line::of(entry, entry.points(a, b).gap)
     }
 
     /// Hands the multipliers back to the joints and adds them to their loads.
@@ -266,7 +279,7 @@ impl Articulation {
                         last[0] += row.linear[1] * f64::from(before);
                         last[1] += moment * f64::from(before);
                     }
-                    Origin::Contact => {}
+                    Origin::Across | Origin::Contact => {}
                 }
             }
             entry.impulses.point = point.as_vec3();

@@ -213,6 +213,14 @@ impl System {
         }
     }
 
+    /// Adds a row to the last node.
+    pub(super) fn add_row(&mut self, row: Row) {
+        self.rows.push(row);
+        if let Some(node) = self.nodes.last_mut() {
+            node.last = self.rows.len() as u32;
+        }
+    }
+
     /// Begins a manifold in the last node; its rows follow.
     pub(crate) fn begin_contact(&mut self, friction: f64, twist_arm: f64) {
         let (node, first) = (self.nodes.len() as u32 - 1, self.rows.len() as u32);
@@ -222,7 +230,7 @@ impl System {
     /// Adds a normal row of the last manifold, J v + bias ≥ 0.
     pub(crate) fn add_normal(&mut self, grip: &Grip, normal: DVec3, bias: f64, impulse: f64) {
         let state = if impulse > 0.0 { State::Free } else { State::Low };
-        self.add_contact_row(grip.along(normal, Row { bias, min: 0.0, impulse, state, ..Row::EMPTY }));
+        self.add_row(grip.along(normal, Row { bias, min: 0.0, impulse, state, ..Row::EMPTY }));
         if let Some(contact) = self.contacts.last_mut() {
             contact.normals += 1;
         }
@@ -237,20 +245,13 @@ impl System {
         let state = |impulse: f64, limit: f64| if impulse < limit * STICKS { State::Free } else { State::High };
         let sticks = state((u * u + v * v).sqrt(), contact.friction * pressed);
         for (tangent, bias, impulse) in tangents {
-            self.add_contact_row(grip.along(tangent, Row { bias, impulse, state: sticks, ..Row::EMPTY }));
+            self.add_row(grip.along(tangent, Row { bias, impulse, state: sticks, ..Row::EMPTY }));
         }
         let (axis, bias, impulse) = twist;
         let state = state(impulse.abs(), contact.twist_arm * pressed);
-        self.add_contact_row(grip.about(axis, grip.opposite.map(|_| axis), Row { bias, impulse, state, ..Row::EMPTY }));
+        self.add_row(grip.about(axis, grip.opposite.map(|_| axis), Row { bias, impulse, state, ..Row::EMPTY }));
         if let Some(contact) = self.contacts.last_mut() {
             contact.has_friction = true;
-        }
-    }
-
-    fn add_contact_row(&mut self, row: Row) {
-        self.rows.push(row);
-        if let Some(node) = self.nodes.last_mut() {
-            node.last = self.rows.len() as u32;
         }
     }
 
@@ -313,7 +314,7 @@ impl System {
                     let is_held = row.state == State::Free && row.min == 0.0;
                     found.map_or(0.0, |scalar| if is_held { scalar.bias.min(0.0) } else { scalar.bias })
                 }
-                Origin::Contact => 0.0,
+                Origin::Across | Origin::Contact => 0.0,
             };
         }
     }
@@ -521,7 +522,7 @@ impl Equations for FreeRows<'_> {
 }
 
 /// Two unit vectors orthogonal to `axis` and to each other.
-fn across(axis: DVec3) -> (DVec3, DVec3) {
+pub(super) fn across(axis: DVec3) -> (DVec3, DVec3) {
     let u = axis.any_orthonormal_vector();
     (u, axis.cross(u))
 }
