@@ -10,6 +10,7 @@
 use glam::{DVec3, Vec3};
 
 use super::batch::Batch;
+use super::buckets::Buckets;
 use super::contact::LANES;
 use super::state::WORLD_SLOT;
 use crate::balance::{LoadedPoint, balance};
@@ -32,7 +33,8 @@ pub(crate) struct Birth {
     /// Whether a slot is, hangs or stands on, what cannot move; those from which this is still to be handed on, and to which.
     grounded: Vec<bool>,
     open: Vec<u32>,
-    above: Vec<(u32, u32)>,
+    pairs: Vec<(u32, u32)>,
+    above: Buckets,
     load: Vec<(DVec3, DVec3)>,
     queue: Vec<u32>,
     points: Vec<Point>,
@@ -102,24 +104,25 @@ impl Birth {
     fn find_grounded(&mut self, batch: &Batch) {
         self.grounded.clear();
         self.grounded.extend(batch.motions.iter().map(|motion| !motion.is_dynamic()));
-        self.above.clear();
-        for entry in batch.joints.entries.iter().chain(batch.direct.entries()) {
-            self.above.extend([(entry.a, entry.b), (entry.b, entry.a)]);
+        let joined = || batch.joints.entries.iter().chain(batch.direct.entries()).map(|entry| (entry.a, entry.b));
+        if joined().any(|(a, b)| self.grounded[a as usize] != self.grounded[b as usize]) {
+            self.pairs.clear();
+            self.pairs.extend(joined().flat_map(|(a, b)| [(a, b), (b, a)]));
+            self.spread_grounded();
         }
-        self.spread_grounded();
-        self.above.clear();
-        self.above.extend(self.supports.iter().map(|support| (support.lower, support.upper)));
+        self.pairs.clear();
+        self.pairs.extend(self.supports.iter().map(|support| (support.lower, support.upper)));
         self.spread_grounded();
     }
 
+    /// Notes what is above what is noted, over however many others.
     fn spread_grounded(&mut self) {
-        let Self { grounded, open, above, .. } = self;
-        above.sort_unstable();
+        let Self { grounded, open, pairs, above, .. } = self;
+        above.sort(grounded.len(), pairs);
         open.clear();
         open.extend((0..grounded.len() as u32).filter(|&slot| grounded[slot as usize]));
         while let Some(lower) = open.pop() {
-            let first = above.partition_point(|&(below, _)| below < lower);
-            for &(_, upper) in above[first..].iter().take_while(|&&(below, _)| below == lower) {
+            for &upper in above.of(lower) {
                 if !std::mem::replace(&mut grounded[upper as usize], true) {
                     open.push(upper);
                 }

@@ -9,6 +9,7 @@
 pub(crate) mod batch;
 mod birth;
 pub(crate) mod bound;
+mod buckets;
 mod color;
 pub(crate) mod contact;
 mod contact_block;

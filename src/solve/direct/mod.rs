@@ -13,6 +13,7 @@
 use glam::{DMat3, DVec3};
 
 use super::StepSettings;
+use super::buckets::Buckets;
 use super::contact::{ContactImpulses, ContactInput};
 use super::joint::JointEntry;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
@@ -73,8 +74,9 @@ pub(crate) struct Direct {
     jointed: Vec<bool>,
     /// Unjointed bodies that are solved with what carries them.
     riders: Riders,
-    /// Group and number of each contact of a jointed body or a rider, sorted.
-    touching: Vec<(u32, u32)>,
+    /// Group and number of each contact of a jointed body or a rider, and the numbers by group.
+    touches: Vec<(u32, u32)>,
+    touching: Buckets,
     left: Vec<JointEntry>,
     refused: Refused,
     /// Group of each joint.
@@ -123,16 +125,17 @@ impl Direct {
     /// Lists the contacts of each group, and finds what each carries.
     pub(crate) fn find_touching(&mut self, contacts: &[ContactInput], motions: &[BodyMotion]) {
         self.touching.clear();
+        self.touches.clear();
         if self.group.is_empty() {
             return;
         }
         self.riders.find(contacts, &self.group, motions);
         for (number, contact) in contacts.iter().enumerate() {
             let groups = [contact.a, contact.b].map(|slot| solved_with(slot, motions, &self.group, &self.riders));
-            self.touching.extend(groups.into_iter().flatten().map(|group| (group, number as u32)));
+            let other = groups[1].filter(|_| groups[0] != groups[1]);
+            self.touches.extend([groups[0], other].into_iter().flatten().map(|group| (group, number as u32)));
         }
-        self.touching.sort_unstable();
-        self.touching.dedup();
+        self.touching.sort(motions.len(), &self.touches);
     }
 
     /// Takes the joints that are solved directly out of `entries`; `contacts` are all of the batch.
@@ -234,8 +237,7 @@ impl Direct {
             self.articulations.push(Articulation::default());
         }
         let asked = solver == Solver::Direct;
-        let first = self.touching.partition_point(|&(other, _)| other < group);
-        let touches = self.touching.get(first).is_some_and(|&(other, _)| other == group);
+        let touches = !self.touching.of(group).is_empty();
         if !touches && self.refused.is_of(entries, motions, asked) {
             return false;
         }
@@ -257,7 +259,7 @@ impl Direct {
         }
         articulation.entries.extend_from_slice(entries);
         let is_rigid = articulation.is_rigid();
-        for &(_, number) in self.touching[first..].iter().take_while(|&&(other, _)| other == group) {
+        for &number in self.touching.of(group) {
             let contact = &contacts[number as usize];
             let ends = [contact.a, contact.b];
             let moves = ends.map(|slot| motions[slot as usize].is_dynamic());
