@@ -13,7 +13,7 @@ use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::span::sheet::is_sheet;
 use crate::workers::Workers;
 
-/// Bodies of a strip: some 30 µs of each sweep, a few times what it takes to have another thread begin.
+/// Bodies of a strip: some 50 µs of each sweep, about what a thread that has gone to sleep takes to begin.
 const BODIES: usize = 1024;
 
 /// Strips at most.
