@@ -10,7 +10,7 @@ use super::contact_block::ContactBlocks;
 use super::contact_kernels;
 use super::direct::Direct;
 use super::exact::ExactIslands;
-use super::joint::{BatchJoints, JointEntry};
+use super::joint::{BatchJoints, JointEntry, may_be_cut};
 use super::lead::Leads;
 use super::load_pass::LoadPass;
 use super::momentum::FreeIslands;
@@ -187,7 +187,8 @@ impl Batch {
 
     /// Work that it makes for several threads.
     pub(crate) fn load(&self) -> usize {
-        self.manifolds.len() + self.joint_slots.len()
+        let joints = self.joint_slots.len();
+        self.manifolds.len() + if may_be_cut(joints, self.body_count() as usize) { joints } else { 0 }
     }
 
     /// Bodies that it has had room for.

@@ -313,6 +313,9 @@ impl ContactBlocks {
     /// Ends a substep of what has rebounded in it: those are multipliers of a blow, and nothing to carry on.
     pub(crate) fn end_blows(&mut self) {
         let Self { blocks, faces, extras } = self;
+        if extras.is_empty() {
+            return;
+        }
         for block in blocks {
             let Some(extra) = extras.get_mut(block.extra as usize).filter(|extra| extra.has_restitution) else { continue };
             for l in (0..LANES).filter(|&l| std::mem::take(&mut extra.rebounds[l])) {

@@ -38,8 +38,8 @@ const ROUND: f32 = 1.0e-5;
 /// one that is far heavier doubles its speed.
 const OUTPACED: f32 = 2.0;
 
-/// Manifolds and joints of a batch from which on all threads work on it together, and the share of all that it must have: only a quarter of its
-/// work is shared so far, so other batches had better be solved beside it where they are as much.
+/// Manifolds, and joints of a net, of a batch from which on all threads work on it together, and the share of all that it must have:
+/// only a part of its work is shared so far, so other batches had better be solved beside it where they are as much.
 const LEAST_SHARED: usize = 512;
 const SHARED_FROM: f32 = 0.8;
 

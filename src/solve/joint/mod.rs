@@ -31,6 +31,7 @@ pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lan
 use lanes::{Holds, JointLanes};
 use singles::Singles;
 use strips::Strips;
+pub(crate) use strips::may_be_cut;
 
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::LANES;

@@ -22,6 +22,11 @@ const MOST: usize = 16;
 /// Share of joints between strips from which on a net is left whole: they are swept by one thread.
 const MOST_BETWEEN: f32 = 0.125;
 
+/// Whether a batch of so many joints and moving bodies is a net that may be cut.
+pub(crate) fn may_be_cut(joints: usize, bodies: usize) -> bool {
+    bodies >= 2 * BODIES && is_sheet(joints, bodies)
+}
+
 /// The slots of one strip, and what is swept of its joints.
 #[derive(Debug, Default)]
 pub(crate) struct Strip {
@@ -60,7 +65,7 @@ impl Strips {
     pub(super) fn cut(&mut self, entries: &[JointEntry], slots: usize) {
         let bodies = slots - 1;
         self.count = 0;
-        if bodies < 2 * BODIES || !is_sheet(entries.len(), bodies) {
+        if !may_be_cut(entries.len(), bodies) {
             return;
         }
         let count = (bodies / BODIES).min(MOST);
