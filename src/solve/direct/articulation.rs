@@ -117,6 +117,8 @@ pub(crate) struct Articulation {
     pub(super) implicit: Vec<f64>,
     pub(super) changes: Vec<Rate>,
     pub(super) tried: Vec<Stance>,
+    /// Where the bodies were before their positions were mended; empty where they have been left as they were.
+    pub(super) reached: Vec<Stance>,
     /// Joints at the start of the step.
     untouched: Vec<JointEntry>,
     /// Whether a joint ties it to something that it does not move.
@@ -378,7 +380,9 @@ impl Articulation {
                     self.surprise = self.surprise();
                 }
                 self.after_first_order = !second_order;
-                quads::note(&self.quads, h, &self.order, &self.began, (&self.stances, &self.rates), &mut self.histories);
+                // A mended position is no way that the bodies have gone: extrapolated, it would have to be taken back by a blow.
+                let reached = if self.reached.is_empty() { &self.stances } else { &self.reached };
+                quads::note(&self.quads, h, &self.order, &self.began, (reached, &self.rates), &mut self.histories);
                 // As the histories hold it.
                 self.continues = Some(f64::from(h as f32));
                 if self.meets_stop(joints) {

@@ -46,16 +46,17 @@ impl Plan {
             neighbors[b as usize].push(a);
         }
         neighbors.iter_mut().for_each(|list| list.sort_unstable());
-        let Elimination { order, coupled, work } = minimum_degree(neighbors, weights, most_work)?;
+        let Elimination { order, coupled, work } = minimum_degree(neighbors, weights, most_work)?.postordered();
         let mut plan = Self { place: vec![0; order.len()], work, ..Self::default() };
         for (place, &node) in order.iter().enumerate() {
             plan.place[node as usize] = place as u32;
         }
         let rows = |node: u32| capacity[node as usize] as usize;
         let lanes_of = |from: u32, to: u32| rows(from) * width(rows(to));
-        plan.diagonal = (0..capacity.len() as u32).map(|node| claim(&mut plan.size, lanes_of(node, node))).collect();
+        plan.diagonal = vec![0; capacity.len()];
         plan.first.push(0);
         for (&node, mut list) in order.iter().zip(coupled) {
+            plan.diagonal[node as usize] = claim(&mut plan.size, lanes_of(node, node));
             list.sort_unstable_by_key(|&other| plan.place[other as usize]);
             let mut scratch = 0;
             for other in list {

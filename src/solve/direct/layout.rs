@@ -7,7 +7,7 @@ use super::block::MAX_ROWS;
 use super::factor::Plan;
 use super::quads;
 use super::root;
-use super::system::{Coupling, REGULARIZATION, TREE_REGULARIZATION, Topology};
+use super::system::{Coupling, POINTS_REGULARIZATION, REGULARIZATION, TREE_REGULARIZATION, Topology};
 use crate::solve::joint::JointEntry;
 use crate::solve::state::WORLD_SLOT;
 
@@ -30,7 +30,7 @@ const CONTACT_WEIGHT: u32 = 7;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Link {
     pub bodies: [u32; 2],
-    moves: [bool; 2],
+    pub moves: [bool; 2],
     capacity: u32,
     /// Whether it holds points rigidly together and does nothing else.
     pub is_plain: bool,
@@ -183,8 +183,13 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize, asked: bool) -> 
         Some(Coupling { late, early, late_side, early_side, body, start })
     };
     let couplings = shared.iter().map(coupling).collect::<Option<Vec<_>>>()?;
-    let regularization = if is_forest(links, bodies) { TREE_REGULARIZATION } else { REGULARIZATION };
-    Some(Topology { plan, couplings, regularization })
+    let has_loops = !is_forest(links, bodies);
+    let regularization = match has_loops {
+        false => TREE_REGULARIZATION,
+        true if links.iter().all(|link| link.is_plain) => POINTS_REGULARIZATION,
+        true => REGULARIZATION,
+    };
+    Some(Topology { plan, couplings, regularization, has_loops })
 }
 
 /// Whether no joints close a loop, where all that does not move is one.

@@ -34,6 +34,35 @@ pub(crate) fn minimum_degree(neighbors: Vec<Vec<u32>>, rows: &[u32], most_work: 
     Some(result)
 }
 
+impl Elimination {
+    /// The same factor in another order: each node right after those that change its column, its subtree in the tree in which the parent of
+    /// a node is the first that it is coupled to (Liu 1990). What has just been computed is what comes next.
+    pub(crate) fn postordered(mut self) -> Self {
+        let mut place = vec![0; self.order.len()];
+        for (at, &node) in self.order.iter().enumerate() {
+            place[node as usize] = at;
+        }
+        let mut children = vec![Vec::new(); self.order.len()];
+        let mut open = Vec::new();
+        for (at, coupled) in self.coupled.iter().enumerate() {
+            match coupled.iter().map(|&other| place[other as usize]).min() {
+                Some(parent) => children[parent].push(at),
+                None => open.push(at),
+            }
+        }
+        // From the last node back: each before its subtree.
+        let mut places = Vec::with_capacity(self.order.len());
+        while let Some(at) = open.pop() {
+            places.push(at);
+            open.append(&mut children[at]);
+        }
+        places.reverse();
+        self.order = places.iter().map(|&at| self.order[at]).collect();
+        self.coupled = places.iter().map(|&at| std::mem::take(&mut self.coupled[at])).collect();
+        self
+    }
+}
+
 /// Nodes by degree, then by number: a binary tree of which each node is the lesser of its two below, with the nodes of the graph as
 /// leaves. Degrees change far more often than the least of all is asked for.
 struct Queue {

@@ -1,7 +1,7 @@
 //! Articulations whose joints all hold points together and do nothing else: chains, nets, rope bridges.
 //!
 //! Their system is that of [`super::system`], but its rows need not be written down. Of joint k between bodies a and b, with levers
-//! r from centres of mass to the point halfway between the two that it holds, J = [−1, r_a×, 1, −r_b×], so that
+//! r from centres of mass to the point at which it pushes them, J = [−1, r_a×, 1, −r_b×], so that
 //!
 //! ```text
 //! J v           = v_b + ω_b × r_b − v_a − ω_a × r_a,
@@ -37,9 +37,11 @@ impl Spot {
         Self { levers, gap: entry.offset + (b.0 - a.0) + (levers[1] - levers[0]) }
     }
 
-    /// Levers to the point halfway between, where both bodies are pushed: a gap costs no angular momentum then.
-    fn halfway(&self) -> [DVec3; 2] {
-        [self.levers[0] + 0.5 * self.gap, self.levers[1] - 0.5 * self.gap]
+    /// Levers to the point where the bodies are pushed. Mostly that is halfway between the two: a gap costs no angular momentum then. If it
+    /// is `own`, each is pushed at its own point, which is the gradient of the gap.
+    fn pushed(&self, own: bool) -> [DVec3; 2] {
+        let share = if own { 0.0 } else { 0.5 };
+        [self.levers[0] + share * self.gap, self.levers[1] - share * self.gap]
     }
 }
 
@@ -250,32 +252,35 @@ impl Articulation {
     /// What the joints ask for; that of a velocity phase needs where they will be.
     pub(super) fn ask_points(&mut self, phase: Phase) {
         self.find_spots();
-        let Self { points, links, entries, rates, began, predicted, implicit, .. } = self;
+        let Self { points, links, entries, rates, began, predicted, implicit, topology, .. } = self;
         let Points { spots, ends, joints, is_factored, has_pushed, .. } = points;
         joints.clear();
         (*is_factored, *has_pushed) = (false, false);
         for (number, link) in links.iter().enumerate() {
             let bodies = link.bodies;
+            // What is held by something that stays where it is would fall away from it by h² g in a substep without joints. Halfway there, the force
+            // on a taut piece points past its middle, by so much that the stiffness of its pull turns it about its own axis, ever faster.
+            let own = topology.has_loops && link.moves != [true; 2];
             let carried = if matches!(phase, Phase::Position { .. }) { Vec3::ZERO } else { entries[number].impulses.point };
             let impulse = carried.as_dvec3();
             let (levers, bias) = match phase {
                 Phase::Velocity { h } => {
                     let levers = match implicit[number] {
-                        1.0 => ends[number].halfway(),
-                        0.0 => spots[number].halfway(),
+                        1.0 => ends[number].pushed(own),
+                        0.0 => spots[number].pushed(own),
                         share => {
                             let between = |body: u32| {
                                 let (from, to) = (began.stances[body as usize], predicted[body as usize]);
                                 (from.0.lerp(to.0, share), from.1.lerp(to.1, share))
                             };
-                            Spot::of(&entries[number], &between(bodies[0]), &between(bodies[1])).halfway()
+                            Spot::of(&entries[number], &between(bodies[0]), &between(bodies[1])).pushed(own)
                         }
                     };
                     (levers, (ends[number].gap - spots[number].gap) / h - approach(&bodies, &levers, rates))
                 }
-                Phase::Tangent { .. } => (spots[number].halfway(), DVec3::ZERO),
+                Phase::Tangent { .. } => (spots[number].pushed(own), DVec3::ZERO),
                 Phase::Position { most } => {
-                    (spots[number].halfway(), spots[number].gap.clamp(DVec3::splat(-most), DVec3::splat(most)))
+                    (spots[number].pushed(own), spots[number].gap.clamp(DVec3::splat(-most), DVec3::splat(most)))
                 }
             };
             joints.push(Held { bodies, levers, bias, impulse });

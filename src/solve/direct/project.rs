@@ -316,12 +316,16 @@ impl Articulation {
         self.outcome.penetration = self.outcome.penetration.max(errors.overlap);
         let good = GOOD_ENOUGH * TOLERANCE * self.size;
         let mut overlaps = errors.overlap > NEGLIGIBLE_OVERLAP;
+        self.reached.clear();
         for round in 0..PROJECTIONS {
             if (errors.worst <= good && !overlaps && self.is_harmless(errors.gap))
                 || !errors.worst.is_finite()
                 || (round >= FREE_PROJECTIONS && !self.pay(1))
             {
                 break;
+            }
+            if round == 0 {
+                self.reached.extend_from_slice(&self.stances);
             }
             let accept = |left: &Errors| left.worst < errors.worst || (overlaps && left.worst <= good);
             let Some(left) = self.displace(joints, errors.worst, accept) else { break };

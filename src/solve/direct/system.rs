@@ -26,9 +26,11 @@ use super::row::{Origin, Row, State};
 use crate::solve::joint::rows::{self, Held, Rate};
 
 /// Added to the diagonal, relative to it: rows that repeat others (a closed planar loop has three) share their multiplier instead
-/// of dividing by nothing. Where joints close no loop, none do, and as much as rounding is enough.
+/// of dividing by nothing. Where joints close no loop, none do, and as much as rounding is enough. Where all hold points alone, only those
+/// along a straight line between two that do not move are repeated, and what is added gives way under the pull of a taut one.
 pub(super) const REGULARIZATION: f64 = 1.0e-9;
 pub(super) const TREE_REGULARIZATION: f64 = 1.0e-13;
+pub(super) const POINTS_REGULARIZATION: f64 = 1.0e-12;
 
 /// Most passes of the active set: nearly all solves take one, and the last ones (a third, at most [`MOST_CLOSING`]) free nothing
 /// any more. Contacts ask for more than stops and motors; a projection is judged by what it reaches.
@@ -121,6 +123,8 @@ pub(crate) struct Topology {
     pub couplings: Vec<Coupling>,
     /// Share of the diagonal that is added to it.
     pub regularization: f64,
+    /// Whether joints close loops, where all that does not move is one body.
+    pub has_loops: bool,
 }
 
 /// All rows of an articulation, and room to solve them.
