@@ -9,6 +9,7 @@ use super::contact::{ContactImpulses, ContactInput, LANES};
 use super::contact_block::ContactBlocks;
 use super::contact_kernels;
 use super::direct::Direct;
+use super::dissipative::DissipativeIslands;
 use super::exact::ExactIslands;
 use super::joint::{BatchJoints, JointEntry, may_be_cut};
 use super::lead::Leads;
@@ -109,6 +110,7 @@ pub(crate) struct Batch {
     pub poses: Poses,
     pub free: FreeIslands,
     pub passive: PassiveIslands,
+    pub dissipative: DissipativeIslands,
     pub sheet: Sheet,
     pub leads: Leads,
     /// Whether a joint of the slot's body is solved by sweeps.
@@ -168,6 +170,7 @@ impl Batch {
         self.planes.clear();
         self.free.clear();
         self.passive.clear();
+        self.dissipative.clear();
         self.leads.clear();
         self.direct.clear();
         self.lanes.clear();
@@ -244,6 +247,11 @@ impl Batch {
                 slot
             }
         }
+    }
+
+    /// Whether kinematic bodies have slots here.
+    pub(crate) fn has_replicas(&self) -> bool {
+        !self.replicas.is_empty()
     }
 
     /// Lays out a block and a lane for every manifold that no articulation holds.

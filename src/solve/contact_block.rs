@@ -318,13 +318,27 @@ impl ContactBlocks {
         }
         for block in blocks {
             let Some(extra) = extras.get_mut(block.extra as usize).filter(|extra| extra.has_restitution) else { continue };
-            for l in (0..LANES).filter(|&l| std::mem::take(&mut extra.rebounds[l])) {
-                let more = faces.get_mut(block.face as usize).into_iter().flat_map(|face| &mut face.more);
-                std::iter::once(&mut block.first).chain(more).for_each(|rows| rows.lambda[l] = 0.0);
-                let others = block.tangent_lambda.iter_mut().chain(&mut extra.rolling_lambda);
-                others.chain([&mut block.twist_lambda]).for_each(|lambda| lambda[l] = 0.0);
-            }
+            let rebounds = std::mem::take(&mut extra.rebounds);
+            let face = faces.get_mut(block.face as usize);
+            let mut whole = WholeBlock { block, face, extra: Some(extra) };
+            (0..LANES).filter(|&l| rebounds[l]).for_each(|l| whole.multipliers().for_each(|lambda| lambda[l] = 0.0));
         }
+    }
+
+    /// Adds a copy of a block of another list, with what it has beside it.
+    pub(crate) fn add_copy(&mut self, from: &Self, number: usize) -> WholeBlock<'_> {
+        let mut block = from.blocks[number].clone();
+        block.before = [self.faces.len() as u32, self.extras.len() as u32];
+        if let Some(face) = from.faces.get(block.face as usize) {
+            block.face = block.before[0];
+            self.faces.push(face.clone());
+        }
+        if let Some(extra) = from.extras.get(block.extra as usize) {
+            block.extra = block.before[1];
+            self.extras.push(extra.clone());
+        }
+        self.blocks.push(block);
+        self.whole(self.blocks.len() - 1)
     }
 }
 
@@ -367,6 +381,15 @@ pub(crate) struct WholeBlock<'a> {
 }
 
 impl WholeBlock<'_> {
+    /// All multipliers of its manifolds.
+    pub(crate) fn multipliers(&mut self) -> impl Iterator<Item = &mut Lane> {
+        let Self { block, face, extra } = self;
+        let more = face.iter_mut().flat_map(|face| &mut face.more);
+        let points = std::iter::once(&mut block.first).chain(more).map(|rows| &mut rows.lambda);
+        let rolling = extra.iter_mut().flat_map(|extra| &mut extra.rolling_lambda);
+        points.chain(&mut block.tangent_lambda).chain([&mut block.twist_lambda]).chain(rolling)
+    }
+
     fn rows(&self, point: usize) -> &PointRows {
         match &self.face {
             Some(face) if point > 0 => &face.more[point - 1],

@@ -16,6 +16,7 @@ mod contact_block;
 mod contact_kernels;
 pub(crate) mod direct;
 mod dispatch;
+mod dissipative;
 mod exact;
 pub(crate) mod integrate;
 pub(crate) mod joint;
@@ -36,6 +37,7 @@ mod wide_matrix;
 pub(crate) mod wrap;
 
 use batch::Batch;
+use contact_block::ContactBlocks;
 use joint::Moving;
 use state::BodyVelocity;
 
@@ -99,6 +101,7 @@ impl Batch {
         self.taut.lay_out(&self.bounds);
         self.poses.lay_out(&self.velocities, &mut self.motions, h);
         self.find_passive_islands();
+        self.dissipative.lay_out(&self.passive, &self.velocities, &self.motions);
         self.find_sheet(threads);
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
@@ -111,6 +114,7 @@ impl Batch {
                 self.sweep_all(joints, threads, h, settings.iterations);
             }
             self.restrain(joints, is_weighed);
+            self.dissipate(joints, settings.iterations);
             if substep == 0 {
                 self.leads.halve_start(self.passive.slots(), &mut self.velocities);
             }
@@ -184,9 +188,9 @@ impl Batch {
                 self.taut.sweep(&mut self.velocities, false);
                 self.direct.sweep(&mut self.velocities);
                 self.joints.sweep(threads, &mut self.velocities, false);
-                self.sweep_contacts(false);
+                sweep_contacts(&mut self.contacts, self.first_jointed, &mut self.velocities, false);
             } else {
-                self.sweep_contacts(true);
+                sweep_contacts(&mut self.contacts, self.first_jointed, &mut self.velocities, true);
                 self.joints.sweep(threads, &mut self.velocities, true);
                 self.direct.sweep(&mut self.velocities);
                 self.taut.sweep(&mut self.velocities, true);
@@ -199,20 +203,6 @@ impl Batch {
     /// Whether articulations have moved all bodies through the step, and nothing is left to solve.
     fn is_done(&self) -> bool {
         self.contacts.is_empty() && self.motions[1..].iter().all(|motion| motion.direct)
-    }
-
-    /// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold; backwards, all in the opposite order.
-    fn sweep_contacts(&mut self, backwards: bool) {
-        let (free, jointed) = (0..self.first_jointed, self.first_jointed..self.contacts.len());
-        if !backwards {
-            contact_kernels::sweep(&mut self.contacts, free.clone(), &mut self.velocities, false);
-        }
-        for sweep in 0..JOINTED_SWEEPS {
-            contact_kernels::sweep(&mut self.contacts, jointed.clone(), &mut self.velocities, backwards != (sweep % 2 == 1));
-        }
-        if backwards {
-            contact_kernels::sweep(&mut self.contacts, free, &mut self.velocities, true);
-        }
     }
 
     /// Gives contacts that are born under load their static multipliers.
@@ -299,7 +289,9 @@ impl Batch {
             integrate::limit_speeds(&mut self.velocities[slot as usize], &self.motions[slot as usize], h);
         }
         self.poses.limit_speeds(&mut self.velocities, h);
+        self.dissipative.note_energy(&self.velocities, &self.motions, &self.poses);
         self.direct.couple(joints, &mut self.velocities, &mut self.motions, h, rest);
+        self.dissipative.note_velocities(&self.velocities);
         if !self.contacts.is_empty() && self.motions.iter().any(|motion| motion.refreshed) {
             for number in 0..self.contacts.len() {
                 if self.contacts.blocks[number].is_refreshed(&self.motions) {
@@ -352,5 +344,20 @@ impl Batch {
         for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
             motion.displace(push.linear, push.angular);
         }
+    }
+}
+
+/// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold, which begin with the block `first_jointed`;
+/// backwards, all in the opposite order.
+fn sweep_contacts(contacts: &mut ContactBlocks, first_jointed: usize, velocities: &mut [BodyVelocity], backwards: bool) {
+    let (free, jointed) = (0..first_jointed, first_jointed..contacts.len());
+    if !backwards {
+        contact_kernels::sweep(contacts, free.clone(), velocities, false);
+    }
+    for sweep in 0..JOINTED_SWEEPS {
+        contact_kernels::sweep(contacts, jointed.clone(), velocities, backwards != (sweep % 2 == 1));
+    }
+    if backwards {
+        contact_kernels::sweep(contacts, free, velocities, true);
     }
 }

@@ -103,6 +103,11 @@ impl PassiveIslands {
         self.islands.iter().filter(|island| !island.has_motors).map(Island::slots)
     }
 
+    /// First slot of each island.
+    pub(crate) fn firsts(&self) -> impl Iterator<Item = u32> + '_ {
+        self.islands.iter().map(|island| island.first)
+    }
+
     /// Notes velocities, and the energy that forces have left.
     pub(crate) fn note(&mut self, velocities: &[BodyVelocity], poses: &Poses) {
         let Self { islands, before, .. } = self;

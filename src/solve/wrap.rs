@@ -245,6 +245,12 @@ impl BatchWraps {
         }
     }
 
+    /// Sets the multipliers of bounds on these slots to nothing.
+    pub(crate) fn give_up(&mut self, slots: &[bool]) {
+        let torn = self.entries.iter_mut().filter(|entry| slots[entry.near as usize] || slots[entry.far as usize]);
+        torn.for_each(|entry| entry.impulse = 0.0);
+    }
+
     /// Adds the substep's multipliers to the loads.
     pub(crate) fn add_loads(&mut self) {
         for entry in &mut self.entries {

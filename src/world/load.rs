@@ -1,6 +1,6 @@
 //! Stage that fills the batches from the world's records and solves them, side by side where there are threads.
 
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 use super::World;
 use super::long_range::BoundRecord;
@@ -143,6 +143,7 @@ impl Records<'_> {
         self.fill_bounds(batch);
         self.fill_planes(batch);
         self.find_free_islands(batch);
+        batch.find_dissipative_islands(|index| self.center(index));
     }
 
     /// Takes back what bodies were told to be faster than they have moved.
@@ -441,10 +442,12 @@ impl Records<'_> {
         let Batch { islands, velocities, motions, ends, joints, direct, free, bodies, .. } = batch;
         let contacts = ends.iter().map(|ends| (ends.a, ends.b));
         let joined = joints.entries.iter().chain(direct.entries()).map(|entry| (entry.a, entry.b));
-        free.find(islands, velocities, motions, contacts.chain(joined), |slot| {
-            let index = bodies[slot as usize];
-            self.unions.moving(index).map_or(self.bodies[index].center, |union| union.motion.center)
-        });
+        free.find(islands, velocities, motions, contacts.chain(joined), |slot| self.center(bodies[slot as usize]));
+    }
+
+    /// Centre of mass of what is moved as one with this body (m).
+    fn center(&self, index: u32) -> DVec3 {
+        self.unions.moving(index).map_or(self.bodies[index].center, |union| union.motion.center)
     }
 
     /// One side of a joint in the slot `joint`.

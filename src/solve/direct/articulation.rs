@@ -285,6 +285,7 @@ impl Articulation {
         (self.continues, self.after_first_order) = (None, false);
         let energy = self.energy();
         self.take_substeps(joints, settings);
+        self.take_lift(self.energy() - energy);
         self.outcome.energy_change = self.energy() - energy;
     }
 

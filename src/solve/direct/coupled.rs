@@ -13,9 +13,11 @@ use super::articulation::{Articulation, Mode};
 use super::lasting::Lasting;
 use super::quads;
 use super::row::Origin;
+use super::system::Node;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint::{Joint, JointImpulses};
 use crate::solve::joint::rows::{Phase, Rate};
+use crate::solve::joint::{JointEntry, kinds};
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 impl Articulation {
@@ -118,6 +120,39 @@ impl Articulation {
             self.system.sweep(&self.topology, &self.bodies, &mut self.rates);
         }
         self.give_rates(velocities);
+    }
+
+    /// Whether its bodies have these slots.
+    pub(crate) fn is_on(&self, slots: &[bool]) -> bool {
+        self.moved_slots().next().is_some_and(|slot| slots[slot as usize])
+    }
+
+    /// Forgets all multipliers, as if the substep had begun without any: what they have pushed is out of the velocities.
+    pub(crate) fn drop_impulses(&mut self) {
+        self.is_warm = false;
+        self.entries.iter_mut().for_each(|entry| entry.impulses = JointImpulses::ZERO);
+        if self.is_points {
+            self.points.drop_impulses();
+        } else {
+            self.system.drop_impulses();
+        }
+    }
+
+    /// What motors and springs have done in the substep (J).
+    pub(crate) fn work(&self, joints: &Pool<Joint, JointId>) -> f64 {
+        if self.is_points {
+            return 0.0;
+        }
+        let Self { entries, system, rates, .. } = self;
+        let work = |(entry, node): (&JointEntry, &Node)| {
+            let kind = &joints[entry.joint].def.kind;
+            let is_motor = |origin: Origin| matches!(origin, Origin::Scalar(id) if kinds::is_motor_row(kind, id));
+            let pair = node.bodies.map(|body| rates[body as usize]);
+            let rows = system.rows[node.first as usize..node.last as usize].iter();
+            rows.filter(|row| row.gamma > 0.0 || is_motor(row.origin)).map(|row| row.impulse * row.rate(&pair)).sum::<f64>()
+        };
+        let gives = |(entry, _): &(&JointEntry, &Node)| entry.has_motor || !entry.gives_by_motors_alone;
+        entries.iter().zip(&system.nodes).filter(gives).map(work).sum()
     }
 
     /// Keeps the multipliers of a substep. Rows that may last keep them themselves, and what they add up to.

@@ -6,7 +6,7 @@
 //! [`Direct`] sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
 //! `system` holds the rows, `active_set` says which of them count, `points` is the same without rows where all joints hold points; `layout` says where in its matrix they
-//! are, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours` and `registers`; `articulation` takes a step, in as many substeps as `effort` says, `substep` and `project` one part of it each; `ropes` is what distance joints that pull ask for across their lines; `contacts` are those with what it cannot move, along
+//! are, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours` and `registers`; `articulation` takes a step, in as many substeps as `effort` says, `substep` and `project` one part of it each; `ropes` is what distance joints that pull ask for across their lines; `lift` keeps mended positions from making energy; `contacts` are those with what it cannot move, along
 //! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
 //! anything else that moves, whose rows may be `lasting` ones.
 
@@ -34,6 +34,7 @@ mod fours;
 pub(crate) mod history;
 mod lasting;
 mod layout;
+mod lift;
 mod order;
 mod packed;
 mod points;
@@ -327,6 +328,11 @@ impl Direct {
         self.articulations().iter().map(|articulation| articulation.outcome.penetration).fold(0.0, f64::max)
     }
 
+    /// Joints of the articulations that touch what moves.
+    pub(crate) fn coupled_entries(&self) -> impl Iterator<Item = &JointEntry> {
+        self.articulations().iter().filter(|articulation| articulation.coupled).flat_map(|articulation| &articulation.entries)
+    }
+
     fn coupled(&mut self) -> impl Iterator<Item = &mut Articulation> {
         self.articulations[..self.count].iter_mut().filter(|articulation| articulation.coupled)
     }
@@ -357,6 +363,25 @@ impl Direct {
     /// Solves the joints of the articulations that touch what moves.
     pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity]) {
         self.coupled().for_each(|articulation| articulation.sweep(velocities));
+    }
+
+    /// Forgets the multipliers of those whose bodies have these slots, as if the substep had begun without any.
+    pub(crate) fn drop_impulses(&mut self, slots: &[bool]) {
+        self.coupled().filter(|articulation| articulation.is_on(slots)).for_each(Articulation::drop_impulses);
+    }
+
+    /// As [`sweep`](Self::sweep), of those alone.
+    pub(crate) fn sweep_on(&mut self, slots: &[bool], velocities: &mut [BodyVelocity]) {
+        self.coupled().filter(|articulation| articulation.is_on(slots)).for_each(|articulation| articulation.sweep(velocities));
+    }
+
+    /// What motors and springs of articulations that touch what moves have done in the substep (J): handed over with slots of each.
+    pub(crate) fn find_work(&self, joints: &Pool<Joint, JointId>, mut hand_over: impl FnMut([u32; 2], f64)) {
+        for articulation in self.articulations().iter().filter(|articulation| articulation.coupled) {
+            if let Some(slot) = articulation.moved_slots().next() {
+                hand_over([slot; 2], articulation.work(joints));
+            }
+        }
     }
 
     /// Hands the multipliers of a substep back to the joints.

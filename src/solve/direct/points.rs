@@ -100,8 +100,13 @@ impl Points {
     fn drop_senseless(&mut self) {
         // Written so that one which is no number counts.
         if !self.joints.iter().all(|joint| joint.impulse.abs().cmple(DVec3::splat(MOST_IMPULSE)).all()) {
-            self.joints.iter_mut().for_each(|joint| joint.impulse = DVec3::ZERO);
+            self.drop_impulses();
         }
+    }
+
+    /// Forgets all multipliers.
+    pub(super) fn drop_impulses(&mut self) {
+        self.joints.iter_mut().for_each(|joint| joint.impulse = DVec3::ZERO);
     }
 
     /// Solves for the multipliers of all joints and adds their push to the rates.

@@ -84,7 +84,7 @@ impl Articulation {
     }
 
     /// Kinetic energy of all bodies that move freely (J).
-    fn kinetic_energy(&self) -> f64 {
+    pub(super) fn kinetic_energy(&self) -> f64 {
         let bodies = self.bodies.iter().zip(&self.stances).zip(&self.rates);
         bodies.map(|((body, stance), rate)| body.energy(stance, rate, stance)).sum()
     }

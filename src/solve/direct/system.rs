@@ -441,6 +441,13 @@ impl System {
         }
     }
 
+    /// Forgets all multipliers, whose push has been taken out of the rates.
+    pub(super) fn drop_impulses(&mut self) {
+        self.rows.iter_mut().for_each(|row| row.impulse = 0.0);
+        self.is_factored = false;
+        self.has_pushed = false;
+    }
+
     fn push_fixed(&self, bodies: &[DirectBody], rates: &mut [Rate]) {
         self.push(bodies, rates, |row| if matches!(row.state, State::Low | State::High) { row.impulse } else { 0.0 });
     }

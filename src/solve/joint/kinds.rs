@@ -73,7 +73,7 @@ pub(crate) fn has_motor(kind: &JointKind) -> bool {
 }
 
 /// Whether the multiplier `id` of a joint of this kind is that of a motor.
-pub(super) fn is_motor_row(kind: &JointKind, id: u8) -> bool {
+pub(crate) fn is_motor_row(kind: &JointKind, id: u8) -> bool {
     match kind {
         JointKind::Fixed => false,
         JointKind::Hinge { .. } | JointKind::Prismatic { .. } | JointKind::Distance { .. } => id == 2,

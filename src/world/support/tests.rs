@@ -1,4 +1,4 @@
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
 use super::SupportState;
 use super::record::Seen;
@@ -88,13 +88,16 @@ fn made_anew(world: &World) -> SupportState {
     fresh
 }
 
-/// Whether a point that the body stands on is at the edge of where the body below can carry.
-fn stands_on_an_edge(graph: &Graph, node: &Node) -> bool {
+/// Whether a point that the body stands on is at the edge of where the body below can carry, or one that this body stands on in turn, as
+/// many bodies down as `depth` says.
+fn stands_on_an_edge(graph: &Graph, node: &Node, depth: u32) -> bool {
     node.below.iter().map(|&link| graph.link(link)).any(|link| {
         let lower = graph.node(link.lower).filter(|lower| lower.kind == NodeKind::Body);
         lower.is_some_and(|lower| {
             let near = 5e-3 * hull::reach(lower.hull()).max(0.1);
-            link.points[..usize::from(link.count)].iter().any(|&point| hull::margin(lower.hull(), point).abs() < near)
+            let is_near = |&point: &Vec2| hull::margin(lower.hull(), point).abs() < near;
+            link.points[..usize::from(link.count)].iter().any(is_near)
+                || (depth > 1 && stands_on_an_edge(graph, lower, depth - 1))
         })
     })
 }
@@ -126,7 +129,7 @@ impl Tally {
                 let near = |node: &Node| node.margin.abs() < 5e-3 * hull::reach(node.hull()).max(0.1);
                 let on_edge = |graph: &Graph, unit: u32| {
                     let mut mates = indices.iter().filter_map(|&mate| graph.node(mate)).filter(|mate| mate.unit == unit);
-                    mates.any(|mate| near(mate) || stands_on_an_edge(graph, mate))
+                    mates.any(|mate| near(mate) || stands_on_an_edge(graph, mate, 3))
                 };
                 let is_close = on_edge(&state.graph, kept.unit) || on_edge(&anew.graph, fresh.unit);
                 assert!(is_close, "{context}, body {index}: {kept:?} against {fresh:?}");

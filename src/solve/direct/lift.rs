@@ -1,0 +1,43 @@
+//! What mended positions lift is taken out of the motion.
+//!
+//! Velocities of a safe substep gain no energy. Positions are mended after it, and a heavy body that is put back to where its
+//! joints and contacts hold it is lifted as often as it is lowered. Where links spin through radians in a substep, or are jammed
+//! between a weight and what they lie on, they are mended one way only: the weight rises by centimetres in every step, and falls
+//! with more each time. So where an articulation on which nothing does work has gained energy in a step, what it has gained
+//! beyond a harmless share, that of all its bodies at [`HARMLESS_SPEED`], is taken from the velocities: v ← √(1 − ΔE/T) v.
+
+use glam::DVec3;
+
+use super::articulation::Articulation;
+
+/// Speed whose kinetic energy an articulation may gain in a step (m/s): that of a rise by a millimetre.
+const HARMLESS_SPEED: f64 = 0.15;
+
+impl Articulation {
+    /// Takes what the bodies have gained in a step, `gained` (J), out of their velocities.
+    pub(super) fn take_lift(&mut self, gained: f64) {
+        let harmless =
+            || 0.5 * HARMLESS_SPEED * HARMLESS_SPEED * self.bodies.iter().filter_map(|body| body.free_mass()).sum::<f64>();
+        if gained <= 0.0 || self.outcome.safe == 0 || gained <= harmless() || !self.is_left_alone() {
+            return;
+        }
+        let excess = gained - harmless();
+        let kinetic = self.kinetic_energy();
+        let kept = (1.0 - excess / kinetic).max(0.0).sqrt();
+        for (_, rate) in self.bodies.iter().zip(&mut self.rates).filter(|(body, _)| body.is_dynamic()) {
+            rate.linear *= kept;
+            rate.angular *= kept;
+        }
+    }
+
+    /// Whether nothing but forces does work on it, and what it hangs on or touches stands still.
+    fn is_left_alone(&self) -> bool {
+        let is_still = self
+            .bodies
+            .iter()
+            .zip(&self.rates)
+            .all(|(body, rate)| body.is_dynamic() || (rate.linear, rate.angular) == (DVec3::ZERO, DVec3::ZERO));
+        let is_held = self.hangs || !self.touches.is_empty();
+        is_held && is_still && self.entries.iter().all(|entry| entry.gives_by_motors_alone && !entry.has_motor)
+    }
+}

@@ -1,0 +1,142 @@
+//! Joints and contacts that contradict one another: what is jammed may slip, but gains no energy.
+
+use longspan::glam::{DVec3, Quat, Vec3};
+use longspan::{BodyDef, BodyId, Geometry, JointDef, JointId, JointKind, Mass, Pose, Shape, ShapeDef, Solver, World, WorldDef};
+
+const GRAVITY: f64 = 9.81;
+
+fn body(world: &mut World, pose: Pose, shape: Shape, mass: f32) -> BodyId {
+    let def = BodyDef { mass: Mass::Total(mass), ..BodyDef::dynamic(pose) };
+    world.create_body(&def.with_shape(ShapeDef::new(shape))).unwrap()
+}
+
+fn fixed(world: &mut World, pose: Pose, geometry: Geometry) -> BodyId {
+    world.create_body(&BodyDef::fixed(pose).with_shape(ShapeDef::new(Shape::new(geometry).unwrap()))).unwrap()
+}
+
+fn floor(world: &mut World) {
+    fixed(world, Pose::at_xyz(0.0, -1.0, 0.0), Geometry::Box { half_extents: Vec3::new(100.0, 1.0, 100.0) });
+}
+
+/// A chain of capsules from a point in the frame of `from` (m), with a ball at its end.
+struct Chain {
+    joints: Vec<JointId>,
+    bodies: Vec<(BodyId, f64)>,
+}
+
+impl Chain {
+    /// `links` as long as `length` (m) in this direction, of mass `link` (kg), and `load` (kg).
+    fn new(
+        world: &mut World,
+        from: (BodyId, Vec3),
+        start: DVec3,
+        along: DVec3,
+        links: usize,
+        length: f64,
+        [link, load]: [f32; 2],
+    ) -> Self {
+        let turn = Quat::from_rotation_arc(Vec3::Y, along.as_vec3());
+        let (mut last, mut anchor) = from;
+        let (mut joints, mut bodies) = (Vec::new(), Vec::new());
+        let half = (0.5 * length) as f32;
+        for i in 0..=links {
+            let (reach, mass) = if i == links { (0.3, load) } else { (half, link) };
+            let center = start + along * (length * i as f64 + f64::from(reach));
+            let shape = if i == links { Shape::ball(0.3) } else { Shape::capsule(half - 0.04, 0.04) };
+            let next = body(world, Pose { position: center, rotation: turn }, shape.unwrap(), mass);
+            joints
+                .push(world.create_joint(&JointDef::new(JointKind::SPHERICAL, last, next).at(anchor, Vec3::Y * -reach)).unwrap());
+            bodies.push((next, f64::from(mass)));
+            (last, anchor) = (next, Vec3::Y * reach);
+        }
+        Self { joints, bodies }
+    }
+
+    /// Energy of all bodies as points (J).
+    fn energy(&self, world: &World) -> f64 {
+        let of = |&(body, mass): &(BodyId, f64)| {
+            let speed = world.linear_velocity(body).unwrap().as_dvec3().length_squared();
+            mass * (0.5 * speed + GRAVITY * world.pose(body).unwrap().position.y)
+        };
+        self.bodies.iter().map(of).sum()
+    }
+}
+
+/// A box that turns at 20 rad/s winds up 4 m of chain with 100 kg, which comes to hang in its own turns. It can give them no more
+/// than they have when they turn with it stretched out.
+#[test]
+fn a_chain_that_a_driven_box_winds_up_is_not_thrown_about() {
+    for rate in [60.0, 120.0, 240.0] {
+        let mut world = World::new(&WorldDef::default()).unwrap();
+        floor(&mut world);
+        let top = DVec3::new(0.0, 8.0, 0.0);
+        let cube = ShapeDef::new(Shape::cuboid(Vec3::splat(0.2)).unwrap());
+        let drive = world.create_body(&BodyDef::kinematic(Pose::at(top)).with_shape(cube)).unwrap();
+        let chain = Chain::new(&mut world, (drive, Vec3::Y * -0.2), top - DVec3::Y * 0.2, -DVec3::Y, 20, 0.2, [0.5, 100.0]);
+        let before = chain.energy(&world);
+        let flung_out = chain.bodies.iter().map(|(_, mass)| 0.5 * mass * (20.0_f64 * 4.3).powi(2)).sum::<f64>();
+        let (mut gap, mut most) = (0.0_f32, before);
+        for step in 1..=(10.0 * rate) as usize {
+            if (step as f32) < 5.0 * rate {
+                let turned = Quat::from_rotation_z(20.0 * step as f32 / rate);
+                world.move_to(drive, Pose { position: top, rotation: turned }).unwrap();
+            }
+            gap = gap.max(world.step(1.0 / rate).unwrap().residuals.joint_gap);
+            most = most.max(chain.energy(&world));
+        }
+        let share = (most - before) / flung_out;
+        println!("{rate} steps a second: gap {gap:.1e} m, {share:.3} of the energy of a chain flung out");
+        assert!(gap < 1.0e-3, "{rate} steps a second: a gap of {gap} m");
+        assert!(share < 1.0, "{rate} steps a second: {share} times the energy of a chain flung out");
+    }
+}
+
+/// A tonne falls at the end of a chain that lies over a post, at steps in which a link turns by more than a radian.
+#[test]
+fn a_tonne_on_a_chain_over_a_post_does_not_rise_higher_than_it_was() {
+    for (rate, substeps, solver) in [
+        (30.0, 1, Solver::Auto),
+        (60.0, 1, Solver::Auto),
+        (60.0, 4, Solver::Auto),
+        (30.0, 1, Solver::GaussSeidel),
+        (60.0, 4, Solver::GaussSeidel),
+    ] {
+        let mut world = World::new(&WorldDef { substeps, solver, ..WorldDef::default() }).unwrap();
+        floor(&mut world);
+        let lying = Pose { position: DVec3::new(0.0, 5.0, 0.0), rotation: Quat::from_rotation_x(std::f32::consts::FRAC_PI_2) };
+        fixed(&mut world, lying, Geometry::Cylinder { half_height: 1.0, radius: 0.5 });
+        let start = DVec3::new(-2.5, 5.56, 0.0);
+        let chain = Chain::new(&mut world, (BodyId::NULL, start.as_vec3()), start, DVec3::X, 30, 0.2, [0.5, 1000.0]);
+        let before = chain.energy(&world);
+        let mut most = before;
+        for _ in 0..(10.0 * rate) as usize {
+            world.step(1.0 / rate).unwrap();
+            most = most.max(chain.energy(&world));
+        }
+        let rise = (most - before) / (1000.0 * GRAVITY * 5.56);
+        println!("{rate} steps a second of {substeps}, {solver:?}: energy rises by {rise:.1e}");
+        assert!(rise < 0.01, "{rate} steps a second of {substeps}, {solver:?}: energy has risen by {rise:.4} of the fall's");
+    }
+}
+
+/// A chain with 100 kg that swings against its own links while it is handed from one solver to the other.
+#[test]
+fn a_chain_that_changes_solvers_as_it_hits_itself_keeps_its_energy() {
+    let mut world = World::new(&WorldDef { substeps: 1, ..WorldDef::default() }).unwrap();
+    floor(&mut world);
+    let start = DVec3::new(0.0, 8.0, 0.0);
+    let chain = Chain::new(&mut world, (BodyId::NULL, start.as_vec3()), start, DVec3::X, 20, 0.3, [1.0, 100.0]);
+    let before = chain.energy(&world);
+    let mut most = before;
+    for step in 0..300 {
+        if step % 8 == 7 {
+            let solver = if step % 16 == 7 { Solver::GaussSeidel } else { Solver::Auto };
+            chain.joints.iter().for_each(|&joint| world.set_joint_solver(joint, solver).unwrap());
+        }
+        world.step(1.0 / 30.0).unwrap();
+        most = most.max(chain.energy(&world));
+    }
+    let rise = (most - before) / (100.0 * GRAVITY * 8.0);
+    println!("energy rises by {rise:.1e}");
+    assert!(rise < 0.01, "energy has risen by {rise:.4} of the fall's");
+}
