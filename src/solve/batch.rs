@@ -249,9 +249,9 @@ impl Batch {
         }
     }
 
-    /// Whether kinematic bodies have slots here.
-    pub(crate) fn has_replicas(&self) -> bool {
-        !self.replicas.is_empty()
+    /// Kinematic bodies that have slots here, the last ones.
+    pub(crate) fn replica_count(&self) -> usize {
+        self.replicas.len()
     }
 
     /// Lays out a block and a lane for every manifold that no articulation holds.

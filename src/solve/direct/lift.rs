@@ -10,8 +10,8 @@ use glam::DVec3;
 
 use super::articulation::Articulation;
 
-/// Speed whose kinetic energy an articulation may gain in a step (m/s): that of a rise by a millimetre.
-const HARMLESS_SPEED: f64 = 0.15;
+/// Speed whose kinetic energy an articulation may gain in a step (m/s): that of a rise by 5 mm; who walks over planks steps up them.
+const HARMLESS_SPEED: f64 = 0.3;
 
 impl Articulation {
     /// Takes what the bodies have gained in a step, `gained` (J), out of their velocities.

@@ -10,10 +10,10 @@ impl Batch {
     /// Finds the islands that may be watched: those with joints, where anything touches or carries any. `center` says where a
     /// body's centre of mass is (m).
     pub(crate) fn find_dissipative_islands(&mut self, center: impl Fn(u32) -> DVec3) {
-        let has_carriers = self.has_replicas();
+        let replicas = self.replica_count();
         let Self { dissipative, bodies, motions, velocities, ends, direct, joints, bounds, .. } = self;
         let DissipativeIslands { islands, carriers, places, owner, watched, .. } = dissipative;
-        let has_swept = !joints.entries.is_empty() && (has_carriers || !ends.is_empty());
+        let has_swept = !joints.entries.is_empty() && (replicas > 0 || !ends.is_empty());
         if !has_swept && direct.coupled_entries().next().is_none() {
             return;
         }
@@ -22,7 +22,7 @@ impl Batch {
         owner.clear();
         owner.resize(motions.len(), NOBODY);
         for (number, &first) in self.islands.iter().enumerate() {
-            let end = self.islands.get(number + 1).map_or(motions.len() as u32, |&next| next);
+            let end = self.islands.get(number + 1).map_or((motions.len() - replicas) as u32, |&next| next);
             let mut island = Island::new(first, end);
             for slot in island.slots().filter(|&slot| motions[slot].is_dynamic()) {
                 owner[slot] = number as u32;
