@@ -285,8 +285,8 @@ impl Articulation {
         (self.continues, self.after_first_order) = (None, false);
         let energy = self.energy();
         self.take_substeps(joints, settings);
-        self.take_lift(self.energy() - energy);
-        self.outcome.energy_change = self.energy() - energy;
+        let gained = self.energy() - energy;
+        self.outcome.energy_change = if self.take_lift(gained) { self.energy() - energy } else { gained };
     }
 
     /// Kinetic energy less the work of forces since the start of the step (J), of all bodies that move freely.

@@ -14,12 +14,13 @@ use super::articulation::Articulation;
 const HARMLESS_SPEED: f64 = 0.3;
 
 impl Articulation {
-    /// Takes what the bodies have gained in a step, `gained` (J), out of their velocities.
-    pub(super) fn take_lift(&mut self, gained: f64) {
+    /// Takes what the bodies have gained in a step, `gained` (J), out of their velocities, where it is no harmless share; says whether
+    /// it has.
+    pub(super) fn take_lift(&mut self, gained: f64) -> bool {
         let harmless =
             || 0.5 * HARMLESS_SPEED * HARMLESS_SPEED * self.bodies.iter().filter_map(|body| body.free_mass()).sum::<f64>();
         if gained <= 0.0 || self.outcome.safe == 0 || gained <= harmless() || !self.is_left_alone() {
-            return;
+            return false;
         }
         let excess = gained - harmless();
         let kinetic = self.kinetic_energy();
@@ -28,6 +29,7 @@ impl Articulation {
             rate.linear *= kept;
             rate.angular *= kept;
         }
+        true
     }
 
     /// Whether nothing but forces does work on it, and what it hangs on or touches stands still.
