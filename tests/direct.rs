@@ -188,6 +188,18 @@ fn a_ragdoll_that_lands_is_swept_for_a_second_at_a_time_and_does_not_sink() {
 }
 
 #[test]
+fn ragdolls_that_lie_on_many_limbs_are_swept_and_do_not_sink() {
+    let mut engine = LongspanEngine::start(&common::scene("ragdoll_rain", &[("n", "6")])).expect("its world is valid");
+    (0..240).for_each(|_| engine.step(1.0 / 60.0));
+    for _ in 240..360 {
+        engine.step(1.0 / 60.0);
+        assert!(engine.world().articulations().iter().all(|report| report.swept), "rows are tried on what lies on all its limbs");
+        let overlap = engine.world().report().residuals.penetration;
+        assert!(overlap < 5e-4, "one lies {overlap} m deep, bound 0.0005 m");
+    }
+}
+
+#[test]
 fn a_track_stays_on_its_sprockets() {
     let run = Run::of("track", &[("seconds", "4")]);
     run.keeps("links_off", 0.0, "links");

@@ -53,8 +53,15 @@ const MOST_PASSES: f64 = 400.0;
 /// Steps for which contacts are swept once they have not settled as rows: what lands or tumbles soon does not settle again.
 const SWEPT_STEPS: u32 = 60;
 
-/// Greatest mass over the least up to which sweeps carry an articulation on its contacts nearly as well as rows do.
+/// Greatest mass over the least up to which sweeps carry an articulation on its contacts nearly as well as rows do, for a while.
 const EVEN_MASSES: f64 = 100.0;
+
+/// Most manifolds with what does not move that are rows where sweeps would do for good: the six wheels of a lorry, but not the limbs of
+/// who lies on the ground, which are more than hold it. Rows of those took twice the time of sweeps, and left five times the overlap.
+const MOST_MANIFOLDS: usize = 6;
+
+/// Greatest mass over the least up to which they would: cables sink into their drums within ten seconds at 90, not at 50.
+const ALIKE_MASSES: f64 = 20.0;
 
 /// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
 const MUST_FALL: f64 = 0.5;
@@ -233,17 +240,27 @@ impl Articulation {
 
     /// Whether it has contacts as rows that sweeps solve nearly as well: nothing heavy rests on it, nor hangs on what is light.
     fn may_sweep_contacts(&self) -> bool {
-        if self.touches.is_empty() || self.touches.iter().any(|touch| touch.other_moves) {
-            return false;
-        }
-        let masses = || self.bodies.iter().filter_map(DirectBody::free_mass);
-        masses().fold(0.0, f64::max) <= EVEN_MASSES * masses().fold(f64::INFINITY, f64::min)
+        !self.touches.is_empty() && !self.touches.iter().any(|touch| touch.other_moves) && self.mass_ratio() <= EVEN_MASSES
     }
 
-    /// Has its contacts swept where they have not settled as rows a short while ago.
-    pub(crate) fn remember_sweeps(&mut self) {
-        self.coupled |= self.swept_steps > 0 && self.may_sweep_contacts();
+    /// Greatest over least mass of the bodies that it moves.
+    fn mass_ratio(&self) -> f64 {
+        let masses = || self.bodies.iter().filter_map(DirectBody::free_mass);
+        masses().fold(0.0, f64::max) / masses().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether its contacts are swept from the first, so many manifolds with what does not move: where they are too many for an active
+    /// set, or have not settled as rows a short while ago.
+    pub(crate) fn sweeps_contacts(&mut self, manifolds: usize) -> bool {
+        let has_failed = self.swept_steps > 0;
         self.swept_steps = self.swept_steps.saturating_sub(1);
+        let most_ratio = match manifolds {
+            0 => return false,
+            _ if has_failed => EVEN_MASSES,
+            1..=MOST_MANIFOLDS => return false,
+            _ => ALIKE_MASSES,
+        };
+        self.mass_ratio() <= most_ratio
     }
 
     /// The last substep of each body that it moves, by slot.

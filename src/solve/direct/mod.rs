@@ -259,35 +259,36 @@ impl Direct {
             enlist(slot, articulation);
         }
         articulation.entries.extend_from_slice(entries);
-        let is_rigid = articulation.is_rigid();
-        for &number in self.touching.of(group) {
-            let contact = &contacts[number as usize];
-            let ends = [contact.a, contact.b];
-            let moves = ends.map(|slot| motions[slot as usize].is_dynamic());
-            let solved_here = ends.map(|slot| solved_with(slot, motions, groups, riders) == Some(group));
-            let is_carried = solved_here == [true; 2] && ends.iter().any(|&slot| riders.carrier_of(slot) == Some(group));
-            if (moves != [true; 2] || is_carried) && contact.is_plain() {
-                if is_rigid {
-                    articulation.coupled = true;
-                    continue;
-                }
-                let body_is_b = moves[1] && !(is_carried && motions[contact.a as usize].jointed);
-                let (own, other) = if body_is_b { (contact.b, contact.a) } else { (contact.a, contact.b) };
-                let (own, other) = (enlist(own, articulation), enlist(other, articulation));
-                let mut touch = Touch::new(number, contact, body_is_b, own, other, is_carried);
-                if !is_carried && let Some(([of_a, of_b], reach)) = records.curvature(number, body_is_b) {
-                    touch.curve(if body_is_b { [of_b, of_a] } else { [of_a, of_b] }, reach);
-                }
-                articulation.touches.push(touch);
-            } else if contact.presses() {
-                articulation.coupled = true;
-            } else {
-                articulation.watched.push(number);
+        let numbers = self.touching.of(group);
+        let place_of = |contact: &ContactInput| Place::of(contact, group, groups, riders, motions);
+        let (mut fixed, mut carries, mut presses) = (0, false, false);
+        for contact in numbers.iter().map(|&number| &contacts[number as usize]) {
+            match place_of(contact) {
+                Place::Fixed => fixed += 1,
+                Place::Carried => carries = true,
+                Place::Apart => presses |= contact.presses(),
             }
         }
-        articulation.remember_sweeps();
-        if articulation.coupled {
-            articulation.touches.clear();
+        let has_rows = fixed > 0 || carries;
+        articulation.coupled =
+            presses || (articulation.sweeps_contacts(fixed) && !carries) || (has_rows && articulation.is_rigid());
+        let numbers = if articulation.coupled { &[] } else { numbers };
+        for &number in numbers {
+            let contact = &contacts[number as usize];
+            let place = place_of(contact);
+            if place == Place::Apart {
+                articulation.watched.push(number);
+                continue;
+            }
+            let is_carried = place == Place::Carried;
+            let body_is_b = motions[contact.b as usize].is_dynamic() && !(is_carried && motions[contact.a as usize].jointed);
+            let (own, other) = if body_is_b { (contact.b, contact.a) } else { (contact.a, contact.b) };
+            let (own, other) = (enlist(own, articulation), enlist(other, articulation));
+            let mut touch = Touch::new(number, contact, body_is_b, own, other, is_carried);
+            if !is_carried && let Some(([of_a, of_b], reach)) = records.curvature(number, body_is_b) {
+                touch.curve(if body_is_b { [of_b, of_a] } else { [of_a, of_b] }, reach);
+            }
+            articulation.touches.push(touch);
         }
         let mut admitted = articulation.lay_out(local, asked);
         if !admitted && !articulation.touches.is_empty() {
@@ -455,6 +456,32 @@ impl Direct {
                 && (articulation.outcome.unsettled
                     || watched.any(|contact| watch::meets(contact, paths(contact.a), paths(contact.b))))
         })
+    }
+}
+
+/// Where a contact of an articulation is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// As rows, with what does not move.
+    Fixed,
+    /// As rows, with or among what the articulation carries.
+    Carried,
+    /// By the sweeps.
+    Apart,
+}
+
+impl Place {
+    fn of(contact: &ContactInput, group: u32, groups: &[u32], riders: &Riders, motions: &[BodyMotion]) -> Self {
+        let ends = [contact.a, contact.b];
+        if !contact.is_plain() {
+            return Self::Apart;
+        }
+        if !ends.iter().all(|&slot| motions[slot as usize].is_dynamic()) {
+            return Self::Fixed;
+        }
+        let solved_here = ends.map(|slot| solved_with(slot, motions, groups, riders) == Some(group));
+        let is_carried = solved_here == [true; 2] && ends.iter().any(|&slot| riders.carrier_of(slot) == Some(group));
+        if is_carried { Self::Carried } else { Self::Apart }
     }
 }
 
