@@ -50,7 +50,7 @@ impl System {
                 State::High => row.max,
                 State::Free | State::Absent => row.impulse,
             };
-            self.is_factored = false;
+            (self.is_factored, self.is_abreast) = (false, false);
         }
     }
 

@@ -154,6 +154,8 @@ pub(crate) struct Articulation {
     pub(super) has_answer: bool,
     /// Whether carried multipliers have taken the place of the next solve, where it is swept.
     pub(super) is_warm: bool,
+    /// Whether it is swept side by side with others.
+    pub(super) in_lockstep: bool,
     /// Whether it touches what moves and is not carried, or its contacts have not settled as rows, so that its joints are swept with the
     /// contacts.
     pub coupled: bool,
@@ -215,6 +217,7 @@ impl Articulation {
         self.lasting = Lasting::No;
         self.has_answer = false;
         self.is_warm = false;
+        self.in_lockstep = false;
         self.solves_left = 0;
         self.bodies.clear();
         self.origins.clear();

@@ -373,7 +373,7 @@ fn transpose_tiles(into: &mut [Lanes], from: &[Lanes], m: usize, k: usize, wk: u
 }
 
 /// A pivot this much smaller than the row's diagonal was before any elimination is noise.
-const SINGULAR: f64 = 1.0e-14;
+pub(super) const SINGULAR: f64 = 1.0e-14;
 
 /// Most rows of a block.
 pub(super) const MAX_ROWS: usize = 24;

@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use super::articulation::{Articulation, Mode};
-use super::lasting::Lasting;
+use super::lasting::{Lasting, Settling};
 use super::quads;
 use super::row::Origin;
 use super::system::Node;
@@ -69,8 +69,7 @@ impl Articulation {
 
     /// Applies the carried multipliers in place of the first of several solves, if there are any.
     pub(crate) fn warm_start(&mut self, velocities: &mut [BodyVelocity], iterations: u32) {
-        self.is_warm = iterations > 1 && self.is_pressed();
-        if !self.is_warm {
+        if !self.may_start_warm(iterations) {
             return;
         }
         self.take_rates(velocities);
@@ -80,6 +79,12 @@ impl Articulation {
             self.system.warm_start(&self.bodies, &mut self.rates);
         }
         self.give_rates(velocities);
+    }
+
+    /// Whether carried multipliers are applied in place of the first of several solves.
+    pub(super) fn may_start_warm(&mut self, iterations: u32) -> bool {
+        self.is_warm = iterations > 1 && self.is_pressed();
+        self.is_warm
     }
 
     /// Whether any joint has a carried multiplier.
@@ -97,7 +102,7 @@ impl Articulation {
         }
     }
 
-    fn give_rates(&self, velocities: &mut [BodyVelocity]) {
+    pub(super) fn give_rates(&self, velocities: &mut [BodyVelocity]) {
         for (rate, body) in self.rates.iter().zip(&self.bodies) {
             if body.is_dynamic() {
                 let velocity = &mut velocities[body.slot as usize];
@@ -214,16 +219,39 @@ impl Articulation {
         motions: &mut [BodyMotion],
         is_end: bool,
     ) {
+        let Some(settling) = self.begin_settling(joints, velocities, motions, is_end) else { return };
+        if settling.mends {
+            self.solve_lasting();
+        }
+        self.end_settling(joints, motions, settling);
+    }
+
+    /// Finds the errors that positions have, unless they are left for the end of the step.
+    pub(super) fn begin_settling(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+        is_end: bool,
+    ) -> Option<Settling> {
         if !is_end && self.find_lasting(motions) {
-            return;
+            return None;
         }
         self.hand_back_impulses();
         self.load(velocities, motions);
-        let lasts = self.lasting == Lasting::Good && self.system.is_factored;
+        let lasts = self.lasting == Lasting::Good && (self.system.is_factored || self.system.is_abreast);
         if self.lasting != Lasting::Never {
             self.lasting = Lasting::No;
         }
-        let errors = if lasts { self.mend_with_lasting_rows(joints) } else { self.find_errors(joints) };
+        Some(match lasts {
+            true => self.ask_lasting_rows(joints),
+            false => Settling { errors: self.find_errors(joints), mends: false },
+        })
+    }
+
+    /// Ends it once lasting rows that mend them have been solved.
+    pub(super) fn end_settling(&mut self, joints: &Pool<Joint, JointId>, motions: &mut [BodyMotion], settling: Settling) {
+        let errors = if settling.mends { self.mend_with_lasting_rows(settling.errors) } else { settling.errors };
         self.project(joints, errors);
         for (body, stance) in self.bodies.iter().zip(&self.stances) {
             if body.is_dynamic() {

@@ -85,7 +85,18 @@ impl Plan {
         self.targets = targets;
     }
 
-    fn column(&self, place: usize) -> &[(u32, u32)] {
+    /// Nodes in the order of elimination.
+    pub(super) fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// Starts of the blocks that each column's elimination changes: one for each two couplings of it, in their order.
+    pub(super) fn targets(&self) -> &[u32] {
+        &self.targets
+    }
+
+    /// Nodes coupled to that at a place and eliminated later, and the starts of their blocks.
+    pub(super) fn column(&self, place: usize) -> &[(u32, u32)] {
         &self.couplings[self.first[place] as usize..self.first[place + 1] as usize]
     }
 

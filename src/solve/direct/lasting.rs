@@ -52,6 +52,13 @@ pub(super) enum Lasting {
     Good,
 }
 
+/// Errors that positions end a step with, and whether lasting rows mend them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Settling {
+    pub errors: Errors,
+    pub mends: bool,
+}
+
 impl Articulation {
     /// Whether its joints are such that rows can last.
     fn is_lasting_kind(&self, joints: &Pool<Joint, JointId>) -> bool {
@@ -127,8 +134,8 @@ impl Articulation {
         self.lasting = Lasting::Built;
     }
 
-    /// Takes errors out of the positions with the rows of the last substep; returns those that are left.
-    pub(super) fn mend_with_lasting_rows(&mut self, joints: &Pool<Joint, JointId>) -> Errors {
+    /// Finds the errors of the positions, and asks the rows of the last substep to take them out where they are such as those can mend.
+    pub(super) fn ask_lasting_rows(&mut self, joints: &Pool<Joint, JointId>) -> Settling {
         let mut errors = Errors::NONE;
         for number in 0..self.entries.len() {
             let [point, direction] = self.biases_of(number, joints);
@@ -136,12 +143,18 @@ impl Articulation {
             self.system.take_errors(number, point, direction, &self.asked);
         }
         errors.judge(self.size);
-        if !(NEGLIGIBLE * self.size..LINEAR * self.size).contains(&errors.worst) {
-            return errors;
-        }
+        Settling { errors, mends: (NEGLIGIBLE * self.size..LINEAR * self.size).contains(&errors.worst) }
+    }
+
+    /// Solves the rows of the last substep for what they have been asked for.
+    pub(super) fn solve_lasting(&mut self) {
         self.changes.clear();
         self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
         self.system.solve_lasting(&self.topology, &self.bodies, &mut self.changes);
+    }
+
+    /// Moves the bodies by what that solve has found; returns the errors that are left.
+    pub(super) fn mend_with_lasting_rows(&mut self, errors: Errors) -> Errors {
         self.tried.clone_from(&self.stances);
         for ((body, stance), change) in self.bodies.iter().zip(&mut self.stances).zip(&self.changes) {
             body.displace(stance, change, 1.0);
@@ -154,6 +167,18 @@ impl Articulation {
         }
         self.stances.clone_from(&self.tried);
         errors
+    }
+
+    /// Whether it has the joints of another, between the same of its bodies, so that their systems have one structure.
+    pub(super) fn is_twin(&self, other: &Self) -> bool {
+        self.links == other.links
+            && self.bodies.len() == other.bodies.len()
+            && self.topology.regularization == other.topology.regularization
+    }
+
+    /// Whether its rows are solved beside those of its twins: not while it has a factor of its own, of rows that have changed their states.
+    pub(super) fn goes_abreast(&self) -> bool {
+        self.system.is_abreast || !self.system.is_factored
     }
 
     /// Greatest distance of joint points at the present poses, by components (m).

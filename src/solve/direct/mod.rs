@@ -8,7 +8,8 @@
 //! `system` holds the rows, `active_set` says which of them count, `points` is the same without rows where all joints hold points; `layout` says where in its matrix they
 //! are, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours` and `registers`; `articulation` takes a step, in as many substeps as `effort` says, `substep` and `project` one part of it each; `ropes` is what distance joints that pull ask for across their lines; `lift` keeps mended positions from making energy; `contacts` are those with what it cannot move, along
 //! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
-//! anything else that moves, whose rows may be `lasting` ones.
+//! anything else that moves, whose rows may be `lasting` ones; `swept` is all of those of a batch, of which like ones go in `lockstep`, their rows
+//! `abreast`.
 
 use glam::{DMat3, DVec3};
 
@@ -21,6 +22,7 @@ use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::settings::Solver;
 
+mod abreast;
 mod active_set;
 mod articulation;
 mod block;
@@ -35,6 +37,7 @@ pub(crate) mod history;
 mod lasting;
 mod layout;
 mod lift;
+mod lockstep;
 mod order;
 mod packed;
 mod points;
@@ -48,12 +51,14 @@ mod ropes;
 mod row;
 mod stiffness;
 mod substep;
+mod swept;
 mod system;
 mod watch;
 
 use articulation::Articulation;
 use contacts::Touch;
 use history::History;
+use lockstep::Locksteps;
 use refused::Refused;
 use riders::Riders;
 
@@ -80,6 +85,7 @@ pub(crate) struct Direct {
     touching: Buckets,
     left: Vec<JointEntry>,
     refused: Refused,
+    locksteps: Locksteps,
     /// Group of each joint.
     order: Vec<u32>,
     /// Contacts that need no other rows, by number, and the multipliers of those that press.
@@ -332,73 +338,6 @@ impl Direct {
     /// Joints of the articulations that touch what moves.
     pub(crate) fn coupled_entries(&self) -> impl Iterator<Item = &JointEntry> {
         self.articulations().iter().filter(|articulation| articulation.coupled).flat_map(|articulation| &articulation.entries)
-    }
-
-    fn coupled(&mut self) -> impl Iterator<Item = &mut Articulation> {
-        self.articulations[..self.count].iter_mut().filter(|articulation| articulation.coupled)
-    }
-
-    /// Has the articulations that touch what moves answer contacts as in the first substep, of length `h` (s).
-    pub(crate) fn get_ready(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
-        self.coupled().for_each(|articulation| articulation.get_ready(velocities, motions, f64::from(h)));
-    }
-
-    /// Begins a substep of the articulations that touch what moves, `rest` (s) from the end of the step.
-    pub(crate) fn couple(
-        &mut self,
-        joints: &Pool<Joint, JointId>,
-        velocities: &mut [BodyVelocity],
-        motions: &mut [BodyMotion],
-        h: f32,
-        rest: f32,
-    ) {
-        let [h, rest] = [h, rest].map(f64::from);
-        self.coupled().for_each(|articulation| articulation.couple(joints, velocities, motions, h, rest));
-    }
-
-    /// Applies the carried multipliers of the articulations that touch what moves.
-    pub(crate) fn warm_start(&mut self, velocities: &mut [BodyVelocity], iterations: u32) {
-        self.coupled().for_each(|articulation| articulation.warm_start(velocities, iterations));
-    }
-
-    /// Solves the joints of the articulations that touch what moves.
-    pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity]) {
-        self.coupled().for_each(|articulation| articulation.sweep(velocities));
-    }
-
-    /// Forgets the multipliers of those whose bodies have these slots, as if the substep had begun without any.
-    pub(crate) fn drop_impulses(&mut self, slots: &[bool]) {
-        self.coupled().filter(|articulation| articulation.is_on(slots)).for_each(Articulation::drop_impulses);
-    }
-
-    /// As [`sweep`](Self::sweep), of those alone.
-    pub(crate) fn sweep_on(&mut self, slots: &[bool], velocities: &mut [BodyVelocity]) {
-        self.coupled().filter(|articulation| articulation.is_on(slots)).for_each(|articulation| articulation.sweep(velocities));
-    }
-
-    /// What motors and springs of articulations that touch what moves have done in the substep (J): handed over with slots of each.
-    pub(crate) fn find_work(&self, joints: &Pool<Joint, JointId>, mut hand_over: impl FnMut([u32; 2], f64)) {
-        for articulation in self.articulations().iter().filter(|articulation| articulation.coupled) {
-            if let Some(slot) = articulation.moved_slots().next() {
-                hand_over([slot; 2], articulation.work(joints));
-            }
-        }
-    }
-
-    /// Hands the multipliers of a substep back to the joints.
-    pub(crate) fn keep_impulses(&mut self) {
-        self.coupled().for_each(Articulation::keep_swept_impulses);
-    }
-
-    /// Mends the positions of the articulations that touch what moves, at the end of a substep or of the step.
-    pub(crate) fn settle(
-        &mut self,
-        joints: &Pool<Joint, JointId>,
-        velocities: &[BodyVelocity],
-        motions: &mut [BodyMotion],
-        is_end: bool,
-    ) {
-        self.coupled().for_each(|articulation| articulation.settle(joints, velocities, motions, is_end));
     }
 
     /// Moves the articulations through the step that touch nothing which moves; one that comes to touch is left for the sweeps.

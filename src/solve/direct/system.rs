@@ -142,7 +142,8 @@ pub(crate) struct System {
     unknowns: Vec<Lanes>,
     increments: Vec<Lanes>,
     base: Vec<Rate>,
-    has_pushed: bool,
+    /// Whether the push of the multipliers is in the rates.
+    pub(super) has_pushed: bool,
     /// Whether any row has bounds or takes no part, and those that have bounds, with their nodes.
     is_bounded: bool,
     pub(super) bounded: Vec<(u32, u32)>,
@@ -150,6 +151,9 @@ pub(crate) struct System {
     is_exact: bool,
     /// Whether the factor is that of the rows that are free now.
     pub(super) is_factored: bool,
+    /// Whether a lane of a [`Lockstep`](super::lockstep::Lockstep) holds the rows as they are now, but for biases that are new.
+    pub(super) is_abreast: bool,
+    pub(super) has_new_biases: bool,
     /// Rows in the wrong state, and the state that they want.
     pub(super) flips: Vec<(u32, State)>,
     /// Whether every solve since this was set came to an end by itself.
@@ -287,6 +291,7 @@ impl System {
         }
         self.has_pushed = false;
         self.is_factored = false;
+        self.is_abreast = false;
     }
 
     /// Begins another substep with the same rows, after the bodies have changed so much over its length: stops are nearer or further.
@@ -303,6 +308,7 @@ impl System {
         if self.is_factored && any_free {
             self.packed.take_biases(&self.rows);
         }
+        self.has_new_biases |= any_free;
         self.has_pushed = false;
     }
 
@@ -354,16 +360,22 @@ impl System {
 
     /// Adds the push of the carried multipliers to the rates.
     pub(crate) fn warm_start(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
-        self.has_pushed = true;
         if !self.is_factored {
+            self.has_pushed = true;
             return self.push(bodies, rates, |row| row.impulse);
         }
-        let Self { nodes, rows, factor, packed, increments, bounded, .. } = self;
+        let Self { nodes, factor, packed, increments, .. } = self;
         increments.clone_from(&packed.impulse);
         packed.impulse.fill(ZERO);
         packed::add_impulses(packed, increments, 1.0, nodes, factor, bodies, rates);
+        self.note_pushed(bodies, rates);
+    }
+
+    /// Notes that the push of the free rows' multipliers is in the rates, and adds that of the others.
+    pub(super) fn note_pushed(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
+        self.has_pushed = true;
         let pushes = |row: &Row| matches!(row.state, State::Low | State::High) && row.impulse != 0.0;
-        if bounded.iter().any(|&(row, _)| pushes(&rows[row as usize])) {
+        if self.bounded.iter().any(|&(row, _)| pushes(&self.rows[row as usize])) {
             self.push_fixed(bodies, rates);
         }
     }
@@ -390,7 +402,7 @@ impl System {
     }
 
     /// Takes the push of the last solve out of the rates.
-    fn withdraw(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
+    pub(super) fn withdraw(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
         if std::mem::replace(&mut self.has_pushed, true) {
             self.push(bodies, rates, |row| -row.impulse);
         }
@@ -437,14 +449,14 @@ impl System {
         if !self.rows.iter().all(|row| row.impulse.abs() <= MOST_IMPULSE) {
             self.rows.iter_mut().for_each(|row| row.impulse = 0.0);
             // What is packed would go on from the old ones.
-            self.is_factored = false;
+            (self.is_factored, self.is_abreast) = (false, false);
         }
     }
 
     /// Forgets all multipliers, whose push has been taken out of the rates.
     pub(super) fn drop_impulses(&mut self) {
         self.rows.iter_mut().for_each(|row| row.impulse = 0.0);
-        self.is_factored = false;
+        (self.is_factored, self.is_abreast) = (false, false);
         self.has_pushed = false;
     }
 
@@ -495,6 +507,7 @@ impl System {
         // Rows of contacts repeat one another.
         *is_exact &= contacts.is_empty();
         packed.unpack(rows);
+        self.is_abreast = false;
     }
 
     /// Prepares the rows of a projection: bounds the errors that it takes out at once to lengths (m) and angles (rad) for which rows

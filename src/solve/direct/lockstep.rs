@@ -1,0 +1,421 @@
+//! Swept articulations of one structure, four at a time.
+//!
+//! Ragdolls of a heap have the same joints, so that their systems differ in numbers alone. Their carried multipliers, their solves between
+//! sweeps over contacts and the mending of their positions go through the same loops side by side ([`abreast`](super::abreast)). Whatever
+//! is not alike, a row that changes its state or a first solve that carries nothing, is done by the articulation's own [`System`], and
+//! stays with it for the step.
+
+use super::abreast::{self, Abreast};
+use super::articulation::Articulation;
+use super::body::DirectBody;
+use super::lasting::Settling;
+use super::row::{Row, State};
+use super::system::{PASSES, System, Topology};
+use crate::id::{JointId, Pool};
+use crate::joint::Joint;
+use crate::solve::joint::rows::Rate;
+use crate::solve::state::{BodyMotion, BodyVelocity};
+
+/// Articulations that go side by side.
+const ABREAST: usize = 4;
+
+/// Row that a member lacks.
+const NONE: u32 = u32::MAX;
+
+/// Groups that still take members: of more kinds of articulations than these, some stay alone.
+const OPEN: usize = 8;
+
+/// Share of what rows lacked that a solve may leave; what leaves more is solved for once more.
+const REFINE_ABOVE: f64 = 1.0e-7;
+
+/// Up to four articulations of one structure.
+#[derive(Debug, Default)]
+pub(super) struct Lockstep {
+    members: Vec<u32>,
+    abreast: Abreast,
+    /// Row of each member in each place.
+    index: Vec<[u32; ABREAST]>,
+    is_factored: bool,
+    /// Whether a solution by the factor has been found to need no refinement.
+    is_exact: bool,
+}
+
+/// Groups of the swept articulations of a batch.
+#[derive(Debug, Default)]
+pub(super) struct Locksteps {
+    groups: Vec<Lockstep>,
+    count: usize,
+}
+
+impl Locksteps {
+    /// Groups the articulations that are swept and have a twin.
+    pub(super) fn gather(&mut self, articulations: &mut [Articulation]) {
+        self.count = 0;
+        let mut first_open = 0;
+        for number in 0..articulations.len() {
+            let own = &articulations[number];
+            if !own.coupled || own.is_points || own.topology.has_loops {
+                continue;
+            }
+            let is_twin =
+                |group: &Lockstep| group.members.len() < ABREAST && articulations[group.members[0] as usize].is_twin(own);
+            let found = self.groups[first_open..self.count].iter().position(is_twin);
+            let group = match found {
+                Some(place) => &mut self.groups[first_open + place],
+                None => {
+                    if self.groups.len() == self.count {
+                        self.groups.push(Lockstep::default());
+                    }
+                    self.count += 1;
+                    first_open = first_open.max(self.count.saturating_sub(OPEN));
+                    let group = &mut self.groups[self.count - 1];
+                    group.members.clear();
+                    group
+                }
+            };
+            group.members.push(number as u32);
+        }
+        for group in &self.groups[..self.count] {
+            let has_twins = group.members.len() > 1;
+            group.members.iter().for_each(|&member| articulations[member as usize].in_lockstep = has_twins);
+        }
+        for group in &mut self.groups[..self.count] {
+            group.is_factored = false;
+        }
+    }
+
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Lockstep> {
+        self.groups[..self.count].iter_mut().filter(|group| group.members.len() > 1)
+    }
+}
+
+impl Lockstep {
+    /// As [`Articulation::warm_start`], of each member.
+    pub(super) fn warm_start(&mut self, articulations: &mut [Articulation], velocities: &mut [BodyVelocity], iterations: u32) {
+        let mut lanes = [false; ABREAST];
+        for (lane, &member) in lanes.iter_mut().zip(&self.members) {
+            let own = &mut articulations[member as usize];
+            if own.goes_abreast() {
+                *lane = own.may_start_warm(iterations);
+            } else {
+                own.warm_start(velocities, iterations);
+            }
+        }
+        if lanes == [false; ABREAST] {
+            return;
+        }
+        self.take_in(articulations, lanes);
+        self.take_rates(articulations, velocities, lanes);
+        abreast::push(&mut self.abreast, &articulations[self.members[0] as usize].system.nodes, &lanes);
+        self.give_rates(articulations, lanes);
+        for member in self.chosen(lanes) {
+            let own = &mut articulations[member];
+            own.system.note_pushed(&own.bodies, &mut own.rates);
+            own.give_rates(velocities);
+        }
+    }
+
+    /// As [`Articulation::sweep`], of each member.
+    pub(super) fn sweep(&mut self, articulations: &mut [Articulation], velocities: &mut [BodyVelocity]) {
+        let mut lanes = [false; ABREAST];
+        for (lane, &member) in lanes.iter_mut().zip(&self.members) {
+            let own = &mut articulations[member as usize];
+            if own.goes_abreast() && (own.is_warm || own.system.has_pushed) {
+                *lane = !std::mem::replace(&mut own.is_warm, false);
+            } else {
+                own.sweep(velocities);
+            }
+        }
+        if lanes == [false; ABREAST] {
+            return;
+        }
+        self.take_in(articulations, lanes);
+        self.take_rates(articulations, velocities, lanes);
+        self.solve(articulations, lanes);
+        self.give_rates(articulations, lanes);
+        for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
+            let own = &mut articulations[self.members[lane] as usize];
+            self.give_impulses(lane, &mut own.system);
+            if own.system.find_flips(&own.rates, true) > 0 {
+                own.system.withdraw(&own.bodies, &mut own.rates);
+                own.system.flip(false);
+                own.system.solve(&own.topology, &own.bodies, &mut own.rates, PASSES);
+            }
+            own.give_rates(velocities);
+        }
+    }
+
+    /// As [`Articulation::settle`], of each member.
+    pub(super) fn settle(
+        &mut self,
+        articulations: &mut [Articulation],
+        joints: &Pool<Joint, JointId>,
+        velocities: &[BodyVelocity],
+        motions: &mut [BodyMotion],
+        is_end: bool,
+    ) {
+        let (mut settling, mut lanes) = ([None::<Settling>; ABREAST], [false; ABREAST]);
+        for lane in 0..self.members.len() {
+            let own = &mut articulations[self.members[lane] as usize];
+            settling[lane] = own.begin_settling(joints, velocities, motions, is_end);
+            let mends = settling[lane].is_some_and(|settling| settling.mends);
+            if mends && own.system.is_abreast {
+                self.take_biases(lane, &own.system);
+                lanes[lane] = true;
+            } else if mends {
+                own.solve_lasting();
+            }
+        }
+        if lanes != [false; ABREAST] {
+            self.abreast.impulse.fill([0.0; ABREAST]);
+            self.abreast.rates.fill([[0.0; ABREAST]; 6]);
+            self.solve(articulations, lanes);
+            for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
+                let own = &mut articulations[self.members[lane] as usize];
+                own.changes.clear();
+                own.changes.extend(self.abreast.rates.iter().map(|rate| rate_of(rate, lane)));
+            }
+        }
+        for (&member, settling) in self.members.iter().zip(settling) {
+            if let Some(settling) = settling {
+                // What is abreast are displacements from here on.
+                let own = &mut articulations[member as usize];
+                own.system.is_abreast = false;
+                own.end_settling(joints, motions, settling);
+            }
+        }
+    }
+
+    fn chosen(&self, lanes: [bool; ABREAST]) -> impl Iterator<Item = usize> {
+        self.members.iter().zip(lanes).filter(|&(_, chosen)| chosen).map(|(&member, _)| member as usize)
+    }
+
+    /// Solves for what the rows of these lanes lack.
+    fn solve(&mut self, articulations: &[Articulation], lanes: [bool; ABREAST]) {
+        let Articulation { system: System { nodes, .. }, topology, .. } = &articulations[self.members[0] as usize];
+        if !std::mem::replace(&mut self.is_factored, true) {
+            abreast::factorize(&mut self.abreast, nodes, topology);
+            self.is_exact = false;
+        }
+        let Topology { plan, .. } = topology;
+        let first = abreast::solve(&mut self.abreast, nodes, plan, &lanes);
+        if self.is_exact {
+            return;
+        }
+        let left = abreast::find_errors(&mut self.abreast, nodes, &lanes);
+        let unsure: [bool; ABREAST] = std::array::from_fn(|lane| left[lane] > REFINE_ABOVE * first[lane]);
+        if unsure == [false; ABREAST] {
+            self.is_exact = true;
+        } else {
+            abreast::solve(&mut self.abreast, nodes, plan, &unsure);
+        }
+    }
+
+    /// Takes in the rows and bodies of all members where those of any of these lanes have changed, and biases where stops have come nearer.
+    fn take_in(&mut self, articulations: &mut [Articulation], lanes: [bool; ABREAST]) {
+        if self.chosen(lanes).all(|member| articulations[member].system.is_abreast) {
+            for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
+                let system = &mut articulations[self.members[lane] as usize].system;
+                if std::mem::replace(&mut system.has_new_biases, false) {
+                    self.take_biases(lane, system);
+                }
+            }
+            return;
+        }
+        self.is_factored = false;
+        self.choose(articulations);
+        self.abreast.start(articulations[self.members[0] as usize].bodies.len());
+        for lane in 0..ABREAST {
+            let own = self.members.get(lane).map(|&member| &mut articulations[member as usize]);
+            let (rows, bodies) = match own {
+                Some(own) => {
+                    (own.system.is_abreast, own.system.has_new_biases) = (true, false);
+                    (&own.system.rows[..], &own.bodies[..])
+                }
+                None => Default::default(),
+            };
+            write_rows(&mut self.abreast, &self.index, lane, rows);
+            write_masses(&mut self.abreast, lane, bodies);
+        }
+        abreast::respond(&mut self.abreast, &articulations[self.members[0] as usize].system.nodes);
+    }
+
+    /// Gives each free row of each member a place in its node.
+    fn choose(&mut self, articulations: &[Articulation]) {
+        let Self { members, abreast, index, .. } = self;
+        let systems = || members.iter().map(|&member| &articulations[member as usize].system);
+        abreast.counts.clear();
+        index.clear();
+        for number in 0..articulations[members[0] as usize].system.nodes.len() {
+            let first = index.len();
+            for (lane, system) in systems().enumerate() {
+                let node = &system.nodes[number];
+                let is_free = |&row: &u32| system.rows[row as usize].state == State::Free;
+                for (place, row) in (node.first..node.last).filter(is_free).enumerate() {
+                    if index.len() == first + place {
+                        index.push([NONE; ABREAST]);
+                    }
+                    index[first + place][lane] = row;
+                }
+            }
+            abreast.counts.push((index.len() - first) as u32);
+        }
+    }
+
+    fn take_biases(&mut self, lane: usize, system: &System) {
+        for (bias, row) in self.abreast.bias.iter_mut().zip(&self.index) {
+            if row[lane] != NONE {
+                bias[lane] = system.rows[row[lane] as usize].bias;
+            }
+        }
+    }
+
+    /// Hands the multipliers of a member back to its rows.
+    fn give_impulses(&self, lane: usize, system: &mut System) {
+        for (impulse, row) in self.abreast.impulse.iter().zip(&self.index) {
+            if row[lane] != NONE {
+                system.rows[row[lane] as usize].impulse = impulse[lane];
+            }
+        }
+        // A factor of its own would go on from other multipliers.
+        system.is_factored = false;
+    }
+
+    fn take_rates(&mut self, articulations: &[Articulation], velocities: &[BodyVelocity], lanes: [bool; ABREAST]) {
+        self.abreast.rates.fill([[0.0; ABREAST]; 6]);
+        for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
+            let bodies = &articulations[self.members[lane] as usize].bodies;
+            for (into, body) in self.abreast.rates.iter_mut().zip(bodies) {
+                let velocity = &velocities[body.slot as usize];
+                let numbers = velocity.linear.to_array().into_iter().chain(velocity.angular.to_array());
+                into.iter_mut().zip(numbers).for_each(|(into, number)| into[lane] = f64::from(number));
+            }
+        }
+    }
+
+    fn give_rates(&self, articulations: &mut [Articulation], lanes: [bool; ABREAST]) {
+        for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
+            let rates = &mut articulations[self.members[lane] as usize].rates;
+            rates.clear();
+            rates.extend(self.abreast.rates.iter().map(|rate| rate_of(rate, lane)));
+        }
+    }
+}
+
+/// Writes the rows of a member into its lane, with zeros where it has none.
+fn write_rows(abreast: &mut Abreast, index: &[[u32; ABREAST]], lane: usize, rows: &[Row]) {
+    for (place, number) in index.iter().enumerate() {
+        let row = rows.get(number[lane] as usize).unwrap_or(&Row::EMPTY);
+        let jacobian = &mut abreast.jacobian[place];
+        for side in 0..2 {
+            let numbers = row.linear[side].to_array().into_iter().chain(row.angular[side].to_array());
+            jacobian[6 * side..].iter_mut().zip(numbers).for_each(|(into, number)| into[lane] = number);
+        }
+        abreast.bias[place][lane] = row.bias;
+        abreast.gamma[place][lane] = row.gamma;
+        abreast.impulse[place][lane] = row.impulse;
+    }
+}
+
+/// Writes the bodies of a member into its lane, with zeros where there is none.
+fn write_masses(abreast: &mut Abreast, lane: usize, bodies: &[DirectBody]) {
+    for (number, into) in abreast.masses.iter_mut().enumerate() {
+        let (mass, inertia) = bodies
+            .get(number)
+            .map_or_else(Default::default, |body| (body.inverse_mass.to_array(), body.inverse_inertia.to_cols_array()));
+        into.iter_mut().zip(mass.into_iter().chain(inertia)).for_each(|(into, number)| into[lane] = number);
+    }
+}
+
+fn rate_of(rate: &[[f64; ABREAST]; 6], lane: usize) -> Rate {
+    let [x, y, z, about_x, about_y, about_z] = rate.map(|number| number[lane]);
+    Rate { linear: glam::DVec3::new(x, y, z), angular: glam::DVec3::new(about_x, about_y, about_z) }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DMat3, DVec3};
+
+    use super::*;
+    use crate::solve::direct::factor::Plan;
+    use crate::solve::direct::system::{Coupling, Node};
+    use crate::solve::state::BodyMotion;
+
+    struct Noise(u64);
+
+    impl Noise {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        }
+
+        fn vector(&mut self) -> DVec3 {
+            DVec3::new(self.next(), self.next(), self.next())
+        }
+    }
+
+    /// A chain of six bodies with random rows, of which some take no part.
+    fn articulation(noise: &mut Noise) -> Articulation {
+        const COUNTS: [u32; 5] = [3, 7, 5, 1, 6];
+        let mut own = Articulation::default();
+        for slot in 0..6 {
+            let mut body = DirectBody::new(slot, &BodyVelocity::FIXED, &BodyMotion::FIXED);
+            body.inverse_mass = DVec3::splat(0.6 + noise.next());
+            body.inverse_inertia = DMat3::from_diagonal(DVec3::splat(0.7) + 0.5 * noise.vector());
+            own.bodies.push(body);
+            own.rates.push(Rate { linear: noise.vector(), angular: noise.vector() });
+        }
+        for (number, count) in (0..).zip(COUNTS) {
+            let first = own.system.rows.len() as u32;
+            for _ in 0..count {
+                let state = if noise.next() < -0.3 { State::Absent } else { State::Free };
+                let (linear, angular) = ([noise.vector(), noise.vector()], [noise.vector(), noise.vector()]);
+                own.system.rows.push(Row { linear, angular, bias: noise.next(), gamma: 0.01, state, ..Row::EMPTY });
+            }
+            own.system.nodes.push(Node { bodies: [number, number + 1], first, last: own.system.rows.len() as u32 });
+        }
+        let plan = Plan::new(&COUNTS, &COUNTS, &[(0, 1), (1, 2), (2, 3), (3, 4)], u64::MAX).expect("no limit is set");
+        let coupling = |a: u32| {
+            let (start, b_is_late) = plan.block(a, a + 1).expect("neighbours are coupled");
+            let (late, early) = if b_is_late { (a + 1, a) } else { (a, a + 1) };
+            let side = |node: u32| u8::from(node == a);
+            Coupling { late, early, late_side: side(late), early_side: side(early), body: a + 1, start }
+        };
+        let couplings = (0..4).map(coupling).collect();
+        own.topology = Topology { plan, couplings, regularization: 1e-13, has_loops: false };
+        own.system.begin(&own.bodies);
+        own
+    }
+
+    #[test]
+    fn each_lane_is_solved_as_its_member_is_alone() {
+        let mut noise = Noise(5);
+        let mut members: Vec<Articulation> = (0..3).map(|_| articulation(&mut noise)).collect();
+        let mut group = Lockstep { members: vec![0, 1, 2], ..Lockstep::default() };
+        let lanes = [true, true, false, false];
+        group.take_in(&mut members, lanes);
+        for (lane, own) in members.iter().enumerate() {
+            for (into, rate) in group.abreast.rates.iter_mut().zip(&own.rates) {
+                let numbers = rate.linear.to_array().into_iter().chain(rate.angular.to_array());
+                into.iter_mut().zip(numbers).for_each(|(into, number)| into[lane] = number);
+            }
+        }
+        let before: Vec<Rate> = group.abreast.rates.iter().map(|rate| rate_of(rate, 2)).collect();
+        group.solve(&members, lanes);
+        for (lane, own) in members.iter_mut().enumerate().take(2) {
+            own.system.solve(&own.topology, &own.bodies, &mut own.rates, PASSES);
+            let impulses: Vec<f64> = own.system.rows.iter().map(|row| row.impulse).collect();
+            group.give_impulses(lane, &mut own.system);
+            for (row, impulse) in own.system.rows.iter().zip(impulses) {
+                assert!((row.impulse - impulse).abs() < 1e-10, "a multiplier of lane {lane} is {} alone {impulse}", row.impulse);
+            }
+            for (body, rate) in own.rates.iter().enumerate() {
+                let beside = rate_of(&group.abreast.rates[body], lane);
+                let apart = (beside.linear - rate.linear).length().max((beside.angular - rate.angular).length());
+                assert!(apart < 1e-10, "body {body} of lane {lane} is {apart:e} from what it does alone");
+            }
+        }
+        let after = group.abreast.rates.iter().map(|rate| rate_of(rate, 2));
+        assert!(after.zip(&before).all(|(after, before)| (after.linear, after.angular) == (before.linear, before.angular)));
+    }
+}
