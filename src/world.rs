@@ -32,6 +32,7 @@ mod forces;
 mod fracture;
 mod group;
 mod hold;
+mod index;
 mod joints;
 mod load;
 mod long_range;
@@ -72,6 +73,7 @@ pub struct World {
     unions: unions::Unions,
     long_range: long_range::LongRange,
     groups: group::Groups,
+    index: index::Index,
     hold: hold::Hold,
     fracture: fracture::Fracture,
     batches: Vec<Batch>,
@@ -127,6 +129,7 @@ impl World {
             unions: unions::Unions::default(),
             long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
+            index: index::Index::default(),
             hold: hold::Hold::default(),
             fracture: fracture::Fracture::default(),
             batches: Vec::new(),

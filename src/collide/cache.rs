@@ -173,11 +173,11 @@ impl PairCache {
         }
     }
 
-    /// Keeps the active pairs that `keep` says; `drop_or_store` takes the others and says whether their slot lives on.
-    pub(crate) fn retain_active(&mut self, mut fate: impl FnMut(PairKey, u32, &Pair) -> Fate) {
+    /// Keeps the active pairs of which `fate` says so, which is told their keys and slots among all pairs.
+    pub(crate) fn retain_active(&mut self, mut fate: impl FnMut(PairKey, u32, &[Pair]) -> Fate) {
         self.settle();
         let mut active = std::mem::take(&mut self.active);
-        active.retain(|&(key, slot)| match fate(key, slot, &self.pairs[slot as usize]) {
+        active.retain(|&(key, slot)| match fate(key, slot, &self.pairs) {
             Fate::Stay => true,
             Fate::Store => {
                 self.pairs[slot as usize].active = false;

@@ -87,9 +87,12 @@ impl World {
 
     /// Wakes sleeping islands that something awake may touch in this step.
     pub(super) fn wake_what_is_touched(&mut self) {
+        self.pairs.settle();
+        if self.sleeping.body_count() == 0 {
+            return self.settle_movers();
+        }
         let mut slots = std::mem::take(&mut self.scratch.slots);
         slots.clear();
-        self.pairs.settle();
         for &(key, slot) in self.pairs.active() {
             if !self.pairs.get(slot).may_touch {
                 continue;
@@ -121,14 +124,18 @@ impl World {
     }
 
     fn join_islands(&mut self) {
-        let Self { scratch, bodies, colliders, pairs, joints, movers, unions, groups, .. } = self;
+        let Self { scratch, bodies, pairs, joints, movers, unions, groups, index, .. } = self;
         scratch.islands.reset(bodies.slot_count(), movers);
         groups.list_joint_bodies(joints);
-        let joins = |body: u32| bodies[body].is_free() && bodies[body].is_mover();
+        index.free.begin(bodies.slot_count());
+        for &body in movers.iter().filter(|&&body| bodies[body].is_free() && bodies[body].is_mover()) {
+            index.free.set(body);
+        }
+        let joins = |body: u32| index.free.has(body);
         for &(key, slot) in pairs.active() {
             if pairs.get(slot).has_points() {
                 let (a, b) = key.shapes();
-                let (a, b) = (colliders[a].body, colliders[b].body);
+                let (a, b) = (index.body_of(a), index.body_of(b));
                 if joins(a) && joins(b) {
                     scratch.islands.union(a, b);
                 }
@@ -279,17 +286,16 @@ impl World {
     }
 
     fn hand_out_contacts(&mut self) {
-        let Self { groups, batches, pairs, colliders, bodies, report, .. } = self;
+        let Self { groups, batches, pairs, hold, index, report, .. } = self;
         for &(key, slot) in pairs.active() {
             let pair = pairs.get(slot);
             if !pair.has_points() {
                 continue;
             }
             let (a, b) = key.shapes();
-            let moved = [colliders[a].body, colliders[b].body]
-                .into_iter()
-                .find(|&body| bodies[body].is_free() && bodies[body].is_mover());
-            let Some(body) = moved.filter(|&body| !bodies[body].held) else { continue };
+            let moved = [a, b].into_iter().map(|shape| index.body_of(shape)).find(|&body| index.free.has(body));
+            let is_solved = |&body: &u32| !hold.islands[groups.island[body as usize] as usize];
+            let Some(body) = moved.filter(is_solved) else { continue };
             let batch = &mut batches[groups.place[body as usize].0 as usize];
             for (number, manifold) in pair.manifolds.iter().enumerate() {
                 batch.manifolds.push((slot, number as u32));

@@ -29,8 +29,10 @@ impl World {
     /// Brings the boxes of what moves up to date and the list of active pairs with them.
     pub(super) fn find_pairs(&mut self, dt: f32) {
         let gravity = self.def.gravity.length();
+        self.index.moving.begin(self.bodies.slot_count());
         for &index in &self.movers {
             let body = &self.bodies[index];
+            self.index.moving.set(index);
             if body.held {
                 continue;
             }
@@ -43,6 +45,7 @@ impl World {
                 if !collider.fat_box.is_some_and(|kept| kept.contains(&tight) && !is_loose(&kept, &tight, margin)) {
                     let kept = tight.loosened(margin);
                     collider.fat_box = Some(kept);
+                    self.index.reboxed.set(shape);
                     self.broad.set(shape, kept);
                 }
             }
@@ -62,19 +65,26 @@ impl World {
     }
 
     fn drop_distant_pairs(&mut self) {
-        let Self { pairs, colliders, bodies, unions, events, .. } = self;
-        pairs.retain_active(|key, _, pair| {
+        let Self { pairs, colliders, bodies, unions, events, index, .. } = self;
+        let may_know = index.is_known && unions.iter().next().is_none();
+        pairs.retain_active(|key, slot, pairs| {
             let (a, b) = key.shapes();
+            let is_known = may_know && !index.reboxed.has(a) && !index.reboxed.has(b);
+            if is_known && (index.moving.has(index.body_of(a)) || index.moving.has(index.body_of(b))) {
+                return Fate::Stay;
+            }
             let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
             let moves = bodies[shape_a.body].is_mover() || bodies[shape_b.body].is_mover();
             if moves && still_near(&shape_a.fat_box, &shape_b.fat_box) && !unions.same(shape_a.body, shape_b.body) {
                 return Fate::Stay;
             }
-            if pair.in_contact {
+            if pairs[slot as usize].in_contact {
                 events.contact_ended.push(contact_pair(colliders, bodies, key));
             }
             Fate::Drop
         });
+        index.is_known = true;
+        index.reboxed.begin(colliders.slot_count());
     }
 
     fn add_new_pairs(&mut self) {

@@ -91,6 +91,7 @@ impl World {
         let collider = Collider::new(index, def, body.local_center);
         let (slot, id) = self.colliders.insert(collider)?;
         self.sensing.note(slot, def.sensor);
+        self.index.add_shape(slot, index);
         let shapes = &mut self.bodies[index].shapes;
         // Most bodies have one.
         if shapes.is_empty() {
@@ -198,6 +199,7 @@ impl World {
         collider.tight_box = collider.world_box(own_margin(collider));
         let kept = collider.tight_box.loosened(collider.fat_margin());
         collider.fat_box = Some(kept);
+        self.index.reboxed.set(slot);
         self.broad.place(slot, kept);
     }
 }

@@ -4,6 +4,7 @@ use glam::{DVec3, Quat};
 use parry3d::bounding_volume::Aabb;
 
 use super::fracture::Fracture;
+use super::index::Index;
 use super::sense::Sensing;
 use super::sleep::is_whole;
 use super::{CarriedBound, CarriedUnion, World};
@@ -66,6 +67,7 @@ impl World {
             escaped: _,
             hold: _,
             groups: _,
+            index: _,
             batches: _,
             batch_count: _,
             broken: _,
@@ -197,6 +199,7 @@ impl World {
         self.broken.clear();
         self.batch_count = 0;
         self.groups.forget();
+        self.index = Index::of(self.colliders.iter().map(|(slot, collider)| (slot, collider.body)));
         self.forget_escaped();
         self.sensing = Sensing::of(&self.colliders, row.sensed);
         self.restart_support(&row.said_supported.0, row.watched);
