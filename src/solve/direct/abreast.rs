@@ -8,8 +8,9 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over parts of a row and of a body alike")]
 
-use super::block::{Lanes, MAX_ROWS, SINGULAR, ZERO};
+use super::block::{Lanes, MAX_ROWS, ZERO};
 use super::factor::Plan;
+use super::guard::Guard;
 use super::registers::{Four, Plain};
 use super::system::{Node, Topology};
 use crate::solve::dispatch::in_registers;
@@ -39,9 +40,9 @@ pub(super) struct Abreast {
     pub masses: Vec<[Lanes; MASSES]>,
     /// Linear and angular velocity, by body.
     pub rates: Vec<[Lanes; 6]>,
-    /// The matrix, then its factor, and its diagonal before anything was eliminated.
+    /// The matrix, then its factor, and the pivots up to which a row has no multiplier.
     values: Vec<Lanes>,
-    diagonal: Vec<Lanes>,
+    least: Vec<Lanes>,
     unknowns: Vec<Lanes>,
 }
 
@@ -58,7 +59,7 @@ impl Abreast {
         let rows = next as usize;
         self.jacobian.resize(rows, [ZERO; PARTS]);
         self.response.resize(rows, [ZERO; PARTS]);
-        self.diagonal.resize(rows, ZERO);
+        self.least.resize(rows, ZERO);
         self.unknowns.resize(rows, ZERO);
         for list in [&mut self.bias, &mut self.gamma, &mut self.impulse] {
             list.resize(rows, ZERO);
@@ -162,11 +163,11 @@ fn factorize_body<F: Four>(abreast: &mut Abreast, nodes: &[Node], topology: &Top
 /// Eliminates the node at a place, of K rows.
 #[inline(always)]
 fn eliminate<F: Four, const K: usize>(abreast: &mut Abreast, plan: &Plan, place: usize, targets: &[u32]) {
-    let Abreast { counts, starts, values, diagonal, .. } = abreast;
+    let Abreast { counts, starts, values, least, .. } = abreast;
     let (node, column) = (plan.order()[place] as usize, plan.column(place));
     let k = known::<K>(counts[node] as usize);
     let own = SPREAD * plan.diagonal(node) as usize;
-    invert_root::<F, K>(&mut values[own..own + k * k], &diagonal[starts[node] as usize..starts[node + 1] as usize]);
+    invert_root::<F, K>(&mut values[own..own + k * k], &least[starts[node] as usize..starts[node + 1] as usize]);
     for &(other, start) in column {
         let (m, start) = (counts[other as usize] as usize, SPREAD * start as usize);
         let (early, late) = values.split_at_mut(start);
@@ -195,8 +196,8 @@ fn eliminate<F: Four, const K: usize>(abreast: &mut Abreast, plan: &Plan, place:
 
 #[inline(always)]
 fn assemble<F: Four>(abreast: &mut Abreast, nodes: &[Node], topology: &Topology) {
-    let Topology { plan, couplings, regularization, .. } = topology;
-    let Abreast { counts, starts, jacobian, response, gamma, values, diagonal, .. } = abreast;
+    let Topology { plan, couplings, guards, .. } = topology;
+    let Abreast { counts, starts, jacobian, response, gamma, values, least, .. } = abreast;
     values.resize(SPREAD * plan.numbers() / 4, ZERO);
     for place in 0..nodes.len() {
         let k = counts[plan.order()[place] as usize] as usize;
@@ -204,7 +205,9 @@ fn assemble<F: Four>(abreast: &mut Abreast, nodes: &[Node], topology: &Topology)
             values[SPREAD * start as usize..][..counts[other as usize] as usize * k].fill(ZERO);
         }
     }
-    let grown = F::splat(1.0 + regularization);
+    // Where no joints close a loop, the guards of all rows are alike.
+    let [Guard { added, noise }, ..] = guards;
+    let (grown, noise) = (F::splat(1.0 + added), F::splat(*noise));
     for number in 0..nodes.len() {
         let (k, first) = (counts[number] as usize, starts[number] as usize);
         let start = SPREAD * plan.diagonal(number) as usize;
@@ -217,7 +220,7 @@ fn assemble<F: Four>(abreast: &mut Abreast, nodes: &[Node], topology: &Topology)
             }
             let own = F::load(&block[i * k + i]) * grown + F::load(&gamma[first + i]);
             block[i * k + i] = own.lanes();
-            diagonal[first + i] = own.lanes();
+            least[first + i] = (noise * own).lanes();
         }
     }
     for coupling in couplings {
@@ -263,16 +266,16 @@ fn minus_dot<F: Four>(mut sum: F, a: &[Lanes], b: &[Lanes]) -> F {
     sum
 }
 
-/// Turns symmetric positive definite matrices A, lower triangles, into U = L⁻ᵀ, with A = L Lᵀ; a row whose pivot is noise beside what
-/// its diagonal was `before` gets no multiplier in its lane.
+/// Turns symmetric positive definite matrices A, lower triangles, into U = L⁻ᵀ, with A = L Lᵀ; a row whose pivot is not above its `least`
+/// gets no multiplier in its lane.
 #[inline(always)]
-fn invert_root<F: Four, const K: usize>(a: &mut [Lanes], before: &[Lanes]) {
-    let k = known::<K>(before.len());
-    let (a, before) = (&mut a[..k * k], &before[..k]);
+fn invert_root<F: Four, const K: usize>(a: &mut [Lanes], least: &[Lanes]) {
+    let k = known::<K>(least.len());
+    let (a, least) = (&mut a[..k * k], &least[..k]);
     for j in 0..k {
         let (own, below) = a[j * k..].split_at_mut(k);
         let pivot = minus_dot(F::load(&own[j]), &own[..j], &own[..j]);
-        let sound = F::both((F::splat(SINGULAR) * F::load(&before[j])).below(pivot), pivot.below(F::splat(f64::INFINITY)));
+        let sound = F::both(F::load(&least[j]).below(pivot), pivot.below(F::splat(f64::INFINITY)));
         let scale = F::select(sound, F::splat(1.0) / pivot.sqrt(), F::splat(0.0));
         for row in below.chunks_exact_mut(k) {
             row[j] = (minus_dot(F::load(&row[j]), &row[..j], &own[..j]) * scale).lanes();

@@ -372,41 +372,38 @@ fn transpose_tiles(into: &mut [Lanes], from: &[Lanes], m: usize, k: usize, wk: u
     }
 }
 
-/// A pivot this much smaller than the row's diagonal was before any elimination is noise.
-pub(super) const SINGULAR: f64 = 1.0e-14;
-
 /// Most rows of a block.
 pub(super) const MAX_ROWS: usize = 24;
 
 /// Turns a symmetric positive definite matrix A of n × n, lower triangle, into U = L⁻ᵀ, with A = L Lᵀ: so A⁻¹ = U Uᵀ.
 ///
-/// `before` is the diagonal before anything was eliminated. A row that depends on those before it gets no multiplier: its column
-/// of U is 0. The inverse itself would not do: rows that repeat others leave blocks of condition 1e9 and more, whose inverse is off
-/// by as much of rounding, and later pivots with it; that of the root is off by its square root.
+/// A row whose pivot is not above its `least` depends on those before it and gets no multiplier: its column of U is 0. The inverse
+/// itself would not do: rows that repeat others leave blocks of condition 1e7 and more, whose inverse is off by as much of rounding, and
+/// later pivots with it; that of the root is off by its square root.
 #[inline(always)]
-pub(super) fn invert_root(a: &mut [Lanes], n: usize, before: &[Lanes]) {
+pub(super) fn invert_root(a: &mut [Lanes], n: usize, least: &[Lanes]) {
     match n {
-        3 => invert_root_of::<3, 1>(a, before),
-        4 => invert_root_of::<4, 1>(a, before),
-        5 => invert_root_of::<5, 2>(a, before),
-        6 => invert_root_of::<6, 2>(a, before),
-        _ => invert_root_any(a, n, width(n), before),
+        3 => invert_root_of::<3, 1>(a, least),
+        4 => invert_root_of::<4, 1>(a, least),
+        5 => invert_root_of::<5, 2>(a, least),
+        6 => invert_root_of::<6, 2>(a, least),
+        _ => invert_root_any(a, n, width(n), least),
     }
 }
 
 /// As [`invert_root_any`], in loops of constant length.
 #[inline(always)]
-fn invert_root_of<const N: usize, const W: usize>(values: &mut [Lanes], before: &[Lanes]) {
+fn invert_root_of<const N: usize, const W: usize>(values: &mut [Lanes], least: &[Lanes]) {
     let values: &mut [[Lanes; W]; N] =
         values[..N * W].as_chunks_mut::<W>().0.first_chunk_mut().expect("the slice is N rows of W lanes");
-    let before: &[Lanes; W] = before.first_chunk().expect("a diagonal has as many lanes as a row");
+    let least: &[Lanes; W] = least.first_chunk().expect("a diagonal has as many lanes as a row");
     let (mut a, mut t, mut scale) = (*values, [[ZERO; W]; N], [0.0; N]);
     for k in 0..N {
         t[k][k / 4][k % 4] = 1.0;
     }
     for k in 0..N {
         let pivot = a[k][k / 4][k % 4];
-        if !is_sound(pivot, before[k / 4][k % 4]) {
+        if !is_sound(pivot, least[k / 4][k % 4]) {
             continue;
         }
         scale[k] = 1.0 / pivot.sqrt();
@@ -429,13 +426,13 @@ fn invert_root_of<const N: usize, const W: usize>(values: &mut [Lanes], before: 
 }
 
 #[inline(always)]
-fn is_sound(pivot: f64, before: f64) -> bool {
-    pivot > SINGULAR * before && pivot.is_finite()
+fn is_sound(pivot: f64, least: f64) -> bool {
+    pivot > least && pivot.is_finite()
 }
 
 /// Eliminates below each pivot, in the matrix and in a unit matrix beside it, which becomes the inverse of L with a diagonal of 1.
 #[inline(always)]
-fn invert_root_any(a: &mut [Lanes], n: usize, w: usize, before: &[Lanes]) {
+fn invert_root_any(a: &mut [Lanes], n: usize, w: usize, least: &[Lanes]) {
     let a = &mut a[..n * w];
     let (mut t, mut scale) = ([ZERO; MAX_ROWS * width(MAX_ROWS)], [0.0; MAX_ROWS]);
     for k in 0..n {
@@ -443,7 +440,7 @@ fn invert_root_any(a: &mut [Lanes], n: usize, w: usize, before: &[Lanes]) {
     }
     for k in 0..n {
         let pivot = a[k * w + k / 4][k % 4];
-        if !is_sound(pivot, before[k / 4][k % 4]) {
+        if !is_sound(pivot, least[k / 4][k % 4]) {
             continue;
         }
         scale[k] = 1.0 / pivot.sqrt();
@@ -472,7 +469,7 @@ mod tests {
     #[test]
     fn a_dependent_row_gets_no_multiplier() {
         let mut a = [[2.0, 2.0, 0.5, 0.0], [2.0, 2.0, 0.5, 0.0], [0.5, 0.5, 1.0, 0.0]];
-        invert_root(&mut a, 3, &[[2.0, 2.0, 1.0, 0.0]]);
+        invert_root(&mut a, 3, &[[2.0e-14, 2.0e-14, 1.0e-14, 0.0]]);
         assert!(a.iter().flatten().all(|value| value.is_finite()), "the root is {a:?}");
         assert_eq!(a[1], ZERO, "the second row repeats the first");
         assert_eq!([a[0][1], a[2][1]], [0.0; 2], "no other row pushes for it");

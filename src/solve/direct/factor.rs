@@ -139,8 +139,8 @@ pub(crate) struct Factor {
     /// First lane of each node in vectors.
     starts: Vec<u32>,
     scratch: Vec<Lanes>,
-    /// Diagonal before anything is eliminated, laid out as vectors.
-    pub diagonal: Vec<Lanes>,
+    /// Pivots up to which a row has no multiplier, laid out as vectors.
+    pub least: Vec<Lanes>,
     /// Whether all nodes have three rows.
     pub is_uniform: bool,
 }
@@ -160,8 +160,8 @@ impl Factor {
             next += width(rows as usize) as u32;
         }
         self.starts.push(next);
-        self.diagonal.clear();
-        self.diagonal.resize(next as usize, ZERO);
+        self.least.clear();
+        self.least.resize(next as usize, ZERO);
         self.is_uniform = self.rows.iter().all(|&rows| rows as usize == POINT);
     }
 
@@ -214,11 +214,11 @@ fn substitute_body(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
 
 #[inline(always)]
 fn factorize_points(factor: &mut Factor, plan: &Plan) {
-    let Factor { values, scratch, diagonal: before, .. } = factor;
+    let Factor { values, scratch, least, .. } = factor;
     let mut targets = plan.targets.iter();
     for (place, &node) in plan.order.iter().enumerate() {
         let diagonal = plan.diagonal[node as usize] as usize;
-        block::invert_root(&mut values[diagonal..], POINT, &before[node as usize..]);
+        block::invert_root(&mut values[diagonal..], POINT, &least[node as usize..]);
         let root = *block::block3(&values[diagonal..]);
         let column = plan.column(place);
         // The updates need the transposed beside W_ik.
@@ -261,7 +261,7 @@ fn substitute_points(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
 
 #[inline(always)]
 fn factorize_any(factor: &mut Factor, plan: &Plan) {
-    let Factor { values, rows, scratch, starts, diagonal: before, .. } = factor;
+    let Factor { values, rows, scratch, starts, least, .. } = factor;
     let mut target = 0;
     for place in 0..plan.order.len() {
         let node = plan.order[place] as usize;
@@ -272,7 +272,7 @@ fn factorize_any(factor: &mut Factor, plan: &Plan) {
             continue;
         }
         let (diagonal, wk) = (plan.diagonal[node] as usize, width(k));
-        block::invert_root(&mut values[diagonal..], k, &before[starts[node] as usize..]);
+        block::invert_root(&mut values[diagonal..], k, &least[starts[node] as usize..]);
         let mut from = 0;
         for &(other, start) in column {
             let (m, start) = (rows[other as usize] as usize, start as usize);

@@ -171,9 +171,7 @@ impl Articulation {
 
     /// Whether it has the joints of another, between the same of its bodies, so that their systems have one structure.
     pub(super) fn is_twin(&self, other: &Self) -> bool {
-        self.links == other.links
-            && self.bodies.len() == other.bodies.len()
-            && self.topology.regularization == other.topology.regularization
+        self.links == other.links && self.bodies.len() == other.bodies.len()
     }
 
     /// Whether its rows are solved beside those of its twins: not while it has a factor of its own, of rows that have changed their states.

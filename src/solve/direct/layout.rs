@@ -5,9 +5,10 @@ use glam::DVec3;
 use super::articulation::Articulation;
 use super::block::MAX_ROWS;
 use super::factor::Plan;
+use super::guard::Guard;
 use super::quads;
 use super::root;
-use super::system::{Coupling, POINTS_REGULARIZATION, REGULARIZATION, TREE_REGULARIZATION, Topology};
+use super::system::{Coupling, Topology};
 use crate::solve::joint::JointEntry;
 use crate::solve::state::WORLD_SLOT;
 
@@ -183,21 +184,17 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize, asked: bool) -> 
         Some(Coupling { late, early, late_side, early_side, body, start })
     };
     let couplings = shared.iter().map(coupling).collect::<Option<Vec<_>>>()?;
-    let has_loops = !is_forest(links, bodies);
-    let regularization = match has_loops {
-        false => TREE_REGULARIZATION,
-        true if links.iter().all(|link| link.is_plain) => POINTS_REGULARIZATION,
-        true => REGULARIZATION,
-    };
-    Some(Topology { plan, couplings, regularization, has_loops })
+    let loops = count_loops(links, bodies);
+    Some(Topology { plan, couplings, guards: Guard::all(loops), loops })
 }
 
-/// Whether no joints close a loop, where all that does not move is one.
-fn is_forest(links: &[Link], bodies: usize) -> bool {
+/// Loops that joints close, where all that does not move is one.
+fn count_loops(links: &[Link], bodies: usize) -> usize {
     let mut group: Vec<u32> = (0..bodies as u32).collect();
-    links.iter().filter(|link| !link.is_contact).all(|link| {
+    let closes = |link: &&Link| {
         let [a, b] = [0, 1].map(|side| if link.moves[side] { root(&mut group, link.bodies[side]) } else { 0 });
         group[a.max(b) as usize] = a.min(b);
-        a != b
-    })
+        a == b
+    };
+    links.iter().filter(|link| !link.is_contact).filter(closes).count()
 }

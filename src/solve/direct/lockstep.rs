@@ -54,7 +54,7 @@ impl Locksteps {
         let mut first_open = 0;
         for number in 0..articulations.len() {
             let own = &articulations[number];
-            if !own.coupled || own.is_points || own.topology.has_loops {
+            if !own.coupled || own.is_points || own.topology.loops > 0 {
                 continue;
             }
             let is_twin =
@@ -338,6 +338,7 @@ mod tests {
 
     use super::*;
     use crate::solve::direct::factor::Plan;
+    use crate::solve::direct::guard::Guard;
     use crate::solve::direct::system::{Coupling, Node};
     use crate::solve::state::BodyMotion;
 
@@ -382,7 +383,7 @@ mod tests {
             Coupling { late, early, late_side: side(late), early_side: side(early), body: a + 1, start }
         };
         let couplings = (0..4).map(coupling).collect();
-        own.topology = Topology { plan, couplings, regularization: 1e-13, has_loops: false };
+        own.topology = Topology { plan, couplings, guards: Guard::all(0), loops: 0 };
         own.system.begin(&own.bodies);
         own
     }

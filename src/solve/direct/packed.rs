@@ -26,6 +26,9 @@ pub(super) struct Packed {
     response: Vec<Lanes>,
     bias: Vec<Lanes>,
     gamma: Vec<Lanes>,
+    /// Shares of the diagonal that are added to it, and below which pivots are noise.
+    added: Vec<Lanes>,
+    noise: Vec<Lanes>,
     pub impulse: Vec<Lanes>,
     /// Row in each place.
     index: Vec<[u32; 4]>,
@@ -55,6 +58,8 @@ impl Packed {
         self.response.resize(6 * lanes, ZERO);
         self.bias.resize(lanes, ZERO);
         self.gamma.resize(lanes, ZERO);
+        self.added.resize(lanes, ZERO);
+        self.noise.resize(lanes, ZERO);
     }
 
     /// Takes the biases of the rows anew.
@@ -78,7 +83,8 @@ impl Packed {
 
 dispatched!(
     /// Writes the rows that have been chosen into their lanes.
-    pack, pack_body, (packed: &mut Packed, nodes: &[Node], rows: &[Row], factor: &Factor, bodies: &[DirectBody])
+    pack, pack_body,
+    (packed: &mut Packed, nodes: &[Node], rows: &[Row], factor: &Factor, topology: &Topology, bodies: &[DirectBody])
 );
 
 dispatched!(
@@ -101,8 +107,8 @@ dispatched!(
 );
 
 #[inline(always)]
-fn pack_body(packed: &mut Packed, nodes: &[Node], rows: &[Row], factor: &Factor, bodies: &[DirectBody]) {
-    let Packed { jacobian, response, bias, gamma, index, .. } = packed;
+fn pack_body(packed: &mut Packed, nodes: &[Node], rows: &[Row], factor: &Factor, topology: &Topology, bodies: &[DirectBody]) {
+    let Packed { jacobian, response, bias, gamma, added, noise, index, .. } = packed;
     for (number, node) in nodes.iter().enumerate() {
         let lanes = factor.lanes(number);
         let w = lanes.len();
@@ -120,6 +126,9 @@ fn pack_body(packed: &mut Packed, nodes: &[Node], rows: &[Row], factor: &Factor,
             }
             bias[lanes.start + lane] = [own[0].bias, own[1].bias, own[2].bias, own[3].bias];
             gamma[lanes.start + lane] = [own[0].gamma, own[1].gamma, own[2].gamma, own[3].gamma];
+            let guards = own.map(|row| &topology.guards[row.repeats as usize]);
+            added[lanes.start + lane] = guards.map(|guard| guard.added);
+            noise[lanes.start + lane] = guards.map(|guard| guard.noise);
             for side in 0..2 {
                 let linear = side_by_side(&[own[0].linear[side], own[1].linear[side], own[2].linear[side], own[3].linear[side]]);
                 let angular =
@@ -154,14 +163,14 @@ fn assemble_body(factor: &mut Factor, packed: &Packed, nodes: &[Node], topology:
             let (mass, own) = (bodies[node.bodies[side] as usize].inverse_mass, packed.half(&lanes, side));
             if w == 1 { add_narrow(block, &own, &own, mass) } else { add_wide(block, &own, &own, mass) }
         }
-        let mut diagonals = [ZERO; width(MAX_ROWS)];
+        let mut least = [ZERO; width(MAX_ROWS)];
         for i in 0..k {
-            let gamma = packed.gamma[lanes.start + i / 4][i % 4];
+            let (lane, j) = (lanes.start + i / 4, i % 4);
             let diagonal = &mut block[i * w + i / 4][i % 4];
-            *diagonal += gamma + topology.regularization * *diagonal;
-            diagonals[i / 4][i % 4] = *diagonal;
+            *diagonal += packed.gamma[lane][j] + packed.added[lane][j] * *diagonal;
+            least[i / 4][j] = packed.noise[lane][j] * *diagonal;
         }
-        factor.diagonal[lanes].copy_from_slice(&diagonals[..w]);
+        factor.least[lanes].copy_from_slice(&least[..w]);
     }
     for coupling in &topology.couplings {
         let (late, early) = (factor.lanes(coupling.late as usize), factor.lanes(coupling.early as usize));

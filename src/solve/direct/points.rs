@@ -17,6 +17,7 @@ use super::articulation::Articulation;
 use super::block::{Block3, Lanes, ZERO, add_scaled, block3_mut};
 use super::body::DirectBody;
 use super::factor::{Factor, POINT};
+use super::guard::Repeats;
 use super::refine::{Equations, refine};
 use super::system::{MOST_IMPULSE, Topology};
 use crate::solve::dispatch::dispatched;
@@ -183,6 +184,7 @@ fn assemble_body(
 ) {
     for (number, (joint, responses)) in joints.iter().zip(responses.iter_mut()).enumerate() {
         let mut sum = [ZERO; 3];
+        let guard = &topology.guards[Repeats::Points as usize];
         for side in 0..2 {
             let (lever, body) = (joint.levers[side], &bodies[joint.bodies[side] as usize]);
             responses[side] = response(&body.inverse_inertia, lever);
@@ -190,9 +192,9 @@ fn assemble_body(
         }
         #[expect(clippy::needless_range_loop, reason = "the index is that of a row and of a column")]
         for i in 0..3 {
-            sum[i][i] += topology.regularization * sum[i][i];
+            sum[i][i] += guard.added * sum[i][i];
         }
-        factor.diagonal[number] = [sum[0][0], sum[1][1], sum[2][2], 0.0];
+        factor.least[number] = [sum[0][0], sum[1][1], sum[2][2], 0.0].map(|diagonal| guard.noise * diagonal);
         *block3_mut(factor.block_mut(topology.plan.diagonal(number))) = sum;
     }
     for coupling in &topology.couplings {
@@ -265,7 +267,7 @@ impl Articulation {
             let bodies = link.bodies;
             // What is held by something that stays where it is would fall away from it by h² g in a substep without joints. Halfway there, the force
             // on a taut piece points past its middle, by so much that the stiffness of its pull turns it about its own axis, ever faster.
-            let own = topology.has_loops && link.moves != [true; 2];
+            let own = topology.loops > 0 && link.moves != [true; 2];
             let carried = if matches!(phase, Phase::Position { .. }) { Vec3::ZERO } else { entries[number].impulses.point };
             let impulse = carried.as_dvec3();
             let (levers, bias) = match phase {

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::articulation::{Articulation, TOLERANCE};
 use super::body::DirectBody;
 use super::contacts::Touch;
+use super::guard::Repeats;
 use super::ropes;
 use super::system::{PROJECTION_PASSES, System};
 use crate::id::{JointId, Pool};
@@ -104,6 +105,7 @@ impl Articulation {
             tensions,
             bodies,
             system,
+            topology,
             asked,
             touches,
             step_start,
@@ -129,7 +131,7 @@ impl Articulation {
         system.clear();
         for (number, link) in links.iter().enumerate() {
             let Some(entry) = entries.get(number) else {
-                system.add(link.bodies, None, None, &[]);
+                system.add(link.bodies, None, None, &[], Repeats::Often);
                 add_touches(number, system);
                 continue;
             };
@@ -172,7 +174,12 @@ impl Articulation {
                 kinds::add_rows(&mut sink);
             }
             let (point, direction) = (sink.point, sink.direction);
-            system.add(link.bodies, point.as_ref(), direction.as_ref(), asked);
+            let repeats = match topology.loops {
+                _ if link.is_plain => Repeats::Points,
+                1 => Repeats::InLine,
+                _ => Repeats::Often,
+            };
+            system.add(link.bodies, point.as_ref(), direction.as_ref(), asked, repeats);
             if tensions.get(number).is_some_and(|&tension| tension > 0.0) {
                 let rows =
                     ropes::rows(&geometry.gradient, tensions[number], [&bodies[a], &bodies[b]], &[rates[a], rates[b]], phase);

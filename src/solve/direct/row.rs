@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::guard::Repeats;
 use crate::solve::joint::rows::{self, Rate};
 
 /// Whether a row with bounds is part of the system.
@@ -41,6 +42,7 @@ pub(crate) struct Row {
     pub(super) max: f64,
     pub impulse: f64,
     pub(super) state: State,
+    pub(super) repeats: Repeats,
 }
 
 impl Row {
@@ -63,6 +65,7 @@ impl Row {
         max: f64::INFINITY,
         impulse: 0.0,
         state: State::Free,
+        repeats: Repeats::Often,
     };
 
     pub(super) fn rate(&self, [a, b]: &[Rate; 2]) -> f64 {

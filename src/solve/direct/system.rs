@@ -20,17 +20,11 @@ use glam::DVec3;
 use super::block::{Lanes, ZERO};
 use super::body::DirectBody;
 use super::factor::{self, Factor, Plan};
+use super::guard::{Guard, Repeats};
 use super::packed::{self, Packed};
 use super::refine::{Equations, refine};
 use super::row::{Origin, Row, State};
 use crate::solve::joint::rows::{self, Held, Rate};
-
-/// Added to the diagonal, relative to it: rows that repeat others (a closed planar loop has three) share their multiplier instead
-/// of dividing by nothing. Where joints close no loop, none do, and as much as rounding is enough. Where all hold points alone, only those
-/// along a straight line between two that do not move are repeated, and what is added gives way under the pull of a taut one.
-pub(super) const REGULARIZATION: f64 = 1.0e-9;
-pub(super) const TREE_REGULARIZATION: f64 = 1.0e-13;
-pub(super) const POINTS_REGULARIZATION: f64 = 1.0e-12;
 
 /// Most passes of the active set: nearly all solves take one, and the last ones (a third, at most [`MOST_CLOSING`]) free nothing
 /// any more. Contacts ask for more than stops and motors; a projection is judged by what it reaches.
@@ -121,10 +115,10 @@ pub(crate) struct Coupling {
 pub(crate) struct Topology {
     pub plan: Plan,
     pub couplings: Vec<Coupling>,
-    /// Share of the diagonal that is added to it.
-    pub regularization: f64,
-    /// Whether joints close loops, where all that does not move is one body.
-    pub has_loops: bool,
+    /// By [`Repeats`].
+    pub(super) guards: [Guard; 3],
+    /// Loops that joints close, where all that does not move is one body.
+    pub loops: usize,
 }
 
 /// All rows of an articulation, and room to solve them.
@@ -169,23 +163,36 @@ impl System {
         self.contacts.clear();
     }
 
-    /// Adds a joint's rows as the next node, to which rows of contacts may be added.
-    pub(crate) fn add(
+    /// Adds a joint's rows as the next node, to which rows of contacts may be added; `repeats` is said of rows that hold points, of
+    /// a hinge those across its axis.
+    pub(super) fn add(
         &mut self,
         bodies: [u32; 2],
         point: Option<&rows::BlockRow>,
         direction: Option<&rows::BlockRow>,
         scalars: &[rows::ScalarRow],
+        repeats: Repeats,
     ) {
         let first = self.rows.len() as u32;
         if let Some(block) = point {
-            self.add_block(block, |axis| {
+            let mut axes = axes_of(block.held);
+            let mut all = [repeats; 3];
+            if repeats == Repeats::InLine {
+                all = [Repeats::Often; 3];
+                if let Some(rows::BlockRow { held: Held::Across(axis), .. }) = direction {
+                    let (u, v) = across(*axis);
+                    (axes, all) = (([u, v, *axis], 3), [Repeats::InLine, Repeats::InLine, Repeats::Often]);
+                }
+            }
+            self.add_block(block, axes, all, |axis| {
                 let [a, b] = block.levers;
                 (rows::Jacobian { linear: axis, angular_a: a.cross(axis), angular_b: b.cross(axis) }, Origin::Point)
             });
         }
         if let Some(block) = direction {
-            self.add_block(block, |axis| (rows::Jacobian::angular(axis), Origin::Direction));
+            self.add_block(block, axes_of(block.held), [Repeats::Often; 3], |axis| {
+                (rows::Jacobian::angular(axis), Origin::Direction)
+            });
         }
         for row in scalars {
             let impulse = f64::from(row.impulse);
@@ -201,21 +208,21 @@ impl System {
         self.nodes.push(Node { bodies, first, last: self.rows.len() as u32 });
     }
 
-    fn add_block(&mut self, block: &rows::BlockRow, row_along: impl Fn(DVec3) -> (rows::Jacobian, Origin)) {
-        let (axes, count) = match block.held {
-            Held::All => (DVec3::AXES, 3),
-            Held::Across(axis) => {
-                let (u, v) = across(axis);
-                ([u, v, DVec3::ZERO], 2)
-            }
-        };
-        for &axis in &axes[..count] {
+    fn add_block(
+        &mut self,
+        block: &rows::BlockRow,
+        (axes, count): ([DVec3; 3], usize),
+        repeats: [Repeats; 3],
+        row_along: impl Fn(DVec3) -> (rows::Jacobian, Origin),
+    ) {
+        for (&axis, repeats) in axes[..count].iter().zip(repeats) {
             let (jacobian, origin) = row_along(axis);
             self.rows.push(Row {
                 bias: block.bias.dot(axis),
                 gamma: block.gamma,
                 impulse: block.impulse.as_dvec3().dot(axis),
                 state: if block.acts { State::Free } else { State::Absent },
+                repeats,
                 ..Row::of(&jacobian, origin)
             });
         }
@@ -491,7 +498,7 @@ impl System {
             self.is_exact = false;
             packed.choose(nodes, rows, counts);
             factor.start(&topology.plan, counts);
-            packed::pack(packed, nodes, rows, factor, bodies);
+            packed::pack(packed, nodes, rows, factor, topology, bodies);
             packed::assemble(factor, packed, nodes, topology, bodies);
             factor::factorize(factor, &topology.plan);
         }
@@ -542,6 +549,17 @@ impl Equations for FreeRows<'_> {
 
     fn add_impulses(&mut self, factor: &Factor, increments: &[Lanes], share: f64) {
         packed::add_impulses(self.packed, increments, share, self.nodes, factor, self.bodies, self.rates);
+    }
+}
+
+/// Unit vectors that span what a block holds, and how many.
+fn axes_of(held: Held) -> ([DVec3; 3], usize) {
+    match held {
+        Held::All => (DVec3::AXES, 3),
+        Held::Across(axis) => {
+            let (u, v) = across(axis);
+            ([u, v, DVec3::ZERO], 2)
+        }
     }
 }
 
