@@ -6,8 +6,6 @@
 //! of zeros, whose pivots are not sound and whose multipliers stay zero. No lane reads another: a member's numbers do not depend on who
 //! goes beside it.
 
-#![expect(clippy::needless_range_loop, reason = "an index runs over parts of a row and of a body alike")]
-
 use super::block::{Lanes, MAX_ROWS, ZERO};
 use super::factor::Plan;
 use super::guard::Guard;
@@ -151,7 +149,7 @@ const fn known<const K: usize>(rows: usize) -> usize {
 #[inline(always)]
 fn factorize_body<F: Four>(abreast: &mut Abreast, nodes: &[Node], topology: &Topology) {
     assemble::<F>(abreast, nodes, topology);
-    let mut targets = &topology.plan.targets()[..];
+    let mut targets = topology.plan.targets();
     for (place, &node) in topology.plan.order().iter().enumerate() {
         let coupled = topology.plan.column(place).len();
         let (own, later) = targets.split_at(coupled * (coupled + 1) / 2);
