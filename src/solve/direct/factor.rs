@@ -350,15 +350,7 @@ fn disjoint(values: &mut [Lanes], a: usize, a_len: usize, b: usize, b_len: usize
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    struct Noise(u64);
-
-    impl Noise {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        }
-    }
+    use crate::solve::direct::noise::Noise;
 
     #[test]
     fn a_random_block_system_is_solved_to_rounding() {

@@ -339,20 +339,12 @@ mod tests {
     use super::*;
     use crate::solve::direct::factor::Plan;
     use crate::solve::direct::guard::Guard;
+    use crate::solve::direct::noise::Noise;
     use crate::solve::direct::system::{Coupling, Node};
     use crate::solve::state::BodyMotion;
 
-    struct Noise(u64);
-
-    impl Noise {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-        }
-
-        fn vector(&mut self) -> DVec3 {
-            DVec3::new(self.next(), self.next(), self.next())
-        }
+    fn vector(noise: &mut Noise) -> DVec3 {
+        DVec3::new(noise.next(), noise.next(), noise.next())
     }
 
     /// A chain of six bodies with random rows, of which some take no part.
@@ -362,15 +354,15 @@ mod tests {
         for slot in 0..6 {
             let mut body = DirectBody::new(slot, &BodyVelocity::FIXED, &BodyMotion::FIXED);
             body.inverse_mass = DVec3::splat(0.6 + noise.next());
-            body.inverse_inertia = DMat3::from_diagonal(DVec3::splat(0.7) + 0.5 * noise.vector());
+            body.inverse_inertia = DMat3::from_diagonal(DVec3::splat(0.7) + 0.5 * vector(noise));
             own.bodies.push(body);
-            own.rates.push(Rate { linear: noise.vector(), angular: noise.vector() });
+            own.rates.push(Rate { linear: vector(noise), angular: vector(noise) });
         }
         for (number, count) in (0..).zip(COUNTS) {
             let first = own.system.rows.len() as u32;
             for _ in 0..count {
                 let state = if noise.next() < -0.3 { State::Absent } else { State::Free };
-                let (linear, angular) = ([noise.vector(), noise.vector()], [noise.vector(), noise.vector()]);
+                let (linear, angular) = ([vector(noise), vector(noise)], [vector(noise), vector(noise)]);
                 own.system.rows.push(Row { linear, angular, bias: noise.next(), gamma: 0.01, state, ..Row::EMPTY });
             }
             own.system.nodes.push(Node { bodies: [number, number + 1], first, last: own.system.rows.len() as u32 });

@@ -39,6 +39,8 @@ mod lasting;
 mod layout;
 mod lift;
 mod lockstep;
+#[cfg(test)]
+mod noise;
 mod order;
 mod packed;
 mod points;
