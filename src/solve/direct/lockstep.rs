@@ -70,6 +70,7 @@ impl Locksteps {
                     first_open = first_open.max(self.count.saturating_sub(OPEN));
                     let group = &mut self.groups[self.count - 1];
                     group.members.clear();
+                    group.is_factored = false;
                     group
                 }
             };
@@ -78,9 +79,6 @@ impl Locksteps {
         for group in &self.groups[..self.count] {
             let has_twins = group.members.len() > 1;
             group.members.iter().for_each(|&member| articulations[member as usize].in_lockstep = has_twins);
-        }
-        for group in &mut self.groups[..self.count] {
-            group.is_factored = false;
         }
     }
 

@@ -279,8 +279,9 @@ impl Direct {
             }
         }
         let has_rows = fixed > 0 || carries;
-        articulation.coupled =
-            presses || (articulation.sweeps_contacts(fixed) && !carries) || (has_rows && articulation.is_rigid());
+        // Asked in every step, as it counts them.
+        let may_sweep = articulation.sweeps_contacts(fixed);
+        articulation.coupled = presses || (may_sweep && !carries) || (has_rows && articulation.is_rigid());
         let numbers = if articulation.coupled { &[] } else { numbers };
         for &number in numbers {
             let contact = &contacts[number as usize];
