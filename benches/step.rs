@@ -1,4 +1,4 @@
-//! Time of one step: bodies in contact, bodies in a column, a chain of joints, and bodies that sleep.
+//! Time of one step: bodies in contact, bodies in a column, a chain of joints, and bodies that sleep or are woken.
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use longspan_scenes::{Effort, Engine, LongspanEngine, build};
@@ -35,6 +35,23 @@ fn step(criterion: &mut Criterion) {
     measure("10000 sleeping bodies", asleep);
 }
 
+/// Waking one box of some that sleep apart from one another, a step, and putting it to sleep again.
+fn waking(criterion: &mut Criterion) {
+    for count in ["1", "1000"] {
+        let (mut engine, dt) = after(180, "idle", &[("what", "asleep"), ("n", count)]);
+        // After the floor.
+        let body = engine.body_id(1);
+        criterion.bench_function(&format!("one of {count} islands woken"), |bencher| {
+            bencher.iter(|| {
+                let world = engine.world_mut();
+                world.wake(body).expect("the box is there");
+                engine.step(dt);
+                engine.world_mut().put_to_sleep(body).expect("the box is there");
+            });
+        });
+    }
+}
+
 /// Saving and restoring against a step of the same world.
 fn snapshot(criterion: &mut Criterion) {
     let (mut tower, dt) = after(10, "tower", &[]);
@@ -48,5 +65,5 @@ fn snapshot(criterion: &mut Criterion) {
     criterion.bench_function("step a tower of 1000", |bencher| bencher.iter(|| tower.step(dt)));
 }
 
-criterion_group!(benches, step, snapshot);
+criterion_group!(benches, step, waking, snapshot);
 criterion_main!(benches);

@@ -10,6 +10,10 @@ use parry3d::partitioning::{Bvh, BvhWorkspace, TraversalAction};
 /// Boxes up to which they are a list. Of a hundred, all of which change in every step, a list costs about as much as a tree.
 const MOST_LISTED: usize = 64;
 
+/// One of so many boxes of a tree may have changed without it being made tight again. A box that changes alone goes up through a
+/// dozen nodes, where all of them are gone through to make a tree tight; but what is above a box that has left stays too large.
+const LOOSE_SHARE: usize = 16;
+
 /// Boxes by the slots of their shapes.
 #[derive(Default)]
 pub(super) struct Boxes {
@@ -17,20 +21,33 @@ pub(super) struct Boxes {
     listed: Vec<(u32, Aabb)>,
     tree: Bvh,
     workspace: BvhWorkspace,
+    /// Boxes that have changed since the tree was last tight.
+    loose: usize,
 }
 
 impl Boxes {
-    /// Keeps a box for a shape; until it is [brought up to date](Self::refit) a tree is not fit to be asked.
+    /// Keeps a box for a shape.
     pub(super) fn set(&mut self, shape: u32, kept: Aabb) {
         if !self.list(shape, kept) {
-            self.tree.insert_or_update_partially(kept, shape, 0.0);
+            self.tree.insert(kept, shape);
+            self.loose += 1;
         }
     }
 
-    /// As [`set`](Self::set), but a tree stays fit to be asked.
-    pub(super) fn place(&mut self, shape: u32, kept: Aabb) {
-        if !self.list(shape, kept) {
-            self.tree.insert(kept, shape);
+    /// Keeps boxes for as many shapes as `count` says, and a tree from going to seed.
+    pub(super) fn set_all(&mut self, count: usize, all: impl Iterator<Item = (u32, Aabb)>) {
+        if (self.loose + count) * LOOSE_SHARE <= self.tree.leaf_count() as usize {
+            return all.for_each(|(shape, kept)| self.set(shape, kept));
+        }
+        for (shape, kept) in all {
+            if !self.list(shape, kept) {
+                self.tree.insert_or_update_partially(kept, shape, 0.0);
+            }
+        }
+        if !self.tree.is_empty() {
+            self.tree.refit(&mut self.workspace);
+            self.tree.optimize_incremental(&mut self.workspace);
+            self.loose = 0;
         }
     }
 
@@ -62,20 +79,6 @@ impl Boxes {
     /// Shapes that have a box, in no particular order.
     pub(super) fn shapes(&self) -> impl Iterator<Item = u32> + '_ {
         self.listed.iter().map(|&(shape, _)| shape).chain(self.tree.leaves(|_| true))
-    }
-
-    /// Brings a tree up to date with all boxes set.
-    pub(super) fn refit(&mut self) {
-        if !self.tree.is_empty() {
-            self.tree.refit(&mut self.workspace);
-        }
-    }
-
-    /// Keeps a tree from going to seed, a little at a time.
-    pub(super) fn optimize(&mut self) {
-        if !self.tree.is_empty() {
-            self.tree.optimize_incremental(&mut self.workspace);
-        }
     }
 
     /// Shapes whose box meets `region`, in no particular order.
@@ -125,12 +128,27 @@ mod tests {
         boxes.remove(9);
         let region = Aabb::new(Vec3::splat(5.5), Vec3::splat(10.5));
         assert_eq!((boxes.tree.is_empty(), meeting(&boxes, &region)), (true, vec![5, 6, 8, 10]));
-        boxes.place(9, cube(9.0));
-        boxes.place(most, cube(500.0));
+        boxes.set(9, cube(9.0));
+        boxes.set(most, cube(500.0));
         assert_eq!((boxes.listed.is_empty(), meeting(&boxes, &region)), (true, vec![5, 6, 8, 9, 10]));
         assert_eq!(meeting(&boxes, &cube(500.0)), [7, most]);
         boxes.remove(most);
         assert_eq!(boxes.shapes().count(), MOST_LISTED);
+    }
+
+    #[test]
+    fn few_boxes_that_change_leave_a_tree_loose_and_many_make_it_tight() {
+        let mut boxes = Boxes::default();
+        let all = 32 * LOOSE_SHARE as u32;
+        boxes.set_all(all as usize, (0..all).map(|shape| (shape, cube(shape as f32))));
+        assert_eq!(boxes.loose, 0, "loose when all are new");
+        for (changed, loose) in [(1, 1), (31, 32), (1, 0)] {
+            let moved = (0..changed).map(|shape| (shape, cube(shape as f32 + 1000.0)));
+            boxes.set_all(changed as usize, moved);
+            assert_eq!(boxes.loose, loose, "loose once {changed} more have changed");
+            let near = |at: f32| meeting(&boxes, &Aabb::new(Vec3::splat(at), Vec3::splat(at + 0.5)));
+            assert_eq!((near(0.0), near(1000.0), near(all as f32 - 1.0)), (vec![], vec![0], vec![all - 1]));
+        }
     }
 
     #[test]

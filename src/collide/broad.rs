@@ -23,7 +23,7 @@ const LEAST_SHAPES: usize = 32;
 #[derive(Default)]
 pub(crate) struct BroadPhase {
     boxes: Boxes,
-    /// Shapes whose kept box changed since the last [`refresh`](Self::refresh).
+    /// Shapes whose neighbours are to be looked for at the next [`refresh`](Self::refresh), as their kept box changed or may meet others.
     changed: Vec<u32>,
     /// Whether each shape is one of them.
     is_changed: Vec<bool>,
@@ -40,15 +40,10 @@ struct Found {
 }
 
 impl BroadPhase {
-    /// Keeps `kept` for a shape, whose neighbours are looked for at the next refresh; until then the boxes may be out of date.
-    pub(crate) fn set(&mut self, shape: u32, kept: Aabb) {
-        self.boxes.set(shape, kept);
-        self.revisit(shape);
-    }
-
-    /// As [`set`](Self::set), for edits between steps: the boxes stay fit to be asked.
+    /// Keeps a box for a shape, whose neighbours are looked for at the next refresh. What a step changes is said by
+    /// [`revisit`](Self::revisit) alone, as a refresh asks for the boxes.
     pub(crate) fn place(&mut self, shape: u32, kept: Aabb) {
-        self.boxes.place(shape, kept);
+        self.boxes.set(shape, kept);
         self.revisit(shape);
     }
 
@@ -65,12 +60,7 @@ impl BroadPhase {
                 self.boxes.remove(shape);
             }
         }
-        for shape in 0..slots as u32 {
-            if let Some(kept) = box_of(shape) {
-                self.boxes.set(shape, kept);
-            }
-        }
-        self.boxes.refit();
+        self.boxes.set_all(slots, (0..slots as u32).filter_map(|shape| Some((shape, box_of(shape)?))));
         self.forget_changes();
         self.is_changed.resize(slots, false);
         changed.into_iter().filter(|&shape| (shape as usize) < slots).for_each(|shape| self.revisit(shape));
@@ -85,7 +75,7 @@ impl BroadPhase {
         self.boxes.remove(shape);
     }
 
-    /// Looks for a shape's neighbours again although it has not moved.
+    /// Looks for a shape's neighbours at the next refresh, whether its box changes or not.
     pub(crate) fn revisit(&mut self, shape: u32) {
         let slot = shape as usize;
         if self.is_changed.len() <= slot {
@@ -111,8 +101,7 @@ impl BroadPhase {
             return;
         }
         changed.sort_unstable_by_key(|&shape| (group_of(shape), shape));
-        boxes.refit();
-        boxes.optimize();
+        boxes.set_all(changed.len(), changed.iter().filter_map(|&shape| Some((shape, box_of(shape)?))));
         let (boxes, all_changed) = (&*boxes, &*is_changed);
         let piece = threads.piece(changed.len(), LEAST_SHAPES);
         let pieces = changed.len().div_ceil(piece);

@@ -46,7 +46,7 @@ impl World {
                     let kept = tight.loosened(margin);
                     collider.fat_box = Some(kept);
                     self.index.reboxed.set(shape);
-                    self.broad.set(shape, kept);
+                    self.broad.revisit(shape);
                 }
             }
         }
