@@ -3,7 +3,7 @@
 //! All are turned so that nothing lies along an axis of the world: what repeats does so but for rounding and gaps.
 
 use common::Run;
-use longspan::glam::{DQuat, DVec3, EulerRot, Vec3};
+use longspan::glam::{DMat4, DQuat, DVec3, EulerRot, Vec3};
 use longspan::{BodyDef, BodyId, JointDef, JointId, JointKind, Mass, Pose, Shape, ShapeDef, SleepSettings, World, WorldDef};
 
 mod common;
@@ -52,13 +52,18 @@ fn path(world: &mut World, body: BodyId) -> Vec<DVec3> {
     (0..steps).map(after_step).collect()
 }
 
-/// A door of 4 kg, 1 m wide, on a post that leans, held at these heights; its path, and the greatest force that holds it.
+/// A door of 4 kg, 1 m wide, on a post that leans, held at these heights.
+fn hang_door(world: &mut World, kind: JointKind, heights: &[f64]) -> (BodyId, Vec<JointId>) {
+    let door = part(world, DVec3::X * 0.5, DQuat::IDENTITY, Vec3::new(0.5, 1.0, 0.02));
+    let post = DVec3::new(0.2, 1.0, 0.3).normalize();
+    let joints = heights.iter().map(|&height| join(world, kind, BodyId::NULL, door, post * height, post)).collect();
+    (door, joints)
+}
+
+/// The path of such a door, and the greatest force that holds it at the end.
 fn door(kind: JointKind, heights: &[f64]) -> (Vec<DVec3>, f32) {
     let mut world = world();
-    let door = part(&mut world, DVec3::X * 0.5, DQuat::IDENTITY, Vec3::new(0.5, 1.0, 0.02));
-    let post = DVec3::new(0.2, 1.0, 0.3).normalize();
-    let joints: Vec<JointId> =
-        heights.iter().map(|&height| join(&mut world, kind, BodyId::NULL, door, post * height, post)).collect();
+    let (door, joints) = hang_door(&mut world, kind, heights);
     let path = path(&mut world, door);
     let force = |&joint: &JointId| world.joint_state(joint).expect("joints stay").force.length();
     let force = joints.iter().map(force).fold(0.0, f32::max);
@@ -78,6 +83,137 @@ fn a_door_swings_on_many_hinges_or_points_as_on_one_hinge() {
             // Of what they push against each other alone; the door weighs 39 N.
             assert!(force < 5e3, "{count} {name} bear up to {force} N, bound 5e3 N");
         }
+    }
+}
+
+#[test]
+fn the_hinges_of_a_door_share_what_holds_it() {
+    for heights in [&[-0.9, 0.8][..], &[-0.9, 0.1, 0.8], &[-0.9, -0.37, 0.0, 0.41, 0.8]] {
+        let (mut world, count) = (world(), heights.len());
+        let (door, hinges) = hang_door(&mut world, JointKind::HINGE, heights);
+        let velocity = |world: &World| world.linear_velocity(door).expect("bodies stay").as_dvec3();
+        let (mut off, mut most) = (0.0_f64, 0.0_f64);
+        for _ in 0..(SECONDS / DT) as usize {
+            let before = velocity(&world);
+            world.step(DT).expect("a valid step");
+            let acceleration = (velocity(&world) - before) / f64::from(DT) - turned() * DVec3::NEG_Y * GRAVITY;
+            let needed = f64::from(MASS) * acceleration;
+            let forces: Vec<DVec3> =
+                hinges.iter().map(|&hinge| world.joint_state(hinge).expect("joints stay").force.as_dvec3()).collect();
+            off = off.max((forces.iter().sum::<DVec3>() - needed).length() / needed.length());
+            most = most.max(forces.iter().map(|force| force.length()).fold(0.0, f64::max) / needed.length());
+        }
+        assert!(off < 0.01, "the forces of {count} hinges are off by {off} of m (a − g) together, bound 0.01");
+        assert!(most < 2.0, "one of {count} hinges bears {most} times m (a − g), bound 2");
+    }
+}
+
+/// A ring of bars between these hinges, the last of which hang from the world; centres and principal moments of inertia of the bars.
+struct Ring {
+    world: World,
+    bars: Vec<(BodyId, DVec3)>,
+}
+
+impl Ring {
+    /// Each hinge has a point and an axis.
+    fn of(hinges: &[(DVec3, DVec3)]) -> Self {
+        let mut world = world();
+        let bar = |pair: &[(DVec3, DVec3)]| {
+            let (from, to) = (pair[0].0, pair[1].0);
+            let half = DVec3::new(0.5 * from.distance(to), 0.04, 0.02);
+            let turn = DQuat::from_rotation_arc(DVec3::X, (to - from).normalize());
+            let squares = half * half * f64::from(MASS) / 3.0;
+            (part(&mut world, from.midpoint(to), turn, half.as_vec3()), DVec3::splat(squares.element_sum()) - squares)
+        };
+        let bars: Vec<(BodyId, DVec3)> = hinges.windows(2).map(bar).collect();
+        for (number, &(at, axis)) in hinges.iter().enumerate() {
+            let body = |number: usize| bars.get(number).map_or(BodyId::NULL, |bar| bar.0);
+            join(&mut world, JointKind::HINGE, body(number.wrapping_sub(1)), body(number), at, axis);
+        }
+        Self { world, bars }
+    }
+
+    /// Kinetic energy, and that of height (J).
+    fn energies(&self) -> (f64, f64) {
+        let of_bar = |&(bar, inertia): &(BodyId, DVec3)| {
+            let pose = self.world.pose(bar).expect("bodies stay");
+            let linear = self.world.linear_velocity(bar).expect("bodies stay").as_dvec3();
+            let angular =
+                pose.rotation.as_dquat().conjugate() * self.world.angular_velocity(bar).expect("bodies stay").as_dvec3();
+            let kinetic = 0.5 * (f64::from(MASS) * linear.length_squared() + angular.dot(inertia * angular));
+            (kinetic, f64::from(MASS) * GRAVITY * (turned().conjugate() * pose.position).y)
+        };
+        self.bars.iter().map(of_bar).fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
+    }
+
+    /// Lets it swing: what it gains at most and what it has lost in the end, over its greatest kinetic energy.
+    fn swing(mut self) -> (f64, f64) {
+        let start = self.energies().1;
+        let (mut gained, mut most, mut last) = (0.0_f64, 0.0_f64, 0.0);
+        for _ in 0..(SECONDS / DT) as usize {
+            self.world.step(DT).expect("a valid step");
+            let (kinetic, height) = self.energies();
+            last = kinetic + height - start;
+            (gained, most) = (gained.max(last), most.max(kinetic));
+        }
+        (gained / most, -last / most)
+    }
+
+    #[track_caller]
+    fn swings_as_it_must(self, what: &str) {
+        let (gained, lost) = self.swing();
+        assert!(gained < 5e-3, "{what} gains {gained} of the energy that it swings with, bound 5e-3");
+        assert!(lost < 0.06, "{what} loses {lost} of the energy that it swings with in {SECONDS} s, bound 0.06");
+    }
+}
+
+/// Four hinges of which opposite bars have equal lengths and twists, a/sin α = b/sin β (Bennett 1903): it moves, though a count of its
+/// freedoms says that it is held twice over.
+fn bennett() -> Vec<(DVec3, DVec3)> {
+    let (twists, length) = ([0.6_f64, 1.1], 0.5);
+    let lengths = [length, length * twists[1].sin() / twists[0].sin()];
+    let [sum, difference] = [twists[1] + twists[0], twists[1] - twists[0]].map(|angle| (0.5 * angle).sin());
+    let first = 1.2_f64;
+    let second = 2.0 * (sum / difference / (0.5 * first).tan()).atan();
+    let mut place = DMat4::from_quat(DQuat::from_euler(EulerRot::XYZ, 1.4, 0.3, 0.2));
+    let hinge = |(number, angle): (usize, f64)| {
+        let found = (place.transform_point3(DVec3::ZERO), place.transform_vector3(DVec3::Z));
+        let (length, twist) = (lengths[number % 2], twists[number % 2]);
+        place *= DMat4::from_rotation_z(angle) * DMat4::from_translation(DVec3::X * length) * DMat4::from_rotation_x(twist);
+        found
+    };
+    [first, second, -first, -second].into_iter().enumerate().map(hinge).collect()
+}
+
+/// Hinges a metre from a point in which their axes meet.
+fn spherical(axes: &[DVec3]) -> Vec<(DVec3, DVec3)> {
+    axes.iter().map(|axis| (axis.normalize(), axis.normalize())).collect()
+}
+
+#[test]
+fn four_hinges_whose_axes_meet_gain_no_energy() {
+    let askew = [(1.0, 0.2, 0.0), (0.6, -0.1, 0.7), (-0.3, 0.3, 0.9), (-0.8, 0.1, -0.3)];
+    let square = [(1.0, 0.0, 0.0), (0.7, 0.0, 0.7), (0.0, 0.0, 1.0), (0.0, 0.7, 0.7)];
+    for axes in [askew, square] {
+        Ring::of(&spherical(&axes.map(DVec3::from))).swings_as_it_must("four hinges whose axes meet");
+    }
+}
+
+#[test]
+fn a_linkage_of_bennett_swings_on() {
+    Ring::of(&bennett()).swings_as_it_must("Bennett's linkage");
+}
+
+#[test]
+fn random_loops_of_hinges_whose_axes_meet_gain_no_energy() {
+    let mut state = 5_u64;
+    let mut next = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    for count in [4, 4, 4, 5, 5, 6, 6] {
+        let axes: Vec<DVec3> = (0..count).map(|_| DVec3::new(next(), next(), next())).collect();
+        Ring::of(&spherical(&axes)).swings_as_it_must(&format!("a loop of {count} hinges"));
     }
 }
 

@@ -324,6 +324,7 @@ impl Records<'_> {
                 solver: def.solver,
                 most_rows: most_rows as u8,
                 is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0,
+                is_hinge: kinds::is_hinge(&def.kind),
                 is_distance: kinds::is_distance(&def.kind),
                 gives_by_motors_alone: kinds::gives_by_motors_alone(def),
                 has_motor: kinds::has_motor(&def.kind),

@@ -128,6 +128,9 @@ pub(crate) struct Articulation {
     pub(super) reached: Vec<Stance>,
     /// Joints at the start of the step.
     untouched: Vec<JointEntry>,
+    /// Whether its joints close one loop and lie in a line, and where they are (m).
+    pub(super) lies_in_line: bool,
+    pub(super) places: Vec<DVec3>,
     /// Whether a joint ties it to something that it does not move.
     pub(super) hangs: bool,
     pub(super) order: SecondOrder,
@@ -342,6 +345,7 @@ impl Articulation {
         self.stances.clear();
         self.stances.extend(slots().map(|slot| motions[slot].stance()));
         self.points.is_known = false;
+        self.find_loops();
     }
 
     /// How far the body with this slot and number has moved and turned in the step.

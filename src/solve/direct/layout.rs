@@ -185,7 +185,19 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize, asked: bool) -> 
     };
     let couplings = shared.iter().map(coupling).collect::<Option<Vec<_>>>()?;
     let loops = count_loops(links, bodies);
-    Some(Topology { plan, couplings, guards: Guard::all(loops), loops })
+    let doubled = loops > 0 && has_doubles(links);
+    Some(Topology { plan, couplings, guards: Guard::all(loops), loops, doubled })
+}
+
+/// Whether two joints that do more than hold points hold the same two bodies, where all that does not move is one.
+fn has_doubles(links: &[Link]) -> bool {
+    let ends = |link: &Link| {
+        let [a, b] = [0, 1].map(|side| if link.moves[side] { link.bodies[side] } else { 0 });
+        [a.min(b), a.max(b)]
+    };
+    let mut pairs: Vec<[u32; 2]> = links.iter().filter(|link| !link.is_plain && !link.is_contact).map(ends).collect();
+    pairs.sort_unstable();
+    pairs.windows(2).any(|pair| pair[0] == pair[1])
 }
 
 /// Loops that joints close, where all that does not move is one.

@@ -71,6 +71,18 @@ impl Packed {
         }
     }
 
+    /// Writes what has been added to the diagonal of each row that does not give, times its multiplier.
+    pub(super) fn find_added(&self, factor: &Factor, added: &mut [Lanes]) {
+        for (lane, into) in added.iter_mut().enumerate() {
+            let (share, noise, least) = (&self.added[lane], &self.noise[lane], &factor.least[lane]);
+            for j in 0..4 {
+                // The pivot that is noise is a share of the diagonal; where there is no row there is none.
+                let gives = self.gamma[lane][j] > 0.0 || noise[j] == 0.0;
+                into[j] = if gives { 0.0 } else { share[j] / noise[j] * least[j] * self.impulse[lane][j] };
+            }
+        }
+    }
+
     /// Hands the multipliers back to the rows.
     pub(super) fn unpack(&self, rows: &mut [Row]) {
         for (&row, &impulse) in self.index.iter().flatten().zip(self.impulse.iter().flatten()) {

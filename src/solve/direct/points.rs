@@ -122,7 +122,7 @@ impl Points {
             super::factor::factorize(factor, &topology.plan);
         }
         joints.iter_mut().for_each(|joint| joint.impulse = DVec3::ZERO);
-        refine(&mut Gaps { joints, bodies, rates }, factor, &topology.plan, unknowns, increments, &mut false);
+        refine(&mut Gaps { joints, bodies, rates }, factor, &topology.plan, [0; 2], unknowns, increments, &mut false);
     }
 }
 
@@ -142,6 +142,11 @@ impl Equations for Gaps<'_> {
             *residual = [-lack.x, -lack.y, -lack.z, 0.0];
         }
         worst.max_element()
+    }
+
+    fn find_added(&self, _: &Factor, added: &mut [Lanes]) {
+        // Rows that repeat others have no multiplier here: see [`super::guard::Guard::POINTS`].
+        added.fill(ZERO);
     }
 
     fn add_impulses(&mut self, _: &Factor, increments: &[Lanes], share: f64) {

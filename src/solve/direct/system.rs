@@ -22,7 +22,7 @@ use super::body::DirectBody;
 use super::factor::{self, Factor, Plan};
 use super::guard::{Guard, Repeats};
 use super::packed::{self, Packed};
-use super::refine::{Equations, refine};
+use super::refine::{Equations, MODERATIONS, refine};
 use super::row::{Origin, Row, State};
 use crate::solve::joint::rows::{self, Held, Rate};
 
@@ -59,6 +59,12 @@ pub(crate) struct ContactRows {
     /// Coefficient of friction, and torque limit per normal force (m).
     pub friction: f64,
     pub twist_arm: f64,
+}
+
+impl ContactRows {
+    fn count(&self) -> u32 {
+        self.normals + if self.has_friction { FRICTION_ROWS } else { 0 }
+    }
 }
 
 /// Where a row of a contact acts: on the body at one side of its node at this lever (m), and on the other, if that moves, at that.
@@ -119,6 +125,8 @@ pub(crate) struct Topology {
     pub(super) guards: [Guard; 3],
     /// Loops that joints close, where all that does not move is one body.
     pub loops: usize,
+    /// Whether two joints that do more than hold points hold the same two bodies: a door on its hinges.
+    pub doubled: bool,
 }
 
 /// All rows of an articulation, and room to solve them.
@@ -150,6 +158,8 @@ pub(crate) struct System {
     pub(super) has_new_biases: bool,
     /// Rows in the wrong state, and the state that they want.
     pub(super) flips: Vec<(u32, State)>,
+    /// Whether multipliers of rows that contradict each other are moderated.
+    pub(super) moderates: bool,
     /// Whether every solve since this was set came to an end by itself.
     pub settled: bool,
 }
@@ -280,8 +290,7 @@ impl System {
     pub(crate) fn begin(&mut self, bodies: &[DirectBody]) {
         for contact in &self.contacts {
             let node = &self.nodes[contact.node as usize];
-            let count = contact.normals + if contact.has_friction { FRICTION_ROWS } else { 0 };
-            for row in &mut self.rows[contact.first as usize..(contact.first + count) as usize] {
+            for row in &mut self.rows[contact.first as usize..(contact.first + contact.count()) as usize] {
                 let own = |side: usize| {
                     let body = &bodies[node.bodies[side] as usize];
                     (body.inverse_mass * row.linear[side]).dot(row.linear[side])
@@ -507,10 +516,20 @@ impl System {
         self.improve(topology, bodies, rates);
     }
 
+    /// Whether rows of contacts are part of the system now.
+    fn touches(&self) -> bool {
+        let rows_of = |contact: &ContactRows| contact.first as usize..(contact.first + contact.count()) as usize;
+        self.contacts.iter().any(|contact| self.rows[rows_of(contact)].iter().any(|row| row.state == State::Free))
+    }
+
     /// Adds what the free rows still lack.
     fn improve(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
+        // What contacts contradict each other in is for their active set to settle.
+        let least = usize::from(topology.doubled);
+        let most = if self.moderates && !self.touches() { MODERATIONS } else { least };
         let Self { nodes, rows, contacts, factor, packed, unknowns, increments, is_exact, .. } = self;
-        refine(&mut FreeRows { packed, nodes, bodies, rates }, factor, &topology.plan, unknowns, increments, is_exact);
+        let mut equations = FreeRows { packed, nodes, bodies, rates };
+        refine(&mut equations, factor, &topology.plan, [least, most], unknowns, increments, is_exact);
         // Rows of contacts repeat one another.
         *is_exact &= contacts.is_empty();
         packed.unpack(rows);
@@ -545,6 +564,10 @@ struct FreeRows<'a> {
 impl Equations for FreeRows<'_> {
     fn find_residuals(&self, factor: &Factor, residuals: &mut [Lanes]) -> f64 {
         packed::find_residuals(residuals, self.packed, self.nodes, factor, self.rates)
+    }
+
+    fn find_added(&self, factor: &Factor, added: &mut [Lanes]) {
+        self.packed.find_added(factor, added);
     }
 
     fn add_impulses(&mut self, factor: &Factor, increments: &[Lanes], share: f64) {

@@ -87,6 +87,11 @@ pub(crate) fn is_plain(kind: &JointKind, most_rows: u32) -> bool {
     matches!(kind, JointKind::Spherical { .. }) && most_rows == 3
 }
 
+/// Whether a joint of this kind is a hinge.
+pub(crate) fn is_hinge(kind: &JointKind) -> bool {
+    matches!(kind, JointKind::Hinge { .. })
+}
+
 /// Whether a joint of this kind holds a distance.
 pub(crate) fn is_distance(kind: &JointKind) -> bool {
     matches!(kind, JointKind::Distance { .. })

@@ -83,7 +83,8 @@ pub(crate) struct JointEntry {
     pub most_rows: u8,
     /// Whether it holds points rigidly together and does nothing else.
     pub is_plain: bool,
-    /// Whether it holds a distance.
+    /// Whether it is a hinge, and whether it holds a distance.
+    pub is_hinge: bool,
     pub is_distance: bool,
     /// Whether it gives energy by its motors alone, if by anything, and whether it has one.
     pub gives_by_motors_alone: bool,

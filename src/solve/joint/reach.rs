@@ -88,6 +88,7 @@ mod tests {
             solver: Solver::Auto,
             most_rows: 0,
             is_plain: false,
+            is_hinge: false,
             is_distance: false,
             gives_by_motors_alone: true,
             has_motor: false,

@@ -91,6 +91,7 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             solver: Solver::Auto,
             most_rows: 0,
             is_plain: false,
+            is_hinge: false,
             is_distance: false,
             gives_by_motors_alone: true,
             has_motor: false,
