@@ -90,6 +90,34 @@ fn chain(world: &mut World, x: f64) -> Vec<JointId> {
 }
 
 #[test]
+fn joints_of_damped_bodies_bear_their_weight() {
+    let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+    for damping in [0.5, 5.0] {
+        let def = WorldDef { gravity: Vec3::NEG_Y * GRAVITY, sleep, ..WorldDef::default() };
+        let mut world = World::new(&def).expect("a valid world");
+        let joints = chain(&mut world, 0.0);
+        // An arm that a motor holds level: torques know of damping too.
+        let about_z = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+        let motor = Motor::Position { target: 0.0, softness: Softness::RIGID, max_force: f32::INFINITY };
+        let arm = joint(&mut world, JointKind::Hinge { limits: Limits::NONE, motor }, about_z);
+        let bodies: Vec<BodyId> =
+            joints.iter().chain([&arm]).map(|&joint| world.joint_def(joint).expect("joints stay").body_b).collect();
+        for body in bodies {
+            world.set_damping(body, damping, damping).expect("a body of the world");
+        }
+        for _ in 0..60 {
+            world.step(DT).expect("a valid step");
+        }
+        for (number, &joint) in joints.iter().enumerate() {
+            let force = world.joint_state(joint).expect("joints stay").force.length();
+            is_near(force, MASS * GRAVITY * (3 - number) as f32, &format!("force of joint {number} at a damping of {damping}/s"));
+        }
+        let effort = world.joint_state(arm).expect("joints stay").effort;
+        is_near(effort, MASS * GRAVITY * 0.75, &format!("torque of a motor that holds an arm at a damping of {damping}/s"));
+    }
+}
+
+#[test]
 fn one_joint_chooses_how_its_articulation_is_solved() {
     let solved_directly = |world: &mut World| {
         world.step(DT).expect("a valid step");

@@ -131,6 +131,8 @@ pub(crate) struct Articulation {
     /// Whether its joints close one loop and lie in a line, and where they are (m).
     pub(super) lies_in_line: bool,
     pub(super) places: Vec<DVec3>,
+    /// Whether any of its bodies is damped.
+    pub(super) is_damped: bool,
     /// Whether a joint ties it to something that it does not move.
     pub(super) hangs: bool,
     pub(super) order: SecondOrder,
@@ -221,6 +223,7 @@ impl Articulation {
         self.has_answer = false;
         self.is_warm = false;
         self.in_lockstep = false;
+        self.is_damped = false;
         self.solves_left = 0;
         self.bodies.clear();
         self.origins.clear();
@@ -240,7 +243,9 @@ impl Articulation {
         self.swept_steps = self.swept_steps.max(history.swept_steps);
         self.origins.push(origin);
         self.histories.push(history);
-        self.bodies.push(DirectBody::new(slot, velocity, motion));
+        let body = DirectBody::new(slot, velocity, motion);
+        self.is_damped |= body.is_damped();
+        self.bodies.push(body);
         self.bodies.len() as u32 - 1
     }
 
@@ -363,6 +368,7 @@ impl Articulation {
         }
         self.entries.clone_from(&self.untouched);
         self.touches.clear();
+        self.weigh(0.0);
         self.coupled = true;
         self.lasting = Lasting::Never;
         self.outcome = Outcome::default();

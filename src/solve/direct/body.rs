@@ -1,4 +1,8 @@
 //! Bodies of an articulation, in the precision that its solve needs: `f64`.
+//!
+//! Damping is implicit. Of M (v − v₀) = h f + Jᵀ p − h c M v follows v = v* + (M (1 + h c))⁻¹ Jᵀ p with v* = (v₀ + h f/M)/(1 + h c), so
+//! that what is damped answers to its joints as if it were heavier by h c: with M alone it would move as well where all is damped
+//! alike, but p would be short of what the joints bear by 1/(1 + h c).
 
 use glam::{DMat3, DVec3};
 
@@ -19,8 +23,10 @@ pub(crate) struct DirectBody {
     /// Whether it moves and no joint holds it.
     pub is_rider: bool,
     /// 1/mass along the world axes (1/kg); zero where locked.
+    undamped: DVec3,
+    /// The same with the damping of the substep, 1/(m (1 + h c)): with which it answers.
     pub inverse_mass: DVec3,
-    /// (I + G)⁻¹ in world axes (1/(kg·m²)), zero about locked axes.
+    /// (I (1 + h c) + G)⁻¹ in world axes (1/(kg·m²)), zero about locked axes.
     pub inverse_inertia: DMat3,
     /// I where it responds (kg·m²).
     pub(super) inertia: DMat3,
@@ -37,6 +43,7 @@ impl DirectBody {
             slot,
             kind: motion.kind,
             is_rider: motion.is_dynamic() && !motion.jointed,
+            undamped: velocity.inverse_mass.as_dvec3(),
             inverse_mass: velocity.inverse_mass.as_dvec3(),
             inverse_inertia: DMat3::ZERO,
             inertia: DMat3::ZERO,
@@ -66,12 +73,28 @@ impl DirectBody {
         Symmetric::from_mat3(self.inverse_inertia.as_mat3())
     }
 
-    /// Its angular velocity taken through the inertia that answers to impulses, (I + G) ω' = I ω, whose kinetic energy is no greater.
-    pub(crate) fn damped(&self, stiffness: &DMat3, rate: &Rate) -> DVec3 {
+    /// Whether it loses speed by itself.
+    pub(super) fn is_damped(&self) -> bool {
+        self.linear_damping != 0.0 || self.angular_damping != 0.0
+    }
+
+    /// By how much heavier it answers along and about its axes in a substep of length `h` (s): 1 + h c.
+    pub(super) fn weights(&self, h: f64) -> [f64; 2] {
+        [self.linear_damping, self.angular_damping].map(|damping| 1.0 + h * damping)
+    }
+
+    /// Makes it answer along its axes as in a substep of length `h` (s).
+    pub(super) fn weigh(&mut self, h: f64) {
+        self.inverse_mass = self.undamped / self.weights(h)[0];
+    }
+
+    /// Its angular velocity taken through the inertia that answers to impulses, (J + G) ω' = J ω with J = I (1 + h c), whose kinetic energy
+    /// is no greater.
+    pub(crate) fn damped(&self, stiffness: &DMat3, rate: &Rate, h: f64) -> DVec3 {
         if !self.is_dynamic() || self.top.free != DVec3::ONE || *stiffness == DMat3::ZERO {
             return rate.angular;
         }
-        self.inverse_inertia * (self.inertia * rate.angular)
+        self.inverse_inertia * (self.inertia * rate.angular * self.weights(h)[1])
     }
 
     /// How readily a force across `lever` turns the body, over the lever's length: |r| tr(I⁻¹ across r) (1/(kg·m)), with I round.
@@ -92,7 +115,7 @@ impl DirectBody {
     }
 
     fn apply_linear_forces(&self, rate: &mut Rate, h: f64) {
-        let free = self.inverse_mass.cmpgt(DVec3::ZERO);
+        let free = self.undamped.cmpgt(DVec3::ZERO);
         rate.linear += DVec3::select(free, self.acceleration * h, DVec3::ZERO);
         rate.linear /= 1.0 + h * self.linear_damping;
         self.limit_speed(rate, h);
@@ -138,8 +161,8 @@ impl DirectBody {
 
     /// Mass of a body that moves freely (kg).
     pub(crate) fn free_mass(&self) -> Option<f64> {
-        let free = self.is_dynamic() && self.top.free == DVec3::ONE && self.inverse_mass.min_element() > 0.0;
-        free.then(|| 1.0 / self.inverse_mass.x)
+        let free = self.is_dynamic() && self.top.free == DVec3::ONE && self.undamped.min_element() > 0.0;
+        free.then(|| 1.0 / self.undamped.x)
     }
 
     /// Angular momentum about the centre of mass at this rate (N·m·s).

@@ -39,7 +39,8 @@ impl Articulation {
             self.find_ends(false);
         }
         self.find_stiffness(self.h, Mode::Safe, 1.0);
-        quads::respond(&self.quads, &self.stances, &self.stiffness, &mut self.bodies);
+        // Sweeps over contacts know of no damping.
+        quads::respond(&self.quads, 0.0, &self.stances, &self.stiffness, &mut self.bodies);
     }
 
     /// Begins a substep, `rest` (s) from the end of the step: forces are in the velocities already. Bodies answer with I + G from here

@@ -191,7 +191,7 @@ impl Articulation {
     /// Lets contacts see the inertia that answers; `anew` where that has changed since the last substep.
     pub(super) fn answer_contacts(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], anew: bool) {
         for (i, body) in self.bodies.iter().enumerate() {
-            self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i]);
+            self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i], 0.0);
             if body.is_dynamic() {
                 let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
                 velocity.angular = self.rates[i].angular.as_vec3();

@@ -143,9 +143,10 @@ in_registers!(
 );
 
 in_registers!(
-    /// Adds the stiffness of forces, h·Σ [`stiffness::of_impulse`], to the inertia that answers to impulses at these poses.
+    /// Adds the stiffness of forces, h·Σ [`stiffness::of_impulse`], and the damping of a substep of length `h` (s) to the inertia that
+    /// answers to impulses at these poses.
     pub(super) respond, self::respond_body, (super::registers::avx2::Avx2, Plain),
-    (quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody])
+    (quads: &[Quad], h: f64, stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody])
 );
 
 in_registers!(
@@ -226,7 +227,7 @@ fn advance_body<F: Four>(quads: &[Quad], h: f64, bodies: &[DirectBody], stances:
 }
 
 #[inline(always)]
-fn respond_body<F: Four>(quads: &[Quad], stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody]) {
+fn respond_body<F: Four>(quads: &[Quad], h: f64, stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody]) {
     for quad in quads {
         let (_, rotation) = quad.places::<F>(stances);
         let inertia = quad.axes(rotation).turn_diagonal(Four3::load(&quad.inertia));
@@ -234,7 +235,8 @@ fn respond_body<F: Four>(quads: &[Quad], stances: &[Stance], stiffness: &[DMat3]
         let forces = stiffness::without_negative(FourSymmetric::of(forces));
         // Bodies with locked axes answer without stiffness.
         let share = F::load(&quad.unlocked.0);
-        let inverse = inertia.plus(forces, share).inverse().scaled(Four3::load(&quad.free));
+        let damped = inertia.plus(inertia, F::splat(h) * F::load(&quad.angular_damping.0));
+        let inverse = damped.plus(forces, share).inverse().scaled(Four3::load(&quad.free));
         let (inertia, inverse) = (inertia.each(), inverse.each());
         for j in 0..quad.count {
             let body = &mut bodies[quad.at(j)];
@@ -354,7 +356,7 @@ mod tests {
     #[test]
     fn bodies_answer_with_the_inverse_of_inertia_and_stiffness() {
         let Five { mut bodies, quads, stances, stiffness, .. } = five();
-        respond(&quads, &stances, &stiffness, &mut bodies);
+        respond(&quads, 0.0, &stances, &stiffness, &mut bodies);
         for (i, body) in bodies.iter().enumerate() {
             assert!((body.inertia - body.inertia_at(&stances[i])).abs_diff_eq(DMat3::ZERO, 1e-14), "inertia of body {i}");
             let answer = body.inverse_inertia.inverse() - body.inertia;
@@ -404,12 +406,12 @@ mod tests {
             let mut start = Start { stances: &mut stances, rates: &mut rates, predicted: &mut predicted };
             if is_wide {
                 predict(&quads, &order, 0.007, &histories, &mut start);
-                respond(&quads, &predicted, &stiffness, &mut bodies);
+                respond(&quads, 0.007, &predicted, &stiffness, &mut bodies);
                 advance(&quads, 0.007, &bodies, &mut stances, &mut rates);
                 note(&quads, 0.01, &order, &began, (&stances, &rates), &mut histories);
             } else {
                 predict_body::<Plain>(&quads, &order, 0.007, &histories, &mut start);
-                respond_body::<Plain>(&quads, &predicted, &stiffness, &mut bodies);
+                respond_body::<Plain>(&quads, 0.007, &predicted, &stiffness, &mut bodies);
                 advance_body::<Plain>(&quads, 0.007, &bodies, &mut stances, &mut rates);
                 note_body::<Plain>(&quads, 0.01, &order, &began, (&stances, &rates), &mut histories);
             }

@@ -31,6 +31,7 @@ impl Articulation {
             self.find_spots();
         }
         let h = full * self.order.euler_share;
+        self.weigh(h);
         self.predict(full, h, mode);
         if self.is_points {
             self.find_ends(mode != Mode::Safe);
@@ -39,10 +40,10 @@ impl Articulation {
         let turns = self.turning.iter().any(|turning| *turning != DVec3::ZERO);
         let before = if turns { self.kinetic_energy() } else { 0.0 };
         let stances = if mode == Mode::SecondOrder { &self.predicted } else { &self.stances };
-        quads::respond(&self.quads, stances, &self.stiffness, &mut self.bodies);
+        quads::respond(&self.quads, h, stances, &self.stiffness, &mut self.bodies);
         if mode == Mode::Safe {
             for (i, body) in self.bodies.iter().enumerate() {
-                self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i]);
+                self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i], h);
             }
         }
         self.ask(joints, if mode == Mode::Safe { Phase::Tangent { h } } else { Phase::Velocity { h } });
@@ -68,6 +69,13 @@ impl Articulation {
             rate.angular = turn.angular;
         }
         momentum
+    }
+
+    /// Makes the bodies answer along their axes with the damping of a substep of length `h` (s).
+    pub(super) fn weigh(&mut self, h: f64) {
+        if self.is_damped {
+            self.bodies.iter_mut().for_each(|body| body.weigh(h));
+        }
     }
 
     /// Solves all rows for the velocities, within the step's budget of passes.
@@ -125,7 +133,8 @@ impl Articulation {
         if total > 0.0 { self.h * self.h * sum / total } else { 0.0 }
     }
 
-    /// Angular momentum at the end of a substep of an articulation that hangs on nothing.
+    /// Angular momentum at the end of a substep of an articulation that hangs on nothing, each body weighed with its damping: what
+    /// joints give one body they take from another, M (1 + h c) v together.
     fn expected_momentum(&mut self, h: f64) -> Option<DVec3> {
         if self.hangs {
             return None;
@@ -140,11 +149,12 @@ impl Articulation {
     pub(super) fn keep_momentum(&mut self, expected: Option<DVec3>) {
         let (Some(expected), Some(now)) = (expected, self.whole()) else { return };
         let center = now.center() + self.origins[1];
-        let Self { bodies, origins, stances, rates, .. } = self;
+        let Self { bodies, origins, stances, rates, h, .. } = self;
         let mut inertia = Inertia::ZERO;
         for i in 1..bodies.len() {
             let Some(mass) = bodies[i].free_mass() else { return };
-            inertia.add(mass, origins[i] + stances[i].0 - center, bodies[i].inertia_at(&stances[i]));
+            let [along, about] = bodies[i].weights(*h);
+            inertia.add(mass * along, origins[i] + stances[i].0 - center, bodies[i].inertia_at(&stances[i]) * about);
         }
         let turn = inertia.rate_of(expected - now.spin());
         for i in 1..bodies.len() {
@@ -161,7 +171,9 @@ impl Articulation {
         let mut whole = Whole::default();
         for i in 1..self.bodies.len() {
             let (body, stance, rate) = (&self.bodies[i], &self.stances[i], &self.rates[i]);
-            whole.add(body.free_mass()?, self.origins[i] - self.origins[1] + stance.0, rate.linear, body.spin(stance, rate));
+            let [along, about] = body.weights(self.h);
+            let place = self.origins[i] - self.origins[1] + stance.0;
+            whole.add(body.free_mass()? * along, place, rate.linear, body.spin(stance, rate) * about);
         }
         Some(whole)
     }
