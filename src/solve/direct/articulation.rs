@@ -128,8 +128,8 @@ pub(crate) struct Articulation {
     pub(super) reached: Vec<Stance>,
     /// Joints at the start of the step.
     untouched: Vec<JointEntry>,
-    /// Whether its joints close one loop and lie in a line, and where they are (m).
-    pub(super) lies_in_line: bool,
+    /// Whether rows across the axes of its hinges carry what lies on them, and room for where its joints are (m).
+    pub(super) carries_across: bool,
     pub(super) places: Vec<DVec3>,
     /// Whether any of its bodies is damped.
     pub(super) is_damped: bool,

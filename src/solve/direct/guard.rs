@@ -8,8 +8,8 @@
 //! They are told apart by the rows that take part. In a planar loop of hinges what repeats is along their axes and about the others,
 //! never across the axes, unless these lie in one plane: that is the line. With more than one loop it may be (six bars of a platform), and
 //! where the axes of a loop meet in a point, or are askew, it may be anywhere. So rows across the axes are taken to carry what lies on them
-//! where the joints of one loop lie in a line, and nowhere else: even there, a few hinges whose axes are askew repeat each other wherever
-//! they move at all (Bennett's linkage, folded). What remains in a multiplier of what rows contradict each other by is
+//! in one loop whose axes are parallel, or whose joints lie in a line, if these are so many that they move whatever their axes are: a few
+//! that are askew repeat each other wherever they move at all (Bennett's linkage, folded). What remains in a multiplier of what rows contradict each other by is
 //! taken out once it is solved for ([`super::refine`]).
 
 use glam::DVec3;
@@ -30,7 +30,7 @@ const PARALLEL: f64 = 0.05;
 pub(super) enum Repeats {
     /// Where joints close a loop, any other.
     Often,
-    /// Those along a straight line of hinges: a row across the axis of one, where joints close one loop and lie in a line.
+    /// Those along a straight line of hinges: a row across the axis of one, where joints close one loop and are planar or lie in a line.
     InLine,
     /// Those of a straight line of joints, or between the same two bodies: a row of a joint that holds points and nothing else.
     Points,
@@ -62,15 +62,20 @@ impl Guard {
 }
 
 impl Articulation {
-    /// Finds whether its joints close one loop and lie in a line, at the poses of now, and whether what rows contradict each other by is
-    /// to be taken out of their multipliers. In one planar loop it is not: there it drives nothing, and moderation is a tenth of its steps.
+    /// Finds, at the poses of now, whether rows across the axes of its hinges carry what lies on them, and whether what rows contradict
+    /// each other by is to be taken out of their multipliers. In one planar loop it is not: there it drives nothing, and moderation is a
+    /// tenth of its steps.
     pub(super) fn find_loops(&mut self) {
-        (self.lies_in_line, self.system.moderates) = (false, self.topology.loops > 1);
-        if self.topology.loops != 1 || self.is_points {
-            return;
+        (self.carries_across, self.system.moderates) = (false, self.topology.loops > 1);
+        if self.topology.loops == 1 && !self.is_points {
+            let is_planar = self.is_planar();
+            self.carries_across = is_planar || (self.entries.len() > FEW && self.is_line());
+            self.system.moderates = !is_planar;
         }
-        let is_planar = self.is_planar();
-        self.system.moderates = !is_planar;
+    }
+
+    /// Whether its joints lie in a line.
+    fn is_line(&mut self) -> bool {
         let Self { entries, links, origins, stances, places, .. } = self;
         places.clear();
         places.extend(entries.iter().zip(&*links).map(|(entry, link)| {
@@ -89,8 +94,7 @@ impl Articulation {
         let start = places[0] + furthest_from(places[0]);
         let line = furthest_from(start);
         let most = IN_LINE * line.length_squared();
-        let is_thin = places.iter().all(|place| (*place - start).cross(line).length_squared() <= most * most);
-        self.lies_in_line = is_thin && (entries.len() > FEW || is_planar);
+        places.iter().all(|place| (*place - start).cross(line).length_squared() <= most * most)
     }
 
     /// Whether the axes of all its hinges are parallel.

@@ -111,7 +111,7 @@ impl Articulation {
             step_start,
             h,
             coupled,
-            lies_in_line,
+            carries_across,
             ..
         } = self;
         let mut next_touch = 0;
@@ -177,7 +177,7 @@ impl Articulation {
             let (point, direction) = (sink.point, sink.direction);
             let repeats = match topology.loops {
                 _ if link.is_plain => Repeats::Points,
-                _ if *lies_in_line => Repeats::InLine,
+                _ if *carries_across => Repeats::InLine,
                 _ => Repeats::Often,
             };
             system.add(link.bodies, point.as_ref(), direction.as_ref(), asked, repeats);
