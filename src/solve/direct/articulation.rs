@@ -318,7 +318,7 @@ impl Articulation {
     }
 
     /// Kinetic energy less the work of forces since the start of the step (J), of all bodies that move freely.
-    fn energy(&self) -> f64 {
+    pub(super) fn energy(&self) -> f64 {
         let bodies = self.bodies.iter().zip(&self.rates).zip(self.stances.iter().zip(&self.step_start));
         bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum()
     }
@@ -400,9 +400,12 @@ impl Articulation {
             if !second_order && self.entries.iter().all(|entry| entry.impulses.is_zero()) {
                 self.guess_impulses(joints, h);
             }
+            let energy = self.energy_to_keep();
             let momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
             let errors = self.find_errors(joints);
-            if errors.worst <= (TOLERANCE * self.size).max(before.unwrap_or_default()) && !self.touches.iter().any(Touch::presses)
+            if errors.worst <= (TOLERANCE * self.size).max(before.unwrap_or_default())
+                && !self.touches.iter().any(Touch::presses)
+                && !energy.is_some_and(|energy| self.has_gained(energy))
             {
                 let error = self.project(joints, errors);
                 self.keep_momentum(momentum);
