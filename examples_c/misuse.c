@@ -143,6 +143,10 @@ static void shapes_and_joints(LsWorld world, LsWorld other)
     expect(LS_ERROR_INVALID_HANDLE, ls_joint_break_set(world, any_joint, 1.0f, 1.0f), "invented joint");
     expect(LS_ERROR_FOREIGN_HANDLE, ls_joint_break_set(world, foreign_joint, 1.0f, 1.0f), "joint of another world");
     expect(LS_ERROR_OUT_OF_RANGE, ls_joint_break_set(world, joint, -1.0f, 1.0f), "negative break force");
+    expect(LS_ERROR_NULL_HANDLE, ls_joint_friction_set(world, no_joint, 1.0f), "friction of a null joint");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_joint_friction_set(world, joint, -1.0f), "negative friction");
+    expect(LS_ERROR_NOT_FINITE, ls_joint_friction_set(world, joint, INFINITY), "infinite friction");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_joint_axis_friction_set(world, joint, NULL), "friction of axes is NULL");
 
     expect(LS_OK, ls_joint_def_get(world, joint, &def, sizeof def), "definition of a joint");
     def.kind = LS_JOINT_HINGE;

@@ -6,6 +6,9 @@
 //!
 //! Compliance is the inverse of stiffness (m/N, rad/(N·m)), damping is a force per speed (N·s/m, N·m·s/rad); both act as a
 //! physical spring and damper would, whatever the number of substeps and iterations (Macklin et al. 2016, XPBD).
+//!
+//! Friction is that of a dry bearing: a force or torque of a given greatest size against the motion of what the joint leaves free,
+//! whatever its speed and whatever the joint bears. Below it the joint sticks.
 
 use glam::{Quat, Vec3};
 
@@ -228,6 +231,11 @@ pub struct JointDef {
     pub angular: Softness,
     /// Give of the stops at limits.
     pub limit: Softness,
+    /// Dry friction, ≥ 0: of a hinge about its axis (N·m), of a prismatic joint along it (N), of a spherical joint against any
+    /// rotation (N·m, the greatest length of its torque). Other kinds have none.
+    pub friction: f32,
+    /// Dry friction of a six-axis joint's axes, ≥ 0: along x, y and z (N), then about them (N·m). Other kinds have none.
+    pub axis_friction: [f32; 6],
     /// Force at which the joint is reported as overloaded (N), infinity for never.
     pub break_force: f32,
     /// Torque at which the joint is reported as overloaded (N·m), infinity for never.
@@ -257,6 +265,8 @@ impl JointDef {
             linear: Softness::RIGID,
             angular: Softness::RIGID,
             limit: Softness::RIGID,
+            friction: 0.0,
+            axis_friction: [0.0; 6],
             break_force: f32::INFINITY,
             break_torque: f32::INFINITY,
             strength: Strength::UNBREAKABLE,
@@ -275,12 +285,23 @@ impl JointDef {
         self
     }
 
+    /// The same joint with this friction (N·m or N).
+    #[must_use]
+    pub fn with_friction(mut self, friction: f32) -> Self {
+        self.friction = friction;
+        self
+    }
+
     pub(crate) fn checked(mut self) -> Result<Self> {
         self.frame_a = self.frame_a.checked("frame_a.position", "frame_a.rotation")?;
         self.frame_b = self.frame_b.checked("frame_b.position", "frame_b.rotation")?;
         self.linear.check("linear.compliance", "linear.damping")?;
         self.angular.check("angular.compliance", "angular.damping")?;
         self.limit.check("limit.compliance", "limit.damping")?;
+        check::not_negative("friction", self.friction)?;
+        for friction in self.axis_friction {
+            check::not_negative("axis_friction", friction)?;
+        }
         check::bound("break_force", self.break_force)?;
         check::bound("break_torque", self.break_torque)?;
         self.strength.check()?;
@@ -362,13 +383,13 @@ pub struct JointState {
     pub torque: Vec3,
     /// Distance between the two joint points beyond what the joint allows (m).
     pub gap: f32,
-    /// Force (N) or torque (N·m) on body B along the free axis, mean over the step: what motor, spring, stops at limits and a distance that
-    /// is held come to. Zero for kinds without a coordinate; of these `torque` has all.
+    /// Force (N) or torque (N·m) on body B along the free axis, mean over the step: what motor, friction, spring, stops at limits and a
+    /// distance that is held come to. Zero for kinds without a coordinate; of these `torque` has all.
     pub effort: f32,
 }
 
-/// Most scalar rows of one joint: six axes, each with a lower stop, an upper stop and a motor.
-pub(crate) const MAX_SCALAR_ROWS: usize = 18;
+/// Most scalar rows of one joint: six axes, each with a lower stop, an upper stop, a motor and friction.
+pub(crate) const MAX_SCALAR_ROWS: usize = 24;
 
 /// Multipliers of a joint's rows at the end of a substep, to start the next one from (N·s, N·m·s).
 #[derive(Debug, Clone, Copy)]

@@ -64,6 +64,15 @@ fn a_hinge_motor_of_bounded_torque_speeds_up_as_newton_says() {
 }
 
 #[test]
+fn hinges_that_rub_stop_a_flywheel_and_a_pendulum_as_coulomb_says() {
+    for solver in ["auto", "gs"] {
+        let run = Run::of("stiff_hinge", &[("solver", solver)]);
+        run.keeps("spin_err_pct", 0.1, "%");
+        run.keeps("swing_err_pct", 3.0, "%");
+    }
+}
+
+#[test]
 fn a_position_motor_holds_its_angle_against_gravity() {
     for angle in ["-60", "0", "30"] {
         Run::of("hinge_servo", &[("angle_deg", angle)]).keeps("angle_err_deg", 0.5, "°");

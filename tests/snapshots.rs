@@ -193,7 +193,7 @@ fn a_pile_that_falls_asleep_rolls_back_to_any_step() {
 #[test]
 fn every_kind_of_joint_rolls_back_to_any_step() {
     rolls_back("free_cluster", &[], 120, 100, 1);
-    for name in ["hinge_motor", "hinge_servo", "hinge_limit", "spring", "swinging_weight", "cable_car"] {
+    for name in ["hinge_motor", "hinge_servo", "hinge_limit", "stiff_hinge", "spring", "swinging_weight", "cable_car"] {
         rolls_back(name, &[], 60, 50, 1);
     }
 }

@@ -26,7 +26,7 @@ pub struct LsJointState {
     pub torque: [f32; 3],
     /// Distance between the two joint points beyond what the joint allows (m).
     pub gap: f32,
-    /// Force (N) or torque (N m) on body B along the free axis, mean over the step: what motor, spring, stops at limits and a
+    /// Force (N) or torque (N m) on body B along the free axis, mean over the step: what motor, friction, spring, stops at limits and a
     /// distance that is held come to. 0 for kinds without a coordinate; of these torque has all.
     pub effort: f32,
 }
@@ -149,6 +149,36 @@ pub unsafe extern "C" fn ls_joint_softness_set(
         let angular = host!(pointer::read, angular).into();
         let limit = host!(pointer::read, limit).into();
         edit(world, |world| world.set_joint_softness(joint.into(), linear, angular, limit))
+    })
+}
+
+/// Sets the dry friction of a hinge, prismatic or spherical joint, and wakes its bodies: LsJointDef.friction, which
+/// ls_joint_def_get tells.
+///
+/// @param world     the world; any value is safe
+/// @param joint     a joint of that world; any value is safe
+/// @param friction  (N m; N of a prismatic joint), >= 0
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_joint_friction_set(world: LsWorld, joint: LsJoint, friction: f32) -> LsResult {
+    call("ls_joint_friction_set", || edit(world, |world| world.set_joint_friction(joint.into(), friction)))
+}
+
+/// Sets the dry friction of a generic joint's axes, and wakes its bodies: LsJointDef.axis_friction, which ls_joint_def_get tells.
+///
+/// @param world     the world; any value is safe
+/// @param joint     a joint of that world; any value is safe
+/// @param friction  six floats: along x, y, z (N), then about them (N m), >= 0
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+/// cbindgen:ptrs-as-arrays=[[friction;6]]
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_joint_axis_friction_set(world: LsWorld, joint: LsJoint, friction: *const f32) -> LsResult {
+    call("ls_joint_axis_friction_set", || {
+        let friction = friction.cast::<[f32; 6]>();
+        let friction = host!(pointer::read, friction);
+        edit(world, |world| world.set_joint_axis_friction(joint.into(), friction))
     })
 }
 

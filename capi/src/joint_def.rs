@@ -15,13 +15,13 @@ use crate::world_def::LS_SOLVER_AUTO;
 
 /// Joint kind: nothing moves.
 pub const LS_JOINT_FIXED: i32 = 0;
-/// Joint kind: rotation about the joint axis, the angle in (-pi, pi]; limits, motor.
+/// Joint kind: rotation about the joint axis, the angle in (-pi, pi]; limits, motor, friction.
 pub const LS_JOINT_HINGE: i32 = 1;
-/// Joint kind: rotation about a point; swing_limit, limits (of the twist), spherical_motor.
+/// Joint kind: rotation about a point; swing_limit, limits (of the twist), spherical_motor, friction.
 pub const LS_JOINT_SPHERICAL: i32 = 2;
 /// Joint kind: the distance between two points; limits, has_spring, spring_length, motor.
 pub const LS_JOINT_DISTANCE: i32 = 3;
-/// Joint kind: translation along the joint axis; limits, motor.
+/// Joint kind: translation along the joint axis; limits, motor, friction.
 pub const LS_JOINT_PRISMATIC: i32 = 4;
 /// Joint kind: six axes of A's frame, each free, locked or limited; linear_axes, angular_axes. Rotations are x, y, z Euler
 /// angles of B's frame in A's; keep the one about y within 80 degrees unless both others are locked.
@@ -154,11 +154,18 @@ pub struct LsJointDef {
     pub solver: i32,
     /// Not used; 0.
     pub reserved_too: u32,
+    /// Dry friction, >= 0: of a hinge about its axis (N m), of a prismatic joint along it (N), of a spherical joint against any rotation
+    /// (N m, the greatest length of its torque); default 0.
+    pub friction: f32,
+    /// Generic: dry friction along x, y, z (N), then about them (N m), >= 0; default 0.
+    pub axis_friction: [f32; 6],
+    /// Not used; 0.
+    pub reserved_last: u32,
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsJointDef {
-    const SIZES: &'static [usize] = &[400, 440, 448, 456];
+    const SIZES: &'static [usize] = &[400, 440, 448, 456, 488];
 }
 
 // SAFETY: begins with struct_size.
@@ -195,6 +202,9 @@ impl Default for LsJointDef {
             reserved: 0,
             solver: LS_SOLVER_AUTO,
             reserved_too: 0,
+            friction: 0.0,
+            axis_friction: [0.0; 6],
+            reserved_last: 0,
         }
     }
 }
@@ -222,6 +232,8 @@ impl TryFrom<&LsJointDef> for JointDef {
             linear: def.linear.into(),
             angular: def.angular.into(),
             limit: def.limit.into(),
+            friction: def.friction,
+            axis_friction: def.axis_friction,
             break_force: def.break_force,
             break_torque: def.break_torque,
             strength: def.strength.into(),
@@ -278,6 +290,8 @@ impl TryFrom<&JointDef> for LsJointDef {
             strength: def.strength.into(),
             long_range: def.long_range.into(),
             solver: enums::from_solver(def.solver),
+            friction: def.friction,
+            axis_friction: def.axis_friction,
             ..Self::default()
         };
         c.set_kind(&def.kind)?;

@@ -190,16 +190,16 @@
 /** Joint kind: nothing moves. */
 #define LS_JOINT_FIXED 0
 
-/** Joint kind: rotation about the joint axis, the angle in (-pi, pi]; limits, motor. */
+/** Joint kind: rotation about the joint axis, the angle in (-pi, pi]; limits, motor, friction. */
 #define LS_JOINT_HINGE 1
 
-/** Joint kind: rotation about a point; swing_limit, limits (of the twist), spherical_motor. */
+/** Joint kind: rotation about a point; swing_limit, limits (of the twist), spherical_motor, friction. */
 #define LS_JOINT_SPHERICAL 2
 
 /** Joint kind: the distance between two points; limits, has_spring, spring_length, motor. */
 #define LS_JOINT_DISTANCE 3
 
-/** Joint kind: translation along the joint axis; limits, motor. */
+/** Joint kind: translation along the joint axis; limits, motor, friction. */
 #define LS_JOINT_PRISMATIC 4
 
 /**
@@ -865,6 +865,15 @@ typedef struct LsJointDef {
     int32_t solver;
     /** Not used; 0. */
     uint32_t reserved_too;
+    /**
+     * Dry friction, >= 0: of a hinge about its axis (N m), of a prismatic joint along it (N), of a spherical joint against any rotation
+     * (N m, the greatest length of its torque); default 0.
+     */
+    float friction;
+    /** Generic: dry friction along x, y, z (N), then about them (N m), >= 0; default 0. */
+    float axis_friction[6];
+    /** Not used; 0. */
+    uint32_t reserved_last;
 } LsJointDef;
 
 /** When bodies fall asleep. */
@@ -1450,7 +1459,7 @@ typedef struct LsJointState {
     /** Distance between the two joint points beyond what the joint allows (m). */
     float gap;
     /**
-     * Force (N) or torque (N m) on body B along the free axis, mean over the step: what motor, spring, stops at limits and a
+     * Force (N) or torque (N m) on body B along the free axis, mean over the step: what motor, friction, spring, stops at limits and a
      * distance that is held come to. 0 for kinds without a coordinate; of these torque has all.
      */
     float effort;
@@ -3852,6 +3861,29 @@ LsResult ls_joint_softness_set(LsWorld world,
                                const LsSoftness *linear,
                                const LsSoftness *angular,
                                const LsSoftness *limit);
+
+/**
+ * Sets the dry friction of a hinge, prismatic or spherical joint, and wakes its bodies: LsJointDef.friction, which
+ * ls_joint_def_get tells.
+ *
+ * @param world     the world; any value is safe
+ * @param joint     a joint of that world; any value is safe
+ * @param friction  (N m; N of a prismatic joint), >= 0
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_joint_friction_set(LsWorld world, LsJoint joint, float friction);
+
+/**
+ * Sets the dry friction of a generic joint's axes, and wakes its bodies: LsJointDef.axis_friction, which ls_joint_def_get tells.
+ *
+ * @param world     the world; any value is safe
+ * @param joint     a joint of that world; any value is safe
+ * @param friction  six floats: along x, y, z (N), then about them (N m), >= 0
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_joint_axis_friction_set(LsWorld world, LsJoint joint, const float friction[6]);
 
 /**
  * Sets the load at which a joint is reported as overloaded.

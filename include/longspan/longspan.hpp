@@ -256,6 +256,7 @@ public:
         const float impulse[3] = {x, y, z};
         check(ls_body_add_impulse(world_, body, impulse));
     }
+    void set_friction(LsJoint joint, float friction) { check(ls_joint_friction_set(world_, joint, friction)); }
     LsJointState state(LsJoint joint) const {
         LsJointState state;
         check(ls_joint_state_get(world_, joint, &state, sizeof state));

@@ -63,6 +63,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry("spring", "a weight on a spring and damper", closed_form::spring),
     entry("hinge_motor", "a wheel driven by a motor of bounded torque", closed_form::hinge_motor),
     entry("hinge_servo", "a bar held at an angle by a position motor", closed_form::hinge_servo),
+    entry("stiff_hinge", "a flywheel and a pendulum in hinges that rub", closed_form::stiff_hinge),
     entry("hinge_limit", "a bar that falls onto the stop of its hinge", closed_form::hinge_limit),
     entry("platform", "a box carried along by a platform", friction::platform),
     entry("rolling", "a ball brought to rest by rolling friction", friction::rolling),

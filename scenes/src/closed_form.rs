@@ -138,6 +138,50 @@ pub(crate) fn hinge_motor(params: &mut Params) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
+/// A flywheel and a pendulum whose hinges rub: ω(t) = ω₀ − F t/I, and half swings of θ(t) = ±d + (A − d) cos Ω t with d = F/(m g l) and
+/// A less by 2 d in each, until A ≤ d.
+pub(crate) fn stiff_hinge(params: &mut Params) -> Result<Scene, SceneError> {
+    let spin = params.number("speed", 10.0, 0.1..=100.0)?;
+    let friction = params.number("friction", 2.0, 1.0e-6..=1.0e9)?;
+    let angle = params.number("angle_deg", 1.0, 0.1..=5.0)?.to_radians();
+    let share = params.number("share", 0.08, 0.001..=1.0)?;
+    let mut scene = start(params, 8.0)?;
+    let anchor = scene.body(BodyDef::fixed(Pose::at_xyz(0.0, 0.1, 0.0)).with_shape(cuboid(0.1, 0.1, 0.1)?));
+
+    let mass = Mass::Properties(MassProperties::new(1.0, Vec3::new(0.6, 0.6, 1.0)));
+    let disc = BodyDef::dynamic(Pose::at_xyz(0.0, 0.1, 0.5)).with_shape(cuboid(0.5, 0.5, 0.05)?).with_mass(mass);
+    let wheel = scene.body(BodyDef { angular_velocity: Vec3::Z * spin as f32, ..disc });
+    let bearing = about_z(JointKind::HINGE, Vec3::Z * 0.5, Vec3::ZERO).with_friction(friction as f32);
+    scene.joint(Some(anchor), Some(wheel), bearing);
+    let speed = move |view: &View| f64::from(view.engine.angular_velocity(wheel).z);
+    let inertia = f64::from(properties_of(&scene, wheel).principal_inertia.z);
+    scene.judge(SpeedError::new("spin_err_pct", spin, speed, move |_, t| (spin - friction * t / inertia).max(0.0)));
+
+    let turn = Quat::from_rotation_z(angle as f32);
+    let bob = scene.body(BodyDef::dynamic(Pose::at((turn * Vec3::NEG_Y).as_dvec3()).rotated(turn)).with_shape(ball(0.1)?));
+    let mass = properties_of(&scene, bob);
+    let weight = f64::from(mass.mass * GRAVITY);
+    let rate = (weight / f64::from(mass.principal_inertia.z + mass.mass)).sqrt();
+    let shift = share * angle;
+    let bearing = about_z(JointKind::HINGE, Vec3::Y * -0.1, Vec3::Y).with_friction((weight * shift) as f32);
+    scene.joint(Some(anchor), Some(bob), bearing);
+    let out = move |view: &View| {
+        let center = view.engine.pose(bob).position;
+        center.x.atan2(-center.y)
+    };
+    scene.judge(SpeedError::new("swing_err_pct", angle, out, move |_, t| {
+        // Half swings that leave more than friction holds, and those that have passed.
+        let most = ((1.0 / share - 1.0) / 2.0).ceil().max(0.0);
+        let passed = (t * rate / std::f64::consts::PI).floor();
+        let side = |swings: f64| if swings % 2.0 == 0.0 { 1.0 } else { -1.0 };
+        if passed >= most {
+            return side(most) * (angle - 2.0 * most * shift);
+        }
+        side(passed) * shift + (angle - (2.0 * passed + 1.0) * shift) * (rate * t).cos()
+    }));
+    Ok(scene)
+}
+
 /// A bar that falls about its end onto the stop of its hinge and must rest there.
 pub(crate) fn hinge_limit(params: &mut Params) -> Result<Scene, SceneError> {
     let stop = params.number("stop_deg", -45.0, -89.0..=-1.0)?.to_radians() as f32;

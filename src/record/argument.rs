@@ -127,6 +127,7 @@ macro_rules! plain_arguments {
 plain_arguments!(
     bool,
     f32,
+    [f32; 6],
     u32,
     u64,
     glam::Vec3,

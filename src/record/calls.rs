@@ -137,4 +137,6 @@ recorded! {
     47 set_articulation_settings(val settings: ArticulationSettings) -> ();
     49 set_joint_long_range(val joint: JointId, val long_range: bool) -> ();
     50 set_joint_solver(val joint: JointId, val solver: Solver) -> ();
+    51 set_joint_friction(val joint: JointId, val friction: f32) -> ();
+    52 set_joint_axis_friction(val joint: JointId, val friction: [f32; 6]) -> ();
 }

@@ -216,6 +216,8 @@ stored!(JointDef {
     linear,
     angular,
     limit,
+    friction,
+    axis_friction,
     break_force,
     break_torque,
     strength,

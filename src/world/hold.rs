@@ -5,7 +5,7 @@
 //!
 //! * **Engaged** only if for [`CALM_STEPS`] steps no body has kept more speed than [`CALM_SHARE`] of what gravity adds in a step, the
 //!   support analysis finds every body standing on contacts that hold, by a margin, and nothing overlaps noticeably. Joints and
-//!   their springs and motors are never held.
+//!   their springs, motors and friction are never held.
 //! * **Released** whole, before the step is solved, by anything that could change the answer: an edit of a body or of what it
 //!   touches, a force, gravity, or a contact point with anything that is not held.
 //!

@@ -106,6 +106,28 @@ impl World {
         Ok(())
     }
 
+    /// Sets the dry friction of a hinge (N·m), prismatic (N) or spherical joint (N·m), as [`JointDef::friction`], and wakes its bodies.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world; `friction` is negative or not finite.
+    pub fn set_joint_friction(&mut self, joint: JointId, friction: f32) -> Result<()> {
+        let slot = self.joints.find(joint)?;
+        let def = JointDef { friction, ..self.joints[slot].def }.checked()?;
+        self.take_friction(slot, def);
+        Ok(())
+    }
+
+    /// Sets the dry friction of a six-axis joint's axes (N, N·m), as [`JointDef::axis_friction`], and wakes its bodies.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world; a number is negative or not finite.
+    pub fn set_joint_axis_friction(&mut self, joint: JointId, friction: [f32; 6]) -> Result<()> {
+        let slot = self.joints.find(joint)?;
+        let def = JointDef { axis_friction: friction, ..self.joints[slot].def }.checked()?;
+        self.take_friction(slot, def);
+        Ok(())
+    }
+
     /// Sets the force (N) and torque (N·m) above which a joint is reported as overloaded.
     ///
     /// # Errors
@@ -182,6 +204,17 @@ impl World {
             return Ok(None);
         }
         self.bodies.find(body).map(Some).map_err(|error| Error { argument, ..error })
+    }
+
+    /// Where friction alone differs, neither bounds nor unions do: a brake may be set in every step.
+    fn take_friction(&mut self, slot: u32, def: JointDef) {
+        if self.joints[slot].def != def {
+            self.joints[slot].def = def;
+            self.topology_changed();
+            for index in self.joints[slot].bodies.into_iter().flatten() {
+                self.wake_body(index);
+            }
+        }
     }
 
     fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {

@@ -18,7 +18,7 @@ use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, ContactEnds, JointEnd};
 use crate::solve::bound::BoundEntry;
 use crate::solve::contact::ContactInput;
-use crate::solve::joint::{JointEntry, kinds};
+use crate::solve::joint::{JointEntry, friction, kinds};
 use crate::solve::plane::{PlaneEntry, PlaneHold, PlaneMember};
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::taut::TautEntry;
@@ -308,7 +308,7 @@ impl Records<'_> {
                 batch.joint_ends.push([a, b]);
             }
             let def = &joint.def;
-            let most_rows = kinds::most_rows(&def.kind);
+            let most_rows = kinds::most_rows(def);
             batch.joints.entries.push(JointEntry {
                 joint: slot,
                 a: a.slot,
@@ -328,6 +328,7 @@ impl Records<'_> {
                 is_distance: kinds::is_distance(&def.kind),
                 gives_by_motors_alone: kinds::gives_by_motors_alone(def),
                 has_motor: kinds::has_motor(&def.kind),
+                has_friction: friction::rows_of(def) > 0,
                 can_be_overloaded: def.break_force.min(def.break_torque) < f32::INFINITY,
             });
         }

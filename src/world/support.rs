@@ -387,9 +387,11 @@ impl World {
                 let rotation = joint.bodies[0].map_or(Quat::IDENTITY, |index| self.bodies[index].rotation);
                 let axis = rotation * (joint.def.frame_a.rotation * Vec3::X);
                 let slides_down = axis.dot(self.def.gravity).abs() > 0.5 * self.def.gravity.length();
-                !slides_down || is_held(&Axis { limits: *limits, motor: *motor })
+                !slides_down || is_held(&Axis { limits: *limits, motor: *motor }) || joint.def.friction > 0.0
             }
-            JointKind::Generic { linear, .. } => linear.iter().any(is_held),
+            JointKind::Generic { linear, .. } => {
+                linear.iter().any(is_held) || joint.def.axis_friction[..3].iter().any(|&friction| friction > 0.0)
+            }
         }
     }
 

@@ -22,6 +22,9 @@ pub fn joint(engine: &str, def: &JointDef) {
     if def.break_force.is_finite() || def.break_torque.is_finite() {
         unsupported(engine, "a joint that reports an overload");
     }
+    if def.friction > 0.0 || def.axis_friction.iter().any(|&friction| friction > 0.0) {
+        unsupported(engine, "friction of a joint");
+    }
     match def.kind {
         JointKind::Prismatic { motor, .. } | JointKind::Distance { motor, .. } if motor != Motor::Off => {
             unsupported(engine, "a motor of a joint other than a hinge")

@@ -95,7 +95,7 @@ fn layouts() -> Vec<Layout> {
         LsJointDef {
             struct_size, kind, body_a, body_b, frame_a, frame_b, linear, angular, limit, limits, swing_limit, spring_length,
             has_spring, break_force, break_torque, collide_connected, user_word, motor, spherical_motor, linear_axes,
-            angular_axes, strength, long_range, reserved, solver, reserved_too
+            angular_axes, strength, long_range, reserved, solver, reserved_too, friction, axis_friction, reserved_last
         }
         LsStrength {
             tension, compression, shear, bending, torsion, window, wears, damage_from, damage_time, damage_half_life
@@ -220,7 +220,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsMotor", 20),
         ("LsSphericalMotor", 44),
         ("LsAxis", 28),
-        ("LsJointDef", 456),
+        ("LsJointDef", 488),
         ("LsStrength", 40),
         ("LsBondMaterial", 32),
         ("LsFractureSettings", 8),

@@ -203,7 +203,7 @@ fn assemble<F: Four>(abreast: &mut Abreast, nodes: &[Node], topology: &Topology)
             values[SPREAD * start as usize..][..counts[other as usize] as usize * k].fill(ZERO);
         }
     }
-    // Where no joints close a loop, the guards of all rows are alike.
+    // Where no joints close a loop, the guards of all rows are alike; friction here takes its part of what others hold as well.
     let [Guard { added, noise }, ..] = guards;
     let (grown, noise) = (F::splat(1.0 + added), F::splat(*noise));
     for number in 0..nodes.len() {

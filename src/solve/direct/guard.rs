@@ -34,6 +34,8 @@ pub(super) enum Repeats {
     InLine,
     /// Those of a straight line of joints, or between the same two bodies: a row of a joint that holds points and nothing else.
     Points,
+    /// A stop that presses, or a motor: friction of a joint.
+    Idly,
 }
 
 /// Shares of a row's diagonal: what is added to it, and the pivot up to which the row is left without a multiplier.
@@ -55,9 +57,13 @@ impl Guard {
     /// Points held between the same two bodies (a door on two of them) leave pivots of 1e-12. Those of taut bridges are 1e-8 and more.
     const POINTS: Self = Self { added: 1.0e-12, noise: 1.0e-10 };
 
+    /// Friction leaves to others what they hold as well: in a tree what it takes of that is a hundred-thousandth.
+    const IDLY: Self = Self { added: 1.0e-8, noise: 1.0e-14 };
+
     /// By [`Repeats`], where joints close so many loops.
-    pub(super) fn all(loops: usize) -> [Self; 3] {
-        if loops == 0 { [Self::TREE; 3] } else { [Self::OFTEN, Self::IN_LINE, Self::POINTS] }
+    pub(super) fn all(loops: usize) -> [Self; 4] {
+        let [often, in_line, points] = if loops == 0 { [Self::TREE; 3] } else { [Self::OFTEN, Self::IN_LINE, Self::POINTS] };
+        [often, in_line, points, Self::IDLY]
     }
 }
 

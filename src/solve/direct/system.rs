@@ -24,6 +24,7 @@ use super::guard::{Guard, Repeats};
 use super::packed::{self, Packed};
 use super::refine::{Equations, MODERATIONS, refine};
 use super::row::{Origin, Row, State};
+use crate::solve::joint::friction;
 use crate::solve::joint::rows::{self, Held, Rate};
 
 /// Most passes of the active set: nearly all solves take one, and the last ones (a third, at most [`MOST_CLOSING`]) free nothing
@@ -45,6 +46,9 @@ const CONTACT_COMPLIANCE: f64 = 1.0e-6;
 
 /// Share of its limit below which a carried friction multiplier starts as one that holds.
 const STICKS: f64 = 0.999;
+
+/// The same of rows with bounds of their own.
+const AT_BOUND: f64 = 1.0 - 1.0e-6;
 
 /// Rows of friction of a manifold.
 pub(super) const FRICTION_ROWS: u32 = 3;
@@ -122,7 +126,7 @@ pub(crate) struct Topology {
     pub plan: Plan,
     pub couplings: Vec<Coupling>,
     /// By [`Repeats`].
-    pub(super) guards: [Guard; 3],
+    pub(super) guards: [Guard; 4],
     /// Loops that joints close, where all that does not move is one body.
     pub loops: usize,
     /// Whether two joints that do more than hold points hold the same two bodies: a door on its hinges.
@@ -205,15 +209,21 @@ impl System {
             });
         }
         for row in scalars {
-            let impulse = f64::from(row.impulse);
-            let state = match (row.acts, row.min < row.max) {
-                (false, _) => State::Absent,
-                (true, true) if impulse > row.min && impulse < row.max => State::Free,
-                (true, _) if impulse <= row.min => State::Low,
-                _ => State::High,
-            };
             let (bias, gamma, min, max) = (row.bias, row.gamma, row.min, row.max);
-            self.rows.push(Row { bias, gamma, min, max, impulse, state, ..Row::of(&row.jacobian, Origin::Scalar(row.id)) });
+            let carried = f64::from(row.impulse);
+            // A carried multiplier is rounded.
+            let (state, impulse) = match (row.acts, min < max) {
+                (false, _) => (State::Absent, carried),
+                (true, true) if carried > min * AT_BOUND && carried < max * AT_BOUND => (State::Free, carried),
+                (true, _) if carried <= min * AT_BOUND => (State::Low, min),
+                _ => (State::High, max),
+            };
+            let (origin, repeats) = match row.id {
+                friction::ABOUT_POINT => (Origin::Direction, Repeats::Idly),
+                friction::OF_AXES.. => (Origin::Scalar(row.id), Repeats::Idly),
+                _ => (Origin::Scalar(row.id), Repeats::Often),
+            };
+            self.rows.push(Row { bias, gamma, min, max, impulse, state, repeats, ..Row::of(&row.jacobian, origin) });
         }
         self.nodes.push(Node { bodies, first, last: self.rows.len() as u32 });
     }

@@ -28,6 +28,7 @@ pub(crate) fn rows(sink: &mut RowSink, linear: &[Axis; 3], angular: &[Axis; 3]) 
                 is_angle: true,
             };
             sink.limit_and_drive(&angle, axis.limits, axis.motor, 9 + 3 * i as u8);
+            sink.rub(angle.jacobian, sink.def.axis_friction[3 + i], axis.limits, 3 + i as u8);
         }
     }
     if locked(linear) {
@@ -37,6 +38,7 @@ pub(crate) fn rows(sink: &mut RowSink, linear: &[Axis; 3], angular: &[Axis; 3]) 
             let slide =
                 Coordinate { jacobian: sink.along(axes.col(i)), value: move |p: &Placement| p.local_gap()[i], is_angle: false };
             sink.limit_and_drive(&slide, axis.limits, axis.motor, 3 * i as u8);
+            sink.rub(slide.jacobian, sink.def.axis_friction[i], axis.limits, i as u8);
         }
     }
 }

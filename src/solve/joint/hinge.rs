@@ -1,5 +1,5 @@
 //! Hinge: points coincide, B's joint axis stays on A's (two rows, C = angle·(a_a × a_b)), and the angle about it may be limited
-//! and driven. The angle is read as the twist of R_aᵀ R_b; its gradient is the joint axis.
+//! and driven, and rub. The angle is read as the twist of R_aᵀ R_b; its gradient is the joint axis.
 
 use super::geometry::Placement;
 use super::kinds::{Coordinate, RowSink};
@@ -11,5 +11,6 @@ pub(crate) fn rows(sink: &mut RowSink, limits: Limits, motor: Motor) {
     sink.hold_directions(Held::Across(axis), Placement::axis_error);
     let angle = Coordinate { jacobian: Jacobian::angular(axis), value: Placement::twist, is_angle: true };
     sink.limit_and_drive(&angle, limits, motor, 0);
+    sink.rub(angle.jacobian, sink.def.friction, limits, 0);
     sink.hold_points(Held::All);
 }

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::friction;
 use super::geometry::{JointGeometry, Placement};
 use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, Phase, Rate, ScalarRow};
 use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor, SphericalMotor};
@@ -12,6 +13,8 @@ pub(crate) struct RowSink<'a> {
     pub geometry: &'a JointGeometry,
     pub def: &'a JointDef,
     pub impulses: &'a JointImpulses,
+    /// What the substep of this phase has of the carried impulses.
+    pub share: f64,
     pub phase: Phase,
     pub point: Option<BlockRow>,
     pub direction: Option<BlockRow>,
@@ -32,13 +35,13 @@ pub(crate) fn add_rows(sink: &mut RowSink) {
     }
 }
 
-/// Most rows that a joint of this kind, with these limits and motors, can have at once.
-pub(crate) fn most_rows(kind: &JointKind) -> u32 {
+/// Most rows that a joint with this definition can have at once.
+pub(crate) fn most_rows(def: &JointDef) -> u32 {
     let stops = |limits: &Limits| {
         if limits.min == limits.max { 1 } else { u32::from(limits.min.is_finite()) + u32::from(limits.max.is_finite()) }
     };
     let driven = |motor: &Motor| u32::from(*motor != Motor::Off);
-    match kind {
+    let without_friction: u32 = match &def.kind {
         JointKind::Fixed => 6,
         JointKind::Hinge { limits, motor } | JointKind::Prismatic { limits, motor } => 5 + stops(limits) + driven(motor),
         JointKind::Spherical { swing_limit, twist_limits, motor } => {
@@ -51,7 +54,8 @@ pub(crate) fn most_rows(kind: &JointKind) -> u32 {
         JointKind::Generic { linear, angular } => {
             linear.iter().chain(angular).map(|axis| stops(&axis.limits) + driven(&axis.motor)).sum()
         }
-    }
+    };
+    without_friction + friction::rows_of(def)
 }
 
 /// Whether a joint gives energy by its motors alone, if by anything: no spring, no give.
@@ -77,8 +81,8 @@ pub(crate) fn is_motor_row(kind: &JointKind, id: u8) -> bool {
     match kind {
         JointKind::Fixed => false,
         JointKind::Hinge { .. } | JointKind::Prismatic { .. } | JointKind::Distance { .. } => id == 2,
-        JointKind::Spherical { .. } => id >= 4,
-        JointKind::Generic { .. } => id % 3 == 2,
+        JointKind::Spherical { .. } => (4..7).contains(&id),
+        JointKind::Generic { .. } => id < friction::OF_AXES && id % 3 == 2,
     }
 }
 
@@ -195,7 +199,7 @@ impl RowSink<'_> {
 
     /// Adds one scalar row whose multiplier is `id`.
     pub(crate) fn scalar(&mut self, jacobian: Jacobian, demand: Demand, give: Give, id: u8) {
-        let impulse = self.impulses.scalar[id as usize];
+        let impulse = self.impulses.scalar[id as usize] * self.share as f32;
         self.scalars.push(ScalarRow::new(&self.rates, jacobian, demand, give, id, impulse));
     }
 

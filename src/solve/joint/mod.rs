@@ -13,6 +13,7 @@ use glam::{DQuat, DVec3, Vec3};
 mod course;
 mod distance;
 mod fixed;
+pub(crate) mod friction;
 mod generic;
 pub(crate) mod geometry;
 mod hinge;
@@ -89,6 +90,8 @@ pub(crate) struct JointEntry {
     /// Whether it gives energy by its motors alone, if by anything, and whether it has one.
     pub gives_by_motors_alone: bool,
     pub has_motor: bool,
+    /// Whether it has friction.
+    pub has_friction: bool,
     /// Whether there is a force or torque above which it is overloaded.
     pub can_be_overloaded: bool,
 }
@@ -158,7 +161,7 @@ impl BatchJoints {
         for entry in entries.iter() {
             let end = |slot: u32| (slot, motions[slot as usize].is_dynamic());
             let color = coloring.assign(end(entry.a), end(entry.b));
-            let holds = color.and_then(|_| {
+            let holds = color.filter(|_| !entry.has_friction).and_then(|_| {
                 // What most joints of a net are, said without a look at their records.
                 if entry.is_plain {
                     return Some(Holds::Points);

@@ -11,5 +11,6 @@ pub(crate) fn rows(sink: &mut RowSink, limits: Limits, motor: Motor) {
     sink.hold_directions(Held::All, Placement::rotation_vector);
     let slide = Coordinate { jacobian: sink.along(axis), value: |p: &Placement| p.local_gap().x, is_angle: false };
     sink.limit_and_drive(&slide, limits, motor, 0);
+    sink.rub(slide.jacobian, sink.def.friction, limits, 0);
     sink.hold_points(Held::Across(axis));
 }

@@ -92,6 +92,7 @@ mod tests {
             is_distance: false,
             gives_by_motors_alone: true,
             has_motor: false,
+            has_friction: false,
             can_be_overloaded: false,
         };
         stops_are_out_of_reach(&entry, &kind, &velocities, &[BodyMotion::FIXED; 2], DT)

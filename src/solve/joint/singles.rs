@@ -7,7 +7,7 @@ use glam::{Mat3, Vec3};
 use super::geometry::JointGeometry;
 use super::kinds::{self, RowSink};
 use super::rows::{self, Phase, Rate};
-use super::sweep::{BlockRow, ScalarRow};
+use super::sweep::{self, BlockRow, ScalarRow};
 use super::{JointEntry, MOMENTUM_RETURN_LIMIT};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
@@ -26,8 +26,9 @@ struct JointRows {
     b: u32,
     point: Option<BlockRow>,
     direction: Option<BlockRow>,
-    /// Range of its scalar rows.
+    /// Range of its scalar rows, and whether they lean on the points.
     scalars: (u32, u32),
+    leans: bool,
 }
 
 impl JointRows {
@@ -45,6 +46,10 @@ impl JointRows {
             row.solve_direction(&mut a, &mut b);
         }
         for _ in 0..self.passes() {
+            if self.leans {
+                sweep::solve_leaning(self.scalars(all), &mut self.point, &mut a, &mut b, false);
+                continue;
+            }
             for row in self.scalars(all) {
                 row.solve(&mut a, &mut b);
             }
@@ -59,6 +64,10 @@ impl JointRows {
     fn sweep_backwards(&mut self, all: &mut [ScalarRow], velocities: &mut [BodyVelocity]) {
         let (mut a, mut b) = (velocities[self.a as usize], velocities[self.b as usize]);
         for _ in 0..self.passes() {
+            if self.leans {
+                sweep::solve_leaning(self.scalars(all), &mut self.point, &mut a, &mut b, true);
+                continue;
+            }
             if let Some(row) = &mut self.point {
                 row.solve_point(&mut a, &mut b);
             }
@@ -126,6 +135,7 @@ impl Singles {
                 geometry: &geometry,
                 def: &joints[entry.joint].def,
                 impulses: &entry.impulses,
+                share: 1.0,
                 phase: Phase::Velocity { h: f64::from(h) },
                 point: None,
                 direction: None,
@@ -136,7 +146,11 @@ impl Singles {
             let direction = sink.direction.map(|row| BlockRow::direction(&row, bodies));
             self.scalars.extend(self.asked.iter().map(|row| ScalarRow::new(row, bodies)));
             let scalars = (first, self.scalars.len() as u32);
-            self.rows.push(JointRows { entry: number, a: entry.a, b: entry.b, point, direction, scalars });
+            let leans = entry.has_friction;
+            if leans {
+                sweep::lean(&mut self.scalars[first as usize..], point.as_ref(), bodies);
+            }
+            self.rows.push(JointRows { entry: number, a: entry.a, b: entry.b, point, direction, scalars, leans });
         }
     }
 
@@ -148,12 +162,15 @@ impl Singles {
                 a.apply(Vec3::ZERO, -row.impulse);
                 b.apply(Vec3::ZERO, row.impulse);
             }
-            for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
+            let scalars = &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize];
+            for row in scalars {
                 row.push(row.impulse, &mut a, &mut b);
             }
             if let Some(row) = &rows.point {
-                a.apply(-row.impulse, -row.lever_a.cross(row.impulse));
-                b.apply(row.impulse, row.lever_b.cross(row.impulse));
+                let leaning = if rows.leans { scalars.iter().map(ScalarRow::leaning).sum() } else { Vec3::ZERO };
+                let impulse = row.impulse + leaning;
+                a.apply(-impulse, -row.lever_a.cross(impulse));
+                b.apply(impulse, row.lever_b.cross(impulse));
             }
             velocities[rows.a as usize] = a;
             velocities[rows.b as usize] = b;
@@ -228,7 +245,10 @@ impl Singles {
             kept.point = rows.point.as_ref().map_or(Vec3::ZERO, |row| row.impulse);
             kept.angular = rows.direction.as_ref().map_or(Vec3::ZERO, |row| row.impulse);
             for row in &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize] {
-                kept.scalar[row.id as usize] = row.impulse;
+                match kept.scalar.get_mut(row.id as usize) {
+                    Some(kept) => *kept = row.impulse,
+                    None => kept.angular += row.angular_b * row.impulse,
+                }
             }
             entry.impulses = kept;
         }
@@ -255,6 +275,7 @@ impl Singles {
                 geometry: &JointGeometry::at(placement),
                 def: &joints[entry.joint].def,
                 impulses: &JointImpulses::ZERO,
+                share: 1.0,
                 phase: Phase::Position { most: rows::MAX_RECOVERY_SPEED * f64::from(h) },
                 point: None,
                 direction: None,

@@ -38,6 +38,7 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
         sink.limit_and_drive(&twist, twist_limits, Motor::Off, 1);
     }
     drive(sink, motor);
+    sink.rub_about_point(sink.def.friction);
     sink.hold_points(Held::All);
 }
 

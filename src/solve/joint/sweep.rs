@@ -2,6 +2,7 @@
 
 use glam::{Mat3, Vec3};
 
+use super::friction;
 use super::rows::{self, Held};
 use crate::solve::state::BodyVelocity;
 
@@ -86,6 +87,9 @@ impl BlockRow {
     }
 }
 
+/// Share of a row's response that is left to it once points hold, below which it does not lean on them.
+const LEAST_LEFT: f32 = 1.0e-4;
+
 /// One row along a coordinate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ScalarRow {
@@ -94,6 +98,9 @@ pub(crate) struct ScalarRow {
     pub angular_b: Vec3,
     response_a: Vec3,
     response_b: Vec3,
+    /// Linear impulse on B for each unit of its own, and what of that the points take back.
+    pushed: Vec3,
+    lean: Vec3,
     mass: f32,
     bias: f32,
     gamma: f32,
@@ -102,6 +109,8 @@ pub(crate) struct ScalarRow {
     max: f32,
     /// Place of its multiplier in the joint's record.
     pub id: u8,
+    /// Whether it is the friction of the coordinate that the row before it drives.
+    is_beside: bool,
 }
 
 impl ScalarRow {
@@ -121,6 +130,8 @@ impl ScalarRow {
             angular_b,
             response_a,
             response_b,
+            pushed: linear,
+            lean: Vec3::ZERO,
             mass: if w > 0.0 && row.acts { 1.0 / w } else { 0.0 },
             bias: row.bias as f32,
             gamma,
@@ -128,12 +139,33 @@ impl ScalarRow {
             min: row.min as f32,
             max: row.max as f32,
             id: row.id,
+            is_beside: false,
         }
     }
 
     /// J v.
     pub(crate) fn rate(&self, a: &BodyVelocity, b: &BodyVelocity) -> f32 {
         self.linear.dot(b.linear - a.linear) + self.angular_b.dot(b.angular) - self.angular_a.dot(a.angular)
+    }
+
+    /// Lets the row push together with its joint's points, so that these go on holding: see [`solve_leaning`].
+    pub(crate) fn lean_on(&mut self, points: &BlockRow, [a, b]: [&BodyVelocity; 2]) {
+        let (linear, w) = (self.linear, a.inverse_mass + b.inverse_mass);
+        let moves = w * linear + self.response_a.cross(points.lever_a) + self.response_b.cross(points.lever_b);
+        let lean = points.mass * moves;
+        let pushed = linear - lean;
+        let response_a = a.inverse_inertia.mul(self.angular_a - points.lever_a.cross(lean));
+        let response_b = b.inverse_inertia.mul(self.angular_b - points.lever_b.cross(lean));
+        let left = linear.dot(w * pushed) + self.angular_a.dot(response_a) + self.angular_b.dot(response_b) + self.gamma;
+        // What the points hold as well is left to them.
+        if self.mass > 0.0 && left * self.mass > LEAST_LEFT {
+            *self = Self { pushed, lean, response_a, response_b, mass: 1.0 / left, ..*self };
+        }
+    }
+
+    /// What the points carry beyond their own multiplier by the one that the row starts with.
+    pub(crate) fn leaning(&self) -> Vec3 {
+        self.lean * self.impulse
     }
 
     pub(crate) fn solve(&mut self, a: &mut BodyVelocity, b: &mut BodyVelocity) {
@@ -147,10 +179,87 @@ impl ScalarRow {
 
     /// Applies an impulse along the row.
     pub(crate) fn push(&self, impulse: f32, a: &mut BodyVelocity, b: &mut BodyVelocity) {
-        let linear = self.linear * impulse;
+        let linear = self.pushed * impulse;
         a.linear -= a.inverse_mass * linear;
         a.angular -= self.response_a * impulse;
         b.linear += b.inverse_mass * linear;
         b.angular += self.response_b * impulse;
     }
+}
+
+/// Lets the rows of a joint with friction lean on its points, and marks friction of coordinates that are driven too.
+pub(crate) fn lean(rows: &mut [ScalarRow], points: Option<&BlockRow>, bodies: [&BodyVelocity; 2]) {
+    let mut before = None;
+    for row in rows {
+        let motor = friction::motor_beside(row.id);
+        row.is_beside = motor.is_some() && motor == before;
+        before = Some(row.id);
+        if let Some(points) = points {
+            row.lean_on(points, bodies);
+        }
+    }
+}
+
+/// One pass over the points and rows of a joint with friction, rows forwards or backwards.
+///
+/// An arm of mass m on a lever r has m r²/I times the inertia about its joint that it has about itself, and row after row shares of
+/// its weight would be passed to and fro as many times; meanwhile it slips. So a row s pushes together with the points p, which it
+/// keeps from moving: with K that of the points and c = J_p M⁻¹ J_sᵀ, a unit of s comes with −K⁻¹ c of p, and w becomes w − c·K⁻¹ c.
+pub(crate) fn solve_leaning(
+    rows: &mut [ScalarRow],
+    points: &mut Option<BlockRow>,
+    a: &mut BodyVelocity,
+    b: &mut BodyVelocity,
+    backwards: bool,
+) {
+    if let Some(points) = points {
+        points.solve_point(a, b);
+    }
+    let mut solve = |rows: &mut [ScalarRow]| {
+        let sum = |rows: &[ScalarRow]| rows.iter().map(|row| row.impulse).sum::<f32>();
+        let before = sum(rows);
+        match &mut *rows {
+            [motor, friction] => solve_pair(motor, friction, a, b),
+            others => others.iter_mut().for_each(|row| row.solve(a, b)),
+        }
+        if let (Some(points), [first, ..]) = (&mut *points, &*rows) {
+            points.impulse -= first.lean * (sum(rows) - before);
+        }
+    };
+    let groups = rows.chunk_by_mut(|_, row| row.is_beside);
+    if backwards { groups.rev().for_each(&mut solve) } else { groups.for_each(&mut solve) }
+}
+
+/// Solves a motor, J v + b + γ p = 0 with |p| ≤ T, and friction, J v = 0 with |q| ≤ F, on one coordinate at once.
+///
+/// One after the other they push against each other by what holds either, until one is at its bound; meanwhile the last one rules.
+/// With r the rate without both, p(r) = −(r + b)/(w + γ) within ±T is what the motor answers. If the coordinate still moves forwards
+/// after p(r − w F) and q = −F, that is the solution; if backwards after p(r + w F) and q = F, that; if neither, it stands,
+/// p + q = −r/w, and the motor has what it asks for at rest: −b/γ, or all of T if it is rigid and wants to move.
+fn solve_pair(motor: &mut ScalarRow, friction: &mut ScalarRow, a: &mut BodyVelocity, b: &mut BodyVelocity) {
+    if friction.mass == 0.0 {
+        return;
+    }
+    let (w, most, before) = (1.0 / friction.mass, friction.max, motor.impulse + friction.impulse);
+    let free = friction.rate(a, b) - w * before;
+    let answer = |rate: f32| (-motor.mass * (rate + motor.bias)).clamp(motor.min, motor.max);
+    let (ahead, back) = (free - w * most, free + w * most);
+    let [forwards, backwards] = [ahead, back].map(answer);
+    (motor.impulse, friction.impulse) = if ahead + w * forwards > 0.0 {
+        (forwards, -most)
+    } else if back + w * backwards < 0.0 {
+        (backwards, most)
+    } else {
+        let total = -free * friction.mass;
+        let at_rest = if motor.gamma > 0.0 {
+            (-motor.bias / motor.gamma).clamp(motor.min, motor.max)
+        } else if motor.bias == 0.0 {
+            motor.impulse
+        } else {
+            (-motor.bias * f32::INFINITY).clamp(motor.min, motor.max)
+        };
+        let rubs = (total - at_rest).clamp(-most, most);
+        ((total - rubs).clamp(motor.min, motor.max), rubs)
+    };
+    friction.push(motor.impulse + friction.impulse - before, a, b);
 }

@@ -95,6 +95,7 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             is_distance: false,
             gives_by_motors_alone: true,
             has_motor: false,
+            has_friction: false,
             can_be_overloaded: false,
         });
     }
