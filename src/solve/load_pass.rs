@@ -238,11 +238,13 @@ impl LoadPass {
         self.first[slot as usize] as usize..self.first[slot as usize + 1] as usize
     }
 
+    /// Whether nothing in the batch stands so that momentum is passed down.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.order.is_empty()
+    }
+
     /// Passes the momentum of the substep down.
     pub(crate) fn apply(&mut self, batch: &mut Batch) {
-        if self.order.is_empty() {
-            return;
-        }
         self.read_points(batch);
         self.find_targets(batch);
         self.hand_down(batch);

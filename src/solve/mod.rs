@@ -220,6 +220,9 @@ impl Batch {
 
     /// Hands what the substep has left unbalanced in stacks down to the ground.
     fn pass_loads(&mut self) {
+        if self.load_pass.is_idle() {
+            return;
+        }
         let mut pass = std::mem::take(&mut self.load_pass);
         pass.apply(self);
         self.load_pass = pass;
@@ -233,6 +236,9 @@ impl Batch {
 
     /// Solves contacts of small islands in which the heavy stands on the light.
     fn solve_exactly(&mut self) {
+        if self.exact.is_idle() {
+            return;
+        }
         let mut exact = std::mem::take(&mut self.exact);
         exact.apply(self);
         self.exact = exact;

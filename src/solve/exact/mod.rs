@@ -166,6 +166,11 @@ impl ExactIslands {
         }
     }
 
+    /// Whether no island of the batch is solved here.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.islands.is_empty()
+    }
+
     /// Solves what the warm start has left; velocities and multipliers are exact then.
     pub(crate) fn apply(&mut self, batch: &mut Batch) {
         for number in 0..self.islands.len() {
