@@ -2,10 +2,13 @@
 //!
 //! Parts share nothing and are the same whoever does them, so the bits of a step do not depend on it.
 
+mod team;
+
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::{Error, ErrorKind, Result};
+use team::{Team, Watch, wait_until};
 
 /// A host's job system.
 pub trait ParallelFor: Send + Sync {
@@ -20,11 +23,14 @@ pub(crate) const MOST_PIECES: usize = 64;
 /// Pieces for each thread: one may come late.
 const PIECES_EACH: usize = 8;
 
+/// The same of a phase, at the end of which all wait.
+const PIECES_OF_PHASE_EACH: usize = 3;
+
 /// The threads of a world.
 #[derive(Default)]
 pub(crate) struct Workers {
     /// The calling thread does its share: these are one fewer than there are in all.
-    own: Option<rayon::ThreadPool>,
+    own: Option<Team>,
     host: Option<Arc<dyn ParallelFor>>,
 }
 
@@ -36,8 +42,7 @@ impl Workers {
             return Ok(Self::default());
         }
         let refused = |_| Error::new(ErrorKind::CapacityExceeded, "threads", "the system gave no more threads");
-        let builder = rayon::ThreadPoolBuilder::new().num_threads(count - 1).thread_name(|i| format!("longspan-{i}"));
-        Ok(Self { own: Some(builder.build().map_err(refused)?), host: None })
+        Ok(Self { own: Some(Team::new(count - 1).map_err(refused)?), host: None })
     }
 
     /// Has the host's job system do the work, or no longer.
@@ -55,21 +60,39 @@ impl Workers {
         self.host.is_some()
     }
 
+    /// Whether threads of its own do it, which look for work all the time within a step: short pieces pay, and may wait for others.
+    pub(crate) fn has_team(&self) -> bool {
+        self.own.is_some() && self.host.is_none()
+    }
+
+    /// Threads that there are, the calling one among them, as far as it is known.
+    pub(crate) fn count(&self) -> usize {
+        1 + self.own.as_ref().filter(|_| self.host.is_none()).map_or(0, Team::len)
+    }
+
+    /// Has threads of its own stay awake for a step, until the watch is dropped.
+    pub(crate) fn watch(&self) -> Option<Watch> {
+        self.own.as_ref().filter(|_| self.host.is_none()).map(Team::watch)
+    }
+
     /// Length of the pieces into which `count` things are cut, of which `least` are worth another thread's while.
     pub(crate) fn piece(&self, count: usize, least: usize) -> usize {
         let pieces = match (&self.host, &self.own) {
             (Some(_), _) => MOST_PIECES,
-            (None, Some(pool)) => MOST_PIECES.min(PIECES_EACH * (pool.current_num_threads() + 1)),
+            (None, Some(_)) => MOST_PIECES.min(PIECES_EACH * self.count()),
             (None, None) => 1,
         };
         count.div_ceil(pieces).max(least)
     }
 
+    /// Length of the pieces into which so many things of one phase are cut, of which `least` are worth another thread's while.
+    pub(crate) fn piece_of_phase(&self, count: usize, least: usize) -> usize {
+        count.div_ceil(PIECES_OF_PHASE_EACH * self.count()).max(least)
+    }
+
     /// Works on all pieces, side by side.
     pub(crate) fn share<T: Send>(&self, mut pieces: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
-        if self.is_alone() {
-            return pieces.for_each(work);
-        }
+        let Some(host) = &self.host else { return self.share_in_phases(pieces.map(|piece| (0, piece)), work) };
         loop {
             let waiting = [const { Mutex::new(None) }; MOST_PIECES];
             let count = waiting.iter().zip(&mut pieces).map(|(place, piece)| *lock(place) = Some(piece)).count();
@@ -79,25 +102,71 @@ impl Workers {
                     work(piece);
                 }
             };
-            match (&self.host, &self.own) {
-                _ if count < 2 => (),
-                (Some(host), _) => host.run(count, &part),
-                (None, Some(pool)) => {
-                    let next = AtomicUsize::new(0);
-                    let numbers = || std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
-                    let take_all = || numbers().take_while(|&number| number < count).for_each(part);
-                    pool.in_place_scope(|scope| {
-                        (1..count).take(pool.current_num_threads()).for_each(|_| scope.spawn(|_| take_all()));
-                        take_all();
-                    });
-                }
-                (None, None) => (),
+            if count > 1 {
+                host.run(count, &part);
             }
             (0..count).for_each(part);
             if count < MOST_PIECES {
                 return;
             }
         }
+    }
+
+    /// Works on all pieces, each with the number of its phase: those of one side by side, and none before those of earlier ones are
+    /// done. Each thread takes the same share of each phase, so that it finds what it has had before, and what others leave of theirs.
+    pub(crate) fn share_in_phases<T: Send>(&self, mut pieces: impl Iterator<Item = (u32, T)>, work: impl Fn(T) + Sync) {
+        let Some(team) = self.own.as_ref().filter(|_| self.has_team()) else { return pieces.for_each(|(_, piece)| work(piece)) };
+        loop {
+            let waiting = [const { Mutex::new(None) }; MOST_PIECES];
+            // Pieces before the end of each phase.
+            let mut ends = [0; MOST_PIECES];
+            let (mut count, mut phases, mut phase) = (0, 0, None);
+            for (own, piece) in pieces.by_ref().take(MOST_PIECES) {
+                phases += usize::from(phase != Some(own));
+                phase = Some(own);
+                *lock(&waiting[count]) = Some(piece);
+                count += 1;
+                ends[phases - 1] = count;
+            }
+            let done = AtomicUsize::new(0);
+            let take = |number: usize| {
+                let piece = lock(&waiting[number]).take();
+                if let Some(piece) = piece {
+                    // Counted whatever becomes of it: others wait for it.
+                    let _counted = Counted(&done);
+                    work(piece);
+                }
+            };
+            if count < 2 {
+                (0..count).for_each(take);
+                return;
+            }
+            team.run(&|member| {
+                let mut first = 0;
+                for &end in &ends[..phases] {
+                    if done.load(Ordering::Acquire) < end {
+                        let share = |member: usize| first + (end - first) * member / (1 + team.len());
+                        let own = share(member)..share(member + 1);
+                        own.clone().for_each(take);
+                        (first..end).rev().filter(|number| !own.contains(number)).for_each(take);
+                        wait_until(|| done.load(Ordering::Acquire) >= end);
+                    }
+                    first = end;
+                }
+            });
+            if count < MOST_PIECES {
+                return;
+            }
+        }
+    }
+}
+
+/// One more is done, once this is dropped.
+struct Counted<'a>(&'a AtomicUsize);
+
+impl Drop for Counted<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_add(1, Ordering::Release);
     }
 }
 
@@ -129,5 +198,51 @@ mod tests {
                 assert!(items.iter().all(|&item| item == 1), "pieces of {length}");
             }
         }
+    }
+
+    #[test]
+    fn no_piece_begins_before_earlier_phases_are_done() {
+        for workers in [Workers::default(), Workers::new(2).unwrap(), Workers::new(5).unwrap()] {
+            let _watch = workers.watch();
+            let begun: Vec<AtomicUsize> = (0..50).map(|_| AtomicUsize::new(0)).collect();
+            let pieces = (0..200).map(|number| (number / 4, number as usize / 4));
+            workers.share_in_phases(pieces, |phase| {
+                assert!(begun[..phase].iter().all(|count| count.load(Ordering::Relaxed) == 4), "in phase {phase}");
+                begun[phase].fetch_add(1, Ordering::Relaxed);
+            });
+            assert!(begun.iter().all(|count| count.load(Ordering::Relaxed) == 4), "{begun:?}");
+        }
+    }
+
+    #[test]
+    fn a_panic_of_any_thread_is_one_of_the_caller_and_the_team_goes_on() {
+        let workers = Workers::new(3).unwrap();
+        for _ in 0..20 {
+            let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                workers.share_in_phases((0..40).map(|number| (number / 8, number)), |number| assert!(number != 13, "unlucky"));
+            }));
+            assert!(outcome.is_err());
+        }
+        let count = AtomicUsize::new(0);
+        let add_one = || _ = count.fetch_add(1, Ordering::Relaxed);
+        workers.share(0..100, |_| add_one());
+        assert_eq!(count.into_inner(), 100);
+    }
+
+    #[test]
+    fn a_team_may_be_called_from_several_threads_and_from_within() {
+        let workers = Workers::new(3).unwrap();
+        let count = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    let add_one = |_| _ = count.fetch_add(1, Ordering::Relaxed);
+                    for _ in 0..100 {
+                        workers.share(0..5, |_| workers.share(0..3, add_one));
+                    }
+                });
+            }
+        });
+        assert_eq!(count.into_inner(), 4 * 100 * 15);
     }
 }

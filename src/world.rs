@@ -158,6 +158,7 @@ impl World {
     /// `dt` outside 1e-6 … 1 s; nothing has moved then.
     pub fn step(&mut self, dt: f32) -> Result<&StepReport> {
         check::step_length(dt)?;
+        let _watch = Workers::watch(&self.threads);
         let mut clock = Clock::start(self.profiler.clone());
         clock.enter(c"find pairs");
         self.begin_step(dt);

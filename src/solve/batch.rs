@@ -79,6 +79,9 @@ const NO_MANIFOLD: u32 = u32::MAX;
 /// Blocks that are worth another thread's while: some 10 µs.
 const LEAST_BLOCKS: usize = 8;
 
+/// Bodies of the same.
+const LEAST_BODIES: usize = 64;
+
 /// Bodies, contacts and joints solved together.
 #[derive(Debug, Default)]
 pub(crate) struct Batch {
@@ -211,16 +214,29 @@ impl Batch {
     }
 
     /// Loads the state of all enlisted bodies.
-    pub(crate) fn load_bodies(&mut self, state: impl Fn(u32) -> (BodyVelocity, BodyMotion)) {
-        make_room(&mut self.velocities, self.bodies.len());
-        make_room(&mut self.motions, self.bodies.len());
-        self.velocities.push(BodyVelocity::FIXED);
-        self.motions.push(BodyMotion::FIXED);
-        for &body in &self.bodies[1..] {
-            let (velocity, motion) = state(body);
-            self.velocities.push(velocity);
-            self.motions.push(motion);
+    pub(crate) fn load_bodies(&mut self, threads: &Workers, state: impl Fn(u32) -> (BodyVelocity, BodyMotion) + Sync) {
+        let Self { bodies, velocities, motions, .. } = self;
+        make_room(velocities, bodies.len());
+        make_room(motions, bodies.len());
+        velocities.push(BodyVelocity::FIXED);
+        motions.push(BodyMotion::FIXED);
+        if !threads.has_team() {
+            for &body in &bodies[1..] {
+                let (velocity, motion) = state(body);
+                velocities.push(velocity);
+                motions.push(motion);
+            }
+            return;
         }
+        velocities.resize(bodies.len(), BodyVelocity::FIXED);
+        motions.resize(bodies.len(), BodyMotion::FIXED);
+        let piece = threads.piece(bodies.len(), LEAST_BODIES);
+        let places = velocities[1..].chunks_mut(piece).zip(motions[1..].chunks_mut(piece));
+        threads.share(places.zip(bodies[1..].chunks(piece)), |((velocities, motions), bodies)| {
+            for ((velocity, motion), &body) in velocities.iter_mut().zip(motions).zip(bodies) {
+                (*velocity, *motion) = state(body);
+            }
+        });
     }
 
     /// Notes whose joints are left to sweeps: bounds are for those.
@@ -252,6 +268,11 @@ impl Batch {
     /// Kinematic bodies that have slots here, the last ones.
     pub(crate) fn replica_count(&self) -> usize {
         self.replicas.len()
+    }
+
+    /// Slots after the world's that are those of bodies which rows may move.
+    pub(crate) fn moving(&self) -> usize {
+        self.bodies.len() - 1 - self.replicas.len()
     }
 
     /// Lays out a block and a lane for every manifold that no articulation holds.
@@ -300,8 +321,10 @@ impl Batch {
             if group == GROUPS {
                 self.first_jointed = self.contacts.len();
             }
-            next[group] = (self.contacts.len() * LANES) as u32;
+            let first = self.contacts.len();
+            next[group] = (first * LANES) as u32;
             self.contacts.add(blocks_of(group, count), has_faces(group));
+            self.contacts.add_color(first, is_colored(group), has_faces(group));
         }
         // Colours are taken from the lowest on.
         self.color_count = color_count;

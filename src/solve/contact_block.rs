@@ -10,7 +10,10 @@
 //! extras          [ rolling · restitution, impacts ]…             0.5 kB, for blocks with such materials
 //! ```
 
+use std::ops::Range;
+
 use glam::{Vec2, Vec3, Vec4};
+use smallvec::SmallVec;
 
 use super::contact::{ContactImpulses, ContactInput, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS, TOUCHED, tangents};
 use super::state::BodyMotion;
@@ -193,6 +196,18 @@ pub(crate) struct ContactBlocks {
     pub blocks: Vec<ContactBlock>,
     pub faces: Vec<Face>,
     pub extras: Vec<Extra>,
+    /// Which of them share no moving body, from the first to the last; nothing of lists that one thread goes through.
+    pub colors: Vec<Color>,
+}
+
+/// Parts of blocks by phase.
+pub(crate) type ColoredParts<'a> = SmallVec<[(u32, BlockPart<'a>); 64]>;
+
+/// Blocks that follow one another and share no moving body; or, where they may, are gone through one by one.
+#[derive(Debug, Clone)]
+pub(crate) struct Color {
+    pub blocks: Range<usize>,
+    pub is_one: bool,
 }
 
 impl ContactBlocks {
@@ -200,6 +215,7 @@ impl ContactBlocks {
         self.blocks.clear();
         self.faces.clear();
         self.extras.clear();
+        self.colors.clear();
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -226,6 +242,44 @@ impl ContactBlocks {
                 self.faces.push(Face::EMPTY);
             }
         }
+    }
+
+    /// Says of the blocks from `first` on, if there are any, that they share no moving body, or may; not of a new colour where that of
+    /// those before goes on.
+    pub(crate) fn add_color(&mut self, first: usize, is_one: bool, is_new: bool) {
+        let end = self.blocks.len();
+        match self.colors.last_mut().filter(|last| is_one && last.is_one && !is_new) {
+            Some(last) => last.blocks.end = end,
+            None => self.colors.push(Color { blocks: first..end, is_one }),
+        }
+    }
+
+    /// Blocks of a range in parts, with numbers of the phases in which they may be gone through side by side; `piece` says how long
+    /// parts of so many blocks are. The range ends where colours do.
+    pub(crate) fn colored_parts(&mut self, range: &Range<usize>, piece: impl Fn(usize) -> usize) -> ColoredParts<'_> {
+        let Self { blocks, faces, extras, colors } = self;
+        let mut rest = BlockPart { blocks, faces, extras, before: [0; 2] };
+        let mut parts = ColoredParts::new();
+        rest.split_off(range.start);
+        for (phase, color) in colors.iter().enumerate().filter(|(_, color)| range.contains(&color.blocks.start)) {
+            let mut left = color.blocks.len();
+            while left > 0 {
+                let count = if color.is_one { piece(color.blocks.len()).min(left) } else { left };
+                parts.push((phase as u32, rest.split_off(count)));
+                left -= count;
+            }
+        }
+        parts
+    }
+
+    /// Whether blocks of one colour share no slot of those, after the first, that move.
+    pub(crate) fn are_apart(&self, moving: usize) -> bool {
+        let mut taken = vec![0; moving + 1];
+        self.colors.iter().zip(1..).filter(|(color, _)| color.is_one).all(|(color, mark)| {
+            let slots = self.blocks[color.blocks.clone()].iter().flat_map(|block| block.a.iter().chain(&block.b));
+            let mut moved = slots.map(|&slot| slot as usize).filter(|slot| (1..=moving).contains(slot));
+            moved.all(|slot| std::mem::replace(&mut taken[slot], mark) != mark)
+        })
     }
 
     /// Points that a block has room for.
@@ -275,10 +329,21 @@ impl ContactBlocks {
         WholeBlock { block, face, extra }
     }
 
+    /// All blocks as one part.
+    pub(crate) fn all(&mut self) -> BlockPart<'_> {
+        let Self { blocks, faces, extras, .. } = self;
+        BlockPart { blocks, faces, extras, before: [0; 2] }
+    }
+
+    /// Blocks that follow one another.
+    pub(crate) fn part(&mut self, range: Range<usize>) -> BlockPart<'_> {
+        let Self { blocks, faces, extras, .. } = self;
+        BlockPart { blocks: &mut blocks[range], faces, extras, before: [0; 2] }
+    }
+
     /// All blocks in parts of this length.
     pub(crate) fn parts(&mut self, length: usize) -> impl Iterator<Item = BlockPart<'_>> {
-        let Self { blocks, faces, extras } = self;
-        let mut rest = BlockPart { blocks, faces, extras };
+        let mut rest = self.all();
         std::iter::from_fn(move || {
             let count = length.min(rest.blocks.len());
             (count > 0).then(|| rest.split_off(count))
@@ -312,7 +377,7 @@ impl ContactBlocks {
 
     /// Ends a substep of what has rebounded in it: those are multipliers of a blow, and nothing to carry on.
     pub(crate) fn end_blows(&mut self) {
-        let Self { blocks, faces, extras } = self;
+        let Self { blocks, faces, extras, .. } = self;
         if extras.is_empty() {
             return;
         }
@@ -344,22 +409,25 @@ impl ContactBlocks {
 
 /// Blocks that follow one another, and what they have beside them.
 pub(crate) struct BlockPart<'a> {
-    blocks: &'a mut [ContactBlock],
-    faces: &'a mut [Face],
-    extras: &'a mut [Extra],
+    pub blocks: &'a mut [ContactBlock],
+    pub faces: &'a mut [Face],
+    pub extras: &'a mut [Extra],
+    /// Faces and extras before those.
+    pub before: [u32; 2],
 }
 
 impl<'a> BlockPart<'a> {
-    /// Takes the first `count` blocks out, which are not none.
-    fn split_off(&mut self, count: usize) -> Self {
-        let before = self.blocks[0].before;
+    /// Takes the first `count` blocks out.
+    pub(crate) fn split_off(&mut self, count: usize) -> Self {
         let (blocks, rest) = std::mem::take(&mut self.blocks).split_at_mut(count);
-        let beside = |kind: usize, all: usize| rest.first().map_or(all, |next| (next.before[kind] - before[kind]) as usize);
+        let before = self.before;
+        let next = rest.first().map(|next| next.before);
+        let beside = |kind: usize, all: usize| next.map_or(all, |next| (next[kind] - before[kind]) as usize);
         let (own_faces, own_extras) = (beside(0, self.faces.len()), beside(1, self.extras.len()));
         let (faces, more_faces) = std::mem::take(&mut self.faces).split_at_mut(own_faces);
         let (extras, more_extras) = std::mem::take(&mut self.extras).split_at_mut(own_extras);
-        *self = Self { blocks: rest, faces: more_faces, extras: more_extras };
-        Self { blocks, faces, extras }
+        *self = Self { blocks: rest, faces: more_faces, extras: more_extras, before: next.unwrap_or(before) };
+        Self { blocks, faces, extras, before }
     }
 
     /// The blocks one by one.

@@ -14,6 +14,7 @@ mod color;
 pub(crate) mod contact;
 mod contact_block;
 mod contact_kernels;
+mod crew;
 pub(crate) mod direct;
 mod dispatch;
 mod dissipative;
@@ -27,6 +28,7 @@ mod passive;
 pub(crate) mod plane;
 mod poses;
 mod rotation;
+mod shared;
 mod sheet;
 mod side;
 pub(crate) mod state;
@@ -37,7 +39,6 @@ mod wide_matrix;
 pub(crate) mod wrap;
 
 use batch::Batch;
-use contact_block::ContactBlocks;
 use joint::Moving;
 use state::BodyVelocity;
 
@@ -57,11 +58,6 @@ const CLOSING_SWEEPS: u32 = 3;
 /// Sweeps in a substep from which rows of bounds are built anew before the last one, as rows of joints always are. A substep of few
 /// sweeps is short: a bound changes little in it, and building its row costs as much as sweeping it twice.
 const LONG_SUBSTEP: u32 = 3;
-
-/// Sweeps over the contacts of bodies that joints hold, with each other and with what is fixed, between two sweeps over the joints. A
-/// contact sees of such a body its own mass alone: what a vehicle rests on its track with, or the track's pull round a sprocket, gets
-/// through links of a hundredth of its mass a little at a time. An odd number, to and fro, so that sweeps back are the exact reverse.
-const JOINTED_SWEEPS: u32 = 3;
 
 /// What all batches of a step have in common.
 #[derive(Debug, Clone, Copy)]
@@ -106,7 +102,7 @@ impl Batch {
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
             self.leads.begin_substep(&self.velocities, substep, settings.substeps);
-            self.apply_forces(joints, h, h * (settings.substeps - substep) as f32);
+            self.apply_forces(joints, threads, h, h * (settings.substeps - substep) as f32);
             self.passive.note(&self.velocities, &self.poses);
             self.prepare_joints(joints, threads, h, false, true);
             let is_weighed = self.sheet.is_one() && self.solve_sheet(threads, h);
@@ -126,7 +122,7 @@ impl Batch {
             if is_last {
                 self.planes.fit_velocities(&mut self.velocities, &self.motions, &self.poses, h);
             }
-            self.advance(h);
+            self.advance(threads, h);
             self.wraps.project(&self.velocities, &mut self.motions);
             self.bounds.project(&self.velocities, &mut self.motions, h);
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
@@ -149,7 +145,7 @@ impl Batch {
             self.close_joints(joints, threads, h);
         }
         self.rebound(settings.restitution_threshold);
-        self.recover_positions(settings.dt);
+        self.recover_positions(threads, settings.dt);
         self.settle(joints, true);
         self.leads.tell(self.passive.slots(), &mut self.velocities, &self.motions);
         if let Some(limits) = &settings.limits {
@@ -174,7 +170,7 @@ impl Batch {
         self.joints.warm_start(threads, &mut self.velocities);
         self.bounds.warm_start(&mut self.velocities);
         self.wraps.begin_substep(&mut self.velocities, &self.motions, h);
-        contact_kernels::warm_start(&mut self.contacts, &mut self.velocities, &self.motions, h);
+        self.start_sweeps(threads, h);
         self.direct.warm_start(&mut self.velocities, iterations);
         self.pass_loads();
         self.solve_exactly();
@@ -188,9 +184,9 @@ impl Batch {
                 self.taut.sweep(&mut self.velocities, false);
                 self.direct.sweep(&mut self.velocities);
                 self.joints.sweep(threads, &mut self.velocities, false);
-                sweep_contacts(&mut self.contacts, self.first_jointed, &mut self.velocities, false);
+                self.sweep_contacts(threads, false);
             } else {
-                sweep_contacts(&mut self.contacts, self.first_jointed, &mut self.velocities, true);
+                self.sweep_contacts(threads, true);
                 self.joints.sweep(threads, &mut self.velocities, true);
                 self.direct.sweep(&mut self.velocities);
                 self.taut.sweep(&mut self.velocities, true);
@@ -283,38 +279,44 @@ impl Batch {
     }
 
     /// Begins a substep of length `h`, `rest` from the end of the step (s).
-    fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, h: f32, rest: f32) {
-        for &slot in &self.poses.singles {
-            integrate::apply_forces(&mut self.velocities[slot as usize], &mut self.motions[slot as usize], h);
-        }
+    fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, rest: f32) {
+        self.each_single(threads, |velocity, motion| integrate::apply_forces(velocity, motion, h));
         self.poses.apply_forces(&mut self.velocities, &self.motions, h);
         // What is cut off of a speed is momentum too.
         self.find_inertia();
         self.free.note(&self.velocities, &self.motions, &self.poses);
-        for &slot in &self.poses.singles {
-            integrate::limit_speeds(&mut self.velocities[slot as usize], &self.motions[slot as usize], h);
-        }
+        self.each_single(threads, |velocity, motion| integrate::limit_speeds(velocity, motion, h));
         self.poses.limit_speeds(&mut self.velocities, h);
         self.dissipative.note_energy(&self.velocities, &self.motions, &self.poses);
         self.direct.couple(joints, &mut self.velocities, &mut self.motions, h, rest);
         self.dissipative.note_velocities(&self.velocities);
         if !self.contacts.is_empty() && self.motions.iter().any(|motion| motion.refreshed) {
-            for number in 0..self.contacts.len() {
-                if self.contacts.blocks[number].is_refreshed(&self.motions) {
-                    contact_kernels::set_masses(&mut self.contacts.whole(number), &self.velocities);
-                }
-            }
+            crew::refresh_masses(&mut self.contacts, threads, &self.velocities, &self.motions);
         }
     }
 
-    fn advance(&mut self, h: f32) {
-        for &slot in &self.poses.singles {
-            let (velocity, motion) = (&mut self.velocities[slot as usize], &mut self.motions[slot as usize]);
+    /// Applies the multipliers that contacts have carried on, and looks how far their surfaces are apart by now.
+    fn start_sweeps(&mut self, threads: &Workers, h: f32) {
+        let (range, moving, motions) = (0..self.contacts.len(), self.moving(), &self.motions);
+        crew::in_colors(&mut self.contacts, range, threads, (&mut self.velocities, moving), false, |part, velocities| {
+            contact_kernels::warm_start(part, velocities, motions, h);
+        });
+    }
+
+    /// One sweep over the contacts, or backwards, all in the opposite order.
+    fn sweep_contacts(&mut self, threads: &Workers, backwards: bool) {
+        let moving = self.moving();
+        crew::sweep(&mut self.contacts, self.first_jointed, threads, (&mut self.velocities, moving), backwards);
+    }
+
+    fn advance(&mut self, threads: &Workers, h: f32) {
+        self.each_single(threads, |velocity, motion| {
             if !poses::is_pushed(velocity, motion) {
                 integrate::advance(velocity, motion, h);
             }
-        }
-        self.poses.advance(&mut self.velocities, &mut self.motions, h);
+        });
+        let moving = self.moving();
+        self.poses.advance(threads, (&mut self.velocities, &mut self.motions, moving), h);
     }
 
     /// Sweeps position rows on where joints are left ajar and a sweep at least halves that: what bends has no taut bound, and one
@@ -334,8 +336,8 @@ impl Batch {
         }
     }
 
-    fn recover_positions(&mut self, dt: f32) {
-        contact_kernels::end_step(&mut self.contacts, &self.motions, &mut self.penetration);
+    fn recover_positions(&mut self, threads: &Workers, dt: f32) {
+        self.penetration = self.penetration.max(crew::end_step(&mut self.contacts, threads, &self.motions));
         let overlaps = self.penetration > NEGLIGIBLE_OVERLAP;
         self.penetration = self.penetration.max(self.direct.penetration() as f32);
         if !overlaps {
@@ -344,26 +346,12 @@ impl Batch {
         self.pushes.clear();
         make_room(&mut self.pushes, self.velocities.len());
         self.pushes.extend(self.velocities.iter().map(BodyVelocity::at_rest));
+        let (range, moving) = (0..self.contacts.len(), self.moving());
         for _ in 0..contact_kernels::RECOVERY_SWEEPS {
-            contact_kernels::recover(&mut self.contacts, &mut self.pushes, dt);
+            crew::in_colors(&mut self.contacts, range.clone(), threads, (&mut self.pushes, moving), false, |part, pushes| {
+                contact_kernels::recover(part, pushes, dt);
+            });
         }
-        for (push, motion) in self.pushes.iter().zip(&mut self.motions) {
-            motion.displace(push.linear, push.angular);
-        }
-    }
-}
-
-/// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold, which begin with the block `first_jointed`;
-/// backwards, all in the opposite order.
-fn sweep_contacts(contacts: &mut ContactBlocks, first_jointed: usize, velocities: &mut [BodyVelocity], backwards: bool) {
-    let (free, jointed) = (0..first_jointed, first_jointed..contacts.len());
-    if !backwards {
-        contact_kernels::sweep(contacts, free.clone(), velocities, false);
-    }
-    for sweep in 0..JOINTED_SWEEPS {
-        contact_kernels::sweep(contacts, jointed.clone(), velocities, backwards != (sweep % 2 == 1));
-    }
-    if backwards {
-        contact_kernels::sweep(contacts, free, velocities, true);
+        self.displace(threads);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::contact::LANES;
 use super::integrate::Outlook;
+use super::shared::Slots;
 use super::state::{BodyMotion, BodyVelocity};
 use super::wide::{Wide, Wide3};
 use super::wide_matrix::{Wide6, WideQuat};
@@ -16,10 +17,10 @@ pub(crate) struct Side<W> {
 
 impl<W: Wide> Side<W> {
     #[inline(always)]
-    pub fn gather(slots: &[u32; LANES], velocities: &[BodyVelocity]) -> Self {
+    pub fn gather<V: Slots<BodyVelocity> + ?Sized>(slots: &[u32; LANES], velocities: &V) -> Self {
         let mut rows = [[W::zero(); LANES]; 2];
         for l in 0..LANES {
-            let [first, second] = velocities[slots[l] as usize].halves();
+            let [first, second] = velocities.get(slots[l]).halves();
             (rows[0][l], rows[1][l]) = (W::load(first), W::load(second));
         }
         let [lx, ly, lz, ax, ay, az, mx, my] = W::transpose(rows[0]);
@@ -33,24 +34,24 @@ impl<W: Wide> Side<W> {
     }
 
     #[inline(always)]
-    pub fn scatter(&self, slots: &[u32; LANES], velocities: &mut [BodyVelocity]) {
+    pub fn scatter<V: Slots<BodyVelocity> + ?Sized>(&self, slots: &[u32; LANES], velocities: &mut V) {
         let Self { linear, angular, inverse_mass, .. } = self;
         let rows = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z, inverse_mass.x, inverse_mass.y];
         let rows = W::transpose(rows);
         for l in 0..LANES {
-            rows[l].store(velocities[slots[l] as usize].first_half_mut());
+            rows[l].store(velocities.get_mut(slots[l]).first_half_mut());
         }
     }
 
     /// As [`scatter`](Self::scatter), with inverse masses and inertias.
     #[inline(always)]
-    pub fn scatter_whole(&self, slots: &[u32; LANES], velocities: &mut [BodyVelocity]) {
+    pub fn scatter_whole<V: Slots<BodyVelocity> + ?Sized>(&self, slots: &[u32; LANES], velocities: &mut V) {
         let Self { linear, angular, inverse_mass, inverse_inertia } = self;
         let [xx, yy, zz, xy, xz, yz] = inverse_inertia.0;
         let first = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z, inverse_mass.x, inverse_mass.y];
         let (first, second) = (W::transpose(first), W::transpose([inverse_mass.z, xx, yy, zz, xy, xz, yz, W::zero()]));
         for l in 0..LANES {
-            let [a, b] = velocities[slots[l] as usize].halves_mut();
+            let [a, b] = velocities.get_mut(slots[l]).halves_mut();
             first[l].store(a);
             second[l].store(b);
         }
@@ -131,10 +132,10 @@ pub(crate) struct Stand<W> {
 
 impl<W: Wide> Stand<W> {
     #[inline(always)]
-    pub fn gather(slots: &[u32; LANES], motions: &[BodyMotion]) -> Self {
+    pub fn gather<M: Slots<BodyMotion> + ?Sized>(slots: &[u32; LANES], motions: &M) -> Self {
         let mut rows = [[W::zero(); LANES]; 2];
         for l in 0..LANES {
-            let [first, second] = motions[slots[l] as usize].halves();
+            let [first, second] = motions.get(slots[l]).halves();
             (rows[0][l], rows[1][l]) = (W::load(first), W::load(second));
         }
         let [x, y, z, turn_x, turn_y, turn_z, d0, d1] = W::transpose(rows[0]);
@@ -149,12 +150,12 @@ impl<W: Wide> Stand<W> {
     }
 
     #[inline(always)]
-    pub fn scatter(&self, slots: &[u32; LANES], motions: &mut [BodyMotion]) {
+    pub fn scatter<M: Slots<BodyMotion> + ?Sized>(&self, slots: &[u32; LANES], motions: &mut M) {
         let Self { displacement: d, turn: t, damping, rotation: q, rest } = self;
         let first = W::transpose([d.x, d.y, d.z, t.x, t.y, t.z, damping[0], damping[1]]);
         let second = W::transpose([q.v.x, q.v.y, q.v.z, q.w, rest[0], rest[1], rest[2], rest[3]]);
         for l in 0..LANES {
-            let [a, b] = motions[slots[l] as usize].halves_mut();
+            let [a, b] = motions.get_mut(slots[l]).halves_mut();
             first[l].store(a);
             second[l].store(b);
         }

@@ -2,6 +2,7 @@
 
 use super::World;
 use super::unions::Anchor;
+use crate::collide::pairs::PairKey;
 use crate::id::{JointId, Pool};
 use crate::island::UnionFind;
 use crate::joint::Joint;
@@ -19,6 +20,8 @@ const LEAST_DROPPED: usize = 2048;
 /// Where each body is in the batches of this step.
 #[derive(Debug, Default)]
 pub(super) struct Groups {
+    /// Active pairs in their order; those that do not touch are left out, or are none.
+    touches: Vec<Touch>,
     /// Batch and slot of each mover, by body slot.
     pub place: Vec<(u32, u32)>,
     /// Island of each mover, by body slot.
@@ -42,6 +45,22 @@ pub(super) struct Groups {
     found_joints: Vec<u32>,
     sorted_joints: Vec<u32>,
 }
+
+/// A pair that touches, as islands and batches ask for it: pairs are far from one another in memory, and are read once, by all threads.
+#[derive(Debug, Clone, Copy)]
+struct Touch {
+    slot: u32,
+    bodies: [u32; 2],
+    manifolds: u32,
+    points: u32,
+}
+
+impl Touch {
+    const NONE: Self = Self { slot: 0, bodies: [NO_BODY; 2], manifolds: 0, points: 0 };
+}
+
+/// Pairs that are worth another thread's while: some 5 µs.
+const LEAST_PAIRS: usize = 256;
 
 /// Body of a joint's side that is the world.
 const NO_BODY: u32 = u32::MAX;
@@ -115,6 +134,7 @@ impl World {
     pub(super) fn group_islands(&mut self) {
         self.pairs.settle();
         self.release_what_is_driven();
+        self.list_touches();
         self.join_islands();
         self.number_islands();
         self.hold_islands();
@@ -123,8 +143,36 @@ impl World {
         self.hand_out_joints();
     }
 
+    fn list_touches(&mut self) {
+        let Self { groups: Groups { touches, .. }, pairs, index, threads, .. } = self;
+        let active = pairs.active();
+        let touch = |&(key, slot): &(PairKey, u32)| {
+            let pair = pairs.get(slot);
+            if !pair.has_points() {
+                return Touch::NONE;
+            }
+            let (a, b) = key.shapes();
+            let mut touch = Touch { slot, bodies: [index.body_of(a), index.body_of(b)], ..Touch::NONE };
+            for manifold in pair.manifolds.iter() {
+                touch.manifolds += 1;
+                touch.points += manifold.points.len() as u32;
+            }
+            touch
+        };
+        touches.clear();
+        if threads.has_team() && active.len() > LEAST_PAIRS {
+            touches.resize(active.len(), Touch::NONE);
+            let piece = threads.piece(active.len(), LEAST_PAIRS);
+            threads.share(touches.chunks_mut(piece).zip(active.chunks(piece)), |(touches, active)| {
+                touches.iter_mut().zip(active).for_each(|(place, pair)| *place = touch(pair));
+            });
+        } else {
+            touches.extend(active.iter().map(touch).filter(|touch| touch.manifolds > 0));
+        }
+    }
+
     fn join_islands(&mut self) {
-        let Self { scratch, bodies, pairs, joints, movers, unions, groups, index, .. } = self;
+        let Self { scratch, bodies, joints, movers, unions, groups, index, .. } = self;
         scratch.islands.reset(bodies.slot_count(), movers);
         groups.list_joint_bodies(joints);
         index.free.begin(bodies.slot_count());
@@ -132,13 +180,10 @@ impl World {
             index.free.set(body);
         }
         let joins = |body: u32| index.free.has(body);
-        for &(key, slot) in pairs.active() {
-            if pairs.get(slot).has_points() {
-                let (a, b) = key.shapes();
-                let (a, b) = (index.body_of(a), index.body_of(b));
-                if joins(a) && joins(b) {
-                    scratch.islands.union(a, b);
-                }
+        for touch in groups.touches.iter().filter(|touch| touch.manifolds > 0) {
+            let [a, b] = touch.bodies;
+            if joins(a) && joins(b) {
+                scratch.islands.union(a, b);
             }
         }
         let islands = &mut scratch.islands;
@@ -286,22 +331,15 @@ impl World {
     }
 
     fn hand_out_contacts(&mut self) {
-        let Self { groups, batches, pairs, hold, index, report, .. } = self;
-        for &(key, slot) in pairs.active() {
-            let pair = pairs.get(slot);
-            if !pair.has_points() {
-                continue;
-            }
-            let (a, b) = key.shapes();
-            let moved = [a, b].into_iter().map(|shape| index.body_of(shape)).find(|&body| index.free.has(body));
+        let Self { groups, batches, hold, index, report, .. } = self;
+        for touch in groups.touches.iter().filter(|touch| touch.manifolds > 0) {
+            let moved = touch.bodies.into_iter().find(|&body| index.free.has(body));
             let is_solved = |&body: &u32| !hold.islands[groups.island[body as usize] as usize];
             let Some(body) = moved.filter(is_solved) else { continue };
             let batch = &mut batches[groups.place[body as usize].0 as usize];
-            for (number, manifold) in pair.manifolds.iter().enumerate() {
-                batch.manifolds.push((slot, number as u32));
-                report.counts.manifolds += 1;
-                report.counts.contact_points += manifold.points.len() as u32;
-            }
+            batch.manifolds.extend((0..touch.manifolds).map(|number| (touch.slot, number)));
+            report.counts.manifolds += touch.manifolds;
+            report.counts.contact_points += touch.points;
         }
     }
 

@@ -38,10 +38,16 @@ const ROUND: f32 = 1.0e-5;
 /// one that is far heavier doubles its speed.
 const OUTPACED: f32 = 2.0;
 
-/// Manifolds, and joints of a net, of a batch from which on all threads work on it together, and the share of all that it must have:
-/// only a part of its work is shared so far, so other batches had better be solved beside it where they are as much.
+/// Manifolds, and joints of a net, of a batch from which on all threads work on it together, and how much it must have of what each
+/// thread has to do: a part of its work is not shared, so other batches had better be solved beside it where they are as much.
 const LEAST_SHARED: usize = 512;
 const SHARED_FROM: f32 = 0.8;
+
+/// Manifolds that are worth another thread's while: some 5 µs.
+const LEAST_MANIFOLDS: usize = 128;
+
+/// Slot of an end that is still to be given a replica.
+const REPLICA: u32 = u32::MAX;
 
 /// Everything that a batch reads.
 struct Records<'a> {
@@ -113,7 +119,8 @@ impl World {
         };
         let batches = &mut self.batches[..self.batch_count];
         let all: usize = batches.iter().map(Batch::load).sum();
-        let is_large = |batch: &&mut Batch| batch.load() >= LEAST_SHARED && batch.load() as f32 > SHARED_FROM * all as f32;
+        let each = SHARED_FROM * all as f32 / self.threads.count() as f32;
+        let is_large = |batch: &&mut Batch| batch.load() >= LEAST_SHARED && batch.load() as f32 > each;
         batches.iter_mut().filter(is_large).for_each(|batch| work(batch, &self.threads));
         let alone = Workers::default();
         let piece = self.threads.piece(batches.len(), 1);
@@ -133,11 +140,11 @@ impl World {
 impl Records<'_> {
     fn fill(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
         batch.tallied = self.tallied;
-        batch.load_bodies(|index| self.slot_state(index));
+        batch.load_bodies(threads, |index| self.slot_state(index));
         if self.solver == Solver::GaussSeidel {
             self.take_leads_back(batch);
         }
-        self.list_contacts(batch);
+        self.list_contacts(batch, threads);
         self.list_joints(batch);
         self.lay_out(batch, settings, threads);
         self.fill_bounds(batch);
@@ -240,11 +247,16 @@ impl Records<'_> {
 
     /// Slot of a body in a batch: its own, a replica where it is kinematic and moves, or that of the world.
     fn slot(&self, batch: &mut Batch, index: u32) -> u32 {
+        self.known_slot(index).unwrap_or_else(|| batch.replica(index, || self.body_state(index)))
+    }
+
+    /// The same where it needs no replica.
+    fn known_slot(&self, index: u32) -> Option<u32> {
         let body = &self.bodies[index];
         match body.acts_as() {
-            BodyKind::Dynamic if body.is_mover() => self.place[index as usize].1,
-            BodyKind::Kinematic if body.is_mover() => batch.replica(index, || self.body_state(index)),
-            _ => WORLD_SLOT,
+            BodyKind::Dynamic if body.is_mover() => Some(self.place[index as usize].1),
+            BodyKind::Kinematic if body.is_mover() => None,
+            _ => Some(WORLD_SLOT),
         }
     }
 
@@ -253,20 +265,37 @@ impl Records<'_> {
         self.unions.moving(index).map_or(Vec3::ZERO, |union| union.motion.rotation * self.unions.place(index).offset)
     }
 
-    fn list_contacts(&self, batch: &mut Batch) {
+    fn list_contacts(&self, batch: &mut Batch, threads: &Workers) {
         let mut ends = std::mem::take(&mut batch.ends);
         make_room(&mut ends, batch.manifolds.len());
-        for number in 0..batch.manifolds.len() {
-            let (slot, manifold) = batch.manifolds[number];
+        let bodies_of = |(slot, _): (u32, u32)| {
+            let (a, b) = self.pairs.get(slot).key.shapes();
+            [self.colliders[a].body, self.colliders[b].body]
+        };
+        let ends_of = |(slot, manifold): (u32, u32), [a, b]: [u32; 2]| {
             let pair = self.pairs.get(slot);
-            let (a, b) = pair.key.shapes();
-            let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
-            ends.push(ContactEnds {
-                a: self.slot(batch, shape_a.body),
-                b: self.slot(batch, shape_b.body),
-                points: pair.manifolds.get(manifold as usize).points.len() as u8,
-                is_plain: shape_a.surface_with(shape_b).is_plain(),
+            let (shape_a, shape_b) = pair.key.shapes();
+            let surface = self.colliders[shape_a].surface_with(&self.colliders[shape_b]);
+            ContactEnds { a, b, points: pair.manifolds.get(manifold as usize).points.len() as u8, is_plain: surface.is_plain() }
+        };
+        if threads.has_team() {
+            ends.resize(batch.manifolds.len(), ContactEnds { a: REPLICA, b: REPLICA, points: 0, is_plain: true });
+            let piece = threads.piece(ends.len(), LEAST_MANIFOLDS);
+            threads.share(ends.chunks_mut(piece).zip(batch.manifolds.chunks(piece)), |(ends, manifolds)| {
+                for (ends, &manifold) in ends.iter_mut().zip(manifolds) {
+                    *ends = ends_of(manifold, bodies_of(manifold).map(|body| self.known_slot(body).unwrap_or(REPLICA)));
+                }
             });
+            for (number, ends) in ends.iter_mut().enumerate().filter(|(_, ends)| ends.a == REPLICA || ends.b == REPLICA) {
+                let [a, b] = bodies_of(batch.manifolds[number]);
+                (ends.a, ends.b) = (self.slot(batch, a), self.slot(batch, b));
+            }
+        } else {
+            for number in 0..batch.manifolds.len() {
+                let manifold = batch.manifolds[number];
+                let slots = bodies_of(manifold).map(|body| self.slot(batch, body));
+                ends.push(ends_of(manifold, slots));
+            }
         }
         batch.ends = ends;
         if !batch.joint_slots.is_empty() {

@@ -12,11 +12,10 @@ mod tell;
 mod tests;
 mod warm_start;
 
-use std::ops::Range;
-
 use super::contact::LANES;
-use super::contact_block::{ContactBlocks, WholeBlock};
+use super::contact_block::{BlockPart, ContactBlocks, WholeBlock};
 use super::dispatch::in_lanes;
+use super::shared::Hand;
 use super::state::{BodyMotion, BodyVelocity};
 use super::told::{Limits, Told};
 
@@ -31,12 +30,12 @@ in_lanes!(
     ///
     /// The velocities have the substep's forces in them already.
     pub(crate) warm_start, warm_start::all,
-    (contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32)
+    (part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32)
 );
 in_lanes!(
-    /// One sweep over a range of blocks: friction, then the normal rows of each manifold as a block.
+    /// One sweep: friction, then the normal rows of each manifold as a block.
     pub(crate) sweep, sweep::all,
-    (contacts: &mut ContactBlocks, range: Range<usize>, velocities: &mut [BodyVelocity], backwards: bool)
+    (part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, backwards: bool)
 );
 in_lanes!(
     /// After a substep: points that hit something at more than `threshold` (m/s) leave at the rebound speed.
@@ -44,9 +43,9 @@ in_lanes!(
     (contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], threshold: f32)
 );
 in_lanes!(
-    /// Brings the separations to the end of the step, makes room for multipliers of [`recover`], and raises `worst` to the greatest
-    /// overlap of any point (m).
-    pub(crate) end_step, recover::end_step, (contacts: &mut ContactBlocks, motions: &[BodyMotion], worst: &mut f32)
+    /// Brings the separations to the end of the step and makes room for multipliers of [`recover`]; says the greatest overlap of any
+    /// point (m).
+    pub(crate) end_step, recover::end_step, (part: &mut BlockPart<'_>, motions: &[BodyMotion]) -> f32
 );
 in_lanes!(
     /// Adds to `told` what the step has made of the manifolds of each block.
@@ -60,5 +59,5 @@ in_lanes!(
     /// J δ ≥ −β s where s < 0 (never faster than [`MAX_RECOVERY_SPEED`](recover::MAX_RECOVERY_SPEED)) and J δ ≥ −s elsewhere, so
     /// that one overlap is not cured by making another; s is that of [`end_step`].
     pub(crate) recover, recover::all,
-    (contacts: &mut ContactBlocks, pushes: &mut [BodyVelocity], dt: f32)
+    (part: &mut BlockPart<'_>, pushes: &mut Hand<'_, BodyVelocity>, dt: f32)
 );

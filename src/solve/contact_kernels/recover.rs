@@ -3,7 +3,8 @@
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
 use super::super::contact::{LANES, POINTS};
-use super::super::contact_block::{ContactBlocks, Extra};
+use super::super::contact_block::{BlockPart, ContactBlocks, Extra};
+use super::super::shared::Hand;
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
 use super::super::wide::Wide;
@@ -20,13 +21,13 @@ pub(crate) const RECOVERY_SWEEPS: usize = 2;
 
 #[inline(always)]
 pub(super) fn restitute<W: Wide>(contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], threshold: f32) {
-    let ContactBlocks { blocks, faces, extras } = contacts;
+    let ContactBlocks { blocks, faces, extras, .. } = contacts;
     if extras.is_empty() {
         return;
     }
     for block in blocks {
         let Some(extra) = extras.get_mut(block.extra as usize).filter(|extra| extra.has_restitution) else { continue };
-        of_block!(rebound::<W>(block, faces, extra, velocities, threshold));
+        of_block!(rebound::<W>(block, (faces, 0), extra, velocities, threshold));
     }
 }
 
@@ -68,15 +69,16 @@ fn rebound<W: Wide, M: Manifolds>(of: &mut M, extra: &mut Extra, velocities: &mu
 }
 
 #[inline(always)]
-pub(super) fn end_step<W: Wide>(contacts: &mut ContactBlocks, motions: &[BodyMotion], worst: &mut f32) {
-    let ContactBlocks { blocks, faces, .. } = contacts;
+pub(super) fn end_step<W: Wide>(part: &mut BlockPart<'_>, motions: &[BodyMotion]) -> f32 {
+    let BlockPart { blocks, faces, before, .. } = part;
     let mut deepest = W::zero();
-    for block in blocks {
-        deepest = deepest.max(of_block!(follow::<W>(block, faces, motions)));
+    for block in blocks.iter_mut() {
+        // In this order what is not a number is passed over, and so the parts into which blocks are cut do not matter.
+        deepest = of_block!(follow::<W>(block, (faces, before[0]), motions)).max(deepest);
     }
     let mut lanes = [0.0; LANES];
     deepest.store(&mut lanes);
-    *worst = lanes.iter().fold(*worst, |worst, &overlap| worst.max(overlap));
+    lanes.into_iter().fold(0.0, f32::max)
 }
 
 /// Brings the separations of a block up to date, and begins its recovery with nothing; greatest overlap of each lane (m).
@@ -87,7 +89,7 @@ fn follow<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion]) -> W {
     for i in 0..M::COUNT {
         let rows = of.rows_mut(i);
         let exists = W::load(&rows.inverse_diagonal).above(W::zero());
-        deepest = deepest.max(W::select(exists, -separation[i], W::zero()));
+        deepest = W::select(exists, -separation[i], W::zero()).max(deepest);
         separation[i].store(&mut rows.separation);
         W::zero().store(&mut rows.closing_speed);
     }
@@ -95,15 +97,15 @@ fn follow<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion]) -> W {
 }
 
 #[inline(always)]
-pub(super) fn all<W: Wide>(contacts: &mut ContactBlocks, pushes: &mut [BodyVelocity], dt: f32) {
-    let ContactBlocks { blocks, faces, .. } = contacts;
-    for block in blocks {
-        of_block!(part_overlaps::<W>(block, faces, pushes, dt));
+pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, pushes: &mut Hand<'_, BodyVelocity>, dt: f32) {
+    let BlockPart { blocks, faces, before, .. } = part;
+    for block in blocks.iter_mut() {
+        of_block!(part_overlaps::<W>(block, (faces, before[0]), pushes, dt));
     }
 }
 
 #[inline(always)]
-fn part_overlaps<W: Wide, M: Manifolds>(of: &mut M, pushes: &mut [BodyVelocity], dt: f32) {
+fn part_overlaps<W: Wide, M: Manifolds>(of: &mut M, pushes: &mut Hand<'_, BodyVelocity>, dt: f32) {
     let (a, b) = (&of.block().a, &of.block().b);
     let (mut side_a, mut side_b) = (Side::<W>::gather(a, pushes), Side::gather(b, pushes));
     let mut residual = normal_rates::<W, M>(of, &side_a, &side_b);

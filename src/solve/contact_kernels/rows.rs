@@ -162,10 +162,10 @@ impl Manifolds for Faced<'_> {
     }
 }
 
-/// Calls a kernel generic over the manifolds of a block.
+/// Calls a kernel generic over the manifolds of a block, whose face is among those after the first so many.
 macro_rules! of_block {
-    ($kernel:ident::<$wide:ty>($block:expr, $faces:expr $(, $rest:expr)*)) => {
-        match $faces.get_mut($block.face as usize) {
+    ($kernel:ident::<$wide:ty>($block:expr, ($faces:expr, $before:expr) $(, $rest:expr)*)) => {
+        match $faces.get_mut($block.face.wrapping_sub($before) as usize) {
             Some(face) => $kernel::<$wide, _>(&mut Faced($block, face) $(, $rest)*),
             None => $kernel::<$wide, _>(&mut Single($block) $(, $rest)*),
         }

@@ -2,34 +2,32 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
-use std::ops::Range;
-
 use super::super::contact::NEGLIGIBLE_FRICTION;
-use super::super::contact_block::{ContactBlocks, Extra};
+use super::super::contact_block::{BlockPart, Extra};
+use super::super::shared::Hand;
 use super::super::side::Side;
 use super::super::state::BodyVelocity;
 use super::super::wide::{Wide, Wide3};
 use super::rows::{Faced, Manifolds, Single, lambdas, load_all, normal_rates, of_block, push_apart, store_lambdas};
 
 #[inline(always)]
-pub(super) fn all<W: Wide>(contacts: &mut ContactBlocks, range: Range<usize>, velocities: &mut [BodyVelocity], backwards: bool) {
-    let ContactBlocks { blocks, faces, extras } = contacts;
-    let blocks = &mut blocks[range];
+pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, backwards: bool) {
+    let BlockPart { blocks, faces, extras, before } = part;
     if backwards {
         for block in blocks.iter_mut().rev() {
-            let extra = extras.get_mut(block.extra as usize);
-            of_block!(visit::<W>(block, faces, extra, velocities));
+            let extra = extras.get_mut(block.extra.wrapping_sub(before[1]) as usize);
+            of_block!(visit::<W>(block, (faces, before[0]), extra, velocities));
         }
     } else {
-        for block in blocks {
-            let extra = extras.get_mut(block.extra as usize);
-            of_block!(visit::<W>(block, faces, extra, velocities));
+        for block in blocks.iter_mut() {
+            let extra = extras.get_mut(block.extra.wrapping_sub(before[1]) as usize);
+            of_block!(visit::<W>(block, (faces, before[0]), extra, velocities));
         }
     }
 }
 
 #[inline(always)]
-fn visit<W: Wide, M: Manifolds>(of: &mut M, extra: Option<&mut Extra>, velocities: &mut [BodyVelocity]) {
+fn visit<W: Wide, M: Manifolds>(of: &mut M, extra: Option<&mut Extra>, velocities: &mut Hand<'_, BodyVelocity>) {
     let (a, b) = (&of.block().a, &of.block().b);
     let (mut side_a, mut side_b) = (Side::<W>::gather(a, velocities), Side::gather(b, velocities));
     if let Some(extra) = extra

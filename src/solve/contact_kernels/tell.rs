@@ -17,7 +17,7 @@ pub(super) fn all<W: Wide>(
 ) {
     let ContactBlocks { blocks, faces, .. } = contacts;
     for block in blocks {
-        told.push(of_block!(words_of::<W>(block, faces, velocities, limits)));
+        told.push(of_block!(words_of::<W>(block, (faces, 0), velocities, limits)));
     }
 }
 

@@ -79,15 +79,15 @@ fn scene() -> impl Strategy<Value = Scene> {
 
 fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
     let Scene { mut contacts, mut velocities, motions } = scene.clone();
-    let mut worst = 0.0;
+    let moving = velocities.len() - 1;
     masses::set::<W>(&mut contacts.whole(0), &velocities);
-    warm_start::all::<W>(&mut contacts, &mut velocities, &motions, 0.004);
-    sweep::all::<W>(&mut contacts, 0..1, &mut velocities, false);
-    sweep::all::<W>(&mut contacts, 0..1, &mut velocities, true);
+    warm_start::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), &motions, 0.004);
+    sweep::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), false);
+    sweep::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), true);
     recover::restitute::<W>(&mut contacts, &mut velocities, 0.1);
-    recover::end_step::<W>(&mut contacts, &motions, &mut worst);
+    let worst = recover::end_step::<W>(&mut contacts.all(), &motions);
     let mut pushes: Vec<_> = velocities.iter().map(BodyVelocity::at_rest).collect();
-    recover::all::<W>(&mut contacts, &mut pushes, 0.016);
+    recover::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut pushes, moving), 0.016);
     let limits = Limits { up: Vec3::Y, rise: 0.3, slips: [0.5, 1.0], speeds: [1.0, 3.0], reserve: 0.9 };
     let mut told = Vec::new();
     tell::all::<W>(&mut contacts, &velocities, &limits, &mut told);
@@ -126,8 +126,9 @@ proptest! {
     fn a_block_never_pulls_and_stays_finite(scene in scene()) {
         let Scene { mut contacts, mut velocities, motions } = scene;
             masses::set::<Plain>(&mut contacts.whole(0), &velocities);
-        warm_start::all::<Plain>(&mut contacts, &mut velocities, &motions, 0.004);
-        sweep::all::<Plain>(&mut contacts, 0..1, &mut velocities, false);
+        let mut hand = Hand::alone(&mut velocities, motions.len() - 1);
+        warm_start::all::<Plain>(&mut contacts.all(), &mut hand, &motions, 0.004);
+        sweep::all::<Plain>(&mut contacts.all(), &mut hand, false);
         let lambdas = (0..contacts.room_of(0)).flat_map(|i| contacts.rows(0, i).lambda);
         let least = lambdas.fold(0.0_f32, f32::min);
         prop_assert!(least >= 0.0, "a point pulls with {least} N·s");

@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use super::super::contact::{LANES, Lane3};
-use super::super::contact_block::{ContactBlocks, Extra};
+use super::super::contact_block::{BlockPart, Extra};
+use super::super::shared::{Hand, Slots};
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
 use super::super::wide::{Wide, Wide3};
@@ -16,11 +17,11 @@ use super::rows::{Faced, Manifolds, Single, of_block, separations};
 const PRESSED_GAP_SHARE: f32 = 0.01;
 
 #[inline(always)]
-pub(super) fn all<W: Wide>(contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
-    let ContactBlocks { blocks, faces, extras } = contacts;
-    for block in blocks {
-        let extra = extras.get_mut(block.extra as usize);
-        of_block!(start::<W>(block, faces, extra, velocities, motions, h));
+pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32) {
+    let BlockPart { blocks, faces, extras, before } = part;
+    for block in blocks.iter_mut() {
+        let extra = extras.get_mut(block.extra.wrapping_sub(before[1]) as usize);
+        of_block!(start::<W>(block, (faces, before[0]), extra, velocities, motions, h));
     }
 }
 
@@ -28,7 +29,7 @@ pub(super) fn all<W: Wide>(contacts: &mut ContactBlocks, velocities: &mut [BodyV
 fn start<W: Wide, M: Manifolds>(
     of: &mut M,
     mut extra: Option<&mut Extra>,
-    velocities: &mut [BodyVelocity],
+    velocities: &mut Hand<'_, BodyVelocity>,
     motions: &[BodyMotion],
     h: f32,
 ) {
@@ -86,7 +87,7 @@ fn close_in<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
 ///
 /// A point that closes its gap within the substep touches after t = s/|v| of it; gravity has acted for t only, so the speed of
 /// impact is v − g (h − t). Without this a rebound loses up to a substep's worth of gravity.
-fn note_impacts<M: Manifolds>(of: &M, extra: &mut Extra, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
+fn note_impacts<M: Manifolds>(of: &M, extra: &mut Extra, velocities: &Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32) {
     let block = of.block();
     for l in (0..LANES).filter(|&l| extra.restitution[l] > 0.0) {
         let (a, b) = (block.a[l] as usize, block.b[l] as usize);
@@ -104,9 +105,9 @@ fn note_impacts<M: Manifolds>(of: &M, extra: &mut Extra, velocities: &[BodyVeloc
 }
 
 /// Speed at which point `i` of lane `l` opens (m/s).
-fn normal_speed<M: Manifolds>(of: &M, velocities: &[BodyVelocity], i: usize, l: usize) -> f32 {
+fn normal_speed<M: Manifolds>(of: &M, velocities: &Hand<'_, BodyVelocity>, i: usize, l: usize) -> f32 {
     let (block, rows) = (of.block(), of.rows(i));
-    let (a, b) = (&velocities[block.a[l] as usize], &velocities[block.b[l] as usize]);
+    let (a, b) = (velocities.get(block.a[l]), velocities.get(block.b[l]));
     let at_b = b.linear + b.angular.cross(at(&rows.lever_b, l));
     let at_a = a.linear + a.angular.cross(at(&rows.lever_a, l));
     at(&block.normal, l).dot(at_b - at_a)

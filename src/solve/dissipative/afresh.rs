@@ -5,9 +5,10 @@ use std::ops::Range;
 use super::super::batch::Batch;
 use super::super::contact::LANES;
 use super::super::contact_block::{ContactBlock, ContactBlocks};
+use super::super::crew;
 use super::super::state::WORLD_SLOT;
-use super::super::sweep_contacts;
 use super::{DissipativeIslands, Island};
+use crate::workers::Workers;
 
 /// What a second solve works on.
 #[derive(Debug, Default)]
@@ -73,6 +74,7 @@ impl Afresh {
 impl Batch {
     /// Solves the substep once more for the islands that have gained too much.
     pub(super) fn solve_afresh(&mut self, iterations: u32) {
+        let (alone, moving) = (Workers::default(), self.moving());
         let Self { dissipative: DissipativeIslands { islands, before, afresh, .. }, velocities, contacts, direct, .. } = self;
         let chosen = || islands.iter().filter(|island| island.is_to_be_solved_afresh()).map(Island::slots);
         afresh.choose(chosen(), velocities.len());
@@ -82,9 +84,9 @@ impl Batch {
         for iteration in 0..iterations {
             if iteration % 2 == 0 {
                 direct.sweep_on(&afresh.slots, velocities);
-                sweep_contacts(&mut afresh.blocks, first_jointed, velocities, false);
+                crew::sweep(&mut afresh.blocks, first_jointed, &alone, (velocities, moving), false);
             } else {
-                sweep_contacts(&mut afresh.blocks, first_jointed, velocities, true);
+                crew::sweep(&mut afresh.blocks, first_jointed, &alone, (velocities, moving), true);
                 direct.sweep_on(&afresh.slots, velocities);
             }
         }

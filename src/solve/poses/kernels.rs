@@ -6,6 +6,7 @@ use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::solve::contact::{LANES, Lane};
 use crate::solve::integrate::{NEGLIGIBLE_SPEED, Outlook, SAFE_TUMBLE, SPLIT_TUMBLE};
 use crate::solve::rotation::{self, MAX_TURN};
+use crate::solve::shared::Hand;
 use crate::solve::side::{Side, Stand, gather_rotations, scatter_outlooks};
 use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::solve::wide::{Wide, Wide3};
@@ -135,8 +136,8 @@ pub(super) fn predict<W: Wide>(
 #[inline(always)]
 pub(super) fn advance<W: Wide>(
     blocks: &[PoseBlock],
-    velocities: &mut [BodyVelocity],
-    motions: &mut [BodyMotion],
+    velocities: &mut Hand<'_, BodyVelocity>,
+    motions: &mut Hand<'_, BodyMotion>,
     refused: &mut Vec<u32>,
     h: f32,
 ) {

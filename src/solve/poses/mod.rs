@@ -13,19 +13,27 @@
 //!
 //! What the rule refuses (it gains energy, or turns by more than a lever allows) is left to the rules of one body.
 
+use std::sync::{Mutex, PoisonError};
+
 use glam::{DMat3, Vec3};
 
 use super::contact::{LANES, Lane, Lane3};
 use super::dispatch::in_lanes;
 use super::integrate::{self, Outlook};
+use super::shared::{Hand, Shared};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use crate::room::make_room_behind;
+use crate::workers::Workers;
 
 pub(crate) mod course;
 mod kernels;
 #[cfg(test)]
 mod tests;
 mod turn;
+
+/// Blocks of bodies from which on several threads move them, and those that are worth another thread's while: some 3 µs.
+const SHARED_BLOCKS: usize = 64;
+const LEAST_BLOCKS: usize = 16;
 
 /// What does not change within the step of eight bodies; unused lanes are the world, which nothing moves.
 #[derive(Debug, Clone)]
@@ -208,11 +216,29 @@ impl Poses {
     }
 
     /// Moves bodies through a substep at their velocities.
-    pub(crate) fn advance(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], h: f32) {
+    pub(crate) fn advance(
+        &mut self,
+        threads: &Workers,
+        (velocities, motions, moving): (&mut [BodyVelocity], &mut [BodyMotion], usize),
+        h: f32,
+    ) {
         let Self { blocks, pushed, refused, .. } = self;
         refused.clear();
-        advance_all(blocks, velocities, motions, refused, h);
-        advance_all(pushed, velocities, motions, refused, h);
+        for blocks in [&*blocks, &*pushed] {
+            if blocks.len() < SHARED_BLOCKS || !threads.has_team() {
+                advance_all(blocks, &mut Hand::alone(velocities, moving), &mut Hand::alone(motions, moving), refused, h);
+                continue;
+            }
+            let (velocities, motions) = (Shared::new(velocities, moving), Shared::new(motions, moving));
+            let refused = Mutex::new(&mut *refused);
+            threads.share(blocks.chunks(threads.piece(blocks.len(), LEAST_BLOCKS)), |blocks| {
+                let mut own = Vec::new();
+                // SAFETY: each slot is in one block, which one thread goes through.
+                let (mut velocities, mut motions) = unsafe { (velocities.hand(), motions.hand()) };
+                advance_all(blocks, &mut velocities, &mut motions, &mut own, h);
+                refused.lock().unwrap_or_else(PoisonError::into_inner).append(&mut own);
+            });
+        }
         for &slot in &*refused {
             integrate::advance(&mut velocities[slot as usize], &mut motions[slot as usize], h);
         }
@@ -238,5 +264,8 @@ in_lanes!(
 );
 in_lanes!(
     advance_all, kernels::advance,
-    (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], refused: &mut Vec<u32>, h: f32)
+    (
+        blocks: &[PoseBlock], velocities: &mut Hand<'_, BodyVelocity>, motions: &mut Hand<'_, BodyMotion>, refused: &mut Vec<u32>,
+        h: f32
+    )
 );

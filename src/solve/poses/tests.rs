@@ -61,7 +61,9 @@ fn run<W: Wide>((velocities, motions): &Bodies) -> (Bodies, Vec<Outlook>, Vec<u3
     kernels::apply_forces::<W>(&poses.blocks, &mut velocities, &motions, &mut poses.energies, H);
     kernels::limit::<W>(&poses.blocks, &mut velocities, H);
     kernels::predict::<W>(&poses.blocks, &velocities, &motions, &mut poses.outlooks, &mut poses.refused, H);
-    kernels::advance::<W>(&poses.blocks, &mut velocities, &mut motions, &mut poses.refused, H);
+    let moving = motions.len() - 1;
+    let mut hands = (Hand::alone(&mut velocities, moving), Hand::alone(&mut motions, moving));
+    kernels::advance::<W>(&poses.blocks, &mut hands.0, &mut hands.1, &mut poses.refused, H);
     ((velocities, motions), poses.outlooks, poses.refused)
 }
 
@@ -107,7 +109,8 @@ proptest! {
         poses.apply_forces(&mut own, &own_places, H);
         poses.limit_speeds(&mut own, H);
         poses.predict(&own, &own_places, H);
-        poses.advance(&mut own, &mut own_places, H);
+        let moving = own.len() - 1;
+        poses.advance(&Workers::default(), (&mut own, &mut own_places, moving), H);
         for (own, other) in own.iter().zip(&velocities) {
             let worst = share(own.linear, other.linear, 1.0).max(share(own.angular, other.angular, 1.0));
             // Rounding, times the ratio of the inertias.
@@ -165,7 +168,8 @@ fn a_body_that_tumbles_in_lanes_keeps_its_angular_momentum() {
     for _ in 0..600 {
         poses.lay_out(&velocities, &mut motions, H);
         for _ in 0..4 {
-            poses.advance(&mut velocities, &mut motions, H);
+            let moving = motions.len() - 1;
+            poses.advance(&Workers::default(), (&mut velocities, &mut motions, moving), H);
         }
     }
     let error = (momentum(&velocities[1], &motions[1]) - before).length() / before.length();

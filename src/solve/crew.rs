@@ -1,0 +1,140 @@
+//! What several threads do of a large batch: blocks of one colour side by side, and bodies.
+//!
+//! Colours follow one another as they do on one thread, and within one no block sees what another does, so the bits are the same. It
+//! takes a team that is awake: a sweep over a colour is some 20 µs.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::batch::Batch;
+use super::contact_block::{BlockPart, ContactBlocks};
+use super::contact_kernels;
+use super::shared::{Hand, Shared};
+use super::state::{BodyMotion, BodyVelocity};
+use crate::workers::Workers;
+
+/// Blocks from which on several threads go through them, and those that are worth another thread's while: some 3 µs.
+const SHARED_BLOCKS: usize = 64;
+const LEAST_BLOCKS: usize = 8;
+
+/// Bodies of the same.
+const SHARED_BODIES: usize = 512;
+const LEAST_BODIES: usize = 128;
+
+/// Sweeps over the contacts of bodies that joints hold, with each other and with what is fixed, between two sweeps over the joints. A
+/// contact sees of such a body its own mass alone: what a vehicle rests on its track with, or the track's pull round a sprocket, gets
+/// through links of a hundredth of its mass a little at a time. An odd number, to and fro, so that sweeps back are the exact reverse.
+const JOINTED_SWEEPS: u32 = 3;
+
+/// Goes through the blocks of a range with the velocities of bodies, so many of which move: colour after colour, or backwards.
+pub(super) fn in_colors(
+    contacts: &mut ContactBlocks,
+    range: Range<usize>,
+    threads: &Workers,
+    (velocities, moving): (&mut [BodyVelocity], usize),
+    backwards: bool,
+    work: impl Fn(&mut BlockPart<'_>, &mut Hand<'_, BodyVelocity>) + Sync,
+) {
+    if range.len() < SHARED_BLOCKS || !threads.has_team() {
+        return work(&mut contacts.part(range), &mut Hand::alone(velocities, moving));
+    }
+    debug_assert!(contacts.are_apart(moving), "blocks of one colour share a moving body");
+    let shared = Shared::new(velocities, moving);
+    let parts = contacts.colored_parts(&range, |count| threads.piece_of_phase(count, LEAST_BLOCKS));
+    let work = |mut part: BlockPart<'_>| {
+        // SAFETY: what is worked on at the same time is of one phase, the blocks of one colour, which share no moving body.
+        let mut hand = unsafe { shared.hand() };
+        work(&mut part, &mut hand);
+    };
+    if backwards {
+        threads.share_in_phases(parts.into_iter().rev(), work);
+    } else {
+        threads.share_in_phases(parts.into_iter(), work);
+    }
+}
+
+/// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold, which begin with the block `first_jointed`;
+/// backwards, all in the opposite order.
+pub(super) fn sweep(
+    contacts: &mut ContactBlocks,
+    first_jointed: usize,
+    threads: &Workers,
+    (velocities, moving): (&mut [BodyVelocity], usize),
+    backwards: bool,
+) {
+    let (free, jointed) = (0..first_jointed, first_jointed..contacts.len());
+    let mut sweep = |range: &Range<usize>, backwards: bool| {
+        in_colors(contacts, range.clone(), threads, (velocities, moving), backwards, |part, velocities| {
+            contact_kernels::sweep(part, velocities, backwards);
+        });
+    };
+    if !backwards {
+        sweep(&free, false);
+    }
+    for number in 0..JOINTED_SWEEPS {
+        sweep(&jointed, backwards != (number % 2 == 1));
+    }
+    if backwards {
+        sweep(&free, true);
+    }
+}
+
+/// Brings separations of all blocks to the end of the step; greatest overlap (m).
+pub(super) fn end_step(contacts: &mut ContactBlocks, threads: &Workers, motions: &[BodyMotion]) -> f32 {
+    if contacts.len() < SHARED_BLOCKS || !threads.has_team() {
+        return contact_kernels::end_step(&mut contacts.all(), motions);
+    }
+    // Numbers that are not negative are in the order of their bits.
+    let worst = AtomicU32::new(0);
+    let piece = threads.piece(contacts.len(), LEAST_BLOCKS);
+    threads.share(contacts.parts(piece), |mut part| {
+        worst.fetch_max(contact_kernels::end_step(&mut part, motions).to_bits(), Ordering::Relaxed);
+    });
+    f32::from_bits(worst.into_inner())
+}
+
+/// Forms the masses of blocks anew of which the inertia of a body has been.
+pub(super) fn refresh_masses(
+    contacts: &mut ContactBlocks,
+    threads: &Workers,
+    velocities: &[BodyVelocity],
+    motions: &[BodyMotion],
+) {
+    let piece = threads.piece(contacts.len(), SHARED_BLOCKS);
+    threads.share(contacts.parts(piece), |part| {
+        for mut block in part.iter().filter(|whole| whole.block.is_refreshed(motions)) {
+            contact_kernels::set_masses(&mut block, velocities);
+        }
+    });
+}
+
+impl Batch {
+    /// Does the same to each body that is not moved in lanes, or only moved there.
+    pub(super) fn each_single(&mut self, threads: &Workers, work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync) {
+        let Self { poses, velocities, motions, .. } = self;
+        let mut rest = &poses.singles[..];
+        if rest.len() < SHARED_BODIES || !threads.has_team() {
+            rest.iter().for_each(|&slot| work(&mut velocities[slot as usize], &mut motions[slot as usize]));
+            return;
+        }
+        let piece = threads.piece(motions.len(), LEAST_BODIES);
+        let pieces = velocities.chunks_mut(piece).zip(motions.chunks_mut(piece)).zip((0..).step_by(piece));
+        let pieces = pieces.map(|(bodies, first)| {
+            let own;
+            (own, rest) = rest.split_at(rest.partition_point(|&slot| (slot as usize) < first + piece));
+            (bodies, own, first)
+        });
+        threads.share(pieces, |((velocities, motions), own, first)| {
+            own.iter().map(|&slot| slot as usize - first).for_each(|place| work(&mut velocities[place], &mut motions[place]));
+        });
+    }
+
+    /// Moves bodies as they are pushed.
+    pub(super) fn displace(&mut self, threads: &Workers) {
+        let Self { pushes, motions, .. } = self;
+        let piece = if threads.has_team() { threads.piece(motions.len(), SHARED_BODIES) } else { motions.len() };
+        threads.share(pushes.chunks(piece).zip(motions.chunks_mut(piece)), |(pushes, motions)| {
+            pushes.iter().zip(motions).for_each(|(push, motion)| motion.displace(push.linear, push.angular));
+        });
+    }
+}

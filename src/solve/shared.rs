@@ -1,0 +1,119 @@
+//! Slots of a batch that several threads write at once, each those of other bodies.
+//!
+//! Rows of one colour share no moving body, and a body that is moved is in one block of bodies. Neither can be said by cutting an
+//! array into slices, so here the promise is made in words, in one place ([`Shared::hand`]), and checked by whoever hands out the
+//! work in builds with debug assertions. What does not move (the world's slot and those of kinematic bodies, which any number of rows
+//! act on) is read by all and written by none.
+
+use std::marker::PhantomData;
+use std::ptr::NonNull;
+
+/// What kernels over lanes read and write: one record for each slot.
+pub(crate) trait Slots<T> {
+    fn get(&self, slot: u32) -> &T;
+    fn get_mut(&mut self, slot: u32) -> &mut T;
+}
+
+impl<T> Slots<T> for [T] {
+    #[inline(always)]
+    fn get(&self, slot: u32) -> &T {
+        &self[slot as usize]
+    }
+
+    #[inline(always)]
+    fn get_mut(&mut self, slot: u32) -> &mut T {
+        &mut self[slot as usize]
+    }
+}
+
+/// An array by slot that several threads work on.
+pub(crate) struct Shared<'a, T> {
+    first: NonNull<T>,
+    count: usize,
+    moving: usize,
+    /// What is written of a slot that does not move goes here, in each hand.
+    spare: T,
+    array: PhantomData<&'a mut [T]>,
+}
+
+// SAFETY: it holds the array exclusively, and reads and writes through it are bound by the promise of `hand`.
+unsafe impl<T: Send + Sync> Sync for Shared<'_, T> {}
+
+impl<'a, T: Copy> Shared<'a, T> {
+    /// Of these slots, so many after the world's are those of bodies that move.
+    pub(crate) fn new(array: &'a mut [T], moving: usize) -> Self {
+        let (count, spare) = (array.len(), array[0]);
+        Self { first: NonNull::from(array).cast(), count, moving, spare, array: PhantomData }
+    }
+
+    /// A hand for one thread.
+    ///
+    /// # Safety
+    /// While it lives no other hand is used for the slot of a moving body that this one is used for.
+    pub(crate) unsafe fn hand(&self) -> Hand<'_, T> {
+        Hand { first: self.first, count: self.count, moving: self.moving, spare: self.spare, array: PhantomData }
+    }
+}
+
+/// One of possibly several hands on an array.
+pub(crate) struct Hand<'a, T> {
+    first: NonNull<T>,
+    count: usize,
+    moving: usize,
+    spare: T,
+    array: PhantomData<&'a mut [T]>,
+}
+
+impl<'a, T: Copy> Hand<'a, T> {
+    /// The only hand on an array; see [`Shared::new`].
+    pub(crate) fn alone(array: &'a mut [T], moving: usize) -> Self {
+        let (count, spare) = (array.len(), array[0]);
+        Self { first: NonNull::from(array).cast(), count, moving, spare, array: PhantomData }
+    }
+}
+
+impl<T> Slots<T> for Hand<'_, T> {
+    #[inline(always)]
+    fn get(&self, slot: u32) -> &T {
+        assert!((slot as usize) < self.count);
+        // SAFETY: the slot is within the array, which the hand borrows. Nobody writes to it meanwhile: of a moving body by the promise
+        // of `Shared::hand`, and of what does not move because no hand does.
+        unsafe { self.first.add(slot as usize).as_ref() }
+    }
+
+    #[inline(always)]
+    fn get_mut(&mut self, slot: u32) -> &mut T {
+        assert!((slot as usize) < self.count);
+        if (slot as usize).wrapping_sub(1) < self.moving {
+            // SAFETY: as in `get`, and of a moving body nobody else reads either.
+            unsafe { self.first.add(slot as usize).as_mut() }
+        } else {
+            &mut self.spare
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hands_write_what_moves_and_nothing_else() {
+        let mut numbers = [0, 1, 2, 3, 4];
+        let shared = Shared::new(&mut numbers, 3);
+        std::thread::scope(|scope| {
+            for own in [[1, 3], [2, 2]] {
+                let shared = &shared;
+                scope.spawn(move || {
+                    // SAFETY: each thread uses other moving slots.
+                    let mut hand = unsafe { shared.hand() };
+                    for slot in own.into_iter().chain([0, 4]) {
+                        *hand.get_mut(slot) += 10;
+                    }
+                    assert_eq!((*hand.get(0), *hand.get(4)), (0, 4));
+                });
+            }
+        });
+        assert_eq!(numbers, [0, 11, 22, 13, 4]);
+    }
+}
