@@ -50,20 +50,18 @@ pub struct Material {
 
 impl Default for Material {
     fn default() -> Self {
-        Self::PLAIN
+        Self {
+            friction: 0.5,
+            restitution: 0.0,
+            rolling_friction: 0.0,
+            spinning_friction: 0.0,
+            friction_rule: CombineRule::GeometricMean,
+            restitution_rule: CombineRule::Maximum,
+        }
     }
 }
 
 impl Material {
-    pub(crate) const PLAIN: Self = Self {
-        friction: 0.5,
-        restitution: 0.0,
-        rolling_friction: 0.0,
-        spinning_friction: 0.0,
-        friction_rule: CombineRule::GeometricMean,
-        restitution_rule: CombineRule::Maximum,
-    };
-
     pub(crate) fn check(&self) -> Result<()> {
         check::not_negative("friction", self.friction)?;
         check::not_negative("rolling_friction", self.rolling_friction)?;
