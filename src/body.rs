@@ -8,7 +8,7 @@ use crate::id::{JointId, ShapeId};
 use crate::mass::{Mass, MassProperties};
 use crate::pose::Pose;
 use crate::shape::ShapeDef;
-use crate::solve::direct::history::History;
+use crate::solve::direct::history::Past;
 
 /// Greatest linear speed of a body (m/s); faster input is refused, faster motion is clamped.
 pub const MAX_LINEAR_SPEED: f32 = 1.0e4;
@@ -168,8 +168,6 @@ pub(crate) struct Body {
     pub target: Option<Pose>,
     /// Whether the velocity comes from a target, so that it ends with it.
     pub driven: bool,
-    /// Net contact impulse of the last step over its length (N).
-    pub contact_force: Vec3,
     pub shapes: Vec<ShapeId>,
     pub joints: Vec<JointId>,
     pub sleep: SleepState,
@@ -186,7 +184,7 @@ pub(crate) struct Body {
     /// Whether fixed joints make it part of something that does not move, or that the host moves.
     pub anchored: Anchored,
     /// Last substep, for stepping to second order.
-    pub history: History,
+    pub history: Past,
     /// Taken out of the simulation because a step gave it a non-finite state.
     pub quarantined: bool,
 }
@@ -235,7 +233,6 @@ impl Body {
             user_word: def.user_word,
             target: None,
             driven: false,
-            contact_force: Vec3::ZERO,
             shapes: Vec::new(),
             joints: Vec::new(),
             sleep: SleepState::Awake { quiet_for: 0.0 },
@@ -245,7 +242,7 @@ impl Body {
             woke: false,
             held: false,
             anchored: Anchored::No,
-            history: History::NONE,
+            history: Past::default(),
             quarantined: false,
         }
     }

@@ -50,18 +50,20 @@ pub struct Material {
 
 impl Default for Material {
     fn default() -> Self {
-        Self {
-            friction: 0.5,
-            restitution: 0.0,
-            rolling_friction: 0.0,
-            spinning_friction: 0.0,
-            friction_rule: CombineRule::GeometricMean,
-            restitution_rule: CombineRule::Maximum,
-        }
+        Self::PLAIN
     }
 }
 
 impl Material {
+    pub(crate) const PLAIN: Self = Self {
+        friction: 0.5,
+        restitution: 0.0,
+        rolling_friction: 0.0,
+        spinning_friction: 0.0,
+        friction_rule: CombineRule::GeometricMean,
+        restitution_rule: CombineRule::Maximum,
+    };
+
     pub(crate) fn check(&self) -> Result<()> {
         check::not_negative("friction", self.friction)?;
         check::not_negative("rolling_friction", self.rolling_friction)?;

@@ -5,7 +5,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use super::carried::Manifolds;
+use super::carried::{Kind, Manifolds};
 use super::pairs::{Pair, PairKey};
 use crate::room::{make_room, make_room_behind};
 
@@ -21,6 +21,10 @@ pub(crate) struct PairCache {
     woken: BTreeMap<PairKey, u32>,
     /// Slots given up and not yet [forgotten](Self::forget_released), where somebody wants to know.
     released: Option<Vec<u32>>,
+    /// Buffer of [`Lookup`].
+    firsts: Vec<u32>,
+    /// Steps until manifolds are looked at.
+    until_tidied: u32,
 }
 
 impl PairCache {
@@ -62,7 +66,14 @@ impl PairCache {
     /// Brings the list of active pairs up to date with edits.
     ///
     /// Each edit touches few pairs of very many: it leaves a mark, and the list is gone through once for all of them.
+    #[inline]
     pub(crate) fn settle(&mut self) {
+        if !self.is_settled() {
+            self.apply_edits();
+        }
+    }
+
+    fn apply_edits(&mut self) {
         if std::mem::take(&mut self.gone) > 0 {
             let pairs = &self.pairs;
             self.active.retain(|&(_, slot)| pairs[slot as usize].active);
@@ -79,8 +90,17 @@ impl PairCache {
     /// step.
     pub(crate) fn tidy(&mut self) -> Option<Vec<u32>> {
         self.settle();
+        let places = self.tidy_slots();
+        self.until_tidied = self.until_tidied.saturating_sub(1);
+        if self.until_tidied == 0 && self.is_large() {
+            self.tidy_manifolds();
+        }
+        places
+    }
+
+    fn tidy_slots(&mut self) -> Option<Vec<u32>> {
         let out_of_order = self.active.windows(2).filter(|two| two[0].1 > two[1].1).count();
-        if self.active.len() < LEAST_TIDIED || out_of_order as f32 <= MOST_OUT_OF_ORDER * self.active.len() as f32 {
+        if !self.is_large() || out_of_order as f32 <= MOST_OUT_OF_ORDER * self.active.len() as f32 {
             return None;
         }
         const NONE: u32 = u32::MAX;
@@ -98,6 +118,63 @@ impl PairCache {
         Some(places)
     }
 
+    /// Lets manifolds lie in memory in the order in which pairs are gone through, as far as they are of one size.
+    ///
+    /// They are asked for one by one as bodies meet, and come from wherever there was room: of a large pile each is a read from far
+    /// memory, half a dozen times a step.
+    fn tidy_manifolds(&mut self) {
+        self.until_tidied = STEPS_UNTIDIED;
+        let mut holders = Vec::new();
+        for kind in [Kind::Point, Kind::One] {
+            if !self.are_out_of_order(kind) {
+                continue;
+            }
+            holders.clear();
+            holders.extend(self.active.iter().map(|&(_, slot)| slot).filter(|&slot| self.get(slot).manifolds.kind() == kind));
+            let address = |slot: u32| self.pairs[slot as usize].manifolds.address();
+            // Of the manifolds in the order of their addresses, which holder has each.
+            let mut by_address: Vec<u32> = (0..holders.len() as u32).collect();
+            by_address.sort_unstable_by_key(|&number| address(holders[number as usize]));
+            let mut rank = vec![0; holders.len()];
+            by_address.iter().zip(0..).for_each(|(&number, place)| rank[number as usize] = place);
+            // Memory goes to the holder of its rank, with what is in it; then that goes back to whose it is.
+            self.permute(&holders, &mut rank, std::mem::swap);
+            self.permute(&holders, &mut by_address, Manifolds::swap_contents);
+        }
+    }
+
+    /// Whether manifolds of a kind are many, and much out of the order in which pairs are gone through.
+    fn are_out_of_order(&self, kind: Kind) -> bool {
+        let (mut count, mut out_of_order, mut last) = (0, 0, 0);
+        for manifolds in
+            self.active.iter().map(|&(_, slot)| &self.get(slot).manifolds).filter(|manifolds| manifolds.kind() == kind)
+        {
+            let address = manifolds.address();
+            count += 1;
+            out_of_order += usize::from(address < last);
+            last = address;
+        }
+        count >= LEAST_TIDIED && out_of_order as f32 > MOST_OUT_OF_ORDER * count as f32
+    }
+
+    /// Moves something of the pairs in the slots `holders` to the holders that `places` says, which is used up.
+    fn permute(&mut self, holders: &[u32], places: &mut [u32], mut swap: impl FnMut(&mut Manifolds, &mut Manifolds)) {
+        for i in 0..holders.len() {
+            while places[i] as usize != i {
+                let place = places[i] as usize;
+                if let Ok([a, b]) = self.pairs.get_disjoint_mut([holders[i] as usize, holders[place] as usize]) {
+                    swap(&mut a.manifolds, &mut b.manifolds);
+                }
+                places.swap(i, place);
+            }
+        }
+    }
+
+    /// Whether there are so many active pairs that where their records lie in memory matters.
+    pub(crate) fn is_large(&self) -> bool {
+        self.active.len() >= LEAST_TIDIED
+    }
+
     fn is_settled(&self) -> bool {
         self.gone == 0 && self.woken.is_empty()
     }
@@ -108,9 +185,18 @@ impl PairCache {
         listed.filter(|&slot| self.get(slot).active).or_else(|| self.woken.get(&key).copied())
     }
 
-    /// Whether a settled list has a pair.
-    pub(crate) fn is_listed(&self, key: &PairKey) -> bool {
-        self.active.binary_search_by_key(key, |&(key, _)| key).is_ok()
+    /// What tells whether a settled list has a pair, for as many shapes as a world has and for questions about the neighbours of
+    /// some of them.
+    pub(crate) fn lookup(&mut self, shapes: usize, asking: usize) -> Lookup<'_> {
+        let is_large = self.is_large();
+        let Self { active, firsts, .. } = self;
+        firsts.clear();
+        if is_large && asking * QUESTIONS_OF_EACH >= active.len() {
+            firsts.resize(shapes + 1, 0);
+            active.iter().for_each(|(key, _)| firsts[key.shapes().0 as usize + 1] += 1);
+            (1..firsts.len()).for_each(|shape| firsts[shape] += firsts[shape - 1]);
+        }
+        Lookup { active, firsts }
     }
 
     /// Gives up an active pair, also between steps.
@@ -267,6 +353,9 @@ impl PairCache {
 const LEAST_TIDIED: usize = 2048;
 const MOST_OUT_OF_ORDER: f32 = 0.2;
 
+/// Steps after which manifolds are looked at: nothing but time depends on where they are.
+const STEPS_UNTIDIED: u32 = 16;
+
 /// Moves every item to its place.
 pub(crate) fn put_in_places<T>(items: &mut [T], places: &[u32]) {
     let mut places = places.to_vec();
@@ -276,6 +365,27 @@ pub(crate) fn put_in_places<T>(items: &mut [T], places: &[u32]) {
             items.swap(i, place);
             places.swap(i, place);
         }
+    }
+}
+
+/// Active pairs that may be gone through once for each shape that asks for its neighbours.
+const QUESTIONS_OF_EACH: usize = 32;
+
+/// What tells whether there is a pair.
+pub(crate) struct Lookup<'a> {
+    active: &'a [(PairKey, u32)],
+    /// Where the pairs of each shape with higher ones begin, if that is known: few are left to search then, and those lie together.
+    firsts: &'a [u32],
+}
+
+impl Lookup<'_> {
+    pub(crate) fn has(&self, key: &PairKey) -> bool {
+        let lower = key.shapes().0 as usize;
+        let places = match self.firsts.get(lower..lower + 2) {
+            Some(range) => range[0] as usize..range[1] as usize,
+            None => 0..self.active.len(),
+        };
+        self.active[places].binary_search_by_key(key, |&(key, _)| key).is_ok()
     }
 }
 

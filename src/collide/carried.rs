@@ -63,6 +63,15 @@ pub(crate) enum Manifolds {
     Any(Box<[CarriedManifold]>),
 }
 
+/// How much memory the manifolds of a pair take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    None,
+    Point,
+    One,
+    Many,
+}
+
 /// A pair has no room for more, see [`Pair`](super::pairs::Pair).
 const _: () = assert!(size_of::<Manifolds>() == 16);
 
@@ -77,6 +86,32 @@ impl Manifolds {
         match lone_point(manifolds) {
             Some(point) => Self::Point(Box::new(point)),
             None => Self::Any(manifolds.into()),
+        }
+    }
+
+    pub(super) fn kind(&self) -> Kind {
+        match self {
+            Self::Point(_) => Kind::Point,
+            Self::Any(manifolds) if manifolds.len() > 1 => Kind::Many,
+            Self::Any(manifolds) if manifolds.len() == 1 => Kind::One,
+            Self::Any(_) => Kind::None,
+        }
+    }
+
+    /// Where in memory they are.
+    pub(super) fn address(&self) -> usize {
+        match self {
+            Self::Point(point) => std::ptr::from_ref(&**point).addr(),
+            Self::Any(manifolds) => manifolds.as_ptr().addr(),
+        }
+    }
+
+    /// Exchanges manifolds of one [`Kind`], but not the memory that they are in.
+    pub(super) fn swap_contents(&mut self, other: &mut Self) {
+        match (self, other) {
+            (Self::Point(a), Self::Point(b)) => std::mem::swap(&mut **a, &mut **b),
+            (Self::Any(a), Self::Any(b)) if a.len() == b.len() => a.swap_with_slice(b),
+            (a, b) => std::mem::swap(a, b),
         }
     }
 

@@ -101,9 +101,12 @@ impl Collider {
 
     /// Pose of another shape in this one's frame.
     pub(crate) fn relative(&self, other: &Self) -> Pose3 {
-        let ((position, rotation), (other_position, other_rotation)) = (self.place, other.place);
-        let inverse = rotation.conjugate();
-        Pose3::from_parts(inverse * (other_position - position).as_vec3(), inverse * other_rotation)
+        relative(self.place, other.place)
+    }
+
+    /// From the centre of mass of its body to the shape's origin (m, world axes).
+    pub(crate) fn offset_on(&self, body: &Body) -> Vec3 {
+        body.rotation * (self.local_pose.position - body.local_center)
     }
 
     /// World position of the shape's origin (m), and its rotation, on a body anywhere.
@@ -146,12 +149,18 @@ impl Collider {
 
 /// What a shape adds to a contact margin at most (m).
 pub(crate) fn own_margin(shape: &Collider) -> f32 {
-    (shape.least_extent.max(0.0) * CONTACT_MARGIN_SHARE).min(MAX_CONTACT_MARGIN)
+    margin_of(shape.least_extent)
 }
 
-/// Distance at which two shapes become contacts even without relative motion (m).
-pub(crate) fn contact_margin(a: &Collider, b: &Collider) -> f32 {
-    own_margin(a).min(own_margin(b))
+/// The same of a shape with this least extent (m).
+pub(super) fn margin_of(least_extent: f32) -> f32 {
+    (least_extent.max(0.0) * CONTACT_MARGIN_SHARE).min(MAX_CONTACT_MARGIN)
+}
+
+/// Pose of one place in the frame of another.
+pub(super) fn relative((position, rotation): (DVec3, Quat), (other_position, other_rotation): (DVec3, Quat)) -> Pose3 {
+    let inverse = rotation.conjugate();
+    Pose3::from_parts(inverse * (other_position - position).as_vec3(), inverse * other_rotation)
 }
 
 fn rounded_down(v: DVec3) -> Vec3 {

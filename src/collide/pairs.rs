@@ -1,26 +1,50 @@
 //! A pair of shapes that may touch, with the contacts it had last.
 
+use std::cmp::Ordering;
+
 use glam::{Mat3, Quat, Vec3};
 use parry3d::math::Pose3;
 
 use super::carried::{Carried, CarriedManifold, Manifolds, near, pressed, touching};
-use super::collider::{Collider, contact_margin};
+use super::collider::{Collider, relative};
 use super::narrow::{self, Manifold, Scratch};
+use super::stance::Stance;
 use crate::body::Body;
+use crate::shape::Shape;
 use crate::solve::contact::ContactImpulses;
 use crate::solve::told::Told;
 
-/// Two shapes' slots, the lower first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) struct PairKey(u64);
+/// Two shapes' slots, the lower first. Beside a pair's slot in a list it takes twelve bytes, where a number of eight would take sixteen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct PairKey {
+    lower: u32,
+    upper: u32,
+}
 
 impl PairKey {
     pub(crate) fn new(a: u32, b: u32) -> Self {
-        Self(u64::from(a.min(b)) << 32 | u64::from(a.max(b)))
+        Self { lower: a.min(b), upper: a.max(b) }
     }
 
     pub(crate) fn shapes(self) -> (u32, u32) {
-        ((self.0 >> 32) as u32, self.0 as u32)
+        (self.lower, self.upper)
+    }
+
+    /// A number that keys go by: compared as one, not as two.
+    fn place(self) -> u64 {
+        u64::from(self.lower) << 32 | u64::from(self.upper)
+    }
+}
+
+impl Ord for PairKey {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.place().cmp(&other.place())
+    }
+}
+
+impl PartialOrd for PairKey {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
     }
 }
 
@@ -135,10 +159,16 @@ impl Pair {
         }
     }
 
-    /// Brings the manifolds up to date with the bodies' poses.
-    pub(crate) fn update(&mut self, a: &Collider, b: &Collider, motion: f32, scratch: &mut PairScratch) {
-        let still = contact_margin(a, b);
-        let relative = a.relative(b);
+    /// Brings the manifolds up to date with the bodies' poses; `shapes` are asked for where they are made anew.
+    pub(crate) fn update<'a>(
+        &mut self,
+        (a, b): (&Stance, &Stance),
+        motion: f32,
+        shapes: impl FnOnce() -> [&'a Shape; 2],
+        scratch: &mut PairScratch,
+    ) {
+        let still = a.contact_margin(b);
+        let relative = relative((a.position, a.rotation), (b.position, b.rotation));
         self.extent = a.least_extent.min(b.least_extent);
         self.updated = !self.still_good(&relative, still + motion, self.extent);
         if self.updated {
@@ -148,9 +178,10 @@ impl Pair {
                 // Nothing moves like that; whatever does is taken out after the step.
                 return self.part();
             }
-            narrow::collide(&a.shape, &b.shape, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
+            let [shape_a, shape_b] = shapes();
+            narrow::collide(shape_a, shape_b, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
             self.take(&scratch.manifolds, &mut scratch.carried);
-            (self.pose, self.margin) = (coarse(&relative, pose_unit(a, b)), margin);
+            (self.pose, self.margin) = (coarse(&relative, pose_unit(self.extent)), margin);
         } else {
             self.manifolds.follow(&relative);
         }
@@ -270,10 +301,11 @@ pub(crate) const TURN_STEP: f32 = 1.0 / 16384.0;
 /// Bits of a margin that are not remembered.
 const LOST_MARGIN_BITS: u32 = 0x1fff;
 
-/// Step of the translation that a pair of these shapes remembers (m), a power of two; the rotation's is [`TURN_STEP`].
-pub(crate) fn pose_unit(a: &Collider, b: &Collider) -> f32 {
+/// Step of the translation that a pair remembers whose shapes have this lesser least extent (m), a power of two; the rotation's is
+/// [`TURN_STEP`].
+pub(crate) fn pose_unit(extent: f32) -> f32 {
     const EXPONENT: u32 = 0x7f80_0000;
-    f32::from_bits(a.least_extent.min(b.least_extent).to_bits() & EXPONENT) * SHIFT_STEP
+    f32::from_bits(extent.to_bits() & EXPONENT) * SHIFT_STEP
 }
 
 /// A pose in steps of `unit` and [`TURN_STEP`].
@@ -317,11 +349,13 @@ pub(crate) struct WorldManifold {
 
 impl WorldManifold {
     pub(crate) fn new(manifold: &Carried, a: (&Collider, &Body), b: (&Collider, &Body)) -> Self {
-        let frame = |(collider, body): (&Collider, &Body)| {
-            let offset = body.rotation * (collider.local_pose.position - body.local_center);
-            (offset, Mat3::from_quat(collider.place.1))
-        };
-        let ((offset_a, rotation_a), (offset_b, rotation_b)) = (frame(a), frame(b));
+        let frame = |(collider, body): (&Collider, &Body)| (collider.offset_on(body), collider.place.1);
+        Self::of(manifold, frame(a), frame(b))
+    }
+
+    /// Of shapes whose origins are so far from the centres of mass (m), and which are turned like this.
+    pub(crate) fn of(manifold: &Carried, (offset_a, turn_a): (Vec3, Quat), (offset_b, turn_b): (Vec3, Quat)) -> Self {
+        let (rotation_a, rotation_b) = (Mat3::from_quat(turn_a), Mat3::from_quat(turn_b));
         let mut world =
             Self { normal: (rotation_a * manifold.normal).normalize(), lever_a: [Vec3::ZERO; 4], lever_b: [Vec3::ZERO; 4] };
         for (i, point) in manifold.points.iter().enumerate() {

@@ -175,8 +175,9 @@ impl Now {
     fn of(key: PairKey, colliders: &Pool<Collider, ShapeId>) -> Option<Self> {
         let (a, b) = key.shapes();
         let (a, b) = (colliders.get(a)?, colliders.get(b)?);
-        let (exact, unit) = (a.relative(b), pose_unit(a, b));
-        Some(Self { exact, coarse: coarse(&exact, unit), unit, least_extent: a.least_extent.min(b.least_extent) })
+        let least_extent = a.least_extent.min(b.least_extent);
+        let (exact, unit) = (a.relative(b), pose_unit(least_extent));
+        Some(Self { exact, coarse: coarse(&exact, unit), unit, least_extent })
     }
 }
 

@@ -3,7 +3,7 @@
 //! Whoever adds a field to one of these types is stopped here by the compiler, and lists it: as stored, or as made anew with the
 //! value that it then gets. The fields of `World` itself are listed in the same way in `world/snapshot.rs`.
 
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Quat};
 use parry3d::bounding_volume::Aabb;
 
 use super::contacts::{FarPose, ManifoldRow, PairRow, PointRow};
@@ -167,9 +167,6 @@ stored!(Body {
     held,
     woke,
     anchored,
-} anew {
-    // The sum of what its contacts carry.
-    contact_force: Vec3::ZERO,
 });
 stored!(BodyDef {
     kind,

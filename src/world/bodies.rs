@@ -23,6 +23,7 @@ impl World {
             return Err(Error::new(ErrorKind::CapacityExceeded, "shapes", "the world holds no more shapes"));
         }
         let (index, id) = self.bodies.insert(Body::new(&def, mass))?;
+        self.index.forget_force(index);
         for shape in &def.shapes {
             self.add_collider(index, shape)?;
         }
@@ -76,7 +77,7 @@ impl World {
         }
         self.forget_contacts_of(index);
         self.forget_joints_of(index);
-        self.bodies[index].history = crate::solve::direct::history::History::NONE;
+        self.bodies[index].history.forget();
         self.refresh_boxes(index);
         self.wake_around(index);
         self.note_mover(index);

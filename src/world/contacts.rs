@@ -80,7 +80,7 @@ impl World {
     pub fn contact_force(&self, body: BodyId) -> Result<Vec3> {
         let index = self.bodies.find(body)?;
         Ok(match self.bodies[index].kind {
-            crate::body::BodyKind::Dynamic => self.bodies[index].contact_force,
+            crate::body::BodyKind::Dynamic => self.index.contact_force(index),
             _ => self.force_on_fixed(index),
         })
     }
@@ -123,7 +123,8 @@ impl World {
 
     /// Gives every body the sum of the forces of its contacts, as after a restore.
     pub(super) fn add_up_contact_forces(&mut self) {
-        let Self { pairs, bodies, colliders, last_substep, .. } = self;
+        let Self { pairs, bodies, colliders, index, last_substep, .. } = self;
+        index.make_room_for_forces(bodies.slot_count());
         let per_substep = if *last_substep > 0.0 { 1.0 / *last_substep } else { 0.0 };
         for pair in pairs.all().filter(|pair| pair.has_points()) {
             let (a, b) = pair.key.shapes();
@@ -133,8 +134,7 @@ impl World {
                 ((rotation * manifold.normal) * normal + manifold.impulses.friction) * per_substep
             };
             let force: Vec3 = pair.manifolds.iter().map(force).sum();
-            bodies[colliders[a].body].contact_force -= force;
-            bodies[colliders[b].body].contact_force += force;
+            index.add_contact(a, b, force);
         }
     }
 

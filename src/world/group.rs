@@ -128,6 +128,9 @@ impl World {
         }
         self.scratch.slots = slots;
         self.settle_movers();
+        // Pairs that have woken are solved in this step.
+        self.pairs.settle();
+        self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
     }
 
     /// Sorts everything awake into islands and batches.

@@ -3,6 +3,15 @@
 //! A pile has ten pairs for each body, and each of its records is hundreds of bytes: a walk that reads one number of each record waits for
 //! memory at most pairs, and the more so the more bodies there are. The arrays here stay in the cache.
 
+use glam::Vec3;
+
+use crate::body::Body;
+use crate::collide::collider::Collider;
+use crate::collide::pairs::PairKey;
+use crate::collide::stance::Stance;
+use crate::id::{BodyId, Pool, ShapeId};
+use crate::room::make_room_behind;
+
 /// A set of slots that is emptied at once.
 #[derive(Debug, Default)]
 pub(super) struct Marks {
@@ -41,20 +50,25 @@ impl Marks {
 pub(super) struct Index {
     /// Body of each shape, by slot.
     bodies: Vec<u32>,
+    /// Net force of the contacts of each body in the last substep, by slot (N): of those that do not move by themselves, nothing.
+    forces: Vec<Vec3>,
     /// Bodies that a step moves, as it begins.
     pub moving: Marks,
     /// Bodies that islands consist of.
     pub free: Marks,
     /// Shapes with another kept box than when pairs were last looked through.
     pub reboxed: Marks,
+    /// Every shape that is in an active pair, by slot, and of which shapes that is known in this step.
+    stances: Vec<Stance>,
+    known: Marks,
     /// Whether pairs have been looked through since the world was made or restored.
     pub is_known: bool,
 }
 
 impl Index {
-    /// An index of a world that was restored, which has shapes of these bodies.
-    pub(super) fn of(shapes: impl Iterator<Item = (u32, u32)>) -> Self {
-        let mut index = Self::default();
+    /// An index of a world that was restored, with so many places for shapes, and shapes of these bodies.
+    pub(super) fn of(places: usize, shapes: impl Iterator<Item = (u32, u32)>) -> Self {
+        let mut index = Self { bodies: vec![u32::MAX; places], ..Self::default() };
         shapes.for_each(|(slot, body)| index.add_shape(slot, body));
         index
     }
@@ -65,6 +79,70 @@ impl Index {
             self.bodies.resize(slot as usize + 1, u32::MAX);
         }
         self.bodies[slot as usize] = body;
+    }
+
+    /// Forgets how shapes stood in the last step, and makes room for so many.
+    pub(super) fn begin_stances(&mut self, shapes: usize) {
+        self.known.begin(shapes);
+        if self.stances.len() < shapes {
+            let more = shapes - self.stances.len();
+            make_room_behind(&mut self.stances, more);
+            self.stances.resize(shapes, Stance::UNKNOWN);
+        }
+    }
+
+    /// Takes note of how a shape stands.
+    pub(super) fn set_stance(&mut self, shape: u32, stance: Stance) {
+        self.known.set(shape);
+        self.stances[shape as usize] = stance;
+    }
+
+    /// Takes note of how the shapes of active pairs stand of which that is not known yet.
+    pub(super) fn add_stances(
+        &mut self,
+        active: &[(PairKey, u32)],
+        colliders: &Pool<Collider, ShapeId>,
+        bodies: &Pool<Body, BodyId>,
+    ) {
+        for (key, _) in active {
+            for shape in <[u32; 2]>::from(key.shapes()) {
+                if !self.known.has(shape) {
+                    let collider = &colliders[shape];
+                    self.set_stance(shape, Stance::of(collider, &bodies[collider.body]));
+                }
+            }
+        }
+    }
+
+    /// How a shape in an active pair stands.
+    pub(super) fn stance(&self, shape: u32) -> &Stance {
+        &self.stances[shape as usize]
+    }
+
+    pub(super) fn make_room_for_forces(&mut self, bodies: usize) {
+        if self.forces.len() < bodies {
+            let more = bodies - self.forces.len();
+            make_room_behind(&mut self.forces, more);
+            self.forces.resize(bodies, Vec3::ZERO);
+        }
+    }
+
+    /// Takes note of the force of a contact of two shapes, as it acts on the second (N).
+    pub(super) fn add_contact(&mut self, a: u32, b: u32, force: Vec3) {
+        let (a, b) = (self.body_of(a) as usize, self.body_of(b) as usize);
+        self.forces[a] -= force;
+        self.forces[b] += force;
+    }
+
+    pub(super) fn forget_force(&mut self, body: u32) {
+        if let Some(force) = self.forces.get_mut(body as usize) {
+            *force = Vec3::ZERO;
+        }
+    }
+
+    /// Net force of the contacts of a body (N).
+    pub(super) fn contact_force(&self, body: u32) -> Vec3 {
+        self.forces.get(body as usize).copied().unwrap_or(Vec3::ZERO)
     }
 
     /// Body of a shape.

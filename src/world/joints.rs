@@ -7,7 +7,6 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId};
 use crate::joint::{Joint, JointDef, JointKind, JointState, Softness};
 use crate::settings::Solver;
-use crate::solve::direct::history::History;
 use crate::solve::joint::{coordinate, gap_of, placement_of};
 
 impl World {
@@ -30,7 +29,7 @@ impl World {
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.push(id);
             // What moved without the joint says nothing about how it will move with it.
-            self.bodies[index].history = History::NONE;
+            self.bodies[index].history.forget();
             self.wake_body(index);
         }
         if let ([Some(a), Some(b)], false) = (bodies, def.collide_connected) {
@@ -62,7 +61,7 @@ impl World {
         self.long_range.graph_changed();
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.retain(|&other| other != joint);
-            self.bodies[index].history = History::NONE;
+            self.bodies[index].history.forget();
             self.wake_body(index);
             // The two may collide from now on.
             for &id in &self.bodies[index].shapes {

@@ -3,6 +3,7 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::World;
+use super::index::Index;
 use super::long_range::BoundRecord;
 use super::unions::{Union, Unions};
 use crate::body::{Body, BodyKind};
@@ -12,6 +13,7 @@ use crate::collide::pairs::WorldManifold;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::{Joint, JointImpulses};
 use crate::long_range::LongRangeDef;
+use crate::material::PairMaterial;
 use crate::room::make_room;
 use crate::settings::Solver;
 use crate::solve::StepSettings;
@@ -53,6 +55,7 @@ const REPLICA: u32 = u32::MAX;
 struct Records<'a> {
     bodies: &'a Pool<Body, BodyId>,
     colliders: &'a Pool<Collider, ShapeId>,
+    index: &'a Index,
     pairs: &'a PairCache,
     joints: &'a Pool<Joint, JointId>,
     bounds: &'a [BoundRecord],
@@ -96,6 +99,7 @@ impl World {
         let records = Records {
             bodies: &self.bodies,
             colliders: &self.colliders,
+            index: &self.index,
             pairs: &self.pairs,
             joints: &self.joints,
             bounds: &self.long_range.records,
@@ -252,9 +256,11 @@ impl Records<'_> {
 
     /// The same where it needs no replica.
     fn known_slot(&self, index: u32) -> Option<u32> {
+        if self.index.free.has(index) {
+            return Some(self.place[index as usize].1);
+        }
         let body = &self.bodies[index];
         match body.acts_as() {
-            BodyKind::Dynamic if body.is_mover() => Some(self.place[index as usize].1),
             BodyKind::Kinematic if body.is_mover() => None,
             _ => Some(WORLD_SLOT),
         }
@@ -270,12 +276,13 @@ impl Records<'_> {
         make_room(&mut ends, batch.manifolds.len());
         let bodies_of = |(slot, _): (u32, u32)| {
             let (a, b) = self.pairs.get(slot).key.shapes();
-            [self.colliders[a].body, self.colliders[b].body]
+            [a, b].map(|shape| self.index.body_of(shape))
         };
         let ends_of = |(slot, manifold): (u32, u32), [a, b]: [u32; 2]| {
             let pair = self.pairs.get(slot);
             let (shape_a, shape_b) = pair.key.shapes();
-            let surface = self.colliders[shape_a].surface_with(&self.colliders[shape_b]);
+            let (shape_a, shape_b) = (self.index.stance(shape_a), self.index.stance(shape_b));
+            let surface = PairMaterial::combine(&shape_a.material, &shape_b.material);
             ContactEnds { a, b, points: pair.manifolds.get(manifold as usize).points.len() as u8, is_plain: surface.is_plain() }
         };
         if threads.has_team() {
@@ -310,10 +317,9 @@ impl Records<'_> {
         let pair = self.pairs.get(slot);
         let carried = pair.manifolds.get(manifold as usize);
         let (a, b) = pair.key.shapes();
-        let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
-        let bodies = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
-        let world = WorldManifold::new(&carried, (shape_a, bodies.0), (shape_b, bodies.1));
-        let [shift_a, shift_b] = [shape_a.body, shape_b.body].map(|index| self.arm(index));
+        let (a, b) = (self.index.stance(a), self.index.stance(b));
+        let world = WorldManifold::of(&carried, a.frame(), b.frame());
+        let [shift_a, shift_b] = [a.body, b.body].map(|index| self.arm(index));
         ContactInput {
             a: ends.a,
             b: ends.b,
@@ -322,7 +328,7 @@ impl Records<'_> {
             lever_b: world.lever_b.map(|lever| lever + shift_b),
             separation: std::array::from_fn(|i| carried.points.get(i).map_or(0.0, |point| point.separation)),
             count: ends.points as usize,
-            material: shape_a.surface_with(shape_b),
+            material: PairMaterial::combine(&a.material, &b.material),
             impulses: carried.impulses.scaled(self.impulse_scale),
         }
     }

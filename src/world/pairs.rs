@@ -10,6 +10,7 @@ use crate::collide::broad::still_near;
 use crate::collide::cache::Fate;
 use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::{Pair, PairKey, PairScratch, WorldManifold};
+use crate::collide::stance::Stance;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
 use crate::report::{Contact, Hit};
@@ -30,6 +31,8 @@ impl World {
     pub(super) fn find_pairs(&mut self, dt: f32) {
         let gravity = self.def.gravity.length();
         self.index.moving.begin(self.bodies.slot_count());
+        self.index.begin_stances(self.colliders.slot_count());
+        let most_are_in_pairs = self.pairs.is_large();
         for &index in &self.movers {
             let body = &self.bodies[index];
             self.index.moving.set(index);
@@ -48,11 +51,17 @@ impl World {
                     self.index.reboxed.set(shape);
                     self.broad.revisit(shape);
                 }
+                if most_are_in_pairs {
+                    self.index.set_stance(shape, Stance::of(collider, body));
+                }
             }
         }
         self.drop_distant_pairs();
         self.add_new_pairs();
         self.tidy_pairs();
+        if !self.pairs.active().is_empty() {
+            self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
+        }
     }
 
     /// Keeps pairs in memory in the order in which they are gone through.
@@ -74,8 +83,11 @@ impl World {
                 return Fate::Stay;
             }
             let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
-            let moves = bodies[shape_a.body].is_mover() || bodies[shape_b.body].is_mover();
-            if moves && still_near(&shape_a.fat_box, &shape_b.fat_box) && !unions.same(shape_a.body, shape_b.body) {
+            let moves = |body: u32| index.moving.has(body) || bodies[body].is_mover();
+            if (moves(shape_a.body) || moves(shape_b.body))
+                && still_near(&shape_a.fat_box, &shape_b.fat_box)
+                && !unions.same(shape_a.body, shape_b.body)
+            {
                 return Fate::Stay;
             }
             if pairs[slot as usize].in_contact {
@@ -88,16 +100,17 @@ impl World {
     }
 
     fn add_new_pairs(&mut self) {
-        let Self { broad, colliders, bodies, joints, unions, pairs, scratch, threads, .. } = self;
+        let Self { broad, colliders, bodies, joints, unions, pairs, index, scratch, threads, .. } = self;
         scratch.candidates.clear();
         pairs.settle();
+        let listed = pairs.lookup(colliders.slot_count(), broad.changed().len());
         broad.refresh(
             threads,
             |shape| colliders.get(shape).and_then(|collider| collider.fat_box),
-            |shape| colliders.get(shape).and_then(|collider| unions.number_of(collider.body)),
+            |shape| unions.number_of(index.body_of(shape)),
             |key| {
                 let (a, b) = key.shapes();
-                !pairs.is_listed(key) && may_collide(&colliders[a], &colliders[b], bodies, joints, unions)
+                !listed.has(key) && may_collide(&colliders[a], &colliders[b], bodies, joints, unions)
             },
             &mut scratch.candidates,
         );
@@ -112,23 +125,22 @@ impl World {
 
     /// Makes or follows the contacts of every active pair.
     pub(super) fn update_contacts(&mut self, dt: f32) {
-        let Self { pairs, colliders, bodies, scratch, threads, def, report, .. } = self;
+        let Self { pairs, colliders, index, scratch, threads, def, report, .. } = self;
         let active = pairs.active().len();
+        let shape = |slot: u32| &colliders[slot].shape;
         let update = |pair: &mut Pair, scratch: &mut PairScratch| {
             let (a, b) = pair.key.shapes();
-            let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
-            let (body_a, body_b) = (&bodies[shape_a.body], &bodies[shape_b.body]);
-            // What is held has not moved since its contacts were made.
-            pair.still = (body_a.held || !body_a.is_mover()) && (body_b.held || !body_b.is_mover());
+            let stances = (index.stance(a), index.stance(b));
+            pair.still = stances.0.still && stances.1.still;
             if pair.still {
                 pair.updated = false;
                 return;
             }
-            if !shape_a.tight_box.intersects(&shape_b.tight_box) {
+            if !stances.0.tight_box.intersects(&stances.1.tight_box) {
                 return pair.part();
             }
-            let motion = relative_motion((shape_a, body_a), (shape_b, body_b), def.gravity, dt);
-            pair.update(shape_a, shape_b, motion, scratch);
+            let motion = stances.0.motion_against(stances.1, def.gravity, dt);
+            pair.update(stances, motion, || [shape(a), shape(b)], scratch);
         };
         if threads.is_alone() || active < MIN_PARALLEL_PAIRS {
             scratch.pairs.resize_with(scratch.pairs.len().max(1), PairScratch::default);
@@ -209,14 +221,6 @@ fn approach(pair: &Pair, colliders: &Pool<Collider, ShapeId>, bodies: &Pool<Body
         }
     }
     greatest
-}
-
-/// How far two shapes can move against each other in a step (m).
-fn relative_motion(a: (&Collider, &Body), b: (&Collider, &Body), gravity: glam::Vec3, dt: f32) -> f32 {
-    let fall = |body: &Body| if body.is_free() && body.is_mover() { body.gravity_scale } else { 0.0 };
-    let closing = b.1.linear_velocity - a.1.linear_velocity + gravity * ((fall(b.1) - fall(a.1)) * dt);
-    let turning = |(collider, body): (&Collider, &Body)| body.angular_velocity.length() * collider.reach;
-    (closing.length() + turning(a) + turning(b)) * dt
 }
 
 /// Whether a pair of shapes belongs among the active pairs.

@@ -11,7 +11,6 @@ use crate::mass;
 use crate::pose::Pose;
 use crate::settings::{ArticulationSettings, SleepSettings, WorldDef};
 use crate::shape::ShapeDef;
-use crate::solve::direct::history::History;
 
 impl World {
     /// The shape's definition as it is now.
@@ -79,14 +78,16 @@ impl World {
         self.forget_joints_of(index);
         let record = &mut self.bodies[index];
         record.kind = kind;
-        (record.target, record.driven, record.history, record.age) = (None, false, History::NONE, 0);
+        (record.target, record.driven, record.age) = (None, false, 0);
+        record.history.forget();
         if kind == BodyKind::Static {
             (record.linear_velocity, record.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
         }
         if kind != BodyKind::Dynamic {
             (record.force, record.torque) = (Vec3::ZERO, Vec3::ZERO);
-            (record.contact_force, record.held) = (Vec3::ZERO, false);
+            record.held = false;
         }
+        self.index.forget_force(index);
         self.apply_mass(index, mass);
         self.topology_changed();
         self.long_range.graph_changed();
@@ -138,7 +139,7 @@ impl World {
         self.topology_changed();
         self.long_range.graph_changed();
         for index in self.joints[slot].bodies.into_iter().flatten() {
-            self.bodies[index].history = History::NONE;
+            self.bodies[index].history.forget();
             self.wake_body(index);
         }
         Ok(())

@@ -195,11 +195,11 @@ impl World {
         self.restart_long_range(row.bounds_stale, &bounds, row.asked_bounds);
         self.fracture = Fracture::restored(row.asked_fractures);
         self.report = report;
+        self.index = Index::of(self.colliders.slot_count(), self.colliders.iter().map(|(slot, collider)| (slot, collider.body)));
         self.add_up_contact_forces();
         self.broken.clear();
         self.batch_count = 0;
         self.groups.forget();
-        self.index = Index::of(self.colliders.iter().map(|(slot, collider)| (slot, collider.body)));
         self.forget_escaped();
         self.sensing = Sensing::of(&self.colliders, row.sensed);
         self.restart_support(&row.said_supported.0, row.watched);

@@ -61,7 +61,8 @@ impl World {
         let mut broken = std::mem::take(&mut self.scratch.slots);
         broken.clear();
         let calm_speed = self.calm_speed(dt);
-        let Self { batches, bodies, colliders, unions, scratch, .. } = self;
+        let Self { batches, bodies, colliders, unions, index: places, scratch, .. } = self;
+        places.make_room_for_forces(bodies.slot_count());
         let batch = &batches[number];
         for slot in 1..batch.bodies.len() {
             let index = batch.bodies[slot];
@@ -80,7 +81,8 @@ impl World {
             };
             for &member in members {
                 let body = &mut bodies[member];
-                (body.force, body.torque, body.contact_force) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+                (body.force, body.torque) = (Vec3::ZERO, Vec3::ZERO);
+                places.forget_force(member);
             }
             let finite = motion.displacement.is_finite()
                 && (motion.rotation.length_squared() - 1.0).abs() < ROTATION_TOLERANCE
@@ -106,7 +108,7 @@ impl World {
                 };
                 (body.center, body.rotation) = (own.center, own.rotation);
                 (body.linear_velocity, body.angular_velocity) = (own.linear, own.angular);
-                body.history = History::NONE;
+                body.history.forget();
                 let mut reach = 0.0_f32;
                 for &id in &body.shapes {
                     if let Ok(shape) = colliders.find(id) {
@@ -124,13 +126,13 @@ impl World {
             }
         }
         for (slot, lead) in batch.leads.told.iter().enumerate().filter_map(|(slot, lead)| Some((slot, (*lead)?))) {
-            bodies[batch.bodies[slot]].history = History::leading(lead);
+            bodies[batch.bodies[slot]].history.set(History::leading(lead));
         }
         for (slot, history) in batch.direct.histories() {
-            bodies[batch.bodies[slot as usize]].history = *history;
+            bodies[batch.bodies[slot as usize]].history.set(*history);
         }
         for (slot, steps) in batch.direct.swept_steps() {
-            bodies[batch.bodies[slot as usize]].history.swept_steps = steps;
+            bodies[batch.bodies[slot as usize]].history.set_swept_steps(steps);
         }
         self.broken.append(&mut broken);
         self.scratch.slots = broken;
@@ -138,7 +140,7 @@ impl World {
 
     fn store_contacts(&mut self, number: usize, dt: f32) {
         let substep = dt / self.def.substeps as f32;
-        let Self { batches, pairs, colliders, bodies, support, .. } = self;
+        let Self { batches, pairs, index, support, .. } = self;
         let is_judged = support.as_ref().is_some_and(|support| support.is_awake());
         let batch = &batches[number];
         for (i, &(slot, manifold)) in batch.manifolds.iter().enumerate() {
@@ -164,8 +166,7 @@ impl World {
             let (a, b) = pair.key.shapes();
             let normal = batch.contact_normal(i);
             let force = (normal * (pressed + rebound) + impulses.friction) / substep;
-            bodies[colliders[a].body].contact_force -= force;
-            bodies[colliders[b].body].contact_force += force;
+            index.add_contact(a, b, force);
         }
     }
 

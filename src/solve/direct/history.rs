@@ -30,6 +30,7 @@
 
 use glam::{DQuat, DVec3, Vec3};
 
+use crate::snapshot::stored::{Reader, Stored, Writer};
 use crate::solve::joint::rows::Rate;
 use crate::solve::lead::Twist;
 
@@ -162,6 +163,56 @@ impl History {
         let jerk = if self.jerk == Vec3::ZERO { found } else { known + (found - known) * (h / dt).min(1.0) };
         self.jerk = jerk.as_vec3();
         jerk
+    }
+}
+
+/// The last substep of a body, in room of its own: most bodies never have one to keep.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Past(Option<Box<History>>);
+
+impl Past {
+    pub(crate) fn get(&self) -> History {
+        self.0.as_deref().copied().unwrap_or(History::NONE)
+    }
+
+    pub(crate) fn lead(&self) -> Option<Twist> {
+        self.0.as_ref()?.lead()
+    }
+
+    pub(crate) fn set(&mut self, history: History) {
+        match &mut self.0 {
+            Some(kept) => **kept = history,
+            None => self.0 = Some(Box::new(history)),
+        }
+    }
+
+    pub(crate) fn set_swept_steps(&mut self, steps: u32) {
+        self.set(History { swept_steps: steps, ..self.get() });
+    }
+
+    /// Forgets everything; the room is kept, for a step that is to come.
+    pub(crate) fn forget(&mut self) {
+        if let Some(kept) = &mut self.0 {
+            **kept = History::NONE;
+        }
+    }
+
+    pub(crate) fn forget_lead(&mut self) {
+        if let Some(kept) = &mut self.0 {
+            kept.forget_lead();
+        }
+    }
+}
+
+impl Stored for Past {
+    fn put(&self, out: &mut Writer) {
+        self.get().put(out);
+    }
+    fn take(input: &mut Reader) -> Option<Self> {
+        let before = input.words;
+        let history = History::take(input)?;
+        let is_known = before[..before.len() - input.words.len()].iter().any(|&word| word != 0);
+        Some(Self(is_known.then(|| Box::new(history))))
     }
 }
 

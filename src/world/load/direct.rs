@@ -25,7 +25,7 @@ impl BatchRecords for Within<'_> {
     fn body(&self, slot: u32) -> (DVec3, History) {
         let index = self.bodies[slot as usize];
         let body = &self.world.bodies[index];
-        (self.world.unions.moving(index).map_or(body.center, |union| union.motion.center), body.history)
+        (self.world.unions.moving(index).map_or(body.center, |union| union.motion.center), body.history.get())
     }
 
     fn curvature(&self, contact: u32, of_b: bool) -> Option<([DMat3; 2], f64)> {

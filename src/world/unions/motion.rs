@@ -4,7 +4,6 @@ use glam::Vec3;
 
 use super::{Anchor, Place, Unions, shapes_follow};
 use crate::body::{Anchored, Body};
-use crate::solve::direct::history::History;
 use crate::span::union::loads::Wrench;
 use crate::span::union::matching::{Loose, fit_velocity};
 use crate::span::union::{UnionMotion, inertia_of};
@@ -21,7 +20,7 @@ impl World {
         let center = self.bodies[lead].center - (rotation * place.offset).as_dvec3();
         let motion = UnionMotion { center, rotation, ..UnionMotion::ORIGIN };
         for index in union.members.clone() {
-            self.bodies[index].history = History::NONE;
+            self.bodies[index].history.forget();
         }
         if let Some(union) = self.unions.of_mut(lead) {
             union.motion = motion;

@@ -1,0 +1,85 @@
+//! A shape and its body in this step, in what contacts ask of them.
+//!
+//! A pile has ten pairs for each body. Each asks for a few numbers of two shapes and two bodies, records of hundreds of bytes of which
+//! a large pile has more than the cache holds; these are two lines of it, and the first alone says that boxes do not meet.
+
+use glam::{DVec3, Quat, Vec3};
+use parry3d::bounding_volume::Aabb;
+
+use super::collider::{Collider, margin_of};
+use crate::body::Body;
+use crate::material::Material;
+
+/// Copies of what [`Collider`] and [`Body`] have when contacts are brought up to date.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct Stance {
+    pub tight_box: Aabb,
+    pub body: u32,
+    pub least_extent: f32,
+    /// World position of the shape's origin (m).
+    pub position: DVec3,
+    /// Speed at which the farthest point of the shape turns (m/s).
+    turning: f32,
+    /// Factor on gravity; zero for what it does not pull.
+    fall: f32,
+    pub rotation: Quat,
+    velocity: Vec3,
+    /// From the body's centre of mass to the shape's origin (m, world axes).
+    offset: Vec3,
+    pub material: Material,
+    /// Whether nothing has moved the body since its contacts were made, or can.
+    pub still: bool,
+}
+
+const _: () = assert!(size_of::<Stance>() == 128);
+
+impl Stance {
+    /// In place of one that nobody has asked for yet.
+    pub(crate) const UNKNOWN: Self = Self {
+        tight_box: Aabb { mins: Vec3::ZERO, maxs: Vec3::ZERO },
+        body: u32::MAX,
+        least_extent: 0.0,
+        position: DVec3::ZERO,
+        turning: 0.0,
+        fall: 0.0,
+        rotation: Quat::IDENTITY,
+        velocity: Vec3::ZERO,
+        offset: Vec3::ZERO,
+        material: Material::PLAIN,
+        still: true,
+    };
+
+    pub(crate) fn of(shape: &Collider, body: &Body) -> Self {
+        let is_mover = body.is_mover();
+        Self {
+            tight_box: shape.tight_box,
+            body: shape.body,
+            least_extent: shape.least_extent,
+            position: shape.place.0,
+            turning: body.angular_velocity.length() * shape.reach,
+            fall: if body.is_free() && is_mover { body.gravity_scale } else { 0.0 },
+            rotation: shape.place.1,
+            velocity: body.linear_velocity,
+            offset: shape.offset_on(body),
+            material: shape.material,
+            still: body.held || !is_mover,
+        }
+    }
+
+    /// How far two shapes can move against each other in a step (m).
+    pub(crate) fn motion_against(&self, other: &Self, gravity: Vec3, dt: f32) -> f32 {
+        let closing = other.velocity - self.velocity + gravity * ((other.fall - self.fall) * dt);
+        (closing.length() + self.turning + other.turning) * dt
+    }
+
+    /// Distance at which two shapes become contacts even without relative motion (m).
+    pub(crate) fn contact_margin(&self, other: &Self) -> f32 {
+        margin_of(self.least_extent).min(margin_of(other.least_extent))
+    }
+
+    /// From the centre of mass to the shape's origin (m), and how the shape is turned.
+    pub(crate) fn frame(&self) -> (Vec3, Quat) {
+        (self.offset, self.rotation)
+    }
+}
