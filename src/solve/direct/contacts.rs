@@ -10,8 +10,9 @@
 use glam::{DMat3, DVec3};
 
 use super::curved::{Curved, Spot, change};
+use super::grip::{FRICTION_ROWS, Grip};
 use super::history::rotation_vector;
-use super::system::{FRICTION_ROWS, Grip, System};
+use super::system::System;
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
 use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;

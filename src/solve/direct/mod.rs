@@ -33,6 +33,7 @@ mod curved;
 mod effort;
 pub(crate) mod factor;
 mod fours;
+mod grip;
 mod guard;
 pub(crate) mod history;
 mod lasting;
