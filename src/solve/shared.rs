@@ -43,6 +43,7 @@ impl<'a, T: Copy> Shared<'a, T> {
     /// Of these slots, so many after the world's are those of bodies that move.
     pub(crate) fn new(array: &'a mut [T], moving: usize) -> Self {
         let (count, spare) = (array.len(), array[0]);
+        assert!(moving < count, "the world's slot comes before those of bodies that move");
         Self { first: NonNull::from(array).cast(), count, moving, spare, array: PhantomData }
     }
 
@@ -67,8 +68,8 @@ pub(crate) struct Hand<'a, T> {
 impl<'a, T: Copy> Hand<'a, T> {
     /// The only hand on an array; see [`Shared::new`].
     pub(crate) fn alone(array: &'a mut [T], moving: usize) -> Self {
-        let (count, spare) = (array.len(), array[0]);
-        Self { first: NonNull::from(array).cast(), count, moving, spare, array: PhantomData }
+        let Shared { first, count, moving, spare, .. } = Shared::new(array, moving);
+        Self { first, count, moving, spare, array: PhantomData }
     }
 }
 
@@ -83,13 +84,10 @@ impl<T> Slots<T> for Hand<'_, T> {
 
     #[inline(always)]
     fn get_mut(&mut self, slot: u32) -> &mut T {
-        assert!((slot as usize) < self.count);
-        if (slot as usize).wrapping_sub(1) < self.moving {
-            // SAFETY: as in `get`, and of a moving body nobody else reads either.
-            unsafe { self.first.add(slot as usize).as_mut() }
-        } else {
-            &mut self.spare
-        }
+        let moves = (slot as usize).wrapping_sub(1) < self.moving;
+        // SAFETY: the slots of moving bodies are within the array, as `Shared::new` has made sure; of those nobody else reads or writes any
+        // meanwhile, by the promise of `Shared::hand`.
+        unsafe { if moves { self.first.add(slot as usize) } else { NonNull::from(&mut self.spare) }.as_mut() }
     }
 }
 
