@@ -399,3 +399,50 @@ pub(crate) enum Fate {
     /// Is given up.
     Drop,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collide::carried::CarriedManifold;
+    use crate::collide::narrow::Manifold;
+
+    const COUNT: u32 = 2 * LEAST_TIDIED as u32;
+
+    /// Pairs of neighbours, every other one with a manifold of one point, the others of two: each manifold says whose it is.
+    fn large() -> PairCache {
+        let mut pairs: Vec<Pair> = (0..2 * COUNT).map(|shape| Pair::new(PairKey::new(shape, shape + 1))).collect();
+        // Asked for far from the order of the pairs.
+        for number in 0..2 * COUNT {
+            let shape = number * 3 % (2 * COUNT);
+            let mut geometry = Manifold { count: 1 + (shape % 2) as u8, ..Manifold::default() };
+            geometry.points[0].feature = shape;
+            pairs[shape as usize].manifolds = Manifolds::of(&[CarriedManifold { geometry, impulses: Default::default() }]);
+        }
+        PairCache::from_parts(pairs, Vec::new()).expect("sorted")
+    }
+
+    #[test]
+    fn manifolds_are_tidied_and_stay_with_their_pairs() {
+        let mut cache = large();
+        assert!([Kind::Point, Kind::One].iter().all(|&kind| cache.are_out_of_order(kind)), "the test begins in disorder");
+        assert_eq!(cache.tidy(), None, "slots are in order already");
+        assert!([Kind::Point, Kind::One].iter().all(|&kind| !cache.are_out_of_order(kind)));
+        for &(key, slot) in cache.active() {
+            let (shape, _) = key.shapes();
+            let points = cache.get(slot).manifolds.get(0).points;
+            assert_eq!((points[0].feature, points.len()), (shape, 1 + shape as usize % 2));
+        }
+    }
+
+    #[test]
+    fn a_lookup_knows_what_is_listed_whoever_asks() {
+        let mut cache = large();
+        for asking in [0, COUNT as usize] {
+            let lookup = cache.lookup(2 * COUNT as usize + 1, asking);
+            for shape in 0..2 * COUNT {
+                assert!(lookup.has(&PairKey::new(shape, shape + 1)));
+                assert!(!lookup.has(&PairKey::new(shape, shape + 2)));
+            }
+        }
+    }
+}

@@ -126,11 +126,14 @@ impl World {
         for &body in &slots {
             self.wake_body(body);
         }
+        let has_woken = !slots.is_empty();
         self.scratch.slots = slots;
         self.settle_movers();
-        // Pairs that have woken are solved in this step.
-        self.pairs.settle();
-        self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
+        if has_woken {
+            // Pairs that have woken are solved in this step.
+            self.pairs.settle();
+            self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
+        }
     }
 
     /// Sorts everything awake into islands and batches.
