@@ -10,7 +10,8 @@
 use glam::DVec3;
 
 use super::articulation::{Articulation, Mode};
-use super::lasting::{Lasting, Settling};
+use super::lasting::{Lasting, MENDINGS, Settling};
+use super::project::Errors;
 use super::quads;
 use super::row::Origin;
 use super::system::Node;
@@ -220,11 +221,14 @@ impl Articulation {
         motions: &mut [BodyMotion],
         is_end: bool,
     ) {
-        let Some(settling) = self.begin_settling(joints, velocities, motions, is_end) else { return };
-        if settling.mends {
-            self.solve_lasting();
+        let Some(mut settling) = self.begin_settling(joints, velocities, motions, is_end) else { return };
+        for round in 1..=MENDINGS {
+            if settling.mends {
+                self.solve_lasting();
+                self.mend_with_lasting_rows(joints, &mut settling, round < MENDINGS);
+            }
         }
-        self.end_settling(joints, motions, settling);
+        self.end_settling(joints, motions, settling.errors);
     }
 
     /// Finds the errors that positions have, unless they are left for the end of the step.
@@ -240,19 +244,19 @@ impl Articulation {
         }
         self.hand_back_impulses();
         self.load(velocities, motions);
-        let lasts = self.lasting == Lasting::Good && (self.system.is_factored || self.system.is_abreast);
+        // Built are empty where rows of this kind cannot, or where others have taken their place.
+        let has_rows = !self.built.is_empty() && (self.system.is_factored || self.system.is_abreast);
         if self.lasting != Lasting::Never {
             self.lasting = Lasting::No;
         }
-        Some(match lasts {
-            true => self.ask_lasting_rows(joints),
+        Some(match has_rows {
+            true => self.ask_lasting_rows(joints, self.least_to_mend()),
             false => Settling { errors: self.find_errors(joints), mends: false },
         })
     }
 
-    /// Ends it once lasting rows that mend them have been solved.
-    pub(super) fn end_settling(&mut self, joints: &Pool<Joint, JointId>, motions: &mut [BodyMotion], settling: Settling) {
-        let errors = if settling.mends { self.mend_with_lasting_rows(settling.errors) } else { settling.errors };
+    /// Takes out what lasting rows have left, and moves the bodies.
+    pub(super) fn end_settling(&mut self, joints: &Pool<Joint, JointId>, motions: &mut [BodyMotion], errors: Errors) {
         self.project(joints, errors);
         for (body, stance) in self.bodies.iter().zip(&self.stances) {
             if body.is_dynamic() {

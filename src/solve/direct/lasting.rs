@@ -10,9 +10,9 @@
 //!   most of which is given back as its gradient is that of halfway;
 //! - no joint's force is so great that its geometric stiffness matters, κ below [`LASTING_STIFFNESS`]: that would have to follow it.
 //!
-//! While they last positions are not looked at either, until the end of the step. Errors are taken out then with the factor of the
-//! same rows, stops that press and motors that hold among them; what that cannot mend, a stop that is overrun without pressing, is left to
-//! rows built anew.
+//! While they last positions are not looked at either, until the end of the step. Errors are taken out then, and after each substep in
+//! which a body has turned too far, with the factor of the same rows, stops that press and motors that hold among them; what that cannot
+//! mend, a stop that is overrun without pressing, is left to rows built anew.
 
 use glam::{DVec3, Vec3};
 
@@ -37,6 +37,10 @@ const LASTING_STIFFNESS: f64 = 0.5;
 /// the error's square.
 const NEGLIGIBLE: f64 = 1.0e-4;
 const LINEAR: f64 = 0.05;
+
+/// Times that they mend them at most, and share of an error that may be left for them to go on.
+pub(super) const MENDINGS: usize = 2;
+const MUST_FALL: f64 = 0.3;
 
 /// Whether rows last for a substep, and what for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -86,13 +90,16 @@ impl Articulation {
     pub(super) fn look_ahead(&mut self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion], rest: f64) {
         self.built.clear();
         self.predicted.clear();
-        if self.lasting == Lasting::Never || !self.is_lasting_kind(joints) {
+        if !self.is_lasting_kind(joints) {
             return;
         }
-        self.lasting = Lasting::Built;
         self.followed.clear();
         self.followed.extend(self.bodies.iter().map(|body| way_of(&motions[body.slot as usize])));
         self.built.extend(self.followed.iter().map(|[_, turn]| *turn));
+        if self.lasting == Lasting::Never {
+            return;
+        }
+        self.lasting = Lasting::Built;
         let most = f64::from(LASTING_TURN) / rest;
         if self.rates.iter().all(|rate| rate.angular.length_squared() <= most * most) {
             let h = 0.5 * (rest - self.h);
@@ -134,8 +141,9 @@ impl Articulation {
         self.lasting = Lasting::Built;
     }
 
-    /// Finds the errors of the positions, and asks the rows of the last substep to take them out where they are such as those can mend.
-    pub(super) fn ask_lasting_rows(&mut self, joints: &Pool<Joint, JointId>) -> Settling {
+    /// Finds the errors of the positions, and asks the rows of the last substep to take them out where they are such as those can mend,
+    /// and more than `least` (m).
+    pub(super) fn ask_lasting_rows(&mut self, joints: &Pool<Joint, JointId>, least: f64) -> Settling {
         let mut errors = Errors::NONE;
         for number in 0..self.entries.len() {
             let [point, direction] = self.biases_of(number, joints);
@@ -143,7 +151,12 @@ impl Articulation {
             self.system.take_errors(number, point, direction, &self.asked);
         }
         errors.judge(self.size);
-        Settling { errors, mends: (NEGLIGIBLE * self.size..LINEAR * self.size).contains(&errors.worst) }
+        Settling { errors, mends: (least..LINEAR * self.size).contains(&errors.worst) }
+    }
+
+    /// Least error that lasting rows are asked to mend (m).
+    pub(super) fn least_to_mend(&self) -> f64 {
+        NEGLIGIBLE * self.size
     }
 
     /// Solves the rows of the last substep for what they have been asked for.
@@ -153,8 +166,10 @@ impl Articulation {
         self.system.solve_lasting(&self.topology, &self.bodies, &mut self.changes);
     }
 
-    /// Moves the bodies by what that solve has found; returns the errors that are left.
-    pub(super) fn mend_with_lasting_rows(&mut self, errors: Errors) -> Errors {
+    /// Moves the bodies by what that solve has found, unless it leaves more than there was; what it leaves that is still noticeable the
+    /// rows are asked for once more where they may be.
+    pub(super) fn mend_with_lasting_rows(&mut self, joints: &Pool<Joint, JointId>, settling: &mut Settling, again: bool) {
+        settling.mends = false;
         self.tried.clone_from(&self.stances);
         for ((body, stance), change) in self.bodies.iter().zip(&mut self.stances).zip(&self.changes) {
             body.displace(stance, change, 1.0);
@@ -162,11 +177,15 @@ impl Articulation {
         // Points show by how much the rows have been off; directions are as near.
         let mut left = Errors { gap: self.widest_gap(), angle: self.system.overrun(&self.changes), ..Errors::NONE };
         left.judge(self.size);
-        if left.worst < errors.worst {
-            return left;
+        if left.worst >= settling.errors.worst {
+            self.stances.clone_from(&self.tried);
+            return;
         }
-        self.stances.clone_from(&self.tried);
-        errors
+        let (good, falls) = (self.good_enough(), left.worst < MUST_FALL * settling.errors.worst);
+        settling.errors = left;
+        if again && falls && left.worst > good {
+            *settling = self.ask_lasting_rows(joints, good);
+        }
     }
 
     /// Whether it has the joints of another, between the same of its bodies, so that their systems have one structure.

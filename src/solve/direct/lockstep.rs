@@ -8,7 +8,7 @@
 use super::abreast::{self, Abreast};
 use super::articulation::Articulation;
 use super::body::DirectBody;
-use super::lasting::Settling;
+use super::lasting::{MENDINGS, Settling};
 use super::row::{Row, State};
 use super::system::{PASSES, System, Topology};
 use crate::id::{JointId, Pool};
@@ -152,35 +152,50 @@ impl Lockstep {
         motions: &mut [BodyMotion],
         is_end: bool,
     ) {
-        let (mut settling, mut lanes) = ([None::<Settling>; ABREAST], [false; ABREAST]);
-        for lane in 0..self.members.len() {
+        let mut settling = [None::<Settling>; ABREAST];
+        for (settling, &member) in settling.iter_mut().zip(&self.members) {
+            *settling = articulations[member as usize].begin_settling(joints, velocities, motions, is_end);
+        }
+        for round in 1..=MENDINGS {
+            self.mend(articulations, joints, &mut settling, round < MENDINGS);
+        }
+        for (&member, settling) in self.members.iter().zip(settling) {
+            if let Some(settling) = settling {
+                articulations[member as usize].end_settling(joints, motions, settling.errors);
+            }
+        }
+    }
+
+    /// Has lasting rows mend the positions of those members that ask for it; `again` where they may ask once more.
+    fn mend(
+        &mut self,
+        articulations: &mut [Articulation],
+        joints: &Pool<Joint, JointId>,
+        settling: &mut [Option<Settling>; ABREAST],
+        again: bool,
+    ) {
+        let mut lanes = [false; ABREAST];
+        for lane in (0..self.members.len()).filter(|&lane| settling[lane].is_some_and(|settling| settling.mends)) {
             let own = &mut articulations[self.members[lane] as usize];
-            settling[lane] = own.begin_settling(joints, velocities, motions, is_end);
-            let mends = settling[lane].is_some_and(|settling| settling.mends);
-            if mends && own.system.is_abreast {
-                self.take_biases(lane, &own.system);
-                lanes[lane] = true;
-            } else if mends {
-                own.solve_lasting();
+            lanes[lane] = own.system.is_abreast;
+            match lanes[lane] {
+                true => self.take_biases(lane, &own.system),
+                false => own.solve_lasting(),
             }
         }
         if lanes != [false; ABREAST] {
             self.abreast.impulse.fill([0.0; ABREAST]);
             self.abreast.rates.fill([[0.0; ABREAST]; 6]);
             self.solve(articulations, lanes);
-            for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
-                let own = &mut articulations[self.members[lane] as usize];
+        }
+        for (lane, settling) in settling.iter_mut().enumerate() {
+            let Some(settling) = settling.as_mut().filter(|settling| settling.mends) else { continue };
+            let own = &mut articulations[self.members[lane] as usize];
+            if lanes[lane] {
                 own.changes.clear();
                 own.changes.extend(self.abreast.rates.iter().map(|rate| rate_of(rate, lane)));
             }
-        }
-        for (&member, settling) in self.members.iter().zip(settling) {
-            if let Some(settling) = settling {
-                // What is abreast are displacements from here on.
-                let own = &mut articulations[member as usize];
-                own.system.is_abreast = false;
-                own.end_settling(joints, motions, settling);
-            }
+            own.mend_with_lasting_rows(joints, settling, again);
         }
     }
 

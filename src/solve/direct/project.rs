@@ -243,6 +243,7 @@ impl Articulation {
             self.points.solve(&self.topology, &self.bodies, &mut self.changes);
             return;
         }
+        self.built.clear();
         self.build_rows(joints, Phase::Position { most: f64::INFINITY });
         self.system.begin_projection(most, MOST_ANGLE);
         self.system.begin(&self.bodies);
@@ -321,10 +322,15 @@ impl Articulation {
         impulse * gap <= self.h * self.bodies.iter().zip(&self.rates).filter_map(most).sum::<f64>()
     }
 
+    /// Error below which positions are left as they are (m).
+    pub(super) fn good_enough(&self) -> f64 {
+        GOOD_ENOUGH * TOLERANCE * self.size
+    }
+
     /// Takes errors out of the positions; returns the worst of the joints that is left.
     pub(super) fn project(&mut self, joints: &Pool<Joint, JointId>, mut errors: Errors) -> f64 {
         self.outcome.penetration = self.outcome.penetration.max(errors.overlap);
-        let good = GOOD_ENOUGH * TOLERANCE * self.size;
+        let good = self.good_enough();
         let mut overlaps = errors.overlap > NEGLIGIBLE_OVERLAP;
         self.reached.clear();
         for round in 0..PROJECTIONS {
