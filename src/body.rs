@@ -177,6 +177,8 @@ pub(crate) struct Body {
     pub steady_for: u8,
     /// Number of steps for which it has been calm, at most 255.
     pub calm_for: u8,
+    /// Number of steps, at most 255, for which it has moved smoothly with an articulation that is swept with contacts.
+    pub smooth_for: u8,
     /// Whether it keeps its pose in this step because nothing could move it.
     pub held: bool,
     /// Whether it has woken since what moved was last listed.
@@ -239,6 +241,7 @@ impl Body {
             age: 0,
             steady_for: u8::MAX,
             calm_for: 0,
+            smooth_for: 0,
             woke: false,
             held: false,
             anchored: Anchored::No,

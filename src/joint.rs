@@ -410,6 +410,10 @@ impl JointImpulses {
         self.scalar.iter().enumerate().fold(0, |bits, (row, &impulse)| bits | u32::from(impulse > 0.0) << row)
     }
 
+    pub(crate) fn scaled(&self, factor: f32) -> Self {
+        Self { point: self.point * factor, angular: self.angular * factor, scalar: self.scalar.map(|impulse| impulse * factor) }
+    }
+
     pub(crate) fn is_zero(&self) -> bool {
         self.point == Vec3::ZERO && self.angular == Vec3::ZERO && self.scalar.iter().all(|&impulse| impulse == 0.0)
     }

@@ -46,6 +46,7 @@ mod shapes;
 mod sleep;
 mod snapshot;
 mod store;
+mod stride;
 mod support;
 mod union_loads;
 mod union_query;
@@ -85,6 +86,8 @@ pub struct World {
     /// The support analysis, where the host wants it.
     support: Option<Box<support::SupportState>>,
     report: StepReport,
+    /// Whether any body may have been smooth for so long that its island takes several substeps at once.
+    has_smooth_bodies: bool,
     /// Length of the last substep (s), for rescaling multipliers.
     last_substep: f32,
     last_dt: f32,
@@ -139,6 +142,7 @@ impl World {
             broken: Vec::new(),
             support: None,
             report: StepReport::default(),
+            has_smooth_bodies: false,
             last_substep: 0.0,
             last_dt: 0.0,
             scratch: Scratch::default(),

@@ -185,6 +185,11 @@ fn ragdolls_whose_contacts_are_swept_for_a_while_roll_back_to_any_step() {
 }
 
 #[test]
+fn a_machine_that_has_come_to_move_smoothly_rolls_back_to_any_step() {
+    rolls_back("excavator", &[], 60, 100, 1);
+}
+
+#[test]
 fn a_pile_that_falls_asleep_rolls_back_to_any_step() {
     rolls_back("pile", &[("n", "150")], 300, 300, 1);
     rolls_back("resting", &[], 120, 200, 1);

@@ -44,7 +44,7 @@ pub struct LsArticulation {
     pub second_order: u32,
     /// Smooth substeps of first order.
     pub first_order: u32,
-    /// Substeps in which kinetic energy cannot grow.
+    /// Substeps in which kinetic energy cannot grow: safe ones, and all of those in which it was swept.
     pub safe: u32,
     /// Substeps that were undone and taken as two halves.
     pub halvings: u32,

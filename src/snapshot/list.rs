@@ -164,6 +164,7 @@ stored!(Body {
     age,
     steady_for,
     calm_for,
+    smooth_for,
     held,
     woke,
     anchored,

@@ -85,6 +85,8 @@ const LEAST_BODIES: usize = 64;
 /// Bodies, contacts and joints solved together.
 #[derive(Debug, Default)]
 pub(crate) struct Batch {
+    /// Substeps of the world that its islands take at once.
+    pub stride: u32,
     /// Body of each slot; the first is the world slot and has none.
     pub bodies: Vec<u32>,
     /// First slot of each island.
@@ -153,6 +155,7 @@ pub(crate) struct Batch {
 impl Batch {
     /// Empties the batch but keeps its memory.
     pub(crate) fn clear(&mut self) {
+        self.stride = 1;
         self.bodies.clear();
         self.bodies.push(u32::MAX);
         self.islands.clear();

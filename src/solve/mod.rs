@@ -75,6 +75,13 @@ pub(crate) struct StepSettings {
     pub limits: Option<told::Limits>,
 }
 
+impl StepSettings {
+    /// Those of a batch that takes so many substeps at once.
+    pub(crate) fn striding(&self, stride: u32) -> Self {
+        Self { substeps: self.substeps / stride, ..*self }
+    }
+}
+
 impl Batch {
     /// Moves all bodies of the batch through the step.
     pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, settings: &StepSettings) {

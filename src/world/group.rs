@@ -29,12 +29,15 @@ pub(super) struct Groups {
     sizes: Vec<u32>,
     /// Slots that each island takes in its batch: one for a body, one for a union.
     slots: Vec<u32>,
+    /// Substeps of the world that each island takes at once.
+    pub strides: Vec<u32>,
     /// First member of each island in `members`.
     starts: Vec<u32>,
     /// Movers that are dynamic, sorted by island.
     pub members: Vec<u32>,
-    /// Bodies of each batch.
+    /// Bodies of each batch, and the substeps that its islands take at once.
     batch_sizes: Vec<u32>,
+    batch_strides: Vec<u32>,
     /// Place of each joint among those of its batch, by slot; of joints at rest, those of some step before.
     pub joint_places: Vec<u32>,
     /// Bodies of each joint, by slot, and the version of the joints that this was found of: the joints themselves are far from one
@@ -69,6 +72,15 @@ impl Groups {
     /// Members of each island, by number.
     pub(super) fn islands(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|range| &self.members[range[0] as usize..range[1] as usize])
+    }
+
+    pub(super) fn island_count(&self) -> usize {
+        self.sizes.len()
+    }
+
+    /// Pairs that touch, by slot, and their bodies.
+    pub(super) fn touching(&self) -> impl Iterator<Item = (u32, [u32; 2])> {
+        self.touches.iter().filter(|touch| touch.manifolds > 0).map(|touch| (touch.slot, touch.bodies))
     }
 }
 
@@ -144,6 +156,7 @@ impl World {
         self.join_islands();
         self.number_islands();
         self.hold_islands();
+        self.choose_strides();
         self.make_batches();
         self.hand_out_contacts();
         self.hand_out_joints();
@@ -279,6 +292,7 @@ impl World {
             if batches[batch].body_count() >= groups.batch_sizes[batch] {
                 batch += 1;
             }
+            batches[batch].stride = groups.batch_strides[batch];
             batches[batch].begin_island();
             for member in groups.starts[island]..groups.starts[island + 1] {
                 let body = groups.members[member as usize];
@@ -295,10 +309,16 @@ impl World {
     fn size_batches(&mut self) {
         let Self { groups, batches, batch_count, report, hold, .. } = self;
         groups.batch_sizes.clear();
-        for (&size, _) in groups.slots.iter().zip(&hold.islands).filter(|&(_, &held)| !held) {
-            match groups.batch_sizes.last_mut().filter(|filled| **filled < BATCH_BODIES && size < LARGE_ISLAND) {
+        groups.batch_strides.clear();
+        let islands = groups.slots.iter().zip(&groups.strides).zip(&hold.islands);
+        for ((&size, &stride), _) in islands.filter(|&(_, &held)| !held) {
+            let fits = groups.batch_strides.last() == Some(&stride) && size < LARGE_ISLAND;
+            match groups.batch_sizes.last_mut().filter(|filled| fits && **filled < BATCH_BODIES) {
                 Some(filled) => *filled += size,
-                None => groups.batch_sizes.push(size),
+                None => {
+                    groups.batch_sizes.push(size);
+                    groups.batch_strides.push(stride);
+                }
             }
         }
         *batch_count = groups.batch_sizes.len();

@@ -56,7 +56,7 @@ impl World {
     /// Lets go of a body that is held; its island follows in the next step.
     pub(super) fn release(&mut self, index: u32) {
         let body = &mut self.bodies[index];
-        (body.held, body.calm_for) = (false, 0);
+        (body.held, body.calm_for, body.smooth_for) = (false, 0, 0);
     }
 
     pub(super) fn release_all(&mut self) {

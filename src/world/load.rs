@@ -11,7 +11,7 @@ use crate::collide::cache::PairCache;
 use crate::collide::collider::Collider;
 use crate::collide::pairs::WorldManifold;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
-use crate::joint::{Joint, JointImpulses};
+use crate::joint::Joint;
 use crate::long_range::LongRangeDef;
 use crate::material::PairMaterial;
 use crate::room::make_room;
@@ -118,6 +118,7 @@ impl World {
             impulse_scale,
         };
         let work = |batch: &mut Batch, threads: &Workers| {
+            let settings = settings.striding(batch.stride);
             records.fill(batch, &settings, threads);
             batch.solve(records.joints, threads, &settings);
         };
@@ -155,6 +156,11 @@ impl Records<'_> {
         self.fill_planes(batch);
         self.find_free_islands(batch);
         batch.find_dissipative_islands(|index| self.center(index));
+    }
+
+    /// By how much multipliers that are carried grow to be those of a substep of this batch.
+    fn scale_for(&self, batch: &Batch) -> f32 {
+        self.impulse_scale * batch.stride as f32
     }
 
     /// Takes back what bodies were told to be faster than they have moved.
@@ -306,14 +312,15 @@ impl Records<'_> {
         }
         batch.ends = ends;
         if !batch.joint_slots.is_empty() {
+            let scale = self.scale_for(batch);
             let Batch { inputs, manifolds, ends, .. } = batch;
             make_room(inputs, manifolds.len());
-            inputs.extend(manifolds.iter().zip(ends).map(|(&manifold, &mut ends)| self.contact_input(manifold, ends)));
+            inputs.extend(manifolds.iter().zip(ends).map(|(&manifold, &mut ends)| self.contact_input(manifold, ends, scale)));
         }
     }
 
-    /// A manifold in world axes: a pair's slot, and which of its manifolds.
-    fn contact_input(&self, (slot, manifold): (u32, u32), ends: ContactEnds) -> ContactInput {
+    /// A manifold in world axes: a pair's slot, and which of its manifolds; its multipliers grow by `scale`.
+    fn contact_input(&self, (slot, manifold): (u32, u32), ends: ContactEnds, scale: f32) -> ContactInput {
         let pair = self.pairs.get(slot);
         let carried = pair.manifolds.get(manifold as usize);
         let (a, b) = pair.key.shapes();
@@ -329,12 +336,13 @@ impl Records<'_> {
             separation: std::array::from_fn(|i| carried.points.get(i).map_or(0.0, |point| point.separation)),
             count: ends.points as usize,
             material: PairMaterial::combine(&a.material, &b.material),
-            impulses: carried.impulses.scaled(self.impulse_scale),
+            impulses: carried.impulses.scaled(scale),
         }
     }
 
     fn list_joints(&self, batch: &mut Batch) {
         let are_asked_for = !batch.bound_slots.is_empty() || !batch.chains.is_empty();
+        let scale = self.scale_for(batch);
         for number in 0..batch.joint_slots.len() {
             let slot = batch.joint_slots[number];
             let joint = &self.joints[slot];
@@ -351,10 +359,10 @@ impl Records<'_> {
                 offset: b.origin - a.origin,
                 local_lever: [a.lever, b.lever].map(|lever| lever.as_dvec3()),
                 local_frame: [a.frame, b.frame].map(|frame| frame.as_dquat().normalize()),
-                impulses: scaled_joint(&joint.impulses, self.impulse_scale),
+                impulses: joint.impulses.scaled(scale),
                 linear_sum: Vec3::ZERO,
                 angular_sum: Vec3::ZERO,
-                acted: joint.acted,
+                acted: joint.acted.map(|acted| acted * batch.stride as f32),
                 pressed: 0,
                 solver: def.solver,
                 most_rows: most_rows as u8,
@@ -375,7 +383,7 @@ impl Records<'_> {
             return;
         }
         batch.mark_swept();
-        let pace = Pace::of(batch);
+        let (pace, scale) = (Pace::of(batch), self.scale_for(batch));
         self.find_touches(batch);
         for number in 0..batch.bound_slots.len() {
             let slot = batch.bound_slots[number];
@@ -418,7 +426,7 @@ impl Records<'_> {
                 lower: record.bound.lower,
                 upper_give,
                 lower_give,
-                impulses: record.impulses.map(|impulse| impulse * self.impulse_scale),
+                impulses: record.impulses.map(|impulse| impulse * scale),
                 far_sum: Vec3::ZERO,
                 acted: false,
             });
@@ -543,12 +551,4 @@ impl Pace {
 /// Whether principal moments are so nearly equal that the body does not tumble.
 fn is_round(inertia: Vec3) -> bool {
     inertia.max_element() - inertia.min_element() <= ROUND * inertia.max_element()
-}
-
-fn scaled_joint(impulses: &JointImpulses, factor: f32) -> JointImpulses {
-    JointImpulses {
-        point: impulses.point * factor,
-        angular: impulses.angular * factor,
-        scalar: impulses.scalar.map(|lambda| lambda * factor),
-    }
 }

@@ -230,23 +230,25 @@ impl World {
             (record.impulses, record.far_force, record.active) = ([0.0; 2], Vec3::ZERO, false);
         }
         report.counts.bounds_skipped = batches[..*batch_count].iter().map(|batch| batch.bounds.skipped).sum();
-        for entry in batches[..*batch_count].iter().flat_map(|batch| &batch.bounds.entries) {
+        // Records have multipliers of the world's substep.
+        let of_all = || batches[..*batch_count].iter().map(|batch| (batch, 1.0 / batch.stride as f32));
+        for (entry, share) in of_all().flat_map(|(batch, share)| batch.bounds.entries.iter().map(move |entry| (entry, share))) {
             let record = &mut records[entry.bound as usize];
             record.active = entry.acted;
             report.counts.bounds_active += u32::from(entry.acted);
             let force = entry.far_sum / dt;
             if force.is_finite() && entry.impulses.iter().all(|impulse| impulse.is_finite()) {
-                (record.impulses, record.far_force) = (entry.impulses, force);
+                (record.impulses, record.far_force) = (entry.impulses.map(|impulse| impulse * share), force);
             } else {
                 (record.impulses, record.far_force) = ([0.0; 2], Vec3::ZERO);
             }
         }
         report.counts.bounds_wrapped = batches[..*batch_count].iter().map(|batch| batch.wraps.entries.len() as u32).sum();
-        for entry in batches[..*batch_count].iter().flat_map(|batch| &batch.wraps.entries) {
+        for (entry, share) in of_all().flat_map(|(batch, share)| batch.wraps.entries.iter().map(move |entry| (entry, share))) {
             let record = &mut records[entry.bound as usize];
             let far_force = entry.far_sum / dt;
             if far_force.is_finite() && entry.impulse.is_finite() {
-                (record.impulses, record.far_force, record.active) = ([entry.impulse, 0.0], far_force, entry.sum > 0.0);
+                (record.impulses, record.far_force, record.active) = ([entry.impulse * share, 0.0], far_force, entry.sum > 0.0);
                 report.counts.bounds_active += u32::from(record.active);
             }
         }

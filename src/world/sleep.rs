@@ -62,7 +62,7 @@ impl World {
                 for &member in &island.bodies {
                     let body = &mut self.bodies[member];
                     body.sleep = SleepState::Awake { quiet_for: 0.0 };
-                    (body.held, body.calm_for, body.woke) = (false, 0, true);
+                    (body.held, body.calm_for, body.smooth_for, body.woke) = (false, 0, 0, true);
                     for &id in &body.shapes {
                         if let Ok(shape) = self.colliders.find(id) {
                             self.broad.revisit(shape);

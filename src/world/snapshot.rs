@@ -70,6 +70,7 @@ impl World {
             index: _,
             batches: _,
             batch_count: _,
+            has_smooth_bodies: _,
             broken: _,
             scratch: _,
             // Belong to the world that is restored, whatever it holds.
@@ -182,6 +183,7 @@ impl World {
         self.events = Events { ended_by_edits: row.ended_by_edits, ..Events::default() };
         self.movers = row.movers.0;
         self.movers_sorted = row.movers_sorted;
+        self.has_smooth_bodies = true;
         self.last_substep = row.last_substep;
         self.last_dt = row.last_dt;
         self.bodies = bodies;

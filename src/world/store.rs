@@ -14,6 +14,7 @@ use crate::report::{JointOverload, JointStop, Moved};
 use crate::room::make_room_behind;
 use crate::solve::contact::TOUCHED;
 use crate::solve::direct::history::History;
+use crate::solve::state::WORLD_SLOT;
 use crate::span::union::UnionMotion;
 
 /// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
@@ -30,6 +31,7 @@ impl World {
         self.scale_held(self.impulse_scale(substep));
         (self.last_substep, self.last_dt) = (substep, dt);
         self.scratch.paths.clear();
+        self.has_smooth_bodies = false;
         for number in 0..self.batch_count {
             self.store_bodies(number, dt);
             self.store_contacts(number, dt);
@@ -60,10 +62,11 @@ impl World {
     fn store_bodies(&mut self, number: usize, dt: f32) {
         let mut broken = std::mem::take(&mut self.scratch.slots);
         broken.clear();
-        let calm_speed = self.calm_speed(dt);
-        let Self { batches, bodies, colliders, unions, index: places, scratch, .. } = self;
+        let (calm_speed, smoothness) = (self.calm_speed(dt), self.smoothness(dt));
+        let Self { batches, bodies, colliders, unions, index: places, scratch, has_smooth_bodies, .. } = self;
         places.make_room_for_forces(bodies.slot_count());
         let batch = &batches[number];
+        let sweeps_blocks = batch.direct.sweeps_blocks();
         for slot in 1..batch.bodies.len() {
             let index = batch.bodies[slot];
             if !bodies[index].is_free() {
@@ -106,6 +109,7 @@ impl World {
                     Some(_) => unions.motion_of(member, &to),
                     None => to,
                 };
+                let before = [body.linear_velocity, body.angular_velocity];
                 (body.center, body.rotation) = (own.center, own.rotation);
                 (body.linear_velocity, body.angular_velocity) = (own.linear, own.angular);
                 body.history.forget();
@@ -120,6 +124,11 @@ impl World {
                 body.steady_for = if steady { body.steady_for.saturating_add(1) } else { 0 };
                 let is_calm = own.linear.length() + own.angular.length() * reach < calm_speed;
                 body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
+                if sweeps_blocks {
+                    *has_smooth_bodies |= smoothness.count(body, before, reach);
+                } else {
+                    body.smooth_for = 0;
+                }
             }
             if let Some(union) = unions.of_mut(index).filter(|union| union.anchor == Anchor::Free) {
                 union.motion = to;
@@ -130,6 +139,12 @@ impl World {
         }
         for (slot, history) in batch.direct.histories() {
             bodies[batch.bodies[slot as usize]].history.set(*history);
+        }
+        if sweeps_blocks {
+            let swept_alone = batch.joints.entries.iter().flat_map(|entry| [entry.a, entry.b]);
+            for slot in batch.direct.slots_moved_alone().chain(swept_alone).filter(|&slot| slot != WORLD_SLOT) {
+                bodies[batch.bodies[slot as usize]].smooth_for = 0;
+            }
         }
         for (slot, steps) in batch.direct.swept_steps() {
             bodies[batch.bodies[slot as usize]].history.set_swept_steps(steps);
@@ -143,9 +158,10 @@ impl World {
         let Self { batches, pairs, index, support, .. } = self;
         let is_judged = support.as_ref().is_some_and(|support| support.is_awake());
         let batch = &batches[number];
+        let share = 1.0 / batch.stride as f32;
         for (i, &(slot, manifold)) in batch.manifolds.iter().enumerate() {
             let pair = pairs.get_mut(slot);
-            let mut impulses = batch.contact_impulses(i);
+            let mut impulses = batch.contact_impulses(i).scaled(share);
             let pressed = impulses.normal.iter().sum::<f32>();
             let rebound = if pressed > 0.0 { 0.0 } else { batch.contact_rebound(i) };
             if rebound > 0.0 {
@@ -172,10 +188,11 @@ impl World {
 
     fn store_joints(&mut self, number: usize) {
         let Self { batches, joints, events, .. } = self;
+        let share = 1.0 / batches[number].stride as f32;
         for entry in batches[number].joints.entries.iter().chain(batches[number].direct.entries()) {
             let handle = joints.handle_of(entry.joint);
             let joint = &mut joints[entry.joint];
-            (joint.impulses, joint.acted) = (entry.impulses, entry.acted);
+            (joint.impulses, joint.acted) = (entry.impulses.scaled(share), entry.acted.map(|acted| acted * share));
             if !entry.impulses.is_finite() {
                 joint.forget_impulses();
                 continue;

@@ -529,10 +529,7 @@ impl Articulation {
 
     pub(super) fn scale_impulses(&mut self, factor: f32) {
         for entry in &mut self.entries {
-            let JointImpulses { point, angular, scalar } = &mut entry.impulses;
-            *point *= factor;
-            *angular *= factor;
-            scalar.iter_mut().for_each(|impulse| *impulse *= factor);
+            entry.impulses = entry.impulses.scaled(factor);
         }
         self.touches.iter_mut().for_each(|touch| touch.scale_impulses(f64::from(factor)));
     }

@@ -164,6 +164,7 @@ impl Articulation {
 
     /// Keeps the multipliers of a substep. Rows that may last keep them themselves, and what they add up to.
     pub(crate) fn keep_swept_impulses(&mut self) {
+        self.outcome.safe += 1;
         if self.is_points {
             return self.keep_impulses(1.0);
         }

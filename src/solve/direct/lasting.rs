@@ -42,6 +42,9 @@ const LINEAR: f64 = 0.05;
 pub(super) const MENDINGS: usize = 2;
 const MUST_FALL: f64 = 0.3;
 
+/// Share of an angle that rows may leave unseen: what bodies turn by in a substep, mostly.
+const MOST_OFF: f64 = 0.1;
+
 /// Whether rows last for a substep, and what for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Lasting {
@@ -174,7 +177,7 @@ impl Articulation {
         for ((body, stance), change) in self.bodies.iter().zip(&mut self.stances).zip(&self.changes) {
             body.displace(stance, change, 1.0);
         }
-        // Points show by how much the rows have been off; directions are as near.
+        // Points show by how much the rows have been off; directions are as near where they had not far to go.
         let mut left = Errors { gap: self.widest_gap(), angle: self.system.overrun(&self.changes), ..Errors::NONE };
         left.judge(self.size);
         if left.worst >= settling.errors.worst {
@@ -182,8 +185,9 @@ impl Articulation {
             return;
         }
         let (good, falls) = (self.good_enough(), left.worst < MUST_FALL * settling.errors.worst);
+        let is_sure = left.worst <= good && settling.errors.angle * self.size * MOST_OFF <= good;
         settling.errors = left;
-        if again && falls && left.worst > good {
+        if again && falls && !is_sure {
             *settling = self.ask_lasting_rows(joints, good);
         }
     }

@@ -90,8 +90,11 @@ pub(crate) struct Direct {
     left: Vec<JointEntry>,
     refused: Refused,
     locksteps: Locksteps,
-    /// Group of each joint.
+    /// Group of each joint, and room to sort joints by it.
     order: Vec<u32>,
+    keys: Vec<(u32, u32)>,
+    by_group: Buckets,
+    sorted: Vec<JointEntry>,
     /// Contacts that need no other rows, by number, and the multipliers of those that press.
     held: Vec<bool>,
     impulses: Vec<(u32, ContactImpulses)>,
@@ -167,18 +170,8 @@ impl Direct {
         self.local.clear();
         self.local.resize(motions.len(), (u32::MAX, 0));
         self.left.clear();
-        // Groups are numbered by their lowest slot; joints keep their order within each.
-        let group_of = |entry: &JointEntry| {
-            let end = |slot: u32| if motions[slot as usize].is_dynamic() { self.group[slot as usize] } else { NO_GROUP };
-            end(entry.a).min(end(entry.b))
-        };
-        let key = |entry: &JointEntry| (group_of(entry), entry.joint);
-        if !entries.is_sorted_by_key(key) {
-            entries.sort_unstable_by_key(key);
-        }
-        let mut order = std::mem::take(&mut self.order);
-        order.clear();
-        order.extend(entries.iter().map(group_of));
+        self.sort_by_group(entries, motions);
+        let order = std::mem::take(&mut self.order);
         let (mut start, mut any) = (0, false);
         while start < entries.len() {
             let group = order[start];
@@ -198,6 +191,30 @@ impl Direct {
         if any {
             std::mem::swap(entries, &mut self.left);
         }
+    }
+
+    /// Puts joints in the order of their groups, which are numbered by their lowest slots, and notes those; joints keep their order within
+    /// each.
+    fn sort_by_group(&mut self, entries: &mut Vec<JointEntry>, motions: &[BodyMotion]) {
+        let Self { group, order, keys, by_group, sorted, .. } = self;
+        let group_of = |entry: &JointEntry| {
+            let end = |slot: u32| if motions[slot as usize].is_dynamic() { group[slot as usize] } else { NO_GROUP };
+            end(entry.a).min(end(entry.b))
+        };
+        order.clear();
+        order.extend(entries.iter().map(group_of));
+        if order.is_sorted() {
+            return;
+        }
+        let none = motions.len() as u32;
+        keys.clear();
+        keys.extend(order.iter().zip(0..).map(|(&group, number)| (group.min(none), number)));
+        by_group.sort(motions.len() + 1, keys);
+        sorted.clear();
+        sorted.extend((0..=none).flat_map(|group| by_group.of(group)).map(|&number| entries[number as usize]));
+        std::mem::swap(entries, sorted);
+        order.clear();
+        order.extend(entries.iter().map(group_of));
     }
 
     /// Whether joints connect the body of this slot to another.
@@ -338,6 +355,16 @@ impl Direct {
     /// Worst overlap of the contacts that it holds (m).
     pub(crate) fn penetration(&self) -> f64 {
         self.articulations().iter().map(|articulation| articulation.outcome.penetration).fold(0.0, f64::max)
+    }
+
+    /// Whether any articulation is swept as a block.
+    pub(crate) fn sweeps_blocks(&self) -> bool {
+        self.articulations().iter().any(|articulation| articulation.coupled)
+    }
+
+    /// Slots of the bodies that articulations move by themselves.
+    pub(crate) fn slots_moved_alone(&self) -> impl Iterator<Item = u32> {
+        self.articulations().iter().filter(|articulation| !articulation.coupled).flat_map(Articulation::moved_slots)
     }
 
     /// Joints of the articulations that touch what moves.

@@ -69,7 +69,8 @@ impl Records<'_> {
             direct.get_ready(velocities, motions, h);
         }
         batch.color_contacts();
-        batch.set_contacts(threads, self.reach, |manifold, ends| self.contact_input(manifold, ends));
+        let (scale, stride) = (self.scale_for(batch), batch.stride as f32);
+        batch.set_contacts(threads, self.reach * (stride * stride), |manifold, ends| self.contact_input(manifold, ends, scale));
         let Batch { joints, coloring, velocities, motions, .. } = batch;
         joints.lay_out(self.joints, coloring, velocities, motions, h, settings.substeps);
     }

@@ -47,7 +47,7 @@ impl Records<'_> {
             before = own.slot;
         }
         let (offset, levers) = ((far.origin - near.origin).as_vec3(), [near.lever, far.lever]);
-        let impulse = record.impulses[0] * self.impulse_scale;
+        let impulse = record.impulses[0] * self.scale_for(batch);
         let entry = WrapEntry::new(slot, [near.slot, far.slot], offset, levers, record.bound.upper, impulse);
         let Batch { wraps, motions, .. } = batch;
         wraps.add(entry, motions)

@@ -1,0 +1,93 @@
+//! How many of the world's substeps an island takes at once.
+//!
+//! Where joints are swept with contacts, a substep costs the same whether anything happens in it or not. Multipliers that are carried
+//! are exact where forces stay what they were, and sweeps have to find only what has changed along the substep. So an island takes two
+//! substeps at once once it has been *smooth* for [`SMOOTH_STEPS`] steps:
+//!
+//! * all its joints are those of articulations that are swept as blocks with their contacts;
+//! * no velocity has changed in a step by more than [`SMOOTH_SHARE`] of what gravity adds in it, at the centre or by turning at the
+//!   reach of the body's shapes: what has been struck, falls or slips is not smooth;
+//! * no body has turned by more than [`SMOOTH_TURN`], so that rows of joints last for the step;
+//! * nothing overlaps by more than [`SMOOTH_OVERLAP`]: overlaps are mended by substeps.
+//!
+//! The first step in which one of these does not hold is followed by steps of all substeps. Multipliers in records are those of the world's
+//! substep, whatever the island has taken. Not where the world has few substeps as it is, nor where an error target is set.
+
+use glam::Vec3;
+
+use super::World;
+use crate::body::Body;
+
+/// Substeps that a smooth island takes at once, and the least that a world must have for that.
+const STRIDE: u32 = 2;
+const LEAST_SUBSTEPS: u32 = 4;
+
+/// Steps for which an island must have been smooth.
+const SMOOTH_STEPS: u8 = 10;
+
+/// Change of velocity in a step, over what gravity adds.
+const SMOOTH_SHARE: f32 = 0.05;
+
+/// Rotation in a step (rad).
+const SMOOTH_TURN: f32 = 0.02;
+
+/// Overlap (m).
+const SMOOTH_OVERLAP: f32 = 2.0e-4;
+
+/// What a smooth body may do in a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Smoothness {
+    /// Change of velocity (m/s), and spin (rad/s).
+    change: f32,
+    spin: f32,
+}
+
+impl Smoothness {
+    /// Counts a step in which a body of this reach (m) had these velocities before, and now has those of its record; whether it has
+    /// been smooth for long enough.
+    pub(super) fn count(&self, body: &mut Body, [linear, angular]: [Vec3; 2], reach: f32) -> bool {
+        let change = (body.linear_velocity - linear).length() + (body.angular_velocity - angular).length() * reach;
+        let is_smooth = change < self.change && body.angular_velocity.length() < self.spin;
+        body.smooth_for = if is_smooth { body.smooth_for.saturating_add(1) } else { 0 };
+        body.smooth_for >= SMOOTH_STEPS
+    }
+}
+
+impl World {
+    /// What bodies may do in a step of this length (s) to be smooth.
+    pub(super) fn smoothness(&self, dt: f32) -> Smoothness {
+        Smoothness { change: SMOOTH_SHARE * self.def.gravity.length() * dt, spin: SMOOTH_TURN / dt }
+    }
+
+    /// Says how many substeps each island takes at once.
+    pub(super) fn choose_strides(&mut self) {
+        let Self { groups, bodies, pairs, index, unions, def, has_smooth_bodies, .. } = self;
+        let mut strides = std::mem::take(&mut groups.strides);
+        strides.clear();
+        strides.resize(groups.island_count(), 1);
+        let may_stride = def.substeps >= LEAST_SUBSTEPS && def.substeps % STRIDE == 0 && def.articulations.error_target == 0.0;
+        if may_stride && *has_smooth_bodies {
+            let mut any = false;
+            for (stride, members) in strides.iter_mut().zip(groups.islands()) {
+                let is_smooth = |&index: &u32| bodies[index].smooth_for >= SMOOTH_STEPS && unions.moving(index).is_none();
+                if members.iter().all(is_smooth) && members.iter().any(|&index| !bodies[index].joints.is_empty()) {
+                    (*stride, any) = (STRIDE, true);
+                }
+            }
+            if any {
+                for (slot, ends) in groups.touching() {
+                    let Some(body) = ends.into_iter().find(|&body| index.free.has(body)) else { continue };
+                    let stride = &mut strides[groups.island[body as usize] as usize];
+                    let overlaps = || {
+                        let mut manifolds = pairs.get(slot).manifolds.iter();
+                        manifolds.any(|manifold| manifold.points.iter().any(|point| point.separation < -SMOOTH_OVERLAP))
+                    };
+                    if *stride > 1 && overlaps() {
+                        *stride = 1;
+                    }
+                }
+            }
+        }
+        groups.strides = strides;
+    }
+}
