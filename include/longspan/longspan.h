@@ -1212,7 +1212,7 @@ typedef struct LsArticulation {
     uint32_t second_order;
     /** Smooth substeps of first order. */
     uint32_t first_order;
-    /** Substeps in which kinetic energy cannot grow. */
+    /** Substeps in which kinetic energy cannot grow: safe ones, and all of those in which it was swept. */
     uint32_t safe;
     /** Substeps that were undone and taken as two halves. */
     uint32_t halvings;
