@@ -190,6 +190,12 @@ impl<T, H: Handle> Pool<T, H> {
         &self.slots
     }
 
+    /// Every place, in order, for threads to change what is there.
+    pub(crate) fn slots_mut(&mut self) -> &mut [Slot<T>] {
+        self.changes += 1;
+        &mut self.slots
+    }
+
     /// Free places; the last one is given out next.
     pub(crate) fn free(&self) -> &[u32] {
         &self.free

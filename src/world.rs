@@ -104,6 +104,8 @@ struct Scratch {
     candidates: Vec<PairKey>,
     /// For each piece of the pairs.
     pairs: Vec<PairScratch>,
+    /// Shapes with another kept box, for each piece of the shapes.
+    reboxed: Vec<Vec<u32>>,
     paths: Vec<fast::Path>,
     slots: Vec<u32>,
     islands: UnionFind,

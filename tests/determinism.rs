@@ -111,6 +111,20 @@ fn jointed_bodies_have_the_same_bits_on_any_number_of_threads() {
 }
 
 #[test]
+fn a_heap_of_ragdolls_has_the_same_bits_on_any_number_of_threads() {
+    let heap = |threads| {
+        let run = Run::on_threads(scene("ragdoll_pile", &[("n", "60"), ("seconds", "3.5")]), threads);
+        let counts = run.world().report().counts;
+        assert!(counts.manifolds > 600 && counts.islands < 10, "{} manifolds, {} islands", counts.manifolds, counts.islands);
+        run.world().state_hash()
+    };
+    let one = heap(1);
+    for threads in [2, 3] {
+        assert_eq!(heap(threads), one, "state hashes on {threads} threads and on one");
+    }
+}
+
+#[test]
 fn two_runs_have_the_same_bits() {
     let keys = [("n", "300"), ("seconds", "5")];
     assert_eq!(hash_on(1, "pile", &keys), hash_on(1, "pile", &keys), "state hashes of two runs");

@@ -39,6 +39,7 @@ mod wide_matrix;
 pub(crate) mod wrap;
 
 use batch::Batch;
+use direct::{Direct, Floor};
 use joint::Moving;
 use state::BodyVelocity;
 
@@ -141,7 +142,7 @@ impl Batch {
             if is_last {
                 self.flatten();
             }
-            self.settle(joints, false);
+            self.settle(joints, threads, false);
             if !is_last {
                 self.rebound(settings.restitution_threshold);
             }
@@ -153,7 +154,7 @@ impl Batch {
         }
         self.rebound(settings.restitution_threshold);
         self.recover_positions(threads, settings.dt);
-        self.settle(joints, true);
+        self.settle(joints, threads, true);
         self.leads.tell(self.passive.slots(), &mut self.velocities, &self.motions);
         if let Some(limits) = &settings.limits {
             contact_kernels::tell(&mut self.contacts, &self.velocities, limits, &mut self.told);
@@ -178,7 +179,8 @@ impl Batch {
         self.bounds.warm_start(&mut self.velocities);
         self.wraps.begin_substep(&mut self.velocities, &self.motions, h);
         self.start_sweeps(threads, h);
-        self.direct.warm_start(&mut self.velocities, iterations);
+        let (direct, floor) = self.direct_and_floor(threads);
+        direct.warm_start(floor, iterations);
         self.pass_loads();
         self.solve_exactly();
         for iteration in 0..iterations {
@@ -189,18 +191,29 @@ impl Batch {
                 self.wraps.sweep(&mut self.velocities, false);
                 self.bounds.sweep(&mut self.velocities, false);
                 self.taut.sweep(&mut self.velocities, false);
-                self.direct.sweep(&mut self.velocities);
+                self.sweep_articulations(threads);
                 self.joints.sweep(threads, &mut self.velocities, false);
                 self.sweep_contacts(threads, false);
             } else {
                 self.sweep_contacts(threads, true);
                 self.joints.sweep(threads, &mut self.velocities, true);
-                self.direct.sweep(&mut self.velocities);
+                self.sweep_articulations(threads);
                 self.taut.sweep(&mut self.velocities, true);
                 self.bounds.sweep(&mut self.velocities, true);
                 self.wraps.sweep(&mut self.velocities, true);
             }
         }
+    }
+
+    /// The articulations, and what those that are swept work on.
+    pub(crate) fn direct_and_floor<'a>(&'a mut self, threads: &'a Workers) -> (&'a mut Direct, Floor<'a>) {
+        let Self { direct, velocities, motions, .. } = self;
+        (direct, Floor { threads, velocities, motions })
+    }
+
+    fn sweep_articulations(&mut self, threads: &Workers) {
+        let (direct, floor) = self.direct_and_floor(threads);
+        direct.sweep(floor);
     }
 
     /// Whether articulations have moved all bodies through the step, and nothing is left to solve.
@@ -277,8 +290,9 @@ impl Batch {
     }
 
     /// Takes errors of articulations out of positions, and restores the angular momentum of islands that nothing holds.
-    fn settle(&mut self, joints: &Pool<Joint, JointId>, is_end: bool) {
-        self.direct.settle(joints, &self.velocities, &mut self.motions, is_end);
+    fn settle(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, is_end: bool) {
+        let (direct, floor) = self.direct_and_floor(threads);
+        direct.settle(joints, floor, is_end);
         if !self.free.is_empty() {
             self.poses.find_inertia(&self.motions);
             self.free.restore(&mut self.velocities, &self.motions, &self.poses);
@@ -295,7 +309,8 @@ impl Batch {
         self.each_single(threads, |velocity, motion| integrate::limit_speeds(velocity, motion, h));
         self.poses.limit_speeds(&mut self.velocities, h);
         self.dissipative.note_energy(&self.velocities, &self.motions, &self.poses);
-        self.direct.couple(joints, &mut self.velocities, &mut self.motions, h, rest);
+        let (direct, floor) = self.direct_and_floor(threads);
+        direct.couple(joints, floor, h, rest);
         self.dissipative.note_velocities(&self.velocities);
         if !self.contacts.is_empty() && self.motions.iter().any(|motion| motion.refreshed) {
             crew::refresh_masses(&mut self.contacts, threads, &self.velocities, &self.motions);

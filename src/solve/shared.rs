@@ -2,7 +2,7 @@
 //!
 //! Rows of one colour share no moving body, and a body that is moved is in one block of bodies. Neither can be said by cutting an
 //! array into slices, so here the promise is made in words, in one place ([`Shared::hand`]), and checked by whoever hands out the
-//! work in builds with debug assertions. What does not move (the world's slot and those of kinematic bodies, which any number of rows
+//! work in builds with debug assertions. Articulations are given to threads in the same way ([`Divided::part`]). What does not move (the world's slot and those of kinematic bodies, which any number of rows
 //! act on) is read by all and written by none.
 
 use std::marker::PhantomData;
@@ -88,6 +88,53 @@ impl<T> Slots<T> for Hand<'_, T> {
         // SAFETY: the slots of moving bodies are within the array, as `Shared::new` has made sure; of those nobody else reads or writes any
         // meanwhile, by the promise of `Shared::hand`.
         unsafe { if moves { self.first.add(slot as usize) } else { NonNull::from(&mut self.spare) }.as_mut() }
+    }
+}
+
+/// An array whose elements several threads change at once, each others, and of which they read what nobody changes.
+pub(crate) struct Divided<'a, T> {
+    first: NonNull<T>,
+    count: usize,
+    array: PhantomData<&'a mut [T]>,
+}
+
+// SAFETY: it holds the array exclusively, and reads and writes through it are bound by the promise of `part`.
+unsafe impl<T: Send> Sync for Divided<'_, T> {}
+
+impl<'a, T> Divided<'a, T> {
+    pub(crate) fn new(array: &'a mut [T]) -> Self {
+        Self { count: array.len(), first: NonNull::from(array).cast(), array: PhantomData }
+    }
+
+    /// Some of its elements, for one thread.
+    ///
+    /// # Safety
+    /// While it lives no other part is used for an element that this one changes.
+    pub(crate) unsafe fn part(&self) -> Part<'_, T> {
+        Part { first: self.first, count: self.count, array: PhantomData }
+    }
+}
+
+/// Some elements of an array.
+pub(crate) struct Part<'a, T> {
+    first: NonNull<T>,
+    count: usize,
+    array: PhantomData<&'a mut [T]>,
+}
+
+impl<T> Slots<T> for Part<'_, T> {
+    #[inline(always)]
+    fn get(&self, slot: u32) -> &T {
+        assert!((slot as usize) < self.count);
+        // SAFETY: the element is within the array, which the part borrows, and nobody else changes it, by the promise of `Divided::part`.
+        unsafe { self.first.add(slot as usize).as_ref() }
+    }
+
+    #[inline(always)]
+    fn get_mut(&mut self, slot: u32) -> &mut T {
+        assert!((slot as usize) < self.count);
+        // SAFETY: the element is within the array, and nobody else uses it, by the same promise.
+        unsafe { self.first.add(slot as usize).as_mut() }
     }
 }
 

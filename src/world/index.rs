@@ -45,6 +45,20 @@ impl Marks {
     }
 }
 
+/// How the shapes of a range of slots stand.
+pub(super) struct StancePiece<'a> {
+    stances: &'a mut [Stance],
+    known_at: &'a mut [u32],
+    now: u32,
+}
+
+impl StancePiece<'_> {
+    /// Takes note of how the shape at a place in the range stands.
+    pub(super) fn set(&mut self, place: usize, stance: Stance) {
+        (self.stances[place], self.known_at[place]) = (stance, self.now);
+    }
+}
+
 /// The arrays of a world.
 #[derive(Debug, Default)]
 pub(super) struct Index {
@@ -95,6 +109,13 @@ impl Index {
     pub(super) fn set_stance(&mut self, shape: u32, stance: Stance) {
         self.known.set(shape);
         self.stances[shape as usize] = stance;
+    }
+
+    /// What moves, and how shapes stand and whether that is known, for threads to take note of: in pieces of so many slots.
+    pub(super) fn stances_in_pieces(&mut self, piece: usize) -> (&Marks, impl Iterator<Item = StancePiece<'_>>) {
+        let Self { moving, stances, known: Marks { at, now }, .. } = self;
+        let pieces = stances.chunks_mut(piece).zip(at.chunks_mut(piece));
+        (moving, pieces.map(|(stances, known_at)| StancePiece { stances, known_at, now: *now }))
     }
 
     /// Takes note of how the shapes of active pairs stand of which that is not known yet.

@@ -20,6 +20,11 @@ use crate::workers::MOST_PIECES;
 /// Margins around a shape's box from which on the box that is kept is made anew although the shape is still in it.
 const LOOSE: f32 = 4.0;
 
+/// Moving bodies from which on their shapes' boxes are brought up to date on all threads, and shapes that are worth another thread's while:
+/// some 10 µs.
+const SHARED_MOVERS: usize = 512;
+const LEAST_BOXES: usize = 128;
+
 /// Active pairs below which the narrow phase stays on one thread.
 const MIN_PARALLEL_PAIRS: usize = 256;
 
@@ -33,34 +38,66 @@ impl World {
         self.index.moving.begin(self.bodies.slot_count());
         self.index.begin_stances(self.colliders.slot_count());
         let most_are_in_pairs = self.pairs.is_large();
-        for &index in &self.movers {
-            let body = &self.bodies[index];
-            self.index.moving.set(index);
-            if body.held {
-                continue;
-            }
-            for &id in &body.shapes {
-                let Ok(shape) = self.colliders.find(id) else { continue };
-                let collider = &mut self.colliders[shape];
-                let tight = collider.world_box(collider.motion_bound(body, gravity, dt) + own_margin(collider));
-                collider.tight_box = tight;
-                let margin = collider.fat_margin();
-                if !collider.fat_box.is_some_and(|kept| kept.contains(&tight) && !is_loose(&kept, &tight, margin)) {
-                    let kept = tight.loosened(margin);
-                    collider.fat_box = Some(kept);
-                    self.index.reboxed.set(shape);
-                    self.broad.revisit(shape);
-                }
-                if most_are_in_pairs {
-                    self.index.set_stance(shape, Stance::of(collider, body));
-                }
-            }
+        for &body in &self.movers {
+            self.index.moving.set(body);
+        }
+        let most_move = 2 * self.movers.len() > self.colliders.slot_count();
+        if self.threads.has_team() && self.movers.len() >= SHARED_MOVERS && most_move {
+            self.renew_boxes_on_all_threads(gravity, dt, most_are_in_pairs);
+        } else {
+            self.renew_boxes(gravity, dt, most_are_in_pairs);
         }
         self.drop_distant_pairs();
         self.add_new_pairs();
         self.tidy_pairs();
         if !self.pairs.active().is_empty() {
             self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
+        }
+    }
+
+    fn renew_boxes(&mut self, gravity: f32, dt: f32, most_are_in_pairs: bool) {
+        let Self { movers, bodies, colliders, index, broad, .. } = self;
+        for body in movers.iter().map(|&body| &bodies[body]).filter(|body| !body.held) {
+            for &id in &body.shapes {
+                let Ok(shape) = colliders.find(id) else { continue };
+                let collider = &mut colliders[shape];
+                if renew_box(collider, body, gravity, dt) {
+                    index.reboxed.set(shape);
+                    broad.revisit(shape);
+                }
+                if most_are_in_pairs {
+                    index.set_stance(shape, Stance::of(collider, body));
+                }
+            }
+        }
+    }
+
+    /// The same, by slots of shapes.
+    fn renew_boxes_on_all_threads(&mut self, gravity: f32, dt: f32, most_are_in_pairs: bool) {
+        let Self { bodies, colliders, index, broad, scratch, threads, .. } = self;
+        let bodies = &*bodies;
+        let piece = threads.piece(colliders.slot_count(), LEAST_BOXES);
+        scratch.reboxed.resize_with(MOST_PIECES, Vec::new);
+        let (moving, stances) = index.stances_in_pieces(piece);
+        let pieces = colliders.slots_mut().chunks_mut(piece).zip(stances).zip(&mut scratch.reboxed).zip((0..).step_by(piece));
+        threads.share(pieces, |(((slots, mut stances), reboxed), first)| {
+            for (place, slot) in slots.iter_mut().enumerate() {
+                let Some(collider) = slot.value.as_mut().filter(|collider| moving.has(collider.body)) else { continue };
+                let body = &bodies[collider.body];
+                if body.held {
+                    continue;
+                }
+                if renew_box(collider, body, gravity, dt) {
+                    reboxed.push((first + place) as u32);
+                }
+                if most_are_in_pairs {
+                    stances.set(place, Stance::of(collider, body));
+                }
+            }
+        });
+        for shape in scratch.reboxed.iter_mut().flat_map(|found| found.drain(..)) {
+            index.reboxed.set(shape);
+            broad.revisit(shape);
         }
     }
 
@@ -255,6 +292,18 @@ fn kept_apart((a, body_a): (u32, &Body), (b, body_b): (u32, &Body), joints: &Poo
 /// they need.
 fn is_loose(kept: &Aabb, tight: &Aabb, margin: f32) -> bool {
     (kept.extents() - tight.extents()).max_element() > 2.0 * margin * LOOSE
+}
+
+/// Brings a shape's box up to date; whether the one that is kept has changed with it.
+fn renew_box(collider: &mut Collider, body: &Body, gravity: f32, dt: f32) -> bool {
+    let tight = collider.world_box(collider.motion_bound(body, gravity, dt) + own_margin(collider));
+    collider.tight_box = tight;
+    let margin = collider.fat_margin();
+    let keeps = collider.fat_box.is_some_and(|kept| kept.contains(&tight) && !is_loose(&kept, &tight, margin));
+    if !keeps {
+        collider.fat_box = Some(tight.loosened(margin));
+    }
+    !keeps
 }
 
 /// Handles of a pair of shapes.

@@ -33,6 +33,7 @@ use crate::report::ArticulationReport;
 use crate::solve::StepSettings;
 use crate::solve::joint::rows::{self, Rate};
 use crate::solve::joint::{JointEntry, Stance};
+use crate::solve::shared::Slots;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// Error that a substep may leave, over the mean distance of joint points from centres of mass.
@@ -343,12 +344,12 @@ impl Articulation {
         }
     }
 
-    pub(super) fn load(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
-        let slots = || self.bodies.iter().map(|body| body.slot as usize);
+    pub(super) fn load(&mut self, velocities: &(impl Slots<BodyVelocity> + ?Sized), motions: &(impl Slots<BodyMotion> + ?Sized)) {
+        let slots = || self.bodies.iter().map(|body| body.slot);
         self.rates.clear();
-        self.rates.extend(slots().map(|slot| Rate::of(&velocities[slot])));
+        self.rates.extend(slots().map(|slot| Rate::of(velocities.get(slot))));
         self.stances.clear();
-        self.stances.extend(slots().map(|slot| motions[slot].stance()));
+        self.stances.extend(slots().map(|slot| motions.get(slot).stance()));
         self.points.is_known = false;
         self.find_loops();
     }

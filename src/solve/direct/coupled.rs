@@ -19,21 +19,27 @@ use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
 use crate::solve::joint::rows::{Phase, Rate};
 use crate::solve::joint::{JointEntry, kinds};
+use crate::solve::shared::Slots;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 impl Articulation {
     /// Finds the inertia with which the bodies answer in the first substep, of length `h` (s), so that rows of contacts know it from
     /// the start.
-    pub(crate) fn get_ready(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f64) {
+    pub(crate) fn get_ready(
+        &mut self,
+        velocities: &mut (impl Slots<BodyVelocity> + ?Sized),
+        motions: &(impl Slots<BodyMotion> + ?Sized),
+        h: f64,
+    ) {
         self.h = h;
         self.find_answer(velocities, motions);
         for body in self.bodies.iter().filter(|body| body.is_dynamic()) {
-            velocities[body.slot as usize].inverse_inertia = body.answer();
+            velocities.get_mut(body.slot).inverse_inertia = body.answer();
         }
         self.has_answer = true;
     }
 
-    fn find_answer(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+    fn find_answer(&mut self, velocities: &(impl Slots<BodyVelocity> + ?Sized), motions: &(impl Slots<BodyMotion> + ?Sized)) {
         self.load(velocities, motions);
         if self.is_points {
             self.find_spots();
@@ -49,8 +55,8 @@ impl Articulation {
     pub(crate) fn couple(
         &mut self,
         joints: &Pool<Joint, JointId>,
-        velocities: &mut [BodyVelocity],
-        motions: &mut [BodyMotion],
+        velocities: &mut (impl Slots<BodyVelocity> + ?Sized),
+        motions: &mut (impl Slots<BodyMotion> + ?Sized),
         h: f64,
         rest: f64,
     ) {
@@ -70,7 +76,7 @@ impl Articulation {
     }
 
     /// Applies the carried multipliers in place of the first of several solves, if there are any.
-    pub(crate) fn warm_start(&mut self, velocities: &mut [BodyVelocity], iterations: u32) {
+    pub(crate) fn warm_start(&mut self, velocities: &mut (impl Slots<BodyVelocity> + ?Sized), iterations: u32) {
         if !self.may_start_warm(iterations) {
             return;
         }
@@ -98,16 +104,16 @@ impl Articulation {
         }
     }
 
-    pub(super) fn take_rates(&mut self, velocities: &[BodyVelocity]) {
+    pub(super) fn take_rates(&mut self, velocities: &(impl Slots<BodyVelocity> + ?Sized)) {
         for (rate, body) in self.rates.iter_mut().zip(&self.bodies) {
-            *rate = Rate::of(&velocities[body.slot as usize]);
+            *rate = Rate::of(velocities.get(body.slot));
         }
     }
 
-    pub(super) fn give_rates(&self, velocities: &mut [BodyVelocity]) {
+    pub(super) fn give_rates(&self, velocities: &mut (impl Slots<BodyVelocity> + ?Sized)) {
         for (rate, body) in self.rates.iter().zip(&self.bodies) {
             if body.is_dynamic() {
-                let velocity = &mut velocities[body.slot as usize];
+                let velocity = velocities.get_mut(body.slot);
                 velocity.linear = rate.linear.as_vec3();
                 velocity.angular = rate.angular.as_vec3();
             }
@@ -115,7 +121,7 @@ impl Articulation {
     }
 
     /// Solves all joints for the velocities of now, unless carried multipliers stand for it.
-    pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity]) {
+    pub(crate) fn sweep(&mut self, velocities: &mut (impl Slots<BodyVelocity> + ?Sized)) {
         if std::mem::replace(&mut self.is_warm, false) {
             return;
         }
@@ -218,8 +224,8 @@ impl Articulation {
     pub(crate) fn settle(
         &mut self,
         joints: &Pool<Joint, JointId>,
-        velocities: &[BodyVelocity],
-        motions: &mut [BodyMotion],
+        velocities: &(impl Slots<BodyVelocity> + ?Sized),
+        motions: &mut (impl Slots<BodyMotion> + ?Sized),
         is_end: bool,
     ) {
         let Some(mut settling) = self.begin_settling(joints, velocities, motions, is_end) else { return };
@@ -236,8 +242,8 @@ impl Articulation {
     pub(super) fn begin_settling(
         &mut self,
         joints: &Pool<Joint, JointId>,
-        velocities: &[BodyVelocity],
-        motions: &[BodyMotion],
+        velocities: &(impl Slots<BodyVelocity> + ?Sized),
+        motions: &(impl Slots<BodyMotion> + ?Sized),
         is_end: bool,
     ) -> Option<Settling> {
         if !is_end && self.find_lasting(motions) {
@@ -257,11 +263,16 @@ impl Articulation {
     }
 
     /// Takes out what lasting rows have left, and moves the bodies.
-    pub(super) fn end_settling(&mut self, joints: &Pool<Joint, JointId>, motions: &mut [BodyMotion], errors: Errors) {
+    pub(super) fn end_settling(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        motions: &mut (impl Slots<BodyMotion> + ?Sized),
+        errors: Errors,
+    ) {
         self.project(joints, errors);
         for (body, stance) in self.bodies.iter().zip(&self.stances) {
             if body.is_dynamic() {
-                let motion = &mut motions[body.slot as usize];
+                let motion = motions.get_mut(body.slot);
                 let turn = stance.1 * motion.rotation.as_dquat().normalize().conjugate();
                 motion.displacement = stance.0.as_vec3();
                 motion.turn += (2.0 * DVec3::new(turn.x, turn.y, turn.z) * turn.w.signum()).as_vec3();

@@ -25,6 +25,7 @@ use crate::solve::joint::kinds;
 use crate::solve::joint::rows::Rate;
 use crate::solve::joint::{JointEntry, Stance};
 use crate::solve::rotation;
+use crate::solve::shared::Slots;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// Rotation of a body up to which rows last (rad): gaps of 2e-4 of a lever, of which positions may keep 5e-4.
@@ -90,14 +91,14 @@ impl Articulation {
     /// substep and that of the last one, `rest` (s) from the end of the step, if they go on as they do: gradients are taken there.
     /// Halfway through the rest of the step they would leave no gap, but angular momentum would be lost: forces act at the starts
     /// of substeps.
-    pub(super) fn look_ahead(&mut self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion], rest: f64) {
+    pub(super) fn look_ahead(&mut self, joints: &Pool<Joint, JointId>, motions: &(impl Slots<BodyMotion> + ?Sized), rest: f64) {
         self.built.clear();
         self.predicted.clear();
         if !self.is_lasting_kind(joints) {
             return;
         }
         self.followed.clear();
-        self.followed.extend(self.bodies.iter().map(|body| way_of(&motions[body.slot as usize])));
+        self.followed.extend(self.bodies.iter().map(|body| way_of(motions.get(body.slot))));
         self.built.extend(self.followed.iter().map(|[_, turn]| *turn));
         if self.lasting == Lasting::Never {
             return;
@@ -113,10 +114,10 @@ impl Articulation {
     }
 
     /// Notes at the end of a substep whether the rows last for the next; nothing moves in between but by velocities.
-    pub(super) fn find_lasting(&mut self, motions: &[BodyMotion]) -> bool {
+    pub(super) fn find_lasting(&mut self, motions: &(impl Slots<BodyMotion> + ?Sized)) -> bool {
         let still = self.lasting == Lasting::Built
             && self.bodies.iter().zip(&self.built).all(|(body, &built)| {
-                let motion = &motions[body.slot as usize];
+                let motion = motions.get(body.slot);
                 (motion.turn - built).length_squared() <= LASTING_TURN * LASTING_TURN
             })
             && self
@@ -131,11 +132,15 @@ impl Articulation {
     }
 
     /// Begins a substep with the rows of an earlier one.
-    pub(super) fn go_on(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
+    pub(super) fn go_on(
+        &mut self,
+        velocities: &mut (impl Slots<BodyVelocity> + ?Sized),
+        motions: &mut (impl Slots<BodyMotion> + ?Sized),
+    ) {
         self.take_rates(velocities);
         self.changes.clear();
         for (body, before) in self.bodies.iter().zip(&mut self.followed) {
-            let now = way_of(&motions[body.slot as usize]);
+            let now = way_of(motions.get(body.slot));
             let [way, turn] = std::mem::replace(before, now);
             self.changes.push(Rate { linear: (now[0] - way).as_dvec3() / self.h, angular: (now[1] - turn).as_dvec3() / self.h });
         }
@@ -212,11 +217,16 @@ impl Articulation {
     }
 
     /// Lets contacts see the inertia that answers; `anew` where that has changed since the last substep.
-    pub(super) fn answer_contacts(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], anew: bool) {
+    pub(super) fn answer_contacts(
+        &mut self,
+        velocities: &mut (impl Slots<BodyVelocity> + ?Sized),
+        motions: &mut (impl Slots<BodyMotion> + ?Sized),
+        anew: bool,
+    ) {
         for (i, body) in self.bodies.iter().enumerate() {
             self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i], 0.0);
             if body.is_dynamic() {
-                let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
+                let (velocity, motion) = (velocities.get_mut(body.slot), motions.get_mut(body.slot));
                 velocity.angular = self.rates[i].angular.as_vec3();
                 velocity.inverse_inertia = body.answer();
                 motion.refreshed = anew;

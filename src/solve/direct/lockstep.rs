@@ -14,6 +14,7 @@ use super::system::{PASSES, System, Topology};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::joint::rows::Rate;
+use crate::solve::shared::Slots;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// Articulations that go side by side.
@@ -45,6 +46,8 @@ pub(super) struct Lockstep {
 pub(super) struct Locksteps {
     groups: Vec<Lockstep>,
     count: usize,
+    /// Articulations that are swept by themselves.
+    lone: Vec<u32>,
 }
 
 impl Locksteps {
@@ -76,23 +79,37 @@ impl Locksteps {
             };
             group.members.push(number as u32);
         }
+        self.lone.clear();
         for group in &self.groups[..self.count] {
             let has_twins = group.members.len() > 1;
             group.members.iter().for_each(|&member| articulations[member as usize].in_lockstep = has_twins);
         }
+        let goes_alone = |own: &Articulation| own.coupled && !own.in_lockstep;
+        self.lone.extend((0..).zip(&*articulations).filter(|(_, own)| goes_alone(own)).map(|(number, _)| number));
     }
 
-    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Lockstep> {
-        self.groups[..self.count].iter_mut().filter(|group| group.members.len() > 1)
+    /// Swept articulations that go alone, by number, and groups of those that do not.
+    pub(super) fn parts(&mut self) -> (&[u32], &mut [Lockstep]) {
+        (&self.lone, &mut self.groups[..self.count])
     }
 }
 
 impl Lockstep {
+    /// Its articulations, by number; none where there is only one, which goes alone.
+    pub(super) fn members(&self) -> &[u32] {
+        if self.members.len() > 1 { &self.members } else { &[] }
+    }
+
     /// As [`Articulation::warm_start`], of each member.
-    pub(super) fn warm_start(&mut self, articulations: &mut [Articulation], velocities: &mut [BodyVelocity], iterations: u32) {
+    pub(super) fn warm_start(
+        &mut self,
+        articulations: &mut (impl Slots<Articulation> + ?Sized),
+        velocities: &mut (impl Slots<BodyVelocity> + ?Sized),
+        iterations: u32,
+    ) {
         let mut lanes = [false; ABREAST];
         for (lane, &member) in lanes.iter_mut().zip(&self.members) {
-            let own = &mut articulations[member as usize];
+            let own = articulations.get_mut(member);
             if own.goes_abreast() {
                 *lane = own.may_start_warm(iterations);
             } else {
@@ -104,20 +121,24 @@ impl Lockstep {
         }
         self.take_in(articulations, lanes);
         self.take_rates(articulations, velocities, lanes);
-        abreast::push(&mut self.abreast, &articulations[self.members[0] as usize].system.nodes, &lanes);
+        abreast::push(&mut self.abreast, &articulations.get(self.members[0]).system.nodes, &lanes);
         self.give_rates(articulations, lanes);
         for member in self.chosen(lanes) {
-            let own = &mut articulations[member];
+            let own = articulations.get_mut(member);
             own.system.note_pushed(&own.bodies, &mut own.rates);
             own.give_rates(velocities);
         }
     }
 
     /// As [`Articulation::sweep`], of each member.
-    pub(super) fn sweep(&mut self, articulations: &mut [Articulation], velocities: &mut [BodyVelocity]) {
+    pub(super) fn sweep(
+        &mut self,
+        articulations: &mut (impl Slots<Articulation> + ?Sized),
+        velocities: &mut (impl Slots<BodyVelocity> + ?Sized),
+    ) {
         let mut lanes = [false; ABREAST];
         for (lane, &member) in lanes.iter_mut().zip(&self.members) {
-            let own = &mut articulations[member as usize];
+            let own = articulations.get_mut(member);
             if own.goes_abreast() && (own.is_warm || own.system.has_pushed) {
                 *lane = !std::mem::replace(&mut own.is_warm, false);
             } else {
@@ -132,7 +153,7 @@ impl Lockstep {
         self.solve(articulations, lanes);
         self.give_rates(articulations, lanes);
         for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
-            let own = &mut articulations[self.members[lane] as usize];
+            let own = articulations.get_mut(self.members[lane]);
             self.give_impulses(lane, &mut own.system);
             if own.system.find_flips(&own.rates, true) > 0 {
                 own.system.withdraw(&own.bodies, &mut own.rates);
@@ -146,22 +167,22 @@ impl Lockstep {
     /// As [`Articulation::settle`], of each member.
     pub(super) fn settle(
         &mut self,
-        articulations: &mut [Articulation],
+        articulations: &mut (impl Slots<Articulation> + ?Sized),
         joints: &Pool<Joint, JointId>,
-        velocities: &[BodyVelocity],
-        motions: &mut [BodyMotion],
+        velocities: &(impl Slots<BodyVelocity> + ?Sized),
+        motions: &mut (impl Slots<BodyMotion> + ?Sized),
         is_end: bool,
     ) {
         let mut settling = [None::<Settling>; ABREAST];
         for (settling, &member) in settling.iter_mut().zip(&self.members) {
-            *settling = articulations[member as usize].begin_settling(joints, velocities, motions, is_end);
+            *settling = articulations.get_mut(member).begin_settling(joints, velocities, motions, is_end);
         }
         for round in 1..=MENDINGS {
             self.mend(articulations, joints, &mut settling, round < MENDINGS);
         }
         for (&member, settling) in self.members.iter().zip(settling) {
             if let Some(settling) = settling {
-                articulations[member as usize].end_settling(joints, motions, settling.errors);
+                articulations.get_mut(member).end_settling(joints, motions, settling.errors);
             }
         }
     }
@@ -169,14 +190,14 @@ impl Lockstep {
     /// Has lasting rows mend the positions of those members that ask for it; `again` where they may ask once more.
     fn mend(
         &mut self,
-        articulations: &mut [Articulation],
+        articulations: &mut (impl Slots<Articulation> + ?Sized),
         joints: &Pool<Joint, JointId>,
         settling: &mut [Option<Settling>; ABREAST],
         again: bool,
     ) {
         let mut lanes = [false; ABREAST];
         for lane in (0..self.members.len()).filter(|&lane| settling[lane].is_some_and(|settling| settling.mends)) {
-            let own = &mut articulations[self.members[lane] as usize];
+            let own = articulations.get_mut(self.members[lane]);
             lanes[lane] = own.system.is_abreast;
             match lanes[lane] {
                 true => self.take_biases(lane, &own.system),
@@ -190,7 +211,7 @@ impl Lockstep {
         }
         for (lane, settling) in settling.iter_mut().enumerate() {
             let Some(settling) = settling.as_mut().filter(|settling| settling.mends) else { continue };
-            let own = &mut articulations[self.members[lane] as usize];
+            let own = articulations.get_mut(self.members[lane]);
             if lanes[lane] {
                 own.changes.clear();
                 own.changes.extend(self.abreast.rates.iter().map(|rate| rate_of(rate, lane)));
@@ -199,13 +220,13 @@ impl Lockstep {
         }
     }
 
-    fn chosen(&self, lanes: [bool; ABREAST]) -> impl Iterator<Item = usize> {
-        self.members.iter().zip(lanes).filter(|&(_, chosen)| chosen).map(|(&member, _)| member as usize)
+    fn chosen(&self, lanes: [bool; ABREAST]) -> impl Iterator<Item = u32> {
+        self.members.iter().zip(lanes).filter(|&(_, chosen)| chosen).map(|(&member, _)| member)
     }
 
     /// Solves for what the rows of these lanes lack.
-    fn solve(&mut self, articulations: &[Articulation], lanes: [bool; ABREAST]) {
-        let Articulation { system: System { nodes, .. }, topology, .. } = &articulations[self.members[0] as usize];
+    fn solve(&mut self, articulations: &(impl Slots<Articulation> + ?Sized), lanes: [bool; ABREAST]) {
+        let Articulation { system: System { nodes, .. }, topology, .. } = articulations.get(self.members[0]);
         if !std::mem::replace(&mut self.is_factored, true) {
             abreast::factorize(&mut self.abreast, nodes, topology);
             self.is_exact = false;
@@ -225,10 +246,10 @@ impl Lockstep {
     }
 
     /// Takes in the rows and bodies of all members where those of any of these lanes have changed, and biases where stops have come nearer.
-    fn take_in(&mut self, articulations: &mut [Articulation], lanes: [bool; ABREAST]) {
-        if self.chosen(lanes).all(|member| articulations[member].system.is_abreast) {
+    fn take_in(&mut self, articulations: &mut (impl Slots<Articulation> + ?Sized), lanes: [bool; ABREAST]) {
+        if self.chosen(lanes).all(|member| articulations.get(member).system.is_abreast) {
             for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
-                let system = &mut articulations[self.members[lane] as usize].system;
+                let system = &mut articulations.get_mut(self.members[lane]).system;
                 if std::mem::replace(&mut system.has_new_biases, false) {
                     self.take_biases(lane, system);
                 }
@@ -237,9 +258,9 @@ impl Lockstep {
         }
         self.is_factored = false;
         self.choose(articulations);
-        self.abreast.start(articulations[self.members[0] as usize].bodies.len());
+        self.abreast.start(articulations.get(self.members[0]).bodies.len());
         for lane in 0..ABREAST {
-            let own = self.members.get(lane).map(|&member| &mut articulations[member as usize]);
+            let own = self.members.get(lane).map(|&member| articulations.get_mut(member));
             let (rows, bodies) = match own {
                 Some(own) => {
                     (own.system.is_abreast, own.system.has_new_biases) = (true, false);
@@ -250,16 +271,16 @@ impl Lockstep {
             write_rows(&mut self.abreast, &self.index, lane, rows);
             write_masses(&mut self.abreast, lane, bodies);
         }
-        abreast::respond(&mut self.abreast, &articulations[self.members[0] as usize].system.nodes);
+        abreast::respond(&mut self.abreast, &articulations.get(self.members[0]).system.nodes);
     }
 
     /// Gives each free row of each member a place in its node.
-    fn choose(&mut self, articulations: &[Articulation]) {
+    fn choose(&mut self, articulations: &(impl Slots<Articulation> + ?Sized)) {
         let Self { members, abreast, index, .. } = self;
-        let systems = || members.iter().map(|&member| &articulations[member as usize].system);
+        let systems = || members.iter().map(|&member| &articulations.get(member).system);
         abreast.counts.clear();
         index.clear();
-        for number in 0..articulations[members[0] as usize].system.nodes.len() {
+        for number in 0..articulations.get(members[0]).system.nodes.len() {
             let first = index.len();
             for (lane, system) in systems().enumerate() {
                 let node = &system.nodes[number];
@@ -294,21 +315,26 @@ impl Lockstep {
         system.is_factored = false;
     }
 
-    fn take_rates(&mut self, articulations: &[Articulation], velocities: &[BodyVelocity], lanes: [bool; ABREAST]) {
+    fn take_rates(
+        &mut self,
+        articulations: &(impl Slots<Articulation> + ?Sized),
+        velocities: &(impl Slots<BodyVelocity> + ?Sized),
+        lanes: [bool; ABREAST],
+    ) {
         self.abreast.rates.fill([[0.0; ABREAST]; 6]);
         for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
-            let bodies = &articulations[self.members[lane] as usize].bodies;
+            let bodies = &articulations.get(self.members[lane]).bodies;
             for (into, body) in self.abreast.rates.iter_mut().zip(bodies) {
-                let velocity = &velocities[body.slot as usize];
+                let velocity = velocities.get(body.slot);
                 let numbers = velocity.linear.to_array().into_iter().chain(velocity.angular.to_array());
                 into.iter_mut().zip(numbers).for_each(|(into, number)| into[lane] = f64::from(number));
             }
         }
     }
 
-    fn give_rates(&self, articulations: &mut [Articulation], lanes: [bool; ABREAST]) {
+    fn give_rates(&self, articulations: &mut (impl Slots<Articulation> + ?Sized), lanes: [bool; ABREAST]) {
         for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
-            let rates = &mut articulations[self.members[lane] as usize].rates;
+            let rates = &mut articulations.get_mut(self.members[lane]).rates;
             rates.clear();
             rates.extend(self.abreast.rates.iter().map(|rate| rate_of(rate, lane)));
         }
@@ -399,7 +425,7 @@ mod tests {
         let mut members: Vec<Articulation> = (0..3).map(|_| articulation(&mut noise)).collect();
         let mut group = Lockstep { members: vec![0, 1, 2], ..Lockstep::default() };
         let lanes = [true, true, false, false];
-        group.take_in(&mut members, lanes);
+        group.take_in(&mut members[..], lanes);
         for (lane, own) in members.iter().enumerate() {
             for (into, rate) in group.abreast.rates.iter_mut().zip(&own.rates) {
                 let numbers = rate.linear.to_array().into_iter().chain(rate.angular.to_array());
@@ -407,7 +433,7 @@ mod tests {
             }
         }
         let before: Vec<Rate> = group.abreast.rates.iter().map(|rate| rate_of(rate, 2)).collect();
-        group.solve(&members, lanes);
+        group.solve(&members[..], lanes);
         for (lane, own) in members.iter_mut().enumerate().take(2) {
             own.system.solve(&own.topology, &own.bodies, &mut own.rates, PASSES);
             let impulses: Vec<f64> = own.system.rows.iter().map(|row| row.impulse).collect();

@@ -21,6 +21,7 @@ use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::settings::Solver;
+use crate::workers::Workers;
 
 mod abreast;
 mod active_set;
@@ -65,6 +66,7 @@ use history::History;
 use lockstep::Locksteps;
 use refused::Refused;
 use riders::Riders;
+pub(crate) use swept::Floor;
 
 /// Group of a joint that moves nothing.
 const NO_GROUP: u32 = u32::MAX;
@@ -380,10 +382,16 @@ impl Direct {
         motions: &mut [BodyMotion],
         contacts: &[ContactInput],
         settings: &StepSettings,
+        threads: &Workers,
     ) {
-        for articulation in self.articulations[..self.count].iter_mut().filter(|articulation| !articulation.coupled) {
-            articulation.step(joints, velocities, motions, settings);
-        }
+        let (starts, bodies) = (&*velocities, &*motions);
+        let articulations = &mut self.articulations[..self.count];
+        let piece = threads.piece(articulations.len(), 1).max(1);
+        threads.share(articulations.chunks_mut(piece), |articulations| {
+            for articulation in articulations.iter_mut().filter(|articulation| !articulation.coupled) {
+                articulation.step(joints, starts, bodies, settings);
+            }
+        });
         while let Some(number) = self.first_to_meet(velocities, motions, contacts, settings.dt) {
             self.articulations[number].give_up();
         }

@@ -1,52 +1,123 @@
-//! The articulations of a batch that touch what moves: their part in the sweeps over contacts, by themselves or in lockstep.
+//! The articulations of a batch that touch what moves: their part in the sweeps over contacts, by themselves or in lockstep, on all
+//! threads where there are many.
 
 use super::Direct;
 use super::articulation::Articulation;
+use super::lockstep::Lockstep;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
+use crate::solve::shared::{Divided, Part, Slots};
 use crate::solve::state::{BodyMotion, BodyVelocity};
+use crate::workers::Workers;
+
+/// Articulations alone or in lockstep from which on several threads go through them, and those that are worth another thread's while:
+/// some 10 µs.
+const SHARED_UNITS: usize = 8;
+const LEAST_UNITS: usize = 2;
+
+/// Threads, and the state of a batch's bodies on which they work.
+pub(crate) struct Floor<'a> {
+    pub threads: &'a Workers,
+    pub velocities: &'a mut [BodyVelocity],
+    pub motions: &'a mut [BodyMotion],
+}
+
+/// What one thread has of the bodies.
+struct Hands<'a> {
+    velocities: Part<'a, BodyVelocity>,
+    motions: Part<'a, BodyMotion>,
+}
 
 impl Direct {
     fn coupled(&mut self) -> impl Iterator<Item = &mut Articulation> {
         self.articulations[..self.count].iter_mut().filter(|articulation| articulation.coupled)
     }
 
-    /// Those that go by themselves.
-    fn alone(&mut self) -> impl Iterator<Item = &mut Articulation> {
-        self.coupled().filter(|articulation| !articulation.in_lockstep)
+    /// Whether each body that they move is of one of them.
+    fn are_apart(&self) -> bool {
+        let swept = self.articulations().iter().zip(0..).filter(|(own, _)| own.coupled);
+        swept
+            .flat_map(|(own, number)| own.moved_slots().map(move |slot| (slot, number)))
+            .all(|(slot, number)| self.local[slot as usize].0 == number)
+    }
+
+    /// Does one thing to those that go by themselves, and another to those that go in lockstep.
+    fn each(
+        &mut self,
+        floor: Floor<'_>,
+        alone: impl Fn(&mut Articulation, &mut Hands<'_>) + Sync,
+        beside: impl Fn(&mut Lockstep, &mut Part<'_, Articulation>, &mut Hands<'_>) + Sync,
+    ) {
+        let Floor { threads, velocities, motions } = floor;
+        debug_assert!(self.are_apart(), "two articulations move one body");
+        let articulations = &mut self.articulations[..self.count];
+        let (lone, groups) = self.locksteps.parts();
+        let units = lone.len() + groups.len();
+        if units == 0 {
+            return;
+        }
+        let (velocities, motions) = (Divided::new(velocities), Divided::new(motions));
+        let (articulations, groups) = (Divided::new(articulations), Divided::new(groups));
+        let is_shared = units >= SHARED_UNITS && threads.has_team();
+        let piece = if is_shared { threads.piece(units, LEAST_UNITS) } else { units };
+        threads.share((0..units).step_by(piece), |first| {
+            // SAFETY: each unit is in one piece, each articulation is alone or a member of one group, and changes the state of bodies that it
+            // moves, each of which is of one articulation.
+            let (mut own, mut groups, mut hands) = unsafe {
+                let hands = Hands { velocities: velocities.part(), motions: motions.part() };
+                (articulations.part(), groups.part(), hands)
+            };
+            for unit in first..units.min(first + piece) {
+                match lone.get(unit) {
+                    Some(&number) => alone(own.get_mut(number), &mut hands),
+                    None => {
+                        let group = groups.get_mut((unit - lone.len()) as u32);
+                        if !group.members().is_empty() {
+                            beside(group, &mut own, &mut hands);
+                        }
+                    }
+                }
+            }
+        });
     }
 
     /// Has the articulations that touch what moves answer contacts as in the first substep, of length `h` (s).
-    pub(crate) fn get_ready(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
-        self.coupled().for_each(|articulation| articulation.get_ready(velocities, motions, f64::from(h)));
+    pub(crate) fn get_ready(&mut self, floor: Floor<'_>, h: f32) {
+        let h = f64::from(h);
         self.locksteps.gather(&mut self.articulations[..self.count]);
+        let get_ready = |own: &mut Articulation, hands: &mut Hands<'_>| own.get_ready(&mut hands.velocities, &hands.motions, h);
+        self.each(floor, get_ready, |group, own, hands| {
+            group.members().iter().for_each(|&member| get_ready(own.get_mut(member), hands));
+        });
     }
 
     /// Begins a substep of the articulations that touch what moves, `rest` (s) from the end of the step.
-    pub(crate) fn couple(
-        &mut self,
-        joints: &Pool<Joint, JointId>,
-        velocities: &mut [BodyVelocity],
-        motions: &mut [BodyMotion],
-        h: f32,
-        rest: f32,
-    ) {
+    pub(crate) fn couple(&mut self, joints: &Pool<Joint, JointId>, floor: Floor<'_>, h: f32, rest: f32) {
         let [h, rest] = [h, rest].map(f64::from);
-        self.coupled().for_each(|articulation| articulation.couple(joints, velocities, motions, h, rest));
+        let couple = |own: &mut Articulation, Hands { velocities, motions }: &mut Hands<'_>| {
+            own.couple(joints, velocities, motions, h, rest);
+        };
+        self.each(floor, couple, |group, own, hands| {
+            group.members().iter().for_each(|&member| couple(own.get_mut(member), hands));
+        });
     }
 
     /// Applies the carried multipliers of the articulations that touch what moves.
-    pub(crate) fn warm_start(&mut self, velocities: &mut [BodyVelocity], iterations: u32) {
-        self.alone().for_each(|articulation| articulation.warm_start(velocities, iterations));
-        let Self { locksteps, articulations, .. } = self;
-        locksteps.iter_mut().for_each(|group| group.warm_start(articulations, velocities, iterations));
+    pub(crate) fn warm_start(&mut self, floor: Floor<'_>, iterations: u32) {
+        self.each(
+            floor,
+            |own, hands| own.warm_start(&mut hands.velocities, iterations),
+            |group, own, hands| group.warm_start(own, &mut hands.velocities, iterations),
+        );
     }
 
     /// Solves the joints of the articulations that touch what moves.
-    pub(crate) fn sweep(&mut self, velocities: &mut [BodyVelocity]) {
-        self.alone().for_each(|articulation| articulation.sweep(velocities));
-        let Self { locksteps, articulations, .. } = self;
-        locksteps.iter_mut().for_each(|group| group.sweep(articulations, velocities));
+    pub(crate) fn sweep(&mut self, floor: Floor<'_>) {
+        self.each(
+            floor,
+            |own, hands| own.sweep(&mut hands.velocities),
+            |group, own, hands| group.sweep(own, &mut hands.velocities),
+        );
     }
 
     /// Forgets the multipliers of those whose bodies have these slots, as if the substep had begun without any.
@@ -74,15 +145,11 @@ impl Direct {
     }
 
     /// Mends the positions of the articulations that touch what moves, at the end of a substep or of the step.
-    pub(crate) fn settle(
-        &mut self,
-        joints: &Pool<Joint, JointId>,
-        velocities: &[BodyVelocity],
-        motions: &mut [BodyMotion],
-        is_end: bool,
-    ) {
-        self.alone().for_each(|articulation| articulation.settle(joints, velocities, motions, is_end));
-        let Self { locksteps, articulations, .. } = self;
-        locksteps.iter_mut().for_each(|group| group.settle(articulations, joints, velocities, motions, is_end));
+    pub(crate) fn settle(&mut self, joints: &Pool<Joint, JointId>, floor: Floor<'_>, is_end: bool) {
+        self.each(
+            floor,
+            |own, Hands { velocities, motions }| own.settle(joints, velocities, motions, is_end),
+            |group, own, Hands { velocities, motions }| group.settle(own, joints, velocities, motions, is_end),
+        );
     }
 }

@@ -65,8 +65,9 @@ impl Records<'_> {
             let records = Within { world: self, bodies, manifolds };
             direct.take(&mut joints.entries, velocities, motions, inputs, &records);
             joints.entries.append(withheld);
-            direct.step(self.joints, velocities, motions, inputs, settings);
-            direct.get_ready(velocities, motions, h);
+            direct.step(self.joints, velocities, motions, inputs, settings, threads);
+            let (direct, floor) = batch.direct_and_floor(threads);
+            direct.get_ready(floor, h);
         }
         batch.color_contacts();
         let (scale, stride) = (self.scale_for(batch), batch.stride as f32);
