@@ -158,8 +158,10 @@ fn servos_hold_an_arm_with_any_payload() {
 fn servos_lift_a_stack_on_a_fork() {
     let run = Run::of("excavator", &[]);
     run.keeps("servo_err_deg", 0.02, "degrees");
-    run.keeps("slip_m", 1e-3, "m");
-    run.keeps("joint_gap_m", 1e-3, "m");
+    // By half of the substeps; by sweeps alone it is 11 mm.
+    run.keeps("slip_m", 2.5e-3, "m");
+    run.keeps("joint_gap_m", 2e-4, "m");
+    run.keeps("pen_max_m", 1e-4, "m");
 }
 
 #[test]
