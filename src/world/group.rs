@@ -29,7 +29,7 @@ pub(super) struct Groups {
     sizes: Vec<u32>,
     /// Slots that each island takes in its batch: one for a body, one for a union.
     slots: Vec<u32>,
-    /// Substeps of the world that each island takes at once.
+    /// Substeps of the world that each island takes at once; empty where all take them one by one.
     pub strides: Vec<u32>,
     /// First member of each island in `members`.
     starts: Vec<u32>,
@@ -72,10 +72,6 @@ impl Groups {
     /// Members of each island, by number.
     pub(super) fn islands(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|range| &self.members[range[0] as usize..range[1] as usize])
-    }
-
-    pub(super) fn island_count(&self) -> usize {
-        self.sizes.len()
     }
 
     /// Pairs that touch, by slot, and their bodies.
@@ -310,8 +306,9 @@ impl World {
         let Self { groups, batches, batch_count, report, hold, .. } = self;
         groups.batch_sizes.clear();
         groups.batch_strides.clear();
-        let islands = groups.slots.iter().zip(&groups.strides).zip(&hold.islands);
-        for ((&size, &stride), _) in islands.filter(|&(_, &held)| !held) {
+        let islands = groups.slots.iter().zip(&hold.islands).enumerate();
+        for (island, (&size, _)) in islands.filter(|&(_, (_, &held))| !held) {
+            let stride = groups.strides.get(island).copied().unwrap_or(1);
             let fits = groups.batch_strides.last() == Some(&stride) && size < LARGE_ISLAND;
             match groups.batch_sizes.last_mut().filter(|filled| fits && **filled < BATCH_BODIES) {
                 Some(filled) => *filled += size,

@@ -109,7 +109,7 @@ impl World {
                     Some(_) => unions.motion_of(member, &to),
                     None => to,
                 };
-                let before = [body.linear_velocity, body.angular_velocity];
+                let before = sweeps_blocks.then_some([body.linear_velocity, body.angular_velocity]);
                 (body.center, body.rotation) = (own.center, own.rotation);
                 (body.linear_velocity, body.angular_velocity) = (own.linear, own.angular);
                 body.history.forget();
@@ -124,10 +124,9 @@ impl World {
                 body.steady_for = if steady { body.steady_for.saturating_add(1) } else { 0 };
                 let is_calm = own.linear.length() + own.angular.length() * reach < calm_speed;
                 body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
-                if sweeps_blocks {
-                    *has_smooth_bodies |= smoothness.count(body, before, reach);
-                } else {
-                    body.smooth_for = 0;
+                match before {
+                    Some(before) => *has_smooth_bodies |= smoothness.count(body, before, reach),
+                    None => body.smooth_for = 0,
                 }
             }
             if let Some(union) = unions.of_mut(index).filter(|union| union.anchor == Anchor::Free) {

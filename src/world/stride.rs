@@ -64,27 +64,24 @@ impl World {
         let Self { groups, bodies, pairs, index, unions, def, has_smooth_bodies, .. } = self;
         let mut strides = std::mem::take(&mut groups.strides);
         strides.clear();
-        strides.resize(groups.island_count(), 1);
         let may_stride = def.substeps >= LEAST_SUBSTEPS && def.substeps % STRIDE == 0 && def.articulations.error_target == 0.0;
         if may_stride && *has_smooth_bodies {
-            let mut any = false;
-            for (stride, members) in strides.iter_mut().zip(groups.islands()) {
+            strides.extend(groups.islands().map(|members| {
                 let is_smooth = |&index: &u32| bodies[index].smooth_for >= SMOOTH_STEPS && unions.moving(index).is_none();
-                if members.iter().all(is_smooth) && members.iter().any(|&index| !bodies[index].joints.is_empty()) {
-                    (*stride, any) = (STRIDE, true);
-                }
-            }
-            if any {
-                for (slot, ends) in groups.touching() {
-                    let Some(body) = ends.into_iter().find(|&body| index.free.has(body)) else { continue };
-                    let stride = &mut strides[groups.island[body as usize] as usize];
-                    let overlaps = || {
-                        let mut manifolds = pairs.get(slot).manifolds.iter();
-                        manifolds.any(|manifold| manifold.points.iter().any(|point| point.separation < -SMOOTH_OVERLAP))
-                    };
-                    if *stride > 1 && overlaps() {
-                        *stride = 1;
-                    }
+                let is_jointed = |&index: &u32| !bodies[index].joints.is_empty();
+                if members.iter().all(is_smooth) && members.iter().any(is_jointed) { STRIDE } else { 1 }
+            }));
+        }
+        if strides.iter().any(|&stride| stride > 1) {
+            for (slot, ends) in groups.touching() {
+                let Some(body) = ends.into_iter().find(|&body| index.free.has(body)) else { continue };
+                let stride = &mut strides[groups.island[body as usize] as usize];
+                let overlaps = || {
+                    let mut manifolds = pairs.get(slot).manifolds.iter();
+                    manifolds.any(|manifold| manifold.points.iter().any(|point| point.separation < -SMOOTH_OVERLAP))
+                };
+                if *stride > 1 && overlaps() {
+                    *stride = 1;
                 }
             }
         }
