@@ -156,3 +156,36 @@ fn unrelated_bodies_change_no_bit_of_an_island() {
     let differs = alone.iter().zip(&beside).position(|(alone, beside)| alone != beside);
     assert_eq!(differs, None, "first step after which a falling column differs beside 90 bodies 200 m away");
 }
+
+/// Poses of the bodies of two ragdolls in a pit after each step, with two others in a pit 200 m away that are dropped so much later (m
+/// higher): with who has come to lie, and with who still tumbles, go others in lockstep.
+fn ragdolls_beside(height: f64) -> Vec<Vec<Pose>> {
+    let mut own = scene("ragdoll_pile", &[("n", "2"), ("seconds", "4")]);
+    let mut others = scene("ragdoll_pile", &[("n", "2")]);
+    let count = own.bodies.len();
+    for def in &mut others.bodies {
+        def.pose.position.x += 200.0;
+        if def.kind == longspan::BodyKind::Dynamic {
+            def.pose.position.y += height;
+        }
+    }
+    for end in others.joints.iter_mut().flat_map(|joint| [&mut joint.a, &mut joint.b]) {
+        *end = end.map(|body| body + count);
+    }
+    own.bodies.append(&mut others.bodies);
+    own.joints.append(&mut others.joints);
+    own.metrics.clear();
+    let mut poses = Vec::new();
+    Run::watched(own, |view| poses.push((0..count).map(|body| view.engine.pose(body)).collect()));
+    poses
+}
+
+#[test]
+fn what_tumbles_beside_a_ragdoll_in_lockstep_changes_no_bit_of_it() {
+    let first = ragdolls_beside(0.0);
+    for height in [1, 3] {
+        let later = ragdolls_beside(f64::from(height));
+        let differs = first.iter().zip(&later).position(|(first, later)| first != later);
+        assert_eq!(differs, None, "first step after which ragdolls differ beside others that fall from {height} m higher");
+    }
+}

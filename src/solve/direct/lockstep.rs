@@ -205,7 +205,12 @@ impl Lockstep {
             }
         }
         if lanes != [false; ABREAST] {
-            self.abreast.impulse.fill([0.0; ABREAST]);
+            // Others may go on with theirs.
+            for impulse in &mut self.abreast.impulse {
+                for lane in (0..ABREAST).filter(|&lane| lanes[lane]) {
+                    impulse[lane] = 0.0;
+                }
+            }
             self.abreast.rates.fill([[0.0; ABREAST]; 6]);
             self.solve(articulations, lanes);
         }
@@ -376,9 +381,11 @@ mod tests {
     use glam::{DMat3, DVec3};
 
     use super::*;
+    use crate::id::WorldTag;
     use crate::solve::direct::factor::Plan;
     use crate::solve::direct::guard::Guard;
     use crate::solve::direct::noise::Noise;
+    use crate::solve::direct::project::Errors;
     use crate::solve::direct::system::{Coupling, Node};
     use crate::solve::state::BodyMotion;
 
@@ -449,5 +456,23 @@ mod tests {
         }
         let after = group.abreast.rates.iter().map(|rate| rate_of(rate, 2));
         assert!(after.zip(&before).all(|(after, before)| (after.linear, after.angular) == (before.linear, before.angular)));
+    }
+
+    #[test]
+    fn who_mends_positions_between_substeps_leaves_others_their_multipliers() {
+        let mut noise = Noise(6);
+        let mut members: Vec<Articulation> = (0..2).map(|_| articulation(&mut noise)).collect();
+        let mut group = Lockstep { members: vec![0, 1], ..Lockstep::default() };
+        let lanes = [true, true, false, false];
+        group.take_in(&mut members[..], lanes);
+        group.solve(&members[..], lanes);
+        let carried = |group: &Lockstep| -> Vec<f64> { group.abreast.impulse.iter().map(|impulse| impulse[1]).collect() };
+        let before = carried(&group);
+        let tag = WorldTag::acquire().expect("a test has few worlds");
+        let mut settling = [Some(Settling { errors: Errors { worst: 1.0, ..Errors::NONE }, mends: true }), None, None, None];
+        group.mend(&mut members[..], &Pool::new(&tag), &mut settling, false);
+        assert!(settling[0].is_some_and(|settling| !settling.mends && settling.errors.worst < 1.0), "{settling:?}");
+        assert!(before.iter().any(|&impulse| impulse != 0.0));
+        assert_eq!(carried(&group), before, "multipliers of the one beside it");
     }
 }
