@@ -177,7 +177,7 @@ pub(crate) struct Body {
     pub steady_for: u8,
     /// Number of steps for which it has been calm, at most 255.
     pub calm_for: u8,
-    /// Number of steps, at most 255, for which it has moved smoothly with an articulation that is swept with contacts.
+    /// Number of steps, at most 255, for which it has moved smoothly: by itself, or in an articulation that is swept with contacts.
     pub smooth_for: u8,
     /// Whether it keeps its pose in this step because nothing could move it.
     pub held: bool,

@@ -74,7 +74,8 @@ pub const MAX_THREADS: u32 = 64;
 pub struct WorldDef {
     /// Acceleration of free fall (m/s²).
     pub gravity: Vec3,
-    /// Substeps of a step, 1 to 256.
+    /// Substeps of a step, 1 to 256. Articulations that move by themselves take as many as their errors ask for, and islands in which
+    /// jointed bodies carry loads smoothly half of them, from four on, where no error target is set.
     pub substeps: u32,
     /// Sweeps over all rows in a substep, 1 to 256.
     pub iterations: u32,

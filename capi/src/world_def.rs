@@ -65,7 +65,8 @@ pub struct LsWorldDef {
     pub struct_size: u32,
     /// Gravity (m/s^2); default 0, -9.81, 0.
     pub gravity: [f32; 3],
-    /// Substeps a step, 1 to 256; default 4. More is more accurate and slower.
+    /// Substeps a step, 1 to 256; default 4. More is more accurate and slower. Articulations that move by themselves take as many as their
+    /// errors ask for, and islands in which jointed bodies carry loads smoothly half of them, from four on, where no error target is set.
     pub substeps: u32,
     /// Sweeps a substep, 1 to 256; default 2.
     pub iterations: u32,

@@ -902,7 +902,10 @@ typedef struct LsWorldDef {
     uint32_t struct_size;
     /** Gravity (m/s^2); default 0, -9.81, 0. */
     float gravity[3];
-    /** Substeps a step, 1 to 256; default 4. More is more accurate and slower. */
+    /**
+     * Substeps a step, 1 to 256; default 4. More is more accurate and slower. Articulations that move by themselves take as many as their
+     * errors ask for, and islands in which jointed bodies carry loads smoothly half of them, from four on, where no error target is set.
+     */
     uint32_t substeps;
     /** Sweeps a substep, 1 to 256; default 2. */
     uint32_t iterations;

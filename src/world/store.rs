@@ -63,10 +63,10 @@ impl World {
         let mut broken = std::mem::take(&mut self.scratch.slots);
         broken.clear();
         let (calm_speed, smoothness) = (self.calm_speed(dt), self.smoothness(dt));
-        let Self { batches, bodies, colliders, unions, index: places, scratch, has_smooth_bodies, .. } = self;
+        let Self { batches, bodies, colliders, joints, unions, index: places, scratch, has_smooth_bodies, .. } = self;
         places.make_room_for_forces(bodies.slot_count());
         let batch = &batches[number];
-        let sweeps_blocks = batch.direct.sweeps_blocks();
+        let (has_joints, sweeps_blocks) = (joints.len() > 0, batch.direct.sweeps_blocks());
         for slot in 1..batch.bodies.len() {
             let index = batch.bodies[slot];
             if !bodies[index].is_free() {
@@ -109,7 +109,9 @@ impl World {
                     Some(_) => unions.motion_of(member, &to),
                     None => to,
                 };
-                let before = sweeps_blocks.then_some([body.linear_velocity, body.angular_velocity]);
+                // Of what has no joints always: what is solved beside it makes no difference.
+                let may_be_smooth = if body.joints.is_empty() { has_joints } else { sweeps_blocks };
+                let before = may_be_smooth.then_some([body.linear_velocity, body.angular_velocity]);
                 (body.center, body.rotation) = (own.center, own.rotation);
                 (body.linear_velocity, body.angular_velocity) = (own.linear, own.angular);
                 body.history.forget();
@@ -125,7 +127,7 @@ impl World {
                 let is_calm = own.linear.length() + own.angular.length() * reach < calm_speed;
                 body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
                 match before {
-                    Some(before) => *has_smooth_bodies |= smoothness.count(body, before, reach),
+                    Some(before) => *has_smooth_bodies |= smoothness.count(body, before, reach) && sweeps_blocks,
                     None => body.smooth_for = 0,
                 }
             }
