@@ -38,6 +38,8 @@ mod wide;
 mod wide_matrix;
 pub(crate) mod wrap;
 
+use std::ops::Range;
+
 use batch::Batch;
 use direct::{Direct, Floor};
 use joint::Moving;
@@ -50,6 +52,9 @@ use crate::workers::Workers;
 
 /// Overlap below which position recovery has nothing to do (m).
 const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
+
+/// Further sweeps of position recovery over contacts of jointed bodies.
+const JOINTED_RECOVERY_SWEEPS: usize = 1;
 
 /// Gaps of joints, as shares of their levers, for which position rows are swept on at the end of a step, and how often at most.
 /// Chains keep their length to the lesser share; where joints are torn open further than the greater, a few sweeps close nothing.
@@ -368,12 +373,32 @@ impl Batch {
         self.pushes.clear();
         make_room(&mut self.pushes, self.velocities.len());
         self.pushes.extend(self.velocities.iter().map(BodyVelocity::at_rest));
-        let (range, moving) = (0..self.contacts.len(), self.moving());
-        for _ in 0..contact_kernels::RECOVERY_SWEEPS {
-            crew::in_colors(&mut self.contacts, range.clone(), threads, (&mut self.pushes, moving), false, |part, pushes| {
-                contact_kernels::recover(part, pushes, dt);
-            });
+        let (all, jointed) = (0..self.contacts.len(), self.first_jointed..self.contacts.len());
+        for sweep in 0..contact_kernels::RECOVERY_SWEEPS {
+            if sweep > 0 {
+                self.yield_to_pushes(threads);
+            }
+            self.recover(threads, &all, dt);
+        }
+        for _ in 0..JOINTED_RECOVERY_SWEEPS {
+            self.yield_to_pushes(threads);
+            self.recover(threads, &jointed, dt);
         }
         self.displace(threads);
+    }
+
+    /// One sweep of position recovery over a range of blocks.
+    fn recover(&mut self, threads: &Workers, range: &Range<usize>, dt: f32) {
+        let moving = self.moving();
+        crew::in_colors(&mut self.contacts, range.clone(), threads, (&mut self.pushes, moving), false, |part, pushes| {
+            contact_kernels::recover(part, pushes, dt);
+        });
+    }
+
+    /// Has the pushes of position recovery leave the joints of swept articulations as they are. A hand that is lifted off a trunk is drawn
+    /// back by its arm otherwise, as joints are mended next, and sinks in for seconds.
+    fn yield_to_pushes(&mut self, threads: &Workers) {
+        let Self { direct, pushes, motions, .. } = self;
+        direct.yield_to_pushes(Floor { threads, velocities: pushes, motions });
     }
 }

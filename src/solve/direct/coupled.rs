@@ -10,8 +10,9 @@
 use glam::DVec3;
 
 use super::articulation::{Articulation, Mode};
+use super::body::DirectBody;
 use super::lasting::{Lasting, MENDINGS, Settling};
-use super::project::Errors;
+use super::project::{Errors, greatest};
 use super::quads;
 use super::row::Origin;
 use super::system::Node;
@@ -21,6 +22,9 @@ use crate::solve::joint::rows::{Phase, Rate};
 use crate::solve::joint::{JointEntry, kinds};
 use crate::solve::shared::Slots;
 use crate::solve::state::{BodyMotion, BodyVelocity};
+
+/// Push of a body that joints yield to, as a share of the least error that positions are mended for.
+const PUSHED: f64 = 0.1;
 
 impl Articulation {
     /// Finds the inertia with which the bodies answer in the first substep, of length `h` (s), so that rows of contacts know it from
@@ -220,6 +224,43 @@ impl Articulation {
         system.sums.clear();
     }
 
+    /// Whether the rows of the last substep are there, to be solved for something else. Built are empty where rows of this kind cannot last,
+    /// or where others have taken their place.
+    pub(super) fn has_lasting_rows(&self) -> bool {
+        !self.built.is_empty() && (self.system.is_factored || self.system.is_abreast)
+    }
+
+    /// Has displacements of the bodies leave the joints as they are, in the metric of their masses; the multipliers of the substep are
+    /// handed back before.
+    pub(crate) fn yield_to(&mut self, pushes: &mut (impl Slots<BodyVelocity> + ?Sized)) {
+        if self.begin_yielding(pushes) {
+            self.changes.clear();
+            self.changes.extend(self.bodies.iter().map(|body| Rate::of(pushes.get(body.slot))));
+            self.solve_lasting_rows();
+            self.end_yielding(pushes);
+        }
+    }
+
+    /// Asks the rows of the last substep to let nothing through, if they are there and any of the bodies is pushed by so much that joints
+    /// would draw it back before long.
+    pub(super) fn begin_yielding(&mut self, pushes: &(impl Slots<BodyVelocity> + ?Sized)) -> bool {
+        let least = PUSHED * self.least_to_mend();
+        let is_pushed = |body: &DirectBody| greatest(pushes.get(body.slot).linear.as_dvec3()) > least;
+        let yields = self.has_lasting_rows() && self.bodies.iter().any(is_pushed);
+        if yields {
+            self.hand_back_impulses();
+            self.system.rows.iter_mut().for_each(|row| row.bias = 0.0);
+        }
+        yields
+    }
+
+    pub(super) fn end_yielding(&self, pushes: &mut (impl Slots<BodyVelocity> + ?Sized)) {
+        for (change, body) in self.changes.iter().zip(&self.bodies).filter(|(_, body)| body.is_dynamic()) {
+            let push = pushes.get_mut(body.slot);
+            (push.linear, push.angular) = (change.linear.as_vec3(), change.angular.as_vec3());
+        }
+    }
+
     /// Ends a substep, after the bodies have moved, or the step: positions are mended, velocities stay.
     pub(crate) fn settle(
         &mut self,
@@ -251,8 +292,7 @@ impl Articulation {
         }
         self.hand_back_impulses();
         self.load(velocities, motions);
-        // Built are empty where rows of this kind cannot, or where others have taken their place.
-        let has_rows = !self.built.is_empty() && (self.system.is_factored || self.system.is_abreast);
+        let has_rows = self.has_lasting_rows();
         if self.lasting != Lasting::Never {
             self.lasting = Lasting::No;
         }

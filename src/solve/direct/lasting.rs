@@ -171,6 +171,11 @@ impl Articulation {
     pub(super) fn solve_lasting(&mut self) {
         self.changes.clear();
         self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
+        self.solve_lasting_rows();
+    }
+
+    /// Adds to the changes of the bodies what the rows of the last substep lack.
+    pub(super) fn solve_lasting_rows(&mut self) {
         self.system.solve_lasting(&self.topology, &self.bodies, &mut self.changes);
     }
 

@@ -205,12 +205,7 @@ impl Lockstep {
             }
         }
         if lanes != [false; ABREAST] {
-            // Others may go on with theirs.
-            for impulse in &mut self.abreast.impulse {
-                for lane in (0..ABREAST).filter(|&lane| lanes[lane]) {
-                    impulse[lane] = 0.0;
-                }
-            }
+            self.clear_impulses(lanes);
             self.abreast.rates.fill([[0.0; ABREAST]; 6]);
             self.solve(articulations, lanes);
         }
@@ -222,6 +217,47 @@ impl Lockstep {
                 own.changes.extend(self.abreast.rates.iter().map(|rate| rate_of(rate, lane)));
             }
             own.mend_with_lasting_rows(joints, settling, again);
+        }
+    }
+
+    /// As [`Articulation::yield_to`], of each member.
+    pub(super) fn yield_to(
+        &mut self,
+        articulations: &mut (impl Slots<Articulation> + ?Sized),
+        pushes: &mut (impl Slots<BodyVelocity> + ?Sized),
+    ) {
+        let mut lanes = [false; ABREAST];
+        for (lane, &member) in lanes.iter_mut().zip(&self.members) {
+            let own = articulations.get_mut(member);
+            if own.system.is_abreast {
+                *lane = own.begin_yielding(pushes);
+            } else {
+                own.yield_to(pushes);
+            }
+        }
+        if lanes == [false; ABREAST] {
+            return;
+        }
+        for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
+            self.take_biases(lane, &articulations.get(self.members[lane]).system);
+        }
+        self.clear_impulses(lanes);
+        self.take_rates(articulations, pushes, lanes);
+        self.solve(articulations, lanes);
+        for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
+            let own = articulations.get_mut(self.members[lane]);
+            own.changes.clear();
+            own.changes.extend(self.abreast.rates.iter().map(|rate| rate_of(rate, lane)));
+            own.end_yielding(pushes);
+        }
+    }
+
+    /// Forgets the multipliers of these lanes; the others may go on with theirs.
+    fn clear_impulses(&mut self, lanes: [bool; ABREAST]) {
+        for impulse in &mut self.abreast.impulse {
+            for lane in (0..ABREAST).filter(|&lane| lanes[lane]) {
+                impulse[lane] = 0.0;
+            }
         }
     }
 

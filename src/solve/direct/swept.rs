@@ -144,6 +144,16 @@ impl Direct {
         self.coupled().for_each(Articulation::keep_swept_impulses);
     }
 
+    /// Has displacements of bodies leave the joints of the articulations that touch what moves as they are; the floor's velocities are
+    /// those displacements.
+    pub(crate) fn yield_to_pushes(&mut self, floor: Floor<'_>) {
+        self.each(
+            floor,
+            |own, hands| own.yield_to(&mut hands.velocities),
+            |group, own, hands| group.yield_to(own, &mut hands.velocities),
+        );
+    }
+
     /// Mends the positions of the articulations that touch what moves, at the end of a substep or of the step.
     pub(crate) fn settle(&mut self, joints: &Pool<Joint, JointId>, floor: Floor<'_>, is_end: bool) {
         self.each(
