@@ -37,8 +37,8 @@ pub(super) struct Lockstep {
     /// Row of each member in each place.
     index: Vec<[u32; ABREAST]>,
     is_factored: bool,
-    /// Whether a solution by the factor has been found to need no refinement.
-    is_exact: bool,
+    /// Whether a solution by the factor of each member has been found to need no refinement.
+    is_exact: [bool; ABREAST],
 }
 
 /// Groups of the swept articulations of a batch.
@@ -270,18 +270,20 @@ impl Lockstep {
         let Articulation { system: System { nodes, .. }, topology, .. } = articulations.get(self.members[0]);
         if !std::mem::replace(&mut self.is_factored, true) {
             abreast::factorize(&mut self.abreast, nodes, topology);
-            self.is_exact = false;
         }
         let Topology { plan, .. } = topology;
         let first = abreast::solve(&mut self.abreast, nodes, plan, &lanes);
-        if self.is_exact {
+        let asks = |lane: usize, is_exact: &[bool; ABREAST]| lanes[lane] && !is_exact[lane];
+        if !(0..ABREAST).any(|lane| asks(lane, &self.is_exact)) {
             return;
         }
         let left = abreast::find_errors(&mut self.abreast, nodes, &lanes);
-        let unsure: [bool; ABREAST] = std::array::from_fn(|lane| left[lane] > REFINE_ABOVE * first[lane]);
-        if unsure == [false; ABREAST] {
-            self.is_exact = true;
-        } else {
+        let unsure: [bool; ABREAST] =
+            std::array::from_fn(|lane| asks(lane, &self.is_exact) && left[lane] > REFINE_ABOVE * first[lane]);
+        for lane in (0..ABREAST).filter(|&lane| lanes[lane]) {
+            self.is_exact[lane] = !unsure[lane];
+        }
+        if unsure != [false; ABREAST] {
             abreast::solve(&mut self.abreast, nodes, plan, &unsure);
         }
     }
@@ -304,6 +306,8 @@ impl Lockstep {
             let own = self.members.get(lane).map(|&member| articulations.get_mut(member));
             let (rows, bodies) = match own {
                 Some(own) => {
+                    // What one has been found to need does not depend on who joins it.
+                    self.is_exact[lane] &= own.system.is_abreast;
                     (own.system.is_abreast, own.system.has_new_biases) = (true, false);
                     (&own.system.rows[..], &own.bodies[..])
                 }
@@ -423,7 +427,7 @@ mod tests {
     use crate::solve::direct::noise::Noise;
     use crate::solve::direct::project::Errors;
     use crate::solve::direct::system::{Coupling, Node};
-    use crate::solve::state::BodyMotion;
+    use crate::solve::state::{BodyMotion, MotionKind};
 
     fn vector(noise: &mut Noise) -> DVec3 {
         DVec3::new(noise.next(), noise.next(), noise.next())
@@ -434,7 +438,8 @@ mod tests {
         const COUNTS: [u32; 5] = [3, 7, 5, 1, 6];
         let mut own = Articulation::default();
         for slot in 0..6 {
-            let mut body = DirectBody::new(slot, &BodyVelocity::FIXED, &BodyMotion::FIXED);
+            let motion = BodyMotion { kind: MotionKind::Tumbling, ..BodyMotion::FIXED };
+            let mut body = DirectBody::new(slot, &BodyVelocity::FIXED, &motion);
             body.inverse_mass = DVec3::splat(0.6 + noise.next());
             body.inverse_inertia = DMat3::from_diagonal(DVec3::splat(0.7) + 0.5 * vector(noise));
             own.bodies.push(body);
@@ -492,6 +497,62 @@ mod tests {
         }
         let after = group.abreast.rates.iter().map(|rate| rate_of(rate, 2));
         assert!(after.zip(&before).all(|(after, before)| (after.linear, after.angular) == (before.linear, before.angular)));
+    }
+
+    #[test]
+    fn joints_yield_to_pushes_beside_others_as_they_do_alone() {
+        let mut noise = Noise(7);
+        let mut members: Vec<Articulation> = (0..3).map(|_| articulation(&mut noise)).collect();
+        let mut pushes = Vec::new();
+        for (number, own) in (0..).zip(&mut members) {
+            own.built.resize(own.bodies.len(), glam::Vec3::ZERO);
+            own.system.rows.iter_mut().for_each(|row| row.gamma = 0.0);
+            for body in &mut own.bodies {
+                body.slot += 6 * number;
+                let (linear, angular) = match number {
+                    2 => Default::default(),
+                    _ => (vector(&mut noise).as_vec3(), vector(&mut noise).as_vec3()),
+                };
+                pushes.push(BodyVelocity { linear, angular, ..BodyVelocity::FIXED });
+            }
+        }
+        let asked = pushes.clone();
+        let mut group = Lockstep { members: vec![0, 1, 2], ..Lockstep::default() };
+        group.take_in(&mut members[..], [true; ABREAST]);
+        group.yield_to(&mut members[..], &mut pushes[..]);
+        for own in &mut members {
+            let rates = |pushes: &[BodyVelocity]| -> Vec<Rate> {
+                own.bodies.iter().map(|body| Rate::of(&pushes[body.slot as usize])).collect()
+            };
+            let (before, after) = (rates(&asked), rates(&pushes));
+            let weighed = |a: &[Rate], b: &[Rate]| -> f64 {
+                let of = |body: &DirectBody, a: &Rate, b: &Rate| {
+                    a.linear.dot(b.linear / body.inverse_mass) + a.angular.dot(body.inverse_inertia.inverse() * b.angular)
+                };
+                own.bodies.iter().zip(a).zip(b).map(|((body, a), b)| of(body, a, b)).sum()
+            };
+            let change = |(a, b): (&Rate, &Rate)| Rate { linear: a.linear - b.linear, angular: a.angular - b.angular };
+            let change: Vec<Rate> = before.iter().zip(&after).map(change).collect();
+            let apart = weighed(&before, &before) - weighed(&after, &after) - weighed(&change, &change);
+            assert!(apart.abs() < 1e-4, "the change is not the least in the metric of the masses: {apart:e}");
+            for node in &own.system.nodes {
+                let pair = node.bodies.map(|body| after[body as usize]);
+                for row in own.system.rows[node.first as usize..node.last as usize].iter().filter(|row| row.state == State::Free)
+                {
+                    assert!(row.rate(&pair).abs() < 1e-5, "a joint opens by {}", row.rate(&pair));
+                }
+            }
+            let mut alone = asked.clone();
+            own.system.is_abreast = false;
+            own.system.is_factored = false;
+            own.system.solve(&own.topology, &own.bodies, &mut own.rates, PASSES);
+            own.yield_to(&mut alone[..]);
+            for body in &own.bodies {
+                let (beside, alone) = (pushes[body.slot as usize], alone[body.slot as usize]);
+                let apart = (beside.linear - alone.linear).length().max((beside.angular - alone.angular).length());
+                assert!(apart < 1e-6, "body {} is pushed {apart:e} from what it is alone", body.slot);
+            }
+        }
     }
 
     #[test]
