@@ -26,6 +26,7 @@ use super::lasting::Lasting;
 use super::layout::Link;
 use super::points::Points;
 use super::quads::{self, Quad};
+use super::single;
 use super::system::{System, Topology};
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
@@ -380,10 +381,10 @@ impl Articulation {
         for ((body, rate), stance) in self.bodies.iter().zip(&self.rates).zip(&self.stances) {
             if body.is_dynamic() {
                 let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
-                velocity.linear = rate.linear.as_vec3();
-                velocity.angular = rate.angular.as_vec3();
-                motion.displacement = stance.0.as_vec3();
-                motion.rotation = stance.1.as_quat();
+                velocity.linear = single::speed(rate.linear);
+                velocity.angular = single::speed(rate.angular);
+                motion.displacement = single::way(stance.0);
+                motion.rotation = single::rotation(stance.1);
             }
         }
     }

@@ -15,6 +15,7 @@ use super::lasting::{Lasting, MENDINGS, Settling};
 use super::project::{Errors, greatest};
 use super::quads;
 use super::row::Origin;
+use super::single;
 use super::system::Node;
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
@@ -118,8 +119,8 @@ impl Articulation {
         for (rate, body) in self.rates.iter().zip(&self.bodies) {
             if body.is_dynamic() {
                 let velocity = velocities.get_mut(body.slot);
-                velocity.linear = rate.linear.as_vec3();
-                velocity.angular = rate.angular.as_vec3();
+                velocity.linear = single::speed(rate.linear);
+                velocity.angular = single::speed(rate.angular);
             }
         }
     }
@@ -215,11 +216,11 @@ impl Articulation {
                 last = [last[0] + force * row.impulse, last[1] + moment * row.impulse];
                 all = [all[0] + force * sum, all[1] + moment * sum];
             }
-            entry.impulses.point = point.as_vec3();
-            entry.impulses.angular = angular.as_vec3();
-            entry.acted = last.map(|impulse| impulse.as_vec3());
-            entry.linear_sum += all[0].as_vec3();
-            entry.angular_sum += all[1].as_vec3();
+            entry.impulses.point = single::impulse(point);
+            entry.impulses.angular = single::impulse(angular);
+            entry.acted = last.map(single::impulse);
+            entry.linear_sum += single::impulse(all[0]);
+            entry.angular_sum += single::impulse(all[1]);
         }
         system.sums.clear();
     }
@@ -257,7 +258,7 @@ impl Articulation {
     pub(super) fn end_yielding(&self, pushes: &mut (impl Slots<BodyVelocity> + ?Sized)) {
         for (change, body) in self.changes.iter().zip(&self.bodies).filter(|(_, body)| body.is_dynamic()) {
             let push = pushes.get_mut(body.slot);
-            (push.linear, push.angular) = (change.linear.as_vec3(), change.angular.as_vec3());
+            (push.linear, push.angular) = (single::way(change.linear), single::way(change.angular));
         }
     }
 
@@ -314,9 +315,9 @@ impl Articulation {
             if body.is_dynamic() {
                 let motion = motions.get_mut(body.slot);
                 let turn = stance.1 * motion.rotation.as_dquat().normalize().conjugate();
-                motion.displacement = stance.0.as_vec3();
-                motion.turn += (2.0 * DVec3::new(turn.x, turn.y, turn.z) * turn.w.signum()).as_vec3();
-                motion.rotation = stance.1.as_quat();
+                motion.displacement = single::way(stance.0);
+                motion.turn += single::way(2.0 * DVec3::new(turn.x, turn.y, turn.z) * turn.w.signum());
+                motion.rotation = single::rotation(stance.1);
             }
         }
     }

@@ -30,6 +30,7 @@
 
 use glam::{DQuat, DVec3, Vec3};
 
+use super::single;
 use crate::snapshot::stored::{Reader, Stored, Writer};
 use crate::solve::joint::rows::Rate;
 use crate::solve::lead::Twist;
@@ -151,7 +152,7 @@ impl History {
 
     /// Whether the body has moved at this rate ever since, and no other.
     pub(crate) fn leads_to(&self, rate: &Rate) -> bool {
-        self.h > 0.0 && self.linear == rate.linear.as_vec3() && self.angular == rate.angular.as_vec3()
+        self.h > 0.0 && self.linear == single::speed(rate.linear) && self.angular == single::speed(rate.angular)
     }
 
     /// Takes a substep of length `h` (s), from the velocity `now` to `next` (m/s), into the average of the jerk over `dt` (s), and

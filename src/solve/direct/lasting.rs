@@ -19,6 +19,7 @@ use glam::{DVec3, Vec3};
 use super::articulation::Articulation;
 use super::layout::Link;
 use super::project::{Errors, greater, greatest};
+use super::single;
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointKind, Limits, Motor, SphericalMotor};
 use crate::solve::joint::kinds;
@@ -232,7 +233,7 @@ impl Articulation {
             self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i], 0.0);
             if body.is_dynamic() {
                 let (velocity, motion) = (velocities.get_mut(body.slot), motions.get_mut(body.slot));
-                velocity.angular = self.rates[i].angular.as_vec3();
+                velocity.angular = single::speed(self.rates[i].angular);
                 velocity.inverse_inertia = body.answer();
                 motion.refreshed = anew;
             }

@@ -213,8 +213,7 @@ impl Lockstep {
             let Some(settling) = settling.as_mut().filter(|settling| settling.mends) else { continue };
             let own = articulations.get_mut(self.members[lane]);
             if lanes[lane] {
-                own.changes.clear();
-                own.changes.extend(self.abreast.rates.iter().map(|rate| rate_of(rate, lane)));
+                self.give_changes(lane, own);
             }
             own.mend_with_lasting_rows(joints, settling, again);
         }
@@ -246,10 +245,15 @@ impl Lockstep {
         self.solve(articulations, lanes);
         for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
             let own = articulations.get_mut(self.members[lane]);
-            own.changes.clear();
-            own.changes.extend(self.abreast.rates.iter().map(|rate| rate_of(rate, lane)));
+            self.give_changes(lane, own);
             own.end_yielding(pushes);
         }
+    }
+
+    /// What the last solve changed in the rates of this lane, given to its member.
+    fn give_changes(&self, lane: usize, own: &mut Articulation) {
+        own.changes.clear();
+        own.changes.extend(self.abreast.rates.iter().map(|rate| rate_of(rate, lane)));
     }
 
     /// Forgets the multipliers of these lanes; the others may go on with theirs.
@@ -482,6 +486,7 @@ mod tests {
         }
         let before: Vec<Rate> = group.abreast.rates.iter().map(|rate| rate_of(rate, 2)).collect();
         group.solve(&members[..], lanes);
+        assert!(!group.is_exact[2], "who has not been solved is not known to need no refinement");
         for (lane, own) in members.iter_mut().enumerate().take(2) {
             own.system.solve(&own.topology, &own.bodies, &mut own.rates, PASSES);
             let impulses: Vec<f64> = own.system.rows.iter().map(|row| row.impulse).collect();

@@ -8,7 +8,7 @@
 //! `system` holds the rows, `active_set` says which of them count, `points` is the same without rows where all joints hold points; `layout` says where in its matrix they
 //! are, `guard` what is done about those that repeat others, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours` and `registers`; `articulation` takes a step, in as many substeps as `effort` says, `substep` and `project` one part of it each; `ropes` is what distance joints that pull ask for across their lines; `lift` keeps mended positions from making energy; `contacts` are those with what it cannot move, along
 //! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
-//! anything else that moves, whose rows may be `lasting` ones; `swept` is all of those of a batch, of which like ones go in `lockstep`, their rows
+//! anything else that moves, whose rows may be `lasting` ones; `single` is how any of them writes its `f64` into the state; `swept` is all of those of a batch, of which like ones go in `lockstep`, their rows
 //! `abreast`.
 
 use glam::{DMat3, DVec3};
@@ -54,6 +54,7 @@ mod registers;
 mod riders;
 mod ropes;
 mod row;
+mod single;
 mod stiffness;
 mod substep;
 mod swept;

@@ -19,6 +19,7 @@ use super::body::DirectBody;
 use super::factor::{Factor, POINT};
 use super::guard::Repeats;
 use super::refine::{Equations, refine};
+use super::single;
 use super::system::{MOST_IMPULSE, Topology};
 use crate::solve::dispatch::dispatched;
 use crate::solve::joint::JointEntry;
@@ -312,9 +313,9 @@ impl Articulation {
         let (carried, steady) = (self.order.extrapolation, self.order.steady_share);
         self.points.drop_senseless();
         for (entry, joint) in self.entries.iter_mut().zip(&self.points.joints) {
-            let last = std::mem::replace(&mut entry.impulses.point, (joint.impulse * scale).as_vec3());
+            let last = std::mem::replace(&mut entry.impulses.point, single::impulse(joint.impulse * scale));
             let acted = joint.impulse + last.as_dvec3() * steady + entry.acted[0].as_dvec3() * carried;
-            entry.acted[0] = acted.as_vec3();
+            entry.acted[0] = single::impulse(acted);
             entry.linear_sum += entry.acted[0];
         }
     }

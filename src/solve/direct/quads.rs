@@ -7,6 +7,7 @@ use super::body::DirectBody;
 use super::fours::{Four3, FourSymmetric, FourTurns};
 use super::history::{History, SecondOrder, rotation_vector};
 use super::registers::{Four, Plain};
+use super::single;
 use super::stiffness;
 use crate::solve::dispatch::in_registers;
 use crate::solve::joint::Stance;
@@ -283,15 +284,15 @@ fn note_body<F: Four>(
                 h: h as f32,
                 substeps: 0,
                 swept_steps: 0,
-                displacement: displacement[j].as_vec3(),
-                turn: turn.as_vec3(),
-                linear_before: linear_before[j].as_vec3(),
-                momentum_before: momentum[j].as_vec3(),
-                acceleration: acceleration[j].as_vec3(),
-                torque: torque[j].as_vec3(),
+                displacement: single::way(displacement[j]),
+                turn: single::way(turn),
+                linear_before: single::speed(linear_before[j]),
+                momentum_before: single::impulse(momentum[j]),
+                acceleration: single::impulse(acceleration[j]),
+                torque: single::impulse(torque[j]),
                 jerk: if order.ratio > 0.0 { histories[quad.at(j)].jerk } else { Vec3::ZERO },
-                linear: linear[j].as_vec3(),
-                angular: angular[j].as_vec3(),
+                linear: single::speed(linear[j]),
+                angular: single::speed(angular[j]),
             };
         }
     }

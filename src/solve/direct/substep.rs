@@ -7,6 +7,7 @@ use super::history::SecondOrder;
 use super::quads::{self, Start};
 use super::ropes::Line;
 use super::row::Origin;
+use super::single;
 use super::stiffness;
 use super::system::{CONTACT_PASSES, PASSES};
 use crate::id::{JointId, Pool};
@@ -294,10 +295,11 @@ impl Articulation {
                     Origin::Across | Origin::Contact => {}
                 }
             }
-            entry.impulses.point = point.as_vec3();
-            entry.impulses.angular = angular.as_vec3();
-            let acted =
-                |found: DVec3, last: DVec3, acted: Vec3| (found / scale + last * steady + acted.as_dvec3() * carried).as_vec3();
+            entry.impulses.point = single::impulse(point);
+            entry.impulses.angular = single::impulse(angular);
+            let acted = |found: DVec3, last: DVec3, acted: Vec3| {
+                single::impulse(found / scale + last * steady + acted.as_dvec3() * carried)
+            };
             entry.pressed |= entry.impulses.pressing();
             entry.acted =
                 [acted(point + linear_load, last[0], entry.acted[0]), acted(angular + angular_load, last[1], entry.acted[1])];

@@ -45,7 +45,9 @@ pub(super) fn turn<W: Wide>(block: &PoseBlock, rotation: &WideQuat<W>, angular: 
         return Turn { turn: plain, mean_change: Wide3::zero(), change: Wide3::zero(), gains: zero };
     }
     let frame = rotation.after(&WideQuat::load(&block.frame));
-    let velocity = frame.conjugate().rotate(angular);
+    // What does not tumble rests here: powers of its velocity would be subnormal.
+    let does = tumbles.above(zero);
+    let velocity = frame.conjugate().rotate(angular.only(does));
     let inertia = Wide3::load(&block.inertia);
     let spin = Spin { velocity, momentum: inertia.scale(velocity), inertia };
     let is_long = way.above(W::splat(split));
@@ -65,7 +67,6 @@ pub(super) fn turn<W: Wide>(block: &PoseBlock, rotation: &WideQuat<W>, angular: 
     }
     let gain = spin.momentum.dot(change);
     let most = W::splat(MAX_ENERGY_GAIN as f32) * spin.momentum.dot(velocity);
-    let does = tumbles.above(zero);
     Turn {
         turn: WideQuat { v: choose(does, frame.rotate(turned.v), plain.v), w: W::select(does, turned.w, plain.w) },
         mean_change: frame.rotate(mean).only(does),
