@@ -1,6 +1,6 @@
 //! Moving bodies through a substep: forces into velocities, velocities into poses.
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Quat, Vec3, Vec4};
 
 use super::rotation::{self, MAX_TURN};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
@@ -23,6 +23,12 @@ pub(crate) const SAFE_TUMBLE: f32 = 1.0;
 /// Speeds below this are taken as zero (m/s, rad/s), so that neither they nor their squares
 /// become denormal numbers, which cost ten times as much.
 pub(crate) const NEGLIGIBLE_SPEED: f32 = 1.0e-9;
+
+/// Components of rotations, and of ways, below this are taken as zero (m, rad), for the same reason.
+pub(crate) const NEGLIGIBLE_WAY: f32 = 1.0e-12;
+
+/// The same of what a body is pushed by at once (m, rad), of which power series have fourth powers.
+pub(crate) const NEGLIGIBLE_PUSH: f32 = 1.0e-8;
 
 /// Adds a substep's forces to a body's velocity; what is in lanes gets them there.
 pub(crate) fn apply_forces(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32) {
@@ -185,7 +191,8 @@ const COSINE_TERMS: [f32; 5] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1
 /// Sine and cosine of the half angle are power series: exact to rounding below the largest turn of a substep, and the same
 /// bits on every platform.
 pub(crate) fn rotated(rotation: Quat, vector: Vec3) -> Quat {
-    (quaternion_of(vector) * rotation).normalize()
+    let rotation = Vec4::from(quaternion_of(vector) * rotation);
+    Quat::from_vec4(Vec4::select(rotation.abs().cmpgt(Vec4::splat(NEGLIGIBLE_WAY)), rotation, Vec4::ZERO)).normalize()
 }
 
 /// The rotation by a rotation vector.
@@ -216,7 +223,7 @@ pub(crate) fn rotated_in_lanes<W: Wide>(rotation: &WideQuat<W>, vector: Wide3<W>
     let y = w * u.y - v.x * u.z + v.y * rotation.w + v.z * u.x;
     let z = w * u.z + v.x * u.y - v.y * u.x + v.z * rotation.w;
     let w = w * rotation.w - v.x * u.x - v.y * u.y - v.z * u.z;
-    WideQuat { v: Wide3::new(x, y, z), w }.normalized()
+    WideQuat { v: Wide3::new(x, y, z), w }.settled(NEGLIGIBLE_WAY).normalized()
 }
 
 /// Forms the world inertia that rows respond with.
@@ -247,5 +254,10 @@ fn settle(velocity: Vec3, limit: f32) -> Vec3 {
     if squared > limit * limit {
         return velocity * (limit / squared.sqrt());
     }
-    Vec3::select(velocity.abs().cmpgt(Vec3::splat(NEGLIGIBLE_SPEED)), velocity, Vec3::ZERO)
+    settled(velocity, NEGLIGIBLE_SPEED)
+}
+
+/// Zero where a component is no greater than `least`.
+pub(crate) fn settled(v: Vec3, least: f32) -> Vec3 {
+    Vec3::select(v.abs().cmpgt(Vec3::splat(least)), v, Vec3::ZERO)
 }

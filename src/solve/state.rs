@@ -4,6 +4,7 @@
 
 use glam::{Mat3, Quat, Vec3};
 
+use super::integrate::{NEGLIGIBLE_PUSH, rotated, settled};
 use super::rotation::Top;
 
 /// Slot of everything static.
@@ -210,10 +211,10 @@ impl BodyMotion {
         if !self.is_dynamic() {
             return;
         }
-        let turn = turn.clamp_length_max(MAX_PUSH_TURN);
-        self.displacement += displacement;
+        let turn = settled(turn, NEGLIGIBLE_PUSH).clamp_length_max(MAX_PUSH_TURN);
+        self.displacement += settled(displacement, NEGLIGIBLE_PUSH);
         self.turn += turn;
-        self.rotation = super::integrate::rotated(self.rotation, turn);
+        self.rotation = rotated(self.rotation, turn);
     }
 
     /// 1 about free world axes, 0 about locked ones.

@@ -113,6 +113,17 @@ impl<W: Wide> Wide3<W> {
         Self::new(W::select(mask, self.x, zero), W::select(mask, self.y, zero), W::select(mask, self.z, zero))
     }
 
+    /// Zero where a component is no greater than `least`.
+    #[inline(always)]
+    pub fn settled(self, least: f32) -> Self {
+        let (least, zero) = (W::splat(least), W::zero());
+        Self::new(
+            W::select(self.x.abs().above(least), self.x, zero),
+            W::select(self.y.abs().above(least), self.y, zero),
+            W::select(self.z.abs().above(least), self.z, zero),
+        )
+    }
+
     /// Each component times its own factor.
     #[inline(always)]
     pub fn scale(self, factors: Self) -> Self {

@@ -237,6 +237,12 @@ impl<W: Wide> WideQuat<W> {
         Self { v: self.v * scale, w: self.w * scale }
     }
 
+    /// Zero where a component is no greater than `least`.
+    #[inline(always)]
+    pub fn settled(&self, least: f32) -> Self {
+        Self { v: self.v.settled(least), w: W::select(self.w.abs().above(W::splat(least)), self.w, W::zero()) }
+    }
+
     /// `then` where `mask` holds, else `other`.
     #[inline(always)]
     pub fn select(mask: W::Mask, then: Self, other: Self) -> Self {

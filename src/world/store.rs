@@ -66,7 +66,8 @@ impl World {
         let Self { batches, bodies, colliders, joints, unions, index: places, scratch, has_smooth_bodies, .. } = self;
         places.make_room_for_forces(bodies.slot_count());
         let batch = &batches[number];
-        let (has_joints, sweeps_blocks) = (joints.len() > 0, batch.direct.sweeps_blocks());
+        let (has_joints, sweeps_blocks, is_sheet) = (joints.len() > 0, batch.direct.sweeps_blocks(), batch.sheet.is_one());
+        let may_stride = sweeps_blocks || is_sheet;
         for slot in 1..batch.bodies.len() {
             let index = batch.bodies[slot];
             if !bodies[index].is_free() {
@@ -110,7 +111,7 @@ impl World {
                     None => to,
                 };
                 // Of what has no joints always: what is solved beside it makes no difference.
-                let may_be_smooth = if body.joints.is_empty() { has_joints } else { sweeps_blocks };
+                let may_be_smooth = if body.joints.is_empty() { has_joints } else { may_stride };
                 let before = may_be_smooth.then_some([body.linear_velocity, body.angular_velocity]);
                 (body.center, body.rotation) = (own.center, own.rotation);
                 (body.linear_velocity, body.angular_velocity) = (own.linear, own.angular);
@@ -127,7 +128,7 @@ impl World {
                 let is_calm = own.linear.length() + own.angular.length() * reach < calm_speed;
                 body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
                 match before {
-                    Some(before) => *has_smooth_bodies |= smoothness.count(body, before, reach) && sweeps_blocks,
+                    Some(before) => *has_smooth_bodies |= smoothness.count(body, before, reach) && may_stride,
                     None => body.smooth_for = 0,
                 }
             }

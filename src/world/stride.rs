@@ -1,10 +1,10 @@
 //! How many of the world's substeps an island takes at once.
 //!
-//! Where joints are swept with contacts, a substep costs the same whether anything happens in it or not. Multipliers that are carried
-//! are exact where forces stay what they were, and sweeps have to find only what has changed along the substep. So an island takes two
-//! substeps at once once it has been *smooth* for [`SMOOTH_STEPS`] steps:
+//! Where joints are swept with contacts, or as a sheet, a substep costs the same whether anything happens in it or not. Multipliers that
+//! are carried are exact where forces stay what they were, and sweeps have to find only what has changed along the substep. So an island
+//! takes two substeps at once once it has been *smooth* for [`SMOOTH_STEPS`] steps:
 //!
-//! * all its joints are those of articulations that are swept as blocks with their contacts;
+//! * all its joints are those of articulations that are swept as blocks with their contacts, or all of it is one sheet;
 //! * no velocity has changed in a step by more than [`SMOOTH_SHARE`] of what gravity adds in it, at the centre or by turning at the
 //!   reach of the body's shapes: what has been struck, falls or slips is not smooth;
 //! * no body has turned by more than [`SMOOTH_TURN`], so that rows of joints last for the step;
@@ -86,5 +86,45 @@ impl World {
             }
         }
         groups.strides = strides;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use crate::{BodyDef, JointDef, JointKind, Pose, Shape, ShapeDef, SleepSettings, Solver, World, WorldDef};
+
+    /// Balls of a square sheet on a side.
+    const SIDE: usize = 22;
+
+    /// Whether each batch of the next step is a sheet, and how many substeps it takes at once.
+    fn strides(world: &mut World) -> Vec<(bool, u32)> {
+        world.step(1.0 / 60.0).unwrap();
+        world.batches[..world.batch_count].iter().map(|batch| (batch.sheet.is_one(), batch.stride)).collect()
+    }
+
+    #[test]
+    fn a_sheet_that_hangs_takes_two_substeps_at_once_until_it_is_struck() {
+        let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+        let mut world = World::new(&WorldDef { solver: Solver::GaussSeidel, sleep, ..WorldDef::default() }).unwrap();
+        let mut balls = Vec::new();
+        for (column, row) in (0..SIDE * SIDE).map(|ball| (ball / SIDE, ball % SIDE)) {
+            let pose = Pose::at_xyz(column as f64, -(row as f64), 0.0);
+            let def = if row == 0 { BodyDef::fixed(pose) } else { BodyDef::dynamic(pose) };
+            balls.push(world.create_body(&def.with_shape(ShapeDef::new(Shape::ball(0.1).unwrap()))).unwrap());
+            let neighbours = [(row > 0, 1, Vec3::NEG_Y), (row > 0 && column > 0, SIDE, Vec3::X)];
+            for (_, back, way) in neighbours.into_iter().filter(|&(is_there, ..)| is_there) {
+                let (ball, other) = (balls[balls.len() - 1], balls[balls.len() - 1 - back]);
+                world.create_joint(&JointDef::new(JointKind::SPHERICAL, other, ball).at(way * 0.5, way * -0.5)).unwrap();
+            }
+        }
+        assert_eq!(strides(&mut world), [(true, 1)], "as it is let go");
+        for _ in 0..90 {
+            world.step(1.0 / 60.0).unwrap();
+        }
+        assert_eq!(strides(&mut world), [(true, 2)], "as it hangs");
+        world.add_impulse(balls[SIDE * SIDE - 1], Vec3::Z).unwrap();
+        assert_eq!(strides(&mut world), [(true, 1)], "as it is struck");
     }
 }

@@ -6,10 +6,7 @@
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 
-use crate::solve::integrate::NEGLIGIBLE_SPEED;
-
-/// Components of ways and of rotations below this are taken as zero (m, rad).
-const NEGLIGIBLE_WAY: f64 = 1.0e-12;
+use crate::solve::integrate::{NEGLIGIBLE_SPEED, NEGLIGIBLE_WAY};
 
 /// Other numbers are taken as zero where nothing could be multiplied with them.
 const NEGLIGIBLE: f64 = 1.0e-30;
@@ -21,12 +18,12 @@ pub(super) fn speed(v: DVec3) -> Vec3 {
 
 /// A displacement (m) or a rotation vector (rad).
 pub(super) fn way(v: DVec3) -> Vec3 {
-    settled(v, NEGLIGIBLE_WAY)
+    settled(v, f64::from(NEGLIGIBLE_WAY))
 }
 
 pub(super) fn rotation(q: DQuat) -> Quat {
     let v = way(DVec3::new(q.x, q.y, q.z));
-    Quat::from_xyzw(v.x, v.y, v.z, if q.w.abs() > NEGLIGIBLE_WAY { q.w as f32 } else { 0.0 })
+    Quat::from_xyzw(v.x, v.y, v.z, if q.w.abs() > f64::from(NEGLIGIBLE_WAY) { q.w as f32 } else { 0.0 })
 }
 
 /// An impulse, or anything else that is not of the state of a body.

@@ -3,7 +3,7 @@
 use super::{PoseBlock, Poses};
 use crate::solve::contact::{Lane, Lane3};
 use crate::solve::dispatch::in_lanes;
-use crate::solve::integrate::rotated_in_lanes;
+use crate::solve::integrate::{NEGLIGIBLE_PUSH, rotated_in_lanes};
 use crate::solve::side::{Side, Stand, gather_rotations};
 use crate::solve::state::{BodyMotion, BodyVelocity, MAX_PUSH_TURN};
 use crate::solve::wide::{Wide, Wide3};
@@ -169,14 +169,15 @@ fn displace<W: Wide>(blocks: &[PoseBlock], motions: &mut [BodyMotion], pushes: &
         let mut stand = Stand::gather(&block.slots, motions);
         // Unused lanes are the world.
         let moves = side.inverse_mass().x.above(W::zero());
-        let squared = side.angular.dot(side.angular);
+        let angular = side.angular.settled(NEGLIGIBLE_PUSH);
+        let squared = angular.dot(angular);
         let (is_far, length) = (squared.above(most * most), squared.sqrt());
         let turn = Wide3::new(
-            W::select(is_far, most * (side.angular.x / length), side.angular.x),
-            W::select(is_far, most * (side.angular.y / length), side.angular.y),
-            W::select(is_far, most * (side.angular.z / length), side.angular.z),
+            W::select(is_far, most * (angular.x / length), angular.x),
+            W::select(is_far, most * (angular.y / length), angular.y),
+            W::select(is_far, most * (angular.z / length), angular.z),
         );
-        stand.displacement = stand.displacement + side.linear.only(moves);
+        stand.displacement = stand.displacement + side.linear.settled(NEGLIGIBLE_PUSH).only(moves);
         stand.turn = stand.turn + turn.only(moves);
         stand.rotation = WideQuat::select(moves, rotated_in_lanes(&stand.rotation, turn), stand.rotation);
         stand.scatter(&block.slots, motions);

@@ -4,7 +4,7 @@ use super::PoseBlock;
 use super::turn::turn;
 use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::solve::contact::{LANES, Lane};
-use crate::solve::integrate::{NEGLIGIBLE_SPEED, Outlook, SAFE_TUMBLE, SPLIT_TUMBLE};
+use crate::solve::integrate::{NEGLIGIBLE_SPEED, NEGLIGIBLE_WAY, Outlook, SAFE_TUMBLE, SPLIT_TUMBLE};
 use crate::solve::rotation::{self, MAX_TURN};
 use crate::solve::shared::Hand;
 use crate::solve::side::{Side, Stand, gather_rotations, scatter_outlooks};
@@ -95,21 +95,8 @@ pub(super) fn limit<W: Wide>(blocks: &[PoseBlock], velocities: &mut [BodyVelocit
 
 #[inline(always)]
 fn limit_speeds<W: Wide>(side: &mut Side<W>, h: f32) {
-    side.linear = settled(side.linear, MAX_LINEAR_SPEED);
-    side.angular = settled(side.angular, MAX_ANGULAR_SPEED.min(MAX_TURN / h));
-}
-
-/// No longer than `limit`, and without what is next to nothing.
-#[inline(always)]
-fn settled<W: Wide>(v: Wide3<W>, limit: f32) -> Wide3<W> {
-    let v = v.shortened(W::splat(limit));
-    let least = W::splat(NEGLIGIBLE_SPEED);
-    let zero = W::zero();
-    Wide3::new(
-        W::select(v.x.abs().above(least), v.x, zero),
-        W::select(v.y.abs().above(least), v.y, zero),
-        W::select(v.z.abs().above(least), v.z, zero),
-    )
+    side.linear = side.linear.shortened(W::splat(MAX_LINEAR_SPEED)).settled(NEGLIGIBLE_SPEED);
+    side.angular = side.angular.shortened(W::splat(MAX_ANGULAR_SPEED.min(MAX_TURN / h))).settled(NEGLIGIBLE_SPEED);
 }
 
 #[inline(always)]
@@ -150,7 +137,7 @@ pub(super) fn advance<W: Wide>(
         let far = W::select((mean.length() * W::splat(h)).above(W::splat(MAX_TURN)), W::splat(1.0), W::zero());
         let refuses = turned.gains.max(far);
         let moves = W::zero().above(refuses - W::splat(0.5));
-        let rotation = turned.turn.after(&stand.rotation).normalized();
+        let rotation = turned.turn.after(&stand.rotation).settled(NEGLIGIBLE_WAY).normalized();
         stand.displacement = stand.displacement + (side.linear * W::splat(h)).only(moves);
         stand.turn = stand.turn + (mean * W::splat(h)).only(moves);
         let is_turned = W::select(moves, side.angular.dot(side.angular), W::zero()).above(W::zero());

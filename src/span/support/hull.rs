@@ -10,6 +10,9 @@ use glam::Vec2;
 /// Contact points of stacked faces lie exactly on each other's edges; without slack, rounding would clip every stack.
 const SLACK_SHARE: f32 = 1.0e-3;
 
+/// Share of a region's reach below which its width is rounding, so that it is an edge: sides that lie on one another cut all away.
+const LEAST_WIDTH_SHARE: f32 = 1.0e-5;
+
 /// Convex hull of `points` by Andrew's monotone chain (1979), into `hull`; `points` is sorted on the way.
 ///
 /// Points on an edge of the hull are left out. The result depends on the set of points alone, not on their order.
@@ -26,6 +29,22 @@ pub(crate) fn convex_hull(points: &mut [Vec2], hull: &mut Vec<Vec2>) {
     }
     if hull.len() == 2 && hull[0] == hull[1] {
         hull.pop();
+    }
+    if hull.len() >= 3 {
+        flatten(hull);
+    }
+}
+
+/// Leaves the two ends of a hull that is as thin as rounding.
+fn flatten(hull: &mut Vec<Vec2>) {
+    let farthest = |from: Vec2| hull.iter().fold(from, |far, &v| if v.distance(from) > far.distance(from) { v } else { far });
+    let one = farthest(hull[0]);
+    let other = farthest(one);
+    let widest = hull.iter().map(|&v| cross(one, other, v).abs()).fold(0.0, f64::max);
+    if widest < f64::from(LEAST_WIDTH_SHARE * reach(hull) * one.distance(other)) {
+        let is_first = one.x.total_cmp(&other.x).then(one.y.total_cmp(&other.y)).is_lt();
+        hull.clear();
+        hull.extend(if is_first { [one, other] } else { [other, one] });
     }
 }
 
@@ -150,6 +169,8 @@ mod tests {
         assert_eq!(hull_of(&[(0.0, 0.0), (1.0, 1.0)]).len(), 2);
         assert_eq!(hull_of(&[(0.0, 0.0), (2.0, 2.0), (1.0, 1.0), (0.5, 0.5)]), [Vec2::ZERO, Vec2::splat(2.0)]);
         assert_eq!(hull_of(&[(0.0, 0.0), (0.0, 2.0), (0.0, 1.0)]).len(), 2);
+        assert_eq!(hull_of(&[(0.0, 0.0), (2.0, 2.0), (1.0, 1.000001)]), [Vec2::ZERO, Vec2::splat(2.0)]);
+        assert_eq!(hull_of(&[(0.0, 0.0), (2.0, 2.0), (1.0, 1.001)]).len(), 3);
     }
 
     #[test]
@@ -185,6 +206,8 @@ mod tests {
         assert_eq!(common(&square(1.0005), &square(1.0)), square(1.0005), "within the slack nothing is cut");
         let far = square(0.5).iter().map(|&p| p + Vec2::X * 3.0).collect::<Vec<_>>();
         assert!(common(&far, &square(1.0)).is_empty());
+        let sliver = hull_of(&[(-0.143_458_3, -0.215_630_11), (0.044_933_14, 0.303_808_36), (-0.143_458_3, -0.215_630_08)]);
+        assert_eq!(common(&square(2.0), &sliver).len(), 2, "what is as thin as rounding carries from end to end");
         let edge = [Vec2::new(-3.0, 0.0), Vec2::new(3.0, 0.0)];
         assert_eq!(common(&edge, &square(1.0)), [Vec2::NEG_X, Vec2::X]);
         assert_eq!(common(&square(1.0), &edge), [Vec2::NEG_X, Vec2::X]);
