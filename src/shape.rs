@@ -426,8 +426,13 @@ fn compound(parts: &[(LocalPose, Geometry)]) -> Result<SharedShape> {
 
 /// Inertia tensor of `principal` moments (kg·m²) in the frame `rotation`.
 pub(crate) fn inertia_tensor(principal: Vec3, rotation: Quat) -> Mat3 {
-    let axes = Mat3::from_quat(rotation);
-    axes * Mat3::from_diagonal(principal) * axes.transpose()
+    if principal.x == principal.y && principal.y == principal.z {
+        return Mat3::from_diagonal(principal);
+    }
+    let Mat3 { x_axis: x, y_axis: y, z_axis: z } = Mat3::from_quat(rotation).transpose();
+    let [px, py, pz] = [x, y, z].map(|row| row * principal);
+    let (xy, xz, yz) = (px.dot(y), px.dot(z), py.dot(z));
+    Mat3::from_cols(Vec3::new(px.dot(x), xy, xz), Vec3::new(xy, py.dot(y), yz), Vec3::new(xz, yz, pz.dot(z)))
 }
 
 #[cfg(test)]
