@@ -127,23 +127,20 @@ impl Manifolds for Faced<'_> {
         (Wide3::load(&self.1.center_a), Wide3::load(&self.1.center_b))
     }
 
-    /// Where all points press, the regularised inverse gives them at once. Elsewhere, and for what it leaves, projected
-    /// Gauss–Seidel on the manifold's own matrix. Without the inverse, the few inner sweeps leave a face's load uneven and tall
-    /// columns buckle.
+    /// Where all points press, the regularised inverse gives them at once, but for a thousandth that the next sweep finds. Elsewhere
+    /// projected Gauss–Seidel on the manifold's own matrix. Without the inverse, the few inner sweeps leave a face's load uneven and
+    /// tall columns buckle.
     #[inline(always)]
     fn solve<W: Wide>(&self, mut residual: Points<W>, old: &Points<W>) -> Points<W> {
         let zero = W::zero();
-        let mut lambda = *old;
-        let step = regular_step::<W>(self.1, &residual, &lambda);
-        for i in 0..POINTS {
-            lambda[i] = lambda[i] + step[i];
+        let (pressing, some_would_pull) = regular_solution::<W>(self.1, &residual, old);
+        if !W::any(some_would_pull) {
+            return pressing;
         }
+        let mut lambda = *old;
         let [d0, d1, d2, d3] = load_all::<W, POINTS>(&self.1.diagonal);
         let [c01, c02, c03, c12, c13, c23] = load_all::<W, 6>(&self.1.coupling);
         let matrix = [[d0, c01, c02, c03], [c01, d1, c12, c13], [c02, c12, d2, c23], [c03, c13, c23, d3]];
-        for i in 0..POINTS {
-            residual[i] = residual[i] + product(&matrix[i], &step);
-        }
         let mut inverse_diagonal = [zero; POINTS];
         for i in 0..POINTS {
             inverse_diagonal[i] = W::load(&self.rows(i).inverse_diagonal);
@@ -157,6 +154,9 @@ impl Manifolds for Faced<'_> {
                     residual[j] = residual[j] + matrix[j][i] * change;
                 }
             }
+        }
+        for i in 0..POINTS {
+            lambda[i] = W::select(some_would_pull, lambda[i], pressing[i]);
         }
         lambda
     }
@@ -225,23 +225,20 @@ pub(super) fn normal_rates<W: Wide, M: Manifolds>(of: &M, side_a: &Side<W>, side
     rates
 }
 
-/// −(A + ε)⁻¹ residual where that leaves all multipliers ≥ 0, else nothing.
+/// λ − (A + ε)⁻¹ residual, and where that asks some point to pull.
 #[inline(always)]
-fn regular_step<W: Wide>(face: &Face, residual: &Points<W>, lambda: &Points<W>) -> Points<W> {
+fn regular_solution<W: Wide>(face: &Face, residual: &Points<W>, lambda: &Points<W>) -> (Points<W>, W::Mask) {
     let [b00, b11, b22, b33, b01, b02, b03, b12, b13, b23] = load_all::<W, 10>(&face.inverse);
     let inverse = [[b00, b01, b02, b03], [b01, b11, b12, b13], [b02, b12, b22, b23], [b03, b13, b23, b33]];
     let zero = W::zero();
-    let (mut step, mut least) = ([zero; POINTS], zero);
+    let (mut pressing, mut least) = ([zero; POINTS], zero);
     for i in 0..POINTS {
-        let sum = product(&inverse[i], residual);
-        step[i] = -sum;
-        least = least.min(lambda[i] - sum);
+        let new = lambda[i] - product(&inverse[i], residual);
+        least = least.min(new);
+        // Of what is no number this makes zero.
+        pressing[i] = new.max(zero);
     }
-    let some_would_pull = zero.above(least);
-    for i in 0..POINTS {
-        step[i] = W::select(some_would_pull, zero, step[i]);
-    }
-    step
+    (pressing, zero.above(least))
 }
 
 /// Applies the difference of two sets of normal multipliers.
