@@ -23,7 +23,7 @@ pub(super) fn way(v: DVec3) -> Vec3 {
 
 pub(super) fn rotation(q: DQuat) -> Quat {
     let v = way(DVec3::new(q.x, q.y, q.z));
-    Quat::from_xyzw(v.x, v.y, v.z, if q.w.abs() > f64::from(NEGLIGIBLE_WAY) { q.w as f32 } else { 0.0 })
+    Quat::from_xyzw(v.x, v.y, v.z, if q.w.abs() <= f64::from(NEGLIGIBLE_WAY) { 0.0 } else { q.w as f32 })
 }
 
 /// An impulse, or anything else that is not of the state of a body.
@@ -32,7 +32,8 @@ pub(super) fn impulse(v: DVec3) -> Vec3 {
 }
 
 fn settled(v: DVec3, least: f64) -> Vec3 {
-    DVec3::select(v.abs().cmpgt(DVec3::splat(least)), v, DVec3::ZERO).as_vec3()
+    // What is not a number stays that, and is found by who stores the body.
+    DVec3::select(v.abs().cmple(DVec3::splat(least)), DVec3::ZERO, v).as_vec3()
 }
 
 #[cfg(test)]
@@ -48,6 +49,11 @@ mod tests {
             assert_eq!(written, Vec3::new(0.0, 0.0, 0.5));
         }
         assert_eq!(impulse(tiny), Vec3::new(1.0e-17, 0.0, 0.5));
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_written_as_it_is() {
+        assert!(speed(DVec3::NAN).is_nan() && rotation(DQuat::from_xyzw(0.0, 0.0, 0.0, f64::NAN)).is_nan());
     }
 
     #[test]
