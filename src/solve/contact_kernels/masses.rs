@@ -144,8 +144,8 @@ fn set_inverse(block: &ContactBlock, face: &mut Face) {
     for l in 0..LANES {
         let extra =
             f64::from(diagonal.iter().fold(0.0_f32, |most, lane| if lane[l] > most { lane[l] } else { most }) * REGULARISATION);
-        // A point alone is solved by its diagonal.
-        let exists = [0, 1, 2, 3].map(|i: usize| block.count[l] > 1 && rows[i].inverse_diagonal[l] > 0.0);
+        // No row may be left out that has a diagonal: where all points press, the inverse alone solves them.
+        let exists = [0, 1, 2, 3].map(|i: usize| rows[i].inverse_diagonal[l] > 0.0);
         let d = [0, 1, 2, 3].map(|i: usize| if exists[i] { f64::from(diagonal[i][l]) + extra } else { 1.0 });
         let [c01, c02, c03, c12, c13, c23] = coupling.map(|lane| f64::from(lane[l]));
 
