@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::{Error, ErrorKind, Result};
-use team::{Team, Watch, wait_until};
+use team::{Team, Watch, is_soon, wait_until};
 
 /// A host's job system.
 pub trait ParallelFor: Send + Sync {
@@ -23,8 +23,8 @@ pub(crate) const MOST_PIECES: usize = 64;
 /// Pieces for each thread: one may come late.
 const PIECES_EACH: usize = 8;
 
-/// The same of a phase, at the end of which all wait.
-const PIECES_OF_PHASE_EACH: usize = 3;
+/// Pieces of phases that are handed out together: a step's sweep has a dozen phases.
+const MOST_IN_PHASES: usize = 128;
 
 /// The threads of a world.
 #[derive(Default)]
@@ -70,6 +70,11 @@ impl Workers {
         1 + self.own.as_ref().filter(|_| self.host.is_none()).map_or(0, Team::len)
     }
 
+    /// Places that pieces of phases may be meant for: as many as there are threads, some at least where the host does the work.
+    pub(crate) fn places(&self) -> usize {
+        if self.has_host() { PIECES_EACH } else { self.count().min(MOST_PIECES) }
+    }
+
     /// Has threads of its own stay awake for a step, until the watch is dropped.
     pub(crate) fn watch(&self) -> Option<Watch> {
         self.own.as_ref().filter(|_| self.host.is_none()).map(Team::watch)
@@ -85,14 +90,12 @@ impl Workers {
         count.div_ceil(pieces).max(least)
     }
 
-    /// Length of the pieces into which so many things of one phase are cut, of which `least` are worth another thread's while.
-    pub(crate) fn piece_of_phase(&self, count: usize, least: usize) -> usize {
-        count.div_ceil(PIECES_OF_PHASE_EACH * self.count()).max(least)
-    }
-
     /// Works on all pieces, side by side.
     pub(crate) fn share<T: Send>(&self, mut pieces: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
-        let Some(host) = &self.host else { return self.share_in_phases(pieces.map(|piece| (0, piece)), work) };
+        let Some(host) = &self.host else {
+            let Some(team) = &self.own else { return pieces.for_each(work) };
+            return while share_some::<T, MOST_PIECES>(team, &mut pieces.by_ref().map(|piece| (0, None, piece)), &work) {};
+        };
         loop {
             let waiting = [const { Mutex::new(None) }; MOST_PIECES];
             let count = waiting.iter().zip(&mut pieces).map(|(place, piece)| *lock(place) = Some(piece)).count();
@@ -112,53 +115,73 @@ impl Workers {
         }
     }
 
-    /// Works on all pieces, each with the number of its phase: those of one side by side, and none before those of earlier ones are
-    /// done. Each thread takes the same share of each phase, so that it finds what it has had before, and what others leave of theirs.
-    pub(crate) fn share_in_phases<T: Send>(&self, mut pieces: impl Iterator<Item = (u32, T)>, work: impl Fn(T) + Sync) {
-        let Some(team) = self.own.as_ref().filter(|_| self.has_team()) else { return pieces.for_each(|(_, piece)| work(piece)) };
-        loop {
-            let waiting = [const { Mutex::new(None) }; MOST_PIECES];
-            // Pieces before the end of each phase.
-            let mut ends = [0; MOST_PIECES];
-            let (mut count, mut phases, mut phase) = (0, 0, None);
-            for (own, piece) in pieces.by_ref().take(MOST_PIECES) {
-                phases += usize::from(phase != Some(own));
-                phase = Some(own);
-                *lock(&waiting[count]) = Some(piece);
-                count += 1;
-                ends[phases - 1] = count;
-            }
-            let done = AtomicUsize::new(0);
-            let take = |number: usize| {
-                let piece = lock(&waiting[number]).take();
-                if let Some(piece) = piece {
-                    // Counted whatever becomes of it: others wait for it.
-                    let _counted = Counted(&done);
-                    work(piece);
-                }
-            };
-            if count < 2 {
-                (0..count).for_each(take);
-                return;
-            }
-            team.run(&|member| {
-                let mut first = 0;
-                for &end in &ends[..phases] {
-                    if done.load(Ordering::Acquire) < end {
-                        let share = |member: usize| first + (end - first) * member / (1 + team.len());
-                        let own = share(member)..share(member + 1);
-                        own.clone().for_each(take);
-                        (first..end).rev().filter(|number| !own.contains(number)).for_each(take);
-                        wait_until(|| done.load(Ordering::Acquire) >= end);
-                    }
-                    first = end;
-                }
-            });
-            if count < MOST_PIECES {
-                return;
-            }
+    /// Works on pieces, each meant for the thread of its number.
+    pub(crate) fn share_among_all<T: Send>(&self, pieces: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
+        if self.has_host() {
+            self.share(pieces, work);
+        } else {
+            self.share_in_phases(pieces.zip(0..).map(|(piece, owner)| (0, owner, piece)), work);
         }
     }
+
+    /// Works on all pieces, each with the number of its phase and that of the thread that it is meant for: those of one phase side by side,
+    /// and none before those of earlier ones are done. Who has done what was meant for it does what others have not begun.
+    pub(crate) fn share_in_phases<T: Send>(&self, pieces: impl Iterator<Item = (u32, usize, T)>, work: impl Fn(T) + Sync) {
+        let Some(team) = self.own.as_ref().filter(|_| self.has_team()) else { return pieces.for_each(|(.., piece)| work(piece)) };
+        let mut pieces = pieces.map(|(phase, owner, piece)| (phase, Some(owner), piece));
+        while share_some::<T, MOST_IN_PHASES>(team, &mut pieces, &work) {}
+    }
+}
+
+/// Works on the next pieces, each with its phase and whose it is first of all, and says whether there may be more: a number of threads after
+/// one another have those of a phase that are nobody's.
+fn share_some<T: Send, const MOST: usize>(
+    team: &Team,
+    pieces: &mut impl Iterator<Item = (u32, Option<usize>, T)>,
+    work: &(impl Fn(T) + Sync),
+) -> bool {
+    let waiting = [const { Mutex::new(None) }; MOST];
+    // Pieces before the end of each phase, and whose each piece is.
+    let (mut ends, mut owners) = ([0; MOST], [None; MOST]);
+    let (mut count, mut phases, mut phase) = (0, 0, None);
+    for (own, owner, piece) in pieces.take(MOST) {
+        phases += usize::from(phase != Some(own));
+        phase = Some(own);
+        *lock(&waiting[count]) = Some(piece);
+        owners[count] = owner;
+        count += 1;
+        ends[phases - 1] = count;
+    }
+    let done = AtomicUsize::new(0);
+    let take = |number: usize| {
+        let piece = lock(&waiting[number]).take();
+        if let Some(piece) = piece {
+            // Counted whatever becomes of it: others wait for it.
+            let _counted = Counted(&done);
+            work(piece);
+        }
+    };
+    if count < 2 {
+        (0..count).for_each(take);
+        return false;
+    }
+    let members = 1 + team.len();
+    team.run(&|member| {
+        let mut first = 0;
+        for &end in &ends[..phases] {
+            if done.load(Ordering::Acquire) < end {
+                let is_own = |&number: &usize| owners[number].unwrap_or((number - first) * members / (end - first)) == member;
+                (first..end).filter(is_own).for_each(take);
+                let is_over = || done.load(Ordering::Acquire) >= end;
+                if !is_soon(is_over) {
+                    (first..end).rev().filter(|number| !is_own(number)).for_each(take);
+                    wait_until(is_over);
+                }
+            }
+            first = end;
+        }
+    });
+    count == MOST
 }
 
 /// One more is done, once this is dropped.
@@ -205,7 +228,7 @@ mod tests {
         for workers in [Workers::default(), Workers::new(2).unwrap(), Workers::new(5).unwrap()] {
             let _watch = workers.watch();
             let begun: Vec<AtomicUsize> = (0..50).map(|_| AtomicUsize::new(0)).collect();
-            let pieces = (0..200).map(|number| (number / 4, number as usize / 4));
+            let pieces = (0..200).map(|number| (number / 4, number as usize % 4, number as usize / 4));
             workers.share_in_phases(pieces, |phase| {
                 assert!(begun[..phase].iter().all(|count| count.load(Ordering::Relaxed) == 4), "in phase {phase}");
                 begun[phase].fetch_add(1, Ordering::Relaxed);
@@ -219,7 +242,9 @@ mod tests {
         let workers = Workers::new(3).unwrap();
         for _ in 0..20 {
             let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                workers.share_in_phases((0..40).map(|number| (number / 8, number)), |number| assert!(number != 13, "unlucky"));
+                workers.share_in_phases((0..40).map(|number| (number / 8, number as usize % 8, number)), |number| {
+                    assert!(number != 13, "unlucky")
+                });
             }));
             assert!(outcome.is_err());
         }

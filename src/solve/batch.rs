@@ -4,10 +4,10 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::birth::Birth;
 use super::bound::BatchBounds;
-use super::color::{Coloring, MAX_COLORS};
+use super::buckets::Buckets;
+use super::color::Coloring;
 use super::contact::{ContactImpulses, ContactInput, LANES};
 use super::contact_block::ContactBlocks;
-use super::contact_kernels;
 use super::direct::Direct;
 use super::dissipative::DissipativeIslands;
 use super::exact::ExactIslands;
@@ -19,12 +19,14 @@ use super::passive::PassiveIslands;
 use super::plane::Planes;
 use super::poses::Poses;
 use super::sheet::Sheet;
-use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
+use super::state::{BodyMotion, BodyVelocity};
 use super::taut::TautRows;
 use super::told::Told;
 use super::wrap::BatchWraps;
 use crate::room::make_room;
 use crate::workers::Workers;
+
+mod lanes;
 
 /// Slot that stands for a body of the world in this batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -54,32 +56,10 @@ pub(crate) struct ContactEnds {
     pub is_plain: bool,
 }
 
-/// Groups of manifolds: two for each colour, two for what found none; the first of those; and all groups once more for manifolds of
-/// bodies that joints hold, with each other and with what is fixed.
-const GROUPS: usize = 2 * MAX_COLORS + 2;
-const ALONE: usize = 2 * MAX_COLORS;
-const ALL_GROUPS: usize = 2 * GROUPS;
-
-/// Whether manifolds of this group share no moving body.
-fn is_colored(group: usize) -> bool {
-    group % GROUPS < ALONE
-}
-
-/// Whether manifolds of this group have more than one point.
-fn has_faces(group: usize) -> bool {
-    group.is_multiple_of(2)
-}
-
 /// Group, and block, of a manifold that an articulation holds.
 const HELD: u32 = u32::MAX;
 
-/// Of a lane that has no manifold.
-const NO_MANIFOLD: u32 = u32::MAX;
-
-/// Blocks that are worth another thread's while: some 10 µs.
-const LEAST_BLOCKS: usize = 8;
-
-/// Bodies of the same.
+/// Bodies that are worth another thread's while: some 10 µs.
 const LEAST_BODIES: usize = 64;
 
 /// Bodies, contacts and joints solved together.
@@ -132,18 +112,21 @@ pub(crate) struct Batch {
     tally: Vec<ContactImpulses>,
     /// What is told of the manifolds of each block, if anybody wants to know.
     pub told: Vec<[Told; LANES]>,
-    /// Block and lane of each manifold, and the manifold of each lane.
+    /// Block and lane of each manifold.
     lanes: Vec<(u32, u32)>,
-    numbers: Vec<[u32; LANES]>,
+    /// Which thread's each block is, where several work on them.
+    places: Vec<u8>,
     /// Kinematic bodies that have a slot here, sorted by body.
     replicas: Vec<Replica>,
     pub birth: Birth,
     pub load_pass: LoadPass,
     pub exact: ExactIslands,
     pub coloring: Coloring,
-    /// Colour of each manifold, twice, plus one if it has a single point; and [`GROUPS`] more where joints hold what
+    /// Colour of each manifold, twice, plus one if it has a single point; and [`lanes::GROUPS`] more where joints hold what
     /// moves of its bodies.
     groups: Vec<u32>,
+    /// Manifolds by the first of their bodies, where there are many.
+    by_body: Buckets,
     pub pushes: Vec<BodyVelocity>,
     /// Number of colours that the contacts took.
     pub color_count: u32,
@@ -166,7 +149,6 @@ impl Batch {
         self.motions.clear();
         self.ends.clear();
         self.inputs.clear();
-        self.contacts.clear();
         self.joints.clear();
         self.bound_slots.clear();
         self.bounds.clear();
@@ -276,116 +258,6 @@ impl Batch {
     /// Slots after the world's that are those of bodies which rows may move.
     pub(crate) fn moving(&self) -> usize {
         self.bodies.len() - 1 - self.replicas.len()
-    }
-
-    /// Lays out a block and a lane for every manifold that no articulation holds.
-    ///
-    /// Within a colour, manifolds of one point have blocks of their own, which cost a fraction of those of four.
-    pub(crate) fn color_contacts(&mut self) {
-        if self.ends.is_empty() {
-            self.first_jointed = 0;
-            return;
-        }
-        self.coloring.reset(self.velocities.len());
-        self.groups.clear();
-        let mut counts = [0_u32; ALL_GROUPS];
-        let mut color_count = 0;
-        for (number, &ContactEnds { a, b, points, .. }) in self.ends.iter().enumerate() {
-            if self.direct.holds(number) {
-                self.groups.push(HELD);
-                continue;
-            }
-            self.motions[a as usize].constrained = true;
-            self.motions[b as usize].constrained = true;
-            let end = |slot: u32| (slot, slot != WORLD_SLOT && self.motions[slot as usize].is_dynamic());
-            let color = self.coloring.assign(end(a), end(b)).unwrap_or(MAX_COLORS as u32);
-            let ends = [a, b].map(|slot| &self.motions[slot as usize]);
-            let held_by_joints =
-                ends.iter().any(|end| end.is_dynamic()) && ends.iter().all(|end| end.jointed || !end.is_dynamic());
-            let group = 2 * color as usize + usize::from(points == 1) + if held_by_joints { GROUPS } else { 0 };
-            counts[group] += 1;
-            color_count = color_count.max(color + 1);
-            self.groups.push(group as u32);
-        }
-        // Most of the groups are of colours that no manifold has.
-        let used = 2 * color_count as usize;
-        let groups = || (0..used).chain(GROUPS..GROUPS + used).map(|group| (group, counts[group]));
-        // What found no colour is solved one manifold a block, after the rest.
-        let blocks_of = |group: usize, count: u32| if is_colored(group) { count.div_ceil(LANES as u32) } else { count } as usize;
-        let (mut blocks, mut faces) = (0, 0);
-        for (group, count) in groups() {
-            blocks += blocks_of(group, count);
-            faces += if has_faces(group) { blocks_of(group, count) } else { 0 };
-        }
-        self.contacts.make_room(blocks, faces);
-        let mut next = [0_u32; ALL_GROUPS];
-        self.first_jointed = 0;
-        for (group, count) in groups() {
-            if group == GROUPS {
-                self.first_jointed = self.contacts.len();
-            }
-            let first = self.contacts.len();
-            next[group] = (first * LANES) as u32;
-            self.contacts.add(blocks_of(group, count), has_faces(group));
-            self.contacts.add_color(first, is_colored(group), has_faces(group));
-        }
-        // Colours are taken from the lowest on.
-        self.color_count = color_count;
-        for &group in &self.groups {
-            if group == HELD {
-                self.lanes.push((HELD, 0));
-                continue;
-            }
-            let place = &mut next[group as usize];
-            self.lanes.push((*place / LANES as u32, *place % LANES as u32));
-            *place += if is_colored(group as usize) { 1 } else { LANES as u32 };
-        }
-        let Self { lanes, ends, contacts, .. } = self;
-        let needs = |number: &usize| lanes[*number].0 != HELD && !ends[*number].is_plain;
-        if (0..lanes.len()).any(|number| needs(&number)) {
-            contacts.add_extras((0..lanes.len()).filter(needs).map(|number| lanes[number].0 as usize));
-        }
-    }
-
-    /// Prepares the rows of all manifolds that have a lane, which `form` brings into world axes; points closer than `reach` (m) count
-    /// as touching.
-    pub(crate) fn set_contacts(
-        &mut self,
-        threads: &Workers,
-        reach: f32,
-        form: impl Fn((u32, u32), ContactEnds) -> ContactInput + Sync,
-    ) {
-        let Self { lanes, numbers, inputs, manifolds, ends, contacts, velocities, .. } = self;
-        let input = |number: usize| {
-            let formed = inputs.get(number).copied();
-            formed.unwrap_or_else(|| form(manifolds[number], ends[number]))
-        };
-        let placed = || lanes.iter().enumerate().filter(|(_, (block, _))| *block != HELD);
-        if threads.is_alone() {
-            // In the order in which pairs lie in memory, which blocks do not follow.
-            for (number, &(block, lane)) in placed() {
-                contacts.whole(block as usize).set_lane(lane as usize, &input(number), reach);
-            }
-            for number in 0..contacts.len() {
-                contact_kernels::set_masses(&mut contacts.whole(number), velocities);
-            }
-            return;
-        }
-        numbers.clear();
-        make_room(numbers, contacts.len());
-        numbers.resize(contacts.len(), [NO_MANIFOLD; LANES]);
-        for (number, &(block, lane)) in placed() {
-            numbers[block as usize][lane as usize] = number as u32;
-        }
-        let piece = threads.piece(contacts.len(), LEAST_BLOCKS);
-        threads.share(contacts.parts(piece).zip(numbers.chunks(piece)), |(part, numbers)| {
-            for (mut block, numbers) in part.iter().zip(numbers) {
-                for (lane, &number) in numbers.iter().enumerate().filter(|(_, number)| **number != NO_MANIFOLD) {
-                    block.set_lane(lane, &input(number as usize), reach);
-                }
-                contact_kernels::set_masses(&mut block, velocities);
-            }
-        });
     }
 
     /// Multipliers of the manifold with this number.

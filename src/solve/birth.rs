@@ -24,8 +24,9 @@ const MAX_REST_SPEED: f32 = 0.05;
 /// Buffers of the pass.
 #[derive(Debug, Default)]
 pub(crate) struct Birth {
+    /// Supports as they are found, and sorted by upper body: the first of each slot.
+    found: Vec<Support>,
     supports: Vec<Support>,
-    /// Supports sorted by upper body: first of each slot.
     first: Vec<u32>,
     /// Number of unvisited bodies that stand on each slot, and whether the slot's contacts are all new.
     waiting: Vec<u32>,
@@ -43,7 +44,7 @@ pub(crate) struct Birth {
 }
 
 /// A manifold through which `upper` stands on `lower`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 struct Support {
     upper: u32,
     lower: u32,
@@ -118,7 +119,7 @@ impl Birth {
     /// Notes what is above what is noted, over however many others.
     fn spread_grounded(&mut self) {
         let Self { grounded, open, pairs, above, .. } = self;
-        above.sort(grounded.len(), pairs);
+        above.sort(grounded.len(), pairs.iter().copied());
         open.clear();
         open.extend((0..grounded.len() as u32).filter(|&slot| grounded[slot as usize]));
         while let Some(lower) = open.pop() {
@@ -133,7 +134,10 @@ impl Birth {
     /// Lists the supporting manifolds; a body is new if all of its are without multipliers and at rest.
     fn find_supports(&mut self, batch: &Batch, up: Vec3, closable_speed: f32) {
         let slots = batch.velocities.len();
-        self.supports.clear();
+        let moving = batch.moving() as u32;
+        self.found.clear();
+        self.first.clear();
+        self.first.resize(slots + 1, 0);
         self.new.clear();
         self.new.resize(slots, true);
         for (number, block) in batch.contacts.blocks.iter().enumerate() {
@@ -145,35 +149,43 @@ impl Birth {
                 }
                 let (a, b) = (block.a[lane], block.b[lane]);
                 let (lower, upper) = if rise > 0.0 { (a, b) } else { (b, a) };
-                if !batch.motions[upper as usize].is_dynamic() {
+                if !(1..=moving).contains(&upper) {
                     continue;
                 }
-                let approach = normal.dot(batch.velocities[b as usize].linear - batch.velocities[a as usize].linear).abs();
-                let touched = |i: usize| batch.contacts.rows(number, i).lambda[lane] != 0.0;
-                let untouched = !(0..batch.contacts.room_of(number)).any(touched);
-                let fresh = untouched && approach < MAX_REST_SPEED + closable_speed;
+                let approach = || normal.dot(batch.velocities[b as usize].linear - batch.velocities[a as usize].linear).abs();
+                let fresh = !block.is_pressed[lane] && approach() < MAX_REST_SPEED + closable_speed;
                 self.new[upper as usize] &= fresh;
-                self.supports.push(Support { upper, lower, block: number as u32, lane: lane as u32 });
+                self.first[upper as usize + 1] += 1;
+                self.found.push(Support { upper, lower, block: number as u32, lane: lane as u32 });
             }
         }
-        if !self.supports.iter().any(|support| self.new[support.upper as usize]) {
-            self.supports.clear();
+        self.supports.clear();
+        if !self.found.iter().any(|support| self.new[support.upper as usize]) {
             return;
-        }
-        self.supports.sort_unstable();
-        self.first.clear();
-        self.first.resize(slots + 1, 0);
-        self.waiting.clear();
-        self.waiting.resize(slots, 0);
-        for support in &self.supports {
-            self.first[support.upper as usize + 1] += 1;
-            self.waiting[support.lower as usize] += 1;
         }
         for slot in 0..slots {
             self.first[slot + 1] += self.first[slot];
         }
+        self.sort_by_upper(slots);
         self.load.clear();
         self.load.resize(slots, (DVec3::ZERO, DVec3::ZERO));
+    }
+
+    /// Sorts the supports that were found by upper body, and counts what stands on each slot.
+    fn sort_by_upper(&mut self, slots: usize) {
+        let Self { found, supports, first, waiting, .. } = self;
+        waiting.clear();
+        // For now, where the next support of each slot goes.
+        waiting.extend_from_slice(&first[..slots]);
+        supports.resize(found.len(), Support::default());
+        for support in &*found {
+            let place = &mut waiting[support.upper as usize];
+            supports[*place as usize] = *support;
+            *place += 1;
+        }
+        waiting.fill(0);
+        found.iter().for_each(|support| waiting[support.lower as usize] += 1);
+        first.windows(2).for_each(|own| supports[own[0] as usize..own[1] as usize].sort_unstable());
     }
 
     /// Splits the load of one body over its supporting points and hands it on to what carries them.

@@ -14,23 +14,28 @@ impl Buckets {
     }
 
     /// Sorts pairs of a bucket, below `count`, and a number in it.
-    pub(crate) fn sort(&mut self, count: usize, pairs: &[(u32, u32)]) {
+    pub(crate) fn sort(&mut self, count: usize, pairs: impl ExactSizeIterator<Item = (u32, u32)> + Clone) {
         let Self { starts, numbers } = self;
         // Two places behind its own a bucket is counted, one behind it is filled.
         starts.clear();
         starts.resize(count + 2, 0);
-        for &(bucket, _) in pairs {
+        for (bucket, _) in pairs.clone() {
             starts[bucket as usize + 2] += 1;
         }
         for bucket in 2..starts.len() {
             starts[bucket] += starts[bucket - 1];
         }
         numbers.resize(pairs.len(), 0);
-        for &(bucket, number) in pairs {
+        for (bucket, number) in pairs {
             let place = &mut starts[bucket as usize + 1];
             numbers[*place as usize] = number;
             *place += 1;
         }
+    }
+
+    /// Numbers of all buckets, one after another.
+    pub(crate) fn all(&self) -> &[u32] {
+        &self.numbers
     }
 
     /// Numbers of a bucket; none where it has not been sorted into.
@@ -51,7 +56,7 @@ mod tests {
         let mut buckets = Buckets::default();
         assert!(buckets.of(0).is_empty());
         for pairs in [&[(2, 5), (0, 1), (2, 3), (3, 9), (0, 0)][..], &[(1, 7)], &[]] {
-            buckets.sort(4, pairs);
+            buckets.sort(4, pairs.iter().copied());
             for bucket in 0..4 {
                 let expected: Vec<u32> = pairs.iter().filter(|pair| pair.0 == bucket).map(|pair| pair.1).collect();
                 assert_eq!(buckets.of(bucket), expected);

@@ -13,9 +13,9 @@
 use std::ops::Range;
 
 use glam::{Vec2, Vec3, Vec4};
-use smallvec::SmallVec;
 
 use super::contact::{ContactImpulses, ContactInput, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS, TOUCHED, tangents};
+use super::contact_pieces::Color;
 use super::state::BodyMotion;
 use crate::room::make_room;
 
@@ -54,13 +54,14 @@ pub(crate) struct ContactBlock {
     pub twist_lambda: Lane,
     /// Torque limit about the normal per normal force (m).
     pub twist_arm: Lane,
-    /// Points of each manifold.
+    /// Points of each manifold, and whether it begins with a multiplier of one of them.
     pub count: [u8; LANES],
+    pub is_pressed: [bool; LANES],
     /// Places of its face and its extra, or [`NONE`].
     pub face: u32,
     pub extra: u32,
     /// Faces and extras of the blocks before this one.
-    before: [u32; 2],
+    pub(super) before: [u32; 2],
 }
 
 /// What a block has beside it whose manifolds may have more than one point.
@@ -131,6 +132,7 @@ impl ContactBlock {
         twist_lambda: ZERO,
         twist_arm: ZERO,
         count: [0; LANES],
+        is_pressed: [false; LANES],
         face: NONE,
         extra: NONE,
         before: [0; 2],
@@ -198,16 +200,11 @@ pub(crate) struct ContactBlocks {
     pub extras: Vec<Extra>,
     /// Which of them share no moving body, from the first to the last; nothing of lists that one thread goes through.
     pub colors: Vec<Color>,
-}
-
-/// Parts of blocks by phase.
-pub(crate) type ColoredParts<'a> = SmallVec<[(u32, BlockPart<'a>); 64]>;
-
-/// Blocks that follow one another and share no moving body; or, where they may, are gone through one by one.
-#[derive(Debug, Clone)]
-pub(crate) struct Color {
-    pub blocks: Range<usize>,
-    pub is_one: bool,
+    /// First moving slots, less one, at each of so many equal parts of all manifolds in the order of their bodies; none where blocks are in
+    /// another order.
+    pub cuts: Vec<u32>,
+    /// The same of the first manifold of each block, where there are cuts.
+    pub firsts: Vec<u32>,
 }
 
 impl ContactBlocks {
@@ -216,6 +213,8 @@ impl ContactBlocks {
         self.faces.clear();
         self.extras.clear();
         self.colors.clear();
+        self.cuts.clear();
+        self.firsts.clear();
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -226,60 +225,30 @@ impl ContactBlocks {
         self.blocks.len()
     }
 
-    /// Makes room in an empty list for this many blocks, of which so many have faces.
-    pub(crate) fn make_room(&mut self, blocks: usize, faces: usize) {
-        make_room(&mut self.blocks, blocks);
-        make_room(&mut self.faces, faces);
+    /// Begins a list of this many blocks, of which so many have faces, with what the last one has left in them.
+    pub(crate) fn begin(&mut self, blocks: usize, faces: usize) {
+        begin(&mut self.blocks, blocks, ContactBlock::EMPTY);
+        begin(&mut self.faces, faces, Face::EMPTY);
+        self.extras.clear();
+        self.colors.clear();
+        self.cuts.clear();
+        self.firsts.clear();
     }
 
-    /// Adds empty blocks, for manifolds of one point or for faces.
-    pub(crate) fn add(&mut self, count: usize, has_faces: bool) {
-        for _ in 0..count {
-            let before = [self.faces.len() as u32, 0];
-            let face = if has_faces { before[0] } else { NONE };
-            self.blocks.push(ContactBlock { face, before, ..ContactBlock::EMPTY });
-            if has_faces {
-                self.faces.push(Face::EMPTY);
+    /// Lays out the blocks of a range, the first of which have a manifold in each lane: the others are emptied. Those with faces have
+    /// them from `first_face` on.
+    pub(crate) fn lay_out(&mut self, range: Range<usize>, full: usize, has_faces: bool, first_face: usize) {
+        for (place, block) in self.blocks[range].iter_mut().enumerate() {
+            if place >= full {
+                *block = ContactBlock::EMPTY;
+            }
+            let before = first_face + if has_faces { place } else { 0 };
+            (block.before, block.extra) = ([before as u32, 0], NONE);
+            block.face = if has_faces { before as u32 } else { NONE };
+            if has_faces && place >= full {
+                self.faces[before] = Face::EMPTY;
             }
         }
-    }
-
-    /// Says of the blocks from `first` on, if there are any, that they share no moving body, or may; not of a new colour where that of
-    /// those before goes on.
-    pub(crate) fn add_color(&mut self, first: usize, is_one: bool, is_new: bool) {
-        let end = self.blocks.len();
-        match self.colors.last_mut().filter(|last| is_one && last.is_one && !is_new) {
-            Some(last) => last.blocks.end = end,
-            None => self.colors.push(Color { blocks: first..end, is_one }),
-        }
-    }
-
-    /// Blocks of a range in parts, with numbers of the phases in which they may be gone through side by side; `piece` says how long
-    /// parts of so many blocks are. The range ends where colours do.
-    pub(crate) fn colored_parts(&mut self, range: &Range<usize>, piece: impl Fn(usize) -> usize) -> ColoredParts<'_> {
-        let Self { blocks, faces, extras, colors } = self;
-        let mut rest = BlockPart { blocks, faces, extras, before: [0; 2] };
-        let mut parts = ColoredParts::new();
-        rest.split_off(range.start);
-        for (phase, color) in colors.iter().enumerate().filter(|(_, color)| range.contains(&color.blocks.start)) {
-            let mut left = color.blocks.len();
-            while left > 0 {
-                let count = if color.is_one { piece(color.blocks.len()).min(left) } else { left };
-                parts.push((phase as u32, rest.split_off(count)));
-                left -= count;
-            }
-        }
-        parts
-    }
-
-    /// Whether blocks of one colour share no slot of those, after the first, that move.
-    pub(crate) fn are_apart(&self, moving: usize) -> bool {
-        let mut taken = vec![0; moving + 1];
-        self.colors.iter().zip(1..).filter(|(color, _)| color.is_one).all(|(color, mark)| {
-            let slots = self.blocks[color.blocks.clone()].iter().flat_map(|block| block.a.iter().chain(&block.b));
-            let mut moved = slots.map(|&slot| slot as usize).filter(|slot| (1..=moving).contains(slot));
-            moved.all(|slot| std::mem::replace(&mut taken[slot], mark) != mark)
-        })
     }
 
     /// Points that a block has room for.
@@ -327,27 +296,6 @@ impl ContactBlocks {
         let block = &mut self.blocks[number];
         let (face, extra) = (self.faces.get_mut(block.face as usize), self.extras.get_mut(block.extra as usize));
         WholeBlock { block, face, extra }
-    }
-
-    /// All blocks as one part.
-    pub(crate) fn all(&mut self) -> BlockPart<'_> {
-        let Self { blocks, faces, extras, .. } = self;
-        BlockPart { blocks, faces, extras, before: [0; 2] }
-    }
-
-    /// Blocks that follow one another.
-    pub(crate) fn part(&mut self, range: Range<usize>) -> BlockPart<'_> {
-        let Self { blocks, faces, extras, .. } = self;
-        BlockPart { blocks: &mut blocks[range], faces, extras, before: [0; 2] }
-    }
-
-    /// All blocks in parts of this length.
-    pub(crate) fn parts(&mut self, length: usize) -> impl Iterator<Item = BlockPart<'_>> {
-        let mut rest = self.all();
-        std::iter::from_fn(move || {
-            let count = length.min(rest.blocks.len());
-            (count > 0).then(|| rest.split_off(count))
-        })
     }
 
     /// Multipliers of lane `l` of a block at the end of the last substep.
@@ -407,40 +355,6 @@ impl ContactBlocks {
     }
 }
 
-/// Blocks that follow one another, and what they have beside them.
-pub(crate) struct BlockPart<'a> {
-    pub blocks: &'a mut [ContactBlock],
-    pub faces: &'a mut [Face],
-    pub extras: &'a mut [Extra],
-    /// Faces and extras before those.
-    pub before: [u32; 2],
-}
-
-impl<'a> BlockPart<'a> {
-    /// Takes the first `count` blocks out.
-    pub(crate) fn split_off(&mut self, count: usize) -> Self {
-        let (blocks, rest) = std::mem::take(&mut self.blocks).split_at_mut(count);
-        let before = self.before;
-        let next = rest.first().map(|next| next.before);
-        let beside = |kind: usize, all: usize| next.map_or(all, |next| (next[kind] - before[kind]) as usize);
-        let (own_faces, own_extras) = (beside(0, self.faces.len()), beside(1, self.extras.len()));
-        let (faces, more_faces) = std::mem::take(&mut self.faces).split_at_mut(own_faces);
-        let (extras, more_extras) = std::mem::take(&mut self.extras).split_at_mut(own_extras);
-        *self = Self { blocks: rest, faces: more_faces, extras: more_extras, before: next.unwrap_or(before) };
-        Self { blocks, faces, extras, before }
-    }
-
-    /// The blocks one by one.
-    pub(crate) fn iter(self) -> impl Iterator<Item = WholeBlock<'a>> {
-        let (mut faces, mut extras) = (self.faces.iter_mut(), self.extras.iter_mut());
-        self.blocks.iter_mut().map(move |block| {
-            let face = if block.face == NONE { None } else { faces.next() };
-            let extra = if block.extra == NONE { None } else { extras.next() };
-            WholeBlock { block, face, extra }
-        })
-    }
-}
-
 /// A block, and what it has beside it.
 pub(crate) struct WholeBlock<'a> {
     pub block: &'a mut ContactBlock,
@@ -485,12 +399,20 @@ impl WholeBlock<'_> {
             let impulse = input.impulses.normal[i];
             rows.lambda[l] = if impulse > TOUCHED { impulse } else { 0.0 };
         }
+        let room = if self.face.is_some() { POINTS } else { 1 };
+        for i in count..room {
+            let rows = self.rows_mut(i);
+            put(&mut rows.lever_a, l, Vec3::ZERO);
+            put(&mut rows.lever_b, l, Vec3::ZERO);
+            (rows.separation[l], rows.lambda[l]) = (0.0, 0.0);
+        }
         let block = &mut *self.block;
         block.a[l] = input.a;
         block.b[l] = input.b;
         put(&mut block.normal, l, n);
         put(&mut block.tangent, l, t1);
         block.count[l] = count as u8;
+        block.is_pressed[l] = input.impulses.normal[..count].iter().any(|&impulse| impulse > TOUCHED);
 
         let pressed: f32 = input.impulses.normal.iter().sum();
         let carried = |lambda: f32| if lambda.abs() > NEGLIGIBLE_FRICTION * pressed { lambda } else { 0.0 };
@@ -543,6 +465,15 @@ impl WholeBlock<'_> {
             }
         }
     }
+}
+
+/// Gives a list so many elements, those that it has as they are: memory for more is taken after it has been given back.
+fn begin<T: Clone>(list: &mut Vec<T>, count: usize, empty: T) {
+    if list.capacity() < count {
+        list.clear();
+        make_room(list, count);
+    }
+    list.resize(count, empty);
 }
 
 fn put(lanes: &mut Lane3, l: usize, v: Vec3) {

@@ -6,16 +6,18 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use smallvec::SmallVec;
+
 use super::batch::Batch;
-use super::contact_block::{BlockPart, ContactBlocks};
+use super::contact_block::{ContactBlocks, WholeBlock};
 use super::contact_kernels;
+use super::contact_pieces::{BlockPart, DividedBlocks, Run};
 use super::shared::{Hand, Shared};
 use super::state::{BodyMotion, BodyVelocity};
 use crate::workers::Workers;
 
-/// Blocks from which on several threads go through them, and those that are worth another thread's while: some 3 µs.
+/// Blocks from which on several threads go through them.
 const SHARED_BLOCKS: usize = 64;
-const LEAST_BLOCKS: usize = 8;
 
 /// Bodies of the same.
 const SHARED_BODIES: usize = 512;
@@ -40,17 +42,55 @@ pub(super) fn in_colors(
     }
     debug_assert!(contacts.are_apart(moving), "blocks of one colour share a moving body");
     let shared = Shared::new(velocities, moving);
-    let parts = contacts.colored_parts(&range, |count| threads.piece_of_phase(count, LEAST_BLOCKS));
-    let work = |mut part: BlockPart<'_>| {
+    let pieces = contacts.colored_pieces(&range, threads.places());
+    let pieces = pieces.into_iter().map(|piece| (piece.phase, piece.place, piece.runs));
+    let work = |runs: SmallVec<[Run<'_>; 2]>| {
         // SAFETY: what is worked on at the same time is of one phase, the blocks of one colour, which share no moving body.
         let mut hand = unsafe { shared.hand() };
-        work(&mut part, &mut hand);
+        let mut work = |mut run: Run<'_>| work(&mut run.part, &mut hand);
+        if backwards { runs.into_iter().rev().for_each(work) } else { runs.into_iter().for_each(&mut work) }
     };
     if backwards {
-        threads.share_in_phases(parts.into_iter().rev(), work);
+        threads.share_in_phases(pieces.rev(), work);
     } else {
-        threads.share_in_phases(parts.into_iter(), work);
+        threads.share_in_phases(pieces, work);
     }
+}
+
+/// Goes through all blocks in any order, each with the thread that goes through it in sweeps; a part comes with the number of its first block.
+pub(super) fn side_by_side(contacts: &mut ContactBlocks, threads: &Workers, work: impl Fn(Run<'_>) + Sync) {
+    if threads.has_team() {
+        let pieces = contacts.colored_pieces(&(0..contacts.len()), threads.places());
+        threads.share_in_phases(pieces.into_iter().map(|piece| (0, piece.place, piece.runs)), |runs| {
+            runs.into_iter().for_each(&work)
+        });
+    } else {
+        let piece = threads.piece(contacts.len(), SHARED_BLOCKS);
+        threads.share(contacts.parts(piece).zip((0..).step_by(piece)), |(part, first)| work(Run { first, part }));
+    }
+}
+
+/// Goes through the manifolds that have these lanes, in their order, each with the thread that goes through its block in sweeps; `places` is
+/// used as a list of blocks.
+pub(super) fn each_manifold(
+    contacts: &mut ContactBlocks,
+    threads: &Workers,
+    lanes: &[(u32, u32)],
+    places: &mut Vec<u8>,
+    work: impl Fn(&mut WholeBlock<'_>, usize, usize) + Sync,
+) {
+    let count = threads.places();
+    contacts.note_places(count, places);
+    let shared = DividedBlocks::new(contacts);
+    threads.share_among_all(0..count, |place| {
+        // SAFETY: each block has one place, and each place is one thread's.
+        let mut own = unsafe { shared.part() };
+        for (number, &(block, lane)) in lanes.iter().enumerate() {
+            if places.get(block as usize).is_some_and(|&own| usize::from(own) == place) {
+                work(&mut own.whole(block), lane as usize, number);
+            }
+        }
+    });
 }
 
 /// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold, which begin with the block `first_jointed`;
@@ -86,8 +126,7 @@ pub(super) fn end_step(contacts: &mut ContactBlocks, threads: &Workers, motions:
     }
     // Numbers that are not negative are in the order of their bits.
     let worst = AtomicU32::new(0);
-    let piece = threads.piece(contacts.len(), LEAST_BLOCKS);
-    threads.share(contacts.parts(piece), |mut part| {
+    side_by_side(contacts, threads, |Run { mut part, .. }| {
         worst.fetch_max(contact_kernels::end_step(&mut part, motions).to_bits(), Ordering::Relaxed);
     });
     f32::from_bits(worst.into_inner())
@@ -100,8 +139,7 @@ pub(super) fn refresh_masses(
     velocities: &[BodyVelocity],
     motions: &[BodyMotion],
 ) {
-    let piece = threads.piece(contacts.len(), SHARED_BLOCKS);
-    threads.share(contacts.parts(piece), |part| {
+    side_by_side(contacts, threads, |Run { part, .. }| {
         for mut block in part.iter().filter(|whole| whole.block.is_refreshed(motions)) {
             contact_kernels::set_masses(&mut block, velocities);
         }

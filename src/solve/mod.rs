@@ -14,6 +14,7 @@ mod color;
 pub(crate) mod contact;
 mod contact_block;
 mod contact_kernels;
+mod contact_pieces;
 mod crew;
 pub(crate) mod direct;
 mod dispatch;
@@ -28,7 +29,7 @@ mod passive;
 pub(crate) mod plane;
 mod poses;
 mod rotation;
-mod shared;
+pub(crate) mod shared;
 mod sheet;
 mod side;
 pub(crate) mod state;
@@ -306,12 +307,20 @@ impl Batch {
 
     /// Begins a substep of length `h`, `rest` from the end of the step (s).
     fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, rest: f32) {
-        self.each_single(threads, |velocity, motion| integrate::apply_forces(velocity, motion, h));
+        // What is cut off of a speed is momentum too, where that is noted.
+        let is_noted = !self.free.is_empty();
+        self.each_single(threads, |velocity, motion| {
+            integrate::apply_forces(velocity, motion, h);
+            if !is_noted {
+                integrate::limit_speeds(velocity, motion, h);
+            }
+        });
         self.poses.apply_forces(&mut self.velocities, &self.motions, h);
-        // What is cut off of a speed is momentum too.
         self.find_inertia();
-        self.free.note(&self.velocities, &self.motions, &self.poses);
-        self.each_single(threads, |velocity, motion| integrate::limit_speeds(velocity, motion, h));
+        if is_noted {
+            self.free.note(&self.velocities, &self.motions, &self.poses);
+            self.each_single(threads, |velocity, motion| integrate::limit_speeds(velocity, motion, h));
+        }
         self.poses.limit_speeds(&mut self.velocities, h);
         self.dissipative.note_energy(&self.velocities, &self.motions, &self.poses);
         let (direct, floor) = self.direct_and_floor(threads);

@@ -16,6 +16,9 @@ use super::lock;
 /// one that is waited for is not at work meanwhile.
 const LOOKS: u32 = 128;
 
+/// Looks before a thread that has done its own does what others have not begun: some 0.5 µs.
+const LOOKS_FOR_MORE: u32 = 16;
+
 /// For how long a member looks for the next region within a step before it goes to sleep.
 const PATIENCE: Duration = Duration::from_millis(2);
 
@@ -204,6 +207,18 @@ pub(super) fn wait_until(is_so: impl Fn() -> bool) {
         looks += 1;
         pause(looks);
     }
+}
+
+/// Waits a little for what is perhaps so in a moment, and says whether it is. To look whether another thread has begun a piece of its own takes
+/// the place where that is noted out of its cache.
+pub(super) fn is_soon(is_so: impl Fn() -> bool) -> bool {
+    (0..LOOKS_FOR_MORE).any(|_| {
+        let is_so = is_so();
+        if !is_so {
+            std::hint::spin_loop();
+        }
+        is_so
+    })
 }
 
 /// Passes the time between two looks: more than a few, and others may have the processor.

@@ -134,7 +134,7 @@ impl World {
                 ((rotation * manifold.normal) * normal + manifold.impulses.friction) * per_substep
             };
             let force: Vec3 = pair.manifolds.iter().map(force).sum();
-            index.add_contact(a, b, force);
+            index.add_contact([colliders[a].body, colliders[b].body], force);
         }
     }
 

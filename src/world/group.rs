@@ -20,8 +20,8 @@ const LEAST_DROPPED: usize = 2048;
 /// Where each body is in the batches of this step.
 #[derive(Debug, Default)]
 pub(super) struct Groups {
-    /// Active pairs in their order; those that do not touch are left out, or are none.
-    touches: Vec<Touch>,
+    /// Active pairs that touch, or did in the step before, in their order: parts of the list, one after another.
+    touches: Vec<Vec<Touch>>,
     /// Batch and slot of each mover, by body slot.
     pub place: Vec<(u32, u32)>,
     /// Island of each mover, by body slot.
@@ -50,16 +50,12 @@ pub(super) struct Groups {
 }
 
 /// A pair that touches, as islands and batches ask for it: pairs are far from one another in memory, and are read once, by all threads.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Touch {
     slot: u32,
     bodies: [u32; 2],
     manifolds: u32,
     points: u32,
-}
-
-impl Touch {
-    const NONE: Self = Self { slot: 0, bodies: [NO_BODY; 2], manifolds: 0, points: 0 };
 }
 
 /// Pairs that are worth another thread's while: some 5 µs.
@@ -76,8 +72,18 @@ impl Groups {
 
     /// Pairs that touch, by slot, and their bodies.
     pub(super) fn touching(&self) -> impl Iterator<Item = (u32, [u32; 2])> {
-        self.touches.iter().filter(|touch| touch.manifolds > 0).map(|touch| (touch.slot, touch.bodies))
+        touching(&self.touches).map(|touch| (touch.slot, touch.bodies))
     }
+
+    /// Slots of pairs that touch, or did in the step before.
+    pub(super) fn touches(&self) -> impl Iterator<Item = u32> {
+        self.touches.iter().flatten().map(|touch| touch.slot)
+    }
+}
+
+/// Of pairs that are listed, those that touch.
+fn touching(touches: &[Vec<Touch>]) -> impl Iterator<Item = &Touch> {
+    touches.iter().flatten().filter(|touch| touch.manifolds > 0)
 }
 
 impl Groups {
@@ -163,27 +169,24 @@ impl World {
         let active = pairs.active();
         let touch = |&(key, slot): &(PairKey, u32)| {
             let pair = pairs.get(slot);
-            if !pair.has_points() {
-                return Touch::NONE;
+            if !pair.has_points() && !pair.in_contact {
+                return None;
             }
             let (a, b) = key.shapes();
-            let mut touch = Touch { slot, bodies: [index.body_of(a), index.body_of(b)], ..Touch::NONE };
+            let mut touch = Touch { slot, bodies: [index.body_of(a), index.body_of(b)], ..Touch::default() };
             for manifold in pair.manifolds.iter() {
                 touch.manifolds += 1;
                 touch.points += manifold.points.len() as u32;
             }
-            touch
+            Some(touch)
         };
-        touches.clear();
-        if threads.has_team() && active.len() > LEAST_PAIRS {
-            touches.resize(active.len(), Touch::NONE);
-            let piece = threads.piece(active.len(), LEAST_PAIRS);
-            threads.share(touches.chunks_mut(piece).zip(active.chunks(piece)), |(touches, active)| {
-                touches.iter_mut().zip(active).for_each(|(place, pair)| *place = touch(pair));
-            });
-        } else {
-            touches.extend(active.iter().map(touch).filter(|touch| touch.manifolds > 0));
-        }
+        let piece = if threads.has_team() { threads.piece(active.len(), LEAST_PAIRS) } else { active.len().max(1) };
+        let parts = active.len().div_ceil(piece).max(1);
+        touches.resize_with(parts.max(touches.len()), Vec::new);
+        touches.iter_mut().for_each(Vec::clear);
+        threads.share(touches.iter_mut().zip(active.chunks(piece)), |(touches, active)| {
+            touches.extend(active.iter().filter_map(touch));
+        });
     }
 
     fn join_islands(&mut self) {
@@ -195,7 +198,7 @@ impl World {
             index.free.set(body);
         }
         let joins = |body: u32| index.free.has(body);
-        for touch in groups.touches.iter().filter(|touch| touch.manifolds > 0) {
+        for touch in touching(&groups.touches) {
             let [a, b] = touch.bodies;
             if joins(a) && joins(b) {
                 scratch.islands.union(a, b);
@@ -355,7 +358,7 @@ impl World {
 
     fn hand_out_contacts(&mut self) {
         let Self { groups, batches, hold, index, report, .. } = self;
-        for touch in groups.touches.iter().filter(|touch| touch.manifolds > 0) {
+        for touch in touching(&groups.touches) {
             let moved = touch.bodies.into_iter().find(|&body| index.free.has(body));
             let is_solved = |&body: &u32| !hold.islands[groups.island[body as usize] as usize];
             let Some(body) = moved.filter(is_solved) else { continue };

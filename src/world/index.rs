@@ -148,11 +148,10 @@ impl Index {
         }
     }
 
-    /// Takes note of the force of a contact of two shapes, as it acts on the second (N).
-    pub(super) fn add_contact(&mut self, a: u32, b: u32, force: Vec3) {
-        let (a, b) = (self.body_of(a) as usize, self.body_of(b) as usize);
-        self.forces[a] -= force;
-        self.forces[b] += force;
+    /// Takes note of the force of a contact of two bodies, as it acts on the second (N).
+    pub(super) fn add_contact(&mut self, [a, b]: [u32; 2], force: Vec3) {
+        self.forces[a as usize] -= force;
+        self.forces[b as usize] += force;
     }
 
     pub(super) fn forget_force(&mut self, body: u32) {

@@ -1,5 +1,7 @@
 //! Stages of a step that find pairs of shapes and bring their contacts up to date.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::DVec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
@@ -179,18 +181,29 @@ impl World {
             let motion = stances.0.motion_against(stances.1, def.gravity, dt);
             pair.update(stances, motion, || [shape(a), shape(b)], scratch);
         };
+        let updated = AtomicUsize::new(0);
         if threads.is_alone() || active < MIN_PARALLEL_PAIRS {
             scratch.pairs.resize_with(scratch.pairs.len().max(1), PairScratch::default);
-            pairs.for_each_active(|pair| update(pair, &mut scratch.pairs[0]));
+            let mut own = 0;
+            pairs.for_each_active(|pair| {
+                update(pair, &mut scratch.pairs[0]);
+                own += usize::from(pair.updated);
+            });
+            updated.store(own, Ordering::Relaxed);
         } else {
             scratch.pairs.resize_with(MOST_PIECES, PairScratch::default);
             let slots = pairs.slots_mut();
             let piece = threads.piece(slots.len(), LEAST_PAIRS);
             threads.share(slots.chunks_mut(piece).zip(&mut scratch.pairs), |(chunk, scratch)| {
-                chunk.iter_mut().filter(|pair| pair.is_active()).for_each(|pair| update(pair, scratch));
+                let mut own = 0;
+                for pair in chunk.iter_mut().filter(|pair| pair.is_active()) {
+                    update(pair, scratch);
+                    own += usize::from(pair.updated);
+                }
+                updated.fetch_add(own, Ordering::Relaxed);
             });
         }
-        let updated = pairs.active().iter().filter(|&&(_, slot)| pairs.get(slot).updated).count();
+        let updated = updated.into_inner();
         report.counts.pairs = active as u32;
         report.counts.pairs_updated = updated as u32;
         report.counts.pairs_reused = (active - updated) as u32;

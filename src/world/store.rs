@@ -1,19 +1,26 @@
 //! Stages after the solve: results back into the world's records, fast bodies stopped, events listed.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::World;
 use super::fast::Path;
+use super::index::Index;
 use super::pairs::contact_pair;
 use super::support::Site;
 use super::unions::Anchor;
-use crate::body::BodyKind;
+use crate::body::{Body, BodyKind};
+use crate::collide::collider::Collider;
+use crate::collide::pairs::Pair;
 use crate::collide::sweep::PathStart;
+use crate::id::{BodyId, Pool, ShapeId};
 use crate::joint::Joint;
-use crate::report::{JointOverload, JointStop, Moved};
+use crate::report::{Events, JointOverload, JointStop, Moved};
 use crate::room::make_room_behind;
 use crate::solve::contact::TOUCHED;
 use crate::solve::direct::history::History;
+use crate::solve::shared::{Divided, Slots};
 use crate::solve::state::WORLD_SLOT;
 use crate::span::union::UnionMotion;
 
@@ -23,6 +30,17 @@ const ROTATION_TOLERANCE: f32 = 1.0e-3;
 /// Pairs that are reported before those of them that touch are judged: few enough to be still in the cache, and enough for reads of
 /// pairs to overlap, which they do not from one judgement to the next.
 const REPORTED_AT_ONCE: usize = 64;
+
+/// Manifolds of a batch from which on their multipliers are written back by all threads, and those that are worth another thread's while.
+const SHARED_MANIFOLDS: usize = 1024;
+const LEAST_MANIFOLDS: usize = 128;
+
+/// Force of a manifold on the second of two bodies (N).
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Pull {
+    bodies: [u32; 2],
+    force: Vec3,
+}
 
 impl World {
     /// Writes poses, velocities and multipliers back.
@@ -157,13 +175,14 @@ impl World {
 
     fn store_contacts(&mut self, number: usize, dt: f32) {
         let substep = dt / self.def.substeps as f32;
-        let Self { batches, pairs, index, support, .. } = self;
+        let Self { batches, pairs, index, support, scratch, threads, .. } = self;
         let is_judged = support.as_ref().is_some_and(|support| support.is_awake());
         let batch = &batches[number];
         let share = 1.0 / batch.stride as f32;
-        for (i, &(slot, manifold)) in batch.manifolds.iter().enumerate() {
-            let pair = pairs.get_mut(slot);
+        // Of the force on the second shape, by the multipliers of a manifold that they are kept of.
+        let store = |i: usize, pair: &mut Pair| {
             let mut impulses = batch.contact_impulses(i).scaled(share);
+            let manifold = batch.manifolds[i].1 as usize;
             let pressed = impulses.normal.iter().sum::<f32>();
             let rebound = if pressed > 0.0 { 0.0 } else { batch.contact_rebound(i) };
             if rebound > 0.0 {
@@ -171,21 +190,42 @@ impl World {
             }
             if !impulses.normal.iter().sum::<f32>().is_finite() || !impulses.friction.is_finite() {
                 pair.forget_impulses();
-                continue;
+                return Vec3::ZERO;
             }
             if is_judged {
-                pair.store_told(manifold as usize, impulses, batch.contact_told(i));
+                pair.store_told(manifold, impulses, batch.contact_told(i));
             } else {
-                pair.store(manifold as usize, impulses);
+                pair.store(manifold, impulses);
             }
             if pair.approach > 0.0 {
                 pair.blow += batch.contact_blow(i);
             }
-            let (a, b) = pair.key.shapes();
-            let normal = batch.contact_normal(i);
-            let force = (normal * (pressed + rebound) + impulses.friction) / substep;
-            index.add_contact(a, b, force);
+            (batch.contact_normal(i) * (pressed + rebound) + impulses.friction) / substep
+        };
+        let bodies_of = |pair: &Pair, index: &Index| <[u32; 2]>::from(pair.key.shapes()).map(|shape| index.body_of(shape));
+        if batch.manifolds.len() < SHARED_MANIFOLDS || !threads.has_team() {
+            for (i, &(slot, _)) in batch.manifolds.iter().enumerate() {
+                let pair = pairs.get_mut(slot);
+                let (force, bodies) = (store(i, pair), bodies_of(pair, index));
+                index.add_contact(bodies, force);
+            }
+            return;
         }
+        scratch.pulls.clear();
+        scratch.pulls.resize(batch.manifolds.len(), Pull::default());
+        let slots = Divided::new(pairs.slots_mut());
+        let pieces = pieces_by_pair(&batch.manifolds, threads.piece(batch.manifolds.len(), LEAST_MANIFOLDS));
+        let mut rest = &mut scratch.pulls[..];
+        let pieces = pieces.map(|range| (rest.split_off_mut(..range.len()).unwrap_or_default(), range));
+        threads.share(pieces, |(pulls, range)| {
+            // SAFETY: all manifolds of a pair are in one piece.
+            let mut pairs = unsafe { slots.part() };
+            for (pull, i) in pulls.iter_mut().zip(range) {
+                let pair = pairs.get_mut(batch.manifolds[i].0);
+                *pull = Pull { force: store(i, pair), bodies: bodies_of(pair, index) };
+            }
+        });
+        scratch.pulls.iter().for_each(|pull| index.add_contact(pull.bodies, pull.force));
     }
 
     fn store_joints(&mut self, number: usize) {
@@ -255,10 +295,28 @@ impl World {
 
     /// Lists pairs whose contact began or ended.
     pub(super) fn report_contacts(&mut self) {
-        let Self { pairs, colliders, bodies, events, support, hold, .. } = self;
         // What was quarantined has no pairs any more.
-        pairs.settle();
-        let mut support = support.as_deref_mut();
+        self.pairs.settle();
+        match self.support.is_some() {
+            true => self.report_contacts_with_support(),
+            false => self.report_touches(),
+        }
+    }
+
+    /// Of what touched in this step, or did before, as nobody asks for more.
+    fn report_touches(&mut self) {
+        let Self { groups, pairs, colliders, bodies, events, hold, .. } = self;
+        for slot in groups.touches() {
+            let pair = pairs.get_mut(slot);
+            if pair.is_active() && (hold.let_go || !pair.still) {
+                report_contact(pair, colliders, bodies, events);
+            }
+        }
+    }
+
+    fn report_contacts_with_support(&mut self) {
+        let Self { pairs, colliders, bodies, events, support, hold, .. } = self;
+        let Some(support) = support.as_deref_mut() else { return };
         let count = pairs.active().len();
         for first in (0..count).step_by(REPORTED_AT_ONCE) {
             for number in first..count.min(first + REPORTED_AT_ONCE) {
@@ -268,24 +326,15 @@ impl World {
                 if pair.still && !hold.let_go {
                     continue;
                 }
-                let now = pair.pressed;
-                match support.as_deref_mut() {
-                    Some(support) if support.is_awake() => support.note_touching((key, slot), pair, colliders),
-                    Some(support) if now && support.rests && !support.has_landed => {
-                        let site = Site::new(pair, slot, colliders, bodies);
-                        support.has_landed = site.is_on_base(support.frame.as_ref(), support.by_thrust);
-                    }
-                    _ => {}
+                if support.is_awake() {
+                    support.note_touching((key, slot), pair, colliders);
+                } else if pair.pressed && support.rests && !support.has_landed {
+                    let site = Site::new(pair, slot, colliders, bodies);
+                    support.has_landed = site.is_on_base(support.frame.as_ref(), support.by_thrust);
                 }
-                if now != pair.in_contact {
-                    pair.in_contact = now;
-                    let list = if now { &mut events.contact_began } else { &mut events.contact_ended };
-                    list.push(contact_pair(colliders, bodies, key));
-                }
+                report_contact(pair, colliders, bodies, events);
             }
-            if let Some(support) = support.as_deref_mut() {
-                support.look_at_near(pairs, colliders, bodies);
-            }
+            support.look_at_near(pairs, colliders, bodies);
         }
     }
 
@@ -313,6 +362,28 @@ impl World {
         report.counts.moved = events.moved.len() as u32;
         self.movers_sorted = false;
     }
+}
+
+/// Says that the contact of a pair began or ended, if it has.
+fn report_contact(pair: &mut Pair, colliders: &Pool<Collider, ShapeId>, bodies: &Pool<Body, BodyId>, events: &mut Events) {
+    if pair.pressed != pair.in_contact {
+        pair.in_contact = pair.pressed;
+        let list = if pair.in_contact { &mut events.contact_began } else { &mut events.contact_ended };
+        list.push(contact_pair(colliders, bodies, pair.key));
+    }
+}
+
+/// Ranges of so many manifolds, and a few more where others of the same pair follow.
+fn pieces_by_pair(manifolds: &[(u32, u32)], length: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+    let mut next = 0;
+    std::iter::from_fn(move || {
+        let first = next;
+        next = manifolds.len().min(first + length);
+        while next < manifolds.len() && manifolds[next].0 == manifolds[next - 1].0 {
+            next += 1;
+        }
+        (first < next).then_some(first..next)
+    })
 }
 
 /// As the solver's rotation of one substep, but for any angle: in pieces of less than a radian.

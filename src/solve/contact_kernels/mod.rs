@@ -13,7 +13,8 @@ mod tests;
 mod warm_start;
 
 use super::contact::LANES;
-use super::contact_block::{BlockPart, ContactBlocks, WholeBlock};
+use super::contact_block::{ContactBlocks, WholeBlock};
+use super::contact_pieces::BlockPart;
 use super::dispatch::in_lanes;
 use super::shared::Hand;
 use super::state::{BodyMotion, BodyVelocity};

@@ -3,7 +3,8 @@
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
 use super::super::contact::{LANES, POINTS};
-use super::super::contact_block::{BlockPart, ContactBlocks, Extra};
+use super::super::contact_block::{ContactBlocks, Extra};
+use super::super::contact_pieces::BlockPart;
 use super::super::shared::Hand;
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};

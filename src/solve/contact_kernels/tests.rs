@@ -59,7 +59,8 @@ fn manifold() -> impl Strategy<Value = ContactInput> {
 fn scene() -> impl Strategy<Value = Scene> {
     (prop::collection::vec((manifold(), body(), body(), any::<bool>()), 0..=LANES), any::<bool>()).prop_map(|(lanes, single)| {
         let mut contacts = ContactBlocks::default();
-        contacts.add(1, !single);
+        contacts.begin(1, usize::from(!single));
+        contacts.lay_out(0..1, 0, !single, 0);
         contacts.add_extras(lanes.iter().filter(|(input, ..)| !input.is_plain()).map(|_| 0));
         let (mut velocities, mut motions) = (vec![BodyVelocity::FIXED], vec![BodyMotion::FIXED]);
         for (l, (mut input, a, b, on_world)) in lanes.into_iter().enumerate() {
@@ -156,7 +157,8 @@ fn a_box_on_an_incline_is_told_by_its_slip_its_friction_and_its_slope() {
             impulses,
         };
         let mut contacts = ContactBlocks::default();
-        contacts.add(1, true);
+        contacts.begin(1, 1);
+        contacts.lay_out(0..1, 0, true, 0);
         contacts.whole(0).set_lane(0, &input, 1.0e-3);
         let body = BodyVelocity { linear: velocity, angular, ..BodyVelocity::FIXED };
         let mut told = Vec::new();

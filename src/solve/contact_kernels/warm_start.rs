@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use super::super::contact::{LANES, Lane3};
-use super::super::contact_block::{BlockPart, Extra};
+use super::super::contact_block::Extra;
+use super::super::contact_pieces::BlockPart;
 use super::super::shared::{Hand, Slots};
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};

@@ -152,7 +152,7 @@ impl Direct {
             let other = groups[1].filter(|_| groups[0] != groups[1]);
             self.touches.extend([groups[0], other].into_iter().flatten().map(|group| (group, number as u32)));
         }
-        self.touching.sort(motions.len(), &self.touches);
+        self.touching.sort(motions.len(), self.touches.iter().copied());
     }
 
     /// Takes the joints that are solved directly out of `entries`; `contacts` are all of the batch.
@@ -212,7 +212,7 @@ impl Direct {
         let none = motions.len() as u32;
         keys.clear();
         keys.extend(order.iter().zip(0..).map(|(&group, number)| (group.min(none), number)));
-        by_group.sort(motions.len() + 1, keys);
+        by_group.sort(motions.len() + 1, keys.iter().copied());
         sorted.clear();
         sorted.extend((0..=none).flat_map(|group| by_group.of(group)).map(|&number| entries[number as usize]));
         std::mem::swap(entries, sorted);

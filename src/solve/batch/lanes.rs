@@ -1,0 +1,183 @@
+//! Blocks and lanes of a batch's manifolds.
+//!
+//! Within a colour, manifolds of one point have blocks of their own, which cost a fraction of those of four; and in a large batch both are in
+//! the order of their bodies, so that threads which divide them by bodies find theirs in their caches. Which lane a manifold has makes no
+//! difference to its multipliers.
+
+use super::{Batch, ContactEnds, HELD};
+use crate::solve::color::MAX_COLORS;
+use crate::solve::contact::{ContactInput, LANES};
+use crate::solve::contact_pieces::{CUTS, Run};
+use crate::solve::state::WORLD_SLOT;
+use crate::solve::{contact_kernels, crew};
+use crate::workers::Workers;
+
+/// Groups of manifolds: two for each colour, two for what found none; the first of those; and all groups once more for manifolds of
+/// bodies that joints hold, with each other and with what is fixed.
+const GROUPS: usize = 2 * MAX_COLORS + 2;
+const ALONE: usize = 2 * MAX_COLORS;
+const ALL_GROUPS: usize = 2 * GROUPS;
+
+/// Whether manifolds of this group share no moving body.
+fn is_colored(group: usize) -> bool {
+    group % GROUPS < ALONE
+}
+
+/// Whether manifolds of this group have more than one point.
+fn has_faces(group: usize) -> bool {
+    group.is_multiple_of(2)
+}
+
+/// Manifolds from which on those of a colour are in the order of their bodies.
+const ORDERED_FROM: usize = 512;
+
+/// Manifolds of each group, and the number of colours.
+struct Groups {
+    counts: [u32; ALL_GROUPS],
+    colors: u32,
+}
+
+impl Groups {
+    /// Those that may have any, with how many they have: most are of colours that no manifold has.
+    fn iter(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let used = 2 * self.colors as usize;
+        (0..used).chain(GROUPS..GROUPS + used).map(|group| (group, self.counts[group] as usize))
+    }
+}
+
+/// Blocks of a group: what found no colour is solved one manifold a block.
+fn blocks_of((group, count): (usize, usize)) -> usize {
+    if is_colored(group) { count.div_ceil(LANES) } else { count }
+}
+
+impl ContactEnds {
+    /// Slot, less one, of the first of its bodies that moves: that of the world comes before all, those of what is driven after all.
+    fn first_moving(&self) -> u32 {
+        self.a.wrapping_sub(1).min(self.b.wrapping_sub(1))
+    }
+}
+
+impl Batch {
+    /// Lays out a block and a lane for every manifold that no articulation holds.
+    pub(crate) fn color_contacts(&mut self) {
+        self.first_jointed = 0;
+        if self.ends.is_empty() {
+            return self.contacts.begin(0, 0);
+        }
+        let groups = self.group_contacts();
+        // Colours are taken from the lowest on.
+        self.color_count = groups.colors;
+        let next = self.lay_out_blocks(&groups);
+        self.give_lanes(next);
+        let Self { lanes, ends, contacts, .. } = self;
+        let needs = |number: &usize| lanes[*number].0 != HELD && !ends[*number].is_plain;
+        if (0..lanes.len()).any(|number| needs(&number)) {
+            contacts.add_extras((0..lanes.len()).filter(needs).map(|number| lanes[number].0 as usize));
+        }
+    }
+
+    /// Finds the group of each manifold.
+    fn group_contacts(&mut self) -> Groups {
+        self.coloring.reset(self.velocities.len());
+        self.groups.clear();
+        let mut groups = Groups { counts: [0; ALL_GROUPS], colors: 0 };
+        for (number, &ContactEnds { a, b, points, .. }) in self.ends.iter().enumerate() {
+            if self.direct.holds(number) {
+                self.groups.push(HELD);
+                continue;
+            }
+            self.motions[a as usize].constrained = true;
+            self.motions[b as usize].constrained = true;
+            let end = |slot: u32| (slot, slot != WORLD_SLOT && self.motions[slot as usize].is_dynamic());
+            let color = self.coloring.assign(end(a), end(b)).unwrap_or(MAX_COLORS as u32);
+            let ends = [a, b].map(|slot| &self.motions[slot as usize]);
+            let held_by_joints =
+                ends.iter().any(|end| end.is_dynamic()) && ends.iter().all(|end| end.jointed || !end.is_dynamic());
+            let group = 2 * color as usize + usize::from(points == 1) + if held_by_joints { GROUPS } else { 0 };
+            groups.counts[group] += 1;
+            groups.colors = groups.colors.max(color + 1);
+            self.groups.push(group as u32);
+        }
+        groups
+    }
+
+    /// Lays out the blocks of all groups, and returns the first lane of each group.
+    fn lay_out_blocks(&mut self, groups: &Groups) -> [u32; ALL_GROUPS] {
+        let blocks = groups.iter().map(blocks_of).sum();
+        let faces = groups.iter().filter(|&(group, _)| has_faces(group)).map(blocks_of).sum();
+        self.contacts.begin(blocks, faces);
+        let mut next = [0; ALL_GROUPS];
+        let (mut first, mut first_face) = (0, 0);
+        for (group, count) in groups.iter() {
+            if group == GROUPS {
+                self.first_jointed = first;
+            }
+            next[group] = (first * LANES) as u32;
+            let range = first..first + blocks_of((group, count));
+            first = range.end;
+            let full = if is_colored(group) { count / LANES } else { 0 };
+            self.contacts.lay_out(range.clone(), full, has_faces(group), first_face);
+            first_face += if has_faces(group) { range.len() } else { 0 };
+            self.contacts.add_color(range, is_colored(group), has_faces(group));
+        }
+        next
+    }
+
+    /// Gives each manifold a lane of its group, of which the next ones are given.
+    fn give_lanes(&mut self, mut next: [u32; ALL_GROUPS]) {
+        let Self { groups, lanes, ends, by_body, contacts, velocities, .. } = self;
+        lanes.resize(groups.len(), (HELD, 0));
+        let mut give = |number: usize| {
+            let group = groups[number];
+            if group != HELD {
+                let place = &mut next[group as usize];
+                lanes[number] = (*place / LANES as u32, *place % LANES as u32);
+                *place += if is_colored(group as usize) { 1 } else { LANES as u32 };
+            }
+        };
+        if ends.len() < ORDERED_FROM {
+            return (0..ends.len()).for_each(give);
+        }
+        by_body.sort(velocities.len(), ends.iter().enumerate().map(|(number, ends)| (ends.first_moving(), number as u32)));
+        let order = by_body.all();
+        order.iter().for_each(|&number| give(number as usize));
+        let first_of = |number: u32| ends[number as usize].first_moving();
+        contacts.firsts.resize(contacts.len(), 0);
+        for &number in order {
+            let (block, lane) = lanes[number as usize];
+            if block != HELD && lane == 0 {
+                contacts.firsts[block as usize] = first_of(number);
+            }
+        }
+        contacts.cuts.extend((0..CUTS).map(|part| first_of(order[part * order.len() / CUTS])));
+    }
+
+    /// Prepares the rows of all manifolds that have a lane, which `form` brings into world axes; points closer than `reach` (m) count
+    /// as touching.
+    pub(crate) fn set_contacts(
+        &mut self,
+        threads: &Workers,
+        reach: f32,
+        form: impl Fn((u32, u32), ContactEnds) -> ContactInput + Sync,
+    ) {
+        let Self { lanes, places, inputs, manifolds, ends, contacts, velocities, .. } = self;
+        let input = |number: usize| {
+            let formed = inputs.get(number).copied();
+            formed.unwrap_or_else(|| form(manifolds[number], ends[number]))
+        };
+        // In the order in which pairs lie in memory, which blocks do not follow.
+        if threads.is_alone() || contacts.cuts.is_empty() {
+            for (number, &(block, lane)) in lanes.iter().enumerate().filter(|(_, (block, _))| *block != HELD) {
+                contacts.whole(block as usize).set_lane(lane as usize, &input(number), reach);
+            }
+            for number in 0..contacts.len() {
+                contact_kernels::set_masses(&mut contacts.whole(number), velocities);
+            }
+            return;
+        }
+        crew::each_manifold(contacts, threads, lanes, places, |block, lane, number| block.set_lane(lane, &input(number), reach));
+        crew::side_by_side(contacts, threads, |Run { part, .. }| {
+            part.iter().for_each(|mut block| contact_kernels::set_masses(&mut block, velocities));
+        });
+    }
+}

@@ -1,0 +1,282 @@
+//! Contact blocks in pieces: those of one colour, cut where several threads go through them.
+//!
+//! A body that changes hands is read from the cache of another core, which takes as long as a block's rows. So colours are cut by the
+//! bodies of their blocks, all in the same places, and a thread has the same bodies in each colour, sweep and step.
+
+use std::ops::Range;
+
+use smallvec::{SmallVec, smallvec};
+
+use super::contact_block::{ContactBlock, ContactBlocks, Extra, Face, NONE, WholeBlock};
+use super::shared::{Divided, Part, Slots};
+
+/// Parts into which blocks can be cut by their bodies.
+pub(crate) const CUTS: usize = 64;
+
+/// All pieces of some colours.
+pub(crate) type ColoredPieces<'a> = SmallVec<[ColoredPiece<'a>; 64]>;
+
+/// Blocks that one thread goes through in a phase, run by run, at its place among the pieces of the phase.
+pub(crate) struct ColoredPiece<'a> {
+    pub phase: u32,
+    pub place: usize,
+    pub runs: SmallVec<[Run<'a>; 2]>,
+}
+
+/// Blocks that follow one another, and the number of the first of them.
+pub(crate) struct Run<'a> {
+    pub first: usize,
+    pub part: BlockPart<'a>,
+}
+
+/// Blocks of a colour from which on several threads go through them: some 3 µs.
+const LEAST_CUT: usize = 16;
+
+/// Blocks that follow one another and share no moving body; or, where they may, are gone through one by one.
+#[derive(Debug, Clone)]
+pub(crate) struct Color {
+    pub blocks: Range<usize>,
+    /// The first of those with manifolds of one point. Up to it, and from it on, blocks are in the order of their bodies, where there are cuts.
+    pub points: usize,
+    pub is_one: bool,
+}
+
+impl Color {
+    fn is_worth_cutting(&self) -> bool {
+        self.is_one && self.blocks.len() >= LEAST_CUT
+    }
+}
+
+impl ContactBlocks {
+    /// Says of the next blocks, if there are any, that they share no moving body, or may; those without faces are of the colour
+    /// before.
+    pub(crate) fn add_color(&mut self, Range { start: first, end }: Range<usize>, is_one: bool, has_faces: bool) {
+        match self.colors.last_mut().filter(|last| is_one && last.is_one && !has_faces) {
+            Some(last) => last.blocks.end = end,
+            None => self.colors.push(Color { blocks: first..end, points: if has_faces { end } else { first }, is_one }),
+        }
+    }
+
+    /// Blocks of a range in pieces that may be gone through side by side within their phases: so many for each colour, of which those in the
+    /// same places have the same bodies where there are cuts, or one for colours that are not worth it. The range ends where colours do.
+    pub(crate) fn colored_pieces(&mut self, range: &Range<usize>, places: usize) -> ColoredPieces<'_> {
+        let Self { blocks, faces, extras, colors, cuts, firsts } = self;
+        let mut ends = SmallVec::<[usize; 128]>::new();
+        let colors = || colors.iter().filter(|color| range.contains(&color.blocks.start));
+        for color in colors().filter(|color| color.is_worth_cutting()) {
+            for run in [color.blocks.start..color.points, color.points..color.blocks.end] {
+                let end = |place: usize| match cuts.get(place * CUTS / places) {
+                    Some(&cut) => firsts[run.clone()].partition_point(|&first| first < cut),
+                    None => run.len() * place / places,
+                };
+                ends.extend((1..places).map(|place| run.start + end(place)));
+                ends.push(run.end);
+            }
+        }
+        let mut ends = ends.into_iter();
+        let mut pieces = ColoredPieces::new();
+        let mut rest = BlockPart { blocks, faces, extras, before: [0; 2] };
+        let mut first = range.start;
+        rest.split_off(first);
+        let mut part = |end: usize| {
+            let begin = std::mem::replace(&mut first, end);
+            Run { first: begin, part: rest.split_off(end - begin) }
+        };
+        let (mut phase, mut was_cut) = (0, true);
+        for color in colors() {
+            let is_cut = color.is_worth_cutting();
+            phase += u32::from(is_cut || was_cut);
+            if is_cut {
+                let own = pieces.len();
+                pieces.extend((0..places).map(|place| ColoredPiece { phase, place, runs: SmallVec::new() }));
+                (0..2 * places).zip(&mut ends).for_each(|(number, end)| pieces[own + number % places].runs.push(part(end)));
+            } else if was_cut {
+                pieces.push(ColoredPiece { phase, place: 0, runs: smallvec![part(color.blocks.end)] });
+            } else if let Some(run) = pieces.last_mut().map(|piece| &mut piece.runs) {
+                run.push(part(color.blocks.end));
+            }
+            was_cut = is_cut;
+        }
+        pieces
+    }
+
+    /// Notes for each block which of so many places it has.
+    pub(crate) fn note_places(&mut self, places: usize, of_blocks: &mut Vec<u8>) {
+        of_blocks.clear();
+        of_blocks.resize(self.len(), 0);
+        for ColoredPiece { place, runs, .. } in self.colored_pieces(&(0..self.len()), places) {
+            runs.iter().for_each(|run| of_blocks[run.first..][..run.part.blocks.len()].fill(place as u8));
+        }
+    }
+
+    /// Whether blocks of one colour share no slot of those, after the first, that move.
+    pub(crate) fn are_apart(&self, moving: usize) -> bool {
+        let mut taken = vec![0; moving + 1];
+        self.colors.iter().zip(1..).filter(|(color, _)| color.is_one).all(|(color, mark)| {
+            let slots = self.blocks[color.blocks.clone()].iter().flat_map(|block| block.a.iter().chain(&block.b));
+            let mut moved = slots.map(|&slot| slot as usize).filter(|slot| (1..=moving).contains(slot));
+            moved.all(|slot| std::mem::replace(&mut taken[slot], mark) != mark)
+        })
+    }
+
+    /// All blocks as one part.
+    pub(crate) fn all(&mut self) -> BlockPart<'_> {
+        let Self { blocks, faces, extras, .. } = self;
+        BlockPart { blocks, faces, extras, before: [0; 2] }
+    }
+
+    /// Blocks that follow one another.
+    pub(crate) fn part(&mut self, range: Range<usize>) -> BlockPart<'_> {
+        let Self { blocks, faces, extras, .. } = self;
+        BlockPart { blocks: &mut blocks[range], faces, extras, before: [0; 2] }
+    }
+
+    /// All blocks in parts of this length.
+    pub(crate) fn parts(&mut self, length: usize) -> impl Iterator<Item = BlockPart<'_>> {
+        let mut rest = self.all();
+        std::iter::from_fn(move || {
+            let count = length.min(rest.blocks.len());
+            (count > 0).then(|| rest.split_off(count))
+        })
+    }
+}
+
+/// Blocks that follow one another, and what they have beside them.
+pub(crate) struct BlockPart<'a> {
+    pub blocks: &'a mut [ContactBlock],
+    pub faces: &'a mut [Face],
+    pub extras: &'a mut [Extra],
+    /// Faces and extras before those.
+    pub before: [u32; 2],
+}
+
+impl<'a> BlockPart<'a> {
+    /// Takes the first `count` blocks out.
+    pub(crate) fn split_off(&mut self, count: usize) -> Self {
+        let (blocks, rest) = std::mem::take(&mut self.blocks).split_at_mut(count);
+        let before = self.before;
+        let next = rest.first().map(|next| next.before);
+        let beside = |kind: usize, all: usize| next.map_or(all, |next| (next[kind] - before[kind]) as usize);
+        let (own_faces, own_extras) = (beside(0, self.faces.len()), beside(1, self.extras.len()));
+        let (faces, more_faces) = std::mem::take(&mut self.faces).split_at_mut(own_faces);
+        let (extras, more_extras) = std::mem::take(&mut self.extras).split_at_mut(own_extras);
+        *self = Self { blocks: rest, faces: more_faces, extras: more_extras, before: next.unwrap_or(before) };
+        Self { blocks, faces, extras, before }
+    }
+
+    /// The blocks one by one.
+    pub(crate) fn iter(self) -> impl Iterator<Item = WholeBlock<'a>> {
+        let (mut faces, mut extras) = (self.faces.iter_mut(), self.extras.iter_mut());
+        self.blocks.iter_mut().map(move |block| {
+            let face = if block.face == NONE { None } else { faces.next() };
+            let extra = if block.extra == NONE { None } else { extras.next() };
+            WholeBlock { block, face, extra }
+        })
+    }
+}
+
+/// All blocks of a list, which several threads change at once, each others.
+pub(crate) struct DividedBlocks<'a> {
+    blocks: Divided<'a, ContactBlock>,
+    faces: Divided<'a, Face>,
+    extras: Divided<'a, Extra>,
+}
+
+impl<'a> DividedBlocks<'a> {
+    pub(crate) fn new(ContactBlocks { blocks, faces, extras, .. }: &'a mut ContactBlocks) -> Self {
+        Self { blocks: Divided::new(blocks), faces: Divided::new(faces), extras: Divided::new(extras) }
+    }
+
+    /// Some of them, for one thread.
+    ///
+    /// # Safety
+    /// While it lives no other part is used for a block that this one is used for.
+    pub(crate) unsafe fn part(&self) -> SomeBlocks<'_> {
+        // SAFETY: what a block has beside it is of no other, so the promise is that of each list.
+        unsafe { SomeBlocks { blocks: self.blocks.part(), faces: self.faces.part(), extras: self.extras.part() } }
+    }
+}
+
+/// Some blocks of a list.
+pub(crate) struct SomeBlocks<'a> {
+    blocks: Part<'a, ContactBlock>,
+    faces: Part<'a, Face>,
+    extras: Part<'a, Extra>,
+}
+
+impl SomeBlocks<'_> {
+    /// A block with what it has beside it.
+    pub(crate) fn whole(&mut self, number: u32) -> WholeBlock<'_> {
+        let block = self.blocks.get_mut(number);
+        let face = (block.face != NONE).then(|| self.faces.get_mut(block.face));
+        let extra = (block.extra != NONE).then(|| self.extras.get_mut(block.extra));
+        WholeBlock { block, face, extra }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three colours of which the last is small, then blocks that are of none: each block's first body is its place in its run.
+    fn blocks() -> ContactBlocks {
+        let mut blocks = ContactBlocks::default();
+        let runs = [(40, true, true), (30, true, false), (20, true, true), (10, true, false), (5, true, true), (3, false, true)];
+        let count = |of_faces: bool| runs.iter().filter(|(_, _, faces)| *faces || !of_faces).map(|(count, ..)| count).sum();
+        blocks.begin(count(false), count(true));
+        let (mut first, mut faces) = (0, 0);
+        for (count, is_one, has_faces) in runs {
+            blocks.lay_out(first..first + count, 0, has_faces, faces);
+            blocks.add_color(first..first + count, is_one, has_faces);
+            blocks.firsts.extend((0..count).map(|number| (number * CUTS / count) as u32));
+            first += count;
+            faces += if has_faces { count } else { 0 };
+        }
+        blocks.cuts.extend(0..CUTS as u32);
+        blocks
+    }
+
+    #[test]
+    fn pieces_have_each_block_once_with_its_face_and_those_of_a_place_the_same_bodies() {
+        let mut blocks = blocks();
+        for places in [1, 2, 3, 7] {
+            let mut next = vec![0; 7];
+            let (firsts, mut seen, mut phases) = (blocks.firsts.clone(), Vec::new(), Vec::new());
+            for ColoredPiece { phase, place, runs } in blocks.colored_pieces(&(0..108), places) {
+                phases.push(phase);
+                for Run { first, part } in runs {
+                    for (number, whole) in (first..).zip(part.iter()) {
+                        seen.push(number);
+                        let has_face = !(40..70).contains(&number) && !(90..100).contains(&number);
+                        assert_eq!(whole.face.is_some(), has_face, "block {number}");
+                        if number < 100 {
+                            let range = place * CUTS / places..(place + 1) * CUTS / places;
+                            assert!(
+                                range.contains(&(firsts[number] as usize)),
+                                "block {number} is not of place {place} of {places}"
+                            );
+                        } else {
+                            assert_eq!(place, 0, "block {number} is too little to cut");
+                        }
+                        next[place] += 1;
+                    }
+                }
+            }
+            seen.sort_unstable();
+            assert!(seen.into_iter().eq(0..108) && phases.is_sorted(), "{places} places");
+            assert_eq!(phases.last(), Some(&3), "what is too little to cut is one phase");
+            assert!(next[..places].iter().all(|&count| count > 0));
+        }
+    }
+
+    #[test]
+    fn blocks_that_are_laid_out_again_keep_nothing_that_is_not_filled() {
+        let mut blocks = blocks();
+        blocks.blocks.iter_mut().for_each(|block| (block.a, block.count) = ([1; 8], [4; 8]));
+        blocks.begin(2, 1);
+        blocks.lay_out(0..1, 1, true, 0);
+        blocks.lay_out(1..2, 0, false, 1);
+        assert_eq!((blocks.len(), blocks.blocks[0].face, blocks.blocks[1].face), (2, 0, NONE));
+        assert_eq!((blocks.blocks[1].a, blocks.blocks[1].count), ([0; 8], [0; 8]));
+    }
+}
