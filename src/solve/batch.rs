@@ -65,8 +65,8 @@ const LEAST_BODIES: usize = 64;
 /// Bodies, contacts and joints solved together.
 #[derive(Debug, Default)]
 pub(crate) struct Batch {
-    /// Substeps of the world that its islands take at once.
-    pub stride: u32,
+    /// Substeps of the world that its islands take at once: less than one where they take several for each.
+    pub stride: f32,
     /// Body of each slot; the first is the world slot and has none.
     pub bodies: Vec<u32>,
     /// First slot of each island.
@@ -138,7 +138,7 @@ pub(crate) struct Batch {
 impl Batch {
     /// Empties the batch but keeps its memory.
     pub(crate) fn clear(&mut self) {
-        self.stride = 1;
+        self.stride = 1.0;
         self.bodies.clear();
         self.bodies.push(u32::MAX);
         self.islands.clear();

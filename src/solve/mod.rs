@@ -83,9 +83,9 @@ pub(crate) struct StepSettings {
 }
 
 impl StepSettings {
-    /// Those of a batch that takes so many substeps at once.
-    pub(crate) fn striding(&self, stride: u32) -> Self {
-        Self { substeps: self.substeps / stride, ..*self }
+    /// Those of a batch that takes so many substeps at once, or several for each.
+    pub(crate) fn striding(&self, stride: f32) -> Self {
+        Self { substeps: (self.substeps as f32 / stride).round() as u32, ..*self }
     }
 }
 

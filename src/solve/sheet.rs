@@ -61,6 +61,9 @@ use crate::workers::Workers;
 /// Moves in a substep at most: a sheet that is let go takes that many for some steps, one that hangs one to three.
 const MOST_MOVES: u32 = 16;
 
+/// Substeps that a sheet takes at least: in fewer it needs so many more moves that they take longer and leave more.
+const LEAST_SUBSTEPS: u32 = 4;
+
 /// Share of the energy that forces add to the sheet at rest which a move has to be worth for another one.
 const ENOUGH: f64 = 0.01;
 
@@ -99,6 +102,31 @@ fn least(products: &Products, bias: [f64; 2]) -> ([f64; 2], f64) {
 }
 
 impl Batch {
+    /// Has what is a sheet, as far as is known before its rows are laid out, take at least [`LEAST_SUBSTEPS`] where it would take so many, or
+    /// half of them where it is smooth; returns how many it takes.
+    pub(crate) fn refine_sheet(&mut self, substeps: u32, is_smooth: impl FnOnce(&Self) -> bool) -> u32 {
+        let is_one = is_sheet(self.joints.entries.len(), self.bodies.len() - 1)
+            && self.islands.len() == 1
+            && self.ends.is_empty()
+            && self.bound_slots.is_empty()
+            && self.chains.is_empty();
+        // What takes several at once has as many as it needs.
+        if !is_one || self.stride > 1.0 || substeps >= LEAST_SUBSTEPS {
+            return substeps;
+        }
+        let least = if is_smooth(self) { LEAST_SUBSTEPS / 2 } else { LEAST_SUBSTEPS };
+        if substeps >= least {
+            return substeps;
+        }
+        let share = substeps as f32 / least as f32;
+        self.stride *= share;
+        for entry in &mut self.joints.entries {
+            entry.impulses = entry.impulses.scaled(share);
+            entry.acted = entry.acted.map(|acted| acted * share);
+        }
+        least
+    }
+
     /// Finds out whether the batch is one sheet, and nothing else.
     pub(crate) fn find_sheet(&mut self, threads: &Workers) {
         let bodies = self.motions.len() - 1;

@@ -291,7 +291,7 @@ impl World {
             if batches[batch].body_count() >= groups.batch_sizes[batch] {
                 batch += 1;
             }
-            batches[batch].stride = groups.batch_strides[batch];
+            batches[batch].stride = groups.batch_strides[batch] as f32;
             batches[batch].begin_island();
             for member in groups.starts[island]..groups.starts[island + 1] {
                 let body = groups.members[member as usize];

@@ -118,9 +118,8 @@ impl World {
             impulse_scale,
         };
         let work = |batch: &mut Batch, threads: &Workers| {
-            let settings = settings.striding(batch.stride);
-            records.fill(batch, &settings, threads);
-            batch.solve(records.joints, threads, &settings);
+            records.fill(batch, &settings.striding(batch.stride), threads);
+            batch.solve(records.joints, threads, &settings.striding(batch.stride));
         };
         let batches = &mut self.batches[..self.batch_count];
         let all: usize = batches.iter().map(Batch::load).sum();
@@ -160,7 +159,7 @@ impl Records<'_> {
 
     /// By how much multipliers that are carried grow to be those of a substep of this batch.
     fn scale_for(&self, batch: &Batch) -> f32 {
-        self.impulse_scale * batch.stride as f32
+        self.impulse_scale * batch.stride
     }
 
     /// Takes back what bodies were told to be faster than they have moved.
@@ -362,7 +361,7 @@ impl Records<'_> {
                 impulses: joint.impulses.scaled(scale),
                 linear_sum: Vec3::ZERO,
                 angular_sum: Vec3::ZERO,
-                acted: joint.acted.map(|acted| acted * batch.stride as f32),
+                acted: joint.acted.map(|acted| acted * batch.stride),
                 pressed: 0,
                 solver: def.solver,
                 most_rows: most_rows as u8,

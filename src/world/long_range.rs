@@ -231,7 +231,7 @@ impl World {
         }
         report.counts.bounds_skipped = batches[..*batch_count].iter().map(|batch| batch.bounds.skipped).sum();
         // Records have multipliers of the world's substep.
-        let of_all = || batches[..*batch_count].iter().map(|batch| (batch, 1.0 / batch.stride as f32));
+        let of_all = || batches[..*batch_count].iter().map(|batch| (batch, 1.0 / batch.stride));
         for (entry, share) in of_all().flat_map(|(batch, share)| batch.bounds.entries.iter().map(move |entry| (entry, share))) {
             let record = &mut records[entry.bound as usize];
             record.active = entry.acted;

@@ -178,7 +178,7 @@ impl World {
         let Self { batches, pairs, index, support, scratch, threads, .. } = self;
         let is_judged = support.as_ref().is_some_and(|support| support.is_awake());
         let batch = &batches[number];
-        let share = 1.0 / batch.stride as f32;
+        let share = 1.0 / batch.stride;
         // Of the force on the second shape, by the multipliers of a manifold that they are kept of.
         let store = |i: usize, pair: &mut Pair| {
             let mut impulses = batch.contact_impulses(i).scaled(share);
@@ -230,7 +230,7 @@ impl World {
 
     fn store_joints(&mut self, number: usize) {
         let Self { batches, joints, events, .. } = self;
-        let share = 1.0 / batches[number].stride as f32;
+        let share = 1.0 / batches[number].stride;
         for entry in batches[number].joints.entries.iter().chain(batches[number].direct.entries()) {
             let handle = joints.handle_of(entry.joint);
             let joint = &mut joints[entry.joint];

@@ -12,6 +12,7 @@ use crate::solve::direct::history::History;
 use crate::solve::joint::JointEntry;
 use crate::solve::state::WORLD_SLOT;
 use crate::workers::Workers;
+use crate::world::stride::is_smooth;
 
 /// The records of what one batch has.
 struct Within<'a> {
@@ -47,7 +48,7 @@ impl BatchRecords for Within<'_> {
 impl Records<'_> {
     /// Moves what the direct solver can move by itself, and lays out rows for the rest.
     pub(super) fn lay_out(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
-        let h = settings.dt / settings.substeps as f32;
+        let mut h = settings.dt / settings.substeps as f32;
         let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, manifolds, .. } = batch;
         direct.group_slots(&joints.entries, motions);
         direct.solver = self.solver;
@@ -69,10 +70,14 @@ impl Records<'_> {
             let (direct, floor) = batch.direct_and_floor(threads);
             direct.get_ready(floor, h);
         }
+        let may_be_smooth = settings.articulations.error_target == 0.0;
+        let is_smooth = |&body: &u32| is_smooth(&self.bodies[body]);
+        let substeps = batch.refine_sheet(settings.substeps, |batch| may_be_smooth && batch.bodies[1..].iter().all(is_smooth));
+        h = settings.dt / substeps as f32;
         batch.color_contacts();
-        let (scale, stride) = (self.scale_for(batch), batch.stride as f32);
+        let (scale, stride) = (self.scale_for(batch), batch.stride);
         batch.set_contacts(threads, self.reach * (stride * stride), |manifold, ends| self.contact_input(manifold, ends, scale));
         let Batch { joints, coloring, velocities, motions, .. } = batch;
-        joints.lay_out(self.joints, coloring, velocities, motions, h, settings.substeps);
+        joints.lay_out(self.joints, coloring, velocities, motions, h, substeps);
     }
 }
