@@ -36,7 +36,8 @@ const LEAST_CUT: usize = 16;
 #[derive(Debug, Clone)]
 pub(crate) struct Color {
     pub blocks: Range<usize>,
-    /// The first of those with manifolds of one point. Up to it, and from it on, blocks are in the order of their bodies, where there are cuts.
+    /// The first of those with manifolds of one point. Up to it, and from it on, blocks are in the order of their bodies, where there are
+    /// cuts.
     pub points: usize,
     pub is_one: bool,
 }
@@ -57,8 +58,9 @@ impl ContactBlocks {
         }
     }
 
-    /// Blocks of a range in pieces that may be gone through side by side within their phases: so many for each colour, of which those in the
-    /// same places have the same bodies where there are cuts, or one for colours that are not worth it. The range ends where colours do.
+    /// Blocks of a range in pieces that may be gone through side by side within their phases: so many for each colour, of which those in
+    /// the same places have the same bodies where there are cuts, or one for colours that are not worth it. The range ends where colours
+    /// do.
     pub(crate) fn colored_pieces(&mut self, range: &Range<usize>, places: usize) -> ColoredPieces<'_> {
         let Self { blocks, faces, extras, colors, cuts, firsts } = self;
         let mut ends = SmallVec::<[usize; 128]>::new();
@@ -240,7 +242,7 @@ mod tests {
     fn pieces_have_each_block_once_with_its_face_and_those_of_a_place_the_same_bodies() {
         let mut blocks = blocks();
         for places in [1, 2, 3, 7] {
-            let mut next = vec![0; 7];
+            let mut next = [0; 7];
             let (firsts, mut seen, mut phases) = (blocks.firsts.clone(), Vec::new(), Vec::new());
             for ColoredPiece { phase, place, runs } in blocks.colored_pieces(&(0..108), places) {
                 phases.push(phase);

@@ -57,7 +57,7 @@ pub(super) fn in_colors(
     }
 }
 
-/// Goes through all blocks in any order, each with the thread that goes through it in sweeps; a part comes with the number of its first block.
+/// Goes through all blocks in any order, each with the thread that goes through it in sweeps.
 pub(super) fn side_by_side(contacts: &mut ContactBlocks, threads: &Workers, work: impl Fn(Run<'_>) + Sync) {
     if threads.has_team() {
         let pieces = contacts.colored_pieces(&(0..contacts.len()), threads.places());
@@ -70,8 +70,8 @@ pub(super) fn side_by_side(contacts: &mut ContactBlocks, threads: &Workers, work
     }
 }
 
-/// Goes through the manifolds that have these lanes, in their order, each with the thread that goes through its block in sweeps; `places` is
-/// used as a list of blocks.
+/// Goes through the manifolds that have these lanes, in their order, each with the thread that goes through its block in sweeps;
+/// `places` is overwritten.
 pub(super) fn each_manifold(
     contacts: &mut ContactBlocks,
     threads: &Workers,

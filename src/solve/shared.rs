@@ -2,8 +2,9 @@
 //!
 //! Rows of one colour share no moving body, and a body that is moved is in one block of bodies. Neither can be said by cutting an
 //! array into slices, so here the promise is made in words, in one place ([`Shared::hand`]), and checked by whoever hands out the
-//! work in builds with debug assertions. Articulations are given to threads in the same way ([`Divided::part`]). What does not move (the world's slot and those of kinematic bodies, which any number of rows
-//! act on) is read by all and written by none.
+//! work in builds with debug assertions. Articulations, blocks of contacts and pairs are given to threads in the same way
+//! ([`Divided::part`]). What does not move (the world's slot and those of kinematic bodies, which any number of rows act on) is read by
+//! all and written by none.
 
 use std::marker::PhantomData;
 use std::ptr::NonNull;
