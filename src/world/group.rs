@@ -22,6 +22,8 @@ const LEAST_DROPPED: usize = 2048;
 pub(super) struct Groups {
     /// Active pairs that touch, or did in the step before, in their order: parts of the list, one after another.
     touches: Vec<Vec<Touch>>,
+    /// How many parts those of this step have.
+    touch_parts: usize,
     /// Batch and slot of each mover, by body slot.
     pub place: Vec<(u32, u32)>,
     /// Island of each mover, by body slot.
@@ -72,12 +74,16 @@ impl Groups {
 
     /// Pairs that touch, by slot, and their bodies.
     pub(super) fn touching(&self) -> impl Iterator<Item = (u32, [u32; 2])> {
-        touching(&self.touches).map(|touch| (touch.slot, touch.bodies))
+        touching(self.touch_parts()).map(|touch| (touch.slot, touch.bodies))
     }
 
     /// Slots of pairs that touch, or did in the step before.
     pub(super) fn touches(&self) -> impl Iterator<Item = u32> {
-        self.touches.iter().flatten().map(|touch| touch.slot)
+        self.touch_parts().iter().flatten().map(|touch| touch.slot)
+    }
+
+    fn touch_parts(&self) -> &[Vec<Touch>] {
+        &self.touches[..self.touch_parts]
     }
 }
 
@@ -165,8 +171,12 @@ impl World {
     }
 
     fn list_touches(&mut self) {
-        let Self { groups: Groups { touches, .. }, pairs, index, threads, .. } = self;
+        let Self { groups: Groups { touches, touch_parts, .. }, pairs, index, threads, .. } = self;
         let active = pairs.active();
+        *touch_parts = 0;
+        if active.is_empty() {
+            return;
+        }
         let touch = |&(key, slot): &(PairKey, u32)| {
             let pair = pairs.get(slot);
             if !pair.has_points() && !pair.in_contact {
@@ -180,9 +190,9 @@ impl World {
             }
             Some(touch)
         };
-        let piece = if threads.has_team() { threads.piece(active.len(), LEAST_PAIRS) } else { active.len().max(1) };
-        let parts = active.len().div_ceil(piece).max(1);
-        touches.resize_with(parts.max(touches.len()), Vec::new);
+        let piece = if threads.has_team() { threads.piece(active.len(), LEAST_PAIRS) } else { active.len() };
+        *touch_parts = active.len().div_ceil(piece);
+        touches.resize_with(touches.len().max(*touch_parts), Vec::new);
         touches.iter_mut().for_each(Vec::clear);
         threads.share(touches.iter_mut().zip(active.chunks(piece)), |(touches, active)| {
             touches.extend(active.iter().filter_map(touch));
@@ -198,7 +208,7 @@ impl World {
             index.free.set(body);
         }
         let joins = |body: u32| index.free.has(body);
-        for touch in touching(&groups.touches) {
+        for touch in touching(groups.touch_parts()) {
             let [a, b] = touch.bodies;
             if joins(a) && joins(b) {
                 scratch.islands.union(a, b);
@@ -358,7 +368,7 @@ impl World {
 
     fn hand_out_contacts(&mut self) {
         let Self { groups, batches, hold, index, report, .. } = self;
-        for touch in touching(&groups.touches) {
+        for touch in touching(groups.touch_parts()) {
             let moved = touch.bodies.into_iter().find(|&body| index.free.has(body));
             let is_solved = |&body: &u32| !hold.islands[groups.island[body as usize] as usize];
             let Some(body) = moved.filter(is_solved) else { continue };
