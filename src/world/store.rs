@@ -179,7 +179,7 @@ impl World {
         let is_judged = support.as_ref().is_some_and(|support| support.is_awake());
         let batch = &batches[number];
         let share = 1.0 / batch.stride;
-        // Of the force on the second shape, by the multipliers of a manifold that they are kept of.
+        // Keeps the multipliers of a manifold, and returns its force on the second shape.
         let store = |i: usize, pair: &mut Pair| {
             let mut impulses = batch.contact_impulses(i).scaled(share);
             let manifold = batch.manifolds[i].1 as usize;
