@@ -272,9 +272,14 @@ impl<T, H: Handle> Pool<T, H> {
 
     /// Slot index of an object that is known to be alive, without looking at it.
     pub(crate) fn slot_of(&self, handle: H) -> u32 {
-        let index = (handle.to_bits() & INDEX_MASK) as u32 - 1;
+        let index = Self::place_of(handle);
         debug_assert!(self.find(handle) == Ok(index), "who knows an object to be alive is told when it is destroyed");
         index
+    }
+
+    /// Slot index of an object that is known to be alive, of any pool of its kind.
+    pub(crate) fn place_of(handle: H) -> u32 {
+        (handle.to_bits() & INDEX_MASK) as u32 - 1
     }
 
     /// As [`find`](Self::find), for a call that destroys: a dead object is an error of its own.

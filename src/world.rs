@@ -107,6 +107,8 @@ struct Scratch {
     /// Shapes with another kept box, for each piece of the shapes.
     reboxed: Vec<Vec<u32>>,
     paths: Vec<fast::Path>,
+    /// What is noted of bodies, for each piece of a batch.
+    noted: Vec<store::bodies::Noted>,
     /// Forces of the manifolds of a batch.
     pulls: Vec<store::Pull>,
     slots: Vec<u32>,

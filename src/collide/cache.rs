@@ -8,6 +8,10 @@ use std::collections::BTreeMap;
 use super::carried::{Kind, Manifolds};
 use super::pairs::{Pair, PairKey};
 use crate::room::{make_room, make_room_behind};
+use crate::workers::Workers;
+
+/// Pairs of which it is worth another thread's while to ask whether they have gone: some 5 µs.
+const LEAST_ASKED: usize = 2048;
 
 /// All pairs of a world.
 #[derive(Debug, Default)]
@@ -21,6 +25,8 @@ pub(crate) struct PairCache {
     woken: BTreeMap<PairKey, u32>,
     /// Slots given up and not yet [forgotten](Self::forget_released), where somebody wants to know.
     released: Option<Vec<u32>>,
+    /// Buffer of [`drop_active`](Self::drop_active).
+    gone_at: Vec<Vec<u32>>,
     /// Buffer of [`Lookup`].
     firsts: Vec<u32>,
     /// Steps until manifolds are looked at.
@@ -259,11 +265,43 @@ impl PairCache {
         }
     }
 
-    /// Keeps the active pairs of which `fate` says so, which is told their keys and slots among all pairs.
-    pub(crate) fn retain_active(&mut self, mut fate: impl FnMut(PairKey, u32, &[Pair]) -> Fate) {
+    /// Gives up the active pairs of which `has_gone` says so, which is asked on all threads; `give_up` is told of each, in their order.
+    pub(crate) fn drop_active(
+        &mut self,
+        threads: &Workers,
+        has_gone: impl Fn(PairKey) -> bool + Sync,
+        mut give_up: impl FnMut(PairKey, &Pair),
+    ) {
+        self.settle();
+        let (mut active, mut gone) = (std::mem::take(&mut self.active), std::mem::take(&mut self.gone_at));
+        let piece = if threads.has_team() { threads.piece(active.len(), LEAST_ASKED) } else { active.len().max(1) };
+        let pieces = active.len().div_ceil(piece);
+        gone.resize_with(pieces.max(gone.len()), Vec::new);
+        threads.share(active.chunks(piece).zip(&mut gone).zip((0..).step_by(piece)), |((pairs, gone), first)| {
+            gone.extend((first..).zip(pairs).filter(|&(_, &(key, _))| has_gone(key)).map(|(at, _)| at as u32));
+        });
+        // What stays between two that have gone moves forward by as many as have gone before it.
+        let (mut to, mut from) = (0, 0);
+        for at in gone.iter_mut().flat_map(|gone| gone.drain(..)) {
+            let (key, slot) = active[at as usize];
+            give_up(key, &self.pairs[slot as usize]);
+            self.release(slot);
+            active.copy_within(from..at as usize, to);
+            to += at as usize - from;
+            from = at as usize + 1;
+        }
+        if from > 0 {
+            active.copy_within(from.., to);
+            active.truncate(active.len() - (from - to));
+        }
+        (self.active, self.gone_at) = (active, gone);
+    }
+
+    /// Keeps the active pairs of which `fate` says so, which is told their keys and slots.
+    pub(crate) fn retain_active(&mut self, mut fate: impl FnMut(PairKey, u32) -> Fate) {
         self.settle();
         let mut active = std::mem::take(&mut self.active);
-        active.retain(|&(key, slot)| match fate(key, slot, &self.pairs) {
+        active.retain(|&(key, slot)| match fate(key, slot) {
             Fate::Stay => true,
             Fate::Store => {
                 self.pairs[slot as usize].active = false;

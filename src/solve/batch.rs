@@ -18,6 +18,7 @@ use super::momentum::FreeIslands;
 use super::passive::PassiveIslands;
 use super::plane::Planes;
 use super::poses::Poses;
+use super::role::Role;
 use super::sheet::Sheet;
 use super::state::{BodyMotion, BodyVelocity};
 use super::taut::TautRows;
@@ -79,6 +80,7 @@ pub(crate) struct Batch {
     pub joint_ends: Vec<[JointEnd; 2]>,
     pub velocities: Vec<BodyVelocity>,
     pub motions: Vec<BodyMotion>,
+    pub roles: Vec<Role>,
     /// Blocks of manifolds, those of which joints hold all that moves last.
     pub contacts: ContactBlocks,
     /// The first of those last ones.
@@ -147,6 +149,7 @@ impl Batch {
         self.joint_ends.clear();
         self.velocities.clear();
         self.motions.clear();
+        self.roles.clear();
         self.ends.clear();
         self.inputs.clear();
         self.joints.clear();
@@ -200,26 +203,30 @@ impl Batch {
 
     /// Loads the state of all enlisted bodies.
     pub(crate) fn load_bodies(&mut self, threads: &Workers, state: impl Fn(u32) -> (BodyVelocity, BodyMotion) + Sync) {
-        let Self { bodies, velocities, motions, .. } = self;
+        let Self { bodies, velocities, motions, roles, .. } = self;
         make_room(velocities, bodies.len());
         make_room(motions, bodies.len());
         velocities.push(BodyVelocity::FIXED);
         motions.push(BodyMotion::FIXED);
+        roles.push(Role::default());
         if !threads.has_team() {
             for &body in &bodies[1..] {
                 let (velocity, motion) = state(body);
                 velocities.push(velocity);
+                roles.push(Role::of(&motion));
                 motions.push(motion);
             }
             return;
         }
         velocities.resize(bodies.len(), BodyVelocity::FIXED);
         motions.resize(bodies.len(), BodyMotion::FIXED);
+        roles.resize(bodies.len(), Role::default());
         let piece = threads.piece(bodies.len(), LEAST_BODIES);
-        let places = velocities[1..].chunks_mut(piece).zip(motions[1..].chunks_mut(piece));
-        threads.share(places.zip(bodies[1..].chunks(piece)), |((velocities, motions), bodies)| {
-            for ((velocity, motion), &body) in velocities.iter_mut().zip(motions).zip(bodies) {
+        let places = velocities[1..].chunks_mut(piece).zip(motions[1..].chunks_mut(piece)).zip(roles[1..].chunks_mut(piece));
+        threads.share(places.zip(bodies[1..].chunks(piece)), |(((velocities, motions), roles), bodies)| {
+            for (((velocity, motion), role), &body) in velocities.iter_mut().zip(motions).zip(roles).zip(bodies) {
                 (*velocity, *motion) = state(body);
+                *role = Role::of(motion);
             }
         });
     }
@@ -242,6 +249,7 @@ impl Batch {
                 let (velocity, motion) = state();
                 let slot = self.enlist(body);
                 self.velocities.push(velocity);
+                self.roles.push(Role::of(&motion));
                 self.motions.push(motion);
                 self.leads.add_slot(&velocity);
                 self.replicas.insert(place, Replica { body, slot });

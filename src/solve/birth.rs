@@ -7,13 +7,18 @@
 //! already, or has nothing under it that stands on what cannot move, is left alone, so nothing is held up that must fall: a load
 //! handed down to a light body in free fall would shoot it off.
 
+use std::ops::Range;
+
 use glam::{DVec3, Vec3};
 
 use super::batch::Batch;
-use super::buckets::Buckets;
 use super::contact::LANES;
-use super::state::WORLD_SLOT;
+use super::contact_block::ContactBlock;
 use crate::balance::{LoadedPoint, balance};
+use crate::workers::Workers;
+use ground::Ground;
+
+mod ground;
 
 /// Least cosine between a contact's normal and the vertical for it to support.
 const MIN_SUPPORT_COSINE: f32 = 0.3;
@@ -21,22 +26,23 @@ const MIN_SUPPORT_COSINE: f32 = 0.3;
 /// Relative normal speed above which a contact is an impact (m/s).
 const MAX_REST_SPEED: f32 = 0.05;
 
+/// Blocks that are worth another thread's while: some 5 µs.
+const LEAST_BLOCKS: usize = 64;
+
 /// Buffers of the pass.
 #[derive(Debug, Default)]
 pub(crate) struct Birth {
-    /// Supports as they are found, and sorted by upper body: the first of each slot.
-    found: Vec<Support>,
-    supports: Vec<Support>,
-    first: Vec<u32>,
-    /// Number of unvisited bodies that stand on each slot, and whether the slot's contacts are all new.
-    waiting: Vec<u32>,
+    /// Supports as they are found, in parts, one after another; and sorted by upper body.
+    found: Vec<Vec<Support>>,
+    supports: Supports,
+    /// Whether the contacts under a slot are all new, and slots of which they are.
     new: Vec<bool>,
-    /// Whether a slot is, hangs or stands on, what cannot move; those from which this is still to be handed on, and to which.
-    grounded: Vec<bool>,
-    open: Vec<u32>,
-    pairs: Vec<(u32, u32)>,
-    above: Buckets,
+    born: Vec<u32>,
+    /// Of slots that are born, and of what they stand on: those that are born and stand on each and are still to be visited, and
+    /// their load.
+    waiting: Vec<u32>,
     load: Vec<(DVec3, DVec3)>,
+    ground: Ground,
     queue: Vec<u32>,
     points: Vec<Point>,
     /// Force along the vertical and moments about the horizontal axes per unit of λ of each point, and its λ/h.
@@ -49,7 +55,28 @@ struct Support {
     upper: u32,
     lower: u32,
     block: u32,
-    lane: u32,
+    lane: u8,
+    /// Whether it is without multipliers and at rest.
+    fresh: bool,
+}
+
+/// Supports by upper body.
+#[derive(Debug, Default)]
+struct Supports {
+    sorted: Vec<Support>,
+    /// The first of each slot, and one past the last.
+    first: Vec<u32>,
+}
+
+impl Supports {
+    fn range(&self, slot: u32) -> Range<usize> {
+        self.first[slot as usize] as usize..self.first[slot as usize + 1] as usize
+    }
+
+    /// Those under a slot.
+    fn of(&self, slot: u32) -> &[Support] {
+        &self.sorted[self.range(slot)]
+    }
 }
 
 /// A supporting point: its place in the blocks, and how a unit force there acts on the upper body.
@@ -63,129 +90,98 @@ struct Point {
 
 impl Birth {
     /// Writes first multipliers into the contacts of `batch` that are new and at rest; `h` is the substep (s).
-    pub(crate) fn start_contacts(&mut self, batch: &mut Batch, gravity: Vec3, h: f32) {
+    pub(crate) fn start_contacts(&mut self, batch: &mut Batch, threads: &Workers, gravity: Vec3, h: f32) {
         let Some(up) = (-gravity).try_normalize() else { return };
-        self.find_supports(batch, up, gravity.length() * h);
-        if self.supports.is_empty() {
+        self.find_supports(batch, threads, up, gravity.length() * h);
+        if self.born.is_empty() {
             return;
         }
-        self.queue.clear();
-        for slot in 1..batch.velocities.len() as u32 {
-            if self.waiting[slot as usize] == 0 && self.has_supports(slot) {
-                self.queue.push(slot);
-            }
-        }
-        self.find_grounded(batch);
+        self.sort_by_upper(batch.velocities.len());
+        self.ground.begin(batch);
+        self.count_waiting();
+        let Self { born, waiting, queue, .. } = self;
+        queue.clear();
+        queue.extend(born.iter().copied().filter(|&slot| waiting[slot as usize] == 0));
         let mut next = 0;
         while next < self.queue.len() {
             let slot = self.queue[next];
             next += 1;
-            if self.new[slot as usize] && self.grounded[slot as usize] {
+            if self.ground.carries(slot, |slot| !batch.motions[slot as usize].is_dynamic(), &self.supports) {
                 self.split_load(batch, slot, up.as_dvec3(), h);
             }
-            for support in self.first[slot as usize]..self.first[slot as usize + 1] {
-                let lower = self.supports[support as usize].lower as usize;
-                if lower != WORLD_SLOT as usize {
-                    self.waiting[lower] -= 1;
-                    if self.waiting[lower] == 0 && self.has_supports(lower as u32) {
-                        self.queue.push(lower as u32);
-                    }
+            let Self { supports, waiting, new, queue, .. } = self;
+            for &Support { lower, .. } in supports.of(slot) {
+                waiting[lower as usize] -= 1;
+                if waiting[lower as usize] == 0 && new[lower as usize] {
+                    queue.push(lower);
                 }
             }
         }
     }
 
-    fn has_supports(&self, slot: u32) -> bool {
-        self.first[slot as usize] < self.first[slot as usize + 1]
-    }
-
-    /// Notes what joints hold to what cannot move, and what stands on either, over however many others.
-    ///
-    /// What hangs on something that only stands is not noted: a cable over a drum, above which a load lies, may be in free fall.
-    fn find_grounded(&mut self, batch: &Batch) {
-        self.grounded.clear();
-        self.grounded.extend(batch.motions.iter().map(|motion| !motion.is_dynamic()));
-        let joined = || batch.joints.entries.iter().chain(batch.direct.entries()).map(|entry| (entry.a, entry.b));
-        if joined().any(|(a, b)| self.grounded[a as usize] != self.grounded[b as usize]) {
-            self.pairs.clear();
-            self.pairs.extend(joined().flat_map(|(a, b)| [(a, b), (b, a)]));
-            self.spread_grounded();
-        }
-        self.pairs.clear();
-        self.pairs.extend(self.supports.iter().map(|support| (support.lower, support.upper)));
-        self.spread_grounded();
-    }
-
-    /// Notes what is above what is noted, over however many others.
-    fn spread_grounded(&mut self) {
-        let Self { grounded, open, pairs, above, .. } = self;
-        above.sort(grounded.len(), pairs.iter().copied());
-        open.clear();
-        open.extend((0..grounded.len() as u32).filter(|&slot| grounded[slot as usize]));
-        while let Some(lower) = open.pop() {
-            for &upper in above.of(lower) {
-                if !std::mem::replace(&mut grounded[upper as usize], true) {
-                    open.push(upper);
-                }
+    /// Lists the supporting manifolds, and the bodies of which all are fresh.
+    fn find_supports(&mut self, batch: &Batch, threads: &Workers, up: Vec3, closable_speed: f32) {
+        let Self { found, supports: Supports { first, .. }, new, born, .. } = self;
+        let blocks = &batch.contacts.blocks;
+        let piece = if threads.has_team() { threads.piece(blocks.len(), LEAST_BLOCKS) } else { blocks.len().max(1) };
+        found.resize_with(blocks.len().div_ceil(piece).max(found.len()), Vec::new);
+        found.iter_mut().for_each(Vec::clear);
+        threads.share(blocks.chunks(piece).zip(found.iter_mut()).zip((0..).step_by(piece)), |((blocks, found), first)| {
+            for (block, number) in blocks.iter().zip(first..) {
+                let supports = (0..LANES).filter_map(|lane| Support::of(batch, block, lane, up, closable_speed));
+                found.extend(supports.map(|support| Support { block: number, ..support }));
             }
-        }
-    }
-
-    /// Lists the supporting manifolds; a body is new if all of its are without multipliers and at rest.
-    fn find_supports(&mut self, batch: &Batch, up: Vec3, closable_speed: f32) {
-        let slots = batch.velocities.len();
-        let moving = batch.moving() as u32;
-        self.found.clear();
-        self.first.clear();
-        self.first.resize(slots + 1, 0);
-        self.new.clear();
-        self.new.resize(slots, true);
-        for (number, block) in batch.contacts.blocks.iter().enumerate() {
-            for lane in 0..LANES {
-                let normal = block.normal_of(lane);
-                let rise = normal.dot(up);
-                if !block.is_movable(lane) || rise.abs() < MIN_SUPPORT_COSINE {
-                    continue;
-                }
-                let (a, b) = (block.a[lane], block.b[lane]);
-                let (lower, upper) = if rise > 0.0 { (a, b) } else { (b, a) };
-                if !(1..=moving).contains(&upper) {
-                    continue;
-                }
-                let approach = || normal.dot(batch.velocities[b as usize].linear - batch.velocities[a as usize].linear).abs();
-                let fresh = !block.is_pressed[lane] && approach() < MAX_REST_SPEED + closable_speed;
-                self.new[upper as usize] &= fresh;
-                self.first[upper as usize + 1] += 1;
-                self.found.push(Support { upper, lower, block: number as u32, lane: lane as u32 });
-            }
-        }
-        self.supports.clear();
-        if !self.found.iter().any(|support| self.new[support.upper as usize]) {
+        });
+        born.clear();
+        if !found.iter().flatten().any(|support| support.fresh) {
             return;
         }
-        for slot in 0..slots {
-            self.first[slot + 1] += self.first[slot];
+        let slots = batch.velocities.len();
+        first.clear();
+        first.resize(slots + 1, 0);
+        new.clear();
+        new.resize(slots, true);
+        for support in found.iter().flatten() {
+            new[support.upper as usize] &= support.fresh;
+            first[support.upper as usize + 1] += 1;
         }
-        self.sort_by_upper(slots);
-        self.load.clear();
-        self.load.resize(slots, (DVec3::ZERO, DVec3::ZERO));
+        for slot in 0..slots {
+            new[slot] &= first[slot + 1] > 0;
+            first[slot + 1] += first[slot];
+        }
+        born.extend((0..slots as u32).filter(|&slot| new[slot as usize]));
     }
 
-    /// Sorts the supports that were found by upper body, and counts what stands on each slot.
+    /// Sorts the supports that were found by upper body; those of bodies that are born in one order, whatever the order of blocks.
     fn sort_by_upper(&mut self, slots: usize) {
-        let Self { found, supports, first, waiting, .. } = self;
+        let Self { found, supports, waiting, born, .. } = self;
         waiting.clear();
         // For now, where the next support of each slot goes.
-        waiting.extend_from_slice(&first[..slots]);
-        supports.resize(found.len(), Support::default());
-        for support in &*found {
+        waiting.extend_from_slice(&supports.first[..slots]);
+        supports.sorted.resize(supports.first[slots] as usize, Support::default());
+        for support in found.iter().flatten() {
             let place = &mut waiting[support.upper as usize];
-            supports[*place as usize] = *support;
+            supports.sorted[*place as usize] = *support;
             *place += 1;
         }
+        for &slot in &*born {
+            let own = supports.range(slot);
+            supports.sorted[own].sort_unstable();
+        }
+    }
+
+    /// Counts what is born and stands on each slot, and takes all load from both.
+    fn count_waiting(&mut self) {
+        let Self { supports, waiting, load, born, .. } = self;
         waiting.fill(0);
-        found.iter().for_each(|support| waiting[support.lower as usize] += 1);
-        first.windows(2).for_each(|own| supports[own[0] as usize..own[1] as usize].sort_unstable());
+        load.resize(waiting.len(), (DVec3::ZERO, DVec3::ZERO));
+        for &slot in &*born {
+            load[slot as usize] = (DVec3::ZERO, DVec3::ZERO);
+            for support in supports.of(slot) {
+                waiting[support.lower as usize] += 1;
+                load[support.lower as usize] = (DVec3::ZERO, DVec3::ZERO);
+            }
+        }
     }
 
     /// Splits the load of one body over its supporting points and hands it on to what carries them.
@@ -205,8 +201,8 @@ impl Birth {
         self.points.clear();
         self.loaded.clear();
         let reach = motion.acceleration.length() * h * h;
-        for support in &self.supports[self.first[slot as usize] as usize..self.first[slot as usize + 1] as usize] {
-            let (number, lane) = (support.block as usize, support.lane as usize);
+        for support in self.supports.of(slot) {
+            let (number, lane) = (support.block as usize, usize::from(support.lane));
             let block = &batch.contacts.blocks[number];
             let upper_is_b = block.b[lane] == slot;
             let normal = block.normal_of(lane).as_dvec3() * if upper_is_b { 1.0 } else { -1.0 };
@@ -228,11 +224,30 @@ impl Birth {
         balance(&mut self.loaded, demand);
         for (point, loaded) in self.points.iter().zip(&self.loaded) {
             let Support { block, lane, lower, .. } = point.support;
-            batch.contacts.rows_mut(block as usize, point.index).lambda[lane as usize] = (loaded.force * f64::from(h)) as f32;
+            batch.contacts.rows_mut(block as usize, point.index).lambda[usize::from(lane)] = (loaded.force * f64::from(h)) as f32;
             let push = -point.normal * loaded.force;
             let load = &mut self.load[lower as usize];
             load.0 += push;
             load.1 += point.lever_lower.cross(push);
         }
+    }
+}
+
+impl Support {
+    /// Of a lane, if a body that rows move stands on something there; its block is still to be told.
+    fn of(batch: &Batch, block: &ContactBlock, lane: usize, up: Vec3, closable_speed: f32) -> Option<Self> {
+        let normal = block.normal_of(lane);
+        let rise = normal.dot(up);
+        if !block.is_movable(lane) || rise.abs() < MIN_SUPPORT_COSINE {
+            return None;
+        }
+        let (a, b) = (block.a[lane], block.b[lane]);
+        let (lower, upper) = if rise > 0.0 { (a, b) } else { (b, a) };
+        if !(1..=batch.moving() as u32).contains(&upper) {
+            return None;
+        }
+        let approach = || normal.dot(batch.velocities[b as usize].linear - batch.velocities[a as usize].linear).abs();
+        let fresh = !block.is_pressed[lane] && approach() < MAX_REST_SPEED + closable_speed;
+        Some(Self { upper, lower, block: 0, lane: lane as u8, fresh })
     }
 }

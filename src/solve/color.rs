@@ -32,6 +32,11 @@ impl Coloring {
         }
         Some(color)
     }
+
+    /// Whether each slot has taken a colour.
+    pub(crate) fn have_any(&self) -> impl Iterator<Item = bool> + '_ {
+        self.taken.iter().map(|&taken| taken != 0)
+    }
 }
 
 #[cfg(test)]

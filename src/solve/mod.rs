@@ -28,6 +28,7 @@ pub(crate) mod momentum;
 mod passive;
 pub(crate) mod plane;
 mod poses;
+mod role;
 mod rotation;
 pub(crate) mod shared;
 mod sheet;
@@ -40,6 +41,7 @@ mod wide_matrix;
 pub(crate) mod wrap;
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use batch::Batch;
 use direct::{Direct, Floor};
@@ -104,12 +106,12 @@ impl Batch {
             self.joint_gap = joint::worst_gap(self.direct.entries(), joints, &self.motions);
             return;
         }
-        self.start_contacts(settings.gravity, h);
+        self.start_contacts(threads, settings.gravity, h);
         self.prepare_load_pass(settings.gravity, h);
         self.prepare_exact(settings.gravity, h);
         self.bounds.lay_out(&self.motions, h);
         self.taut.lay_out(&self.bounds);
-        self.poses.lay_out(&self.velocities, &mut self.motions, h);
+        self.poses.lay_out(&self.velocities, &mut self.motions, &self.roles, h);
         self.find_passive_islands();
         self.dissipative.lay_out(&self.passive, &self.velocities, &self.motions);
         self.find_sheet(threads);
@@ -228,9 +230,9 @@ impl Batch {
     }
 
     /// Gives contacts that are born under load their static multipliers.
-    fn start_contacts(&mut self, gravity: glam::Vec3, h: f32) {
+    fn start_contacts(&mut self, threads: &Workers, gravity: glam::Vec3, h: f32) {
         let mut birth = std::mem::take(&mut self.birth);
-        birth.start_contacts(self, gravity, h);
+        birth.start_contacts(self, threads, gravity, h);
         self.birth = birth;
     }
 
@@ -309,8 +311,13 @@ impl Batch {
     fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, rest: f32) {
         // What is cut off of a speed is momentum too, where that is noted.
         let is_noted = !self.free.is_empty();
+        // What joints hold may be refreshed elsewhere.
+        let refreshes = AtomicBool::new(!self.joint_slots.is_empty());
         self.each_single(threads, |velocity, motion| {
             integrate::apply_forces(velocity, motion, h);
+            if motion.refreshed {
+                refreshes.store(true, Ordering::Relaxed);
+            }
             if !is_noted {
                 integrate::limit_speeds(velocity, motion, h);
             }
@@ -326,7 +333,7 @@ impl Batch {
         let (direct, floor) = self.direct_and_floor(threads);
         direct.couple(joints, floor, h, rest);
         self.dissipative.note_velocities(&self.velocities);
-        if !self.contacts.is_empty() && self.motions.iter().any(|motion| motion.refreshed) {
+        if !self.contacts.is_empty() && refreshes.into_inner() && self.motions.iter().any(|motion| motion.refreshed) {
             crew::refresh_masses(&mut self.contacts, threads, &self.velocities, &self.motions);
         }
     }

@@ -124,7 +124,7 @@ impl World {
     /// Gives every body the sum of the forces of its contacts, as after a restore.
     pub(super) fn add_up_contact_forces(&mut self) {
         let Self { pairs, bodies, colliders, index, last_substep, .. } = self;
-        index.make_room_for_forces(bodies.slot_count());
+        index.forces_for(bodies.slot_count());
         let per_substep = if *last_substep > 0.0 { 1.0 / *last_substep } else { 0.0 };
         for pair in pairs.all().filter(|pair| pair.has_points()) {
             let (a, b) = pair.key.shapes();

@@ -35,6 +35,9 @@ pub(super) struct Groups {
     pub strides: Vec<u32>,
     /// First member of each island in `members`.
     starts: Vec<u32>,
+    /// Movers that are dynamic, in their order, and those of them that joints hold.
+    dynamic: Vec<u32>,
+    bound: Vec<u32>,
     /// Movers that are dynamic, sorted by island.
     pub members: Vec<u32>,
     /// Bodies of each batch, and the substeps that its islands take at once.
@@ -204,8 +207,17 @@ impl World {
         scratch.islands.reset(bodies.slot_count(), movers);
         groups.list_joint_bodies(joints);
         index.free.begin(bodies.slot_count());
-        for &body in movers.iter().filter(|&&body| bodies[body].is_free() && bodies[body].is_mover()) {
-            index.free.set(body);
+        groups.dynamic.clear();
+        groups.bound.clear();
+        for &body in movers.iter() {
+            let record = &bodies[body];
+            if record.is_free() {
+                groups.dynamic.push(body);
+                index.free.set(body);
+                if !record.joints.is_empty() {
+                    groups.bound.push(body);
+                }
+            }
         }
         let joins = |body: u32| index.free.has(body);
         for touch in touching(groups.touch_parts()) {
@@ -221,7 +233,7 @@ impl World {
                 islands.union(a, b);
             }
         };
-        for &body in movers.iter().filter(|&&body| bodies[body].is_free()) {
+        for &body in &groups.bound {
             match unions.moving(body) {
                 None => {
                     for &id in &bodies[body].joints {
@@ -244,7 +256,7 @@ impl World {
 
     /// Numbers the islands by their lowest body and lists their members.
     fn number_islands(&mut self) {
-        let Self { scratch, bodies, movers, groups, unions, report, .. } = self;
+        let Self { scratch, bodies, groups, unions, report, .. } = self;
         groups.island.resize(bodies.slot_count(), 0);
         groups.place.resize(bodies.slot_count(), (0, 0));
         groups.sizes.clear();
@@ -254,8 +266,7 @@ impl World {
             report.counts.unions += 1;
             report.counts.union_members += union.members.len() as u32;
         }
-        let dynamic = || movers.iter().copied().filter(|&body| bodies[body].is_free());
-        for body in dynamic() {
+        for &body in &groups.dynamic {
             let root = scratch.islands.find(body);
             if root == body {
                 groups.island[body as usize] = groups.sizes.len() as u32;
@@ -280,7 +291,7 @@ impl World {
         let mut next = std::mem::take(&mut scratch.slots);
         next.clear();
         next.extend_from_slice(&groups.starts);
-        for body in dynamic() {
+        for &body in &groups.dynamic {
             let place = &mut next[groups.island[body as usize] as usize];
             groups.members[*place as usize] = body;
             *place += 1;
@@ -380,12 +391,12 @@ impl World {
     }
 
     fn hand_out_joints(&mut self) {
-        let Self { groups, batches, joints, bodies, movers, unions, scratch, report, .. } = self;
+        let Self { groups, batches, joints, bodies, unions, scratch, index, report, .. } = self;
         scratch.slots.clear();
-        let moves = |body: u32| body != NO_BODY && bodies[body].is_free() && bodies[body].is_mover();
+        let moves = |body: u32| body != NO_BODY && index.free.has(body);
         let joint_bodies = &groups.joint_bodies;
         let moved = |slot: u32| joint_bodies[slot as usize].into_iter().find(|&body| moves(body));
-        for &body in movers.iter().filter(|&&body| bodies[body].is_free() && !bodies[body].held) {
+        for &body in groups.bound.iter().filter(|&&body| !bodies[body].held) {
             let own = |id: &JointId| Some(joints.slot_of(*id)).filter(|&slot| moved(slot) == Some(body));
             match unions.moving(body) {
                 None => scratch.slots.extend(bodies[body].joints.iter().filter_map(own)),

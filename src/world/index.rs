@@ -140,12 +140,14 @@ impl Index {
         &self.stances[shape as usize]
     }
 
-    pub(super) fn make_room_for_forces(&mut self, bodies: usize) {
+    /// Net forces of contacts of so many bodies, by slot (N).
+    pub(super) fn forces_for(&mut self, bodies: usize) -> &mut [Vec3] {
         if self.forces.len() < bodies {
             let more = bodies - self.forces.len();
             make_room_behind(&mut self.forces, more);
             self.forces.resize(bodies, Vec3::ZERO);
         }
+        &mut self.forces
     }
 
     /// Takes note of the force of a contact of two bodies, as it acts on the second (N).

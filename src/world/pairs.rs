@@ -9,7 +9,6 @@ use super::World;
 use super::unions::Unions;
 use crate::body::Body;
 use crate::collide::broad::still_near;
-use crate::collide::cache::Fate;
 use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::{Pair, PairKey, PairScratch, WorldManifold};
 use crate::collide::stance::Stance;
@@ -113,26 +112,25 @@ impl World {
     }
 
     fn drop_distant_pairs(&mut self) {
-        let Self { pairs, colliders, bodies, unions, events, index, .. } = self;
+        let Self { pairs, colliders, bodies, unions, events, index, threads, .. } = self;
         let may_know = index.is_known && unions.iter().next().is_none();
-        pairs.retain_active(|key, slot, pairs| {
+        let (colliders, bodies, unions) = (&*colliders, &*bodies, &*unions);
+        let has_gone = |key: PairKey| {
             let (a, b) = key.shapes();
             let is_known = may_know && !index.reboxed.has(a) && !index.reboxed.has(b);
             if is_known && (index.moving.has(index.body_of(a)) || index.moving.has(index.body_of(b))) {
-                return Fate::Stay;
+                return false;
             }
             let (shape_a, shape_b) = (&colliders[a], &colliders[b]);
             let moves = |body: u32| index.moving.has(body) || bodies[body].is_mover();
-            if (moves(shape_a.body) || moves(shape_b.body))
+            !((moves(shape_a.body) || moves(shape_b.body))
                 && still_near(&shape_a.fat_box, &shape_b.fat_box)
-                && !unions.same(shape_a.body, shape_b.body)
-            {
-                return Fate::Stay;
-            }
-            if pairs[slot as usize].in_contact {
+                && !unions.same(shape_a.body, shape_b.body))
+        };
+        pairs.drop_active(threads, has_gone, |key, pair| {
+            if pair.in_contact {
                 events.contact_ended.push(contact_pair(colliders, bodies, key));
             }
-            Fate::Drop
         });
         index.is_known = true;
         index.reboxed.begin(colliders.slot_count());

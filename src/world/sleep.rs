@@ -194,7 +194,7 @@ impl World {
             kept.insert(number, Vec::new());
         }
         let Self { pairs, colliders, bodies, .. } = self;
-        pairs.retain_active(|key, slot, _| {
+        pairs.retain_active(|key, slot| {
             let (a, b) = key.shapes();
             let (a, b) = (colliders[a].body, colliders[b].body);
             if bodies[a].is_mover() || bodies[b].is_mover() {

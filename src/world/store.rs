@@ -5,27 +5,20 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::World;
-use super::fast::Path;
 use super::index::Index;
 use super::pairs::contact_pair;
 use super::support::Site;
-use super::unions::Anchor;
 use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::Pair;
-use crate::collide::sweep::PathStart;
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::joint::Joint;
 use crate::report::{Events, JointOverload, JointStop, Moved};
 use crate::room::make_room_behind;
 use crate::solve::contact::TOUCHED;
-use crate::solve::direct::history::History;
 use crate::solve::shared::{Divided, Slots};
-use crate::solve::state::WORLD_SLOT;
-use crate::span::union::UnionMotion;
 
-/// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
-const ROTATION_TOLERANCE: f32 = 1.0e-3;
+pub(super) mod bodies;
 
 /// Pairs that are reported before those of them that touch are judged: few enough to be still in the cache, and enough for reads of
 /// pairs to overlap, which they do not from one judgement to the next.
@@ -75,102 +68,6 @@ impl World {
         self.finish_kinematic_bodies(dt);
         self.carry_anchored();
         self.report.counts.bodies_asleep = self.sleeping.body_count() as u32;
-    }
-
-    fn store_bodies(&mut self, number: usize, dt: f32) {
-        let mut broken = std::mem::take(&mut self.scratch.slots);
-        broken.clear();
-        let (calm_speed, smoothness) = (self.calm_speed(dt), self.smoothness(dt));
-        let Self { batches, bodies, colliders, joints, unions, index: places, scratch, has_smooth_bodies, .. } = self;
-        places.make_room_for_forces(bodies.slot_count());
-        let batch = &batches[number];
-        let (has_joints, sweeps_blocks, is_sheet) = (joints.len() > 0, batch.direct.sweeps_blocks(), batch.sheet.is_one());
-        let may_stride = sweeps_blocks || is_sheet;
-        for slot in 1..batch.bodies.len() {
-            let index = batch.bodies[slot];
-            if !bodies[index].is_free() {
-                continue;
-            }
-            let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
-            let union = unions.moving(index);
-            let members = union.map_or(std::slice::from_ref(&index), |union| &union.members);
-            let from = union.map_or(bodies[index].center, |union| union.motion.center);
-            let to = UnionMotion {
-                center: from + motion.displacement.as_dvec3(),
-                rotation: motion.rotation,
-                linear: velocity.linear,
-                angular: velocity.angular,
-            };
-            for &member in members {
-                let body = &mut bodies[member];
-                (body.force, body.torque) = (Vec3::ZERO, Vec3::ZERO);
-                places.forget_force(member);
-            }
-            let finite = motion.displacement.is_finite()
-                && (motion.rotation.length_squared() - 1.0).abs() < ROTATION_TOLERANCE
-                && velocity.linear.is_finite()
-                && velocity.angular.is_finite()
-                && to.center.abs().max_element() <= crate::check::MAX_COORDINATE;
-            if !finite {
-                broken.extend_from_slice(members);
-                continue;
-            }
-            let swept = batch.direct.is_jointed(slot as u32) || members.iter().any(|&member| bodies[member].fast);
-            let steady = batch.load_pass.is_slow(slot);
-            for &member in members {
-                let body = &mut bodies[member];
-                if swept {
-                    let start = PathStart { center: body.center, rotation: body.rotation };
-                    let group = (number as u32, batch.direct.group_of(slot as u32));
-                    scratch.paths.push(Path { group, body: member, start });
-                }
-                let own = match union {
-                    Some(_) => unions.motion_of(member, &to),
-                    None => to,
-                };
-                // Of what has no joints always: what is solved beside it makes no difference.
-                let may_be_smooth = if body.joints.is_empty() { has_joints } else { may_stride };
-                let before = may_be_smooth.then_some([body.linear_velocity, body.angular_velocity]);
-                (body.center, body.rotation) = (own.center, own.rotation);
-                (body.linear_velocity, body.angular_velocity) = (own.linear, own.angular);
-                body.history.forget();
-                let mut reach = 0.0_f32;
-                for &id in &body.shapes {
-                    if let Ok(shape) = colliders.find(id) {
-                        colliders[shape].follow(body);
-                        reach = reach.max(colliders[shape].reach);
-                    }
-                }
-                body.age = body.age.saturating_add(1);
-                body.steady_for = if steady { body.steady_for.saturating_add(1) } else { 0 };
-                let is_calm = own.linear.length() + own.angular.length() * reach < calm_speed;
-                body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
-                match before {
-                    Some(before) => *has_smooth_bodies |= smoothness.count(body, before, reach) && may_stride,
-                    None => body.smooth_for = 0,
-                }
-            }
-            if let Some(union) = unions.of_mut(index).filter(|union| union.anchor == Anchor::Free) {
-                union.motion = to;
-            }
-        }
-        for (slot, lead) in batch.leads.told.iter().enumerate().filter_map(|(slot, lead)| Some((slot, (*lead)?))) {
-            bodies[batch.bodies[slot]].history.set(History::leading(lead));
-        }
-        for (slot, history) in batch.direct.histories() {
-            bodies[batch.bodies[slot as usize]].history.set(*history);
-        }
-        if sweeps_blocks {
-            let swept_alone = batch.joints.entries.iter().flat_map(|entry| [entry.a, entry.b]);
-            for slot in batch.direct.slots_moved_alone().chain(swept_alone).filter(|&slot| slot != WORLD_SLOT) {
-                bodies[batch.bodies[slot as usize]].smooth_for = 0;
-            }
-        }
-        for (slot, steps) in batch.direct.swept_steps() {
-            bodies[batch.bodies[slot as usize]].history.set_swept_steps(steps);
-        }
-        self.broken.append(&mut broken);
-        self.scratch.slots = broken;
     }
 
     fn store_contacts(&mut self, number: usize, dt: f32) {

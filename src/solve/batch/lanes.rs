@@ -8,7 +8,6 @@ use super::{Batch, ContactEnds, HELD};
 use crate::solve::color::MAX_COLORS;
 use crate::solve::contact::{ContactInput, LANES};
 use crate::solve::contact_pieces::{CUTS, Run};
-use crate::solve::state::WORLD_SLOT;
 use crate::solve::{contact_kernels, crew};
 use crate::workers::Workers;
 
@@ -35,6 +34,8 @@ const ORDERED_FROM: usize = 512;
 struct Groups {
     counts: [u32; ALL_GROUPS],
     colors: u32,
+    /// Whether none of them has more than contacts of most materials.
+    are_plain: bool,
 }
 
 impl Groups {
@@ -69,35 +70,35 @@ impl Batch {
         self.color_count = groups.colors;
         let next = self.lay_out_blocks(&groups);
         self.give_lanes(next);
+        if groups.are_plain {
+            return;
+        }
         let Self { lanes, ends, contacts, .. } = self;
         let needs = |number: &usize| lanes[*number].0 != HELD && !ends[*number].is_plain;
-        if (0..lanes.len()).any(|number| needs(&number)) {
-            contacts.add_extras((0..lanes.len()).filter(needs).map(|number| lanes[number].0 as usize));
-        }
+        contacts.add_extras((0..lanes.len()).filter(needs).map(|number| lanes[number].0 as usize));
     }
 
     /// Finds the group of each manifold.
     fn group_contacts(&mut self) -> Groups {
-        self.coloring.reset(self.velocities.len());
-        self.groups.clear();
-        let mut groups = Groups { counts: [0; ALL_GROUPS], colors: 0 };
-        for (number, &ContactEnds { a, b, points, .. }) in self.ends.iter().enumerate() {
-            if self.direct.holds(number) {
-                self.groups.push(HELD);
+        let Self { coloring, groups: group_of, roles, ends, direct, .. } = self;
+        coloring.reset(roles.len());
+        group_of.clear();
+        let mut groups = Groups { counts: [0; ALL_GROUPS], colors: 0, are_plain: true };
+        for (number, &ContactEnds { a, b, points, is_plain }) in ends.iter().enumerate() {
+            if direct.holds(number) {
+                group_of.push(HELD);
                 continue;
             }
-            self.motions[a as usize].constrained = true;
-            self.motions[b as usize].constrained = true;
-            let end = |slot: u32| (slot, slot != WORLD_SLOT && self.motions[slot as usize].is_dynamic());
-            let color = self.coloring.assign(end(a), end(b)).unwrap_or(MAX_COLORS as u32);
-            let ends = [a, b].map(|slot| &self.motions[slot as usize]);
-            let held_by_joints =
-                ends.iter().any(|end| end.is_dynamic()) && ends.iter().all(|end| end.jointed || !end.is_dynamic());
+            let [role_a, role_b] = [a, b].map(|slot| roles[slot as usize]);
+            let color = coloring.assign((a, role_a.moves()), (b, role_b.moves())).unwrap_or(MAX_COLORS as u32);
+            let held_by_joints = (role_a.moves() || role_b.moves()) && !role_a.is_loose() && !role_b.is_loose();
             let group = 2 * color as usize + usize::from(points == 1) + if held_by_joints { GROUPS } else { 0 };
             groups.counts[group] += 1;
             groups.colors = groups.colors.max(color + 1);
-            self.groups.push(group as u32);
+            groups.are_plain &= is_plain;
+            group_of.push(group as u32);
         }
+        roles.iter_mut().zip(coloring.have_any()).filter(|&(_, has_any)| has_any).for_each(|(role, _)| role.touch());
         groups
     }
 

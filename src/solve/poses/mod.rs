@@ -20,6 +20,7 @@ use glam::{DMat3, Vec3};
 use super::contact::{LANES, Lane, Lane3};
 use super::dispatch::in_lanes;
 use super::integrate::{self, Outlook};
+use super::role::Role;
 use super::shared::{Hand, Shared};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use crate::room::make_room_behind;
@@ -132,7 +133,7 @@ fn add(blocks: &mut Vec<PoseBlock>, slot: u32, motion: &BodyMotion, h: f32) {
 
 impl Poses {
     /// Lays out lanes for substeps of length `h`.
-    pub(crate) fn lay_out(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
+    pub(crate) fn lay_out(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], roles: &[Role], h: f32) {
         let Self { blocks, pushed, singles, others, outlooks, refused, inertia, energies } = self;
         energies.resize(motions.len(), 0.0);
         blocks.clear();
@@ -141,6 +142,7 @@ impl Poses {
         others.clear();
         outlooks.clear();
         for (slot, (velocity, motion)) in velocities.iter().zip(motions.iter_mut()).enumerate() {
+            motion.constrained |= roles.get(slot).is_some_and(|role| role.is_touched());
             motion.in_lanes = suits(velocity, motion);
             if motion.in_lanes {
                 motion.refreshed = motion.kind == MotionKind::Tumbling;
