@@ -6,6 +6,9 @@
 /// Part of what is needed that is taken beside it.
 const SPARE: usize = 8;
 
+/// Elements for which room is made at least.
+const LEAST_MORE: usize = 16;
+
 /// Makes room for `count` elements in an empty list; what it had is given back first.
 pub(crate) fn make_room<T>(list: &mut Vec<T>, count: usize) {
     debug_assert!(list.is_empty(), "what is in a list would be lost");
@@ -20,6 +23,16 @@ pub(crate) fn make_room_behind<T>(list: &mut Vec<T>, more: usize) {
     let needed = list.len() + more;
     if list.capacity() < needed {
         list.reserve_exact(more + needed / SPARE);
+    }
+}
+
+/// Extends a list by elements that nobody has counted, without room for twice as many as it has.
+pub(crate) fn extend_tightly<T>(list: &mut Vec<T>, more: impl Iterator<Item = T>) {
+    for element in more {
+        if list.len() == list.capacity() {
+            make_room_behind(list, LEAST_MORE);
+        }
+        list.push(element);
     }
 }
 
@@ -48,6 +61,15 @@ mod tests {
         list.resize(900, 1);
         make_room_behind(&mut list, 1);
         assert_eq!((list.capacity(), list.iter().sum()), (1013, 900));
+    }
+
+    #[test]
+    fn what_is_not_counted_takes_an_eighth_more_than_it_needs() {
+        let mut list = Vec::new();
+        extend_tightly(&mut list, 0..5);
+        assert_eq!(list.capacity(), 18);
+        extend_tightly(&mut list, 5..10_000);
+        assert!(list.iter().copied().eq(0..10_000) && list.capacity() < 11_300, "{}", list.capacity());
     }
 
     #[test]

@@ -15,6 +15,7 @@ use super::batch::Batch;
 use super::contact::LANES;
 use super::contact_block::ContactBlock;
 use crate::balance::{LoadedPoint, balance};
+use crate::room::{extend_tightly, make_room};
 use crate::workers::Workers;
 use ground::Ground;
 
@@ -29,19 +30,23 @@ const MAX_REST_SPEED: f32 = 0.05;
 /// Blocks that are worth another thread's while: some 5 µs.
 const LEAST_BLOCKS: usize = 64;
 
+/// Number of a slot that is not born.
+const NOT_BORN: u32 = u32::MAX;
+
 /// Buffers of the pass.
 #[derive(Debug, Default)]
 pub(crate) struct Birth {
     /// Supports as they are found, in parts, one after another; and sorted by upper body.
     found: Vec<Vec<Support>>,
     supports: Supports,
-    /// Whether the contacts under a slot are all new, and slots of which they are.
-    new: Vec<bool>,
+    /// Slots under which all contacts are new, which are born; and the number among them of each slot, or [`NOT_BORN`].
     born: Vec<u32>,
-    /// Of slots that are born, and of what they stand on: those that are born and stand on each and are still to be visited, and
-    /// their load.
+    number: Vec<u32>,
+    /// What is born and stands on each of those, and is still to be visited; and their load.
     waiting: Vec<u32>,
     load: Vec<(DVec3, DVec3)>,
+    /// Where the next support of each slot goes.
+    next: Vec<u32>,
     ground: Ground,
     queue: Vec<u32>,
     points: Vec<Point>,
@@ -101,7 +106,7 @@ impl Birth {
         self.count_waiting();
         let Self { born, waiting, queue, .. } = self;
         queue.clear();
-        queue.extend(born.iter().copied().filter(|&slot| waiting[slot as usize] == 0));
+        queue.extend(born.iter().zip(waiting).filter(|(_, waiting)| **waiting == 0).map(|(&slot, _)| slot));
         let mut next = 0;
         while next < self.queue.len() {
             let slot = self.queue[next];
@@ -109,10 +114,11 @@ impl Birth {
             if self.ground.carries(slot, |slot| !batch.motions[slot as usize].is_dynamic(), &self.supports) {
                 self.split_load(batch, slot, up.as_dvec3(), h);
             }
-            let Self { supports, waiting, new, queue, .. } = self;
+            let Self { supports, waiting, number, queue, .. } = self;
             for &Support { lower, .. } in supports.of(slot) {
-                waiting[lower as usize] -= 1;
-                if waiting[lower as usize] == 0 && new[lower as usize] {
+                let Some(waiting) = waiting.get_mut(number[lower as usize] as usize) else { continue };
+                *waiting -= 1;
+                if *waiting == 0 {
                     queue.push(lower);
                 }
             }
@@ -121,7 +127,7 @@ impl Birth {
 
     /// Lists the supporting manifolds, and the bodies of which all are fresh.
     fn find_supports(&mut self, batch: &Batch, threads: &Workers, up: Vec3, closable_speed: f32) {
-        let Self { found, supports: Supports { first, .. }, new, born, .. } = self;
+        let Self { found, supports: Supports { first, .. }, born, number, .. } = self;
         let blocks = &batch.contacts.blocks;
         let piece = if threads.has_team() { threads.piece(blocks.len(), LEAST_BLOCKS) } else { blocks.len().max(1) };
         found.resize_with(blocks.len().div_ceil(piece).max(found.len()), Vec::new);
@@ -129,7 +135,7 @@ impl Birth {
         threads.share(blocks.chunks(piece).zip(found.iter_mut()).zip((0..).step_by(piece)), |((blocks, found), first)| {
             for (block, number) in blocks.iter().zip(first..) {
                 let supports = (0..LANES).filter_map(|lane| Support::of(batch, block, lane, up, closable_speed));
-                found.extend(supports.map(|support| Support { block: number, ..support }));
+                extend_tightly(found, supports.map(|support| Support { block: number, ..support }));
             }
         });
         born.clear();
@@ -139,28 +145,36 @@ impl Birth {
         let slots = batch.velocities.len();
         first.clear();
         first.resize(slots + 1, 0);
-        new.clear();
-        new.resize(slots, true);
+        number.clear();
+        number.resize(slots, 0);
         for support in found.iter().flatten() {
-            new[support.upper as usize] &= support.fresh;
             first[support.upper as usize + 1] += 1;
+            if !support.fresh {
+                number[support.upper as usize] = NOT_BORN;
+            }
         }
-        for slot in 0..slots {
-            new[slot] &= first[slot + 1] > 0;
+        for (slot, number) in number.iter_mut().enumerate() {
+            if first[slot + 1] == 0 {
+                *number = NOT_BORN;
+            }
+            if *number != NOT_BORN {
+                *number = born.len() as u32;
+                born.push(slot as u32);
+            }
             first[slot + 1] += first[slot];
         }
-        born.extend((0..slots as u32).filter(|&slot| new[slot as usize]));
     }
 
     /// Sorts the supports that were found by upper body; those of bodies that are born in one order, whatever the order of blocks.
     fn sort_by_upper(&mut self, slots: usize) {
-        let Self { found, supports, waiting, born, .. } = self;
-        waiting.clear();
-        // For now, where the next support of each slot goes.
-        waiting.extend_from_slice(&supports.first[..slots]);
+        let Self { found, supports, next, born, .. } = self;
+        next.clear();
+        next.extend_from_slice(&supports.first[..slots]);
+        supports.sorted.clear();
+        make_room(&mut supports.sorted, supports.first[slots] as usize);
         supports.sorted.resize(supports.first[slots] as usize, Support::default());
         for support in found.iter().flatten() {
-            let place = &mut waiting[support.upper as usize];
+            let place = &mut next[support.upper as usize];
             supports.sorted[*place as usize] = *support;
             *place += 1;
         }
@@ -170,16 +184,16 @@ impl Birth {
         }
     }
 
-    /// Counts what is born and stands on each slot, and takes all load from both.
+    /// Counts what is born and stands on what is born, and takes all load from that.
     fn count_waiting(&mut self) {
-        let Self { supports, waiting, load, born, .. } = self;
-        waiting.fill(0);
-        load.resize(waiting.len(), (DVec3::ZERO, DVec3::ZERO));
-        for &slot in &*born {
-            load[slot as usize] = (DVec3::ZERO, DVec3::ZERO);
-            for support in supports.of(slot) {
-                waiting[support.lower as usize] += 1;
-                load[support.lower as usize] = (DVec3::ZERO, DVec3::ZERO);
+        let Self { supports, waiting, load, born, number, .. } = self;
+        waiting.clear();
+        waiting.resize(born.len(), 0);
+        load.clear();
+        load.resize(born.len(), (DVec3::ZERO, DVec3::ZERO));
+        for support in born.iter().flat_map(|&slot| supports.of(slot)) {
+            if let Some(waiting) = waiting.get_mut(number[support.lower as usize] as usize) {
+                *waiting += 1;
             }
         }
     }
@@ -190,7 +204,7 @@ impl Birth {
         let axes = [horizontal.0.as_dvec3(), horizontal.1.as_dvec3()];
         let (motion, velocity) = (&batch.motions[slot as usize], &batch.velocities[slot as usize]);
         let mass = 1.0 / f64::from(velocity.inverse_mass.max_element());
-        let (carried, moment) = self.load[slot as usize];
+        let (carried, moment) = self.load[self.number[slot as usize] as usize];
         let force = motion.acceleration.as_dvec3() * mass + carried;
         let moment = moment + motion.torque.as_dvec3();
         let demand = -DVec3::new(force.dot(up), moment.dot(axes[0]), moment.dot(axes[1]));
@@ -226,9 +240,10 @@ impl Birth {
             let Support { block, lane, lower, .. } = point.support;
             batch.contacts.rows_mut(block as usize, point.index).lambda[usize::from(lane)] = (loaded.force * f64::from(h)) as f32;
             let push = -point.normal * loaded.force;
-            let load = &mut self.load[lower as usize];
-            load.0 += push;
-            load.1 += point.lever_lower.cross(push);
+            if let Some((force, moment)) = self.load.get_mut(self.number[lower as usize] as usize) {
+                *force += push;
+                *moment += point.lever_lower.cross(push);
+            }
         }
     }
 }

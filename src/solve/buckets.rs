@@ -1,5 +1,7 @@
 //! Numbers by the bucket that each is in, in the order they came: a counting sort.
 
+use crate::room::make_room;
+
 /// Lists of numbers, one for each bucket.
 #[derive(Debug, Default)]
 pub(crate) struct Buckets {
@@ -25,6 +27,8 @@ impl Buckets {
         for bucket in 2..starts.len() {
             starts[bucket] += starts[bucket - 1];
         }
+        numbers.clear();
+        make_room(numbers, pairs.len());
         numbers.resize(pairs.len(), 0);
         for (bucket, number) in pairs {
             let place = &mut starts[bucket as usize + 1];

@@ -6,6 +6,7 @@ use crate::collide::pairs::PairKey;
 use crate::id::{JointId, Pool};
 use crate::island::UnionFind;
 use crate::joint::Joint;
+use crate::room::extend_tightly;
 use crate::solve::batch::Batch;
 
 /// Bodies after which a batch takes no further island. It must not depend on the number of threads.
@@ -198,7 +199,7 @@ impl World {
         touches.resize_with(touches.len().max(*touch_parts), Vec::new);
         touches.iter_mut().for_each(Vec::clear);
         threads.share(touches.iter_mut().zip(active.chunks(piece)), |(touches, active)| {
-            touches.extend(active.iter().filter_map(touch));
+            extend_tightly(touches, active.iter().filter_map(touch));
         });
     }
 
@@ -384,7 +385,7 @@ impl World {
             let is_solved = |&body: &u32| !hold.islands[groups.island[body as usize] as usize];
             let Some(body) = moved.filter(is_solved) else { continue };
             let batch = &mut batches[groups.place[body as usize].0 as usize];
-            batch.manifolds.extend((0..touch.manifolds).map(|number| (touch.slot, number)));
+            extend_tightly(&mut batch.manifolds, (0..touch.manifolds).map(|number| (touch.slot, number)));
             report.counts.manifolds += touch.manifolds;
             report.counts.contact_points += touch.points;
         }

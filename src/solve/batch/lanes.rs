@@ -5,6 +5,7 @@
 //! difference to its multipliers.
 
 use super::{Batch, ContactEnds, HELD};
+use crate::room::make_room;
 use crate::solve::color::MAX_COLORS;
 use crate::solve::contact::{ContactInput, LANES};
 use crate::solve::contact_pieces::{CUTS, Run};
@@ -83,6 +84,7 @@ impl Batch {
         let Self { coloring, groups: group_of, roles, ends, direct, .. } = self;
         coloring.reset(roles.len());
         group_of.clear();
+        make_room(group_of, ends.len());
         let mut groups = Groups { counts: [0; ALL_GROUPS], colors: 0, are_plain: true };
         for (number, &ContactEnds { a, b, points, is_plain }) in ends.iter().enumerate() {
             if direct.holds(number) {
@@ -127,6 +129,7 @@ impl Batch {
     /// Gives each manifold a lane of its group, of which the next ones are given.
     fn give_lanes(&mut self, mut next: [u32; ALL_GROUPS]) {
         let Self { groups, lanes, ends, by_body, contacts, velocities, .. } = self;
+        make_room(lanes, groups.len());
         lanes.resize(groups.len(), (HELD, 0));
         let mut give = |number: usize| {
             let group = groups[number];
