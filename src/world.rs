@@ -107,8 +107,9 @@ struct Scratch {
     /// Shapes with another kept box, for each piece of the shapes.
     reboxed: Vec<Vec<u32>>,
     paths: Vec<fast::Path>,
-    /// What is noted of bodies, for each piece of a batch.
+    /// What is noted of bodies, and of joints, for each piece of a batch.
     noted: Vec<store::bodies::Noted>,
+    noted_joints: Vec<store::joints::Noted>,
     /// Forces of the manifolds of a batch.
     pulls: Vec<store::Pull>,
     slots: Vec<u32>,

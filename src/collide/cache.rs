@@ -273,6 +273,9 @@ impl PairCache {
         mut give_up: impl FnMut(PairKey, &Pair),
     ) {
         self.settle();
+        if self.active.is_empty() {
+            return;
+        }
         let (mut active, mut gone) = (std::mem::take(&mut self.active), std::mem::take(&mut self.gone_at));
         let piece = if threads.has_team() { threads.piece(active.len(), LEAST_ASKED) } else { active.len().max(1) };
         let pieces = active.len().div_ceil(piece);

@@ -152,7 +152,6 @@ impl Batch {
         self.roles.clear();
         self.ends.clear();
         self.inputs.clear();
-        self.joints.clear();
         self.bound_slots.clear();
         self.bounds.clear();
         self.taut.clear();

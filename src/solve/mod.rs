@@ -167,7 +167,7 @@ impl Batch {
         if let Some(limits) = &settings.limits {
             contact_kernels::tell(&mut self.contacts, &self.velocities, limits, &mut self.told);
         }
-        self.joints.store();
+        self.joints.store(threads);
         self.bounds.store();
         self.taut.store();
         let swept_gap = self.joints.worst_gap(joints, &self.motions);

@@ -144,6 +144,7 @@ impl Batch {
     /// Warm start and sweeps of a substep of length `h`, from velocities to which forces have been added; says whether the energies of
     /// those that it ends with have been found.
     pub(crate) fn solve_sheet(&mut self, threads: &Workers, h: f32) -> bool {
+        let moving = self.moving();
         let Self { sheet: Sheet { course, .. }, poses, joints, velocities, motions, pushes, passive, .. } = self;
         poses.begin_course(course, velocities, motions);
         let (mut added, mut had) = (0.0, 0.0);
@@ -162,9 +163,9 @@ impl Batch {
         pushes.iter_mut().for_each(|push| (push.linear, push.angular) = (Vec3::ZERO, Vec3::ZERO));
         joints.push(threads, pushes, h);
 
-        poses.note_course(course, velocities);
+        poses.note_course(course, threads, velocities);
         joints.warm_start(threads, velocities);
-        let Products { dd, vd, .. } = poses.weigh_course(course, velocities);
+        let Products { dd, vd, .. } = poses.weigh_course(course, threads, velocities);
         if -2.0 * vd < dd {
             let share = (-2.0 * vd / dd).max(0.0) as f32;
             joints.scale_impulses(share);
@@ -175,12 +176,12 @@ impl Batch {
         }
 
         for _ in 0..MOST_MOVES {
-            poses.note_course(course, velocities);
+            poses.note_course(course, threads, velocities);
             let bias = joints.sweep_course(threads, velocities);
-            let (shares, fall) = least(&poses.weigh_course(course, velocities), bias);
+            let (shares, fall) = least(&poses.weigh_course(course, threads, velocities), bias);
             let shares = shares.map(|share| share as f32);
             joints.steer_course(threads, shares);
-            poses.steer_course(course, velocities, shares);
+            poses.steer_course(course, threads, (&mut *velocities, moving), shares);
             if fall.is_nan() || fall <= enough {
                 break;
             }

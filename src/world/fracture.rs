@@ -107,16 +107,7 @@ impl World {
 
     /// Gives every joint the force and torque that this step's solve found.
     pub(super) fn read_joint_loads(&mut self, dt: f32) {
-        let Self { batches, batch_count, joints, .. } = self;
-        for batch in &batches[..*batch_count] {
-            for entry in batch.joints.entries.iter().chain(batch.direct.entries()) {
-                let joint = &mut joints[entry.joint];
-                (joint.force, joint.torque) = (entry.linear_sum / dt, entry.angular_sum / dt);
-                if !joint.force.is_finite() || !joint.torque.is_finite() {
-                    (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
-                }
-            }
-        }
+        self.read_row_loads(dt);
         self.add_bound_loads(dt);
         self.find_union_loads(dt);
     }

@@ -20,7 +20,6 @@ use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, ContactEnds, JointEnd};
 use crate::solve::bound::BoundEntry;
 use crate::solve::contact::ContactInput;
-use crate::solve::joint::{JointEntry, friction, kinds};
 use crate::solve::plane::{PlaneEntry, PlaneHold, PlaneMember};
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::taut::TautEntry;
@@ -31,6 +30,7 @@ use crate::workers::Workers;
 use crate::world::support::told_by;
 
 mod direct;
+mod joints;
 mod wrap;
 
 /// Relative difference of principal moments below which a body is taken as round.
@@ -149,7 +149,7 @@ impl Records<'_> {
             self.take_leads_back(batch);
         }
         self.list_contacts(batch, threads);
-        self.list_joints(batch);
+        self.list_joints(batch, threads);
         self.lay_out(batch, settings, threads);
         self.fill_bounds(batch);
         self.fill_planes(batch);
@@ -339,43 +339,6 @@ impl Records<'_> {
         }
     }
 
-    fn list_joints(&self, batch: &mut Batch) {
-        let are_asked_for = !batch.bound_slots.is_empty() || !batch.chains.is_empty();
-        let scale = self.scale_for(batch);
-        for number in 0..batch.joint_slots.len() {
-            let slot = batch.joint_slots[number];
-            let joint = &self.joints[slot];
-            let (a, b) = (self.find_joint_end(batch, joint, 0), self.find_joint_end(batch, joint, 1));
-            if are_asked_for {
-                batch.joint_ends.push([a, b]);
-            }
-            let def = &joint.def;
-            let most_rows = kinds::most_rows(def);
-            batch.joints.entries.push(JointEntry {
-                joint: slot,
-                a: a.slot,
-                b: b.slot,
-                offset: b.origin - a.origin,
-                local_lever: [a.lever, b.lever].map(|lever| lever.as_dvec3()),
-                local_frame: [a.frame, b.frame].map(|frame| frame.as_dquat().normalize()),
-                impulses: joint.impulses.scaled(scale),
-                linear_sum: Vec3::ZERO,
-                angular_sum: Vec3::ZERO,
-                acted: joint.acted.map(|acted| acted * batch.stride),
-                pressed: 0,
-                solver: def.solver,
-                most_rows: most_rows as u8,
-                is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0,
-                is_hinge: kinds::is_hinge(&def.kind),
-                is_distance: kinds::is_distance(&def.kind),
-                gives_by_motors_alone: kinds::gives_by_motors_alone(def),
-                has_motor: kinds::has_motor(&def.kind),
-                has_friction: friction::rows_of(def) > 0,
-                can_be_overloaded: def.break_force.min(def.break_torque) < f32::INFINITY,
-            });
-        }
-    }
-
     fn fill_bounds(&self, batch: &mut Batch) {
         // Bounds are for what is swept: a direct solve needs none.
         if batch.bound_slots.is_empty() || batch.joints.entries.is_empty() {
@@ -503,30 +466,6 @@ impl Records<'_> {
             return ends[side];
         }
         self.find_joint_end(batch, &self.joints[joint], side)
-    }
-
-    fn find_joint_end(&self, batch: &mut Batch, joint: &Joint, side: usize) -> JointEnd {
-        let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
-        let Some(index) = joint.bodies[side] else {
-            return JointEnd { slot: WORLD_SLOT, origin: frame.position, lever: Vec3::ZERO, frame: frame.rotation };
-        };
-        let body = &self.bodies[index];
-        let slot = self.slot(batch, index);
-        if slot == WORLD_SLOT {
-            let world = body.pose().transform(frame);
-            return JointEnd { slot, origin: world.position, lever: Vec3::ZERO, frame: world.rotation };
-        }
-        let lever = frame.position.as_vec3() - body.local_center;
-        if let Some(union) = self.unions.moving(index) {
-            let place = self.unions.place(index);
-            return JointEnd {
-                slot,
-                origin: union.motion.center,
-                lever: place.offset + place.rotation * lever,
-                frame: (place.rotation * frame.rotation).normalize(),
-            };
-        }
-        JointEnd { slot, origin: body.center, lever, frame: frame.rotation }
     }
 }
 

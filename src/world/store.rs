@@ -12,13 +12,13 @@ use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::Pair;
 use crate::id::{BodyId, Pool, ShapeId};
-use crate::joint::Joint;
-use crate::report::{Events, JointOverload, JointStop, Moved};
+use crate::report::{Events, Moved};
 use crate::room::make_room_behind;
 use crate::solve::contact::TOUCHED;
 use crate::solve::shared::{Divided, Slots};
 
 pub(super) mod bodies;
+pub(super) mod joints;
 
 /// Pairs that are reported before those of them that touch are judged: few enough to be still in the cache, and enough for reads of
 /// pairs to overlap, which they do not from one judgement to the next.
@@ -123,33 +123,6 @@ impl World {
             }
         });
         scratch.pulls.iter().for_each(|pull| index.add_contact(pull.bodies, pull.force));
-    }
-
-    fn store_joints(&mut self, number: usize) {
-        let Self { batches, joints, events, .. } = self;
-        let share = 1.0 / batches[number].stride;
-        for entry in batches[number].joints.entries.iter().chain(batches[number].direct.entries()) {
-            let handle = joints.handle_of(entry.joint);
-            let joint = &mut joints[entry.joint];
-            (joint.impulses, joint.acted) = (entry.impulses.scaled(share), entry.acted.map(|acted| acted * share));
-            if !entry.impulses.is_finite() {
-                joint.forget_impulses();
-                continue;
-            }
-            // A stop that was met and left within the step has pressed too.
-            let pressed = if entry.pressed == 0 { 0 } else { joint.stops_of(entry.pressed) };
-            for (axis, upper) in Joint::stops(pressed & !joint.pressed) {
-                events.joint_stops.push(JointStop { joint: handle, user_word: joint.def.user_word, axis, upper });
-            }
-            joint.pressed = pressed;
-            if !entry.can_be_overloaded {
-                continue;
-            }
-            let (force, torque) = (joint.force.length(), joint.torque.length());
-            if force > joint.def.break_force || torque > joint.def.break_torque {
-                events.overloaded.push(JointOverload { joint: handle, user_word: joint.def.user_word, force, torque });
-            }
-        }
     }
 
     /// Takes a body out of the simulation where it last was, at rest, and says so.

@@ -17,6 +17,7 @@ use super::StepSettings;
 use super::buckets::Buckets;
 use super::contact::{ContactImpulses, ContactInput};
 use super::joint::JointEntry;
+use super::role::Role;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
@@ -83,6 +84,8 @@ pub(crate) struct Direct {
     local: Vec<(u32, u32)>,
     /// Articulation of each slot, as a union–find forest, then as a number.
     group: Vec<u32>,
+    /// What the body of each slot is, where there are joints.
+    roles: Vec<Role>,
     /// Whether joints connect each slot to another that moves.
     jointed: Vec<bool>,
     /// Unjointed bodies that are solved with what carries them.
@@ -147,6 +150,9 @@ impl Direct {
             return;
         }
         self.riders.find(contacts, &self.group, motions);
+        if contacts.is_empty() {
+            return;
+        }
         for (number, contact) in contacts.iter().enumerate() {
             let groups = [contact.a, contact.b].map(|slot| solved_with(slot, motions, &self.group, &self.riders));
             let other = groups[1].filter(|_| groups[0] != groups[1]);
@@ -173,7 +179,7 @@ impl Direct {
         self.local.clear();
         self.local.resize(motions.len(), (u32::MAX, 0));
         self.left.clear();
-        self.sort_by_group(entries, motions);
+        self.sort_by_group(entries);
         let order = std::mem::take(&mut self.order);
         let (mut start, mut any) = (0, false);
         while start < entries.len() {
@@ -198,10 +204,10 @@ impl Direct {
 
     /// Puts joints in the order of their groups, which are numbered by their lowest slots, and notes those; joints keep their order within
     /// each.
-    fn sort_by_group(&mut self, entries: &mut Vec<JointEntry>, motions: &[BodyMotion]) {
-        let Self { group, order, keys, by_group, sorted, .. } = self;
+    fn sort_by_group(&mut self, entries: &mut Vec<JointEntry>) {
+        let Self { group, roles, order, keys, by_group, sorted, .. } = self;
         let group_of = |entry: &JointEntry| {
-            let end = |slot: u32| if motions[slot as usize].is_dynamic() { group[slot as usize] } else { NO_GROUP };
+            let end = |slot: u32| if roles[slot as usize].moves() { group[slot as usize] } else { NO_GROUP };
             end(entry.a).min(end(entry.b))
         };
         order.clear();
@@ -209,10 +215,10 @@ impl Direct {
         if order.is_sorted() {
             return;
         }
-        let none = motions.len() as u32;
+        let none = roles.len() as u32;
         keys.clear();
         keys.extend(order.iter().zip(0..).map(|(&group, number)| (group.min(none), number)));
-        by_group.sort(motions.len() + 1, keys.iter().copied());
+        by_group.sort(roles.len() + 1, keys.iter().copied());
         sorted.clear();
         sorted.extend((0..=none).flat_map(|group| by_group.of(group)).map(|&number| entries[number as usize]));
         std::mem::swap(entries, sorted);
@@ -231,16 +237,18 @@ impl Direct {
     }
 
     /// Joins the slots that joints connect; each then has the lowest slot of its articulation as its group.
-    pub(crate) fn group_slots(&mut self, entries: &[JointEntry], motions: &[BodyMotion]) {
+    pub(crate) fn group_slots(&mut self, entries: &[JointEntry], roles: &[Role]) {
         self.group.clear();
         self.jointed.clear();
         if entries.is_empty() {
             return;
         }
-        self.group.extend(0..motions.len() as u32);
-        self.jointed.resize(motions.len(), false);
+        self.roles.clear();
+        self.roles.extend_from_slice(roles);
+        self.group.extend(0..roles.len() as u32);
+        self.jointed.resize(roles.len(), false);
         for entry in entries {
-            if motions[entry.a as usize].is_dynamic() && motions[entry.b as usize].is_dynamic() {
+            if roles[entry.a as usize].moves() && roles[entry.b as usize].moves() {
                 let (a, b) = (root(&mut self.group, entry.a), root(&mut self.group, entry.b));
                 self.group[a.max(b) as usize] = a.min(b);
                 self.jointed[entry.a as usize] = true;
@@ -269,7 +277,7 @@ impl Direct {
         }
         let asked = solver == Solver::Direct;
         let touches = !self.touching.of(group).is_empty();
-        if !touches && self.refused.is_of(entries, motions, asked) {
+        if !touches && self.refused.is_of(entries, &self.roles, asked) {
             return false;
         }
         let Self { articulations, local, count, riders, group: groups, .. } = self;
@@ -331,7 +339,7 @@ impl Direct {
         if !admitted {
             articulation.slots().for_each(|slot| local[slot as usize].0 = u32::MAX);
             if !touches {
-                self.refused.note(entries, motions, asked);
+                self.refused.note(entries, &self.roles, asked);
             }
         }
         self.count += usize::from(admitted);

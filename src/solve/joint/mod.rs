@@ -37,6 +37,7 @@ pub(crate) use strips::may_be_cut;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::LANES;
 use super::integrate::Outlook;
+use super::shared::Divided;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind, Softness};
@@ -129,18 +130,14 @@ pub(crate) struct Moving<'a> {
 }
 
 impl BatchJoints {
-    pub(crate) fn clear(&mut self) {
-        self.entries.clear();
-    }
-
     /// Lays out rows of the joints in the order of their colours, for a step of `substeps` of length `h`; joints of one colour share no
     /// moving body.
     pub(crate) fn lay_out(
         &mut self,
         joints: &Pool<Joint, JointId>,
+        threads: &Workers,
         coloring: &mut Coloring,
-        velocities: &[BodyVelocity],
-        motions: &[BodyMotion],
+        (velocities, motions): (&[BodyVelocity], &[BodyMotion]),
         h: f32,
         substeps: u32,
     ) {
@@ -187,34 +184,39 @@ impl BatchJoints {
             *place += 1;
         }
         // Each part begins where the one before ends by now.
-        let mut first = 0;
-        for (group, ends) in places[..GROUPS * parts_each].chunks_exact(parts_each).enumerate() {
-            let last = ends[strips.len()] as usize;
-            if first == last {
-                continue;
+        let part = |number: usize| if number == 0 { 0 } else { places[number - 1] as usize }..places[number] as usize;
+        let holds_of = |group: usize| (group % KINDS).checked_sub(1).map(|holds| Holds::ALL[holds]);
+        let of_number = |&number: &u32| {
+            let entry = &entries[number as usize];
+            if entry.is_plain {
+                return (number, entry, [Softness::RIGID; 2]);
             }
-            let holds = (group % KINDS).checked_sub(1).map(|holds| Holds::ALL[holds]);
-            let of_number = |&number: &u32| {
-                let entry = &entries[number as usize];
-                if entry.is_plain {
-                    return (number, entry, [Softness::RIGID; 2]);
-                }
-                let def = &joints[entry.joint].def;
-                (number, entry, [def.linear, def.angular])
-            };
-            left_over.clear();
-            for (strip, &end) in strips.all_mut().iter_mut().zip(ends) {
-                let own = &order[first..end as usize];
-                let full = own.len() - own.len() % LANES;
-                if let Some(holds) = holds.filter(|_| full > 0) {
+            let def = &joints[entry.joint].def;
+            (number, entry, [def.linear, def.angular])
+        };
+        // Blocks of a strip are full; what is left over of them is solved with what is between strips.
+        let full = |own: &[u32], group: usize| if holds_of(group).is_some() { own.len() - own.len() % LANES } else { 0 };
+        threads.share(strips.all_mut().iter_mut().enumerate(), |(number, strip)| {
+            for group in 0..GROUPS {
+                let own = &order[part(group * parts_each + number)];
+                let own = &own[..full(own, group)];
+                if let Some(holds) = holds_of(group).filter(|_| !own.is_empty()) {
                     let first_block = strip.lanes.len();
-                    strip.lanes.add(own[..full].iter().map(of_number), holds, h);
+                    strip.lanes.add(own.iter().map(of_number), holds, h);
                     strip.visits.push(first_block..strip.lanes.len());
                 }
-                left_over.extend_from_slice(&own[full..]);
-                first = end as usize;
             }
-            let between = &order[std::mem::replace(&mut first, last)..last];
+        });
+        for group in 0..GROUPS {
+            let parts = group * parts_each..(group + 1) * parts_each;
+            if part(parts.start).start == part(parts.end - 1).end {
+                continue;
+            }
+            left_over.clear();
+            for own in parts.clone().take(strips.len()).map(|number| &order[part(number)]) {
+                left_over.extend_from_slice(&own[full(own, group)..]);
+            }
+            let between = &order[part(parts.end - 1)];
             let rest = if left_over.is_empty() {
                 between
             } else {
@@ -222,7 +224,7 @@ impl BatchJoints {
                 &*left_over
             };
             let (blocks, first_single) = (lanes.len(), singles.len());
-            match holds {
+            match holds_of(group) {
                 Some(holds) => lanes.add(rest.iter().map(of_number), holds, h),
                 None => singles.add(rest),
             }
@@ -309,10 +311,15 @@ impl BatchJoints {
     }
 
     /// Hands multipliers and loads of joints in lanes back to their entries.
-    pub(crate) fn store(&mut self) {
+    pub(crate) fn store(&mut self, threads: &Workers) {
         let Self { entries, strips, lanes, .. } = self;
-        strips.all().iter().for_each(|strip| strip.lanes.store(entries));
-        lanes.store(entries);
+        let shared = Divided::new(entries);
+        strips.each(threads, |strip| {
+            // SAFETY: each joint has one lane, and each strip is one thread's.
+            strip.lanes.store(&mut unsafe { shared.part() });
+        });
+        // SAFETY: no other part is in use.
+        lanes.store(&mut unsafe { shared.part() });
     }
 
     /// One sweep of position rows, joint by joint at the poses of now: rigid errors are taken out, angular momentum is kept.

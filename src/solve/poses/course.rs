@@ -4,10 +4,12 @@ use super::{PoseBlock, Poses};
 use crate::solve::contact::{Lane, Lane3};
 use crate::solve::dispatch::in_lanes;
 use crate::solve::integrate::{NEGLIGIBLE_PUSH, rotated_in_lanes};
+use crate::solve::shared::{Hand, Shared};
 use crate::solve::side::{Side, Stand, gather_rotations};
 use crate::solve::state::{BodyMotion, BodyVelocity, MAX_PUSH_TURN};
 use crate::solve::wide::{Wide, Wide3};
 use crate::solve::wide_matrix::{Wide6, WideQuat};
+use crate::workers::Workers;
 
 /// What is known of eight bodies: masses, where they come from, and where they went last.
 #[derive(Debug, Clone)]
@@ -28,6 +30,8 @@ impl Station {
 #[derive(Debug, Default)]
 pub(crate) struct Course {
     stations: Vec<Station>,
+    /// Products of the pieces that threads go through.
+    products: Vec<Products>,
 }
 
 /// Products with M of what sweeps have changed velocities by (d), of the last move (p), and of the velocities before (v).
@@ -40,6 +44,21 @@ pub(crate) struct Products {
     pub vp: f64,
 }
 
+impl Products {
+    fn plus(self, other: &Self) -> Self {
+        Self {
+            dd: self.dd + other.dd,
+            dp: self.dp + other.dp,
+            pp: self.pp + other.pp,
+            vd: self.vd + other.vd,
+            vp: self.vp + other.vp,
+        }
+    }
+}
+
+/// Blocks of bodies that one thread goes through. Sums are those of pieces, so it must not depend on the number of threads.
+const PIECE: usize = 64;
+
 impl Poses {
     /// Finds masses as the bodies stand now.
     pub(crate) fn begin_course(&self, course: &mut Course, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
@@ -48,8 +67,9 @@ impl Poses {
     }
 
     /// Notes the velocities that sweeps begin with.
-    pub(crate) fn note_course(&self, course: &mut Course, velocities: &[BodyVelocity]) {
-        note_all(&self.blocks, &mut course.stations, velocities);
+    pub(crate) fn note_course(&self, course: &mut Course, threads: &Workers, velocities: &[BodyVelocity]) {
+        let pieces = self.blocks.chunks(PIECE).zip(course.stations.chunks_mut(PIECE));
+        threads.share(pieces, |(blocks, stations)| note_all(blocks, stations, velocities));
     }
 
     /// Takes these velocities for the last move.
@@ -57,10 +77,12 @@ impl Poses {
         take_all(&self.blocks, &mut course.stations, ways);
     }
 
-    pub(crate) fn weigh_course(&self, course: &Course, velocities: &[BodyVelocity]) -> Products {
-        let mut products = Products::default();
-        weigh_all(&self.blocks, &course.stations, velocities, &mut products);
-        products
+    pub(crate) fn weigh_course(&self, course: &mut Course, threads: &Workers, velocities: &[BodyVelocity]) -> Products {
+        let Course { stations, products } = course;
+        products.resize(self.blocks.len().div_ceil(PIECE), Products::default());
+        let pieces = self.blocks.chunks(PIECE).zip(stations.chunks(PIECE)).zip(&mut *products);
+        threads.share(pieces, |((blocks, stations), products)| weigh_all(blocks, stations, velocities, products));
+        products.iter().fold(Products::default(), Products::plus)
     }
 
     /// Displaces bodies by `pushes` (m, rad): as [`BodyMotion::displace`], to the same bits.
@@ -69,8 +91,19 @@ impl Poses {
     }
 
     /// Moves from the velocities before by p ← α d + β p.
-    pub(crate) fn steer_course(&self, course: &mut Course, velocities: &mut [BodyVelocity], shares: [f32; 2]) {
-        steer_all(&self.blocks, &mut course.stations, velocities, shares);
+    pub(crate) fn steer_course(
+        &self,
+        course: &mut Course,
+        threads: &Workers,
+        (velocities, moving): (&mut [BodyVelocity], usize),
+        shares: [f32; 2],
+    ) {
+        let velocities = Shared::new(velocities, moving);
+        let pieces = self.blocks.chunks(PIECE).zip(course.stations.chunks_mut(PIECE));
+        threads.share(pieces, |(blocks, stations)| {
+            // SAFETY: each slot is in one block, which one thread goes through.
+            steer_all(blocks, stations, &mut unsafe { velocities.hand() }, shares);
+        });
     }
 }
 
@@ -81,7 +114,7 @@ in_lanes!(weigh_all, weigh, (blocks: &[PoseBlock], stations: &[Station], velocit
 in_lanes!(displace_all, displace, (blocks: &[PoseBlock], motions: &mut [BodyMotion], pushes: &[BodyVelocity]));
 in_lanes!(
     steer_all, steer,
-    (blocks: &[PoseBlock], stations: &mut [Station], velocities: &mut [BodyVelocity], shares: [f32; 2])
+    (blocks: &[PoseBlock], stations: &mut [Station], velocities: &mut Hand<'_, BodyVelocity>, shares: [f32; 2])
 );
 
 #[inline(always)]
@@ -145,7 +178,7 @@ fn total(lanes: &Lane) -> f64 {
 }
 
 #[inline(always)]
-fn steer<W: Wide>(blocks: &[PoseBlock], stations: &mut [Station], velocities: &mut [BodyVelocity], shares: [f32; 2]) {
+fn steer<W: Wide>(blocks: &[PoseBlock], stations: &mut [Station], velocities: &mut Hand<'_, BodyVelocity>, shares: [f32; 2]) {
     let (alpha, beta) = (W::splat(shares[0]), W::splat(shares[1]));
     for (block, station) in blocks.iter().zip(stations) {
         let mut side = Side::<W>::gather(&block.slots, velocities);

@@ -49,8 +49,8 @@ impl Records<'_> {
     /// Moves what the direct solver can move by itself, and lays out rows for the rest.
     pub(super) fn lay_out(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
         let mut h = settings.dt / settings.substeps as f32;
-        let Batch { joints, direct, withheld, bodies, velocities, motions, inputs, manifolds, .. } = batch;
-        direct.group_slots(&joints.entries, motions);
+        let Batch { joints, direct, withheld, bodies, velocities, motions, roles, inputs, manifolds, .. } = batch;
+        direct.group_slots(&joints.entries, roles);
         direct.solver = self.solver;
         let asks = |entry: &JointEntry| entry.solver == Solver::Direct;
         if self.solver == Solver::GaussSeidel && !joints.entries.iter().any(asks) {
@@ -78,6 +78,6 @@ impl Records<'_> {
         let (scale, stride) = (self.scale_for(batch), batch.stride);
         batch.set_contacts(threads, self.reach * (stride * stride), |manifold, ends| self.contact_input(manifold, ends, scale));
         let Batch { joints, coloring, velocities, motions, .. } = batch;
-        joints.lay_out(self.joints, coloring, velocities, motions, h, substeps);
+        joints.lay_out(self.joints, threads, coloring, (velocities, motions), h, substeps);
     }
 }

@@ -23,6 +23,7 @@ use crate::joint::{JointImpulses, JointKind, Limits, Motor, Softness};
 use crate::solve::contact::{LANES, Lane, Lane3};
 use crate::solve::dispatch::in_lanes;
 use crate::solve::integrate::Outlook;
+use crate::solve::shared::Slots;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// How many directions a joint in lanes holds; joints of one block hold alike.
@@ -267,10 +268,10 @@ impl JointLanes {
     }
 
     /// Hands multipliers and their sums back to the joints.
-    pub(crate) fn store(&self, entries: &mut [JointEntry]) {
+    pub(crate) fn store<E: Slots<JointEntry> + ?Sized>(&self, entries: &mut E) {
         for block in &self.points {
             for (l, &number) in block.numbers().iter().enumerate() {
-                let entry = &mut entries[number as usize];
+                let entry = entries.get_mut(number);
                 entry.impulses = JointImpulses { point: get(&block.impulse, l), ..JointImpulses::ZERO };
                 entry.linear_sum = get(&block.sum, l);
                 if let Some(directions) = block.directions {

@@ -158,7 +158,7 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
     let Scene { mut velocities, mut motions, entries, .. } = scene.clone();
     if in_lanes {
         let (mut joints, alone) = (BatchJoints { entries, ..BatchJoints::default() }, Workers::default());
-        joints.lay_out(&pool, &mut Coloring::default(), &velocities, &motions, H, 1);
+        joints.lay_out(&pool, &Workers::default(), &mut Coloring::default(), (&velocities, &motions), H, 1);
         let moving = Moving { velocities: &velocities, motions: &motions, outlooks: &outlooks(scene) };
         joints.prepare(&pool, &alone, &moving, H, false);
         joints.warm_start(&alone, &mut velocities);
