@@ -476,6 +476,26 @@ mod tests {
     }
 
     #[test]
+    fn what_has_gone_is_dropped_and_told_of_in_order_whoever_asks() {
+        for threads in [Workers::default(), Workers::new(3).unwrap()] {
+            let _watch = threads.watch();
+            let mut cache = large();
+            for gone in
+                [|shape: u32| shape.is_multiple_of(7), |shape| shape < 40, |shape| shape >= 2 * COUNT - 3, |_| false, |_| true]
+            {
+                let has_gone = |key: PairKey| gone(key.shapes().0);
+                let before = cache.active().to_vec();
+                let mut told = Vec::new();
+                cache.drop_active(&threads, has_gone, |key, pair| told.push((key, pair.key)));
+                let (left, dropped): (Vec<_>, Vec<_>) = before.into_iter().partition(|&(key, _)| !has_gone(key));
+                assert_eq!(cache.active(), left);
+                assert!(told.into_iter().eq(dropped.iter().map(|&(key, _)| (key, key))));
+                assert!(dropped.iter().all(|&(_, slot)| !cache.get(slot).is_active()));
+            }
+        }
+    }
+
+    #[test]
     fn a_lookup_knows_what_is_listed_whoever_asks() {
         let mut cache = large();
         for asking in [0, COUNT as usize] {
