@@ -32,6 +32,7 @@ use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
 use crate::report::ArticulationReport;
 use crate::solve::StepSettings;
+use crate::solve::joint::reach::FarStops;
 use crate::solve::joint::rows::{self, Rate};
 use crate::solve::joint::{JointEntry, Stance};
 use crate::solve::shared::Slots;
@@ -112,6 +113,8 @@ pub(crate) struct Articulation {
     pub(super) is_points: bool,
     pub(super) points: Points,
     pub(super) asked: Vec<rows::ScalarRow>,
+    /// Of each joint, where it is swept: whether its stops are out of reach.
+    pub(super) stops: Vec<FarStops>,
     pub(super) stiffness: Vec<DMat3>,
     /// Rate at which the forces on each body turn with what it slides around (rad/s).
     pub(super) turning: Vec<DVec3>,
@@ -148,6 +151,8 @@ pub(crate) struct Articulation {
     pub(super) dt: f64,
     pub(super) world_substep: f64,
     pub(super) h: f64,
+    /// From the start of the substep for which rows are built to the end of the step, where it is swept (s).
+    pub(super) rest: f64,
     /// Length by which errors are judged (m).
     pub(super) size: f64,
     pub(super) mode: Mode,

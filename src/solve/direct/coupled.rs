@@ -65,7 +65,7 @@ impl Articulation {
         h: f64,
         rest: f64,
     ) {
-        self.h = h;
+        (self.h, self.rest) = (h, rest);
         if self.lasting == Lasting::Good {
             return self.go_on(velocities, motions);
         }

@@ -13,6 +13,7 @@ use crate::joint::{Joint, JointImpulses};
 use crate::solve::joint::Stance;
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
+use crate::solve::joint::reach::FarStops;
 use crate::solve::joint::rows::{Held, Phase, Rate, ScalarRow};
 
 /// Share of the tolerance below which positions are left as they are.
@@ -112,6 +113,8 @@ impl Articulation {
             h,
             coupled,
             carries_across,
+            stops,
+            rest,
             ..
         } = self;
         let mut next_touch = 0;
@@ -129,6 +132,11 @@ impl Articulation {
         };
         let in_place = matches!(phase, Phase::Position { .. });
         let looks_ahead = *coupled && !in_place && !predicted.is_empty();
+        let may_leave_out = *coupled && !in_place;
+        if may_leave_out {
+            stops.resize_with(entries.len(), FarStops::default);
+            stops.iter_mut().zip(&*entries).for_each(|(stops, entry)| stops.know(&joints[entry.joint].def.kind));
+        }
         system.clear();
         for (number, link) in links.iter().enumerate() {
             let Some(entry) = entries.get(number) else {
@@ -138,34 +146,44 @@ impl Articulation {
             };
             let [a, b] = link.bodies.map(|body| body as usize);
             let placement = |a: &Stance, b: &Stance| if link.is_plain { entry.points(a, b) } else { entry.placement(*a, *b) };
+            let (start, end, between);
             let geometry = if matches!(phase, Phase::Velocity { .. }) {
-                let start = placement(&began.stances[a], &began.stances[b]);
-                let end = placement(&predicted[a], &predicted[b]);
-                let between = |body: usize| {
+                start = placement(&began.stances[a], &began.stances[b]);
+                end = placement(&predicted[a], &predicted[b]);
+                let on_the_way = |body: usize| {
                     let (from, to) = (began.stances[body], predicted[body]);
                     (from.0.lerp(to.0, implicit[number]), from.1.lerp(to.1, implicit[number]))
                 };
                 let gradient = match implicit[number] {
-                    0.0 => start,
-                    1.0 => end,
-                    _ => placement(&between(a), &between(b)),
+                    0.0 => &start,
+                    1.0 => &end,
+                    _ => {
+                        between = placement(&on_the_way(a), &on_the_way(b));
+                        &between
+                    }
                 };
-                JointGeometry { start, predicted: end, gradient, is_still: false }
+                JointGeometry { start: &start, predicted: &end, gradient, is_still: false }
             } else {
-                let mut geometry = JointGeometry::at(placement(&stances[a], &stances[b]));
-                if looks_ahead {
-                    geometry.gradient = placement(&predicted[a], &predicted[b]);
+                start = placement(&stances[a], &stances[b]);
+                match looks_ahead {
+                    true => {
+                        between = placement(&predicted[a], &predicted[b]);
+                        JointGeometry { gradient: &between, ..JointGeometry::at(&start) }
+                    }
+                    false => JointGeometry::at(&start),
                 }
-                geometry
             };
+            let def = &joints[entry.joint].def;
+            let is_free = may_leave_out && stops[number].are_out_of_reach(&entry.impulses, &start, [&rates[a], &rates[b]], *rest);
             asked.clear();
             let mut sink = RowSink {
                 rates: [rates[a], rates[b]],
-                geometry: &geometry,
-                def: &joints[entry.joint].def,
+                geometry,
+                def,
                 impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
                 share: phase.h() / *h,
                 phase,
+                has_stops: !is_free,
                 point: None,
                 direction: None,
                 scalars: asked,
@@ -184,7 +202,7 @@ impl Articulation {
             system.add(link.bodies, point.as_ref(), direction.as_ref(), asked, repeats);
             if tensions.get(number).is_some_and(|&tension| tension > 0.0) {
                 let rows =
-                    ropes::rows(&geometry.gradient, tensions[number], [&bodies[a], &bodies[b]], &[rates[a], rates[b]], phase);
+                    ropes::rows(geometry.gradient, tensions[number], [&bodies[a], &bodies[b]], &[rates[a], rates[b]], phase);
                 rows.into_iter().flatten().for_each(|row| system.add_row(row));
             }
             add_touches(number, system);
@@ -218,13 +236,16 @@ impl Articulation {
         if link.is_plain {
             return [entry.points(&a, &b).gap, DVec3::ZERO];
         }
+        let placement = entry.placement(a, b);
+        let stops = self.stops.get(number).filter(|_| self.coupled);
         let mut sink = RowSink {
             rates: link.bodies.map(|body| self.rates[body as usize]),
-            geometry: &JointGeometry::at(entry.placement(a, b)),
+            geometry: JointGeometry::at(&placement),
             def,
             impulses: &JointImpulses::ZERO,
             share: 1.0,
             phase: Phase::Position { most: f64::INFINITY },
+            has_stops: !stops.is_some_and(|stops| stops.still_hold(&placement)),
             point: None,
             direction: None,
             scalars: &mut self.asked,

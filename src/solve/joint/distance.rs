@@ -12,7 +12,7 @@ use crate::joint::{Limits, Motor};
 const MIN_GAP: f64 = 1.0e-6;
 
 pub(crate) fn rows(sink: &mut RowSink, limits: Limits, spring_length: Option<f32>, motor: Motor) {
-    let g = &sink.geometry.gradient;
+    let g = sink.geometry.gradient;
     let length = g.gap.length();
     let direction = if length > MIN_GAP { g.gap / length } else { g.a.frame * DVec3::X };
     let jacobian = Jacobian { linear: direction, angular_a: g.a.lever.cross(direction), angular_b: g.b.lever.cross(direction) };

@@ -20,7 +20,7 @@ pub(crate) fn rows(sink: &mut RowSink, linear: &[Axis; 3], angular: &[Axis; 3]) 
     if locked(angular) {
         sink.hold_directions(Held::All, Placement::rotation_vector);
     } else {
-        let duals = dual_axes(&sink.geometry.gradient);
+        let duals = dual_axes(sink.geometry.gradient);
         for (i, axis) in angular.iter().enumerate() {
             let angle = Coordinate {
                 jacobian: Jacobian::angular(duals.col(i)),

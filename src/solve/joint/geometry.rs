@@ -77,24 +77,24 @@ pub(crate) fn wrapped(angle: f64) -> f64 {
 
 /// The three placements that rows are built from.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct JointGeometry {
-    pub start: Placement,
-    pub predicted: Placement,
+pub(crate) struct JointGeometry<'a> {
+    pub start: &'a Placement,
+    pub predicted: &'a Placement,
     /// Where the Jacobian is taken (see [`super`]).
-    pub gradient: Placement,
-    /// Whether all three are one.
+    pub gradient: &'a Placement,
+    /// Whether start and prediction are one.
     pub is_still: bool,
 }
 
-impl JointGeometry {
+impl<'a> JointGeometry<'a> {
     /// Everything at one moment.
-    pub(crate) fn at(placement: Placement) -> Self {
+    pub(crate) fn at(placement: &'a Placement) -> Self {
         Self { start: placement, predicted: placement, gradient: placement, is_still: true }
     }
 
     /// What is read off the start and off the prediction.
     pub(crate) fn read<T: Copy>(&self, value: impl Fn(&Placement) -> T) -> (T, T) {
-        let start = value(&self.start);
-        (start, if self.is_still { start } else { value(&self.predicted) })
+        let start = value(self.start);
+        (start, if self.is_still { start } else { value(self.predicted) })
     }
 }

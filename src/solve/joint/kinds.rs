@@ -10,12 +10,14 @@ use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor, SphericalM
 /// Rows of one joint for one substep, as its kind asks for them.
 pub(crate) struct RowSink<'a> {
     pub rates: [Rate; 2],
-    pub geometry: &'a JointGeometry,
+    pub geometry: JointGeometry<'a>,
     pub def: &'a JointDef,
     pub impulses: &'a JointImpulses,
     /// What the substep of this phase has of the carried impulses.
     pub share: f64,
     pub phase: Phase,
+    /// Whether rows of stops are asked for: not of those that are out of reach.
+    pub has_stops: bool,
     pub point: Option<BlockRow>,
     pub direction: Option<BlockRow>,
     pub scalars: &'a mut Vec<ScalarRow>,
@@ -113,7 +115,7 @@ pub(crate) struct Coordinate<F: Fn(&Placement) -> f64> {
 impl RowSink<'_> {
     /// Holds the joint points together in the directions `held`.
     pub(crate) fn hold_points(&mut self, held: Held) {
-        let g = self.geometry;
+        let g = &self.geometry;
         // Both bodies are pushed at one point, so that a gap costs no angular momentum: halfway between the joint points, or where
         // B's point slides in A's frame, there.
         let (lever_a, lever_b) = match held {
@@ -134,7 +136,7 @@ impl RowSink<'_> {
 
     /// Holds the joint frames together about the axes `held`; `error` reads the rotation vector in A's frame.
     pub(crate) fn hold_directions(&mut self, held: Held, error: impl Fn(&Placement) -> DVec3) {
-        let g = self.geometry;
+        let g = &self.geometry;
         let in_world = |placement: &Placement| g.gradient.a.frame * error(placement);
         let (start, predicted) = g.read(in_world);
         let error = Error3 { start, predicted };
@@ -150,7 +152,8 @@ impl RowSink<'_> {
         motor: Motor,
         id: u8,
     ) {
-        if limits.min == f32::NEG_INFINITY && limits.max == f32::INFINITY && matches!(motor, Motor::Off) {
+        let is_free = limits == Limits::NONE || !self.has_stops;
+        if is_free && matches!(motor, Motor::Off) {
             return;
         }
         let (start, mut predicted) = self.geometry.read(&coordinate.value);

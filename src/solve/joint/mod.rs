@@ -20,14 +20,14 @@ mod hinge;
 pub(crate) mod kinds;
 mod lanes;
 mod prismatic;
-mod reach;
+pub(crate) mod reach;
 pub(crate) mod rows;
 mod singles;
 mod spherical;
 mod strips;
 mod sweep;
 
-use geometry::{JointGeometry, Placement, Side};
+use geometry::{Placement, Side};
 pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lanes};
 use lanes::{Holds, JointLanes};
 use singles::Singles;
@@ -405,7 +405,8 @@ impl JointEntry {
         Placement { a: side_a, b: side_b, gap: self.offset + (b.0 - a.0) + (side_b.lever - side_a.lever) }
     }
 
-    fn geometry(&self, velocities: &[BodyVelocity], motions: &[BodyMotion], outlooks: &[Outlook], h: f32) -> JointGeometry {
+    /// Where the joint is at the start of a substep of length `h`, where at its end, and where its rows are taken.
+    fn course(&self, velocities: &[BodyVelocity], motions: &[BodyMotion], outlooks: &[Outlook], h: f32) -> [Placement; 3] {
         let (a, b) = (self.a as usize, self.b as usize);
         let now = |slot: usize| motions[slot].stance();
         let then = |slot: usize| stance((outlooks[slot].displacement, outlooks[slot].rotation));
@@ -426,7 +427,7 @@ impl JointEntry {
             };
             self.placement(blend(a), blend(b))
         };
-        JointGeometry { start, predicted: end, gradient, is_still: false }
+        [start, end, gradient]
     }
 }
 

@@ -126,17 +126,18 @@ impl Singles {
         self.scalars.clear();
         for &number in &self.numbers {
             let entry = &entries[number];
-            let geometry = entry.geometry(velocities, motions, outlooks, h);
+            let [start, predicted, gradient] = entry.course(velocities, motions, outlooks, h);
             let first = self.scalars.len() as u32;
             let bodies = [&velocities[entry.a as usize], &velocities[entry.b as usize]];
             self.asked.clear();
             let mut sink = RowSink {
                 rates: bodies.map(Rate::of),
-                geometry: &geometry,
+                geometry: JointGeometry { start: &start, predicted: &predicted, gradient: &gradient, is_still: false },
                 def: &joints[entry.joint].def,
                 impulses: &entry.impulses,
                 share: 1.0,
                 phase: Phase::Velocity { h: f64::from(h) },
+                has_stops: true,
                 point: None,
                 direction: None,
                 scalars: &mut self.asked,
@@ -272,11 +273,12 @@ impl Singles {
             self.asked.clear();
             let mut sink = RowSink {
                 rates: [Rate::of(&a), Rate::of(&b)],
-                geometry: &JointGeometry::at(placement),
+                geometry: JointGeometry::at(&placement),
                 def: &joints[entry.joint].def,
                 impulses: &JointImpulses::ZERO,
                 share: 1.0,
                 phase: Phase::Position { most: rows::MAX_RECOVERY_SPEED * f64::from(h) },
+                has_stops: true,
                 point: None,
                 direction: None,
                 scalars: &mut self.asked,

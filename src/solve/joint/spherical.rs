@@ -18,9 +18,9 @@ const MIN_SWING: f64 = 1.0e-4;
 const MIN_TWIST_DENOMINATOR: f64 = 1.0e-2;
 
 pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, motor: SphericalMotor) {
-    let g = &sink.geometry.gradient;
+    let g = sink.geometry.gradient;
     let (axis_a, axis_b) = (g.a.frame * DVec3::X, g.b.frame * DVec3::X);
-    if swing_limit < std::f32::consts::PI {
+    if swing_limit < std::f32::consts::PI && sink.has_stops {
         let across = axis_a.cross(axis_b);
         let sine = across.length();
         if sine > MIN_SWING {
