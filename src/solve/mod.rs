@@ -103,7 +103,7 @@ impl Batch {
             }
             (0..settings.substeps).for_each(|_| self.add_to_tally());
             self.penetration = self.direct.penetration() as f32;
-            self.joint_gap = joint::worst_gap(self.direct.entries(), joints, &self.motions);
+            self.joint_gap = self.direct.joint_gap(joints, &self.motions, threads);
             return;
         }
         self.start_contacts(threads, settings.gravity, h);
@@ -131,7 +131,8 @@ impl Batch {
                 self.leads.halve_start(self.passive.slots(), &mut self.velocities);
             }
             self.joints.end_substep(threads);
-            self.direct.keep_impulses();
+            let (direct, floor) = self.direct_and_floor(threads);
+            direct.keep_impulses(floor);
             self.bounds.add_loads();
             self.wraps.add_loads();
             self.taut.add_loads();
@@ -171,7 +172,7 @@ impl Batch {
         self.bounds.store();
         self.taut.store();
         let swept_gap = self.joints.worst_gap(joints, &self.motions);
-        self.joint_gap = joint::worst_gap(self.direct.entries(), joints, &self.motions).max(swept_gap);
+        self.joint_gap = self.direct.joint_gap(joints, &self.motions, threads).max(swept_gap);
     }
 
     /// Lets points that have hit something in the substep leave again, and adds up its multipliers.

@@ -11,12 +11,14 @@
 //! anything else that moves, whose rows may be `lasting` ones; `single` is how any of them writes its `f64` into the state; `swept` is all of those of a batch, of which like ones go in `lockstep`, their rows
 //! `abreast`.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use glam::{DMat3, DVec3};
 
 use super::StepSettings;
 use super::buckets::Buckets;
 use super::contact::{ContactImpulses, ContactInput};
-use super::joint::JointEntry;
+use super::joint::{JointEntry, worst_gap};
 use super::role::Role;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
@@ -72,6 +74,9 @@ pub(crate) use swept::Floor;
 
 /// Group of a joint that moves nothing.
 const NO_GROUP: u32 = u32::MAX;
+
+/// Articulations at whose gaps to look is worth another thread's while.
+const LEAST_LOOKS: usize = 16;
 
 /// The articulations of a batch that are solved directly.
 #[derive(Debug, Default)]
@@ -366,6 +371,18 @@ impl Direct {
     /// Worst overlap of the contacts that it holds (m).
     pub(crate) fn penetration(&self) -> f64 {
         self.articulations().iter().map(|articulation| articulation.outcome.penetration).fold(0.0, f64::max)
+    }
+
+    /// Greatest distance between joint points beyond what their joints allow (m).
+    pub(crate) fn joint_gap(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion], threads: &Workers) -> f32 {
+        let articulations = self.articulations();
+        // None is negative, and those of floats that are not are in the order of their bits.
+        let worst = AtomicU32::new(0);
+        threads.share(articulations.chunks(threads.piece(articulations.len(), LEAST_LOOKS)), |articulations| {
+            let entries = articulations.iter().flat_map(|articulation| &articulation.entries);
+            worst.fetch_max(worst_gap(entries, joints, motions).to_bits(), Ordering::Relaxed);
+        });
+        f32::from_bits(worst.into_inner())
     }
 
     /// Whether any articulation is swept as a block.

@@ -140,8 +140,11 @@ impl Direct {
     }
 
     /// Hands the multipliers of a substep back to the joints.
-    pub(crate) fn keep_impulses(&mut self) {
-        self.coupled().for_each(Articulation::keep_swept_impulses);
+    pub(crate) fn keep_impulses(&mut self, floor: Floor<'_>) {
+        let keep = |own: &mut Articulation, _: &mut Hands<'_>| own.keep_swept_impulses();
+        self.each(floor, keep, |group, own, hands| {
+            group.members().iter().for_each(|&member| keep(own.get_mut(member), hands));
+        });
     }
 
     /// Has displacements of bodies leave the joints of the articulations that touch what moves as they are; the floor's velocities are
