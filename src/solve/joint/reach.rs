@@ -145,16 +145,11 @@ impl FarStops {
     fn are_beyond(&self, reach: f64, turned: DQuat) -> bool {
         let DQuat { x, y, z, w } = turned;
         let cosine = 1.0 - 2.0 * (y * y + z * z);
-        if cosine <= self.swing + reach {
-            return false;
-        }
         let [middle_cosine, middle_sine, edge] = self.twist;
-        if edge == f64::NEG_INFINITY {
-            return true;
-        }
         // As above: twist turns with swing.
-        let (means_much, reach) = if self.is_hinge { (true, reach) } else { (cosine > 0.0, 2.0 * reach) };
-        means_much && (w * w - x * x) * middle_cosine + 2.0 * w * x * middle_sine > (edge + reach) * (w * w + x * x)
+        let (means_much, twist_reach) = if self.is_hinge { (true, reach) } else { (cosine > 0.0, 2.0 * reach) };
+        let is_between = || (w * w - x * x) * middle_cosine + 2.0 * w * x * middle_sine > (edge + twist_reach) * (w * w + x * x);
+        cosine > self.swing + reach && (edge == f64::NEG_INFINITY || (means_much && is_between()))
     }
 }
 
