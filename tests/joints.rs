@@ -148,3 +148,33 @@ fn one_joint_chooses_how_its_articulation_is_solved() {
     let other = world(Solver::Auto);
     assert!({ other }.set_joint_solver(first[0], Solver::Direct).is_err(), "a joint of another world");
 }
+
+#[test]
+fn a_blow_drives_no_swept_joint_past_a_stop_that_was_out_of_reach() {
+    let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+    let def = WorldDef { gravity: Vec3::ZERO, sleep, ..WorldDef::default() };
+    let mut world = World::new(&def).expect("a valid world");
+    let about_z = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+    let arm = joint(&mut world, JointKind::Hinge { limits: Limits::new(-0.5, 0.5), motor: Motor::Off }, about_z);
+    // One body lies against the limb, so that it is swept before the other strikes.
+    cube(&mut world, 0.95, 0.0);
+    let striker = cube(&mut world, 0.7, -0.45);
+    world.set_linear_velocity(striker, Vec3::Y * 30.0).expect("a body of the world");
+    let (mut was_swept, mut worst) = (false, 0.0_f32);
+    for _ in 0..60 {
+        world.step(DT).expect("a valid step");
+        was_swept |= world.articulations().iter().any(|articulation| articulation.swept);
+        let state = world.joint_state(arm).expect("the joint stays");
+        worst = worst.max(state.position);
+        // Positions alone would be taken back to the stop without a row of it, and the limb go on to press.
+        assert!(
+            state.position < 0.499 || state.velocity < 0.1,
+            "at {} rad it turns on at {} rad/s",
+            state.position,
+            state.velocity
+        );
+    }
+    assert!(was_swept, "rows are left out of what is swept alone");
+    assert!(worst > 0.4, "the blow turns the limb by {worst} rad only");
+    assert!(worst < 0.5005, "it has been at {worst} rad, its stop is at 0.5");
+}
