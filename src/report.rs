@@ -286,9 +286,8 @@ pub(crate) struct Events {
 }
 
 impl Events {
-    /// Starts the lists of a step: empty but for what edits ended before it.
+    /// Starts the lists of a step: empty but for what edits ended before it, and for what moved, which is written over.
     pub(crate) fn begin_step(&mut self) {
-        self.moved.clear();
         self.contact_began.clear();
         self.contact_ended.clear();
         self.overloaded.clear();

@@ -24,6 +24,7 @@ use crate::workers::{ParallelFor, Workers};
 
 mod bodies;
 mod cells;
+mod census;
 mod chain;
 mod contacts;
 mod draw;
@@ -69,11 +70,14 @@ pub struct World {
     /// Bodies that a step may move, sorted by slot.
     movers: Vec<u32>,
     movers_sorted: bool,
+    /// Whether some of those that are sorted are kinematic: they stop being movers without a word.
+    some_are_driven: bool,
     sleeping: SleepingIslands,
 
     unions: unions::Unions,
     long_range: long_range::LongRange,
     groups: group::Groups,
+    census: census::Census,
     index: index::Index,
     hold: hold::Hold,
     fracture: fracture::Fracture,
@@ -107,9 +111,13 @@ struct Scratch {
     /// Shapes with another kept box, for each piece of the shapes.
     reboxed: Vec<Vec<u32>>,
     paths: Vec<fast::Path>,
+    /// Whether any of those is that of a body flagged fast.
+    some_are_fast: bool,
     /// What is noted of bodies, and of joints, for each piece of a batch.
     noted: Vec<store::bodies::Noted>,
     noted_joints: Vec<store::joints::Noted>,
+    /// Pairs whose contact has begun or ended, for each piece of what touches.
+    changed: Vec<Vec<u32>>,
     /// Forces of the manifolds of a batch.
     pulls: Vec<store::Pull>,
     slots: Vec<u32>,
@@ -135,10 +143,12 @@ impl World {
             pairs: PairCache::default(),
             movers: Vec::new(),
             movers_sorted: true,
+            some_are_driven: false,
             sleeping: SleepingIslands::default(),
             unions: unions::Unions::default(),
             long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
+            census: census::Census::default(),
             index: index::Index::default(),
             hold: hold::Hold::default(),
             fracture: fracture::Fracture::default(),

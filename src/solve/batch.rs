@@ -76,7 +76,7 @@ pub(crate) struct Batch {
     pub manifolds: Vec<(u32, u32)>,
     /// Joints, by slot in the world's pool.
     pub joint_slots: Vec<u32>,
-    /// Both sides of each of those, where bounds or planes ask for them.
+    /// Both sides of each of those, where bounds ask for them.
     pub joint_ends: Vec<[JointEnd; 2]>,
     pub velocities: Vec<BodyVelocity>,
     pub motions: Vec<BodyMotion>,

@@ -70,7 +70,7 @@ impl ContactImpulses {
 }
 
 /// A manifold as the solver takes it: world axes, levers from the centres of mass.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ContactInput {
     pub a: u32,
     pub b: u32,

@@ -257,6 +257,9 @@ impl World {
 
     /// Gives kinematic bodies the velocity that takes them to their target in `dt` seconds.
     pub(super) fn drive_kinematic_bodies(&mut self, dt: f32) {
+        if self.movers_sorted && !self.some_are_driven {
+            return;
+        }
         for &index in &self.movers {
             let Some(body) = self.bodies.get(index) else { continue };
             if body.kind != BodyKind::Kinematic {

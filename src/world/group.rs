@@ -57,8 +57,8 @@ pub(super) struct Groups {
 
 /// A pair that touches, as islands and batches ask for it: pairs are far from one another in memory, and are read once, by all threads.
 #[derive(Debug, Clone, Copy, Default)]
-struct Touch {
-    slot: u32,
+pub(super) struct Touch {
+    pub slot: u32,
     bodies: [u32; 2],
     manifolds: u32,
     points: u32,
@@ -81,12 +81,8 @@ impl Groups {
         touching(self.touch_parts()).map(|touch| (touch.slot, touch.bodies))
     }
 
-    /// Slots of pairs that touch, or did in the step before.
-    pub(super) fn touches(&self) -> impl Iterator<Item = u32> {
-        self.touch_parts().iter().flatten().map(|touch| touch.slot)
-    }
-
-    fn touch_parts(&self) -> &[Vec<Touch>] {
+    /// Pairs that touch, or did in the step before, in the pieces in which they were found.
+    pub(super) fn touch_parts(&self) -> &[Vec<Touch>] {
         &self.touches[..self.touch_parts]
     }
 }
@@ -163,7 +159,10 @@ impl World {
     /// Sorts everything awake into islands and batches.
     pub(super) fn group_islands(&mut self) {
         self.pairs.settle();
-        self.release_what_is_driven();
+        if self.take_census() {
+            self.release_what_is_driven();
+            self.take_census();
+        }
         self.list_touches();
         self.join_islands();
         self.number_islands();
@@ -204,18 +203,18 @@ impl World {
     }
 
     fn join_islands(&mut self) {
-        let Self { scratch, bodies, joints, movers, unions, groups, index, .. } = self;
+        let Self { scratch, bodies, joints, movers, unions, groups, index, census, .. } = self;
         scratch.islands.reset(bodies.slot_count(), movers);
         groups.list_joint_bodies(joints);
         index.free.begin(bodies.slot_count());
         groups.dynamic.clear();
         groups.bound.clear();
         for &body in movers.iter() {
-            let record = &bodies[body];
-            if record.is_free() {
+            let known = census.of(body);
+            if known.is_free() {
                 groups.dynamic.push(body);
                 index.free.set(body);
-                if !record.joints.is_empty() {
+                if known.is_jointed() {
                     groups.bound.push(body);
                 }
             }

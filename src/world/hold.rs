@@ -15,6 +15,7 @@
 use glam::Vec3;
 
 use super::World;
+use super::census::Known;
 use super::support::{Frame, Site, kind_of};
 use crate::body::BodyKind;
 use crate::span::support::{Graph, hull};
@@ -70,9 +71,6 @@ impl World {
     /// Lets go of what a moving kinematic body touches.
     pub(super) fn release_what_is_driven(&mut self) {
         let drives = |body: &crate::body::Body| body.acts_as() == BodyKind::Kinematic && body.is_mover();
-        if !self.movers.iter().any(|&index| drives(&self.bodies[index])) {
-            return;
-        }
         let Self { pairs, colliders, bodies, .. } = self;
         for &(key, slot) in pairs.active() {
             let (a, b) = key.shapes();
@@ -92,13 +90,14 @@ impl World {
         hold.candidates.clear();
         hold.let_go = false;
         let mut any = false;
+        let census = &self.census;
         for members in self.groups.islands() {
-            let all = |test: fn(&crate::body::Body) -> bool| members.iter().all(|&index| test(&self.bodies[index]));
-            let is_held = all(|body| body.held);
-            hold.let_go |= !is_held && members.iter().any(|&index| self.bodies[index].held);
-            let calm_for = members.iter().map(|&index| self.bodies[index].calm_for).min().unwrap_or(0);
+            let known = || members.iter().map(|&index| census.of(index));
+            let is_held = known().all(Known::is_held);
+            hold.let_go |= !is_held && known().any(Known::is_held);
+            let calm_for = known().map(|known| known.calm_for).min().unwrap_or(0);
             let is_due = calm_for == u8::MAX || (calm_for > 0 && calm_for % CALM_STEPS == 0);
-            let is_candidate = !is_held && is_due && all(|body| body.joints.is_empty());
+            let is_candidate = !is_held && is_due && !known().any(Known::is_jointed);
             hold.islands.push(is_held);
             hold.candidates.push(is_candidate);
             any |= is_candidate;
@@ -106,16 +105,17 @@ impl World {
         if any {
             self.judge_candidates(&mut hold);
         }
-        let Self { groups, bodies, report, .. } = self;
+        let Self { groups, bodies, census, report, .. } = self;
         for (members, &is_held) in groups.islands().zip(&hold.islands) {
-            for &index in members {
+            // Of what goes on being held nothing changes.
+            for &index in members.iter().filter(|&&index| census.of(index).is_held() != is_held) {
                 let body = &mut bodies[index];
                 body.held = is_held;
                 if is_held {
                     (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
-                    report.counts.bodies_held += 1;
                 }
             }
+            report.counts.bodies_held += if is_held { members.len() as u32 } else { 0 };
         }
         self.hold = hold;
     }

@@ -311,11 +311,25 @@ impl Records<'_> {
         }
         batch.ends = ends;
         if !batch.joint_slots.is_empty() {
-            let scale = self.scale_for(batch);
-            let Batch { inputs, manifolds, ends, .. } = batch;
-            make_room(inputs, manifolds.len());
-            inputs.extend(manifolds.iter().zip(ends).map(|(&manifold, &mut ends)| self.contact_input(manifold, ends, scale)));
+            self.form_inputs(batch, threads);
         }
+    }
+
+    /// Brings the manifolds of a batch in which an articulation may hold some into world axes.
+    fn form_inputs(&self, batch: &mut Batch, threads: &Workers) {
+        let scale = self.scale_for(batch);
+        let Batch { inputs, manifolds, ends, .. } = batch;
+        let form = |(&manifold, &ends)| self.contact_input(manifold, ends, scale);
+        make_room(inputs, manifolds.len());
+        if !threads.has_team() {
+            return inputs.extend(manifolds.iter().zip(&*ends).map(form));
+        }
+        inputs.resize(manifolds.len(), ContactInput::default());
+        let piece = threads.piece(manifolds.len(), LEAST_MANIFOLDS);
+        let pieces = inputs.chunks_mut(piece).zip(manifolds.chunks(piece).zip(ends.chunks(piece)));
+        threads.share(pieces, |(inputs, (manifolds, ends))| {
+            inputs.iter_mut().zip(manifolds.iter().zip(ends)).for_each(|(input, source)| *input = form(source));
+        });
     }
 
     /// A manifold in world axes: a pair's slot, and which of its manifolds; its multipliers grow by `scale`.
@@ -344,6 +358,7 @@ impl Records<'_> {
         if batch.bound_slots.is_empty() || batch.joints.entries.is_empty() {
             return;
         }
+        self.list_joint_ends(batch);
         batch.mark_swept();
         let (pace, scale) = (Pace::of(batch), self.scale_for(batch));
         self.find_touches(batch);

@@ -126,8 +126,13 @@ impl World {
         let Self { movers, bodies, .. } = self;
         movers.sort_unstable();
         movers.dedup();
-        movers.retain(|&index| bodies.get(index).is_some_and(crate::body::Body::is_mover));
-        self.movers_sorted = true;
+        let mut some_are_driven = false;
+        movers.retain(|&index| {
+            let body = bodies.get(index).filter(|body| body.is_mover());
+            some_are_driven |= body.is_some_and(|body| body.kind == BodyKind::Kinematic || body.acts_as() == BodyKind::Kinematic);
+            body.is_some()
+        });
+        (self.movers_sorted, self.some_are_driven) = (true, some_are_driven);
     }
 
     /// Counts the quiet time of every island and puts those to sleep that have been quiet for long enough.

@@ -67,6 +67,8 @@ impl World {
             escaped: _,
             hold: _,
             groups: _,
+            census: _,
+            some_are_driven: _,
             index: _,
             batches: _,
             batch_count: _,
@@ -182,7 +184,7 @@ impl World {
         let report = StepReport { step: row.step, time: row.time, ..StepReport::default() };
         self.events = Events { ended_by_edits: row.ended_by_edits, ..Events::default() };
         self.movers = row.movers.0;
-        self.movers_sorted = row.movers_sorted;
+        (self.movers_sorted, self.some_are_driven) = (row.movers_sorted, true);
         self.has_smooth_bodies = true;
         self.last_substep = row.last_substep;
         self.last_dt = row.last_dt;

@@ -12,13 +12,13 @@ use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::Pair;
 use crate::id::{BodyId, Pool, ShapeId};
-use crate::report::{Events, Moved};
-use crate::room::make_room_behind;
+use crate::report::Events;
 use crate::solve::contact::TOUCHED;
 use crate::solve::shared::{Divided, Slots};
 
 pub(super) mod bodies;
 pub(super) mod joints;
+mod moved;
 
 /// Pairs that are reported before those of them that touch are judged: few enough to be still in the cache, and enough for reads of
 /// pairs to overlap, which they do not from one judgement to the next.
@@ -42,6 +42,7 @@ impl World {
         self.scale_held(self.impulse_scale(substep));
         (self.last_substep, self.last_dt) = (substep, dt);
         self.scratch.paths.clear();
+        self.scratch.some_are_fast = false;
         self.has_smooth_bodies = false;
         for number in 0..self.batch_count {
             self.store_bodies(number, dt);
@@ -143,6 +144,9 @@ impl World {
 
     /// Kinematic bodies end where they were told to be.
     fn finish_kinematic_bodies(&mut self, dt: f32) {
+        if !self.some_are_driven {
+            return;
+        }
         for &index in &self.movers {
             let body = &mut self.bodies[index];
             if body.kind != BodyKind::Kinematic {
@@ -173,17 +177,6 @@ impl World {
         }
     }
 
-    /// Of what touched in this step, or did before, as nobody asks for more.
-    fn report_touches(&mut self) {
-        let Self { groups, pairs, colliders, bodies, events, hold, .. } = self;
-        for slot in groups.touches() {
-            let pair = pairs.get_mut(slot);
-            if pair.is_active() && (hold.let_go || !pair.still) {
-                report_contact(pair, colliders, bodies, events);
-            }
-        }
-    }
-
     fn report_contacts_with_support(&mut self) {
         let Self { pairs, colliders, bodies, events, support, hold, .. } = self;
         let Some(support) = support.as_deref_mut() else { return };
@@ -206,31 +199,6 @@ impl World {
             }
             support.look_at_near(pairs, colliders, bodies);
         }
-    }
-
-    /// Lists every body that moved.
-    pub(super) fn list_moved(&mut self) {
-        let Self { movers, bodies, events, report, .. } = self;
-        make_room_behind(&mut events.moved, movers.len());
-        for &index in movers.iter() {
-            let body = &mut bodies[index];
-            if body.quarantined || (body.held && body.is_awake()) {
-                continue;
-            }
-            let woke = std::mem::take(&mut body.woke);
-            let body = &bodies[index];
-            events.moved.push(Moved {
-                body: bodies.handle_of(index),
-                user_word: body.user_word,
-                pose: body.pose(),
-                linear_velocity: body.linear_velocity,
-                angular_velocity: body.angular_velocity,
-                fell_asleep: !body.is_awake(),
-                woke,
-            });
-        }
-        report.counts.moved = events.moved.len() as u32;
-        self.movers_sorted = false;
     }
 }
 

@@ -67,14 +67,14 @@ impl World {
 
     /// Says how many substeps each island takes at once.
     pub(super) fn choose_strides(&mut self) {
-        let Self { groups, bodies, pairs, index, unions, def, has_smooth_bodies, .. } = self;
+        let Self { groups, census, pairs, index, unions, def, has_smooth_bodies, .. } = self;
         let mut strides = std::mem::take(&mut groups.strides);
         strides.clear();
         let may_stride = def.substeps >= LEAST_SUBSTEPS && def.substeps % STRIDE == 0 && def.articulations.error_target == 0.0;
         if may_stride && *has_smooth_bodies {
             strides.extend(groups.islands().map(|members| {
-                let is_smooth = |&index: &u32| is_smooth(&bodies[index]) && unions.moving(index).is_none();
-                let is_jointed = |&index: &u32| !bodies[index].joints.is_empty();
+                let is_smooth = |&index: &u32| census.of(index).smooth_for >= SMOOTH_STEPS && unions.moving(index).is_none();
+                let is_jointed = |&index: &u32| census.of(index).is_jointed();
                 if members.iter().all(is_smooth) && members.iter().any(is_jointed) { STRIDE } else { 1 }
             }));
         }

@@ -36,7 +36,7 @@ use crate::solve::joint::reach::FarStops;
 use crate::solve::joint::rows::{self, Rate};
 use crate::solve::joint::{JointEntry, Stance};
 use crate::solve::shared::Slots;
-use crate::solve::state::{BodyMotion, BodyVelocity};
+use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 
 /// Error that a substep may leave, over the mean distance of joint points from centres of mass.
 pub(super) const TOLERANCE: f64 = 2.0e-3;
@@ -85,6 +85,10 @@ pub(super) enum Mode {
 #[derive(Debug, Default)]
 pub(crate) struct Articulation {
     pub entries: Vec<JointEntry>,
+    /// Numbers of the two bodies of each joint.
+    pub(super) ends: Vec<[u32; 2]>,
+    /// Bodies other than the world that it does not move, by slot and number, in the order of their slots.
+    anchors: Vec<(u32, u32)>,
     pub(super) bodies: Vec<DirectBody>,
     pub(super) quads: Vec<Quad>,
     /// Where the bodies stood at the start of the step (m).
@@ -222,6 +226,8 @@ impl Articulation {
     pub(crate) fn clear(&mut self) {
         self.swept_steps = 0;
         self.entries.clear();
+        self.ends.clear();
+        self.anchors.clear();
         self.touches.clear();
         self.watched.clear();
         self.coupled = false;
@@ -252,8 +258,29 @@ impl Articulation {
         self.histories.push(history);
         let body = DirectBody::new(slot, velocity, motion);
         self.is_damped |= body.is_damped();
+        let number = self.bodies.len() as u32;
+        if !body.is_dynamic() && slot != WORLD_SLOT {
+            self.anchors.insert(self.anchors.partition_point(|&(other, _)| other < slot), (slot, number));
+        }
         self.bodies.push(body);
-        self.bodies.len() as u32 - 1
+        number
+    }
+
+    /// Takes in a joint between bodies of these numbers.
+    pub(super) fn add_joint(&mut self, entry: &JointEntry, ends: [u32; 2]) {
+        self.entries.push(*entry);
+        self.ends.push(ends);
+    }
+
+    /// Bodies other than the world that it does not move, by slot and number.
+    pub(super) fn anchors(&self) -> &[(u32, u32)] {
+        &self.anchors
+    }
+
+    /// Number of the body with this slot, if that does not move and has been taken in.
+    pub(super) fn anchor(&self, slot: u32) -> Option<u32> {
+        let found = self.anchors.binary_search_by_key(&slot, |&(slot, _)| slot);
+        found.ok().map(|place| self.anchors[place].1)
     }
 
     /// Whether it has contacts as rows that sweeps solve nearly as well: nothing heavy rests on it, nor hangs on what is light.
@@ -284,11 +311,6 @@ impl Articulation {
     /// The last substep of each body that it moves, by slot.
     pub(crate) fn histories(&self) -> impl Iterator<Item = (u32, &History)> {
         self.bodies.iter().zip(&self.histories).filter(|(body, _)| body.is_dynamic()).map(|(body, history)| (body.slot, history))
-    }
-
-    /// Slots of all its bodies.
-    pub(super) fn slots(&self) -> impl Iterator<Item = u32> + '_ {
-        self.bodies.iter().map(|body| body.slot)
     }
 
     /// Slots of the bodies that it moves.

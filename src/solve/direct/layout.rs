@@ -10,7 +10,6 @@ use super::quads;
 use super::root;
 use super::system::{Coupling, Topology};
 use crate::solve::joint::JointEntry;
-use crate::solve::state::WORLD_SLOT;
 
 /// Multiplications of a factorisation for each row of the articulation above which sweeps are the better choice, and above which
 /// the direct solve is no choice at all.
@@ -50,21 +49,20 @@ struct NoRoom;
 
 impl Articulation {
     /// Prepares the structure of the matrix; false where sweeps are the better choice, or where they must be if it is `asked` for.
-    pub(crate) fn lay_out(&mut self, local: &[(u32, u32)], asked: bool) -> bool {
+    pub(super) fn lay_out(&mut self, asked: bool) -> bool {
         self.stale |= std::mem::replace(&mut self.is_asked_for, asked) != asked;
         self.carried.clear();
         self.carried.extend(self.touches.iter().filter(|touch| touch.other_moves).map(|touch| [touch.body, touch.other]));
         self.carried.sort_unstable();
         self.carried.dedup();
-        let Self { entries, bodies, carried, .. } = self;
-        let link = |entry: &JointEntry| {
-            let ends = [entry.a, entry.b].map(|slot| if slot == WORLD_SLOT { 0 } else { local[slot as usize].1 });
+        let Self { entries, ends, bodies, carried, .. } = self;
+        let link = |(entry, &ends): (&JointEntry, &[u32; 2])| {
             let moves = ends.map(|body| bodies[body as usize].is_dynamic());
             let capacity = u32::from(entry.most_rows) + if entry.is_distance { 2 } else { 0 };
             Link { bodies: ends, moves, capacity, is_plain: entry.is_plain, is_contact: false }
         };
         let contact = |&bodies: &[u32; 2]| Link { bodies, moves: [true; 2], capacity: 0, is_plain: false, is_contact: true };
-        let links = || entries.iter().map(link).chain(carried.iter().map(contact));
+        let links = || entries.iter().zip(&*ends).map(link).chain(carried.iter().map(contact));
         let unchanged = self.links.len() == entries.len() + carried.len() && self.links.iter().copied().eq(links());
         if !unchanged {
             self.links.clear();

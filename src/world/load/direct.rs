@@ -64,7 +64,7 @@ impl Records<'_> {
             withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
             direct.find_touching(inputs, motions);
             let records = Within { world: self, bodies, manifolds };
-            direct.take(&mut joints.entries, velocities, motions, inputs, &records);
+            direct.take(&mut joints.entries, (velocities, motions), inputs, &records, threads);
             joints.entries.append(withheld);
             direct.step(self.joints, velocities, motions, inputs, settings, threads);
             let (direct, floor) = batch.direct_and_floor(threads);

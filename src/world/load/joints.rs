@@ -15,8 +15,7 @@ const LEAST_JOINTS: usize = 64;
 
 impl Records<'_> {
     pub(super) fn list_joints(&self, batch: &mut Batch, threads: &Workers) {
-        let are_asked_for = !batch.bound_slots.is_empty() || !batch.chains.is_empty();
-        if !are_asked_for && batch.joint_slots.len() >= SHARED_JOINTS && threads.has_team() {
+        if batch.joint_slots.len() >= SHARED_JOINTS && threads.has_team() {
             return self.list_joints_on_all_threads(batch, threads);
         }
         let scale = self.scale_for(batch);
@@ -25,14 +24,19 @@ impl Records<'_> {
             let slot = batch.joint_slots[number];
             let joint = &self.joints[slot];
             let ends = [0, 1].map(|side| self.find_joint_end(batch, joint, side));
-            if are_asked_for {
-                batch.joint_ends.push(ends);
-            }
             batch.joints.entries.push(joint_entry(slot, joint, ends, scale, batch.stride));
         }
     }
 
-    /// The same where nobody asks for their ends.
+    /// Lists both ends of each joint, where bounds ask for them.
+    pub(super) fn list_joint_ends(&self, batch: &mut Batch) {
+        for number in 0..batch.joint_slots.len() {
+            let joint = &self.joints[batch.joint_slots[number]];
+            let ends = [0, 1].map(|side| self.find_joint_end(batch, joint, side));
+            batch.joint_ends.push(ends);
+        }
+    }
+
     fn list_joints_on_all_threads(&self, batch: &mut Batch, threads: &Workers) {
         let (scale, stride) = (self.scale_for(batch), batch.stride);
         let entry_of = |slot: u32| {
@@ -43,8 +47,9 @@ impl Records<'_> {
             };
             joint_entry(slot, joint, [end(0), end(1)], scale, stride)
         };
-        let Batch { joints, joint_slots, .. } = batch;
+        let Batch { joints, joint_slots, direct, .. } = batch;
         // Those of the step before are as good as any to be written over: most are as many.
+        direct.give_back(&mut joints.entries);
         joints.entries.resize_with(joint_slots.len(), || entry_of(joint_slots[0]));
         let piece = threads.piece(joint_slots.len(), LEAST_JOINTS);
         threads.share(joints.entries.chunks_mut(piece).zip(joint_slots.chunks(piece)), |(entries, slots)| {

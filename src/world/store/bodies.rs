@@ -35,6 +35,7 @@ pub(in crate::world) struct Noted {
     /// Motions of unions, by a member.
     unions: Vec<(u32, UnionMotion)>,
     has_smooth_bodies: bool,
+    has_fast_bodies: bool,
 }
 
 /// What the bodies of a batch are written back from.
@@ -107,6 +108,7 @@ impl World {
             broken.append(&mut noted.broken);
             scratch.paths.append(&mut noted.paths);
             *has_smooth_bodies |= std::mem::take(&mut noted.has_smooth_bodies);
+            scratch.some_are_fast |= std::mem::take(&mut noted.has_fast_bodies);
             for (member, motion) in noted.unions.drain(..) {
                 if let Some(union) = unions.of_mut(member).filter(|union| union.anchor == Anchor::Free) {
                     union.motion = motion;
@@ -150,6 +152,7 @@ impl Moves<'_> {
             noted.broken.extend_from_slice(members);
             return;
         }
+        noted.has_fast_bodies |= is_fast;
         let is_swept = is_fast || batch.direct.is_jointed(slot as u32);
         let steady = batch.load_pass.is_slow(slot);
         for &member in members {

@@ -1,0 +1,96 @@
+//! What grouping asks of every body that a step may move, in a few bytes: records are hundreds of bytes each, and are read once for all of it,
+//! by all threads.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::World;
+use crate::body::{Body, BodyKind};
+
+/// Bodies from which on all threads are at it, and those that are worth another thread's while: some 5 µs.
+const SHARED_MOVERS: usize = 1024;
+const LEAST_SLOTS: usize = 512;
+
+/// What is asked of one body.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Known {
+    flags: u8,
+    /// As [`Body::calm_for`] and [`Body::smooth_for`].
+    pub calm_for: u8,
+    pub smooth_for: u8,
+}
+
+impl Known {
+    const FREE: u8 = 1;
+    const DRIVES: u8 = 2;
+    const HELD: u8 = 4;
+    const JOINTED: u8 = 8;
+
+    fn of(body: &Body) -> Self {
+        let kind = body.acts_as();
+        let flags = [
+            (kind == BodyKind::Dynamic, Self::FREE),
+            (kind == BodyKind::Kinematic, Self::DRIVES),
+            (body.held, Self::HELD),
+            (!body.joints.is_empty(), Self::JOINTED),
+        ];
+        let flags = flags.into_iter().map(|(is_so, flag)| if is_so { flag } else { 0 }).sum();
+        Self { flags, calm_for: body.calm_for, smooth_for: body.smooth_for }
+    }
+
+    /// As [`Body::is_free`].
+    pub(super) fn is_free(self) -> bool {
+        self.flags & Self::FREE != 0
+    }
+
+    pub(super) fn is_held(self) -> bool {
+        self.flags & Self::HELD != 0
+    }
+
+    pub(super) fn is_jointed(self) -> bool {
+        self.flags & Self::JOINTED != 0
+    }
+
+    fn drives(self) -> bool {
+        self.flags & Self::DRIVES != 0
+    }
+}
+
+/// What is known of the bodies that a step may move, by slot; of others, what was at some time.
+#[derive(Debug, Default)]
+pub(super) struct Census {
+    known: Vec<Known>,
+}
+
+impl Census {
+    /// Of a body that the step may move.
+    pub(super) fn of(&self, body: u32) -> Known {
+        self.known[body as usize]
+    }
+}
+
+impl World {
+    /// Takes note of every body that the step may move; whether any of them is kinematic.
+    pub(super) fn take_census(&mut self) -> bool {
+        let Self { census: Census { known }, movers, bodies, threads, .. } = self;
+        known.resize(bodies.slot_count(), Known::default());
+        let any_drives = AtomicBool::new(false);
+        let is_shared = threads.has_team() && movers.len() >= SHARED_MOVERS;
+        let piece = if is_shared { threads.piece(known.len(), LEAST_SLOTS) } else { known.len().max(1) };
+        let mut rest = &movers[..];
+        let pieces = known.chunks_mut(piece).zip((0..).step_by(piece)).map(|(known, first)| {
+            let own;
+            (own, rest) = rest.split_at(rest.partition_point(|&body| (body as usize) < first + piece));
+            (known, own, first)
+        });
+        threads.share(pieces, |(known, own, first)| {
+            for &body in own {
+                let entry = Known::of(&bodies[body]);
+                known[body as usize - first] = entry;
+                if entry.drives() {
+                    any_drives.store(true, Ordering::Relaxed);
+                }
+            }
+        });
+        any_drives.into_inner()
+    }
+}
