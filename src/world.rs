@@ -42,6 +42,7 @@ mod planes;
 mod query;
 mod read;
 mod redefine;
+mod rest;
 mod sense;
 mod shapes;
 mod sleep;
@@ -80,6 +81,7 @@ pub struct World {
     census: census::Census,
     index: index::Index,
     hold: hold::Hold,
+    rest: rest::Rest,
     fracture: fracture::Fracture,
     batches: Vec<Batch>,
     batch_count: usize,
@@ -151,6 +153,7 @@ impl World {
             census: census::Census::default(),
             index: index::Index::default(),
             hold: hold::Hold::default(),
+            rest: rest::Rest::default(),
             fracture: fracture::Fracture::default(),
             batches: Vec::new(),
             batch_count: 0,
@@ -184,20 +187,22 @@ impl World {
         clock.enter(c"find pairs");
         self.begin_step(dt);
         self.form_unions();
-        self.find_pairs(dt);
-        self.report.timings.broad_phase = clock.lap();
-        clock.enter(c"update contacts");
-        self.update_contacts(dt);
-        self.report.timings.narrow_phase = clock.lap();
-        clock.enter(c"group islands");
-        self.note_approaches();
-        self.wake_what_is_touched();
-        self.group_islands();
-        self.report.timings.islands = clock.lap();
-        clock.enter(c"derive long range");
-        self.derive_long_range();
-        self.hand_out_bounds();
-        self.report.timings.long_range = clock.lap();
+        if self.stirs() {
+            self.find_pairs(dt);
+            self.report.timings.broad_phase = clock.lap();
+            clock.enter(c"update contacts");
+            self.update_contacts(dt);
+            self.report.timings.narrow_phase = clock.lap();
+            clock.enter(c"group islands");
+            self.note_approaches();
+            self.wake_what_is_touched();
+            self.group_islands();
+            self.report.timings.islands = clock.lap();
+            clock.enter(c"derive long range");
+            self.derive_long_range();
+            self.hand_out_bounds();
+            self.report.timings.long_range = clock.lap();
+        }
         clock.enter(c"solve");
         self.solve_batches(dt);
         self.read_joint_loads(dt);
@@ -215,6 +220,7 @@ impl World {
         self.list_moved();
         clock.enter(c"judge support");
         self.judge_support();
+        self.note_rest();
         self.report.timings.finish = clock.lap();
         self.report.timings.total = clock.total();
         Ok(&self.report)

@@ -42,10 +42,11 @@ impl World {
         for &body in &self.movers {
             self.index.moving.set(body);
         }
+        let any_moves = self.movers.iter().any(|&body| !self.bodies[body].held);
         let most_move = 2 * self.movers.len() > self.colliders.slot_count();
-        if self.threads.has_team() && self.movers.len() >= SHARED_MOVERS && most_move {
+        if any_moves && self.threads.has_team() && self.movers.len() >= SHARED_MOVERS && most_move {
             self.renew_boxes_on_all_threads(gravity, dt, most_are_in_pairs);
-        } else {
+        } else if any_moves {
             self.renew_boxes(gravity, dt, most_are_in_pairs);
         }
         self.drop_distant_pairs();

@@ -146,12 +146,15 @@ impl World {
         for members in groups.islands() {
             let mut quiet = f32::INFINITY;
             for &index in members {
-                let body = &mut bodies[index];
+                let body = &bodies[index];
                 let slow = body.linear_velocity.length() <= limits.linear_speed
                     && body.angular_velocity.length() <= limits.angular_speed;
-                if let SleepState::Awake { quiet_for } = &mut body.sleep {
-                    *quiet_for = if slow && body.can_sleep { *quiet_for + dt } else { 0.0 };
-                    quiet = quiet.min(*quiet_for);
+                if let SleepState::Awake { quiet_for: before } = body.sleep {
+                    let quiet_for = if slow && body.can_sleep { before + dt } else { 0.0 };
+                    quiet = quiet.min(quiet_for);
+                    if quiet_for != before {
+                        bodies[index].sleep = SleepState::Awake { quiet_for };
+                    }
                 }
             }
             if quiet >= limits.time && !members.is_empty() {

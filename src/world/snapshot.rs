@@ -66,6 +66,7 @@ impl World {
             // Made anew from the rest by whoever needs them next.
             escaped: _,
             hold: _,
+            rest: _,
             groups: _,
             census: _,
             some_are_driven: _,
