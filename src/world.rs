@@ -187,7 +187,8 @@ impl World {
         clock.enter(c"find pairs");
         self.begin_step(dt);
         self.form_unions();
-        if self.stirs() {
+        let stirs = self.stirs();
+        if stirs {
             self.find_pairs(dt);
             self.report.timings.broad_phase = clock.lap();
             clock.enter(c"update contacts");
@@ -213,11 +214,13 @@ impl World {
         self.stop_fast_bodies();
         self.report_splits();
         self.prepare_support();
-        self.report_contacts();
-        self.report_hits();
+        if stirs {
+            self.report_contacts();
+            self.report_hits();
+        }
         self.sense();
         self.put_quiet_islands_to_sleep(dt);
-        self.list_moved();
+        self.list_moved(stirs);
         clock.enter(c"judge support");
         self.judge_support();
         self.note_rest();

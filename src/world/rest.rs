@@ -45,6 +45,7 @@ impl World {
         let is_still = self.rest.before == now
             && self.rest.counts == counts
             && counts.bodies_held as usize == self.movers.len()
+            && counts.pairs_updated == 0
             && counts.joints_condemned == 0
             && self.movers_sorted
             && !self.hold.let_go;

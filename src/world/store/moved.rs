@@ -14,8 +14,11 @@ const SHARED_MOVERS: usize = 512;
 const LEAST_MOVERS: usize = 128;
 
 impl World {
-    /// Lists every body that moved.
-    pub(in crate::world) fn list_moved(&mut self) {
+    /// Lists every body that moved; none where nothing stirs and nothing has fallen asleep.
+    pub(in crate::world) fn list_moved(&mut self, stirs: bool) {
+        if !stirs && self.movers_sorted {
+            return self.events.moved.clear();
+        }
         let Self { movers, bodies, events, report, threads, .. } = self;
         let has_woken = AtomicBool::new(false);
         let moved = |&index: &u32| {
