@@ -190,20 +190,26 @@ impl World {
         let stirs = self.stirs();
         if stirs {
             self.find_pairs(dt);
-            self.report.timings.broad_phase = clock.lap();
-            clock.enter(c"update contacts");
+        }
+        self.report.timings.broad_phase = clock.lap();
+        clock.enter(c"update contacts");
+        if stirs {
             self.update_contacts(dt);
-            self.report.timings.narrow_phase = clock.lap();
-            clock.enter(c"group islands");
+        }
+        self.report.timings.narrow_phase = clock.lap();
+        clock.enter(c"group islands");
+        if stirs {
             self.note_approaches();
             self.wake_what_is_touched();
             self.group_islands();
-            self.report.timings.islands = clock.lap();
-            clock.enter(c"derive long range");
+        }
+        self.report.timings.islands = clock.lap();
+        clock.enter(c"derive long range");
+        if stirs {
             self.derive_long_range();
             self.hand_out_bounds();
-            self.report.timings.long_range = clock.lap();
         }
+        self.report.timings.long_range = clock.lap();
         clock.enter(c"solve");
         self.solve_batches(dt);
         self.read_joint_loads(dt);

@@ -67,6 +67,7 @@ impl Records<'_> {
             direct.take(&mut joints.entries, (velocities, motions), inputs, &records, threads);
             joints.entries.append(withheld);
             direct.step(self.joints, velocities, motions, inputs, settings, threads);
+            direct.mark_even(roles);
             let (direct, floor) = batch.direct_and_floor(threads);
             direct.get_ready(floor, h);
         }

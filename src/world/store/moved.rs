@@ -87,5 +87,5 @@ impl World {
 
 /// Whether a body that a step may move is listed after it.
 fn is_listed(body: &Body) -> bool {
-    !body.quarantined && !(body.held && body.is_awake())
+    !(body.quarantined || body.held && body.is_awake())
 }
