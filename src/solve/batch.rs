@@ -11,7 +11,7 @@ use super::contact_block::ContactBlocks;
 use super::direct::Direct;
 use super::dissipative::DissipativeIslands;
 use super::exact::ExactIslands;
-use super::joint::{BatchJoints, JointEntry, may_be_cut};
+use super::joint::{BatchJoints, may_be_cut};
 use super::lead::Leads;
 use super::load_pass::LoadPass;
 use super::momentum::FreeIslands;
@@ -104,8 +104,6 @@ pub(crate) struct Batch {
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
     pub direct: Direct,
-    /// Joints that a direct solve may not take.
-    pub withheld: Vec<JointEntry>,
     /// Slots of the bodies of each manifold, and how many points it has.
     pub ends: Vec<ContactEnds>,
     /// All manifolds, where an articulation may hold some.

@@ -26,7 +26,7 @@
 use super::batch::Batch;
 use super::momentum::FreeIslands;
 use super::poses::Poses;
-use super::state::{BodyMotion, BodyVelocity, MotionKind};
+use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 
@@ -168,6 +168,7 @@ impl PassiveIslands {
 impl Batch {
     /// Finds the islands whose rows give no energy but by motors: joints and bounds without give, on bodies moved in lanes.
     pub(crate) fn find_passive_islands(&mut self) {
+        let first_driver = self.moving() + 1;
         let Self { passive: PassiveIslands { islands, owner, driven, motorised, .. }, motions, inputs, direct, bounds, .. } =
             self;
         islands.clear();
@@ -187,7 +188,7 @@ impl Batch {
         motorised.clear();
         motorised.resize(islands.len(), false);
         let mut mark = |ends: [u32; 2], gives: bool, has_motor: bool| {
-            let is_moved = ends.iter().any(|&slot| motions[slot as usize].kind == MotionKind::Kinematic);
+            let is_moved = ends.iter().any(|&slot| slot as usize >= first_driver);
             for owner in ends.map(|slot| owner[slot as usize]).into_iter().filter(|&owner| owner != NOBODY) {
                 driven[owner as usize] |= gives || is_moved;
                 motorised[owner as usize] |= has_motor;
@@ -195,8 +196,8 @@ impl Batch {
         };
         inputs.iter().for_each(|input| mark([input.a, input.b], true, false));
         direct.entries().for_each(|entry| mark([entry.a, entry.b], true, false));
-        for entry in &self.joints.entries {
-            mark([entry.a, entry.b], !entry.gives_by_motors_alone, entry.has_motor);
+        for link in direct.left(&self.joints.links) {
+            mark([link.a, link.b], !link.gives_by_motors_alone, link.has_motor);
         }
         bounds.entries.iter().for_each(|entry| mark([entry.near, entry.far], entry.has_give(), false));
         let mut number = 0;

@@ -461,9 +461,9 @@ impl Records<'_> {
     }
 
     fn find_free_islands(&self, batch: &mut Batch) {
-        let Batch { islands, velocities, motions, ends, joints, direct, free, bodies, .. } = batch;
+        let Batch { islands, velocities, motions, ends, joints, free, bodies, .. } = batch;
         let contacts = ends.iter().map(|ends| (ends.a, ends.b));
-        let joined = joints.entries.iter().chain(direct.entries()).map(|entry| (entry.a, entry.b));
+        let joined = joints.links.iter().map(|link| (link.a, link.b));
         free.find(islands, velocities, motions, contacts.chain(joined), |slot| self.center(bodies[slot as usize]));
     }
 

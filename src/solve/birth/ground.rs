@@ -36,7 +36,7 @@ impl Ground {
         known.clear();
         known.resize(batch.motions.len(), Known::Nothing);
         let is_fixed = |slot: u32| !batch.motions[slot as usize].is_dynamic();
-        let ends = || batch.joints.entries.iter().chain(batch.direct.entries()).map(|entry| (entry.a, entry.b));
+        let ends = || batch.joints.links.iter().map(|link| (link.a, link.b));
         if !ends().any(|(a, b)| is_fixed(a) != is_fixed(b)) {
             return;
         }

@@ -267,8 +267,8 @@ impl Articulation {
     }
 
     /// Takes in a joint between bodies of these numbers.
-    pub(super) fn add_joint(&mut self, entry: &JointEntry, ends: [u32; 2]) {
-        self.entries.push(*entry);
+    pub(super) fn add_joint(&mut self, entry: JointEntry, ends: [u32; 2]) {
+        self.entries.push(entry);
         self.ends.push(ends);
     }
 

@@ -18,7 +18,7 @@ use glam::{DMat3, DVec3};
 use super::StepSettings;
 use super::buckets::Buckets;
 use super::contact::{ContactImpulses, ContactInput};
-use super::joint::{JointEntry, worst_gap};
+use super::joint::{JointEntry, JointLink, worst_gap};
 use super::role::Role;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
@@ -101,14 +101,14 @@ pub(crate) struct Direct {
     touches: Vec<(u32, u32)>,
     touching: Buckets,
     candidates: Vec<Candidate>,
-    left: Vec<JointEntry>,
+    left: Vec<JointLink>,
     refused: Refused,
     locksteps: Locksteps,
     /// Group of each joint, and room to sort joints by it.
     order: Vec<u32>,
     keys: Vec<(u32, u32)>,
     by_group: Buckets,
-    sorted: Vec<JointEntry>,
+    sorted: Vec<JointLink>,
     /// Contacts that need no other rows, by number, and the multipliers of those that press.
     held: Vec<bool>,
     impulses: Vec<(u32, ContactImpulses)>,
@@ -116,6 +116,8 @@ pub(crate) struct Direct {
 
 /// What the world knows of a batch beyond the batch's own arrays.
 pub(crate) trait BatchRecords {
+    /// A joint as it is solved.
+    fn joint(&self, link: &JointLink) -> JointEntry;
     /// Where a slot's body stands (m), and its last substep.
     fn body(&self, slot: u32) -> (DVec3, History);
     /// Shape operators of both surfaces of the contact of this number in world axes (1/m), where both are smooth, and how far its

@@ -1,14 +1,14 @@
 //! What was too much work for the direct solve in the last step is so in this one, while it is the same.
 
-use crate::solve::joint::JointEntry;
+use crate::solve::joint::JointLink;
 use crate::solve::role::Role;
 
 /// What the structure of a matrix follows from, joint by joint: its bodies, its rows, and which of the bodies move.
 type Signature = (u32, u32, u8, [bool; 2]);
 
-fn signature(entry: &JointEntry, roles: &[Role]) -> Signature {
-    let moves = [entry.a, entry.b].map(|slot| roles[slot as usize].moves());
-    (entry.a, entry.b, entry.most_rows, moves)
+fn signature(link: &JointLink, roles: &[Role]) -> Signature {
+    let moves = [link.a, link.b].map(|slot| roles[slot as usize].moves());
+    (link.a, link.b, link.most_rows, moves)
 }
 
 /// The last articulation without contacts that was left to sweeps. Large sheets are laid out slower than they are swept.
@@ -20,15 +20,15 @@ pub(super) struct Refused {
 
 impl Refused {
     /// Whether these joints would be laid out as those were.
-    pub(super) fn is_of(&self, entries: &[JointEntry], roles: &[Role], asked: bool) -> bool {
+    pub(super) fn is_of(&self, links: &[JointLink], roles: &[Role], asked: bool) -> bool {
         asked == self.was_asked_for
-            && entries.len() == self.joints.len()
-            && entries.iter().zip(&self.joints).all(|(entry, &joint)| signature(entry, roles) == joint)
+            && links.len() == self.joints.len()
+            && links.iter().zip(&self.joints).all(|(link, &joint)| signature(link, roles) == joint)
     }
 
-    pub(super) fn note(&mut self, entries: &[JointEntry], roles: &[Role], asked: bool) {
+    pub(super) fn note(&mut self, links: &[JointLink], roles: &[Role], asked: bool) {
         self.joints.clear();
-        self.joints.extend(entries.iter().map(|entry| signature(entry, roles)));
+        self.joints.extend(links.iter().map(|link| signature(link, roles)));
         self.was_asked_for = asked;
     }
 }

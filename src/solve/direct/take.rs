@@ -13,7 +13,7 @@ use super::{BatchRecords, Direct, NO_GROUP, root};
 use crate::settings::Solver;
 use crate::solve::buckets::Buckets;
 use crate::solve::contact::ContactInput;
-use crate::solve::joint::JointEntry;
+use crate::solve::joint::JointLink;
 use crate::solve::role::Role;
 use crate::solve::shared::{Divided, Part, Slots};
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
@@ -35,7 +35,7 @@ pub(super) struct Candidate {
 
 /// What a batch has for articulations to take in.
 struct Intake<'a, R> {
-    entries: &'a [JointEntry],
+    links: &'a [JointLink],
     velocities: &'a [BodyVelocity],
     motions: &'a [BodyMotion],
     contacts: &'a [ContactInput],
@@ -54,22 +54,22 @@ struct Taker<'a, 'l> {
 
 impl Direct {
     /// Joins the slots that joints connect; each then has the lowest slot of its articulation as its group.
-    pub(crate) fn group_slots(&mut self, entries: &[JointEntry], roles: &[Role]) {
+    pub(crate) fn group_slots(&mut self, links: &[JointLink], roles: &[Role]) {
         self.group.clear();
         self.jointed.clear();
-        if entries.is_empty() {
+        if links.is_empty() {
             return;
         }
         self.roles.clear();
         self.roles.extend_from_slice(roles);
         self.group.extend(0..roles.len() as u32);
         self.jointed.resize(roles.len(), false);
-        for entry in entries {
-            if roles[entry.a as usize].moves() && roles[entry.b as usize].moves() {
-                let (a, b) = (root(&mut self.group, entry.a), root(&mut self.group, entry.b));
+        for link in links {
+            if roles[link.a as usize].moves() && roles[link.b as usize].moves() {
+                let (a, b) = (root(&mut self.group, link.a), root(&mut self.group, link.b));
                 self.group[a.max(b) as usize] = a.min(b);
-                self.jointed[entry.a as usize] = true;
-                self.jointed[entry.b as usize] = true;
+                self.jointed[link.a as usize] = true;
+                self.jointed[link.b as usize] = true;
             }
         }
         for slot in 0..self.group.len() as u32 {
@@ -106,10 +106,11 @@ impl Direct {
         self.touching.sort(motions.len(), self.touches.iter().copied());
     }
 
-    /// Takes the joints that are solved directly out of `entries`; `contacts` are all of the batch.
+    /// Takes the joints that are solved directly, and puts `links`, those of the batch, in the order of their groups; `contacts` are all of
+    /// the batch.
     pub(crate) fn take(
         &mut self,
-        entries: &mut Vec<JointEntry>,
+        links: &mut Vec<JointLink>,
         (velocities, motions): (&[BodyVelocity], &[BodyMotion]),
         contacts: &[ContactInput],
         records: &(impl BatchRecords + Sync),
@@ -118,16 +119,16 @@ impl Direct {
         self.held.clear();
         self.held.resize(contacts.len(), false);
         self.impulses.clear();
-        if entries.is_empty() {
+        if links.is_empty() {
             return;
         }
-        self.sort_by_group(entries);
-        self.list_candidates(entries);
+        self.sort_by_group(links);
+        self.list_candidates(links);
         self.local.clear();
         self.local.resize(motions.len(), (u32::MAX, 0));
         let Self { articulations, candidates, local, group: groups, riders, touching, .. } = self;
         articulations.resize_with(articulations.len().max(candidates.len()), Articulation::default);
-        let intake = Intake { entries, velocities, motions, contacts, groups, riders, touching, records };
+        let intake = Intake { links, velocities, motions, contacts, groups, riders, touching, records };
         let local = Divided::new(local);
         let piece = threads.piece(candidates.len(), LEAST_TAKEN);
         let pieces = candidates.chunks_mut(piece).zip(articulations.chunks_mut(piece)).zip((0..).step_by(piece));
@@ -138,26 +139,29 @@ impl Direct {
                 candidate.is_admitted = intake.fill(Taker { articulation, number, local: &mut local }, candidate);
             }
         });
-        self.keep_admitted(entries);
+        self.keep_admitted(links);
     }
 
-    /// Gives the list from which joints have been taken for a shorter one that holds nothing of use.
-    pub(crate) fn give_back(&mut self, entries: &mut Vec<JointEntry>) {
-        if entries.len() < self.left.len() {
-            std::mem::swap(entries, &mut self.left);
-        }
+    /// The joints that are not solved directly, unless they are all.
+    pub(crate) fn left_over(&self) -> Option<&[JointLink]> {
+        (self.count > 0).then_some(&self.left)
+    }
+
+    /// Of all joints of the batch, those that are not solved directly.
+    pub(crate) fn left<'a>(&'a self, links: &'a [JointLink]) -> &'a [JointLink] {
+        self.left_over().unwrap_or(links)
     }
 
     /// Puts joints in the order of their groups, which are numbered by their lowest slots, and notes those; joints keep their order within
     /// each.
-    fn sort_by_group(&mut self, entries: &mut Vec<JointEntry>) {
+    fn sort_by_group(&mut self, links: &mut Vec<JointLink>) {
         let Self { group, roles, order, keys, by_group, sorted, .. } = self;
-        let group_of = |entry: &JointEntry| {
+        let group_of = |link: &JointLink| {
             let end = |slot: u32| if roles[slot as usize].moves() { group[slot as usize] } else { NO_GROUP };
-            end(entry.a).min(end(entry.b))
+            if link.is_withheld { NO_GROUP } else { end(link.a).min(end(link.b)) }
         };
         order.clear();
-        order.extend(entries.iter().map(group_of));
+        order.extend(links.iter().map(group_of));
         if order.is_sorted() {
             return;
         }
@@ -166,22 +170,22 @@ impl Direct {
         keys.extend(order.iter().zip(0..).map(|(&group, number)| (group.min(none), number)));
         by_group.sort(roles.len() + 1, keys.iter().copied());
         sorted.clear();
-        sorted.extend((0..=none).flat_map(|group| by_group.of(group)).map(|&number| entries[number as usize]));
-        std::mem::swap(entries, sorted);
+        sorted.extend((0..=none).flat_map(|group| by_group.of(group)).map(|&number| links[number as usize]));
+        std::mem::swap(links, sorted);
         order.clear();
-        order.extend(entries.iter().map(group_of));
+        order.extend(links.iter().map(group_of));
     }
 
     /// Lists groups of joints that are to be solved directly, unless they turn out to be too much work.
-    fn list_candidates(&mut self, entries: &[JointEntry]) {
+    fn list_candidates(&mut self, links: &[JointLink]) {
         let Self { candidates, order, touching, refused, roles, solver, .. } = self;
         candidates.clear();
         let mut start = 0;
-        while start < entries.len() {
+        while start < links.len() {
             let group = order[start];
             let joints = start..start + order[start..].iter().take_while(|&&other| other == group).count();
             start = joints.end;
-            let own = &entries[joints.clone()];
+            let own = &links[joints.clone()];
             let solver = solver_of(own, *solver);
             let is_asked_for = solver == Solver::Direct;
             let is_refused = || touching.of(group).is_empty() && refused.is_of(own, roles, is_asked_for);
@@ -191,19 +195,19 @@ impl Direct {
         }
     }
 
-    /// Numbers the articulations that have been admitted, and leaves in `entries` the joints of no one's.
-    fn keep_admitted(&mut self, entries: &mut Vec<JointEntry>) {
+    /// Numbers the articulations that have been admitted, and lists the joints that are no one's.
+    fn keep_admitted(&mut self, links: &[JointLink]) {
         let Self { articulations, candidates, local, touching, refused, roles, left, count, .. } = self;
         left.clear();
         let mut first_left = 0;
         for (number, Candidate { joints, group, is_asked_for, is_admitted }) in candidates.iter().enumerate() {
             if !is_admitted {
                 if touching.of(*group).is_empty() {
-                    refused.note(&entries[joints.clone()], roles, *is_asked_for);
+                    refused.note(&links[joints.clone()], roles, *is_asked_for);
                 }
                 continue;
             }
-            left.extend_from_slice(&entries[first_left..joints.start]);
+            left.extend_from_slice(&links[first_left..joints.start]);
             first_left = joints.end;
             if *count < number {
                 articulations.swap(*count, number);
@@ -214,10 +218,7 @@ impl Direct {
             }
             *count += 1;
         }
-        if *count > 0 {
-            left.extend_from_slice(&entries[first_left..]);
-            std::mem::swap(entries, left);
-        }
+        left.extend_from_slice(&links[first_left..]);
     }
 }
 
@@ -234,9 +235,9 @@ impl<R: BatchRecords> Intake<'_, R> {
             &self.velocities[WORLD_SLOT as usize],
             &BodyMotion::FIXED,
         );
-        for entry in &self.entries[joints.clone()] {
-            let ends = [entry.a, entry.b].map(|slot| self.number_of(slot, &mut taker));
-            taker.articulation.add_joint(entry, ends);
+        for link in &self.links[joints.clone()] {
+            let ends = [link.a, link.b].map(|slot| self.number_of(slot, &mut taker));
+            taker.articulation.add_joint(self.records.joint(link), ends);
         }
         let numbers = self.touching.of(group);
         let place_of = |contact: &ContactInput| Place::of(contact, group, self.groups, self.riders, motions);
@@ -343,7 +344,7 @@ fn solved_with(slot: u32, motions: &[BodyMotion], groups: &[u32], riders: &Rider
 }
 
 /// How joints that belong together are solved: swept if one asks for it, else directly if one asks for that, else as the world says.
-fn solver_of(entries: &[JointEntry], of_world: Solver) -> Solver {
-    let asks = |solver: Solver| entries.iter().any(|entry| entry.solver == solver);
+fn solver_of(links: &[JointLink], of_world: Solver) -> Solver {
+    let asks = |solver: Solver| links.iter().any(|link| link.solver == solver);
     [Solver::GaussSeidel, Solver::Direct].into_iter().find(|&solver| asks(solver)).unwrap_or(of_world)
 }

@@ -19,6 +19,7 @@ pub(crate) mod geometry;
 mod hinge;
 pub(crate) mod kinds;
 mod lanes;
+mod link;
 mod prismatic;
 pub(crate) mod reach;
 pub(crate) mod rows;
@@ -30,6 +31,7 @@ mod sweep;
 use geometry::{Placement, Side};
 pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lanes};
 use lanes::{Holds, JointLanes};
+pub(crate) use link::JointLink;
 use singles::Singles;
 use strips::Strips;
 pub(crate) use strips::may_be_cut;
@@ -37,11 +39,11 @@ pub(crate) use strips::may_be_cut;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::LANES;
 use super::integrate::Outlook;
+use super::role::Role;
 use super::shared::Divided;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind, Softness};
-use crate::settings::Solver;
 use crate::workers::Workers;
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
@@ -79,8 +81,6 @@ pub(crate) struct JointEntry {
     pub acted: [Vec3; 2],
     /// Scalar rows that ended a substep with a positive multiplier, as bits.
     pub pressed: u32,
-    /// What its definition asks of its articulation.
-    pub solver: Solver,
     /// Most rows that it can have.
     pub most_rows: u8,
     /// Whether it holds points rigidly together and does nothing else.
@@ -100,6 +100,9 @@ pub(crate) struct JointEntry {
 /// All joints of a batch, and what is swept of them, in the order of their colours.
 #[derive(Debug, Default)]
 pub(crate) struct BatchJoints {
+    /// All of them, in the order of their articulations once they are sorted.
+    pub links: Vec<JointLink>,
+    /// Those that no direct solve takes.
     pub entries: Vec<JointEntry>,
     /// What is swept by itself; and the rest, of most batches all.
     strips: Strips,
@@ -131,19 +134,21 @@ pub(crate) struct Moving<'a> {
 
 impl BatchJoints {
     /// Lays out rows of the joints in the order of their colours, for a step of `substeps` of length `h`; joints of one colour share no
-    /// moving body.
+    /// moving body. `left` are what the entries were made from, where those are not all.
     pub(crate) fn lay_out(
         &mut self,
         joints: &Pool<Joint, JointId>,
+        left: Option<&[JointLink]>,
         threads: &Workers,
         coloring: &mut Coloring,
-        (velocities, motions): (&[BodyVelocity], &[BodyMotion]),
+        (velocities, motions, roles): (&[BodyVelocity], &[BodyMotion], &[Role]),
         h: f32,
         substeps: u32,
     ) {
         let dt = h * substeps as f32;
-        let Self { entries, strips, lanes, singles, visits, parts, places, left_over, order } = self;
-        strips.cut(entries, motions.len());
+        let Self { links, entries, strips, lanes, singles, visits, parts, places, left_over, order } = self;
+        let links = left.unwrap_or(links);
+        strips.cut(links, motions.len());
         lanes.clear(WORLD_SLOT);
         singles.clear();
         visits.clear();
@@ -155,21 +160,21 @@ impl BatchJoints {
         let parts_each = strips.len() + 1;
         places.clear();
         places.resize(GROUPS * parts_each + 1, 0);
-        for entry in entries.iter() {
-            let end = |slot: u32| (slot, motions[slot as usize].is_dynamic());
-            let color = coloring.assign(end(entry.a), end(entry.b));
-            let holds = color.filter(|_| !entry.has_friction).and_then(|_| {
+        for (number, link) in links.iter().enumerate() {
+            let end = |slot: u32| (slot, roles[slot as usize].moves());
+            let color = coloring.assign(end(link.a), end(link.b));
+            let holds = color.filter(|_| !link.has_friction).and_then(|_| {
                 // What most joints of a net are, said without a look at their records.
-                if entry.is_plain {
+                if link.is_plain {
                     return Some(Holds::Points);
                 }
-                let kind = &joints[entry.joint].def.kind;
-                let always = Holds::of(kind, u32::from(entry.most_rows), false);
-                let is_free = || reach::stops_are_out_of_reach(entry, kind, velocities, motions, dt);
-                always.or_else(|| if is_free() { Holds::of(kind, u32::from(entry.most_rows), true) } else { None })
+                let kind = &joints[link.joint].def.kind;
+                let always = Holds::of(kind, u32::from(link.most_rows), false);
+                let is_free = || reach::stops_are_out_of_reach(&entries[number], kind, velocities, motions, dt);
+                always.or_else(|| if is_free() { Holds::of(kind, u32::from(link.most_rows), true) } else { None })
             });
             let group = color.unwrap_or(MAX_COLORS as u32) as usize * KINDS + holds.map_or(0, |holds| 1 + holds as usize);
-            let strip = holds.and_then(|_| strips.strip_of(entry)).unwrap_or(strips.len());
+            let strip = holds.and_then(|_| strips.strip_of(link)).unwrap_or(strips.len());
             let part = group * parts_each + strip;
             parts.push(part as u32);
             places[part + 1] += 1;

@@ -159,7 +159,6 @@ mod tests {
 
     use super::*;
     use crate::joint::JointImpulses;
-    use crate::settings::Solver;
 
     const DT: f32 = 1.0 / 60.0;
 
@@ -180,7 +179,6 @@ mod tests {
             angular_sum: Vec3::ZERO,
             acted: [Vec3::ZERO; 2],
             pressed: 0,
-            solver: Solver::Auto,
             most_rows: 0,
             is_plain: false,
             is_hinge: false,

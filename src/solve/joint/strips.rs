@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use super::lanes::JointLanes;
-use super::{JointEntry, in_order};
+use super::{JointLink, in_order};
 use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::span::sheet::is_sheet;
 use crate::workers::Workers;
@@ -62,17 +62,17 @@ pub(crate) struct Strips {
 
 impl Strips {
     /// Cuts a batch of so many slots, the first of which is the world's.
-    pub(super) fn cut(&mut self, entries: &[JointEntry], slots: usize) {
+    pub(super) fn cut(&mut self, links: &[JointLink], slots: usize) {
         let bodies = slots - 1;
         self.count = 0;
-        if !may_be_cut(entries.len(), bodies) {
+        if !may_be_cut(links.len(), bodies) {
             return;
         }
         let count = (bodies / BODIES).min(MOST);
         self.length = bodies / count;
         self.count = count;
-        let between = entries.iter().filter(|entry| self.strip_of(entry).is_none()).count();
-        if between as f32 > MOST_BETWEEN * entries.len() as f32 {
+        let between = links.iter().filter(|link| self.strip_of(link).is_none()).count();
+        if between as f32 > MOST_BETWEEN * links.len() as f32 {
             self.count = 0;
             return;
         }
@@ -92,10 +92,10 @@ impl Strips {
     }
 
     /// The strip of a joint, if both of its bodies are in one.
-    pub(super) fn strip_of(&self, entry: &JointEntry) -> Option<usize> {
+    pub(super) fn strip_of(&self, link: &JointLink) -> Option<usize> {
         let last = self.count.checked_sub(1)?;
         let strip = |slot: u32| Some((slot.checked_sub(1)? as usize / self.length).min(last));
-        let (a, b) = (strip(entry.a)?, strip(entry.b)?);
+        let (a, b) = (strip(link.a)?, strip(link.b)?);
         (a == b).then_some(a)
     }
 

@@ -9,7 +9,7 @@ use crate::solve::StepSettings;
 use crate::solve::batch::Batch;
 use crate::solve::direct::BatchRecords;
 use crate::solve::direct::history::History;
-use crate::solve::joint::JointEntry;
+use crate::solve::joint::{JointEntry, JointLink};
 use crate::solve::state::WORLD_SLOT;
 use crate::workers::Workers;
 use crate::world::stride::is_smooth;
@@ -20,6 +20,9 @@ struct Within<'a> {
     /// Body of each slot.
     bodies: &'a [u32],
     manifolds: &'a [(u32, u32)],
+    /// By what carried multipliers grow, and how many substeps are taken at once.
+    scale: f32,
+    stride: f32,
 }
 
 impl BatchRecords for Within<'_> {
@@ -27,6 +30,10 @@ impl BatchRecords for Within<'_> {
         let index = self.bodies[slot as usize];
         let body = &self.world.bodies[index];
         (self.world.unions.moving(index).map_or(body.center, |union| union.motion.center), body.history.get())
+    }
+
+    fn joint(&self, link: &JointLink) -> JointEntry {
+        self.world.joint_entry(link, self.scale, self.stride)
     }
 
     fn curvature(&self, contact: u32, of_b: bool) -> Option<([DMat3; 2], f64)> {
@@ -49,28 +56,30 @@ impl Records<'_> {
     /// Moves what the direct solver can move by itself, and lays out rows for the rest.
     pub(super) fn lay_out(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
         let mut h = settings.dt / settings.substeps as f32;
-        let Batch { joints, direct, withheld, bodies, velocities, motions, roles, inputs, manifolds, .. } = batch;
-        direct.group_slots(&joints.entries, roles);
+        let (scale, stride) = (self.scale_for(batch), batch.stride);
+        let Batch { joints, direct, bodies, velocities, motions, roles, inputs, manifolds, .. } = batch;
+        direct.group_slots(&joints.links, roles);
         direct.solver = self.solver;
-        let asks = |entry: &JointEntry| entry.solver == Solver::Direct;
-        if self.solver == Solver::GaussSeidel && !joints.entries.iter().any(asks) {
+        let asks = |link: &JointLink| link.solver == Solver::Direct;
+        if self.solver == Solver::GaussSeidel && !joints.links.iter().any(asks) {
             direct.clear();
         } else {
             let is_swept = |slot: u32| {
                 let body = bodies[slot as usize];
                 slot != WORLD_SLOT && self.swept.get(body as usize).is_some_and(|&swept| swept)
             };
-            withheld.clear();
-            withheld.extend(joints.entries.extract_if(.., |entry| is_swept(entry.a) || is_swept(entry.b)));
+            if !self.swept.is_empty() {
+                joints.links.iter_mut().for_each(|link| link.is_withheld = is_swept(link.a) || is_swept(link.b));
+            }
             direct.find_touching(inputs, motions);
-            let records = Within { world: self, bodies, manifolds };
-            direct.take(&mut joints.entries, (velocities, motions), inputs, &records, threads);
-            joints.entries.append(withheld);
+            let records = Within { world: self, bodies, manifolds, scale, stride };
+            direct.take(&mut joints.links, (velocities, motions), inputs, &records, threads);
             direct.step(self.joints, velocities, motions, inputs, settings, threads);
             direct.mark_even(roles);
             let (direct, floor) = batch.direct_and_floor(threads);
             direct.get_ready(floor, h);
         }
+        self.write_entries(batch, threads);
         let may_be_smooth = settings.articulations.error_target == 0.0;
         let is_smooth = |&body: &u32| is_smooth(&self.bodies[body]);
         let substeps = batch.refine_sheet(settings.substeps, |batch| may_be_smooth && batch.bodies[1..].iter().all(is_smooth));
@@ -78,7 +87,7 @@ impl Records<'_> {
         batch.color_contacts();
         let (scale, stride) = (self.scale_for(batch), batch.stride);
         batch.set_contacts(threads, self.reach * (stride * stride), |manifold, ends| self.contact_input(manifold, ends, scale));
-        let Batch { joints, coloring, velocities, motions, .. } = batch;
-        joints.lay_out(self.joints, threads, coloring, (velocities, motions), h, substeps);
+        let Batch { joints, direct, coloring, velocities, motions, roles, .. } = batch;
+        joints.lay_out(self.joints, direct.left_over(), threads, coloring, (velocities, motions, roles), h, substeps);
     }
 }

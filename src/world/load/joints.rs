@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{REPLICA, Records};
 use crate::joint::Joint;
 use crate::solve::batch::{Batch, JointEnd};
-use crate::solve::joint::{JointEntry, friction, kinds};
+use crate::solve::joint::{BatchJoints, JointEntry, JointLink, friction, kinds};
 use crate::solve::state::WORLD_SLOT;
 use crate::workers::Workers;
 
@@ -14,18 +14,68 @@ const SHARED_JOINTS: usize = 512;
 const LEAST_JOINTS: usize = 64;
 
 impl Records<'_> {
+    /// Lists what the joints of a batch connect.
     pub(super) fn list_joints(&self, batch: &mut Batch, threads: &Workers) {
-        if batch.joint_slots.len() >= SHARED_JOINTS && threads.has_team() {
-            return self.list_joints_on_all_threads(batch, threads);
+        let link_at = |slot: u32, [a, b]: [u32; 2]| {
+            let def = &self.joints[slot].def;
+            let most_rows = kinds::most_rows(def);
+            JointLink {
+                joint: slot,
+                a,
+                b,
+                most_rows: most_rows as u8,
+                is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0,
+                has_friction: friction::rows_of(def) > 0,
+                gives_by_motors_alone: kinds::gives_by_motors_alone(def),
+                has_motor: kinds::has_motor(&def.kind),
+                solver: def.solver,
+                is_withheld: false,
+            }
+        };
+        let bodies_of = |slot: u32| self.joints[slot].bodies;
+        batch.joints.links.clear();
+        if batch.joint_slots.len() < SHARED_JOINTS || !threads.has_team() {
+            for number in 0..batch.joint_slots.len() {
+                let slot = batch.joint_slots[number];
+                let ends = bodies_of(slot).map(|body| body.map_or(WORLD_SLOT, |index| self.slot(batch, index)));
+                batch.joints.links.push(link_at(slot, ends));
+            }
+            return;
         }
+        let Batch { joints: BatchJoints { links, .. }, joint_slots, .. } = batch;
+        links.resize(joint_slots.len(), link_at(joint_slots[0], [REPLICA; 2]));
+        let piece = threads.piece(joint_slots.len(), LEAST_JOINTS);
+        threads.share(links.chunks_mut(piece).zip(joint_slots.chunks(piece)), |(links, slots)| {
+            for (link, &slot) in links.iter_mut().zip(slots) {
+                let known = |index: u32| self.known_slot(index).unwrap_or(REPLICA);
+                *link = link_at(slot, bodies_of(slot).map(|body| body.map_or(WORLD_SLOT, known)));
+            }
+        });
+        for number in 0..batch.joints.links.len() {
+            let JointLink { joint, a, b, .. } = batch.joints.links[number];
+            if a == REPLICA || b == REPLICA {
+                let [a, b] = bodies_of(joint).map(|body| body.map_or(WORLD_SLOT, |index| self.slot(batch, index)));
+                (batch.joints.links[number].a, batch.joints.links[number].b) = (a, b);
+            }
+        }
+    }
+
+    /// Writes the joints that no direct solve takes as they are swept.
+    pub(super) fn write_entries(&self, batch: &mut Batch, threads: &Workers) {
         let scale = self.scale_for(batch);
-        batch.joints.entries.clear();
-        for number in 0..batch.joint_slots.len() {
-            let slot = batch.joint_slots[number];
-            let joint = &self.joints[slot];
-            let ends = [0, 1].map(|side| self.find_joint_end(batch, joint, side));
-            batch.joints.entries.push(joint_entry(slot, joint, ends, scale, batch.stride));
+        let Batch { joints: BatchJoints { links, entries, .. }, direct, stride, .. } = batch;
+        let left = direct.left(links);
+        let entry_of = |link: &JointLink| self.joint_entry(link, scale, *stride);
+        if left.len() < SHARED_JOINTS || !threads.has_team() {
+            entries.clear();
+            return entries.extend(left.iter().map(entry_of));
         }
+        // Those of the step before are as good as any to be written over: most are as many.
+        entries.resize_with(left.len(), || entry_of(&left[0]));
+        let piece = threads.piece(left.len(), LEAST_JOINTS);
+        threads.share(entries.chunks_mut(piece).zip(left.chunks(piece)), |(entries, links)| {
+            entries.iter_mut().zip(links).for_each(|(entry, link)| *entry = entry_of(link));
+        });
     }
 
     /// Lists both ends of each joint, where bounds ask for them.
@@ -34,34 +84,6 @@ impl Records<'_> {
             let joint = &self.joints[batch.joint_slots[number]];
             let ends = [0, 1].map(|side| self.find_joint_end(batch, joint, side));
             batch.joint_ends.push(ends);
-        }
-    }
-
-    fn list_joints_on_all_threads(&self, batch: &mut Batch, threads: &Workers) {
-        let (scale, stride) = (self.scale_for(batch), batch.stride);
-        let entry_of = |slot: u32| {
-            let joint = &self.joints[slot];
-            let end = |side: usize| {
-                let slot = joint.bodies[side].map_or(WORLD_SLOT, |index| self.known_slot(index).unwrap_or(REPLICA));
-                self.joint_end_at(joint, side, slot)
-            };
-            joint_entry(slot, joint, [end(0), end(1)], scale, stride)
-        };
-        let Batch { joints, joint_slots, direct, .. } = batch;
-        // Those of the step before are as good as any to be written over: most are as many.
-        direct.give_back(&mut joints.entries);
-        joints.entries.resize_with(joint_slots.len(), || entry_of(joint_slots[0]));
-        let piece = threads.piece(joint_slots.len(), LEAST_JOINTS);
-        threads.share(joints.entries.chunks_mut(piece).zip(joint_slots.chunks(piece)), |(entries, slots)| {
-            entries.iter_mut().zip(slots).for_each(|(entry, &slot)| *entry = entry_of(slot));
-        });
-        for number in 0..batch.joints.entries.len() {
-            let entry = &batch.joints.entries[number];
-            if entry.a == REPLICA || entry.b == REPLICA {
-                let joint = &self.joints[entry.joint];
-                let [a, b] = [0, 1].map(|side| self.find_joint_end(batch, joint, side).slot);
-                (batch.joints.entries[number].a, batch.joints.entries[number].b) = (a, b);
-            }
         }
     }
 
@@ -94,33 +116,33 @@ impl Records<'_> {
         }
         JointEnd { slot, origin: body.center, lever, frame: frame.rotation }
     }
-}
 
-/// A joint between these ends, whose multipliers grow by `scale`, in a batch that takes so many substeps at once.
-#[inline(always)]
-fn joint_entry(slot: u32, joint: &Joint, [a, b]: [JointEnd; 2], scale: f32, stride: f32) -> JointEntry {
-    let def = &joint.def;
-    let most_rows = kinds::most_rows(def);
-    JointEntry {
-        joint: slot,
-        a: a.slot,
-        b: b.slot,
-        offset: b.origin - a.origin,
-        local_lever: [a.lever, b.lever].map(|lever| lever.as_dvec3()),
-        local_frame: [a.frame, b.frame].map(|frame| frame.as_dquat().normalize()),
-        impulses: joint.impulses.scaled(scale),
-        linear_sum: Vec3::ZERO,
-        angular_sum: Vec3::ZERO,
-        acted: joint.acted.map(|acted| acted * stride),
-        pressed: 0,
-        solver: def.solver,
-        most_rows: most_rows as u8,
-        is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0,
-        is_hinge: kinds::is_hinge(&def.kind),
-        is_distance: kinds::is_distance(&def.kind),
-        gives_by_motors_alone: kinds::gives_by_motors_alone(def),
-        has_motor: kinds::has_motor(&def.kind),
-        has_friction: friction::rows_of(def) > 0,
-        can_be_overloaded: def.break_force.min(def.break_torque) < f32::INFINITY,
+    /// A joint as it is solved, whose multipliers grow by `scale`, in a batch that takes so many substeps at once.
+    #[inline(always)]
+    pub(super) fn joint_entry(&self, link: &JointLink, scale: f32, stride: f32) -> JointEntry {
+        let joint = &self.joints[link.joint];
+        let [a, b] = [(0, link.a), (1, link.b)].map(|(side, slot)| self.joint_end_at(joint, side, slot));
+        let def = &joint.def;
+        JointEntry {
+            joint: link.joint,
+            a: a.slot,
+            b: b.slot,
+            offset: b.origin - a.origin,
+            local_lever: [a.lever, b.lever].map(|lever| lever.as_dvec3()),
+            local_frame: [a.frame, b.frame].map(|frame| frame.as_dquat().normalize()),
+            impulses: joint.impulses.scaled(scale),
+            linear_sum: Vec3::ZERO,
+            angular_sum: Vec3::ZERO,
+            acted: joint.acted.map(|acted| acted * stride),
+            pressed: 0,
+            most_rows: link.most_rows,
+            is_plain: link.is_plain,
+            is_hinge: kinds::is_hinge(&def.kind),
+            is_distance: kinds::is_distance(&def.kind),
+            gives_by_motors_alone: link.gives_by_motors_alone,
+            has_motor: link.has_motor,
+            has_friction: link.has_friction,
+            can_be_overloaded: def.break_force.min(def.break_torque) < f32::INFINITY,
+        }
     }
 }

@@ -9,7 +9,8 @@ use crate::joint::{Joint, JointDef};
 use crate::settings::Solver;
 use crate::solve::color::Coloring;
 use crate::solve::joint::singles::Singles;
-use crate::solve::joint::{BatchJoints, Moving};
+use crate::solve::joint::{BatchJoints, JointLink, Moving};
+use crate::solve::role::Role;
 use crate::solve::state::{MotionKind, Symmetric};
 use crate::solve::wide::{Plain, Wide};
 use crate::workers::Workers;
@@ -88,7 +89,6 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             angular_sum: Vec3::ZERO,
             acted: [Vec3::ZERO; 2],
             pressed: 0,
-            solver: Solver::Auto,
             most_rows: 0,
             is_plain: false,
             is_hinge: false,
@@ -148,6 +148,12 @@ proptest! {
     }
 }
 
+fn link_of(entry: &JointEntry) -> JointLink {
+    let &JointEntry { joint, a, b, most_rows, is_plain, has_friction, gives_by_motors_alone, has_motor, .. } = entry;
+    let (solver, is_withheld) = (Solver::Auto, false);
+    JointLink { joint, a, b, most_rows, is_plain, has_friction, gives_by_motors_alone, has_motor, solver, is_withheld }
+}
+
 /// Velocities and poses after a substep: warm start, a sweep to, a sweep fro, position rows.
 fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
     let tag = WorldTag::acquire().expect("few worlds are alive");
@@ -157,8 +163,10 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
     }
     let Scene { mut velocities, mut motions, entries, .. } = scene.clone();
     if in_lanes {
-        let (mut joints, alone) = (BatchJoints { entries, ..BatchJoints::default() }, Workers::default());
-        joints.lay_out(&pool, &Workers::default(), &mut Coloring::default(), (&velocities, &motions), H, 1);
+        let links = entries.iter().map(link_of).collect();
+        let (mut joints, alone) = (BatchJoints { links, entries, ..BatchJoints::default() }, Workers::default());
+        let roles: Vec<Role> = motions.iter().map(Role::of).collect();
+        joints.lay_out(&pool, None, &alone, &mut Coloring::default(), (&velocities, &motions, &roles), H, 1);
         let moving = Moving { velocities: &velocities, motions: &motions, outlooks: &outlooks(scene) };
         joints.prepare(&pool, &alone, &moving, H, false);
         joints.warm_start(&alone, &mut velocities);
