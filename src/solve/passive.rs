@@ -197,7 +197,7 @@ impl Batch {
         inputs.iter().for_each(|input| mark([input.a, input.b], true, false));
         direct.entries().for_each(|entry| mark([entry.a, entry.b], true, false));
         for link in direct.left(&self.joints.links) {
-            mark([link.a, link.b], !link.gives_by_motors_alone, link.has_motor);
+            mark([link.a, link.b], !link.traits.gives_by_motors_alone, link.traits.has_motor);
         }
         bounds.entries.iter().for_each(|entry| mark([entry.near, entry.far], entry.has_give(), false));
         let mut number = 0;

@@ -8,6 +8,7 @@ use crate::island::UnionFind;
 use crate::joint::Joint;
 use crate::room::extend_tightly;
 use crate::solve::batch::Batch;
+use crate::solve::joint::JointTraits;
 
 /// Bodies after which a batch takes no further island. It must not depend on the number of threads.
 const BATCH_BODIES: u32 = 64;
@@ -46,9 +47,9 @@ pub(super) struct Groups {
     batch_strides: Vec<u32>,
     /// Place of each joint among those of its batch, by slot; of joints at rest, those of some step before.
     pub joint_places: Vec<u32>,
-    /// Bodies of each joint, by slot, and the version of the joints that this was found of: the joints themselves are far from one
+    /// Bodies and traits of each joint, by slot, and the version of the joints that this was found of: the joints themselves are far from one
     /// another in memory, and each body asks for those of all its joints twice a step.
-    joint_bodies: Vec<[u32; 2]>,
+    pub joint_heads: Vec<JointHead>,
     joint_version: Option<u64>,
     /// Joints of what moves as the bodies name them, and the same in order, each once: sorted anew only where they have changed.
     found_joints: Vec<u32>,
@@ -68,7 +69,23 @@ pub(super) struct Touch {
 const LEAST_PAIRS: usize = 256;
 
 /// Body of a joint's side that is the world.
-const NO_BODY: u32 = u32::MAX;
+pub(super) const NO_BODY: u32 = u32::MAX;
+
+/// What is asked of a joint where islands are formed and batches filled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JointHead {
+    pub bodies: [u32; 2],
+    pub traits: JointTraits,
+}
+
+impl JointHead {
+    /// Of a slot without a joint.
+    const NONE: Self = Self { bodies: [NO_BODY; 2], traits: JointTraits::NONE };
+
+    fn of(joint: &Joint) -> Self {
+        Self { bodies: joint.bodies.map(|body| body.unwrap_or(NO_BODY)), traits: JointTraits::of(&joint.def) }
+    }
+}
 
 impl Groups {
     /// Members of each island, by number.
@@ -101,16 +118,23 @@ impl Groups {
         self.joint_version = None;
     }
 
-    /// Brings the list of the joints' bodies up to date.
-    fn list_joint_bodies(&mut self, joints: &Pool<Joint, JointId>) {
+    /// Brings what is known of the joints up to date.
+    fn list_joint_heads(&mut self, joints: &Pool<Joint, JointId>) {
         if self.joint_version == Some(joints.version()) {
             return;
         }
         self.joint_version = Some(joints.version());
-        self.joint_bodies.clear();
-        self.joint_bodies.resize(joints.slot_count(), [NO_BODY; 2]);
+        self.joint_heads.clear();
+        self.joint_heads.resize(joints.slot_count(), JointHead::NONE);
         for (slot, joint) in joints.iter() {
-            self.joint_bodies[slot as usize] = joint.bodies.map(|body| body.unwrap_or(NO_BODY));
+            self.joint_heads[slot as usize] = JointHead::of(joint);
+        }
+    }
+
+    /// Takes note of another definition of a joint.
+    pub(super) fn joint_changed(&mut self, slot: u32, joint: &Joint) {
+        if let Some(head) = self.joint_heads.get_mut(slot as usize) {
+            *head = JointHead::of(joint);
         }
     }
 }
@@ -205,7 +229,7 @@ impl World {
     fn join_islands(&mut self) {
         let Self { scratch, bodies, joints, movers, unions, groups, index, census, .. } = self;
         scratch.islands.reset(bodies.slot_count(), movers);
-        groups.list_joint_bodies(joints);
+        groups.list_joint_heads(joints);
         index.free.begin(bodies.slot_count());
         groups.dynamic.clear();
         groups.bound.clear();
@@ -228,7 +252,7 @@ impl World {
         }
         let islands = &mut scratch.islands;
         let join_ends = |slot: u32, islands: &mut UnionFind| {
-            let [a, b] = groups.joint_bodies[slot as usize];
+            let [a, b] = groups.joint_heads[slot as usize].bodies;
             if a != NO_BODY && b != NO_BODY && joins(a) && joins(b) {
                 islands.union(a, b);
             }
@@ -238,7 +262,7 @@ impl World {
                 None => {
                     for &id in &bodies[body].joints {
                         let slot = joints.slot_of(id);
-                        let first = groups.joint_bodies[slot as usize][0];
+                        let first = groups.joint_heads[slot as usize].bodies[0];
                         // Once, from its first body, unless that is moved as another.
                         if first == body || unions.moving(first).is_some() {
                             join_ends(slot, islands);
@@ -394,8 +418,8 @@ impl World {
         let Self { groups, batches, joints, bodies, unions, scratch, index, report, .. } = self;
         scratch.slots.clear();
         let moves = |body: u32| body != NO_BODY && index.free.has(body);
-        let joint_bodies = &groups.joint_bodies;
-        let moved = |slot: u32| joint_bodies[slot as usize].into_iter().find(|&body| moves(body));
+        let joint_heads = &groups.joint_heads;
+        let moved = |slot: u32| joint_heads[slot as usize].bodies.into_iter().find(|&body| moves(body));
         for &body in groups.bound.iter().filter(|&&body| !bodies[body].held) {
             let own = |id: &JointId| Some(joints.slot_of(*id)).filter(|&slot| moved(slot) == Some(body));
             match unions.moving(body) {

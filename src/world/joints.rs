@@ -209,6 +209,7 @@ impl World {
     fn take_friction(&mut self, slot: u32, def: JointDef) {
         if self.joints[slot].def != def {
             self.joints[slot].def = def;
+            self.groups.joint_changed(slot, &self.joints[slot]);
             self.topology_changed();
             for index in self.joints[slot].bodies.into_iter().flatten() {
                 self.wake_body(index);
@@ -219,6 +220,7 @@ impl World {
     fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
         self.joint_changed(slot);
         edit(&mut self.joints[slot].def);
+        self.groups.joint_changed(slot, &self.joints[slot]);
         self.joint_changed(slot);
         self.topology_changed();
         self.long_range.graph_changed();

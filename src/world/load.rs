@@ -3,6 +3,7 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::World;
+use super::group::JointHead;
 use super::index::Index;
 use super::long_range::BoundRecord;
 use super::unions::{Union, Unions};
@@ -66,6 +67,7 @@ struct Records<'a> {
     span: &'a Derived,
     place: &'a [(u32, u32)],
     joint_places: &'a [u32],
+    joint_heads: &'a [JointHead],
     unions: &'a Unions,
     /// Whether contacts are added up over the substeps.
     tallied: bool,
@@ -109,6 +111,7 @@ impl World {
             span: &self.long_range.derived,
             place: &self.groups.place,
             joint_places: &self.groups.joint_places,
+            joint_heads: &self.groups.joint_heads,
             unions: &self.unions,
             tallied: self.def.hit_threshold < f32::INFINITY || self.unions.iter().any(|union| union.wanted),
             gravity: self.def.gravity,

@@ -8,7 +8,7 @@ type Signature = (u32, u32, u8, [bool; 2]);
 
 fn signature(link: &JointLink, roles: &[Role]) -> Signature {
     let moves = [link.a, link.b].map(|slot| roles[slot as usize].moves());
-    (link.a, link.b, link.most_rows, moves)
+    (link.a, link.b, link.traits.most_rows, moves)
 }
 
 /// The last articulation without contacts that was left to sweeps. Large sheets are laid out slower than they are swept.

@@ -345,6 +345,6 @@ fn solved_with(slot: u32, motions: &[BodyMotion], groups: &[u32], riders: &Rider
 
 /// How joints that belong together are solved: swept if one asks for it, else directly if one asks for that, else as the world says.
 fn solver_of(links: &[JointLink], of_world: Solver) -> Solver {
-    let asks = |solver: Solver| links.iter().any(|link| link.solver == solver);
+    let asks = |solver: Solver| links.iter().any(|link| link.traits.solver == solver);
     [Solver::GaussSeidel, Solver::Direct].into_iter().find(|&solver| asks(solver)).unwrap_or(of_world)
 }

@@ -1,6 +1,48 @@
-//! A joint as it is asked for where joints are sorted: in a few bytes, where an entry has hundreds.
+//! A joint as it is asked for where joints are sorted: in a few bytes, where records and entries have hundreds.
 
+use super::{friction, kinds};
+use crate::joint::JointDef;
 use crate::settings::Solver;
+
+/// What follows from the definition of a joint.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JointTraits {
+    /// Most rows that it can have.
+    pub most_rows: u8,
+    /// Whether it holds points rigidly together and does nothing else.
+    pub is_plain: bool,
+    /// Whether it has friction.
+    pub has_friction: bool,
+    /// Whether it gives energy by its motors alone, if by anything, and whether it has one.
+    pub gives_by_motors_alone: bool,
+    pub has_motor: bool,
+    /// What it asks of its articulation.
+    pub solver: Solver,
+}
+
+impl JointTraits {
+    /// Of no joint.
+    pub(crate) const NONE: Self = Self {
+        most_rows: 0,
+        is_plain: false,
+        has_friction: false,
+        gives_by_motors_alone: false,
+        has_motor: false,
+        solver: Solver::Auto,
+    };
+
+    pub(crate) fn of(def: &JointDef) -> Self {
+        let most_rows = kinds::most_rows(def);
+        Self {
+            most_rows: most_rows as u8,
+            is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0,
+            has_friction: friction::rows_of(def) > 0,
+            gives_by_motors_alone: kinds::gives_by_motors_alone(def),
+            has_motor: kinds::has_motor(&def.kind),
+            solver: def.solver,
+        }
+    }
+}
 
 /// What a joint connects.
 #[derive(Debug, Clone, Copy)]
@@ -9,15 +51,7 @@ pub(crate) struct JointLink {
     pub joint: u32,
     pub a: u32,
     pub b: u32,
-    /// Most rows that it can have.
-    pub most_rows: u8,
-    /// As in its [`JointEntry`](super::JointEntry).
-    pub is_plain: bool,
-    pub has_friction: bool,
-    pub gives_by_motors_alone: bool,
-    pub has_motor: bool,
-    /// What its definition asks of its articulation.
-    pub solver: Solver,
+    pub traits: JointTraits,
     /// Whether a direct solve may not take it.
     pub is_withheld: bool,
 }

@@ -31,7 +31,7 @@ mod sweep;
 use geometry::{Placement, Side};
 pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lanes};
 use lanes::{Holds, JointLanes};
-pub(crate) use link::JointLink;
+pub(crate) use link::{JointLink, JointTraits};
 use singles::Singles;
 use strips::Strips;
 pub(crate) use strips::may_be_cut;
@@ -163,15 +163,15 @@ impl BatchJoints {
         for (number, link) in links.iter().enumerate() {
             let end = |slot: u32| (slot, roles[slot as usize].moves());
             let color = coloring.assign(end(link.a), end(link.b));
-            let holds = color.filter(|_| !link.has_friction).and_then(|_| {
+            let holds = color.filter(|_| !link.traits.has_friction).and_then(|_| {
                 // What most joints of a net are, said without a look at their records.
-                if link.is_plain {
+                if link.traits.is_plain {
                     return Some(Holds::Points);
                 }
                 let kind = &joints[link.joint].def.kind;
-                let always = Holds::of(kind, u32::from(link.most_rows), false);
+                let always = Holds::of(kind, u32::from(link.traits.most_rows), false);
                 let is_free = || reach::stops_are_out_of_reach(&entries[number], kind, velocities, motions, dt);
-                always.or_else(|| if is_free() { Holds::of(kind, u32::from(link.most_rows), true) } else { None })
+                always.or_else(|| if is_free() { Holds::of(kind, u32::from(link.traits.most_rows), true) } else { None })
             });
             let group = color.unwrap_or(MAX_COLORS as u32) as usize * KINDS + holds.map_or(0, |holds| 1 + holds as usize);
             let strip = holds.and_then(|_| strips.strip_of(link)).unwrap_or(strips.len());

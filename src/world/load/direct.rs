@@ -60,7 +60,7 @@ impl Records<'_> {
         let Batch { joints, direct, bodies, velocities, motions, roles, inputs, manifolds, .. } = batch;
         direct.group_slots(&joints.links, roles);
         direct.solver = self.solver;
-        let asks = |link: &JointLink| link.solver == Solver::Direct;
+        let asks = |link: &JointLink| link.traits.solver == Solver::Direct;
         if self.solver == Solver::GaussSeidel && !joints.links.iter().any(asks) {
             direct.clear();
         } else {

@@ -5,9 +5,10 @@ use glam::Vec3;
 use super::{REPLICA, Records};
 use crate::joint::Joint;
 use crate::solve::batch::{Batch, JointEnd};
-use crate::solve::joint::{BatchJoints, JointEntry, JointLink, friction, kinds};
+use crate::solve::joint::{BatchJoints, JointEntry, JointLink, kinds};
 use crate::solve::state::WORLD_SLOT;
 use crate::workers::Workers;
+use crate::world::group::NO_BODY;
 
 /// Joints of a batch from which on all threads write them, and those that are worth another thread's while: some 5 µs.
 const SHARED_JOINTS: usize = 512;
@@ -16,28 +17,19 @@ const LEAST_JOINTS: usize = 64;
 impl Records<'_> {
     /// Lists what the joints of a batch connect.
     pub(super) fn list_joints(&self, batch: &mut Batch, threads: &Workers) {
-        let link_at = |slot: u32, [a, b]: [u32; 2]| {
-            let def = &self.joints[slot].def;
-            let most_rows = kinds::most_rows(def);
-            JointLink {
-                joint: slot,
-                a,
-                b,
-                most_rows: most_rows as u8,
-                is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0,
-                has_friction: friction::rows_of(def) > 0,
-                gives_by_motors_alone: kinds::gives_by_motors_alone(def),
-                has_motor: kinds::has_motor(&def.kind),
-                solver: def.solver,
-                is_withheld: false,
-            }
+        let link_at = |slot: u32, [a, b]: [u32; 2]| JointLink {
+            joint: slot,
+            a,
+            b,
+            traits: self.joint_heads[slot as usize].traits,
+            is_withheld: false,
         };
-        let bodies_of = |slot: u32| self.joints[slot].bodies;
+        let bodies_of = |slot: u32| self.joint_heads[slot as usize].bodies;
         batch.joints.links.clear();
         if batch.joint_slots.len() < SHARED_JOINTS || !threads.has_team() {
             for number in 0..batch.joint_slots.len() {
                 let slot = batch.joint_slots[number];
-                let ends = bodies_of(slot).map(|body| body.map_or(WORLD_SLOT, |index| self.slot(batch, index)));
+                let ends = bodies_of(slot).map(|body| if body == NO_BODY { WORLD_SLOT } else { self.slot(batch, body) });
                 batch.joints.links.push(link_at(slot, ends));
             }
             return;
@@ -47,14 +39,14 @@ impl Records<'_> {
         let piece = threads.piece(joint_slots.len(), LEAST_JOINTS);
         threads.share(links.chunks_mut(piece).zip(joint_slots.chunks(piece)), |(links, slots)| {
             for (link, &slot) in links.iter_mut().zip(slots) {
-                let known = |index: u32| self.known_slot(index).unwrap_or(REPLICA);
-                *link = link_at(slot, bodies_of(slot).map(|body| body.map_or(WORLD_SLOT, known)));
+                let known = |body: u32| if body == NO_BODY { WORLD_SLOT } else { self.known_slot(body).unwrap_or(REPLICA) };
+                *link = link_at(slot, bodies_of(slot).map(known));
             }
         });
         for number in 0..batch.joints.links.len() {
             let JointLink { joint, a, b, .. } = batch.joints.links[number];
             if a == REPLICA || b == REPLICA {
-                let [a, b] = bodies_of(joint).map(|body| body.map_or(WORLD_SLOT, |index| self.slot(batch, index)));
+                let [a, b] = bodies_of(joint).map(|body| if body == NO_BODY { WORLD_SLOT } else { self.slot(batch, body) });
                 (batch.joints.links[number].a, batch.joints.links[number].b) = (a, b);
             }
         }
@@ -122,7 +114,7 @@ impl Records<'_> {
     pub(super) fn joint_entry(&self, link: &JointLink, scale: f32, stride: f32) -> JointEntry {
         let joint = &self.joints[link.joint];
         let [a, b] = [(0, link.a), (1, link.b)].map(|(side, slot)| self.joint_end_at(joint, side, slot));
-        let def = &joint.def;
+        let (def, traits) = (&joint.def, &link.traits);
         JointEntry {
             joint: link.joint,
             a: a.slot,
@@ -135,13 +127,13 @@ impl Records<'_> {
             angular_sum: Vec3::ZERO,
             acted: joint.acted.map(|acted| acted * stride),
             pressed: 0,
-            most_rows: link.most_rows,
-            is_plain: link.is_plain,
+            most_rows: traits.most_rows,
+            is_plain: traits.is_plain,
             is_hinge: kinds::is_hinge(&def.kind),
             is_distance: kinds::is_distance(&def.kind),
-            gives_by_motors_alone: link.gives_by_motors_alone,
-            has_motor: link.has_motor,
-            has_friction: link.has_friction,
+            gives_by_motors_alone: traits.gives_by_motors_alone,
+            has_motor: traits.has_motor,
+            has_friction: traits.has_friction,
             can_be_overloaded: def.break_force.min(def.break_torque) < f32::INFINITY,
         }
     }

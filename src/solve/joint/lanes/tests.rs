@@ -9,7 +9,7 @@ use crate::joint::{Joint, JointDef};
 use crate::settings::Solver;
 use crate::solve::color::Coloring;
 use crate::solve::joint::singles::Singles;
-use crate::solve::joint::{BatchJoints, JointLink, Moving};
+use crate::solve::joint::{BatchJoints, JointLink, JointTraits, Moving};
 use crate::solve::role::Role;
 use crate::solve::state::{MotionKind, Symmetric};
 use crate::solve::wide::{Plain, Wide};
@@ -150,8 +150,8 @@ proptest! {
 
 fn link_of(entry: &JointEntry) -> JointLink {
     let &JointEntry { joint, a, b, most_rows, is_plain, has_friction, gives_by_motors_alone, has_motor, .. } = entry;
-    let (solver, is_withheld) = (Solver::Auto, false);
-    JointLink { joint, a, b, most_rows, is_plain, has_friction, gives_by_motors_alone, has_motor, solver, is_withheld }
+    let traits = JointTraits { most_rows, is_plain, has_friction, gives_by_motors_alone, has_motor, solver: Solver::Auto };
+    JointLink { joint, a, b, traits, is_withheld: false }
 }
 
 /// Velocities and poses after a substep: warm start, a sweep to, a sweep fro, position rows.
