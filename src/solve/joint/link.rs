@@ -5,7 +5,7 @@ use crate::joint::JointDef;
 use crate::settings::Solver;
 
 /// What follows from the definition of a joint.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct JointTraits {
     /// Most rows that it can have.
     pub most_rows: u8,
