@@ -83,9 +83,8 @@ pub(crate) struct Batch {
     pub roles: Vec<Role>,
     /// Blocks of manifolds, those of which joints hold all that moves last.
     pub contacts: ContactBlocks,
-    /// The first of those last ones, and of those among them that are not of bodies which are all even.
+    /// The first of those last ones.
     pub first_jointed: usize,
-    pub first_uneven: usize,
     pub joints: BatchJoints,
     /// Long-range bounds, by slot in the world's list and as rows.
     pub bound_slots: Vec<u32>,

@@ -26,8 +26,7 @@ const LEAST_BODIES: usize = 128;
 /// Sweeps over the contacts of bodies that joints hold, with each other and with what is fixed, between two sweeps over the joints. A
 /// contact sees of such a body its own mass alone: what a vehicle rests on its track with, or the track's pull round a sprocket, gets
 /// through links of a hundredth of its mass a little at a time. An odd number, to and fro, so that sweeps back are the exact reverse.
-/// Of an articulation that is solved as one block contacts see more than that, and where its bodies are of like mass once is enough.
-const UNEVEN_SWEEPS: u32 = 3;
+const JOINTED_SWEEPS: u32 = 3;
 
 /// Goes through the blocks of a range with the velocities of bodies, so many of which move: colour after colour, or backwards.
 pub(super) fn in_colors(
@@ -94,29 +93,29 @@ pub(super) fn each_manifold(
     });
 }
 
-/// One sweep over the contacts, and [`UNEVEN_SWEEPS`] over those of jointed bodies that are not all even, from the block `first_uneven` on;
+/// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold, which begin with the block `first_jointed`;
 /// backwards, all in the opposite order.
 pub(super) fn sweep(
     contacts: &mut ContactBlocks,
-    first_uneven: usize,
+    first_jointed: usize,
     threads: &Workers,
     (velocities, moving): (&mut [BodyVelocity], usize),
     backwards: bool,
 ) {
-    let (once, uneven) = (0..first_uneven, first_uneven..contacts.len());
+    let (free, jointed) = (0..first_jointed, first_jointed..contacts.len());
     let mut sweep = |range: &Range<usize>, backwards: bool| {
         in_colors(contacts, range.clone(), threads, (velocities, moving), backwards, |part, velocities| {
             contact_kernels::sweep(part, velocities, backwards);
         });
     };
     if !backwards {
-        sweep(&once, false);
+        sweep(&free, false);
     }
-    for number in 0..UNEVEN_SWEEPS {
-        sweep(&uneven, backwards != (number % 2 == 1));
+    for number in 0..JOINTED_SWEEPS {
+        sweep(&jointed, backwards != (number % 2 == 1));
     }
     if backwards {
-        sweep(&once, true);
+        sweep(&free, true);
     }
 }
 

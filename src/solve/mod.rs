@@ -350,7 +350,7 @@ impl Batch {
     /// One sweep over the contacts, or backwards, all in the opposite order.
     fn sweep_contacts(&mut self, threads: &Workers, backwards: bool) {
         let moving = self.moving();
-        crew::sweep(&mut self.contacts, self.first_uneven, threads, (&mut self.velocities, moving), backwards);
+        crew::sweep(&mut self.contacts, self.first_jointed, threads, (&mut self.velocities, moving), backwards);
     }
 
     fn advance(&mut self, threads: &Workers, h: f32) {

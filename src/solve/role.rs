@@ -10,7 +10,6 @@ impl Role {
     const MOVES: u8 = 1;
     const JOINTED: u8 = 2;
     const TOUCHED: u8 = 4;
-    const EVEN: u8 = 8;
 
     pub(crate) fn of(motion: &BodyMotion) -> Self {
         let moves = if motion.is_dynamic() { Self::MOVES } else { 0 };
@@ -25,15 +24,6 @@ impl Role {
     /// Whether it moves and no joint holds it.
     pub(crate) fn is_loose(self) -> bool {
         self.0 & (Self::MOVES | Self::JOINTED) == Self::MOVES
-    }
-
-    /// Whether joints hold it that are solved as one block with others, all of bodies of like mass.
-    pub(crate) fn is_even(self) -> bool {
-        self.0 & Self::EVEN != 0
-    }
-
-    pub(crate) fn even_out(&mut self) {
-        self.0 |= Self::EVEN;
     }
 
     /// Whether it moves and a contact acts on it.

@@ -453,6 +453,12 @@ mod tests {
     use crate::solve::joint::JointTraits;
     use crate::{BodyDef, JointDef, JointId, JointKind, Limits, Motor, Pose, Shape, ShapeDef, Softness, Solver, World, WorldDef};
 
+    const DRIVEN: JointKind =
+        JointKind::Hinge { limits: Limits { min: -1.0, max: 1.0 }, motor: Motor::Velocity { target: 1.0, max_force: 5.0 } };
+    const SOFT: Softness = Softness { compliance: 1.0e-3, damping: 0.1 };
+
+    type Edit = fn(&mut World, JointId);
+
     #[test]
     fn what_is_known_of_a_joint_follows_each_change_of_its_definition() {
         let mut world = World::new(&WorldDef::default()).unwrap();
@@ -460,14 +466,12 @@ mod tests {
         let [a, b] =
             [0.0, 2.0].map(|x| world.create_body(&BodyDef::dynamic(Pose::at_xyz(x, 0.0, 0.0)).with_shape(cube.clone())).unwrap());
         let hinge = world.create_joint(&JointDef::new(JointKind::HINGE, a, b).at(Vec3::X, Vec3::NEG_X)).unwrap();
-        let driven = JointKind::Hinge { limits: Limits::new(-1.0, 1.0), motor: Motor::Velocity { target: 1.0, max_force: 5.0 } };
-        let soft = Softness { compliance: 1.0e-3, damping: 0.1 };
-        let edits: [&dyn Fn(&mut World, JointId); 5] = [
-            &|world, joint| world.set_joint_kind(joint, driven).unwrap(),
-            &|world, joint| world.set_joint_friction(joint, 0.5).unwrap(),
-            &|world, joint| world.set_joint_softness(joint, soft, soft, soft).unwrap(),
-            &|world, joint| world.set_joint_solver(joint, Solver::GaussSeidel).unwrap(),
-            &|world, joint| world.set_joint_axis_friction(joint, [0.1; 6]).unwrap(),
+        let edits: [Edit; 5] = [
+            |world, joint| world.set_joint_kind(joint, DRIVEN).unwrap(),
+            |world, joint| world.set_joint_friction(joint, 0.5).unwrap(),
+            |world, joint| world.set_joint_softness(joint, SOFT, SOFT, SOFT).unwrap(),
+            |world, joint| world.set_joint_solver(joint, Solver::GaussSeidel).unwrap(),
+            |world, joint| world.set_joint_axis_friction(joint, [0.1; 6]).unwrap(),
         ];
         world.step(1.0 / 60.0).unwrap();
         let slot = world.joints.find(hinge).unwrap();

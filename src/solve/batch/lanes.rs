@@ -13,12 +13,10 @@ use crate::solve::{contact_kernels, crew};
 use crate::workers::Workers;
 
 /// Groups of manifolds: two for each colour, two for what found none; the first of those; and all groups once more for manifolds of
-/// bodies that joints hold, with each other and with what is fixed, and again where they are not all even.
+/// bodies that joints hold, with each other and with what is fixed.
 const GROUPS: usize = 2 * MAX_COLORS + 2;
 const ALONE: usize = 2 * MAX_COLORS;
-const JOINTED: usize = GROUPS;
-const UNEVEN: usize = 2 * GROUPS;
-const ALL_GROUPS: usize = 3 * GROUPS;
+const ALL_GROUPS: usize = 2 * GROUPS;
 
 /// Whether manifolds of this group share no moving body.
 fn is_colored(group: usize) -> bool {
@@ -45,8 +43,7 @@ impl Groups {
     /// Those that may have any, with how many they have: most are of colours that no manifold has.
     fn iter(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let used = 2 * self.colors as usize;
-        let groups = [0, JOINTED, UNEVEN].into_iter().flat_map(move |first| first..first + used);
-        groups.map(|group| (group, self.counts[group] as usize))
+        (0..used).chain(GROUPS..GROUPS + used).map(|group| (group, self.counts[group] as usize))
     }
 }
 
@@ -65,7 +62,7 @@ impl ContactEnds {
 impl Batch {
     /// Lays out a block and a lane for every manifold that no articulation holds.
     pub(crate) fn color_contacts(&mut self) {
-        (self.first_jointed, self.first_uneven) = (0, 0);
+        self.first_jointed = 0;
         if self.ends.is_empty() {
             return self.contacts.begin(0, 0);
         }
@@ -97,13 +94,7 @@ impl Batch {
             let [role_a, role_b] = [a, b].map(|slot| roles[slot as usize]);
             let color = coloring.assign((a, role_a.moves()), (b, role_b.moves())).unwrap_or(MAX_COLORS as u32);
             let held_by_joints = (role_a.moves() || role_b.moves()) && !role_a.is_loose() && !role_b.is_loose();
-            let is_even = [role_a, role_b].into_iter().all(|role| !role.moves() || role.is_even());
-            let first = match (held_by_joints, is_even) {
-                (false, _) => 0,
-                (true, true) => JOINTED,
-                (true, false) => UNEVEN,
-            };
-            let group = first + 2 * color as usize + usize::from(points == 1);
+            let group = 2 * color as usize + usize::from(points == 1) + if held_by_joints { GROUPS } else { 0 };
             groups.counts[group] += 1;
             groups.colors = groups.colors.max(color + 1);
             groups.are_plain &= is_plain;
@@ -121,10 +112,8 @@ impl Batch {
         let mut next = [0; ALL_GROUPS];
         let (mut first, mut first_face) = (0, 0);
         for (group, count) in groups.iter() {
-            match group {
-                JOINTED => self.first_jointed = first,
-                UNEVEN => self.first_uneven = first,
-                _ => {}
+            if group == GROUPS {
+                self.first_jointed = first;
             }
             next[group] = (first * LANES) as u32;
             let range = first..first + blocks_of((group, count));

@@ -288,11 +288,6 @@ impl Articulation {
         !self.touches.is_empty() && !self.touches.iter().any(|touch| touch.other_moves) && self.mass_ratio() <= EVEN_MASSES
     }
 
-    /// Whether its bodies are of like mass.
-    pub(super) fn is_even(&self) -> bool {
-        self.mass_ratio() <= ALIKE_MASSES
-    }
-
     /// Greatest over least mass of the bodies that it moves.
     fn mass_ratio(&self) -> f64 {
         let masses = || self.bodies.iter().filter_map(DirectBody::free_mass);

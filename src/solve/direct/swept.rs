@@ -6,7 +6,6 @@ use super::articulation::Articulation;
 use super::lockstep::Lockstep;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
-use crate::solve::role::Role;
 use crate::solve::shared::{Divided, Part, Slots};
 use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::workers::Workers;
@@ -40,12 +39,6 @@ impl Direct {
         swept
             .flat_map(|(own, number)| own.moved_slots().map(move |slot| (slot, number)))
             .all(|(slot, number)| self.local[slot as usize].0 == number)
-    }
-
-    /// Marks the bodies of those whose masses are alike.
-    pub(crate) fn mark_even(&self, roles: &mut [Role]) {
-        let even = self.articulations().iter().filter(|articulation| articulation.coupled && articulation.is_even());
-        even.flat_map(Articulation::moved_slots).for_each(|slot| roles[slot as usize].even_out());
     }
 
     /// Does one thing to those that go by themselves, and another to those that go in lockstep.

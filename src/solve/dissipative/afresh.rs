@@ -38,8 +38,8 @@ impl Afresh {
         std::array::from_fn(|l| self.slots[block.a[l] as usize] || self.slots[block.b[l] as usize])
     }
 
-    /// Takes the blocks of the chosen islands without their multipliers; returns how many of them are before `first_uneven`.
-    fn take(&mut self, contacts: &ContactBlocks, first_uneven: usize) -> usize {
+    /// Takes the blocks of the chosen islands without their multipliers; returns how many of them are before `first_jointed`.
+    fn take(&mut self, contacts: &ContactBlocks, first_jointed: usize) -> usize {
         self.blocks.clear();
         self.numbers.clear();
         let mut first = 0;
@@ -54,7 +54,7 @@ impl Afresh {
                 (copy.block.a[l], copy.block.b[l]) = (WORLD_SLOT, WORLD_SLOT);
             }
             self.numbers.push(number as u32);
-            first += usize::from(number < first_uneven);
+            first += usize::from(number < first_jointed);
         }
         first
     }
@@ -79,14 +79,14 @@ impl Batch {
         let chosen = || islands.iter().filter(|island| island.is_to_be_solved_afresh()).map(Island::slots);
         afresh.choose(chosen(), velocities.len());
         chosen().for_each(|slots| velocities[slots.clone()].copy_from_slice(&before[slots]));
-        let first_uneven = afresh.take(contacts, self.first_uneven);
+        let first_jointed = afresh.take(contacts, self.first_jointed);
         direct.drop_impulses(&afresh.slots);
         for iteration in 0..iterations {
             if iteration % 2 == 0 {
                 direct.sweep_on(&afresh.slots, velocities);
-                crew::sweep(&mut afresh.blocks, first_uneven, &alone, (velocities, moving), false);
+                crew::sweep(&mut afresh.blocks, first_jointed, &alone, (velocities, moving), false);
             } else {
-                crew::sweep(&mut afresh.blocks, first_uneven, &alone, (velocities, moving), true);
+                crew::sweep(&mut afresh.blocks, first_jointed, &alone, (velocities, moving), true);
                 direct.sweep_on(&afresh.slots, velocities);
             }
         }

@@ -137,8 +137,7 @@ impl BatchJoints {
     /// moving body. `left` are what the entries were made from, where those are not all.
     pub(crate) fn lay_out(
         &mut self,
-        joints: &Pool<Joint, JointId>,
-        left: Option<&[JointLink]>,
+        (joints, left): (&Pool<Joint, JointId>, Option<&[JointLink]>),
         threads: &Workers,
         coloring: &mut Coloring,
         (velocities, motions, roles): (&[BodyVelocity], &[BodyMotion], &[Role]),

@@ -75,7 +75,6 @@ impl Records<'_> {
             let records = Within { world: self, bodies, manifolds, scale, stride };
             direct.take(&mut joints.links, (velocities, motions), inputs, &records, threads);
             direct.step(self.joints, velocities, motions, inputs, settings, threads);
-            direct.mark_even(roles);
             let (direct, floor) = batch.direct_and_floor(threads);
             direct.get_ready(floor, h);
         }
@@ -88,6 +87,6 @@ impl Records<'_> {
         let (scale, stride) = (self.scale_for(batch), batch.stride);
         batch.set_contacts(threads, self.reach * (stride * stride), |manifold, ends| self.contact_input(manifold, ends, scale));
         let Batch { joints, direct, coloring, velocities, motions, roles, .. } = batch;
-        joints.lay_out(self.joints, direct.left_over(), threads, coloring, (velocities, motions, roles), h, substeps);
+        joints.lay_out((self.joints, direct.left_over()), threads, coloring, (velocities, motions, roles), h, substeps);
     }
 }

@@ -166,7 +166,7 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
         let links = entries.iter().map(link_of).collect();
         let (mut joints, alone) = (BatchJoints { links, entries, ..BatchJoints::default() }, Workers::default());
         let roles: Vec<Role> = motions.iter().map(Role::of).collect();
-        joints.lay_out(&pool, None, &alone, &mut Coloring::default(), (&velocities, &motions, &roles), H, 1);
+        joints.lay_out((&pool, None), &alone, &mut Coloring::default(), (&velocities, &motions, &roles), H, 1);
         let moving = Moving { velocities: &velocities, motions: &motions, outlooks: &outlooks(scene) };
         joints.prepare(&pool, &alone, &moving, H, false);
         joints.warm_start(&alone, &mut velocities);
