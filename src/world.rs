@@ -113,8 +113,6 @@ struct Scratch {
     /// Shapes with another kept box, for each piece of the shapes.
     reboxed: Vec<Vec<u32>>,
     paths: Vec<fast::Path>,
-    /// Whether any of those is that of a body flagged fast.
-    some_are_fast: bool,
     /// What is noted of bodies, and of joints, for each piece of a batch.
     noted: Vec<store::bodies::Noted>,
     noted_joints: Vec<store::joints::Noted>,

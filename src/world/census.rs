@@ -1,7 +1,7 @@
 //! What grouping asks of every body that a step may move, in a few bytes: records are hundreds of bytes each, and are read once for all of it,
 //! by all threads.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::World;
 use crate::body::{Body, BodyKind};
@@ -24,6 +24,9 @@ impl Known {
     const DRIVES: u8 = 2;
     const HELD: u8 = 4;
     const JOINTED: u8 = 8;
+    const FAST: u8 = 16;
+    /// What is told of all bodies together.
+    const TOLD: u8 = Self::DRIVES | Self::FAST;
 
     fn of(body: &Body) -> Self {
         let kind = body.acts_as();
@@ -32,6 +35,7 @@ impl Known {
             (kind == BodyKind::Kinematic, Self::DRIVES),
             (body.held, Self::HELD),
             (!body.joints.is_empty(), Self::JOINTED),
+            (body.fast, Self::FAST),
         ];
         let flags = flags.into_iter().map(|(is_so, flag)| if is_so { flag } else { 0 }).sum();
         Self { flags, calm_for: body.calm_for, smooth_for: body.smooth_for }
@@ -49,16 +53,14 @@ impl Known {
     pub(super) fn is_jointed(self) -> bool {
         self.flags & Self::JOINTED != 0
     }
-
-    fn drives(self) -> bool {
-        self.flags & Self::DRIVES != 0
-    }
 }
 
 /// What is known of the bodies that a step may move, by slot; of others, what was at some time.
 #[derive(Debug, Default)]
 pub(super) struct Census {
     known: Vec<Known>,
+    /// Flags that any of those bodies has, of those that are told.
+    told: u8,
 }
 
 impl Census {
@@ -66,14 +68,24 @@ impl Census {
     pub(super) fn of(&self, body: u32) -> Known {
         self.known[body as usize]
     }
+
+    /// Whether any of them is kinematic.
+    pub(super) fn some_drive(&self) -> bool {
+        self.told & Known::DRIVES != 0
+    }
+
+    /// Whether any of them is flagged fast.
+    pub(super) fn some_are_fast(&self) -> bool {
+        self.told & Known::FAST != 0
+    }
 }
 
 impl World {
-    /// Takes note of every body that the step may move; whether any of them is kinematic.
-    pub(super) fn take_census(&mut self) -> bool {
-        let Self { census: Census { known }, movers, bodies, threads, .. } = self;
+    /// Takes note of every body that the step may move.
+    pub(super) fn take_census(&mut self) {
+        let Self { census: Census { known, told }, movers, bodies, threads, .. } = self;
         known.resize(bodies.slot_count(), Known::default());
-        let any_drives = AtomicBool::new(false);
+        let flags = AtomicU8::new(0);
         let is_shared = threads.has_team() && movers.len() >= SHARED_MOVERS;
         let piece = if is_shared { threads.piece(known.len(), LEAST_SLOTS) } else { known.len().max(1) };
         let mut rest = &movers[..];
@@ -86,11 +98,11 @@ impl World {
             for &body in own {
                 let entry = Known::of(&bodies[body]);
                 known[body as usize - first] = entry;
-                if entry.drives() {
-                    any_drives.store(true, Ordering::Relaxed);
+                if entry.flags & Known::TOLD != 0 {
+                    flags.fetch_or(entry.flags & Known::TOLD, Ordering::Relaxed);
                 }
             }
         });
-        any_drives.into_inner()
+        *told = flags.into_inner();
     }
 }

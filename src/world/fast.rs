@@ -27,7 +27,7 @@ fn is_member(group: &[Path], body: u32) -> bool {
 impl World {
     /// Sweeps bodies flagged fast along the path of the step.
     pub(super) fn stop_fast_bodies(&mut self) {
-        if !self.scratch.some_are_fast {
+        if !self.census.some_are_fast() {
             return;
         }
         let mut paths = std::mem::take(&mut self.scratch.paths);

@@ -183,7 +183,8 @@ impl World {
     /// Sorts everything awake into islands and batches.
     pub(super) fn group_islands(&mut self) {
         self.pairs.settle();
-        if self.take_census() {
+        self.take_census();
+        if self.census.some_drive() {
             self.release_what_is_driven();
             self.take_census();
         }

@@ -73,6 +73,8 @@ struct Records<'a> {
     tallied: bool,
     gravity: Vec3,
     solver: Solver,
+    /// Whether any body is flagged fast, with which stops what joints connect to it.
+    some_are_fast: bool,
     /// Gap that gravity closes within a substep (m).
     reach: f32,
     /// Length of the step (s).
@@ -116,6 +118,7 @@ impl World {
             tallied: self.def.hit_threshold < f32::INFINITY || self.unions.iter().any(|union| union.wanted),
             gravity: self.def.gravity,
             solver: self.def.solver,
+            some_are_fast: self.census.some_are_fast(),
             reach: self.def.gravity.length() * substep * substep,
             dt,
             impulse_scale,

@@ -42,7 +42,6 @@ impl World {
         self.scale_held(self.impulse_scale(substep));
         (self.last_substep, self.last_dt) = (substep, dt);
         self.scratch.paths.clear();
-        self.scratch.some_are_fast = false;
         self.has_smooth_bodies = false;
         for number in 0..self.batch_count {
             self.store_bodies(number, dt);

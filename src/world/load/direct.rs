@@ -58,10 +58,12 @@ impl Records<'_> {
         let mut h = settings.dt / settings.substeps as f32;
         let (scale, stride) = (self.scale_for(batch), batch.stride);
         let Batch { joints, direct, bodies, velocities, motions, roles, inputs, manifolds, .. } = batch;
-        direct.group_slots(&joints.links, roles);
-        direct.solver = self.solver;
         let asks = |link: &JointLink| link.traits.solver == Solver::Direct;
-        if self.solver == Solver::GaussSeidel && !joints.links.iter().any(asks) {
+        let is_direct = self.solver != Solver::GaussSeidel || joints.links.iter().any(asks);
+        let grouped = if is_direct || self.some_are_fast { &joints.links[..] } else { &[] };
+        direct.group_slots(grouped, roles);
+        direct.solver = self.solver;
+        if !is_direct {
             direct.clear();
         } else {
             let is_swept = |slot: u32| {

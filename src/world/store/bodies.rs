@@ -35,7 +35,6 @@ pub(in crate::world) struct Noted {
     /// Motions of unions, by a member.
     unions: Vec<(u32, UnionMotion)>,
     has_smooth_bodies: bool,
-    has_fast_bodies: bool,
 }
 
 /// What the bodies of a batch are written back from.
@@ -47,6 +46,7 @@ struct Moves<'a> {
     smoothness: Smoothness,
     has_joints: bool,
     may_stride: bool,
+    some_are_fast: bool,
 }
 
 /// Records that a thread writes, each body's by one of them.
@@ -80,11 +80,14 @@ impl Records<'_> {
 impl World {
     pub(super) fn store_bodies(&mut self, number: usize, dt: f32) {
         let (calm_speed, smoothness) = (self.calm_speed(dt), self.smoothness(dt));
-        let Self { batches, bodies, colliders, joints, unions, index, scratch, has_smooth_bodies, broken, threads, .. } = self;
+        let Self {
+            batches, bodies, colliders, joints, unions, index, scratch, has_smooth_bodies, broken, census, threads, ..
+        } = self;
         let forces = index.forces_for(bodies.slot_count());
         let batch = &batches[number];
         let may_stride = batch.direct.sweeps_blocks() || batch.sheet.is_one();
-        let moves = Moves { number, batch, unions, calm_speed, smoothness, has_joints: joints.len() > 0, may_stride };
+        let (has_joints, some_are_fast) = (joints.len() > 0, census.some_are_fast());
+        let moves = Moves { number, batch, unions, calm_speed, smoothness, has_joints, may_stride, some_are_fast };
         let slots = batch.bodies.len();
         let is_shared = slots >= SHARED_SLOTS && threads.has_team();
         let piece = if is_shared { threads.piece(slots, LEAST_SLOTS) } else { slots };
@@ -108,7 +111,6 @@ impl World {
             broken.append(&mut noted.broken);
             scratch.paths.append(&mut noted.paths);
             *has_smooth_bodies |= std::mem::take(&mut noted.has_smooth_bodies);
-            scratch.some_are_fast |= std::mem::take(&mut noted.has_fast_bodies);
             for (member, motion) in noted.unions.drain(..) {
                 if let Some(union) = unions.of_mut(member).filter(|union| union.anchor == Anchor::Free) {
                     union.motion = motion;
@@ -122,7 +124,7 @@ impl World {
 impl Moves<'_> {
     /// Writes back what has this slot: a body, or the members of a union.
     fn write(&self, slot: usize, records: &mut Records<'_>, noted: &mut Noted) {
-        let &Self { number, batch, unions, calm_speed, has_joints, may_stride, .. } = self;
+        let &Self { number, batch, unions, calm_speed, has_joints, may_stride, some_are_fast, .. } = self;
         let index = batch.bodies[slot];
         let Some(lead) = records.body(index).filter(|body| body.is_free()) else { return };
         let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
@@ -152,8 +154,8 @@ impl Moves<'_> {
             noted.broken.extend_from_slice(members);
             return;
         }
-        noted.has_fast_bodies |= is_fast;
-        let is_swept = is_fast || batch.direct.is_jointed(slot as u32);
+        // What is jointed to a fast body stops with it.
+        let is_swept = is_fast || (some_are_fast && batch.direct.is_jointed(slot as u32));
         let steady = batch.load_pass.is_slow(slot);
         for &member in members {
             let Some(body) = records.body(member) else { continue };
