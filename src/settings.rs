@@ -41,8 +41,8 @@ impl Default for SleepSettings {
 /// How much work articulations may take: bodies that joints connect and that are solved at once.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ArticulationSettings {
-    /// How far a smooth articulation may be from its exact path after about a second (m), as the mean over its mass, ≥ 0; the engine
-    /// chooses its substeps for that. Zero: about a thousandth of its extent.
+    /// How far any body of a smooth articulation may be from its exact path after about a second (m), ≥ 0; the engine chooses its
+    /// substeps for that, up to `most_substeps`. Zero: about a thousandth of its extent, as the mean over its mass.
     pub error_target: f32,
     /// Most substeps of a smooth articulation over those of the world, 1 to 64; the least is one a step.
     pub most_substeps: u32,

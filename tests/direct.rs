@@ -276,28 +276,39 @@ fn joints_that_hold_points_alone_are_solved_as_others_are() {
 }
 
 #[test]
-fn an_error_target_is_met_within_a_factor_of_two() {
-    for n in ["10", "30", "100"] {
-        let mut scene = common::scene("swinging_weight", &[("n", n)]);
-        scene.world.articulations.error_target = 1e-3;
-        Run::on_threads(scene, 1).keeps("traj_err_max_m", 2e-3, "m");
-    }
-    let scenes: [(&str, &[(&str, &str)]); 7] = [
+fn an_error_target_is_met_by_the_body_furthest_off() {
+    let scenes: [(&str, &[(&str, &str)]); 10] = [
         ("swinging_weight", &[("n", "10")]),
+        ("swinging_weight", &[("n", "30")]),
+        ("hanging_chain", &[("n", "10")]),
         ("hanging_chain", &[]),
         ("hanging_chain", &[("n", "100")]),
         ("mobile", &[]),
         ("lifted_chain", &[]),
+        ("cantilever", &[]),
         ("rope_bridge", &[("planks", "40")]),
         ("hinge_loop", &[]),
     ];
     for (name, keys) in scenes {
         let error = path(name, keys, 1e-3, 4).apart_from(&path(name, keys, 1e-6, 32));
-        assert!(error <= 2e-3, "{name} {keys:?} is {error} m from its converged path, bound 2e-3 m");
+        assert!(error <= 1e-3, "{name} {keys:?} is {error} m from its converged path, bound 1e-3 m");
     }
+}
+
+#[test]
+fn an_error_target_is_met_within_a_factor_of_two_at_the_usual_ceiling() {
+    for (name, n) in [("swinging_weight", "10"), ("swinging_weight", "30"), ("swinging_weight", "100"), ("hanging_chain", "30")] {
+        let keys = if name == "hanging_chain" { vec![("n", n), ("reference", "on")] } else { vec![("n", n)] };
+        let mut scene = common::scene(name, &keys);
+        scene.world.articulations.error_target = 1e-3;
+        Run::on_threads(scene, 1).keeps("traj_err_max_m", 2e-3, "m");
+    }
+}
+
+#[test]
+fn an_error_target_is_met_where_a_load_lands_on_a_bridge() {
     let found = path("footbridge", &[("drop", "0.01")], 1e-3, 4);
-    let exact = straight_footbridge(&found);
-    let error = found.apart_from(&exact);
+    let error = found.apart_from(&straight_footbridge(&found));
     assert!(error <= 2e-3, "footbridge is {error} m from its exact path, bound 2e-3 m");
 }
 
@@ -311,13 +322,12 @@ fn straight_footbridge(like: &Path) -> Path {
         now[load].y -= (0.5 * 9.81 * time * time).min(0.01);
         now
     };
-    Path { positions: (0..like.positions.len()).map(in_step).collect(), masses: like.masses.clone() }
+    Path { positions: (0..like.positions.len()).map(in_step).collect() }
 }
 
-/// Where the bodies of a scene are in each step of its first second, and their masses (kg).
+/// Where the bodies of a scene are in each step of its first second.
 struct Path {
     positions: Vec<Vec<longspan::glam::DVec3>>,
-    masses: Vec<f64>,
 }
 
 fn path(name: &str, keys: &[(&str, &str)], error_target: f32, substeps: u32) -> Path {
@@ -326,21 +336,15 @@ fn path(name: &str, keys: &[(&str, &str)], error_target: f32, substeps: u32) -> 
     scene.world.articulations.most_substeps = 16;
     scene.world.substeps = substeps;
     let (bodies, mut positions) = (scene.bodies.len(), Vec::new());
-    let run = Run::watched(scene, |view| positions.push((0..bodies).map(|body| view.engine.pose(body).position).collect()));
-    let mass = |body| run.world().mass_properties(run.engine.body_id(body)).expect("bodies stay").map_or(0.0, |found| found.mass);
-    let masses = (0..bodies).map(|body| f64::from(mass(body))).collect();
-    Path { positions, masses }
+    Run::watched(scene, |view| positions.push((0..bodies).map(|body| view.engine.pose(body).position).collect()));
+    Path { positions }
 }
 
 impl Path {
-    /// Greatest distance from another path at any time, as the mean over the mass (m).
+    /// Greatest distance of any body from another path at any time (m).
     fn apart_from(&self, other: &Self) -> f64 {
-        let total: f64 = self.masses.iter().sum();
-        let distance = |(a, b): (&Vec<longspan::glam::DVec3>, &Vec<longspan::glam::DVec3>)| {
-            let moments = a.iter().zip(b).zip(&self.masses).map(|((a, b), mass)| mass * a.distance(*b));
-            moments.sum::<f64>() / total
-        };
-        self.positions.iter().zip(&other.positions).map(distance).fold(0.0, f64::max)
+        let bodies = self.positions.iter().flatten().zip(other.positions.iter().flatten());
+        bodies.map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
     }
 }
 

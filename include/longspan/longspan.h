@@ -1237,8 +1237,8 @@ typedef struct LsArticulation {
  */
 typedef struct LsArticulationSettings {
     /**
-     * How far a smooth articulation may be from its exact path after about a second (m), as the mean over its mass, >= 0; the engine
-     * chooses its substeps for that. Default 0: about a thousandth of its extent.
+     * How far any body of a smooth articulation may be from its exact path after about a second (m), >= 0; the engine chooses its
+     * substeps for that, up to `most_substeps`. Default 0: about a thousandth of its extent, as the mean over its mass.
      */
     float error_target;
     /** Most substeps of a smooth articulation over those of the world, 1 to 64; default 4. The least is one a step. */

@@ -18,8 +18,8 @@ const PITCH: f64 = 0.2;
 const RADIUS: f32 = 0.02;
 const WEIGHT_HALF: f32 = 0.5;
 /// Steps that the reference makes of one of the scene, and the coarser one that it is compared with.
-const STEPS: u32 = 1600;
-const COARSER_STEPS: u32 = 800;
+const STEPS: u32 = 6400;
+const COARSER_STEPS: u32 = 3200;
 
 pub(crate) fn cantilever(params: &mut Params) -> Result<Scene, SceneError> {
     let count = params.count("n", 30, 1..=2000)?;

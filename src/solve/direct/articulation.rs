@@ -21,7 +21,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::body::DirectBody;
 use super::contacts::Touch;
-use super::history::{History, SecondOrder};
+use super::history::{History, SecondOrder, Surprise};
 use super::lasting::Lasting;
 use super::layout::Link;
 use super::points::Points;
@@ -149,8 +149,8 @@ pub(crate) struct Articulation {
     continues: Option<f64>,
     /// Whether the last substep of this step was of first order.
     after_first_order: bool,
-    /// Change of velocity beyond a steady one in the last substep, where that was of second order (m/s).
-    pub(super) surprise: f64,
+    /// Of the last substep, where that was of second order.
+    pub(super) surprise: Surprise,
     /// Lengths of the step, of the world's substep and of its own (s).
     pub(super) dt: f64,
     pub(super) world_substep: f64,

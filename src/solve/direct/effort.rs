@@ -3,10 +3,14 @@
 //! Where it moves smoothly, as many as keep the local error of each below its bound ([`history`](super::history)); where it moves safely,
 //! so many that joints and contacts change little along one. Both are found by one step for the next, and within a step where one
 //! substep shows that those to come are too long.
+//!
+//! With an error target it is the body furthest off that is to keep it, and where nothing is known yet, as many substeps are taken as
+//! are allowed: the first of them is of first order, and what a blow has stirred up is gone or known after them.
 
 use glam::DVec3;
 
 use super::articulation::{Articulation, Mode};
+use super::history::Surprise;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::StepSettings;
@@ -32,18 +36,21 @@ impl Articulation {
     /// Takes the substeps that the last step found to be enough, and more from where one shows that they are not.
     pub(super) fn take_substeps(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
         let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
+        let has_target = settings.articulations.error_target > 0.0;
         let (most, bound) = (settings.articulations.most_substeps * substeps, self.most_surprise(settings));
+        let over = |surprise: Surprise| (if has_target { surprise.worst } else { surprise.mean } / bound).sqrt();
         // Carried multipliers are those of the world's substep.
-        let (mut rest, mut left, mut needed) = (self.wanted_substeps(substeps, dt), dt, 0.0_f64);
+        let unknown = if has_target { most } else { substeps };
+        let (mut rest, mut left, mut needed) = (self.wanted_substeps(unknown, dt), dt, 0.0_f64);
         let mut h = dt / f64::from(rest);
         self.scale_impulses((h / self.world_substep) as f32);
         let mut error = None;
         loop {
-            self.surprise = 0.0;
+            self.surprise = Surprise::default();
             let smooth = self.mode != Mode::Safe;
             error = Some(self.advance(joints, h, 0, error));
             (rest, left) = (rest - 1, left - h);
-            needed = needed.max(dt / h * (self.surprise / bound).sqrt());
+            needed = needed.max(dt / h * over(self.surprise));
             // What is unsettled is taken back, and its contacts are swept.
             if rest == 0 || self.outcome.unsettled {
                 break;
@@ -52,7 +59,7 @@ impl Articulation {
                 // What it has met has had no say in how long its smooth substeps were.
                 (left / self.world_substep).round() as u32
             } else {
-                let (wanted, finest) = (left / h * (self.surprise / bound).sqrt(), left / dt * f64::from(most));
+                let (wanted, finest) = (left / h * over(self.surprise), left / dt * f64::from(most));
                 (wanted.ceil().min(finest.round()) as u32).min(2 * rest)
             };
             if finer > rest {
@@ -76,13 +83,13 @@ impl Articulation {
         MOST_SURPRISE * extent * root * root.sqrt() * (NOMINAL_SUBSTEPS / f64::from(settings.substeps)).powi(2)
     }
 
-    /// Substeps that the last step found to be enough, or the world's where there is none to go by.
-    fn wanted_substeps(&self, substeps: u32, dt: f64) -> u32 {
+    /// Substeps that the last step found to be enough, or `unknown` where there is none to go by.
+    fn wanted_substeps(&self, unknown: u32, dt: f64) -> u32 {
         let wanted = self.histories.iter().map(|history| history.substeps).max().unwrap_or(0);
         match self.mode {
-            Mode::Safe if wanted > 0 => wanted.min(substeps),
+            Mode::Safe if wanted > 0 => wanted.min(unknown),
             Mode::Smooth | Mode::SecondOrder if wanted > 0 && self.second_order(dt / f64::from(wanted)).is_some() => wanted,
-            _ => substeps,
+            _ => unknown,
         }
     }
 

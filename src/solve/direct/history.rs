@@ -26,7 +26,8 @@
 //! **How many substeps.** The local error is ⅙ h³ v̈ = ⅙ h |δ|, with δ = h² v̈ and v̈ from the velocities of three substeps. What counts
 //! is what the substeps of a step add up to: light links that tremble under a heavy weight change the sign of v̈ many times a step, and
 //! move nothing. So v̈ is averaged, for each body by itself, over as much time as a step takes. An articulation takes as many substeps
-//! as keep |δ|, as the mean over its mass, below a bound: one where it hangs still, more where it whips.
+//! as keep |δ| below a bound: one where it hangs still, more where it whips. Without an error target |δ| is the mean over the mass,
+//! with one that of the body whose is greatest.
 
 use glam::{DQuat, DVec3, Vec3};
 
@@ -72,6 +73,16 @@ impl SecondOrder {
             euler_share: 3.0 * steady_share,
         })
     }
+}
+
+/// Change of velocity beyond a steady one in a substep, δ (m/s).
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Surprise {
+    /// Mean over the mass. Not its root mean square, which light links that tremble under a heavy weight would rule, though they hardly
+    /// move it.
+    pub mean: f64,
+    /// Of the body whose is greatest.
+    pub worst: f64,
 }
 
 /// Length of the substep where nothing is known but a lead: see [`crate::solve::lead`].

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::{Articulation, Mode};
-use super::history::SecondOrder;
+use super::history::{SecondOrder, Surprise};
 use super::quads::{self, Start};
 use super::ropes::Line;
 use super::row::Origin;
@@ -119,19 +119,20 @@ impl Articulation {
         if together { SecondOrder::new(h, f64::from(before)) } else { None }
     }
 
-    /// Mean over the mass of the change of velocity beyond a steady one in this substep, δ (m/s), averaged over a step.
-    ///
-    /// Not its root mean square, which light links that tremble under a heavy weight would rule, though they hardly move it.
-    pub(super) fn surprise(&mut self) -> f64 {
-        let (mut sum, mut total) = (0.0, 0.0);
+    /// Change of velocity beyond a steady one in this substep, averaged over a step.
+    pub(super) fn surprise(&mut self) -> Surprise {
+        let (mut sum, mut total, mut worst) = (0.0, 0.0, 0.0_f64);
         for (i, body) in self.bodies.iter().enumerate() {
             if let Some(mass) = body.free_mass() {
                 let (now, next) = (self.began.rates[i].linear, self.rates[i].linear);
-                sum += mass * self.histories[i].note_jerk(now, next, &self.order, self.h, self.dt).length();
+                let jerk = self.histories[i].note_jerk(now, next, &self.order, self.h, self.dt).length();
+                sum += mass * jerk;
                 total += mass;
+                worst = worst.max(jerk);
             }
         }
-        if total > 0.0 { self.h * self.h * sum / total } else { 0.0 }
+        let square = self.h * self.h;
+        Surprise { mean: if total > 0.0 { square * sum / total } else { 0.0 }, worst: square * worst }
     }
 
     /// Angular momentum at the end of a substep of an articulation that hangs on nothing, each body weighed with its damping: what
