@@ -25,6 +25,11 @@ const IN_LINE: f64 = 0.05;
 const FEW: usize = 6;
 const PARALLEL: f64 = 0.05;
 
+/// Joints that hold points, in loops, from which on less is added to their diagonal, by the square of how many times as many they are: the
+/// share of a residual that a solve leaves to refinement goes with the square of the joints in a row. And where that ends, short of rounding.
+const MANY: f64 = 2000.0;
+const MOST_OVER_MANY: f64 = 10.0;
+
 /// What a row may repeat.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Repeats {
@@ -60,9 +65,11 @@ impl Guard {
     /// Friction leaves to others what they hold as well: in a tree what it takes of that is a hundred-thousandth.
     const IDLY: Self = Self { added: 1.0e-8, noise: 1.0e-14 };
 
-    /// By [`Repeats`], where joints close so many loops.
-    pub(super) fn all(loops: usize) -> [Self; 4] {
-        let [often, in_line, points] = if loops == 0 { [Self::TREE; 3] } else { [Self::OFTEN, Self::IN_LINE, Self::POINTS] };
+    /// By [`Repeats`], where so many joints close so many loops.
+    pub(super) fn all(joints: usize, loops: usize) -> [Self; 4] {
+        let many = (joints as f64 / MANY).clamp(1.0, MOST_OVER_MANY);
+        let points = Self { added: Self::POINTS.added / (many * many), ..Self::POINTS };
+        let [often, in_line, points] = if loops == 0 { [Self::TREE; 3] } else { [Self::OFTEN, Self::IN_LINE, points] };
         [often, in_line, points, Self::IDLY]
     }
 }
@@ -109,5 +116,19 @@ impl Articulation {
         let mut axes = hinges.map(|(entry, link)| self.stances[link.bodies[0] as usize].1 * (entry.local_frame[0] * DVec3::X));
         let first = axes.next().unwrap_or(DVec3::X);
         axes.all(|axis| axis.cross(first).length_squared() <= PARALLEL * PARALLEL)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn less_is_added_the_more_points_are_held() {
+        let added = |joints| Guard::all(joints, 3)[Repeats::Points as usize].added;
+        assert_eq!([added(3), added(2_000)], [1.0e-12; 2], "of few joints");
+        assert!((added(4_000) - 0.25e-12).abs() < 1.0e-18, "of twice as many {:e}", added(4_000));
+        assert!((added(200_000) - 1.0e-14).abs() < 1.0e-20, "of ever more {:e}", added(200_000));
+        assert_eq!(Guard::all(200_000, 0)[Repeats::Points as usize].added, Guard::TREE.added, "where no loop is closed");
     }
 }

@@ -184,7 +184,7 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize, asked: bool) -> 
     let couplings = shared.iter().map(coupling).collect::<Option<Vec<_>>>()?;
     let loops = count_loops(links, bodies);
     let doubled = loops > 0 && has_doubles(links);
-    Some(Topology { plan, couplings, guards: Guard::all(loops), loops, doubled })
+    Some(Topology { plan, couplings, guards: Guard::all(capacity.len(), loops), loops, doubled })
 }
 
 /// Whether two joints that do more than hold points hold the same two bodies, where all that does not move is one.

@@ -42,7 +42,7 @@ fn articulation(noise: &mut Noise) -> Articulation {
         Coupling { late, early, late_side: side(late), early_side: side(early), body: a + 1, start }
     };
     let couplings = (0..4).map(coupling).collect();
-    own.topology = Topology { plan, couplings, guards: Guard::all(0), loops: 0, doubled: false };
+    own.topology = Topology { plan, couplings, guards: Guard::all(2, 0), loops: 0, doubled: false };
     own.system.begin(&own.bodies);
     own
 }
