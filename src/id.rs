@@ -8,6 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::room::extend_tightly;
 
 const INDEX_BITS: u32 = 28;
 const GENERATION_BITS: u32 = 24;
@@ -211,14 +212,14 @@ impl<T, H: Handle> Pool<T, H> {
     }
 
     pub(crate) fn reserve(&mut self, additional: usize) {
-        self.slots.reserve(additional);
+        self.slots.reserve_exact(additional);
     }
 
     pub(crate) fn insert(&mut self, value: T) -> Result<(u32, H)> {
         let index = match self.free.pop() {
             Some(index) => index,
             None if self.slots.len() < MAX_OBJECTS => {
-                self.slots.push(Slot { generation: 0, value: None });
+                extend_tightly(&mut self.slots, std::iter::once(Slot { generation: 0, value: None }));
                 (self.slots.len() - 1) as u32
             }
             None => return Err(Error::new(ErrorKind::CapacityExceeded, H::ARGUMENT, "the world holds no more of this kind")),
@@ -358,5 +359,18 @@ mod tests {
         let (next, _) = bodies.insert(0).unwrap();
         assert_ne!(next, index);
         assert_eq!(bodies.find(last).unwrap_err().kind, ErrorKind::StaleHandle);
+    }
+
+    #[test]
+    fn a_pool_keeps_an_eighth_in_reserve_and_what_it_was_told_of() {
+        let tag = WorldTag::acquire().unwrap();
+        let (mut grown, mut told) = (pool(&tag), pool(&tag));
+        (0..10_000).for_each(|_| {
+            grown.insert(1).unwrap();
+        });
+        let room = grown.slots.capacity();
+        assert!(room < 11_300, "room for {room} of 10,000");
+        told.reserve(10_000);
+        assert_eq!(told.slots.capacity(), 10_000);
     }
 }

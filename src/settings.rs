@@ -101,7 +101,7 @@ pub struct WorldDef {
     pub support: bool,
     /// Whether the analysis also finds what stands by thrust: arches, leaning cards, wedges. Costs nothing if not.
     pub support_by_thrust: bool,
-    /// Bodies to reserve memory for.
+    /// Bodies, of one shape each, to reserve memory for.
     pub body_capacity: u32,
     /// Joints to reserve memory for.
     pub joint_capacity: u32,

@@ -169,6 +169,7 @@ impl World {
             _tag: tag,
         };
         world.bodies.reserve(def.body_capacity as usize);
+        world.colliders.reserve(def.body_capacity as usize);
         world.joints.reserve(def.joint_capacity as usize);
         world.set_support(def.support);
         Ok(world)

@@ -78,7 +78,7 @@ pub struct LsWorldDef {
     pub sleep: LsSleepSettings,
     /// Approach speed below which nothing bounces (m/s), >= 0; default 1.
     pub restitution_threshold: f32,
-    /// Number of bodies to reserve memory for; a hint; default 0.
+    /// Number of bodies, of one shape each, to reserve memory for; a hint; default 0.
     pub body_capacity: u32,
     /// Number of joints to reserve memory for; a hint; default 0.
     pub joint_capacity: u32,

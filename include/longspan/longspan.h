@@ -917,7 +917,7 @@ typedef struct LsWorldDef {
     struct LsSleepSettings sleep;
     /** Approach speed below which nothing bounces (m/s), >= 0; default 1. */
     float restitution_threshold;
-    /** Number of bodies to reserve memory for; a hint; default 0. */
+    /** Number of bodies, of one shape each, to reserve memory for; a hint; default 0. */
     uint32_t body_capacity;
     /** Number of joints to reserve memory for; a hint; default 0. */
     uint32_t joint_capacity;

@@ -92,6 +92,9 @@ pub fn build(name: &str, given: &[(String, String)]) -> Result<Scene, SceneError
     let mut scene = (entry.build)(&mut params)?;
     params.check_all_used(entry.name)?;
     scene.name = entry.name;
+    // What a host knows of its scene it tells.
+    scene.world.body_capacity = scene.bodies.len() as u32;
+    scene.world.joint_capacity = scene.joints.len() as u32;
     let facts = std::mem::take(&mut scene.params);
     scene.params = params.into_asked().into_iter().chain(facts).collect();
     Ok(scene)
