@@ -131,8 +131,6 @@ impl Batch {
                 self.leads.halve_start(self.passive.slots(), &mut self.velocities);
             }
             self.joints.end_substep(threads);
-            let (direct, floor) = self.direct_and_floor(threads);
-            direct.keep_impulses(floor);
             self.bounds.add_loads();
             self.wraps.add_loads();
             self.taut.add_loads();

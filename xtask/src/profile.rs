@@ -12,7 +12,7 @@ use crate::{Outcome, instructions, succeed};
 
 /// Stages, and what the paths of their files contain; the first that fits counts.
 const STAGES: &[(&str, &[&str])] = &[
-    ("broad phase", &["src/collide/broad", "partitioning/bvh", "bounding_volume"]),
+    ("broad phase", &["src/collide/broad", "src/collide/boxes", "src/collide/collider", "partitioning/bvh", "bounding_volume"]),
     ("narrow phase", &["src/collide/", "parry3d"]),
     ("lists of pairs", &["src/world/pairs"]),
     ("islands and batches", &["src/world/group", "src/island", "src/solve/color"]),

@@ -174,7 +174,7 @@ impl Articulation {
     }
 
     /// Keeps the multipliers of a substep. Rows that may last keep them themselves, and what they add up to.
-    pub(crate) fn keep_swept_impulses(&mut self) {
+    fn keep_swept_impulses(&mut self) {
         self.outcome.safe += 1;
         if self.is_points {
             return self.keep_impulses(1.0);
@@ -262,7 +262,7 @@ impl Articulation {
         }
     }
 
-    /// Ends a substep, after the bodies have moved, or the step: positions are mended, velocities stay.
+    /// Ends a substep, after the bodies have moved, whose multipliers are kept, or the step: positions are mended, velocities stay.
     pub(crate) fn settle(
         &mut self,
         joints: &Pool<Joint, JointId>,
@@ -280,7 +280,7 @@ impl Articulation {
         self.end_settling(joints, motions, settling.errors);
     }
 
-    /// Finds the errors that positions have, unless they are left for the end of the step.
+    /// Keeps the multipliers of a substep, and finds the errors that positions have, unless they are left for the end of the step.
     pub(super) fn begin_settling(
         &mut self,
         joints: &Pool<Joint, JointId>,
@@ -288,8 +288,11 @@ impl Articulation {
         motions: &(impl Slots<BodyMotion> + ?Sized),
         is_end: bool,
     ) -> Option<Settling> {
-        if !is_end && self.find_lasting(motions) {
-            return None;
+        if !is_end {
+            self.keep_swept_impulses();
+            if self.find_lasting(motions) {
+                return None;
+            }
         }
         self.hand_back_impulses();
         self.load(velocities, motions);

@@ -139,14 +139,6 @@ impl Direct {
         }
     }
 
-    /// Hands the multipliers of a substep back to the joints.
-    pub(crate) fn keep_impulses(&mut self, floor: Floor<'_>) {
-        let keep = |own: &mut Articulation, _: &mut Hands<'_>| own.keep_swept_impulses();
-        self.each(floor, keep, |group, own, hands| {
-            group.members().iter().for_each(|&member| keep(own.get_mut(member), hands));
-        });
-    }
-
     /// Has displacements of bodies leave the joints of the articulations that touch what moves as they are; the floor's velocities are
     /// those displacements.
     pub(crate) fn yield_to_pushes(&mut self, floor: Floor<'_>) {
@@ -157,7 +149,7 @@ impl Direct {
         );
     }
 
-    /// Mends the positions of the articulations that touch what moves, at the end of a substep or of the step.
+    /// Ends a substep of the articulations that touch what moves, or the step: of a substep the multipliers are kept, positions are mended.
     pub(crate) fn settle(&mut self, joints: &Pool<Joint, JointId>, floor: Floor<'_>, is_end: bool) {
         self.each(
             floor,
