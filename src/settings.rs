@@ -44,7 +44,8 @@ pub struct ArticulationSettings {
     /// How far any body of a smooth articulation may be from its exact path after about a second (m), ≥ 0; the engine chooses its
     /// substeps for that, up to `most_substeps`. Zero: about a thousandth of its extent, as the mean over its mass.
     pub error_target: f32,
-    /// Most substeps of a smooth articulation over those of the world, 1 to 64; the least is one a step.
+    /// Most substeps of a smooth articulation over those of the world, up to 64; the least is one a step. Zero: 4, with an error
+    /// target 16.
     pub most_substeps: u32,
     /// Multiplications that halved substeps, and long searches for active sets, may take in a step of an articulation, in millions,
     /// 0 to 1e6. Once they are spent, joints may stay open until a later step, and contacts are swept; energy does not grow.
@@ -53,7 +54,18 @@ pub struct ArticulationSettings {
 
 impl Default for ArticulationSettings {
     fn default() -> Self {
-        Self { error_target: 0.0, most_substeps: 4, halving_budget: 10.0 }
+        Self { error_target: 0.0, most_substeps: 0, halving_budget: 10.0 }
+    }
+}
+
+impl ArticulationSettings {
+    /// Most substeps of a smooth articulation over those of the world.
+    pub(crate) fn ceiling(&self) -> u32 {
+        match self.most_substeps {
+            0 if self.error_target > 0.0 => 16,
+            0 => 4,
+            asked => asked,
+        }
     }
 }
 
@@ -146,7 +158,7 @@ impl WorldDef {
         within("substeps", self.substeps, MAX_EFFORT)?;
         within("iterations", self.iterations, MAX_EFFORT)?;
         within("threads", self.threads, MAX_THREADS)?;
-        within("articulations.most_substeps", self.articulations.most_substeps, MOST_SUBSTEPS_RANGE)?;
+        within("articulations.most_substeps", self.articulations.ceiling(), MOST_SUBSTEPS_RANGE)?;
         check::not_negative("articulations.error_target", self.articulations.error_target)?;
         check::not_negative("articulations.halving_budget", self.articulations.halving_budget)?;
         if self.articulations.halving_budget > MOST_HALVING_BUDGET {

@@ -39,7 +39,8 @@ pub struct LsArticulationSettings {
     /// How far any body of a smooth articulation may be from its exact path after about a second (m), >= 0; the engine chooses its
     /// substeps for that, up to `most_substeps`. Default 0: about a thousandth of its extent, as the mean over its mass.
     pub error_target: f32,
-    /// Most substeps of a smooth articulation over those of the world, 1 to 64; default 4. The least is one a step.
+    /// Most substeps of a smooth articulation over those of the world, up to 64; the least is one a step. Default 0: 4, with an error
+    /// target 16.
     pub most_substeps: u32,
     /// Multiplications that the factorisations of halved substeps, and of long searches for active sets, may take in a step of an
     /// articulation, in millions, 0 to 1e6; default 10. Once they are spent, joints may stay open until a later step, and contacts

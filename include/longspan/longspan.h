@@ -1241,7 +1241,10 @@ typedef struct LsArticulationSettings {
      * substeps for that, up to `most_substeps`. Default 0: about a thousandth of its extent, as the mean over its mass.
      */
     float error_target;
-    /** Most substeps of a smooth articulation over those of the world, 1 to 64; default 4. The least is one a step. */
+    /**
+     * Most substeps of a smooth articulation over those of the world, up to 64; the least is one a step. Default 0: 4, with an error
+     * target 16.
+     */
     uint32_t most_substeps;
     /**
      * Multiplications that the factorisations of halved substeps, and of long searches for active sets, may take in a step of an

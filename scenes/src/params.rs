@@ -164,7 +164,7 @@ impl Params {
             world.articulations.error_target = self.parsed("error_target", world.articulations.error_target, 0.0..=1.0e3)?;
         }
         if self.given("most_substeps").is_some() {
-            world.articulations.most_substeps = self.parsed("most_substeps", world.articulations.most_substeps, 1..=64)?;
+            world.articulations.most_substeps = self.parsed("most_substeps", world.articulations.most_substeps, 0..=64)?;
         }
         if self.given("sleep").is_some() {
             world.sleep = SleepSettings { enabled: self.switch("sleep", false)?, ..world.sleep };

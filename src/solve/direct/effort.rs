@@ -37,7 +37,7 @@ impl Articulation {
     pub(super) fn take_substeps(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
         let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
         let has_target = settings.articulations.error_target > 0.0;
-        let (most, bound) = (settings.articulations.most_substeps * substeps, self.most_surprise(settings));
+        let (most, bound) = (settings.articulations.ceiling() * substeps, self.most_surprise(settings));
         let over = |surprise: Surprise| (if has_target { surprise.worst } else { surprise.mean } / bound).sqrt();
         // Carried multipliers are those of the world's substep.
         let unknown = if has_target { most } else { substeps };
@@ -109,7 +109,7 @@ impl Articulation {
         let wanted = if outcome.second_order > 0 && outcome.safe + outcome.halvings == 0 {
             // Twice as long as the last, or half as long, a substep can still be of second order. Where the host has lowered the
             // effort since, twice as long may still be more substeps than are allowed.
-            let (last, most) = (dt / h, settings.articulations.most_substeps * substeps);
+            let (last, most) = (dt / h, settings.articulations.ceiling() * substeps);
             needed.ceil().max((0.5 * last).ceil()).min((2.0 * last).floor().min(f64::from(most)))
         } else if outcome.first_order + outcome.halvings == 0 && !outcome.unsettled {
             (self.greatest_speed() * dt / (MOST_STRIDE * self.size)).ceil().min(f64::from(substeps))
