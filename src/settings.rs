@@ -158,7 +158,9 @@ impl WorldDef {
         within("substeps", self.substeps, MAX_EFFORT)?;
         within("iterations", self.iterations, MAX_EFFORT)?;
         within("threads", self.threads, MAX_THREADS)?;
-        within("articulations.most_substeps", self.articulations.ceiling(), MOST_SUBSTEPS_RANGE)?;
+        if self.articulations.most_substeps > MOST_SUBSTEPS_RANGE {
+            return Err(Error::new(ErrorKind::OutOfRange, "articulations.most_substeps", "is above 64"));
+        }
         check::not_negative("articulations.error_target", self.articulations.error_target)?;
         check::not_negative("articulations.halving_budget", self.articulations.halving_budget)?;
         if self.articulations.halving_budget > MOST_HALVING_BUDGET {
@@ -175,5 +177,22 @@ impl WorldDef {
         check::not_negative("restitution_threshold", self.restitution_threshold)?;
         check::bound("hit_threshold", self.hit_threshold)?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ceiling_follows_from_the_error_target_unless_it_is_given() {
+        let ceiling = |error_target, most_substeps| {
+            ArticulationSettings { error_target, most_substeps, ..ArticulationSettings::default() }.ceiling()
+        };
+        assert_eq!([ceiling(0.0, 0), ceiling(1e-3, 0), ceiling(0.0, 64), ceiling(1e-3, 1)], [4, 16, 64, 1]);
+        let mut def = WorldDef::default();
+        def.articulations.most_substeps = 65;
+        let refused = def.check().expect_err("65 is out of range");
+        assert_eq!((refused.argument, refused.problem), ("articulations.most_substeps", "is above 64"));
     }
 }
