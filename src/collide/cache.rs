@@ -2,13 +2,19 @@
 //!
 //! A pair is *active* while one of its bodies can move by itself; the pairs of a sleeping island are kept by the island.
 
+mod tidy;
+
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use super::carried::{Kind, Manifolds};
+use super::blows::{Blow, Blows};
+use super::carried::Manifolds;
 use super::pairs::{Pair, PairKey};
 use crate::room::{make_room, make_room_behind};
 use crate::workers::Workers;
+
+use tidy::LEAST_TIDIED;
+pub(crate) use tidy::put_in_places;
 
 /// Pairs of which it is worth another thread's while to ask whether they have gone: some 5 µs.
 const LEAST_ASKED: usize = 2048;
@@ -31,11 +37,14 @@ pub(crate) struct PairCache {
     firsts: Vec<u32>,
     /// Steps until manifolds are looked at.
     until_tidied: u32,
+    /// Hits under way.
+    pub(crate) blows: Blows,
 }
 
 impl PairCache {
-    /// A cache of active pairs, sorted by key, and of pairs that sleep, which take the slots after them; `None` if not sorted.
-    pub(crate) fn from_parts(active: Vec<Pair>, asleep: Vec<Pair>) -> Option<Self> {
+    /// A cache of active pairs, sorted by key, and of pairs that sleep, which take the slots after them, each with the hit under way;
+    /// `None` if not sorted.
+    pub(crate) fn from_parts((active, hits): (Vec<Pair>, Vec<Blow>), (asleep, later): (Vec<Pair>, Vec<Blow>)) -> Option<Self> {
         if !active.windows(2).all(|two| two[0].key < two[1].key) {
             return None;
         }
@@ -44,7 +53,14 @@ impl PairCache {
         pairs.iter_mut().for_each(|pair| pair.active = true);
         pairs.extend(asleep);
         pairs.iter_mut().for_each(Pair::note_pressed);
-        Some(Self { pairs, active: keys, ..Self::default() })
+        let mut blows = Blows::default();
+        (0..).zip(hits.into_iter().chain(later)).for_each(|(slot, blow)| blows.set(slot, blow));
+        Some(Self { pairs, active: keys, blows, ..Self::default() })
+    }
+
+    /// The hit under way of a pair; nothing if there is none.
+    pub(crate) fn blow_of(&self, slot: u32) -> Blow {
+        self.blows.get(slot).copied().unwrap_or_default()
     }
 
     /// Every slot of the cache, also those not in use.
@@ -87,92 +103,6 @@ impl PairCache {
         if !self.woken.is_empty() {
             let woken: Vec<(PairKey, u32)> = std::mem::take(&mut self.woken).into_iter().collect();
             self.merge(&woken);
-        }
-    }
-
-    /// Puts slots in the order in which pairs are gone through, if they are much out of it, and says where each has gone.
-    ///
-    /// Pairs come and go, and slots are used again: after a while each pair is a read from another place of memory, a dozen times a
-    /// step.
-    pub(crate) fn tidy(&mut self) -> Option<Vec<u32>> {
-        self.settle();
-        let places = self.tidy_slots();
-        self.until_tidied = self.until_tidied.saturating_sub(1);
-        if self.until_tidied == 0 && self.is_large() {
-            self.tidy_manifolds();
-        }
-        places
-    }
-
-    fn tidy_slots(&mut self) -> Option<Vec<u32>> {
-        let out_of_order = self.active.windows(2).filter(|two| two[0].1 > two[1].1).count();
-        if !self.is_large() || out_of_order as f32 <= MOST_OUT_OF_ORDER * self.active.len() as f32 {
-            return None;
-        }
-        const NONE: u32 = u32::MAX;
-        let mut places = vec![NONE; self.pairs.len()];
-        for ((_, slot), place) in self.active.iter_mut().zip(0..) {
-            places[*slot as usize] = place;
-            *slot = place;
-        }
-        let others = places.iter_mut().filter(|place| **place == NONE);
-        others.zip(self.active.len() as u32..).for_each(|(place, next)| *place = next);
-        put_in_places(&mut self.pairs, &places);
-        for slot in self.free.iter_mut().chain(self.released.iter_mut().flatten()) {
-            *slot = places[*slot as usize];
-        }
-        Some(places)
-    }
-
-    /// Lets manifolds lie in memory in the order in which pairs are gone through, as far as they are of one size.
-    ///
-    /// They are asked for one by one as bodies meet, and come from wherever there was room: of a large pile each is a read from far
-    /// memory, half a dozen times a step.
-    fn tidy_manifolds(&mut self) {
-        self.until_tidied = STEPS_UNTIDIED;
-        let mut holders = Vec::new();
-        for kind in [Kind::Point, Kind::One] {
-            if !self.are_out_of_order(kind) {
-                continue;
-            }
-            holders.clear();
-            holders.extend(self.active.iter().map(|&(_, slot)| slot).filter(|&slot| self.get(slot).manifolds.kind() == kind));
-            let address = |slot: u32| self.pairs[slot as usize].manifolds.address();
-            // Of the manifolds in the order of their addresses, which holder has each.
-            let mut by_address: Vec<u32> = (0..holders.len() as u32).collect();
-            by_address.sort_unstable_by_key(|&number| address(holders[number as usize]));
-            let mut rank = vec![0; holders.len()];
-            by_address.iter().zip(0..).for_each(|(&number, place)| rank[number as usize] = place);
-            // Memory goes to the holder of its rank, with what is in it; then that goes back to whose it is.
-            self.permute(&holders, &mut rank, std::mem::swap);
-            self.permute(&holders, &mut by_address, Manifolds::swap_contents);
-        }
-    }
-
-    /// Whether manifolds of a kind are many, and much out of the order in which pairs are gone through.
-    fn are_out_of_order(&self, kind: Kind) -> bool {
-        let (mut count, mut out_of_order, mut last) = (0, 0, 0);
-        for manifolds in
-            self.active.iter().map(|&(_, slot)| &self.get(slot).manifolds).filter(|manifolds| manifolds.kind() == kind)
-        {
-            let address = manifolds.address();
-            count += 1;
-            out_of_order += usize::from(address < last);
-            last = address;
-        }
-        count >= LEAST_TIDIED && out_of_order as f32 > MOST_OUT_OF_ORDER * count as f32
-    }
-
-    /// Moves something of the pairs in the slots `holders` to the holders that `places` says, which is used up.
-    fn permute(&mut self, holders: &[u32], places: &mut [u32], mut swap: impl FnMut(&mut Manifolds, &mut Manifolds)) {
-        for i in 0..holders.len() {
-            while places[i] as usize != i {
-                let place = places[i] as usize;
-                if let Ok([a, b]) = self.pairs.get_disjoint_mut([holders[i] as usize, holders[place] as usize]) {
-                    swap(&mut a.manifolds, &mut b.manifolds);
-                }
-                places.swap(i, place);
-            }
         }
     }
 
@@ -228,6 +158,26 @@ impl PairCache {
         for &(_, slot) in &self.active {
             f(&mut self.pairs[slot as usize]);
         }
+    }
+
+    /// Takes note of how fast the points of pairs that may touch approach each other (m/s).
+    pub(crate) fn note_approaches(&mut self, approach: impl Fn(&Pair) -> f32) {
+        self.settle();
+        let Self { active, pairs, blows, .. } = self;
+        for &(_, slot) in &*active {
+            let pair = &pairs[slot as usize];
+            if pair.may_touch {
+                blows.note(slot, approach(pair));
+            }
+        }
+    }
+
+    /// Active pairs with a hit under way, in key order.
+    pub(crate) fn active_hits(&self) -> Vec<(PairKey, u32)> {
+        let listed = self.blows.slots().map(|slot| (self.get(slot).key, slot));
+        let mut hits: Vec<_> = listed.filter(|&(_, slot)| self.get(slot).active).collect();
+        hits.sort_unstable();
+        hits
     }
 
     /// Every slot of the cache, also those not in use or asleep; see [`is_active`](Self::is_active).
@@ -323,6 +273,7 @@ impl PairCache {
         let pair = &mut self.pairs[slot as usize];
         pair.manifolds = Manifolds::default();
         pair.active = false;
+        self.blows.forget(slot);
         self.free.push(slot);
         if let Some(released) = &mut self.released {
             released.push(slot);
@@ -390,25 +341,6 @@ impl PairCache {
     }
 }
 
-/// Active pairs from which on their order in memory matters, and share of them that may come before the one before them.
-const LEAST_TIDIED: usize = 2048;
-const MOST_OUT_OF_ORDER: f32 = 0.2;
-
-/// Steps after which manifolds are looked at: nothing but time depends on where they are.
-const STEPS_UNTIDIED: u32 = 16;
-
-/// Moves every item to its place.
-pub(crate) fn put_in_places<T>(items: &mut [T], places: &[u32]) {
-    let mut places = places.to_vec();
-    for i in 0..items.len() {
-        while places[i] as usize != i {
-            let place = places[i] as usize;
-            items.swap(i, place);
-            places.swap(i, place);
-        }
-    }
-}
-
 /// Active pairs that may be gone through once for each shape that asks for its neighbours.
 const QUESTIONS_OF_EACH: usize = 32;
 
@@ -444,7 +376,7 @@ pub(crate) enum Fate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collide::carried::CarriedManifold;
+    use crate::collide::carried::{CarriedManifold, Kind};
     use crate::collide::narrow::Manifold;
 
     const COUNT: u32 = 2 * LEAST_TIDIED as u32;
@@ -459,7 +391,7 @@ mod tests {
             geometry.points[0].feature = shape;
             pairs[shape as usize].manifolds = Manifolds::of(&[CarriedManifold { geometry, impulses: Default::default() }]);
         }
-        PairCache::from_parts(pairs, Vec::new()).expect("sorted")
+        PairCache::from_parts((pairs, Vec::new()), Default::default()).expect("sorted")
     }
 
     #[test]

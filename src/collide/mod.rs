@@ -4,10 +4,12 @@
 //! `narrow` makes manifolds from geometry alone where shapes have left their `stance`, `curvature` says how
 //! surfaces bend where they touch, `sweep` stops fast bodies at what they would pass through.
 
+pub(crate) mod blows;
 mod boxes;
 pub(crate) mod broad;
 pub(crate) mod cache;
 pub(crate) mod carried;
+pub(crate) mod coarse;
 pub(crate) mod collider;
 pub(crate) mod curvature;
 pub(crate) mod narrow;

@@ -6,6 +6,7 @@ use glam::{Mat3, Quat, Vec3};
 use parry3d::math::Pose3;
 
 use super::carried::{Carried, CarriedManifold, Manifolds, near, pressed, touching};
+use super::coarse::{CoarsePose, coarse, pose_unit};
 use super::collider::{Collider, relative};
 use super::narrow::{self, Manifold, Scratch};
 use super::stance::Stance;
@@ -49,18 +50,18 @@ impl PartialOrd for PairKey {
 }
 
 /// The bits of all manifolds of a pair in order, four each; [`TOO_MANY`] where there is no room for them.
-pub(crate) fn pack_touching(bits: impl Iterator<Item = u8>) -> u32 {
+pub(crate) fn pack_touching(bits: impl Iterator<Item = u8>) -> u16 {
     bits.enumerate().fold(0, |packed, (number, bits)| with_touching(packed, number, bits))
 }
 
 /// The bits of the manifolds before one, and its own.
-fn with_touching(packed: u32, number: usize, bits: u8) -> u32 {
-    let has_room = number < u32::BITS as usize / 4 - 1;
-    if has_room { packed | u32::from(bits) << (4 * number) } else { TOO_MANY }
+fn with_touching(packed: u16, number: usize, bits: u8) -> u16 {
+    let has_room = number < u16::BITS as usize / 4 - 1;
+    if has_room { packed | u16::from(bits) << (4 * number) } else { TOO_MANY }
 }
 
 /// What [`pack_touching`] says of a pair of which it can tell nothing.
-pub(crate) const TOO_MANY: u32 = u32::MAX;
+pub(crate) const TOO_MANY: u16 = u16::MAX;
 
 /// What the support analysis has made of a pair: enough to tell that it need not be looked at again, from the pair alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -78,44 +79,41 @@ pub(crate) enum Word {
 
 /// Two shapes near each other.
 ///
-/// A pile has ten for each of its bodies, and a dozen walks a step go over them: 136 bytes instead of 120 cost it a tenth. Now it has 96.
+/// A pile has ten for each of its bodies, and walks over them wait for memory: what all of them ask for comes first, the pose last.
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub(crate) struct Pair {
     pub key: PairKey,
     pub manifolds: Manifolds,
-    /// Pose of B's shape in A's, and margin, that the manifolds were made for, rounded as in [`coarse`] and [`rounded_up`]; the margin
-    /// is [`NOT_MADE`] where they were made for none.
-    pub pose: Pose3,
+    /// Margin that the manifolds were made for, rounded as in [`rounded_up`]; [`NOT_MADE`] where they were made for none.
     pub margin: f32,
-    /// Whether the narrow phase made new manifolds in the last step.
-    pub updated: bool,
-    /// Whether both bodies were held, or cannot move, when the step began.
-    pub still: bool,
     /// Counts the manifolds that the slot has had.
-    pub version: u32,
-    /// Lesser least extent of the two shapes (m).
-    pub extent: f32,
+    pub version: u16,
     /// Which points touched at the end of the last step, and do now, where somebody wants to know.
-    pub touching: u32,
-    pub touches: u32,
+    pub touching: u16,
+    pub touches: u16,
     /// Of a pair with one manifold: its points that are near enough to touch, as bits, and what the solver told of it last. Of others
     /// nothing is told.
     pub near: u8,
     pub told: Told,
     /// What the support analysis has made of it.
     pub word: Word,
+    /// Whether the narrow phase made new manifolds in the last step.
+    pub updated: bool,
+    /// Whether both bodies were held, or cannot move, when the step began.
+    pub still: bool,
     /// Whether any normal multiplier is positive.
     pub pressed: bool,
     /// Whether a point may close its separation within the step.
     pub may_touch: bool,
     /// Whether a normal impulse acted in the last step.
     pub in_contact: bool,
-    /// Greatest speed at which points have approached each other in the hit under way (m/s); zero if there is none.
-    pub approach: f32,
-    /// Impulse along the normal in the hit under way (N·s).
-    pub blow: f32,
     pub active: bool,
+    /// Pose of B's shape in A's that the manifolds were made for.
+    pub pose: CoarsePose,
 }
+
+const _: () = assert!(size_of::<Pair>() == 64);
 
 /// Margin of a pair whose manifolds were made for no pose.
 const NOT_MADE: f32 = -1.0;
@@ -139,23 +137,20 @@ impl Pair {
         Self {
             key,
             manifolds: Manifolds::default(),
-            pose: Pose3::IDENTITY,
             margin: NOT_MADE,
-            updated: false,
-            still: false,
             version: 0,
-            extent: 0.0,
             touching: 0,
             touches: 0,
             near: 0,
             told: Told::NOTHING,
             word: Word::Nothing,
+            updated: false,
+            still: false,
             pressed: false,
             may_touch: false,
             in_contact: false,
-            approach: 0.0,
-            blow: 0.0,
             active: false,
+            pose: CoarsePose::IDENTITY,
         }
     }
 
@@ -169,9 +164,10 @@ impl Pair {
     ) {
         let still = a.contact_margin(b);
         let relative = relative((a.position, a.rotation), (b.position, b.rotation));
-        self.extent = a.least_extent.min(b.least_extent);
-        self.updated = !self.still_good(&relative, still + motion, self.extent);
-        if self.updated {
+        let extent = a.least_extent.min(b.least_extent);
+        let keeps = self.still_good(&relative, still + motion, extent);
+        put(&mut self.updated, !keeps);
+        if !keeps {
             self.version = self.version.wrapping_add(1);
             let margin = rounded_up(still + motion * MARGIN_RESERVE);
             if !(0.0..f32::INFINITY).contains(&margin) {
@@ -181,13 +177,13 @@ impl Pair {
             let [shape_a, shape_b] = shapes();
             narrow::collide(shape_a, shape_b, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
             self.take(&scratch.manifolds, &mut scratch.carried);
-            (self.pose, self.margin) = (coarse(&relative, pose_unit(self.extent)), margin);
+            (self.pose, self.margin) = (CoarsePose::of(&coarse(&relative, pose_unit(extent))), margin);
         } else {
             self.manifolds.follow(&relative);
         }
         let points = self.manifolds.iter().flat_map(|manifold| manifold.points);
-        self.may_touch = points.fold(f32::INFINITY, |least, point| least.min(point.separation)) <= motion;
-        self.note_near();
+        put(&mut self.may_touch, points.fold(f32::INFINITY, |least, point| least.min(point.separation)) <= motion);
+        self.note_near(extent);
     }
 
     /// Whether the solver has told of all of it.
@@ -195,14 +191,27 @@ impl Pair {
         self.active && self.told.is_known()
     }
 
-    fn note_near(&mut self) {
+    fn note_near(&mut self, extent: f32) {
         if self.manifolds.len() == 1 {
-            self.near = near(self.manifolds.get(0).points, self.extent);
+            put(&mut self.near, near(self.manifolds.get(0).points, extent));
         }
+    }
+
+    /// Takes note of whether neither side can move, and says so: nothing of the pair is looked at then.
+    pub(crate) fn rests(&mut self, still: bool) -> bool {
+        put(&mut self.still, still);
+        if still {
+            put(&mut self.updated, false);
+        }
+        still
     }
 
     /// Takes note that the two cannot touch in this step, and gives back the room of manifolds.
     pub(crate) fn part(&mut self) {
+        let has_parted = self.margin == NOT_MADE && self.manifolds.is_empty() && !self.may_touch && !self.updated;
+        if has_parted {
+            return;
+        }
         self.version = self.version.wrapping_add(1);
         self.manifolds = Manifolds::default();
         self.margin = NOT_MADE;
@@ -213,7 +222,12 @@ impl Pair {
 
     /// Pose and margin that the manifolds were made for, if for any.
     pub(crate) fn made_for(&self) -> Option<(Pose3, f32)> {
-        (self.margin != NOT_MADE).then_some((self.pose, self.margin))
+        (self.margin != NOT_MADE).then(|| (self.pose.exact(), self.margin))
+    }
+
+    /// Says what the manifolds were made for: a pose in steps, as [`coarse`] gives it, and a margin.
+    pub(crate) fn set_made_for(&mut self, pose: &Pose3, margin: f32) {
+        (self.pose, self.margin) = (CoarsePose::of(pose), margin);
     }
 
     /// Whether there are contact points at all.
@@ -235,8 +249,9 @@ impl Pair {
         if self.margin == NOT_MADE {
             return false;
         }
-        let shift = (relative.translation - self.pose.translation).length();
-        let (p, q) = (relative.rotation, self.pose.rotation);
+        let pose = self.pose.exact();
+        let shift = (relative.translation - pose.translation).length();
+        let (p, q) = (relative.rotation, pose.rotation);
         let turn = (Quat::from_xyzw(p.x, p.y, p.z, p.w) - Quat::from_xyzw(q.x, q.y, q.z, q.w)).length() * 2.0;
         let between_faces = self.manifolds.iter().all(|manifold| manifold.points.len() >= FACE_POINTS);
         let reuse = if between_faces && !self.manifolds.is_empty() { REUSE_OF_FACES } else { REUSE };
@@ -274,56 +289,36 @@ impl Pair {
         self.pressed |= impulses.normal.iter().any(|&lambda| lambda > 0.0);
     }
 
-    /// The same where somebody wants to know which points touch, with what the solver tells of it.
-    pub(crate) fn store_told(&mut self, number: usize, impulses: ContactImpulses, told: Told) {
+    /// The same where somebody wants to know which points touch, with what the solver tells of it; `extent` is the lesser least extent of
+    /// the two shapes (m).
+    pub(crate) fn store_told(&mut self, number: usize, impulses: ContactImpulses, told: Told, extent: impl FnOnce() -> f32) {
         self.store(number, impulses);
         if self.manifolds.len() == 1 {
             let pressed = pressed(&impulses);
-            (self.touches, self.told) = (if pressed == 0 { 0 } else { u32::from(pressed | self.near) }, told);
+            (self.touches, self.told) = (if pressed == 0 { 0 } else { u16::from(pressed | self.near) }, told);
         } else {
-            self.touches = with_touching(self.touches, number, touching(&self.manifolds.get(number), self.extent));
+            self.touches = with_touching(self.touches, number, touching(&self.manifolds.get(number), extent()));
         }
     }
 
     /// Brings up to date what is known of the multipliers without looking at them.
     pub(super) fn note_pressed(&mut self) {
         self.pressed = self.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
-        self.touches = pack_touching(self.manifolds.iter().map(|manifold| touching(&manifold, self.extent)));
-        self.note_near();
+        // Points that do not overlap are told to be near by the next step, which knows the shapes.
+        self.touches = pack_touching(self.manifolds.iter().map(|manifold| touching(&manifold, 0.0)));
+        self.note_near(0.0);
     }
 }
 
-/// Steps of the pose that a pair remembers, in shares of the smaller shape's extent and in radians: an eighth or a fourth of what it
-/// is compared by, so that a pair at rest takes a few bits of a snapshot.
-const SHIFT_STEP: f32 = 1.0 / 8192.0;
-pub(crate) const TURN_STEP: f32 = 1.0 / 16384.0;
+/// Writes what is not there yet: a line of memory that nothing is written to need not go back to where it came from.
+fn put<T: PartialEq>(place: &mut T, value: T) {
+    if *place != value {
+        *place = value;
+    }
+}
 
 /// Bits of a margin that are not remembered.
 const LOST_MARGIN_BITS: u32 = 0x1fff;
-
-/// Step of the translation that a pair remembers whose shapes have this lesser least extent (m), a power of two; the rotation's is
-/// [`TURN_STEP`].
-pub(crate) fn pose_unit(extent: f32) -> f32 {
-    const EXPONENT: u32 = 0x7f80_0000;
-    f32::from_bits(extent.to_bits() & EXPONENT) * SHIFT_STEP
-}
-
-/// A pose in steps of `unit` and [`TURN_STEP`].
-pub(crate) fn coarse(pose: &Pose3, unit: f32) -> Pose3 {
-    let (p, q) = (pose.translation, pose.rotation);
-    let turn = |x: f32| in_steps(x, TURN_STEP);
-    Pose3::from_parts(
-        Vec3::from_array(p.to_array().map(|x| in_steps(x, unit))),
-        Quat::from_xyzw(turn(q.x), turn(q.y), turn(q.z), turn(q.w)),
-    )
-}
-
-fn in_steps(x: f32, unit: f32) -> f32 {
-    // Added to a number whose last bit is one, a float is rounded to whole numbers.
-    const ONES: f32 = 12_582_912.0;
-    let steps = x / unit;
-    if steps.abs() < 4.0e6 { ((steps + ONES) - ONES) * unit } else { x }
-}
 
 /// The least margin that is remembered and no smaller than this one (positive). Were it smaller, a pair at rest would be asked for
 /// more than it was made for, and be made anew in every step.

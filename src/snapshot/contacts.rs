@@ -10,10 +10,13 @@ use parry3d::math::Pose3;
 
 use super::stored::{Reader, Stored, Writer, stored};
 use super::table::{Input, Output};
+use crate::collide::blows::Blow;
+use crate::collide::cache::PairCache;
 use crate::collide::carried::{Carried, CarriedManifold, Manifolds};
+use crate::collide::coarse::{TURN_STEP, coarse, pose_unit};
 use crate::collide::collider::Collider;
 use crate::collide::narrow::{Manifold, ManifoldPoint};
-use crate::collide::pairs::{Pair, PairKey, TURN_STEP, coarse, pose_unit};
+use crate::collide::pairs::{Pair, PairKey};
 use crate::id::{Pool, ShapeId};
 use crate::solve::contact::ContactImpulses;
 
@@ -119,19 +122,24 @@ impl Stored for Steps {
     }
 }
 
-/// Writes pairs with all they carry; `rests` says of which the next step does not look at the poses that they are saved with.
-pub(crate) fn write<'a>(
+/// Writes the pairs in these slots with all they carry; `rests` says of which the next step does not look at the poses that they are
+/// saved with.
+pub(crate) fn write(
     tables: &mut Output,
-    pairs: impl ExactSizeIterator<Item = &'a Pair> + Clone,
+    (pairs, slots): (&PairCache, impl ExactSizeIterator<Item = u32> + Clone),
     colliders: &Pool<Collider, ShapeId>,
     rests: impl Fn(&Pair) -> bool,
 ) {
-    let (rows, far): (Vec<PairRow>, Vec<Option<FarPose>>) =
-        pairs.clone().map(|pair| row_of(pair, colliders, rests(pair))).unzip();
+    let row_of = |slot| {
+        let pair = pairs.get(slot);
+        row_of((pair, pairs.blow_of(slot)), colliders, rests(pair))
+    };
+    let (rows, far): (Vec<PairRow>, Vec<Option<FarPose>>) = slots.clone().map(row_of).unzip();
     tables.table(rows.iter());
     let far: Vec<FarPose> = far.into_iter().flatten().collect();
     tables.table(far.iter());
-    let carried: Vec<(Pose3, Carried)> = pairs
+    let carried: Vec<(Pose3, Carried)> = slots
+        .map(|slot| pairs.get(slot))
         .flat_map(|pair| {
             let pose = Now::of(pair.key, colliders).map_or(Pose3::IDENTITY, |now| now.exact);
             pair.manifolds.iter().map(move |manifold| (pose, manifold))
@@ -143,12 +151,13 @@ pub(crate) fn write<'a>(
     tables.table(points.iter());
 }
 
-/// Reads what [`write`] has written; `None` if it makes no sense.
-pub(crate) fn read(input: &mut Input, colliders: &Pool<Collider, ShapeId>) -> Option<Vec<Pair>> {
+/// Reads what [`write`] has written, pairs and the hit of each; `None` if it makes no sense.
+pub(crate) fn read(input: &mut Input, colliders: &Pool<Collider, ShapeId>) -> Option<(Vec<Pair>, Vec<Blow>)> {
     let rows = input.table::<PairRow>()?;
     let mut far = input.table::<FarPose>()?.into_iter();
     let (mut manifolds, mut points) = (input.table::<ManifoldRow>()?.into_iter(), input.table::<PointRow>()?.into_iter());
     let mut pairs = Vec::with_capacity(rows.len());
+    let blows = rows.iter().map(|row| Blow { approach: row.approach, impulse: row.blow }).collect();
     for row in rows {
         let now = Now::of(row.key, colliders)?;
         let mut pair = row.pair(&now, &mut far)?;
@@ -160,7 +169,7 @@ pub(crate) fn read(input: &mut Input, colliders: &Pool<Collider, ShapeId>) -> Op
         pair.manifolds = Manifolds::of(&carried.collect::<Option<Vec<_>>>()?);
         pairs.push(pair);
     }
-    (far.next().is_none() && manifolds.next().is_none() && points.next().is_none()).then_some(pairs)
+    (far.next().is_none() && manifolds.next().is_none() && points.next().is_none()).then_some((pairs, blows))
 }
 
 /// Pose of B's shape in A's as it is now, the same in steps, and the step of its translation (m).
@@ -221,7 +230,7 @@ fn unpacked(from: [f32; 7], bits: u32, units: [f32; 7]) -> [f32; 7] {
     })
 }
 
-fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (PairRow, Option<FarPose>) {
+fn row_of((pair, blow): (&Pair, Blow), colliders: &Pool<Collider, ShapeId>, rests: bool) -> (PairRow, Option<FarPose>) {
     // Written out, so that a field that is new does not compile.
     let Pair {
         key,
@@ -240,17 +249,13 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (Pai
         word: _,
         // Of the multipliers.
         pressed: _,
-        // Of the shapes.
-        extent: _,
         may_touch,
         in_contact,
-        approach,
-        blow,
         active: _,
     } = pair;
     let flag = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
     let info = flag(*may_touch, MAY_TOUCH) | flag(*in_contact, IN_CONTACT) | (manifolds.len() as u32 * MANIFOLDS);
-    let mut row = PairRow { key: *key, info, steps: 0, margin: 0, approach: *approach, blow: *blow };
+    let mut row = PairRow { key: *key, info, steps: 0, margin: 0, approach: blow.approach, blow: blow.impulse };
     let mut far = None;
     let now = Now::of(*key, colliders).filter(|now| rests || pair.is_near(&now.exact, now.least_extent));
     if let (Some((pose, margin)), Some(now)) = (pair.made_for(), now) {
@@ -271,7 +276,6 @@ fn row_of(pair: &Pair, colliders: &Pool<Collider, ShapeId>, rests: bool) -> (Pai
 impl PairRow {
     fn pair(&self, now: &Now, far: &mut impl Iterator<Item = FarPose>) -> Option<Pair> {
         let mut pair = Pair::new(self.key);
-        (pair.approach, pair.blow) = (self.approach, self.blow);
         let has = |flag: u32| self.info & flag != 0;
         (pair.may_touch, pair.in_contact) = (has(MAY_TOUCH), has(IN_CONTACT));
         if has(HAS_POSE) {
@@ -282,7 +286,7 @@ impl PairRow {
             } else {
                 unpacked(from, self.steps, units(now.unit))
             };
-            (pair.pose, pair.margin) = (pose_of(to), f32::from_bits(self.margin.checked_shl(MARGIN_SHIFT)?));
+            pair.set_made_for(&pose_of(to), f32::from_bits(self.margin.checked_shl(MARGIN_SHIFT)?));
         }
         Some(pair)
     }

@@ -140,6 +140,12 @@ impl Index {
         &self.stances[shape as usize]
     }
 
+    /// Lesser least extent of the shapes of an active pair (m).
+    pub(super) fn least_extent(&self, key: PairKey) -> f32 {
+        let (a, b) = key.shapes();
+        self.stance(a).least_extent.min(self.stance(b).least_extent)
+    }
+
     /// Net forces of contacts of so many bodies, by slot (N).
     pub(super) fn forces_for(&mut self, bodies: usize) -> &mut [Vec3] {
         if self.forces.len() < bodies {

@@ -8,6 +8,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use super::World;
 use super::unions::Unions;
 use crate::body::Body;
+use crate::collide::blows::Blow;
 use crate::collide::broad::still_near;
 use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::{Pair, PairKey, PairScratch, WorldManifold};
@@ -169,9 +170,7 @@ impl World {
         let update = |pair: &mut Pair, scratch: &mut PairScratch| {
             let (a, b) = pair.key.shapes();
             let stances = (index.stance(a), index.stance(b));
-            pair.still = stances.0.still && stances.1.still;
-            if pair.still {
-                pair.updated = false;
+            if pair.rests(stances.0.still && stances.1.still) {
                 return;
             }
             if !stances.0.tight_box.intersects(&stances.1.tight_box) {
@@ -216,11 +215,7 @@ impl World {
         if def.hit_threshold == f32::INFINITY {
             return;
         }
-        pairs.for_each_active(|pair| {
-            if pair.may_touch {
-                pair.approach = pair.approach.max(approach(pair, colliders, bodies, def.hit_threshold));
-            }
-        });
+        pairs.note_approaches(|pair| approach(pair, colliders, bodies, def.hit_threshold));
     }
 
     /// Lists pairs of shapes that met fast: once the approach is over, for speculative contacts spread it over two steps.
@@ -229,21 +224,18 @@ impl World {
         if threshold == f32::INFINITY {
             return;
         }
-        for number in 0..self.pairs.active().len() {
-            let (key, slot) = self.pairs.active()[number];
-            let pair = self.pairs.get(slot);
-            if pair.approach == 0.0 || approach(pair, &self.colliders, &self.bodies, threshold) > 0.0 {
+        for (key, slot) in self.pairs.active_hits() {
+            if approach(self.pairs.get(slot), &self.colliders, &self.bodies, threshold) > 0.0 {
                 continue;
             }
-            let (approach_speed, impulse) = (pair.approach, pair.blow);
+            let Blow { approach: approach_speed, impulse } = self.pairs.blow_of(slot);
             let heaviest = |a: &Contact, b: &Contact| a.normal_force().total_cmp(&b.normal_force());
             if let Some(contact) = self.contacts_of_pair(key, slot).max_by(heaviest).filter(|_| impulse > 0.0) {
                 let points = contact.points();
                 let point = points.iter().map(|point| point.position).sum::<DVec3>() / points.len() as f64;
                 self.events.hits.push(Hit { pair: contact.pair, point, normal: contact.normal, approach_speed, impulse });
             }
-            let pair = self.pairs.get_mut(slot);
-            (pair.approach, pair.blow) = (0.0, 0.0);
+            self.pairs.blows.forget(slot);
         }
     }
 }

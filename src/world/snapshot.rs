@@ -149,11 +149,11 @@ impl World {
             let (a, b) = pair.key.shapes();
             [a, b].into_iter().all(|shape| !is_followed(&bodies[colliders[shape].body]))
         };
-        contacts::write(&mut tables, pairs.listed().iter().map(|&(_, slot)| pairs.get(slot)), colliders, rests);
+        contacts::write(&mut tables, (pairs, pairs.listed().iter().map(|&(_, slot)| slot)), colliders, rests);
         // What a sleeping island kept of a shape that has gone since is not there any more.
         let is_whole = |slot: &u32| is_whole(colliders, pairs.get(*slot).key);
-        let asleep: Vec<&Pair> = sleeping.pairs().filter(is_whole).map(|slot| pairs.get(slot)).collect();
-        contacts::write(&mut tables, asleep.into_iter(), colliders, |_| true);
+        let asleep: Vec<u32> = sleeping.pairs().filter(is_whole).collect();
+        contacts::write(&mut tables, (pairs, asleep.into_iter()), colliders, |_| true);
         let island = |island: &Option<SleepingIsland>| {
             island.as_ref().map(|SleepingIsland { bodies, pairs }| IslandRow {
                 bodies: Runs(bodies.clone()),
@@ -258,7 +258,7 @@ impl Image {
             colliders.get_mut(shape)?.tight_box = tight_box;
         }
         let (active, asleep) = (contacts::read(input, &colliders)?, contacts::read(input, &colliders)?);
-        let mut next = active.len() as u32;
+        let mut next = active.0.len() as u32;
         let mut islands = Vec::new();
         for island in input.table::<Option<IslandRow>>()? {
             islands.push(match island {
@@ -271,7 +271,7 @@ impl Image {
             });
         }
         let (bounds, unions) = (input.table()?, input.table()?);
-        if next as usize != active.len() + asleep.len() || !input.is_done() {
+        if next as usize != active.0.len() + asleep.0.len() || !input.is_done() {
             return None;
         }
         let sleeping = SleepingIslands::from_parts(islands, row.free_islands.0.clone())?;

@@ -71,13 +71,14 @@ impl World {
     }
 
     fn store_contacts(&mut self, number: usize, dt: f32) {
+        self.store_blows(number);
         let substep = dt / self.def.substeps as f32;
         let Self { batches, pairs, index, support, scratch, threads, .. } = self;
         let is_judged = support.as_ref().is_some_and(|support| support.is_awake());
         let batch = &batches[number];
         let share = 1.0 / batch.stride;
         // Keeps the multipliers of a manifold, and returns its force on the second shape.
-        let store = |i: usize, pair: &mut Pair| {
+        let store = |i: usize, pair: &mut Pair, index: &Index| {
             let mut impulses = batch.contact_impulses(i).scaled(share);
             let manifold = batch.manifolds[i].1 as usize;
             let pressed = impulses.normal.iter().sum::<f32>();
@@ -90,12 +91,10 @@ impl World {
                 return Vec3::ZERO;
             }
             if is_judged {
-                pair.store_told(manifold, impulses, batch.contact_told(i));
+                let key = pair.key;
+                pair.store_told(manifold, impulses, batch.contact_told(i), || index.least_extent(key));
             } else {
                 pair.store(manifold, impulses);
-            }
-            if pair.approach > 0.0 {
-                pair.blow += batch.contact_blow(i);
             }
             (batch.contact_normal(i) * (pressed + rebound) + impulses.friction) / substep
         };
@@ -103,7 +102,7 @@ impl World {
         if batch.manifolds.len() < SHARED_MANIFOLDS || !threads.has_team() {
             for (i, &(slot, _)) in batch.manifolds.iter().enumerate() {
                 let pair = pairs.get_mut(slot);
-                let (force, bodies) = (store(i, pair), bodies_of(pair, index));
+                let (force, bodies) = (store(i, pair, index), bodies_of(pair, index));
                 index.add_contact(bodies, force);
             }
             return;
@@ -119,10 +118,25 @@ impl World {
             let mut pairs = unsafe { slots.part() };
             for (pull, i) in pulls.iter_mut().zip(range) {
                 let pair = pairs.get_mut(batch.manifolds[i].0);
-                *pull = Pull { force: store(i, pair), bodies: bodies_of(pair, index) };
+                *pull = Pull { force: store(i, pair, index), bodies: bodies_of(pair, index) };
             }
         });
         scratch.pulls.iter().for_each(|pull| index.add_contact(pull.bodies, pull.force));
+    }
+
+    /// Adds what contacts have given to the hits under way.
+    fn store_blows(&mut self, number: usize) {
+        let Self { batches, pairs, .. } = self;
+        if pairs.blows.is_empty() {
+            return;
+        }
+        let batch = &batches[number];
+        for (i, &(slot, _)) in batch.manifolds.iter().enumerate() {
+            if let Some(blow) = pairs.blows.get_mut(slot) {
+                let impulse = batch.contact_blow(i);
+                blow.impulse += if impulse.is_finite() { impulse } else { 0.0 };
+            }
+        }
     }
 
     /// Takes a body out of the simulation where it last was, at rest, and says so.

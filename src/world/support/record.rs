@@ -9,7 +9,7 @@ use crate::span::support::Graph;
 #[derive(Debug, Default)]
 pub(super) struct Record {
     pub key: Option<PairKey>,
-    pub version: u32,
+    pub version: u16,
     /// Nearly all pairs have one.
     pub manifolds: SmallVec<[Seen; 1]>,
     pub bodies: [u32; 2],
