@@ -40,6 +40,7 @@ mod long_range;
 mod mass;
 mod material;
 mod pose;
+mod prefetch;
 mod query;
 mod record;
 mod report;

@@ -50,6 +50,7 @@ mod snapshot;
 mod store;
 mod stride;
 mod support;
+mod touches;
 mod union_loads;
 mod union_query;
 mod unions;
@@ -78,6 +79,7 @@ pub struct World {
     unions: unions::Unions,
     long_range: long_range::LongRange,
     groups: group::Groups,
+    touches: touches::Touches,
     census: census::Census,
     index: index::Index,
     hold: hold::Hold,
@@ -148,6 +150,7 @@ impl World {
             unions: unions::Unions::default(),
             long_range: long_range::LongRange::default(),
             groups: group::Groups::default(),
+            touches: touches::Touches::default(),
             census: census::Census::default(),
             index: index::Index::default(),
             hold: hold::Hold::default(),

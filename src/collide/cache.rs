@@ -85,6 +85,12 @@ impl PairCache {
         Cow::Owned(listed)
     }
 
+    /// Active pairs as of [`active`](Self::active), and the records of all slots.
+    pub(crate) fn active_and_slots(&mut self) -> (&[(PairKey, u32)], &mut [Pair]) {
+        self.settle();
+        (&self.active, &mut self.pairs)
+    }
+
     /// Brings the list of active pairs up to date with edits.
     ///
     /// Each edit touches few pairs of very many: it leaves a mark, and the list is gone through once for all of them.

@@ -8,6 +8,7 @@ use parry3d::math::Pose3;
 
 use super::narrow::{Manifold, ManifoldPoint};
 use crate::balance::{LoadedPoint, balance};
+use crate::prefetch::prefetch;
 use crate::solve::contact::{ContactImpulses, tangents};
 
 /// A manifold with the multipliers it had at the end of the last step.
@@ -103,6 +104,15 @@ impl Manifolds {
         match self {
             Self::Point(point) => std::ptr::from_ref(&**point).addr(),
             Self::Any(manifolds) => manifolds.as_ptr().addr(),
+        }
+    }
+
+    /// Asks for the memory that they are in.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self) {
+        match self {
+            Self::Point(point) => prefetch(&**point),
+            Self::Any(manifolds) => prefetch(&**manifolds),
         }
     }
 

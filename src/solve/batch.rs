@@ -24,7 +24,7 @@ use super::state::{BodyMotion, BodyVelocity};
 use super::taut::TautRows;
 use super::told::Told;
 use super::wrap::BatchWraps;
-use crate::room::make_room;
+use crate::room::{extend_tightly, make_room};
 use crate::workers::Workers;
 
 mod lanes;
@@ -56,6 +56,9 @@ pub(crate) struct ContactEnds {
     /// Whether it neither rebounds nor resists rolling.
     pub is_plain: bool,
 }
+
+/// Slot of an end that is still to be given a replica.
+pub(crate) const REPLICA: u32 = u32::MAX;
 
 /// Group, and block, of a manifold that an articulation holds.
 const HELD: u32 = u32::MAX;
@@ -169,6 +172,12 @@ impl Batch {
         self.color_count = 0;
         self.joint_gap = 0.0;
         self.penetration = 0.0;
+    }
+
+    /// Takes a manifold: a pair's slot and which of its manifolds.
+    pub(crate) fn add_manifold(&mut self, manifold: (u32, u32), ends: ContactEnds) {
+        extend_tightly(&mut self.manifolds, std::iter::once(manifold));
+        extend_tightly(&mut self.ends, std::iter::once(ends));
     }
 
     /// Bodies enlisted so far.

@@ -2,13 +2,13 @@
 
 use super::World;
 use super::unions::Anchor;
-use crate::collide::pairs::PairKey;
+use crate::body::BodyKind;
 use crate::id::{JointId, Pool};
 use crate::island::UnionFind;
 use crate::joint::Joint;
-use crate::room::extend_tightly;
-use crate::solve::batch::Batch;
+use crate::solve::batch::{Batch, ContactEnds, REPLICA};
 use crate::solve::joint::JointTraits;
+use crate::solve::state::WORLD_SLOT;
 
 /// Bodies after which a batch takes no further island. It must not depend on the number of threads.
 const BATCH_BODIES: u32 = 64;
@@ -22,10 +22,6 @@ const LEAST_DROPPED: usize = 2048;
 /// Where each body is in the batches of this step.
 #[derive(Debug, Default)]
 pub(super) struct Groups {
-    /// Active pairs that touch, or did in the step before, in their order: parts of the list, one after another.
-    touches: Vec<Vec<Touch>>,
-    /// How many parts those of this step have.
-    touch_parts: usize,
     /// Batch and slot of each mover, by body slot.
     pub place: Vec<(u32, u32)>,
     /// Island of each mover, by body slot.
@@ -56,18 +52,6 @@ pub(super) struct Groups {
     sorted_joints: Vec<u32>,
 }
 
-/// A pair that touches, as islands and batches ask for it: pairs are far from one another in memory, and are read once, by all threads.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Touch {
-    pub slot: u32,
-    bodies: [u32; 2],
-    manifolds: u32,
-    points: u32,
-}
-
-/// Pairs that are worth another thread's while: some 5 µs.
-const LEAST_PAIRS: usize = 256;
-
 /// Body of a joint's side that is the world.
 pub(super) const NO_BODY: u32 = u32::MAX;
 
@@ -92,21 +76,6 @@ impl Groups {
     pub(super) fn islands(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|range| &self.members[range[0] as usize..range[1] as usize])
     }
-
-    /// Pairs that touch, by slot, and their bodies.
-    pub(super) fn touching(&self) -> impl Iterator<Item = (u32, [u32; 2])> {
-        touching(self.touch_parts()).map(|touch| (touch.slot, touch.bodies))
-    }
-
-    /// Pairs that touch, or did in the step before, in the pieces in which they were found.
-    pub(super) fn touch_parts(&self) -> &[Vec<Touch>] {
-        &self.touches[..self.touch_parts]
-    }
-}
-
-/// Of pairs that are listed, those that touch.
-fn touching(touches: &[Vec<Touch>]) -> impl Iterator<Item = &Touch> {
-    touches.iter().flatten().filter(|touch| touch.manifolds > 0)
 }
 
 impl Groups {
@@ -177,6 +146,7 @@ impl World {
             // Pairs that have woken are solved in this step.
             self.pairs.settle();
             self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
+            self.touches.outdate();
         }
     }
 
@@ -198,37 +168,8 @@ impl World {
         self.hand_out_joints();
     }
 
-    fn list_touches(&mut self) {
-        let Self { groups: Groups { touches, touch_parts, .. }, pairs, index, threads, .. } = self;
-        let active = pairs.active();
-        *touch_parts = 0;
-        if active.is_empty() {
-            return;
-        }
-        let touch = |&(key, slot): &(PairKey, u32)| {
-            let pair = pairs.get(slot);
-            if !pair.has_points() && !pair.in_contact {
-                return None;
-            }
-            let (a, b) = key.shapes();
-            let mut touch = Touch { slot, bodies: [index.body_of(a), index.body_of(b)], ..Touch::default() };
-            for manifold in pair.manifolds.iter() {
-                touch.manifolds += 1;
-                touch.points += manifold.points.len() as u32;
-            }
-            Some(touch)
-        };
-        let piece = if threads.has_team() { threads.piece(active.len(), LEAST_PAIRS) } else { active.len() };
-        *touch_parts = active.len().div_ceil(piece);
-        touches.resize_with(touches.len().max(*touch_parts), Vec::new);
-        touches.iter_mut().for_each(Vec::clear);
-        threads.share(touches.iter_mut().zip(active.chunks(piece)), |(touches, active)| {
-            extend_tightly(touches, active.iter().filter_map(touch));
-        });
-    }
-
     fn join_islands(&mut self) {
-        let Self { scratch, bodies, joints, movers, unions, groups, index, census, .. } = self;
+        let Self { scratch, bodies, joints, movers, unions, groups, touches, index, census, .. } = self;
         scratch.islands.reset(bodies.slot_count(), movers);
         groups.list_joint_heads(joints);
         index.free.begin(bodies.slot_count());
@@ -245,7 +186,7 @@ impl World {
             }
         }
         let joins = |body: u32| index.free.has(body);
-        for touch in touching(groups.touch_parts()) {
+        for touch in touches.touching() {
             let [a, b] = touch.bodies;
             if joins(a) && joins(b) {
                 scratch.islands.union(a, b);
@@ -403,15 +344,26 @@ impl World {
     }
 
     fn hand_out_contacts(&mut self) {
-        let Self { groups, batches, hold, index, report, .. } = self;
-        for touch in touching(groups.touch_parts()) {
+        let Self { groups, touches, batches, bodies, pairs, hold, index, report, .. } = self;
+        let is_driven = |body: u32| bodies[body].acts_as() == BodyKind::Kinematic && bodies[body].is_mover();
+        let slot_of = |body: u32| match index.free.has(body) {
+            true => groups.place[body as usize].1,
+            false if is_driven(body) => REPLICA,
+            false => WORLD_SLOT,
+        };
+        for touch in touches.touching() {
             let moved = touch.bodies.into_iter().find(|&body| index.free.has(body));
             let is_solved = |&body: &u32| !hold.islands[groups.island[body as usize] as usize];
             let Some(body) = moved.filter(is_solved) else { continue };
             let batch = &mut batches[groups.place[body as usize].0 as usize];
-            extend_tightly(&mut batch.manifolds, (0..touch.manifolds).map(|number| (touch.slot, number)));
-            report.counts.manifolds += touch.manifolds;
-            report.counts.contact_points += touch.points;
+            let [a, b] = touch.bodies.map(slot_of);
+            for number in 0..u32::from(touch.manifolds) {
+                let all = || pairs.get(touch.slot).manifolds.get(number as usize).points.len() as u8;
+                let points = if touch.manifolds == 1 { touch.points as u8 } else { all() };
+                batch.add_manifold((touch.slot, number), ContactEnds { a, b, points, is_plain: touch.is_plain });
+            }
+            report.counts.manifolds += u32::from(touch.manifolds);
+            report.counts.contact_points += u32::from(touch.points);
         }
     }
 

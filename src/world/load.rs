@@ -15,10 +15,11 @@ use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
 use crate::long_range::LongRangeDef;
 use crate::material::PairMaterial;
+use crate::prefetch::{AHEAD, prefetch};
 use crate::room::make_room;
 use crate::settings::Solver;
 use crate::solve::StepSettings;
-use crate::solve::batch::{Batch, ContactEnds, JointEnd};
+use crate::solve::batch::{Batch, ContactEnds, JointEnd, REPLICA};
 use crate::solve::bound::BoundEntry;
 use crate::solve::contact::ContactInput;
 use crate::solve::plane::{PlaneEntry, PlaneHold, PlaneMember};
@@ -48,9 +49,6 @@ const SHARED_FROM: f32 = 0.8;
 
 /// Manifolds that are worth another thread's while: some 5 µs.
 const LEAST_MANIFOLDS: usize = 128;
-
-/// Slot of an end that is still to be given a replica.
-const REPLICA: u32 = u32::MAX;
 
 /// Everything that a batch reads.
 struct Records<'a> {
@@ -154,7 +152,10 @@ impl Records<'_> {
         if self.solver == Solver::GaussSeidel {
             self.take_leads_back(batch);
         }
-        self.list_contacts(batch, threads);
+        self.replicate(batch);
+        if !batch.joint_slots.is_empty() {
+            self.form_inputs(batch, threads);
+        }
         self.list_joints(batch, threads);
         self.lay_out(batch, settings, threads);
         self.fill_bounds(batch);
@@ -282,42 +283,15 @@ impl Records<'_> {
         self.unions.moving(index).map_or(Vec3::ZERO, |union| union.motion.rotation * self.unions.place(index).offset)
     }
 
-    fn list_contacts(&self, batch: &mut Batch, threads: &Workers) {
-        let mut ends = std::mem::take(&mut batch.ends);
-        make_room(&mut ends, batch.manifolds.len());
-        let bodies_of = |(slot, _): (u32, u32)| {
-            let (a, b) = self.pairs.get(slot).key.shapes();
-            [a, b].map(|shape| self.index.body_of(shape))
-        };
-        let ends_of = |(slot, manifold): (u32, u32), [a, b]: [u32; 2]| {
-            let pair = self.pairs.get(slot);
-            let (shape_a, shape_b) = pair.key.shapes();
-            let (shape_a, shape_b) = (self.index.stance(shape_a), self.index.stance(shape_b));
-            let surface = PairMaterial::combine(&shape_a.material, &shape_b.material);
-            ContactEnds { a, b, points: pair.manifolds.get(manifold as usize).points.len() as u8, is_plain: surface.is_plain() }
-        };
-        if threads.has_team() {
-            ends.resize(batch.manifolds.len(), ContactEnds { a: REPLICA, b: REPLICA, points: 0, is_plain: true });
-            let piece = threads.piece(ends.len(), LEAST_MANIFOLDS);
-            threads.share(ends.chunks_mut(piece).zip(batch.manifolds.chunks(piece)), |(ends, manifolds)| {
-                for (ends, &manifold) in ends.iter_mut().zip(manifolds) {
-                    *ends = ends_of(manifold, bodies_of(manifold).map(|body| self.known_slot(body).unwrap_or(REPLICA)));
-                }
-            });
-            for (number, ends) in ends.iter_mut().enumerate().filter(|(_, ends)| ends.a == REPLICA || ends.b == REPLICA) {
-                let [a, b] = bodies_of(batch.manifolds[number]);
-                (ends.a, ends.b) = (self.slot(batch, a), self.slot(batch, b));
+    /// Gives replicas to the ends of manifolds that want one.
+    fn replicate(&self, batch: &mut Batch) {
+        for number in 0..batch.ends.len() {
+            let ends = batch.ends[number];
+            if ends.a == REPLICA || ends.b == REPLICA {
+                let (a, b) = self.pairs.get(batch.manifolds[number].0).key.shapes();
+                let [a, b] = [a, b].map(|shape| self.slot(batch, self.index.body_of(shape)));
+                batch.ends[number] = ContactEnds { a, b, ..ends };
             }
-        } else {
-            for number in 0..batch.manifolds.len() {
-                let manifold = batch.manifolds[number];
-                let slots = bodies_of(manifold).map(|body| self.slot(batch, body));
-                ends.push(ends_of(manifold, slots));
-            }
-        }
-        batch.ends = ends;
-        if !batch.joint_slots.is_empty() {
-            self.form_inputs(batch, threads);
         }
     }
 
@@ -325,21 +299,23 @@ impl Records<'_> {
     fn form_inputs(&self, batch: &mut Batch, threads: &Workers) {
         let scale = self.scale_for(batch);
         let Batch { inputs, manifolds, ends, .. } = batch;
-        let form = |(&manifold, &ends)| self.contact_input(manifold, ends, scale);
+        let form = |number: usize| self.contact_input(&manifolds[number..], ends[number], scale);
         make_room(inputs, manifolds.len());
         if !threads.has_team() {
-            return inputs.extend(manifolds.iter().zip(&*ends).map(form));
+            return inputs.extend((0..manifolds.len()).map(form));
         }
         inputs.resize(manifolds.len(), ContactInput::default());
         let piece = threads.piece(manifolds.len(), LEAST_MANIFOLDS);
-        let pieces = inputs.chunks_mut(piece).zip(manifolds.chunks(piece).zip(ends.chunks(piece)));
-        threads.share(pieces, |(inputs, (manifolds, ends))| {
-            inputs.iter_mut().zip(manifolds.iter().zip(ends)).for_each(|(input, source)| *input = form(source));
+        threads.share(inputs.chunks_mut(piece).zip((0..).step_by(piece)), |(inputs, first)| {
+            inputs.iter_mut().zip(first..).for_each(|(input, number)| *input = form(number));
         });
     }
 
-    /// A manifold in world axes: a pair's slot, and which of its manifolds; its multipliers grow by `scale`.
-    fn contact_input(&self, (slot, manifold): (u32, u32), ends: ContactEnds, scale: f32) -> ContactInput {
+    /// The first of these manifolds in world axes: a pair's slot, and which of its manifolds; its multipliers grow by `scale`. The others
+    /// come next.
+    fn contact_input(&self, coming: &[(u32, u32)], ends: ContactEnds, scale: f32) -> ContactInput {
+        self.ask_for_next(coming);
+        let (slot, manifold) = coming[0];
         let pair = self.pairs.get(slot);
         let carried = pair.manifolds.get(manifold as usize);
         let (a, b) = pair.key.shapes();
@@ -356,6 +332,17 @@ impl Records<'_> {
             count: ends.points as usize,
             material: PairMaterial::combine(&a.material, &b.material),
             impulses: carried.impulses.scaled(scale),
+        }
+    }
+
+    fn ask_for_next(&self, coming: &[(u32, u32)]) {
+        if let Some(&(slot, _)) = coming.get(2 * AHEAD) {
+            prefetch(self.pairs.get(slot));
+        }
+        if let Some(&(slot, _)) = coming.get(AHEAD) {
+            let pair = self.pairs.get(slot);
+            pair.manifolds.prefetch();
+            <[u32; 2]>::from(pair.key.shapes()).into_iter().for_each(|shape| prefetch(self.index.stance(shape)));
         }
     }
 

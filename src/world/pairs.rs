@@ -6,6 +6,7 @@ use glam::DVec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::World;
+use super::touches::Touch;
 use super::unions::Unions;
 use crate::body::Body;
 use crate::collide::blows::Blow;
@@ -15,8 +16,10 @@ use crate::collide::pairs::{Pair, PairKey, PairScratch, WorldManifold};
 use crate::collide::stance::Stance;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
+use crate::prefetch::{AHEAD, prefetch};
 use crate::report::{Contact, Hit};
-use crate::room::give_back_room;
+use crate::room::{extend_tightly, give_back_room};
+use crate::solve::shared::{Divided, Slots};
 use crate::workers::MOST_PIECES;
 
 /// Margins around a shape's box from which on the box that is kept is made anew although the shape is still in it.
@@ -162,10 +165,10 @@ impl World {
         give_back_room(candidates);
     }
 
-    /// Makes or follows the contacts of every active pair.
+    /// Makes or follows the contacts of every active pair, and lists what touches.
     pub(super) fn update_contacts(&mut self, dt: f32) {
-        let Self { pairs, colliders, index, scratch, threads, def, report, .. } = self;
-        let active = pairs.active().len();
+        let Self { pairs, colliders, index, touches, scratch, threads, def, report, .. } = self;
+        let (active, slots) = pairs.active_and_slots();
         let shape = |slot: u32| &colliders[slot].shape;
         let update = |pair: &mut Pair, scratch: &mut PairScratch| {
             let (a, b) = pair.key.shapes();
@@ -179,29 +182,31 @@ impl World {
             let motion = stances.0.motion_against(stances.1, def.gravity, dt);
             pair.update(stances, motion, || [shape(a), shape(b)], scratch);
         };
-        let updated = AtomicUsize::new(0);
-        if threads.is_alone() || active < MIN_PARALLEL_PAIRS {
-            scratch.pairs.resize_with(scratch.pairs.len().max(1), PairScratch::default);
+        let is_shared = !threads.is_alone() && active.len() >= MIN_PARALLEL_PAIRS;
+        let piece = if is_shared { threads.piece(active.len(), LEAST_PAIRS) } else { active.len().max(1) };
+        let parts = active.len().div_ceil(piece);
+        scratch.pairs.resize_with(scratch.pairs.len().max(parts), PairScratch::default);
+        let (updated, slots) = (AtomicUsize::new(0), Divided::new(slots));
+        threads.share(active.chunks(piece).zip(&mut scratch.pairs).zip(touches.begin(parts)), |((active, scratch), touches)| {
+            // SAFETY: each active pair has a slot of its own, and is in one piece.
+            let mut pairs = unsafe { slots.part() };
             let mut own = 0;
-            pairs.for_each_active(|pair| {
-                update(pair, &mut scratch.pairs[0]);
-                own += usize::from(pair.updated);
-            });
-            updated.store(own, Ordering::Relaxed);
-        } else {
-            scratch.pairs.resize_with(MOST_PIECES, PairScratch::default);
-            let slots = pairs.slots_mut();
-            let piece = threads.piece(slots.len(), LEAST_PAIRS);
-            threads.share(slots.chunks_mut(piece).zip(&mut scratch.pairs), |(chunk, scratch)| {
-                let mut own = 0;
-                for pair in chunk.iter_mut().filter(|pair| pair.is_active()) {
-                    update(pair, scratch);
-                    own += usize::from(pair.updated);
+            for (place, &(key, slot)) in active.iter().enumerate() {
+                if let Some(&(key, slot)) = active.get(place + 2 * AHEAD) {
+                    prefetch(pairs.get(slot));
+                    prefetch(index.stance(key.shapes().1));
                 }
-                updated.fetch_add(own, Ordering::Relaxed);
-            });
-        }
-        let updated = updated.into_inner();
+                if let Some(&(_, slot)) = active.get(place + AHEAD) {
+                    pairs.get(slot).manifolds.prefetch();
+                }
+                let pair = pairs.get_mut(slot);
+                update(pair, scratch);
+                own += usize::from(pair.updated);
+                extend_tightly(touches, Touch::of(key, slot, pair, index).into_iter());
+            }
+            updated.fetch_add(own, Ordering::Relaxed);
+        });
+        let (active, updated) = (active.len(), updated.into_inner());
         report.counts.pairs = active as u32;
         report.counts.pairs_updated = updated as u32;
         report.counts.pairs_reused = (active - updated) as u32;

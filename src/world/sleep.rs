@@ -41,6 +41,10 @@ impl World {
         self.flood_unions();
         if self.bodies[index].is_mover() && self.bodies[index].is_free() {
             self.settle_movers();
+            self.index.begin_stances(self.colliders.slot_count());
+            self.pairs.settle();
+            self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
+            self.touches.outdate();
             self.group_islands();
             let island = self.groups.island[index as usize];
             let members = self.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();

@@ -68,6 +68,7 @@ impl World {
             hold: _,
             rest: _,
             groups: _,
+            touches: _,
             census: _,
             some_are_driven: _,
             index: _,

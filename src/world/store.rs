@@ -12,6 +12,7 @@ use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::Pair;
 use crate::id::{BodyId, Pool, ShapeId};
+use crate::prefetch::{AHEAD, prefetch};
 use crate::report::Events;
 use crate::solve::contact::TOUCHED;
 use crate::solve::shared::{Divided, Slots};
@@ -101,6 +102,7 @@ impl World {
         let bodies_of = |pair: &Pair, index: &Index| <[u32; 2]>::from(pair.key.shapes()).map(|shape| index.body_of(shape));
         if batch.manifolds.len() < SHARED_MANIFOLDS || !threads.has_team() {
             for (i, &(slot, _)) in batch.manifolds.iter().enumerate() {
+                ask_for_next(&batch.manifolds[i..], &*pairs.slots_mut());
                 let pair = pairs.get_mut(slot);
                 let (force, bodies) = (store(i, pair, index), bodies_of(pair, index));
                 index.add_contact(bodies, force);
@@ -116,7 +118,8 @@ impl World {
         threads.share(pieces, |(pulls, range)| {
             // SAFETY: all manifolds of a pair are in one piece.
             let mut pairs = unsafe { slots.part() };
-            for (pull, i) in pulls.iter_mut().zip(range) {
+            for (pull, i) in pulls.iter_mut().zip(range.clone()) {
+                ask_for_next(&batch.manifolds[i..range.end], &pairs);
                 let pair = pairs.get_mut(batch.manifolds[i].0);
                 *pull = Pull { force: store(i, pair, index), bodies: bodies_of(pair, index) };
             }
@@ -212,6 +215,17 @@ impl World {
             }
             support.look_at_near(pairs, colliders, bodies);
         }
+    }
+}
+
+/// Asks for the memory of the pairs of manifolds that come next.
+#[inline(always)]
+fn ask_for_next(coming: &[(u32, u32)], pairs: &(impl Slots<Pair> + ?Sized)) {
+    if let Some(&(slot, _)) = coming.get(2 * AHEAD) {
+        prefetch(pairs.get(slot));
+    }
+    if let Some(&(slot, _)) = coming.get(AHEAD) {
+        pairs.get(slot).manifolds.prefetch();
     }
 }
 

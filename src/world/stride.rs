@@ -67,7 +67,7 @@ impl World {
 
     /// Says how many substeps each island takes at once.
     pub(super) fn choose_strides(&mut self) {
-        let Self { groups, census, pairs, index, unions, def, has_smooth_bodies, .. } = self;
+        let Self { groups, touches, census, pairs, index, unions, def, has_smooth_bodies, .. } = self;
         let mut strides = std::mem::take(&mut groups.strides);
         strides.clear();
         let may_stride = def.substeps >= LEAST_SUBSTEPS && def.substeps % STRIDE == 0 && def.articulations.error_target == 0.0;
@@ -79,11 +79,11 @@ impl World {
             }));
         }
         if strides.iter().any(|&stride| stride > 1) {
-            for (slot, ends) in groups.touching() {
-                let Some(body) = ends.into_iter().find(|&body| index.free.has(body)) else { continue };
+            for touch in touches.touching() {
+                let Some(body) = touch.bodies.into_iter().find(|&body| index.free.has(body)) else { continue };
                 let stride = &mut strides[groups.island[body as usize] as usize];
                 let overlaps = || {
-                    let mut manifolds = pairs.get(slot).manifolds.iter();
+                    let mut manifolds = pairs.get(touch.slot).manifolds.iter();
                     manifolds.any(|manifold| manifold.points.iter().any(|point| point.separation < -SMOOTH_OVERLAP))
                 };
                 if *stride > 1 && overlaps() {

@@ -156,18 +156,18 @@ impl Batch {
         contacts.cuts.extend((0..CUTS).map(|part| first_of(order[part * order.len() / CUTS])));
     }
 
-    /// Prepares the rows of all manifolds that have a lane, which `form` brings into world axes; points closer than `reach` (m) count
-    /// as touching.
+    /// Prepares the rows of all manifolds that have a lane, which `form` brings into world axes: the first of those that it is given, the
+    /// others of which come next; points closer than `reach` (m) count as touching.
     pub(crate) fn set_contacts(
         &mut self,
         threads: &Workers,
         reach: f32,
-        form: impl Fn((u32, u32), ContactEnds) -> ContactInput + Sync,
+        form: impl Fn(&[(u32, u32)], ContactEnds) -> ContactInput + Sync,
     ) {
         let Self { lanes, places, inputs, manifolds, ends, contacts, velocities, .. } = self;
         let input = |number: usize| {
             let formed = inputs.get(number).copied();
-            formed.unwrap_or_else(|| form(manifolds[number], ends[number]))
+            formed.unwrap_or_else(|| form(&manifolds[number..], ends[number]))
         };
         // In the order in which pairs lie in memory, which blocks do not follow.
         if threads.is_alone() || contacts.cuts.is_empty() {

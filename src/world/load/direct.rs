@@ -87,7 +87,7 @@ impl Records<'_> {
         h = settings.dt / substeps as f32;
         batch.color_contacts();
         let (scale, stride) = (self.scale_for(batch), batch.stride);
-        batch.set_contacts(threads, self.reach * (stride * stride), |manifold, ends| self.contact_input(manifold, ends, scale));
+        batch.set_contacts(threads, self.reach * (stride * stride), |coming, ends| self.contact_input(coming, ends, scale));
         let Batch { joints, direct, coloring, velocities, motions, roles, .. } = batch;
         joints.lay_out((self.joints, direct.left_over()), threads, coloring, (velocities, motions, roles), h, substeps);
     }

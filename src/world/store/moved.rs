@@ -67,8 +67,8 @@ impl World {
 
     /// Lists what began or ended to touch, of what touched in this step or did before, where nobody asks for more.
     pub(super) fn report_touches(&mut self) {
-        let Self { groups, pairs, colliders, bodies, events, hold, scratch, threads, .. } = self;
-        let parts = groups.touch_parts();
+        let Self { touches, pairs, colliders, bodies, events, hold, scratch, threads, .. } = self;
+        let parts = touches.parts();
         let changed = &mut scratch.changed;
         changed.resize_with(changed.len().max(parts.len()), Vec::new);
         let (pairs_now, let_go) = (&*pairs, hold.let_go);
