@@ -118,8 +118,8 @@ struct Scratch {
     /// What is noted of bodies, and of joints, for each piece of a batch.
     noted: Vec<store::bodies::Noted>,
     noted_joints: Vec<store::joints::Noted>,
-    /// Pairs whose contact has begun or ended, for each piece of what touches.
-    changed: Vec<Vec<u32>>,
+    /// Pairs whose contact may have begun or ended.
+    changed: Vec<u32>,
     /// Forces of the manifolds of a batch.
     pulls: Vec<store::Pull>,
     slots: Vec<u32>,

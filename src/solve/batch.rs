@@ -283,6 +283,16 @@ impl Batch {
         self.contacts.impulses(block as usize, lane as usize)
     }
 
+    /// Asks for the memory of the multipliers of a manifold, if it is the first of its block.
+    #[inline(always)]
+    pub(crate) fn ask_for_contact(&self, number: usize) {
+        if let Some(&(block, 0)) = self.lanes.get(number)
+            && block != HELD
+        {
+            self.contacts.ask_for(block as usize);
+        }
+    }
+
     /// Sum of the multipliers with which a manifold has rebounded in this step, where none presses any more (N·s).
     pub(crate) fn contact_rebound(&self, number: usize) -> f32 {
         let (block, lane) = self.lanes[number];

@@ -17,6 +17,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::contact::{ContactImpulses, ContactInput, LANES, Lane, Lane3, NEGLIGIBLE_FRICTION, POINTS, TOUCHED, tangents};
 use super::contact_pieces::Color;
 use super::state::BodyMotion;
+use crate::prefetch::prefetch;
 use crate::room::make_room;
 
 /// Where a block has neither a face nor an extra.
@@ -296,6 +297,12 @@ impl ContactBlocks {
         let block = &mut self.blocks[number];
         let (face, extra) = (self.faces.get_mut(block.face as usize), self.extras.get_mut(block.extra as usize));
         WholeBlock { block, face, extra }
+    }
+
+    /// Asks for the memory of a block.
+    #[inline(always)]
+    pub(crate) fn ask_for(&self, number: usize) {
+        prefetch(&self.blocks[number]);
     }
 
     /// Multipliers of lane `l` of a block at the end of the last substep.

@@ -29,11 +29,12 @@ const REPORTED_AT_ONCE: usize = 64;
 const SHARED_MANIFOLDS: usize = 1024;
 const LEAST_MANIFOLDS: usize = 128;
 
-/// Force of a manifold on the second of two bodies (N).
+/// Force of a manifold on the second of two bodies (N), and whether its pair presses that did not, or no longer does.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Pull {
     bodies: [u32; 2],
     force: Vec3,
+    has_changed: bool,
 }
 
 impl World {
@@ -43,6 +44,7 @@ impl World {
         self.scale_held(self.impulse_scale(substep));
         (self.last_substep, self.last_dt) = (substep, dt);
         self.scratch.paths.clear();
+        self.scratch.changed.clear();
         self.has_smooth_bodies = false;
         for number in 0..self.batch_count {
             self.store_bodies(number, dt);
@@ -99,13 +101,24 @@ impl World {
             }
             (batch.contact_normal(i) * (pressed + rebound) + impulses.friction) / substep
         };
-        let bodies_of = |pair: &Pair, index: &Index| <[u32; 2]>::from(pair.key.shapes()).map(|shape| index.body_of(shape));
+        let pull = |i: usize, pair: &mut Pair, index: &Index| Pull {
+            bodies: <[u32; 2]>::from(pair.key.shapes()).map(|shape| index.body_of(shape)),
+            force: store(i, pair, index),
+            has_changed: pair.pressed != pair.in_contact,
+        };
+        let changed = &mut scratch.changed;
+        let mut note = |index: &mut Index, slot: u32, pull: &Pull| {
+            index.add_contact(pull.bodies, pull.force);
+            if pull.has_changed {
+                changed.push(slot);
+            }
+        };
         if batch.manifolds.len() < SHARED_MANIFOLDS || !threads.has_team() {
             for (i, &(slot, _)) in batch.manifolds.iter().enumerate() {
                 ask_for_next(&batch.manifolds[i..], &*pairs.slots_mut());
-                let pair = pairs.get_mut(slot);
-                let (force, bodies) = (store(i, pair, index), bodies_of(pair, index));
-                index.add_contact(bodies, force);
+                batch.ask_for_contact(i + AHEAD);
+                let pull = pull(i, pairs.get_mut(slot), index);
+                note(index, slot, &pull);
             }
             return;
         }
@@ -118,13 +131,13 @@ impl World {
         threads.share(pieces, |(pulls, range)| {
             // SAFETY: all manifolds of a pair are in one piece.
             let mut pairs = unsafe { slots.part() };
-            for (pull, i) in pulls.iter_mut().zip(range.clone()) {
+            for (place, i) in pulls.iter_mut().zip(range.clone()) {
                 ask_for_next(&batch.manifolds[i..range.end], &pairs);
-                let pair = pairs.get_mut(batch.manifolds[i].0);
-                *pull = Pull { force: store(i, pair, index), bodies: bodies_of(pair, index) };
+                batch.ask_for_contact(i + AHEAD);
+                *place = pull(i, pairs.get_mut(batch.manifolds[i].0), index);
             }
         });
-        scratch.pulls.iter().for_each(|pull| index.add_contact(pull.bodies, pull.force));
+        scratch.pulls.iter().zip(&batch.manifolds).for_each(|(pull, &(slot, _))| note(index, slot, pull));
     }
 
     /// Adds what contacts have given to the hits under way.

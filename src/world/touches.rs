@@ -61,14 +61,18 @@ impl Touches {
         self.are_new = false;
     }
 
-    /// All of them, in the pieces in which they were found.
-    pub(super) fn parts(&self) -> &[Vec<Touch>] {
-        &self.parts[..self.count]
-    }
-
     /// Those that touch.
     pub(super) fn touching(&self) -> impl Iterator<Item = &Touch> {
-        self.parts().iter().flatten().filter(|touch| touch.manifolds > 0)
+        self.all().filter(|touch| touch.manifolds > 0)
+    }
+
+    /// Those that touched in the step before alone.
+    pub(super) fn parted(&self) -> impl Iterator<Item = &Touch> {
+        self.all().filter(|touch| touch.manifolds == 0)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &Touch> {
+        self.parts[..self.count].iter().flatten()
     }
 }
 

@@ -5,6 +5,7 @@
 //! difference to its multipliers.
 
 use super::{Batch, ContactEnds, HELD};
+use crate::prefetch::AHEAD;
 use crate::room::make_room;
 use crate::solve::color::MAX_COLORS;
 use crate::solve::contact::{ContactInput, LANES};
@@ -172,6 +173,11 @@ impl Batch {
         // In the order in which pairs lie in memory, which blocks do not follow.
         if threads.is_alone() || contacts.cuts.is_empty() {
             for (number, &(block, lane)) in lanes.iter().enumerate().filter(|(_, (block, _))| *block != HELD) {
+                if let Some(&(block, 0)) = lanes.get(number + AHEAD)
+                    && block != HELD
+                {
+                    contacts.ask_for(block as usize);
+                }
                 contacts.whole(block as usize).set_lane(lane as usize, &input(number), reach);
             }
             for number in 0..contacts.len() {

@@ -7,7 +7,7 @@ use crate::body::Body;
 use crate::report::Moved;
 use crate::room::{make_room, make_room_behind};
 use crate::workers::MOST_PIECES;
-use crate::world::World;
+use crate::world::{Scratch, World};
 
 /// Bodies from which on all threads list those that moved, and those that are worth another thread's while: some 5 µs.
 const SHARED_MOVERS: usize = 512;
@@ -65,22 +65,16 @@ impl World {
         self.movers_sorted &= !self.some_are_driven;
     }
 
-    /// Lists what began or ended to touch, of what touched in this step or did before, where nobody asks for more.
+    /// Lists what began or ended to touch, where nobody asks for more: of what was solved that is noted as it is written back.
     pub(super) fn report_touches(&mut self) {
-        let Self { touches, pairs, colliders, bodies, events, hold, scratch, threads, .. } = self;
-        let parts = touches.parts();
-        let changed = &mut scratch.changed;
-        changed.resize_with(changed.len().max(parts.len()), Vec::new);
-        let (pairs_now, let_go) = (&*pairs, hold.let_go);
-        threads.share(parts.iter().zip(&mut *changed), |(touches, changed)| {
-            let has_changed = |&slot: &u32| {
-                let pair = pairs_now.get(slot);
-                pair.is_active() && (let_go || !pair.still) && pair.pressed != pair.in_contact
-            };
-            changed.extend(touches.iter().map(|touch| touch.slot).filter(has_changed));
-        });
-        for slot in changed.iter_mut().flat_map(|changed| changed.drain(..)) {
-            report_contact(pairs.get_mut(slot), colliders, bodies, events);
+        let Self { touches, pairs, colliders, bodies, events, hold, scratch: Scratch { changed, .. }, .. } = self;
+        changed.extend(touches.parted().map(|touch| touch.slot));
+        changed.sort_unstable_by_key(|&slot| pairs.get(slot).key);
+        for slot in changed.drain(..) {
+            let pair = pairs.get_mut(slot);
+            if pair.is_active() && (hold.let_go || !pair.still) {
+                report_contact(pair, colliders, bodies, events);
+            }
         }
     }
 }
