@@ -125,8 +125,8 @@ impl Batch {
             if !self.sheet.is_one() {
                 self.sweep_all(joints, threads, h, settings.iterations);
             }
-            self.restrain(joints, is_weighed);
-            self.dissipate(joints, settings.iterations);
+            self.restrain(joints, threads, is_weighed);
+            self.dissipate(joints, threads, settings.iterations);
             if substep == 0 {
                 self.leads.halve_start(self.passive.slots(), &mut self.velocities);
             }
@@ -142,7 +142,7 @@ impl Batch {
             self.bounds.project(&self.velocities, &mut self.motions, h);
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
             if self.sheet.is_one() {
-                self.push_sheet();
+                self.push_sheet(threads);
             } else {
                 self.joints.project(joints, threads, &mut self.velocities, &mut self.motions, h);
             }
@@ -155,7 +155,7 @@ impl Batch {
             }
         }
         if self.sheet.is_one() {
-            self.joints.end_course();
+            self.joints.end_course(threads);
         } else {
             self.close_joints(joints, threads, h);
         }
@@ -169,7 +169,7 @@ impl Batch {
         self.joints.store(threads);
         self.bounds.store();
         self.taut.store();
-        let swept_gap = self.joints.worst_gap(joints, &self.motions);
+        let swept_gap = self.joints.worst_gap(joints, threads, &self.motions);
         self.joint_gap = self.direct.joint_gap(joints, &self.motions, threads).max(swept_gap);
     }
 
@@ -274,7 +274,7 @@ impl Batch {
         if self.joints.entries.is_empty() {
             return;
         }
-        poses.predict(velocities, motions, h);
+        poses.predict(threads, velocities, motions, h);
         self.joints.prepare(joints, threads, &Moving { velocities, motions, outlooks: &poses.outlooks }, h, again);
         if bounds_too {
             bounds.prepare(velocities, motions, &poses.outlooks, h, again);
@@ -321,13 +321,13 @@ impl Batch {
                 integrate::limit_speeds(velocity, motion, h);
             }
         });
-        self.poses.apply_forces(&mut self.velocities, &self.motions, h);
+        self.poses.apply_forces(threads, &mut self.velocities, &self.motions, h);
         self.find_inertia();
         if is_noted {
             self.free.note(&self.velocities, &self.motions, &self.poses);
             self.each_single(threads, |velocity, motion| integrate::limit_speeds(velocity, motion, h));
         }
-        self.poses.limit_speeds(&mut self.velocities, h);
+        self.poses.limit_speeds(threads, &mut self.velocities, h);
         self.dissipative.note_energy(&self.velocities, &self.motions, &self.poses);
         let (direct, floor) = self.direct_and_floor(threads);
         direct.couple(joints, floor, h, rest);

@@ -29,6 +29,7 @@ use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
+use crate::workers::Workers;
 
 /// Growth of kinetic energy by the sweeps of a substep that is let be, as a share of it: rounding of `f32`.
 const LET_BE: f64 = 1.0e-6;
@@ -128,8 +129,8 @@ impl PassiveIslands {
     /// `poses` are of now.
     fn restrain(
         &mut self,
-        velocities: &mut [BodyVelocity],
-        motions: &[BodyMotion],
+        threads: &Workers,
+        (velocities, motions): (&mut [BodyVelocity], &[BodyMotion]),
         poses: &mut Poses,
         free: &FreeIslands,
         is_weighed: bool,
@@ -139,7 +140,7 @@ impl PassiveIslands {
             return None;
         }
         if !is_weighed {
-            poses.find_energies(velocities, motions);
+            poses.find_energies(threads, velocities, motions);
         }
         islands.iter_mut().for_each(|island| island.after = island.sum(&poses.energies));
         torn.clear();
@@ -209,10 +210,10 @@ impl Batch {
     }
 
     /// Takes the energy out again that the sweeps of this substep have added; `is_weighed` where energies of now have been found.
-    pub(crate) fn restrain(&mut self, joints: &Pool<Joint, JointId>, is_weighed: bool) {
+    pub(crate) fn restrain(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, is_weighed: bool) {
         self.find_motor_work(joints);
         let Self { passive, velocities, motions, poses, free, joints, bounds, taut, .. } = self;
-        if let Some(torn) = passive.restrain(velocities, motions, poses, free, is_weighed) {
+        if let Some(torn) = passive.restrain(threads, (velocities, motions), poses, free, is_weighed) {
             joints.give_up(torn);
             bounds.give_up(torn);
             taut.give_up(torn);

@@ -53,7 +53,7 @@ use glam::Vec3;
 
 use super::batch::Batch;
 use super::poses::course::{Course, Products};
-use super::state::BodyVelocity;
+use super::state::{BodyMotion, BodyVelocity};
 use crate::room::make_room;
 use crate::span::sheet::is_sheet;
 use crate::workers::Workers;
@@ -78,6 +78,8 @@ const TWO_LINES: f64 = 1.0e-6;
 pub(crate) struct Sheet {
     is_one: bool,
     course: Course,
+    /// Sums of the pieces that threads go through.
+    sums: Vec<[f64; 3]>,
 }
 
 impl Sheet {
@@ -99,6 +101,25 @@ fn least(products: &Products, bias: [f64; 2]) -> ([f64; 2], f64) {
         [0.0; 2]
     };
     (shares, -0.5 * (shares[0] * along_d + shares[1] * along_p))
+}
+
+/// Bodies that one thread goes through. Sums are those of pieces, so it must not depend on the number of threads.
+const PIECE: usize = 512;
+
+/// Sums over the bodies that move, by slot; `sums` is a buffer.
+fn sum(
+    threads: &Workers,
+    sums: &mut Vec<[f64; 3]>,
+    motions: &[BodyMotion],
+    of: impl Fn(usize, &BodyMotion) -> [f64; 3] + Sync,
+) -> [f64; 3] {
+    let add = |[a, b, c]: [f64; 3], [x, y, z]: [f64; 3]| [a + x, b + y, c + z];
+    sums.resize(motions.len().div_ceil(PIECE), [0.0; 3]);
+    threads.share(sums.iter_mut().zip(motions.chunks(PIECE)).zip((0..).step_by(PIECE)), |((sum, motions), first)| {
+        let moving = (first..).zip(motions).filter(|(_, motion)| motion.is_dynamic());
+        *sum = moving.map(|(slot, motion)| of(slot, motion)).fold([0.0; 3], add);
+    });
+    sums.iter().copied().fold([0.0; 3], add)
 }
 
 impl Batch {
@@ -145,22 +166,28 @@ impl Batch {
     /// those that it ends with have been found.
     pub(crate) fn solve_sheet(&mut self, threads: &Workers, h: f32) -> bool {
         let moving = self.moving();
-        let Self { sheet: Sheet { course, .. }, poses, joints, velocities, motions, pushes, passive, .. } = self;
-        poses.begin_course(course, velocities, motions);
-        let (mut added, mut had) = (0.0, 0.0);
-        for (slot, motion) in motions.iter().enumerate().filter(|(_, motion)| motion.is_dynamic()) {
+        let Self { sheet: Sheet { course, sums, .. }, poses, joints, velocities, motions, pushes, passive, .. } = self;
+        poses.begin_course(course, threads, velocities, motions);
+        let [added, had, _] = sum(threads, sums, motions, |slot, motion| {
             let gain = motion.acceleration * h;
-            added += 0.5 * f64::from(gain.length_squared() / velocities[slot].inverse_mass.x);
-            had += f64::from(poses.energies[slot]);
-        }
+            let added = 0.5 * f64::from(gain.length_squared() / velocities[slot].inverse_mass.x);
+            [added, f64::from(poses.energies[slot]), 0.0]
+        });
         let enough = ENOUGH * (added + SHARE_OF_MOTION * had);
 
-        pushes.clear();
-        make_room(pushes, velocities.len());
-        pushes.extend(velocities.iter().map(BodyVelocity::at_rest));
+        if pushes.len() < velocities.len() {
+            pushes.clear();
+            make_room(pushes, velocities.len());
+        }
+        pushes.resize(velocities.len(), BodyVelocity::FIXED);
+        threads.share(pushes.chunks_mut(PIECE).zip(velocities.chunks(PIECE)), |(pushes, velocities)| {
+            pushes.iter_mut().zip(velocities).for_each(|(push, velocity)| *push = velocity.at_rest());
+        });
         joints.apply_way(threads, pushes);
-        poses.take_way(course, pushes);
-        pushes.iter_mut().for_each(|push| (push.linear, push.angular) = (Vec3::ZERO, Vec3::ZERO));
+        poses.take_way(course, threads, pushes);
+        threads.share(pushes.chunks_mut(PIECE), |pushes| {
+            pushes.iter_mut().for_each(|push| (push.linear, push.angular) = (Vec3::ZERO, Vec3::ZERO));
+        });
         joints.push(threads, pushes, h);
 
         poses.note_course(course, threads, velocities);
@@ -186,24 +213,21 @@ impl Batch {
                 break;
             }
         }
-        self.free.is_empty() && !self.slow_sheet(h, had)
+        self.free.is_empty() && !self.slow_sheet(threads, h, had)
     }
 
     /// Slows the sheet where it has more energy than forces have given it, of `had` with all that they add; says whether it had. Energies
     /// are those before.
-    fn slow_sheet(&mut self, h: f32, had: f64) -> bool {
-        let Self { passive, poses, velocities, motions, .. } = self;
+    fn slow_sheet(&mut self, threads: &Workers, h: f32, had: f64) -> bool {
+        let Self { sheet: Sheet { sums, .. }, passive, poses, velocities, motions, .. } = self;
         let noted = passive.noted();
-        poses.find_energies(velocities, motions);
-        let (mut has, mut given, mut taken) = (0.0, 0.0, 0.0);
-        for (slot, motion) in motions.iter().enumerate().filter(|(_, motion)| motion.is_dynamic()) {
+        poses.find_energies(threads, velocities, motions);
+        let [has, given, taken] = sum(threads, sums, motions, |slot, motion| {
             let half_gain = motion.acceleration * (0.5 * h / velocities[slot].inverse_mass.x);
-            has += f64::from(poses.energies[slot]);
             let half_spin = motion.torque * (0.5 * h);
             let product = |v: &BodyVelocity| f64::from(half_gain.dot(v.linear) + half_spin.dot(v.angular));
-            given += product(&velocities[slot]);
-            taken += product(&noted[slot]);
-        }
+            [f64::from(poses.energies[slot]), product(&velocities[slot]), product(&noted[slot])]
+        });
         let allowed = had - taken;
         let is_too_much = has - given > allowed;
         if is_too_much {
@@ -218,7 +242,7 @@ impl Batch {
     }
 
     /// Takes errors out of positions, by displacements found when the substep began: all that moves of a sheet is in lanes.
-    pub(crate) fn push_sheet(&mut self) {
-        self.poses.displace(&mut self.motions, &self.pushes);
+    pub(crate) fn push_sheet(&mut self, threads: &Workers) {
+        self.poses.displace(threads, &mut self.motions, &self.pushes);
     }
 }

@@ -206,13 +206,13 @@ pub(crate) fn scatter_outlooks<W: Wide>(
     turn: &WideQuat<W>,
     displacement: Wide3<W>,
     rotation: &WideQuat<W>,
-    outlooks: &mut [Outlook],
+    outlooks: &mut (impl Slots<Outlook> + ?Sized),
 ) {
     let (zero, t, q, d) = (W::zero(), turn, rotation, displacement);
     let first = W::transpose([t.v.x, t.v.y, t.v.z, t.w, zero, zero, zero, zero]);
     let second = W::transpose([q.v.x, q.v.y, q.v.z, q.w, d.x, d.y, d.z, zero]);
     for l in 0..LANES {
-        let [a, b] = outlooks[slots[l] as usize].halves_mut();
+        let [a, b] = outlooks.get_mut(slots[l]).halves_mut();
         first[l].store(a);
         second[l].store(b);
     }

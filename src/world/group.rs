@@ -47,9 +47,21 @@ pub(super) struct Groups {
     /// another in memory, and each body asks for those of all its joints twice a step.
     pub joint_heads: Vec<JointHead>,
     joint_version: Option<u64>,
-    /// Joints of what moves as the bodies name them, and the same in order, each once: sorted anew only where they have changed.
-    found_joints: Vec<u32>,
+    /// Joints of what moves in order, each once, and what they were listed for.
     sorted_joints: Vec<u32>,
+    listed: Listed,
+    /// Whether those are the ones of this step too, and islands those of the last step, which consisted of what joints connect.
+    joints_stay: bool,
+    islands_stay: bool,
+    are_of_joints: bool,
+}
+
+/// What joints were listed for: movers that are dynamic, those of them that joints hold, and the version of the joints.
+#[derive(Debug, Default)]
+struct Listed {
+    dynamic: Vec<u32>,
+    bound: Vec<u32>,
+    joint_version: Option<u64>,
 }
 
 /// Body of a joint's side that is the world.
@@ -85,6 +97,7 @@ impl Groups {
         self.members.clear();
         self.place.clear();
         self.joint_version = None;
+        self.listed.joint_version = None;
     }
 
     /// Brings what is known of the joints up to date.
@@ -170,11 +183,11 @@ impl World {
 
     fn join_islands(&mut self) {
         let Self { scratch, bodies, joints, movers, unions, groups, touches, index, census, .. } = self;
-        scratch.islands.reset(bodies.slot_count(), movers);
         groups.list_joint_heads(joints);
         index.free.begin(bodies.slot_count());
         groups.dynamic.clear();
         groups.bound.clear();
+        let mut are_held = false;
         for &body in movers.iter() {
             let known = census.of(body);
             if known.is_free() {
@@ -182,23 +195,36 @@ impl World {
                 index.free.set(body);
                 if known.is_jointed() {
                     groups.bound.push(body);
+                    are_held |= known.is_held();
                 }
             }
         }
+        let has_unions = unions.iter().next().is_some();
+        groups.joints_stay = groups.listed.joint_version == groups.joint_version
+            && !are_held
+            && !has_unions
+            && groups.listed.bound == groups.bound
+            && groups.listed.dynamic == groups.dynamic;
         let joins = |body: u32| index.free.has(body);
-        for touch in touches.touching() {
-            let [a, b] = touch.bodies;
-            if joins(a) && joins(b) {
-                scratch.islands.union(a, b);
-            }
+        let mut connecting = touches.touching().map(|touch| touch.bodies).filter(|&[a, b]| joins(a) && joins(b)).peekable();
+        let are_of_joints = connecting.peek().is_none() && !has_unions;
+        groups.islands_stay = groups.joints_stay && are_of_joints && groups.are_of_joints;
+        groups.are_of_joints = are_of_joints;
+        if groups.islands_stay {
+            return;
         }
+        scratch.islands.reset(bodies.slot_count(), movers);
         let islands = &mut scratch.islands;
+        connecting.for_each(|[a, b]| islands.union(a, b));
         let join_ends = |slot: u32, islands: &mut UnionFind| {
             let [a, b] = groups.joint_heads[slot as usize].bodies;
             if a != NO_BODY && b != NO_BODY && joins(a) && joins(b) {
                 islands.union(a, b);
             }
         };
+        if groups.joints_stay {
+            return groups.sorted_joints.iter().for_each(|&slot| join_ends(slot, islands));
+        }
         for &body in &groups.bound {
             match unions.moving(body) {
                 None => {
@@ -223,11 +249,15 @@ impl World {
     /// Numbers the islands by their lowest body and lists their members.
     fn number_islands(&mut self) {
         let Self { scratch, bodies, groups, unions, report, .. } = self;
+        (report.counts.unions, report.counts.union_members) = (0, 0);
+        if groups.islands_stay {
+            (report.counts.islands, report.counts.bodies_awake) = (groups.sizes.len() as u32, groups.members.len() as u32);
+            return;
+        }
         groups.island.resize(bodies.slot_count(), 0);
         groups.place.resize(bodies.slot_count(), (0, 0));
         groups.sizes.clear();
         groups.slots.clear();
-        (report.counts.unions, report.counts.union_members) = (0, 0);
         for union in unions.iter().filter(|union| union.anchor == Anchor::Free && bodies[union.lead].is_mover()) {
             report.counts.unions += 1;
             report.counts.union_members += union.members.len() as u32;
@@ -367,26 +397,37 @@ impl World {
         }
     }
 
-    fn hand_out_joints(&mut self) {
-        let Self { groups, batches, joints, bodies, unions, scratch, index, report, .. } = self;
-        scratch.slots.clear();
+    /// Lists the joints of what moves and is not held.
+    fn list_joints(&mut self) {
+        let Self { groups, joints, bodies, unions, index, .. } = self;
+        let Groups { sorted_joints, listed, joint_heads, dynamic, bound, joint_version, .. } = groups;
+        sorted_joints.clear();
         let moves = |body: u32| body != NO_BODY && index.free.has(body);
-        let joint_heads = &groups.joint_heads;
         let moved = |slot: u32| joint_heads[slot as usize].bodies.into_iter().find(|&body| moves(body));
-        for &body in groups.bound.iter().filter(|&&body| !bodies[body].held) {
+        for &body in bound.iter().filter(|&&body| !bodies[body].held) {
             let own = |id: &JointId| Some(joints.slot_of(*id)).filter(|&slot| moved(slot) == Some(body));
             match unions.moving(body) {
-                None => scratch.slots.extend(bodies[body].joints.iter().filter_map(own)),
-                Some(union) if union.lead == body => scratch.slots.extend_from_slice(&union.outer),
+                None => sorted_joints.extend(bodies[body].joints.iter().filter_map(own)),
+                Some(union) if union.lead == body => sorted_joints.extend_from_slice(&union.outer),
                 Some(_) => {}
             }
         }
-        if groups.found_joints != scratch.slots {
-            groups.found_joints.clone_from(&scratch.slots);
-            scratch.slots.sort_unstable();
-            scratch.slots.dedup();
-            groups.sorted_joints.clone_from(&scratch.slots);
+        sorted_joints.sort_unstable();
+        sorted_joints.dedup();
+        listed.dynamic.clone_from(dynamic);
+        listed.bound.clone_from(bound);
+        let is_whole = unions.iter().next().is_none() && !bound.iter().any(|&body| bodies[body].held);
+        listed.joint_version = joint_version.filter(|_| is_whole);
+    }
+
+    fn hand_out_joints(&mut self) {
+        if !self.groups.joints_stay {
+            self.list_joints();
         }
+        let Self { groups, batches, joints, index, report, .. } = self;
+        let joint_heads = &groups.joint_heads;
+        let moves = |body: u32| body != NO_BODY && index.free.has(body);
+        let moved = |slot: u32| joint_heads[slot as usize].bodies.into_iter().find(|&body| moves(body));
         groups.joint_places.resize(joints.slot_count(), 0);
         for &slot in &groups.sorted_joints {
             if let Some(body) = moved(slot) {

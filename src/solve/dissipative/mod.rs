@@ -36,6 +36,7 @@ use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
+use crate::workers::Workers;
 use afresh::Afresh;
 
 /// Growth of kinetic energy by the sweeps of a substep that is let be, as a share of it: rounding of `f32`.
@@ -312,9 +313,9 @@ impl DissipativeIslands {
     }
 
     /// Finds the energy of islands that may have gained some, and how much they may have.
-    fn weigh(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion], poses: &mut Poses) {
+    fn weigh(&mut self, threads: &Workers, velocities: &[BodyVelocity], motions: &[BodyMotion], poses: &mut Poses) {
         let Self { islands, carriers, places, before, .. } = self;
-        poses.find_energies(velocities, motions);
+        poses.find_energies(threads, velocities, motions);
         let now = Bodies { velocities, motions, places };
         let then = Bodies { velocities: before, motions, places };
         for island in islands.iter_mut().filter(|island| island.may_have_gained) {
@@ -337,7 +338,7 @@ impl DissipativeIslands {
 impl Batch {
     /// Solves the substep once more for islands that the sweeps have given energy, without what was carried, and slows those that
     /// have been given some even then.
-    pub(crate) fn dissipate(&mut self, joints: &Pool<Joint, JointId>, iterations: u32) {
+    pub(crate) fn dissipate(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, iterations: u32) {
         if self.dissipative.islands.is_empty() {
             return;
         }
@@ -345,11 +346,11 @@ impl Batch {
         if !self.dissipative.look(&self.velocities) {
             return;
         }
-        self.dissipative.weigh(&self.velocities, &self.motions, &mut self.poses);
+        self.dissipative.weigh(threads, &self.velocities, &self.motions, &mut self.poses);
         if self.dissipative.islands.iter().any(Island::is_to_be_solved_afresh) {
             self.solve_afresh(iterations);
             self.find_work_on_islands(joints);
-            self.dissipative.weigh(&self.velocities, &self.motions, &mut self.poses);
+            self.dissipative.weigh(threads, &self.velocities, &self.motions, &mut self.poses);
         }
         self.give_up_what_is_torn();
         let Self {

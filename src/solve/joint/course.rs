@@ -1,6 +1,7 @@
 //! All joints of a sheet as one point, moved along two lines at once (*../sheet.rs*): those of strips side by side, then the rest.
 
 use super::{BatchJoints, rows};
+use crate::solve::shared::Divided;
 use crate::solve::state::BodyVelocity;
 use crate::workers::Workers;
 
@@ -18,10 +19,15 @@ impl BatchJoints {
     }
 
     /// Ends it.
-    pub(crate) fn end_course(&mut self) {
+    pub(crate) fn end_course(&mut self, threads: &Workers) {
         let Self { entries, strips, lanes, .. } = self;
-        strips.all().iter().for_each(|strip| strip.lanes.end_course(entries));
-        lanes.end_course(entries);
+        let shared = Divided::new(entries);
+        strips.each(threads, |strip| {
+            // SAFETY: each joint has one lane, and each strip is one thread's.
+            strip.lanes.end_course(&mut unsafe { shared.part() });
+        });
+        // SAFETY: no other part is in use.
+        lanes.end_course(&mut unsafe { shared.part() });
     }
 
     /// Displacements of joints in lanes, to and fro, that take errors out of positions in a substep of length `h`.

@@ -366,9 +366,10 @@ impl BatchJoints {
     }
 
     /// Worst distance between joint points beyond what the joints allow (m).
-    pub(crate) fn worst_gap(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion]) -> f32 {
+    pub(crate) fn worst_gap(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, motions: &[BodyMotion]) -> f32 {
+        self.strips.each(threads, |strip| strip.gap = strip.lanes.worst_gap(&motions[strip.slots.clone()]));
         let singles = self.singles.entries().map(|number| &self.entries[number]);
-        let of_strips = self.strips.all().iter().map(|strip| strip.lanes.worst_gap(&motions[strip.slots.clone()]));
+        let of_strips = self.strips.all().iter().map(|strip| strip.gap);
         of_strips.fold(self.lanes.worst_gap(motions), f32::max).max(worst_gap(singles, joints, motions))
     }
 }

@@ -36,6 +36,8 @@ pub(crate) struct Strip {
     pub visits: Vec<Range<usize>>,
     /// Products of its biases with the last changes of its multipliers.
     pub products: [f64; 2],
+    /// Worst distance between joint points beyond what the joints allow, as found last (m).
+    pub gap: f32,
 }
 
 impl Strip {

@@ -61,9 +61,16 @@ const PIECE: usize = 64;
 
 impl Poses {
     /// Finds masses as the bodies stand now.
-    pub(crate) fn begin_course(&self, course: &mut Course, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+    pub(crate) fn begin_course(
+        &self,
+        course: &mut Course,
+        threads: &Workers,
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+    ) {
         course.stations.resize(self.blocks.len(), Station::EMPTY);
-        begin_all(&self.blocks, &mut course.stations, velocities, motions);
+        let pieces = self.blocks.chunks(PIECE).zip(course.stations.chunks_mut(PIECE));
+        threads.share(pieces, |(blocks, stations)| begin_all(blocks, stations, velocities, motions));
     }
 
     /// Notes the velocities that sweeps begin with.
@@ -73,8 +80,9 @@ impl Poses {
     }
 
     /// Takes these velocities for the last move.
-    pub(crate) fn take_way(&self, course: &mut Course, ways: &[BodyVelocity]) {
-        take_all(&self.blocks, &mut course.stations, ways);
+    pub(crate) fn take_way(&self, course: &mut Course, threads: &Workers, ways: &[BodyVelocity]) {
+        let pieces = self.blocks.chunks(PIECE).zip(course.stations.chunks_mut(PIECE));
+        threads.share(pieces, |(blocks, stations)| take_all(blocks, stations, ways));
     }
 
     pub(crate) fn weigh_course(&self, course: &mut Course, threads: &Workers, velocities: &[BodyVelocity]) -> Products {
@@ -86,8 +94,12 @@ impl Poses {
     }
 
     /// Displaces bodies by `pushes` (m, rad): as [`BodyMotion::displace`], to the same bits.
-    pub(crate) fn displace(&self, motions: &mut [BodyMotion], pushes: &[BodyVelocity]) {
-        displace_all(&self.blocks, motions, pushes);
+    pub(crate) fn displace(&self, threads: &Workers, motions: &mut [BodyMotion], pushes: &[BodyVelocity]) {
+        let motions = Shared::new(motions, self.last);
+        threads.share(self.blocks.chunks(PIECE), |blocks| {
+            // SAFETY: each slot is in one block, which one thread goes through.
+            displace_all(blocks, &mut unsafe { motions.hand() }, pushes);
+        });
     }
 
     /// Moves from the velocities before by p ← α d + β p.
@@ -111,7 +123,7 @@ in_lanes!(begin_all, begin, (blocks: &[PoseBlock], stations: &mut [Station], vel
 in_lanes!(note_all, note, (blocks: &[PoseBlock], stations: &mut [Station], velocities: &[BodyVelocity]));
 in_lanes!(take_all, take, (blocks: &[PoseBlock], stations: &mut [Station], ways: &[BodyVelocity]));
 in_lanes!(weigh_all, weigh, (blocks: &[PoseBlock], stations: &[Station], velocities: &[BodyVelocity], products: &mut Products));
-in_lanes!(displace_all, displace, (blocks: &[PoseBlock], motions: &mut [BodyMotion], pushes: &[BodyVelocity]));
+in_lanes!(displace_all, displace, (blocks: &[PoseBlock], motions: &mut Hand<'_, BodyMotion>, pushes: &[BodyVelocity]));
 in_lanes!(
     steer_all, steer,
     (blocks: &[PoseBlock], stations: &mut [Station], velocities: &mut Hand<'_, BodyVelocity>, shares: [f32; 2])
@@ -195,7 +207,7 @@ fn steer<W: Wide>(blocks: &[PoseBlock], stations: &mut [Station], velocities: &m
 }
 
 #[inline(always)]
-fn displace<W: Wide>(blocks: &[PoseBlock], motions: &mut [BodyMotion], pushes: &[BodyVelocity]) {
+fn displace<W: Wide>(blocks: &[PoseBlock], motions: &mut Hand<'_, BodyMotion>, pushes: &[BodyVelocity]) {
     let most = W::splat(MAX_PUSH_TURN);
     for block in blocks {
         let side = Side::<W>::gather(&block.slots, pushes);

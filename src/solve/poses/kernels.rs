@@ -6,7 +6,7 @@ use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::solve::contact::{LANES, Lane};
 use crate::solve::integrate::{NEGLIGIBLE_SPEED, NEGLIGIBLE_WAY, Outlook, SAFE_TUMBLE, SPLIT_TUMBLE};
 use crate::solve::rotation::{self, MAX_TURN};
-use crate::solve::shared::Hand;
+use crate::solve::shared::{Hand, Slots};
 use crate::solve::side::{Side, Stand, gather_rotations, scatter_outlooks};
 use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::solve::wide::{Wide, Wide3};
@@ -15,9 +15,9 @@ use crate::solve::wide_matrix::{Wide6, WideQuat};
 #[inline(always)]
 pub(super) fn apply_forces<W: Wide>(
     blocks: &[PoseBlock],
-    velocities: &mut [BodyVelocity],
+    velocities: &mut (impl Slots<BodyVelocity> + ?Sized),
     motions: &[BodyMotion],
-    energies: &mut [f32],
+    energies: &mut (impl Slots<f32> + ?Sized),
     h: f32,
 ) {
     for block in blocks {
@@ -62,7 +62,7 @@ pub(super) fn find_energies<W: Wide>(
     blocks: &[PoseBlock],
     velocities: &[BodyVelocity],
     motions: &[BodyMotion],
-    energies: &mut [f32],
+    energies: &mut (impl Slots<f32> + ?Sized),
 ) {
     for block in blocks {
         let side = Side::<W>::gather(&block.slots, velocities);
@@ -73,19 +73,19 @@ pub(super) fn find_energies<W: Wide>(
 
 /// Kinetic energies of a block, its principal axes being these.
 #[inline(always)]
-fn store_energies<W: Wide>(block: &PoseBlock, side: &Side<W>, axes: &[Wide3<W>; 3], energies: &mut [f32]) {
+fn store_energies<W: Wide>(block: &PoseBlock, side: &Side<W>, axes: &[Wide3<W>; 3], energies: &mut (impl Slots<f32> + ?Sized)) {
     let spin = Wide3::new(axes[0].dot(side.angular), axes[1].dot(side.angular), axes[2].dot(side.angular));
     let turning = spin.scale(spin).dot(Wide3::load(&block.inertia));
     let energy = (side.linear.dot(side.linear) / side.inverse_mass().x + turning) * W::splat(0.5);
     let mut lanes = [0.0; LANES];
     energy.store(&mut lanes);
     for (&slot, energy) in block.slots.iter().zip(lanes).take(block.count as usize) {
-        energies[slot as usize] = energy;
+        *energies.get_mut(slot) = energy;
     }
 }
 
 #[inline(always)]
-pub(super) fn limit<W: Wide>(blocks: &[PoseBlock], velocities: &mut [BodyVelocity], h: f32) {
+pub(super) fn limit<W: Wide>(blocks: &[PoseBlock], velocities: &mut (impl Slots<BodyVelocity> + ?Sized), h: f32) {
     for block in blocks {
         let mut side = Side::<W>::gather(&block.slots, velocities);
         limit_speeds(&mut side, h);
@@ -104,7 +104,7 @@ pub(super) fn predict<W: Wide>(
     blocks: &[PoseBlock],
     velocities: &[BodyVelocity],
     motions: &[BodyMotion],
-    outlooks: &mut [Outlook],
+    outlooks: &mut (impl Slots<Outlook> + ?Sized),
     refused: &mut Vec<u32>,
     h: f32,
 ) {

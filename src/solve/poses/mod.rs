@@ -103,6 +103,8 @@ pub(crate) struct Poses {
     inertia: Vec<[f32; LANES]>,
     /// Kinetic energy of bodies in lanes, by slot (J), as found last: when forces were added, or since.
     pub energies: Vec<f32>,
+    /// Greatest slot of a body in lanes.
+    last: usize,
 }
 
 /// Whether a body is moved in lanes. What that depends on must not be what else is in its batch.
@@ -134,19 +136,21 @@ fn add(blocks: &mut Vec<PoseBlock>, slot: u32, motion: &BodyMotion, h: f32) {
 impl Poses {
     /// Lays out lanes for substeps of length `h`.
     pub(crate) fn lay_out(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], roles: &[Role], h: f32) {
-        let Self { blocks, pushed, singles, others, outlooks, refused, inertia, energies } = self;
+        let Self { blocks, pushed, singles, others, outlooks, refused, inertia, energies, last } = self;
         energies.resize(motions.len(), 0.0);
         blocks.clear();
         pushed.clear();
         singles.clear();
         others.clear();
         outlooks.clear();
+        *last = 0;
         for (slot, (velocity, motion)) in velocities.iter().zip(motions.iter_mut()).enumerate() {
             motion.constrained |= roles.get(slot).is_some_and(|role| role.is_touched());
             motion.in_lanes = suits(velocity, motion);
             if motion.in_lanes {
                 motion.refreshed = motion.kind == MotionKind::Tumbling;
                 add(blocks, slot as u32, motion, h);
+                *last = slot;
                 continue;
             }
             singles.push(slot as u32);
@@ -166,13 +170,23 @@ impl Poses {
     }
 
     /// Adds a substep's forces to velocities, and forms the world inertia that rows respond with.
-    pub(crate) fn apply_forces(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
-        apply_forces_all(&self.blocks, velocities, motions, &mut self.energies, h);
+    pub(crate) fn apply_forces(&mut self, threads: &Workers, velocities: &mut [BodyVelocity], motions: &[BodyMotion], h: f32) {
+        let Self { blocks, energies, last, .. } = self;
+        let (velocities, energies) = (Shared::new(velocities, *last), Shared::new(energies, *last));
+        each_piece(blocks, threads, |blocks| {
+            // SAFETY: each slot is in one block, which one thread goes through.
+            let (mut velocities, mut energies) = unsafe { (velocities.hand(), energies.hand()) };
+            apply_forces_all(blocks, &mut velocities, motions, &mut energies, h);
+        });
     }
 
     /// As [`integrate::limit_speeds`].
-    pub(crate) fn limit_speeds(&mut self, velocities: &mut [BodyVelocity], h: f32) {
-        limit_all(&self.blocks, velocities, h);
+    pub(crate) fn limit_speeds(&mut self, threads: &Workers, velocities: &mut [BodyVelocity], h: f32) {
+        let velocities = Shared::new(velocities, self.last);
+        each_piece(&self.blocks, threads, |blocks| {
+            // SAFETY: as above.
+            limit_all(blocks, &mut unsafe { velocities.hand() }, h);
+        });
     }
 
     /// Finds the inertia of bodies in lanes as they stand now.
@@ -181,8 +195,12 @@ impl Poses {
     }
 
     /// Finds the kinetic energies of bodies in lanes at these velocities.
-    pub(crate) fn find_energies(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
-        find_energies_all(&self.blocks, velocities, motions, &mut self.energies);
+    pub(crate) fn find_energies(&mut self, threads: &Workers, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        let energies = Shared::new(&mut self.energies, self.last);
+        each_piece(&self.blocks, threads, |blocks| {
+            // SAFETY: as above.
+            find_energies_all(blocks, velocities, motions, &mut unsafe { energies.hand() });
+        });
     }
 
     /// The same of a body that has been turned since, if it is in lanes.
@@ -207,10 +225,18 @@ impl Poses {
     }
 
     /// Finds where bodies in joints will be at the end of the substep at their present velocities.
-    pub(crate) fn predict(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
-        let Self { blocks, others, outlooks, refused, .. } = self;
+    pub(crate) fn predict(&mut self, threads: &Workers, velocities: &[BodyVelocity], motions: &[BodyMotion], h: f32) {
+        let Self { blocks, others, outlooks, refused, last, .. } = self;
         refused.clear();
-        predict_all(blocks, velocities, motions, outlooks, refused, h);
+        if !blocks.is_empty() {
+            let (shared, refused) = (Shared::new(outlooks, *last), Mutex::new(&mut *refused));
+            each_piece(blocks, threads, |blocks| {
+                listing(&refused, |refused| {
+                    // SAFETY: as above.
+                    predict_all(blocks, velocities, motions, &mut unsafe { shared.hand() }, refused, h);
+                });
+            });
+        }
         for &slot in others.iter().chain(&*refused) {
             let slot = slot as usize;
             outlooks[slot] = Outlook::of(&velocities[slot], &motions[slot], h);
@@ -227,18 +253,12 @@ impl Poses {
         let Self { blocks, pushed, refused, .. } = self;
         refused.clear();
         for blocks in [&*blocks, &*pushed] {
-            if blocks.len() < SHARED_BLOCKS || !threads.has_team() {
-                advance_all(blocks, &mut Hand::alone(velocities, moving), &mut Hand::alone(motions, moving), refused, h);
-                continue;
-            }
             let (velocities, motions) = (Shared::new(velocities, moving), Shared::new(motions, moving));
             let refused = Mutex::new(&mut *refused);
-            threads.share(blocks.chunks(threads.piece(blocks.len(), LEAST_BLOCKS)), |blocks| {
-                let mut own = Vec::new();
-                // SAFETY: each slot is in one block, which one thread goes through.
+            each_piece(blocks, threads, |blocks| {
+                // SAFETY: as above.
                 let (mut velocities, mut motions) = unsafe { (velocities.hand(), motions.hand()) };
-                advance_all(blocks, &mut velocities, &mut motions, &mut own, h);
-                refused.lock().unwrap_or_else(PoisonError::into_inner).append(&mut own);
+                listing(&refused, |refused| advance_all(blocks, &mut velocities, &mut motions, refused, h));
             });
         }
         for &slot in &*refused {
@@ -247,21 +267,44 @@ impl Poses {
     }
 }
 
+/// Works on all blocks: many on all threads, few at once.
+fn each_piece(blocks: &[PoseBlock], threads: &Workers, work: impl Fn(&[PoseBlock]) + Sync) {
+    if blocks.len() < SHARED_BLOCKS || !threads.has_team() {
+        work(blocks);
+    } else {
+        threads.share(blocks.chunks(threads.piece(blocks.len(), LEAST_BLOCKS)), work);
+    }
+}
+
+/// Has one of several threads add to a list, in whose memory one alone does.
+fn listing(list: &Mutex<&mut Vec<u32>>, work: impl FnOnce(&mut Vec<u32>)) {
+    let lock = || list.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut own = std::mem::take(&mut **lock());
+    work(&mut own);
+    let mut all = lock();
+    if all.is_empty() {
+        std::mem::swap(&mut **all, &mut own);
+    }
+    all.append(&mut own);
+}
+
 in_lanes!(
     apply_forces_all, kernels::apply_forces,
-    (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], motions: &[BodyMotion], energies: &mut [f32], h: f32)
+    (
+        blocks: &[PoseBlock], velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], energies: &mut Hand<'_, f32>, h: f32
+    )
 );
 in_lanes!(find_inertia_all, kernels::find_inertia, (blocks: &[PoseBlock], motions: &[BodyMotion], inertia: &mut [Lane]));
 in_lanes!(
     find_energies_all, kernels::find_energies,
-    (blocks: &[PoseBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], energies: &mut [f32])
+    (blocks: &[PoseBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], energies: &mut Hand<'_, f32>)
 );
-in_lanes!(limit_all, kernels::limit, (blocks: &[PoseBlock], velocities: &mut [BodyVelocity], h: f32));
+in_lanes!(limit_all, kernels::limit, (blocks: &[PoseBlock], velocities: &mut Hand<'_, BodyVelocity>, h: f32));
 in_lanes!(
     predict_all, kernels::predict,
     (
-        blocks: &[PoseBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], outlooks: &mut [Outlook], refused: &mut Vec<u32>,
-        h: f32
+        blocks: &[PoseBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], outlooks: &mut Hand<'_, Outlook>,
+        refused: &mut Vec<u32>, h: f32
     )
 );
 in_lanes!(

@@ -58,9 +58,9 @@ fn any_bodies() -> impl Strategy<Value = Bodies> {
 fn run<W: Wide>((velocities, motions): &Bodies) -> (Bodies, Vec<Outlook>, Vec<u32>) {
     let (mut velocities, mut motions, mut poses) = (velocities.clone(), motions.clone(), Poses::default());
     poses.lay_out(&velocities, &mut motions, &[], H);
-    kernels::apply_forces::<W>(&poses.blocks, &mut velocities, &motions, &mut poses.energies, H);
-    kernels::limit::<W>(&poses.blocks, &mut velocities, H);
-    kernels::predict::<W>(&poses.blocks, &velocities, &motions, &mut poses.outlooks, &mut poses.refused, H);
+    kernels::apply_forces::<W>(&poses.blocks, &mut velocities[..], &motions, &mut poses.energies[..], H);
+    kernels::limit::<W>(&poses.blocks, &mut velocities[..], H);
+    kernels::predict::<W>(&poses.blocks, &velocities, &motions, &mut poses.outlooks[..], &mut poses.refused, H);
     let moving = motions.len() - 1;
     let mut hands = (Hand::alone(&mut velocities, moving), Hand::alone(&mut motions, moving));
     kernels::advance::<W>(&poses.blocks, &mut hands.0, &mut hands.1, &mut poses.refused, H);
@@ -106,9 +106,9 @@ proptest! {
         let (mut own, mut own_places) = bodies;
         let mut poses = Poses::default();
         poses.lay_out(&own, &mut own_places, &[], H);
-        poses.apply_forces(&mut own, &own_places, H);
-        poses.limit_speeds(&mut own, H);
-        poses.predict(&own, &own_places, H);
+        poses.apply_forces(&Workers::default(), &mut own, &own_places, H);
+        poses.limit_speeds(&Workers::default(), &mut own, H);
+        poses.predict(&Workers::default(), &own, &own_places, H);
         let moving = own.len() - 1;
         poses.advance(&Workers::default(), (&mut own, &mut own_places, moving), H);
         for (own, other) in own.iter().zip(&velocities) {
@@ -139,7 +139,7 @@ proptest! {
         poses.lay_out(&velocities, &mut motions, &[], H);
         let mut other = motions.clone();
         other.iter_mut().zip(&velocities).for_each(|(motion, push)| motion.displace(push.linear, push.angular));
-        poses.displace(&mut motions, &velocities);
+        poses.displace(&Workers::default(), &mut motions, &velocities);
         let bits = |motions: &[BodyMotion]| motions.iter().flat_map(BodyMotion::halves).flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
         prop_assert_eq!(bits(&motions), bits(&other));
     }

@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::{Holds, JointEntry, JointLanes, ZERO3, get, put, sweep};
 use crate::solve::contact::{LANES, Lane3};
 use crate::solve::dispatch::in_lanes;
+use crate::solve::shared::Slots;
 use crate::solve::state::BodyVelocity;
 use crate::solve::wide::{Wide, Wide3};
 
@@ -52,10 +53,10 @@ impl JointLanes {
     }
 
     /// Has the joints remember how multipliers moved last.
-    pub(crate) fn end_course(&self, entries: &mut [JointEntry]) {
+    pub(crate) fn end_course(&self, entries: &mut (impl Slots<JointEntry> + ?Sized)) {
         for (block, station) in self.points.iter().zip(&self.course.points) {
             for (l, &number) in block.numbers().iter().enumerate() {
-                let entry = &mut entries[number as usize];
+                let entry = entries.get_mut(number);
                 let turn = block.directions.map(|number| get(&self.course.directions[number as usize].way, l));
                 entry.acted = [get(&station.way, l), turn.unwrap_or_default()].map(sane);
             }
