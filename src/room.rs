@@ -18,6 +18,15 @@ pub(crate) fn make_room<T>(list: &mut Vec<T>, count: usize) {
     }
 }
 
+/// Gives a list so many elements, those that it has as they are: what it had is given back before it takes more memory.
+pub(crate) fn resize<T: Clone>(list: &mut Vec<T>, count: usize, more: T) {
+    if list.capacity() < count {
+        list.clear();
+        make_room(list, count);
+    }
+    list.resize(count, more);
+}
+
 /// Makes room for `more` elements behind those that a list has.
 pub(crate) fn make_room_behind<T>(list: &mut Vec<T>, more: usize) {
     let needed = list.len() + more;

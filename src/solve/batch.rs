@@ -24,7 +24,7 @@ use super::state::{BodyMotion, BodyVelocity};
 use super::taut::TautRows;
 use super::told::Told;
 use super::wrap::BatchWraps;
-use crate::room::{extend_tightly, make_room};
+use crate::room::{extend_tightly, make_room, resize};
 use crate::workers::Workers;
 
 mod lanes;
@@ -148,8 +148,6 @@ impl Batch {
         self.manifolds.clear();
         self.joint_slots.clear();
         self.joint_ends.clear();
-        self.velocities.clear();
-        self.motions.clear();
         self.roles.clear();
         self.ends.clear();
         self.inputs.clear();
@@ -210,12 +208,14 @@ impl Batch {
     /// Loads the state of all enlisted bodies.
     pub(crate) fn load_bodies(&mut self, threads: &Workers, state: impl Fn(u32) -> (BodyVelocity, BodyMotion) + Sync) {
         let Self { bodies, velocities, motions, roles, .. } = self;
-        make_room(velocities, bodies.len());
-        make_room(motions, bodies.len());
-        velocities.push(BodyVelocity::FIXED);
-        motions.push(BodyMotion::FIXED);
-        roles.push(Role::default());
         if !threads.has_team() {
+            velocities.clear();
+            motions.clear();
+            make_room(velocities, bodies.len());
+            make_room(motions, bodies.len());
+            velocities.push(BodyVelocity::FIXED);
+            motions.push(BodyMotion::FIXED);
+            roles.push(Role::default());
             for &body in &bodies[1..] {
                 let (velocity, motion) = state(body);
                 velocities.push(velocity);
@@ -224,8 +224,9 @@ impl Batch {
             }
             return;
         }
-        velocities.resize(bodies.len(), BodyVelocity::FIXED);
-        motions.resize(bodies.len(), BodyMotion::FIXED);
+        resize(velocities, bodies.len(), BodyVelocity::FIXED);
+        resize(motions, bodies.len(), BodyMotion::FIXED);
+        (velocities[0], motions[0]) = (BodyVelocity::FIXED, BodyMotion::FIXED);
         roles.resize(bodies.len(), Role::default());
         let piece = threads.piece(bodies.len(), LEAST_BODIES);
         let places = velocities[1..].chunks_mut(piece).zip(motions[1..].chunks_mut(piece)).zip(roles[1..].chunks_mut(piece));

@@ -18,7 +18,7 @@ use super::contact::{ContactImpulses, ContactInput, LANES, Lane, Lane3, NEGLIGIB
 use super::contact_pieces::Color;
 use super::state::BodyMotion;
 use crate::prefetch::prefetch;
-use crate::room::make_room;
+use crate::room::{make_room, resize};
 
 /// Where a block has neither a face nor an extra.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -228,8 +228,8 @@ impl ContactBlocks {
 
     /// Begins a list of this many blocks, of which so many have faces, with what the last one has left in them.
     pub(crate) fn begin(&mut self, blocks: usize, faces: usize) {
-        begin(&mut self.blocks, blocks, ContactBlock::EMPTY);
-        begin(&mut self.faces, faces, Face::EMPTY);
+        resize(&mut self.blocks, blocks, ContactBlock::EMPTY);
+        resize(&mut self.faces, faces, Face::EMPTY);
         self.extras.clear();
         self.colors.clear();
         self.cuts.clear();
@@ -472,15 +472,6 @@ impl WholeBlock<'_> {
             }
         }
     }
-}
-
-/// Gives a list so many elements, those that it has as they are: memory for more is taken after it has been given back.
-fn begin<T: Clone>(list: &mut Vec<T>, count: usize, empty: T) {
-    if list.capacity() < count {
-        list.clear();
-        make_room(list, count);
-    }
-    list.resize(count, empty);
 }
 
 fn put(lanes: &mut Lane3, l: usize, v: Vec3) {

@@ -119,7 +119,7 @@ impl Batch {
             let is_last = substep + 1 == settings.substeps;
             self.leads.begin_substep(&self.velocities, substep, settings.substeps);
             self.apply_forces(joints, threads, h, h * (settings.substeps - substep) as f32);
-            self.passive.note(&self.velocities, &self.poses);
+            self.passive.note(threads, &self.velocities, &self.poses);
             self.prepare_joints(joints, threads, h, false, true);
             let is_weighed = self.sheet.is_one() && self.solve_sheet(threads, h);
             if !self.sheet.is_one() {

@@ -29,6 +29,7 @@ use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
+use crate::room::resize;
 use crate::workers::Workers;
 
 /// Growth of kinetic energy by the sweeps of a substep that is let be, as a share of it: rounding of `f32`.
@@ -91,6 +92,9 @@ pub(crate) struct PassiveIslands {
     torn: Vec<bool>,
 }
 
+/// Velocities that are worth another thread's while: some 5 µs.
+const LEAST_NOTED: usize = 1024;
+
 /// What is in no island: the world, and bodies that move by themselves.
 const NOBODY: u32 = u32::MAX;
 
@@ -110,13 +114,14 @@ impl PassiveIslands {
     }
 
     /// Notes velocities, and the energy that forces have left.
-    pub(crate) fn note(&mut self, velocities: &[BodyVelocity], poses: &Poses) {
+    pub(crate) fn note(&mut self, threads: &Workers, velocities: &[BodyVelocity], poses: &Poses) {
         let Self { islands, before, .. } = self;
         if islands.is_empty() {
             return;
         }
-        before.clear();
-        before.extend_from_slice(velocities);
+        resize(before, velocities.len(), BodyVelocity::FIXED);
+        let piece = threads.piece(velocities.len(), LEAST_NOTED);
+        threads.share(before.chunks_mut(piece).zip(velocities.chunks(piece)), |(before, now)| before.copy_from_slice(now));
         islands.iter_mut().for_each(|island| island.before = island.sum(&poses.energies));
     }
 

@@ -54,7 +54,7 @@ use glam::Vec3;
 use super::batch::Batch;
 use super::poses::course::{Course, Products};
 use super::state::{BodyMotion, BodyVelocity};
-use crate::room::make_room;
+use crate::room::resize;
 use crate::span::sheet::is_sheet;
 use crate::workers::Workers;
 
@@ -175,11 +175,7 @@ impl Batch {
         });
         let enough = ENOUGH * (added + SHARE_OF_MOTION * had);
 
-        if pushes.len() < velocities.len() {
-            pushes.clear();
-            make_room(pushes, velocities.len());
-        }
-        pushes.resize(velocities.len(), BodyVelocity::FIXED);
+        resize(pushes, velocities.len(), BodyVelocity::FIXED);
         threads.share(pushes.chunks_mut(PIECE).zip(velocities.chunks(PIECE)), |(pushes, velocities)| {
             pushes.iter_mut().zip(velocities).for_each(|(push, velocity)| *push = velocity.at_rest());
         });
