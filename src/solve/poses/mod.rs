@@ -23,7 +23,7 @@ use super::integrate::{self, Outlook};
 use super::role::Role;
 use super::shared::{Hand, Shared};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
-use crate::room::make_room_behind;
+use crate::room::{make_room_behind, resize};
 use crate::workers::Workers;
 
 pub(crate) mod course;
@@ -142,7 +142,6 @@ impl Poses {
         pushed.clear();
         singles.clear();
         others.clear();
-        outlooks.clear();
         *last = 0;
         for (slot, (velocity, motion)) in velocities.iter().zip(motions.iter_mut()).enumerate() {
             motion.constrained |= roles.get(slot).is_some_and(|role| role.is_touched());
@@ -164,7 +163,9 @@ impl Poses {
             inertia.resize(motions.len(), [0.0; LANES]);
         }
         if !(blocks.is_empty() && others.is_empty()) {
-            outlooks.extend(motions.iter().map(Outlook::still));
+            // Of what is in lanes they are found before anybody asks.
+            resize(outlooks, motions.len(), Outlook::still(&motions[0]));
+            singles.iter().for_each(|&slot| outlooks[slot as usize] = Outlook::still(&motions[slot as usize]));
         }
         refused.reserve((blocks.len() + pushed.len()) * LANES);
     }
