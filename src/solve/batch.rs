@@ -219,7 +219,7 @@ impl Batch {
             for &body in &bodies[1..] {
                 let (velocity, motion) = state(body);
                 velocities.push(velocity);
-                roles.push(Role::of(&motion));
+                roles.push(Role::of(&velocity, &motion));
                 motions.push(motion);
             }
             return;
@@ -233,7 +233,7 @@ impl Batch {
         threads.share(places.zip(bodies[1..].chunks(piece)), |(((velocities, motions), roles), bodies)| {
             for (((velocity, motion), role), &body) in velocities.iter_mut().zip(motions).zip(roles).zip(bodies) {
                 (*velocity, *motion) = state(body);
-                *role = Role::of(motion);
+                *role = Role::of(velocity, motion);
             }
         });
     }
@@ -256,7 +256,7 @@ impl Batch {
                 let (velocity, motion) = state();
                 let slot = self.enlist(body);
                 self.velocities.push(velocity);
-                self.roles.push(Role::of(&motion));
+                self.roles.push(Role::of(&velocity, &motion));
                 self.motions.push(motion);
                 self.leads.add_slot(&velocity);
                 self.replicas.insert(place, Replica { body, slot });

@@ -14,6 +14,7 @@
 use glam::{DMat3, DVec3};
 
 use super::poses::Poses;
+use super::role::Role;
 use super::state::{BodyMotion, BodyVelocity};
 
 /// Sums over bodies, positions from a point near them.
@@ -141,7 +142,7 @@ impl FreeIslands {
     pub(crate) fn find(
         &mut self,
         firsts: &[u32],
-        velocities: &[BodyVelocity],
+        roles: &[Role],
         motions: &[BodyMotion],
         links: impl Iterator<Item = (u32, u32)>,
         origin: impl Fn(u32) -> DVec3,
@@ -155,10 +156,10 @@ impl FreeIslands {
             let next = firsts.get(number + 1).map_or(motions.len(), |&next| next as usize);
             let mut bodies = 0;
             let mut held = false;
-            for slot in (first as usize..next).filter(|&slot| motions[slot].is_dynamic()) {
+            for slot in (first as usize..next).filter(|&slot| roles[slot].moves()) {
                 self.owner[slot] = number as u32;
                 bodies += 1;
-                held |= velocities[slot].inverse_mass.min_element() <= 0.0 || !motions[slot].is_free_to_turn();
+                held |= !roles[slot].is_unlocked();
             }
             self.held.push(held || bodies < 2);
         }

@@ -1,7 +1,7 @@
-//! What the body of each slot is to its contacts, in a byte: colours ask it of both bodies of every manifold, whose other records are
+//! What the body of each slot is in a byte: colours ask it of both bodies of every manifold, whose other records are
 //! hundreds of bytes each.
 
-use super::state::BodyMotion;
+use super::state::{BodyMotion, BodyVelocity};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Role(u8);
@@ -10,15 +10,22 @@ impl Role {
     const MOVES: u8 = 1;
     const JOINTED: u8 = 2;
     const TOUCHED: u8 = 4;
+    const UNLOCKED: u8 = 8;
 
-    pub(crate) fn of(motion: &BodyMotion) -> Self {
-        let moves = if motion.is_dynamic() { Self::MOVES } else { 0 };
-        Self(moves | if motion.jointed { Self::JOINTED } else { 0 })
+    pub(crate) fn of(velocity: &BodyVelocity, motion: &BodyMotion) -> Self {
+        let bit = |is_set: bool, bit: u8| if is_set { bit } else { 0 };
+        let is_unlocked = velocity.inverse_mass.min_element() > 0.0 && motion.is_free_to_turn();
+        Self(bit(motion.is_dynamic(), Self::MOVES) | bit(motion.jointed, Self::JOINTED) | bit(is_unlocked, Self::UNLOCKED))
     }
 
     /// Whether rows may move it.
     pub(crate) fn moves(self) -> bool {
         self.0 & Self::MOVES != 0
+    }
+
+    /// Whether none of its axes is locked.
+    pub(crate) fn is_unlocked(self) -> bool {
+        self.0 & Self::UNLOCKED != 0
     }
 
     /// Whether it moves and no joint holds it.

@@ -454,10 +454,10 @@ impl Records<'_> {
     }
 
     fn find_free_islands(&self, batch: &mut Batch) {
-        let Batch { islands, velocities, motions, ends, joints, free, bodies, .. } = batch;
+        let Batch { islands, roles, motions, ends, joints, free, bodies, .. } = batch;
         let contacts = ends.iter().map(|ends| (ends.a, ends.b));
         let joined = joints.links.iter().map(|link| (link.a, link.b));
-        free.find(islands, velocities, motions, contacts.chain(joined), |slot| self.center(bodies[slot as usize]));
+        free.find(islands, roles, motions, contacts.chain(joined), |slot| self.center(bodies[slot as usize]));
     }
 
     /// Centre of mass of what is moved as one with this body (m).

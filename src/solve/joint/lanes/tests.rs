@@ -165,7 +165,7 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
     if in_lanes {
         let links = entries.iter().map(link_of).collect();
         let (mut joints, alone) = (BatchJoints { links, entries, ..BatchJoints::default() }, Workers::default());
-        let roles: Vec<Role> = motions.iter().map(Role::of).collect();
+        let roles: Vec<Role> = velocities.iter().zip(&motions).map(|(velocity, motion)| Role::of(velocity, motion)).collect();
         joints.lay_out((&pool, None), &alone, &mut Coloring::default(), (&velocities, &motions, &roles), H, 1);
         let moving = Moving { velocities: &velocities, motions: &motions, outlooks: &outlooks(scene) };
         joints.prepare(&pool, &alone, &moving, H, false);
