@@ -67,9 +67,13 @@ mod tests {
         assert_eq!(list.capacity(), 900);
         make_room(&mut list, 900);
         assert_eq!(list.capacity(), 900);
-        list.resize(900, 1);
+        resize(&mut list, 900, 1);
         make_room_behind(&mut list, 1);
         assert_eq!((list.capacity(), list.iter().sum()), (1013, 900));
+        list[0] = 7;
+        resize(&mut list, 3, 2);
+        resize(&mut list, 5, 2);
+        assert_eq!(list, [7, 1, 1, 2, 2]);
     }
 
     #[test]

@@ -250,12 +250,12 @@ impl World {
     fn number_islands(&mut self) {
         let Self { scratch, bodies, groups, unions, report, .. } = self;
         (report.counts.unions, report.counts.union_members) = (0, 0);
+        groups.island.resize(bodies.slot_count(), 0);
+        groups.place.resize(bodies.slot_count(), (0, 0));
         if groups.islands_stay {
             (report.counts.islands, report.counts.bodies_awake) = (groups.sizes.len() as u32, groups.members.len() as u32);
             return;
         }
-        groups.island.resize(bodies.slot_count(), 0);
-        groups.place.resize(bodies.slot_count(), (0, 0));
         groups.sizes.clear();
         groups.slots.clear();
         for union in unions.iter().filter(|union| union.anchor == Anchor::Free && bodies[union.lead].is_mover()) {

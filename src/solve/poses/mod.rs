@@ -185,7 +185,7 @@ impl Poses {
     pub(crate) fn limit_speeds(&mut self, threads: &Workers, velocities: &mut [BodyVelocity], h: f32) {
         let velocities = Shared::new(velocities, self.last);
         each_piece(&self.blocks, threads, |blocks| {
-            // SAFETY: as above.
+            // SAFETY: each slot is in one block, which one thread goes through.
             limit_all(blocks, &mut unsafe { velocities.hand() }, h);
         });
     }
@@ -199,7 +199,7 @@ impl Poses {
     pub(crate) fn find_energies(&mut self, threads: &Workers, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
         let energies = Shared::new(&mut self.energies, self.last);
         each_piece(&self.blocks, threads, |blocks| {
-            // SAFETY: as above.
+            // SAFETY: each slot is in one block, which one thread goes through.
             find_energies_all(blocks, velocities, motions, &mut unsafe { energies.hand() });
         });
     }
@@ -233,7 +233,7 @@ impl Poses {
             let (shared, refused) = (Shared::new(outlooks, *last), Mutex::new(&mut *refused));
             each_piece(blocks, threads, |blocks| {
                 listing(&refused, |refused| {
-                    // SAFETY: as above.
+                    // SAFETY: each slot is in one block, which one thread goes through.
                     predict_all(blocks, velocities, motions, &mut unsafe { shared.hand() }, refused, h);
                 });
             });
@@ -257,7 +257,7 @@ impl Poses {
             let (velocities, motions) = (Shared::new(velocities, moving), Shared::new(motions, moving));
             let refused = Mutex::new(&mut *refused);
             each_piece(blocks, threads, |blocks| {
-                // SAFETY: as above.
+                // SAFETY: each slot is in one block, which one thread goes through.
                 let (mut velocities, mut motions) = unsafe { (velocities.hand(), motions.hand()) };
                 listing(&refused, |refused| advance_all(blocks, &mut velocities, &mut motions, refused, h));
             });
