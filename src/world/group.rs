@@ -479,4 +479,36 @@ mod tests {
             before = now;
         }
     }
+
+    #[test]
+    fn islands_that_stay_follow_every_edit() {
+        let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, ..WorldDef::default() }).unwrap();
+        let cube = ShapeDef::new(Shape::cuboid(Vec3::splat(0.5)).unwrap());
+        let at = |x: f64| BodyDef::dynamic(Pose::at_xyz(x, 0.0, 0.0)).with_shape(cube.clone());
+        let [a, b, c] = [0.0, 2.0, 4.0].map(|x| world.create_body(&at(x)).unwrap());
+        let spherical = |one, other| JointDef::new(JointKind::SPHERICAL, one, other).at(Vec3::X, Vec3::NEG_X);
+        world.create_joint(&spherical(a, b)).unwrap();
+        let islands = |world: &mut World| {
+            let counts = [0, 1, 2].map(|_| world.step(1.0 / 60.0).unwrap().counts);
+            assert!(counts.iter().all(|of| (of.islands, of.joints) == (counts[0].islands, counts[0].joints)), "{counts:?}");
+            (counts[0].islands, counts[0].joints, counts[0].bodies_awake)
+        };
+        assert_eq!(islands(&mut world), (2, 1, 3));
+        assert!(world.groups.islands_stay);
+        let second = world.create_joint(&spherical(b, c)).unwrap();
+        assert_eq!(islands(&mut world), (1, 2, 3));
+        world.destroy_joint(second).unwrap();
+        assert_eq!(islands(&mut world), (2, 1, 3));
+        world.set_pose(c, Pose::at_xyz(3.0, 0.0, 0.0)).unwrap();
+        assert_eq!(islands(&mut world), (1, 1, 3), "they touch");
+        assert!(!world.groups.islands_stay);
+        world.set_pose(c, Pose::at_xyz(6.0, 0.0, 0.0)).unwrap();
+        assert_eq!(islands(&mut world), (2, 1, 3));
+        world.destroy_body(c).unwrap();
+        assert_eq!(islands(&mut world), (1, 1, 2));
+        world.create_body(&at(6.0)).unwrap();
+        assert_eq!(islands(&mut world), (2, 1, 3));
+        world.put_to_sleep(a).unwrap();
+        assert_eq!(islands(&mut world), (1, 0, 1));
+    }
 }
