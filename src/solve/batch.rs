@@ -5,6 +5,7 @@ use glam::{DVec3, Quat, Vec3};
 use super::birth::Birth;
 use super::bound::BatchBounds;
 use super::buckets::Buckets;
+use super::carry::Carry;
 use super::color::Coloring;
 use super::contact::{ContactImpulses, ContactInput, LANES};
 use super::contact_block::ContactBlocks;
@@ -124,6 +125,7 @@ pub(crate) struct Batch {
     pub birth: Birth,
     pub load_pass: LoadPass,
     pub exact: ExactIslands,
+    pub carry: Carry,
     pub coloring: Coloring,
     /// Colour of each manifold, twice, plus one if it has a single point; and [`lanes::GROUPS`] more where joints hold what
     /// moves of its bodies.

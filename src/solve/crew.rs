@@ -4,7 +4,6 @@
 //! takes a team that is awake: a sweep over a colour is some 20 µs.
 
 use std::ops::Range;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use smallvec::SmallVec;
 
@@ -117,19 +116,6 @@ pub(super) fn sweep(
     if backwards {
         sweep(&free, true);
     }
-}
-
-/// Brings separations of all blocks to the end of the step; greatest overlap (m).
-pub(super) fn end_step(contacts: &mut ContactBlocks, threads: &Workers, motions: &[BodyMotion]) -> f32 {
-    if contacts.len() < SHARED_BLOCKS || !threads.has_team() {
-        return contact_kernels::end_step(&mut contacts.all(), motions);
-    }
-    // Numbers that are not negative are in the order of their bits.
-    let worst = AtomicU32::new(0);
-    side_by_side(contacts, threads, |Run { mut part, .. }| {
-        worst.fetch_max(contact_kernels::end_step(&mut part, motions).to_bits(), Ordering::Relaxed);
-    });
-    f32::from_bits(worst.into_inner())
 }
 
 /// Forms the masses of blocks anew of which the inertia of a body has been.

@@ -10,6 +10,7 @@ pub(crate) mod batch;
 mod birth;
 pub(crate) mod bound;
 mod buckets;
+mod carry;
 mod color;
 pub(crate) mod contact;
 mod contact_block;
@@ -28,6 +29,7 @@ pub(crate) mod momentum;
 mod passive;
 pub(crate) mod plane;
 mod poses;
+mod recovery;
 mod role;
 mod rotation;
 pub(crate) mod shared;
@@ -40,24 +42,15 @@ mod wide;
 mod wide_matrix;
 pub(crate) mod wrap;
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use batch::Batch;
 use direct::{Direct, Floor};
 use joint::Moving;
-use state::BodyVelocity;
 
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
-use crate::room::make_room;
 use crate::workers::Workers;
-
-/// Overlap below which position recovery has nothing to do (m).
-const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
-
-/// Further sweeps of position recovery over contacts of jointed bodies.
-const JOINTED_RECOVERY_SWEEPS: usize = 1;
 
 /// Gaps of joints, as shares of their levers, for which position rows are swept on at the end of a step, and how often at most.
 /// Chains keep their length to the lesser share; where joints are torn open further than the greater, a few sweeps close nothing.
@@ -115,15 +108,16 @@ impl Batch {
         self.find_passive_islands();
         self.dissipative.lay_out(&self.passive, &self.velocities, &self.motions);
         self.find_sheet(threads);
+        self.prepare_carry();
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
             self.leads.begin_substep(&self.velocities, substep, settings.substeps);
-            self.apply_forces(joints, threads, h, h * (settings.substeps - substep) as f32);
+            self.apply_forces(joints, threads, h, substep, settings.substeps);
             self.passive.note(threads, &self.velocities, &self.poses);
             self.prepare_joints(joints, threads, h, false, true);
             let is_weighed = self.sheet.is_one() && self.solve_sheet(threads, h);
             if !self.sheet.is_one() {
-                self.sweep_all(joints, threads, h, settings.iterations);
+                self.sweep_all(joints, threads, h, settings.iterations, substep == 0);
             }
             self.restrain(joints, threads, is_weighed);
             self.dissipate(joints, threads, settings.iterations);
@@ -181,11 +175,14 @@ impl Batch {
     }
 
     /// Warm start and sweeps of a substep of length `h`.
-    fn sweep_all(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, iterations: u32) {
+    fn sweep_all(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, iterations: u32, is_first: bool) {
         self.joints.warm_start(threads, &mut self.velocities);
         self.bounds.warm_start(&mut self.velocities);
         self.wraps.begin_substep(&mut self.velocities, &self.motions, h);
-        self.start_sweeps(threads, h);
+        let is_carried = self.carry.is_on() && !is_first;
+        if !is_carried {
+            self.start_sweeps(threads, h);
+        }
         let (direct, floor) = self.direct_and_floor(threads);
         direct.warm_start(floor, iterations);
         self.pass_loads();
@@ -200,7 +197,11 @@ impl Batch {
                 self.taut.sweep(&mut self.velocities, false);
                 self.sweep_articulations(threads);
                 self.joints.sweep(threads, &mut self.velocities, false);
-                self.sweep_contacts(threads, false);
+                if is_carried && iteration == 0 {
+                    self.sweep_anew(threads, h);
+                } else {
+                    self.sweep_contacts(threads, false);
+                }
             } else {
                 self.sweep_contacts(threads, true);
                 self.joints.sweep(threads, &mut self.velocities, true);
@@ -306,8 +307,14 @@ impl Batch {
         }
     }
 
-    /// Begins a substep of length `h`, `rest` from the end of the step (s).
-    fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, rest: f32) {
+    /// Begins a substep of length `h` (s), one of so many.
+    fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, substep: u32, substeps: u32) {
+        if self.carry.is_on() {
+            if self.apply_forces_and_carry(threads, h, substep == 0) {
+                crew::refresh_masses(&mut self.contacts, threads, &self.velocities, &self.motions);
+            }
+            return;
+        }
         // What is cut off of a speed is momentum too, where that is noted.
         let is_noted = !self.free.is_empty();
         // What joints hold may be refreshed elsewhere.
@@ -330,7 +337,7 @@ impl Batch {
         self.poses.limit_speeds(threads, &mut self.velocities, h);
         self.dissipative.note_energy(&self.velocities, &self.motions, &self.poses);
         let (direct, floor) = self.direct_and_floor(threads);
-        direct.couple(joints, floor, h, rest);
+        direct.couple(joints, floor, h, h * (substeps - substep) as f32);
         self.dissipative.note_velocities(&self.velocities);
         if !self.contacts.is_empty() && refreshes.into_inner() && self.motions.iter().any(|motion| motion.refreshed) {
             crew::refresh_masses(&mut self.contacts, threads, &self.velocities, &self.motions);
@@ -345,6 +352,14 @@ impl Batch {
         });
     }
 
+    /// The first sweep of a substep over contacts whose bodies carry what they have done; looks how far their surfaces are apart by now.
+    fn sweep_anew(&mut self, threads: &Workers, h: f32) {
+        let (range, moving, motions) = (0..self.contacts.len(), self.moving(), &self.motions);
+        crew::in_colors(&mut self.contacts, range, threads, (&mut self.velocities, moving), false, |part, velocities| {
+            contact_kernels::sweep_anew(part, velocities, motions, h);
+        });
+    }
+
     /// One sweep over the contacts, or backwards, all in the opposite order.
     fn sweep_contacts(&mut self, threads: &Workers, backwards: bool) {
         let moving = self.moving();
@@ -352,11 +367,15 @@ impl Batch {
     }
 
     fn advance(&mut self, threads: &Workers, h: f32) {
-        self.each_single(threads, |velocity, motion| {
-            if !poses::is_pushed(velocity, motion) {
-                integrate::advance(velocity, motion, h);
-            }
-        });
+        if self.carry.is_on() {
+            self.keep_and_advance(threads, h);
+        } else {
+            self.each_single(threads, |velocity, motion| {
+                if !poses::is_pushed(velocity, motion) {
+                    integrate::advance(velocity, motion, h);
+                }
+            });
+        }
         let moving = self.moving();
         self.poses.advance(threads, (&mut self.velocities, &mut self.motions, moving), h);
     }
@@ -376,44 +395,5 @@ impl Batch {
                 break;
             }
         }
-    }
-
-    fn recover_positions(&mut self, threads: &Workers, dt: f32) {
-        self.penetration = self.penetration.max(crew::end_step(&mut self.contacts, threads, &self.motions));
-        let overlaps = self.penetration > NEGLIGIBLE_OVERLAP;
-        self.penetration = self.penetration.max(self.direct.penetration() as f32);
-        if !overlaps {
-            return;
-        }
-        self.pushes.clear();
-        make_room(&mut self.pushes, self.velocities.len());
-        self.pushes.extend(self.velocities.iter().map(BodyVelocity::at_rest));
-        let (all, jointed) = (0..self.contacts.len(), self.first_jointed..self.contacts.len());
-        for sweep in 0..contact_kernels::RECOVERY_SWEEPS {
-            if sweep > 0 {
-                self.yield_to_pushes(threads);
-            }
-            self.recover(threads, &all, dt);
-        }
-        for _ in 0..JOINTED_RECOVERY_SWEEPS {
-            self.yield_to_pushes(threads);
-            self.recover(threads, &jointed, dt);
-        }
-        self.displace(threads);
-    }
-
-    /// One sweep of position recovery over a range of blocks.
-    fn recover(&mut self, threads: &Workers, range: &Range<usize>, dt: f32) {
-        let moving = self.moving();
-        crew::in_colors(&mut self.contacts, range.clone(), threads, (&mut self.pushes, moving), false, |part, pushes| {
-            contact_kernels::recover(part, pushes, dt);
-        });
-    }
-
-    /// Has the pushes of position recovery leave the joints of swept articulations as they are. A hand that is lifted off a trunk is drawn
-    /// back by its arm otherwise, as joints are mended next, and sinks in for seconds.
-    fn yield_to_pushes(&mut self, threads: &Workers) {
-        let Self { direct, pushes, motions, .. } = self;
-        direct.yield_to_pushes(Floor { threads, velocities: pushes, motions });
     }
 }

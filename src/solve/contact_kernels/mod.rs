@@ -39,6 +39,12 @@ in_lanes!(
     (part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, backwards: bool)
 );
 in_lanes!(
+    /// One sweep from velocities that have the carried multipliers in them, of blocks without extras: forms the closing speeds of this
+    /// substep first.
+    pub(crate) sweep_anew, sweep::anew,
+    (part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32)
+);
+in_lanes!(
     /// After a substep: points that hit something at more than `threshold` (m/s) leave at the rebound speed.
     pub(crate) restitute, recover::restitute,
     (contacts: &mut ContactBlocks, velocities: &mut [BodyVelocity], threshold: f32)
@@ -47,6 +53,11 @@ in_lanes!(
     /// Brings the separations to the end of the step and makes room for multipliers of [`recover`]; says the greatest overlap of any
     /// point (m).
     pub(crate) end_step, recover::end_step, (part: &mut BlockPart<'_>, motions: &[BodyMotion]) -> f32
+);
+in_lanes!(
+    /// [`end_step`] and a first sweep of [`recover`] in one.
+    pub(crate) begin_recovery, recover::begin,
+    (part: &mut BlockPart<'_>, motions: &[BodyMotion], pushes: &mut Hand<'_, BodyVelocity>, dt: f32) -> f32
 );
 in_lanes!(
     /// Adds to `told` what the step has made of the manifolds of each block.

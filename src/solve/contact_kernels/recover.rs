@@ -77,9 +77,36 @@ pub(super) fn end_step<W: Wide>(part: &mut BlockPart<'_>, motions: &[BodyMotion]
         // In this order what is not a number is passed over, and so the parts into which blocks are cut do not matter.
         deepest = of_block!(follow::<W>(block, (faces, before[0]), motions)).max(deepest);
     }
+    greatest(deepest)
+}
+
+#[inline(always)]
+pub(super) fn begin<W: Wide>(
+    part: &mut BlockPart<'_>,
+    motions: &[BodyMotion],
+    pushes: &mut Hand<'_, BodyVelocity>,
+    dt: f32,
+) -> f32 {
+    let BlockPart { blocks, faces, before, .. } = part;
+    let mut deepest = W::zero();
+    for block in blocks.iter_mut() {
+        deepest = of_block!(follow_and_part::<W>(block, (faces, before[0]), motions, pushes, dt)).max(deepest);
+    }
+    greatest(deepest)
+}
+
+#[inline(always)]
+fn greatest<W: Wide>(of: W) -> f32 {
     let mut lanes = [0.0; LANES];
-    deepest.store(&mut lanes);
+    of.store(&mut lanes);
     lanes.into_iter().fold(0.0, f32::max)
+}
+
+#[inline(always)]
+fn follow_and_part<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], pushes: &mut Hand<'_, BodyVelocity>, dt: f32) -> W {
+    let deepest = follow::<W, M>(of, motions);
+    part_overlaps::<W, M>(of, pushes, dt);
+    deepest
 }
 
 /// Brings the separations of a block up to date, and begins its recovery with nothing; greatest overlap of each lane (m).

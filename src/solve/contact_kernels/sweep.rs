@@ -7,9 +7,10 @@ use super::super::contact_block::Extra;
 use super::super::contact_pieces::BlockPart;
 use super::super::shared::Hand;
 use super::super::side::Side;
-use super::super::state::BodyVelocity;
+use super::super::state::{BodyMotion, BodyVelocity};
 use super::super::wide::{Wide, Wide3};
 use super::rows::{Faced, Manifolds, Single, lambdas, load_all, normal_rates, of_block, push_apart, store_lambdas};
+use super::warm_start::close_in;
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, backwards: bool) {
@@ -25,6 +26,25 @@ pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, B
             of_block!(visit::<W>(block, (faces, before[0]), extra, velocities));
         }
     }
+}
+
+#[inline(always)]
+pub(super) fn anew<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32) {
+    let BlockPart { blocks, faces, before, .. } = part;
+    for block in blocks.iter_mut() {
+        of_block!(close_in_and_visit::<W>(block, (faces, before[0]), velocities, motions, h));
+    }
+}
+
+#[inline(always)]
+fn close_in_and_visit<W: Wide, M: Manifolds>(
+    of: &mut M,
+    velocities: &mut Hand<'_, BodyVelocity>,
+    motions: &[BodyMotion],
+    h: f32,
+) {
+    close_in::<W, M>(of, motions, h);
+    visit::<W, M>(of, None, velocities);
 }
 
 #[inline(always)]

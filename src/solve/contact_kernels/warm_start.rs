@@ -73,7 +73,7 @@ fn start<W: Wide, M: Manifolds>(
 
 /// Forms max(s, 0)/h from the separations of now.
 #[inline(always)]
-fn close_in<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
+pub(super) fn close_in<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
     let separation = separations::<W, M>(of, motions);
     let inverse_h = W::splat(1.0 / h);
     for (i, separation) in separation.into_iter().enumerate().take(M::COUNT) {

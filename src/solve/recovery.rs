@@ -1,0 +1,84 @@
+//! Position recovery: overlaps are taken out of positions after the substeps, by displacements that leave no velocity behind.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::batch::Batch;
+use super::direct::Floor;
+use super::state::BodyVelocity;
+use super::{contact_kernels, crew};
+use crate::room::make_room;
+use crate::workers::Workers;
+
+/// Overlap below which position recovery has nothing to do (m).
+const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
+
+/// Blocks of contacts from which on position recovery begins as the greatest overlap is looked for, since going through them twice takes
+/// longer than a sweep that may be in vain.
+const LONG_LIST: usize = 64;
+
+/// Further sweeps of position recovery over contacts of jointed bodies.
+const JOINTED_RECOVERY_SWEEPS: usize = 1;
+
+impl Batch {
+    pub(super) fn recover_positions(&mut self, threads: &Workers, dt: f32) {
+        let begins_at_once = self.contacts.len() >= LONG_LIST;
+        let deepest = if begins_at_once {
+            self.begin_pushes();
+            self.begin_recovery(threads, dt)
+        } else {
+            contact_kernels::end_step(&mut self.contacts.all(), &self.motions)
+        };
+        self.penetration = self.penetration.max(deepest).max(self.direct.penetration() as f32);
+        if deepest <= NEGLIGIBLE_OVERLAP {
+            return;
+        }
+        if !begins_at_once {
+            self.begin_pushes();
+        }
+        let (all, jointed) = (0..self.contacts.len(), self.first_jointed..self.contacts.len());
+        for sweep in usize::from(begins_at_once)..contact_kernels::RECOVERY_SWEEPS {
+            if sweep > 0 {
+                self.yield_to_pushes(threads);
+            }
+            self.recover(threads, &all, dt);
+        }
+        for _ in 0..JOINTED_RECOVERY_SWEEPS {
+            self.yield_to_pushes(threads);
+            self.recover(threads, &jointed, dt);
+        }
+        self.displace(threads);
+    }
+
+    fn begin_pushes(&mut self) {
+        self.pushes.clear();
+        make_room(&mut self.pushes, self.velocities.len());
+        self.pushes.extend(self.velocities.iter().map(BodyVelocity::at_rest));
+    }
+
+    /// Brings contacts to the end of the step and does the first sweep of position recovery over them; greatest overlap (m).
+    fn begin_recovery(&mut self, threads: &Workers, dt: f32) -> f32 {
+        // Numbers that are not negative are in the order of their bits.
+        let deepest = AtomicU32::new(0);
+        let (range, moving, motions) = (0..self.contacts.len(), self.moving(), &self.motions);
+        crew::in_colors(&mut self.contacts, range, threads, (&mut self.pushes, moving), false, |part, pushes| {
+            deepest.fetch_max(contact_kernels::begin_recovery(part, motions, pushes, dt).to_bits(), Ordering::Relaxed);
+        });
+        f32::from_bits(deepest.into_inner())
+    }
+
+    /// One sweep of position recovery over a range of blocks.
+    fn recover(&mut self, threads: &Workers, range: &Range<usize>, dt: f32) {
+        let moving = self.moving();
+        crew::in_colors(&mut self.contacts, range.clone(), threads, (&mut self.pushes, moving), false, |part, pushes| {
+            contact_kernels::recover(part, pushes, dt);
+        });
+    }
+
+    /// Has the pushes of position recovery leave the joints of swept articulations as they are. A hand that is lifted off a trunk is drawn
+    /// back by its arm otherwise, as joints are mended next, and sinks in for seconds.
+    fn yield_to_pushes(&mut self, threads: &Workers) {
+        let Self { direct, pushes, motions, .. } = self;
+        direct.yield_to_pushes(Floor { threads, velocities: pushes, motions });
+    }
+}
