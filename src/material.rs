@@ -85,9 +85,9 @@ pub(crate) struct PairMaterial {
 }
 
 impl PairMaterial {
-    /// Whether contacts of it neither rebound nor resist rolling.
+    /// Whether contacts of it neither rebound nor resist rolling or spinning by themselves.
     pub(crate) fn is_plain(&self) -> bool {
-        self.restitution == 0.0 && self.rolling == 0.0
+        self.restitution == 0.0 && self.rolling == 0.0 && self.spinning == 0.0
     }
 
     pub(crate) fn combine(a: &Material, b: &Material) -> Self {

@@ -54,7 +54,7 @@ pub(crate) struct ContactEnds {
     pub a: u32,
     pub b: u32,
     pub points: u8,
-    /// Whether it neither rebounds nor resists rolling.
+    /// Whether it neither rebounds nor resists rolling or spinning by itself.
     pub is_plain: bool,
 }
 

@@ -12,6 +12,7 @@
 
 use glam::Vec3;
 
+use super::wide::{Wide, Wide3};
 use crate::material::PairMaterial;
 
 /// Manifolds in a block.
@@ -85,7 +86,7 @@ pub(crate) struct ContactInput {
 }
 
 impl ContactInput {
-    /// Whether it neither rebounds nor resists rolling.
+    /// Whether it neither rebounds nor resists rolling or spinning by itself.
     pub(crate) fn is_plain(&self) -> bool {
         self.material.is_plain()
     }
@@ -103,4 +104,15 @@ pub(crate) fn tangents(n: Vec3) -> (Vec3, Vec3) {
     let b = n.x * n.y * a;
     let t1 = Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
     (t1, n.cross(t1))
+}
+
+/// As [`tangents`], to the same bits.
+#[inline(always)]
+pub(crate) fn tangents_in_lanes<W: Wide>(n: Wide3<W>) -> [Wide3<W>; 2] {
+    let one = W::splat(1.0);
+    let sign = one.with_sign_of(n.z);
+    let a = -one / (sign + n.z);
+    let b = n.x * n.y * a;
+    let t1 = Wide3::new(one + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    [t1, n.cross(t1)]
 }

@@ -1,13 +1,13 @@
 //! Contact rows in blocks of eight manifolds of one colour, laid out for SIMD lanes.
 //!
-//! Most manifolds have one point, no rolling friction and no rebound, and a pile's blocks are gone through a dozen times a step from
-//! beyond the cache. So a block has room for one point alone; what more points need is a [`Face`] beside it, and what rolls or
+//! Most manifolds have one point, no friction about it and no rebound, and a pile's blocks are gone through a dozen times a step from
+//! beyond the cache. So a block has room for one point alone; what more points need is a [`Face`] beside it, and what rolls, spins or
 //! rebounds has an [`Extra`].
 //!
 //! ```text
-//! blocks  [ a b n t · point 0 · friction, twist ][ … ][ … ]…      0.9 kB each
-//! faces           [ centres · points 1, 2, 3 · 4×4 matrices ]…    1.8 kB, for blocks with manifolds of more than one point
-//! extras          [ rolling · restitution, impacts ]…             0.5 kB, for blocks with such materials
+//! blocks  [ a b n · point 0 · friction ][ … ][ … ]…                  0.7 kB each
+//! faces           [ centres · points 1, 2, 3 · 4×4 matrices · twist ]…    1.9 kB, for blocks with manifolds of more than one point
+//! extras          [ rolling, spinning · restitution, impacts ]…      0.6 kB, for blocks with such materials
 //! ```
 
 use std::ops::Range;
@@ -38,6 +38,16 @@ pub(crate) struct PointRows {
     pub lambda: Lane,
 }
 
+/// Row about the normal.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub(crate) struct TwistRow {
+    pub mass: Lane,
+    pub lambda: Lane,
+    /// Torque limit per normal force (m).
+    pub arm: Lane,
+}
+
 /// Eight manifolds; unused lanes act on the world slot and do nothing.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
@@ -45,16 +55,11 @@ pub(crate) struct ContactBlock {
     pub a: [u32; LANES],
     pub b: [u32; LANES],
     pub normal: Lane3,
-    pub tangent: Lane3,
     pub first: PointRows,
-    /// Inverse of the tangential 2×2 matrix: 11, 12, 22.
+    /// Inverse of the tangential 2×2 matrix, along the [`tangents`] of the normal: 11, 12, 22.
     pub tangent_mass: [Lane; 3],
     pub tangent_lambda: [Lane; 2],
     pub friction: Lane,
-    pub twist_mass: Lane,
-    pub twist_lambda: Lane,
-    /// Torque limit about the normal per normal force (m).
-    pub twist_arm: Lane,
     /// Points of each manifold, and whether it begins with a multiplier of one of them.
     pub count: [u8; LANES],
     pub is_pressed: [bool; LANES],
@@ -71,6 +76,7 @@ pub(crate) struct ContactBlock {
 pub(crate) struct Face {
     /// Points 1 to 3.
     pub more: [PointRows; POINTS - 1],
+    pub twist: TwistRow,
     /// Middle of the points, where friction acts.
     pub center_a: Lane3,
     pub center_b: Lane3,
@@ -81,7 +87,7 @@ pub(crate) struct Face {
     pub inverse: [Lane; 10],
 }
 
-/// What a block has beside it of which a manifold resists rolling or rebounds.
+/// What a block has beside it of which a manifold resists rolling, or spinning by its material, or rebounds.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 pub(crate) struct Extra {
@@ -90,6 +96,8 @@ pub(crate) struct Extra {
     pub rolling_lambda: [Lane; 2],
     /// Torque limit about the tangents per normal force (m).
     pub rolling_arm: Lane,
+    /// Of manifolds of one point; those of more have theirs in the face.
+    pub twist: TwistRow,
     pub restitution: Lane,
     /// Normal velocity at the moment of impact, negative when approaching (m/s); zero where there is none in this substep.
     pub impact_speed: [Lane; POINTS],
@@ -98,6 +106,7 @@ pub(crate) struct Extra {
     /// Whether that was in this substep.
     pub rebounds: [bool; LANES],
     pub has_rolling: bool,
+    pub has_spinning: bool,
     pub has_restitution: bool,
 }
 
@@ -119,19 +128,19 @@ impl PointRows {
     }
 }
 
+impl TwistRow {
+    const EMPTY: Self = Self { mass: ZERO, lambda: ZERO, arm: ZERO };
+}
+
 impl ContactBlock {
     const EMPTY: Self = Self {
         a: [0; LANES],
         b: [0; LANES],
         normal: [ZERO; 3],
-        tangent: [ZERO; 3],
         first: PointRows::EMPTY,
         tangent_mass: [ZERO; 3],
         tangent_lambda: [ZERO; 2],
         friction: ZERO,
-        twist_mass: ZERO,
-        twist_lambda: ZERO,
-        twist_arm: ZERO,
         count: [0; LANES],
         is_pressed: [false; LANES],
         face: NONE,
@@ -158,6 +167,7 @@ impl ContactBlock {
 impl Face {
     const EMPTY: Self = Self {
         more: [PointRows::EMPTY; POINTS - 1],
+        twist: TwistRow::EMPTY,
         center_a: [ZERO; 3],
         center_b: [ZERO; 3],
         diagonal: [ZERO; POINTS],
@@ -171,20 +181,27 @@ impl Extra {
         rolling_mass: [ZERO; 3],
         rolling_lambda: [ZERO; 2],
         rolling_arm: ZERO,
+        twist: TwistRow::EMPTY,
         restitution: ZERO,
         impact_speed: [ZERO; POINTS],
         blow: ZERO,
         rebounds: [false; LANES],
         has_rolling: false,
+        has_spinning: false,
         has_restitution: false,
     };
 
-    fn set_lane(&mut self, l: usize, input: &ContactInput, [t1, t2]: [Vec3; 2]) {
+    fn set_lane(&mut self, l: usize, input: &ContactInput, [t1, t2]: [Vec3; 2], twist: f32) {
         if input.material.rolling > 0.0 {
             self.has_rolling = true;
             self.rolling_arm[l] = input.material.rolling;
             self.rolling_lambda[0][l] = input.impulses.rolling.dot(t1);
             self.rolling_lambda[1][l] = input.impulses.rolling.dot(t2);
+        }
+        if input.material.spinning > 0.0 {
+            self.has_spinning = true;
+            self.twist.arm[l] = input.material.spinning;
+            self.twist.lambda[l] = twist;
         }
         if input.material.restitution > 0.0 {
             self.has_restitution = true;
@@ -277,7 +294,23 @@ impl ContactBlocks {
         }
     }
 
-    /// Gives each of the blocks that `need` says what manifolds have that roll or rebound.
+    /// Row about the normal, where a block has one.
+    pub(crate) fn twist_of(&self, block: usize) -> Option<&TwistRow> {
+        let block = &self.blocks[block];
+        let of_point = || self.extras.get(block.extra as usize).map(|extra| &extra.twist);
+        self.faces.get(block.face as usize).map(|face| &face.twist).or_else(of_point)
+    }
+
+    pub(crate) fn twist_mut(&mut self, block: usize) -> Option<&mut TwistRow> {
+        let Self { blocks, faces, extras, .. } = self;
+        let block = &blocks[block];
+        match faces.get_mut(block.face as usize) {
+            Some(face) => Some(&mut face.twist),
+            None => extras.get_mut(block.extra as usize).map(|extra| &mut extra.twist),
+        }
+    }
+
+    /// Gives each of the blocks that `need` says what manifolds have that roll, spin or rebound.
     pub(crate) fn add_extras(&mut self, needs: impl Iterator<Item = usize>) {
         needs.for_each(|number| self.blocks[number].extra = 0);
         let mut count = 0;
@@ -308,12 +341,10 @@ impl ContactBlocks {
     /// Multipliers of lane `l` of a block at the end of the last substep.
     pub(crate) fn impulses(&self, number: usize, l: usize) -> ContactImpulses {
         let block = &self.blocks[number];
-        let n = get(&block.normal, l);
-        let t1 = get(&block.tangent, l);
-        let t2 = n.cross(t1);
+        let (t1, t2) = tangents(get(&block.normal, l));
         let mut impulses = ContactImpulses {
             friction: t1 * block.tangent_lambda[0][l] + t2 * block.tangent_lambda[1][l],
-            twist: block.twist_lambda[l],
+            twist: self.twist_of(number).map_or(0.0, |twist| twist.lambda[l]),
             ..ContactImpulses::default()
         };
         for i in 0..self.room_of(number) {
@@ -373,10 +404,12 @@ impl WholeBlock<'_> {
     /// All multipliers of its manifolds.
     pub(crate) fn multipliers(&mut self) -> impl Iterator<Item = &mut Lane> {
         let Self { block, face, extra } = self;
-        let more = face.iter_mut().flat_map(|face| &mut face.more);
-        let points = std::iter::once(&mut block.first).chain(more).map(|rows| &mut rows.lambda);
-        let rolling = extra.iter_mut().flat_map(|extra| &mut extra.rolling_lambda);
-        points.chain(&mut block.tangent_lambda).chain([&mut block.twist_lambda]).chain(rolling)
+        let of_face = face
+            .iter_mut()
+            .flat_map(|Face { more, twist, .. }| more.iter_mut().map(|rows| &mut rows.lambda).chain([&mut twist.lambda]));
+        let of_extra =
+            extra.iter_mut().flat_map(|Extra { rolling_lambda, twist, .. }| rolling_lambda.iter_mut().chain([&mut twist.lambda]));
+        [&mut block.first.lambda].into_iter().chain(&mut block.tangent_lambda).chain(of_face).chain(of_extra)
     }
 
     fn rows(&self, point: usize) -> &PointRows {
@@ -417,7 +450,6 @@ impl WholeBlock<'_> {
         block.a[l] = input.a;
         block.b[l] = input.b;
         put(&mut block.normal, l, n);
-        put(&mut block.tangent, l, t1);
         block.count[l] = count as u8;
         block.is_pressed[l] = input.impulses.normal[..count].iter().any(|&impulse| impulse > TOUCHED);
 
@@ -426,8 +458,6 @@ impl WholeBlock<'_> {
         block.friction[l] = input.material.friction;
         block.tangent_lambda[0][l] = carried(input.impulses.friction.dot(t1));
         block.tangent_lambda[1][l] = carried(input.impulses.friction.dot(t2));
-        block.twist_lambda[l] = carried(input.impulses.twist);
-        block.twist_arm[l] = input.material.spinning;
         if let Some(face) = &mut self.face {
             let inverse_count = 1.0 / count as f32;
             let center_a = input.lever_a[..count].iter().sum::<Vec3>() * inverse_count;
@@ -435,13 +465,14 @@ impl WholeBlock<'_> {
             put(&mut face.center_a, l, center_a);
             put(&mut face.center_b, l, center_b);
             let spread = input.lever_a[..count].iter().map(|lever| (*lever - center_a).length()).sum::<f32>() * inverse_count;
-            block.twist_arm[l] = input.material.friction * spread + input.material.spinning;
+            face.twist.arm[l] = input.material.friction * spread + input.material.spinning;
+            face.twist.lambda[l] = carried(input.impulses.twist);
         }
         if count == POINTS {
             self.level(l, reach);
         }
         if let Some(extra) = &mut self.extra {
-            extra.set_lane(l, input, [t1, t2]);
+            extra.set_lane(l, input, [t1, t2], carried(input.impulses.twist));
         }
     }
 
@@ -454,8 +485,7 @@ impl WholeBlock<'_> {
         if (0..POINTS).any(|i| self.rows(i).separation[l] > reach) {
             return;
         }
-        let (n, t1) = (get(&self.block.normal, l), get(&self.block.tangent, l));
-        let t2 = n.cross(t1);
+        let (t1, t2) = tangents(get(&self.block.normal, l));
         let p: [Vec2; POINTS] = std::array::from_fn(|i| {
             let lever = get(&self.rows(i).lever_a, l);
             Vec2::new(lever.dot(t1), lever.dot(t2))

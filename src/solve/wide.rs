@@ -25,6 +25,8 @@ pub(crate) trait Wide:
     fn min(self, other: Self) -> Self;
     fn sqrt(self) -> Self;
     fn abs(self) -> Self;
+    /// Its size with the sign of `other`, be that a zero.
+    fn with_sign_of(self, other: Self) -> Self;
     /// Whether it is greater than `other`; false where either is not a number.
     fn above(self, other: Self) -> Self::Mask;
     /// Whether it holds in any lane.
@@ -234,6 +236,11 @@ impl Wide for Plain {
     }
 
     #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        self.zip(other, f32::copysign)
+    }
+
+    #[inline(always)]
     fn above(self, other: Self) -> Self::Mask {
         std::array::from_fn(|l| self.0[l] > other.0[l])
     }
@@ -335,6 +342,15 @@ pub(crate) mod avx2 {
         fn abs(self) -> Self {
             // SAFETY: values of this type exist only where AVX2 does.
             Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+        }
+
+        #[inline(always)]
+        fn with_sign_of(self, other: Self) -> Self {
+            // SAFETY: values of this type exist only where AVX2 does.
+            Self(unsafe {
+                let sign = _mm256_set1_ps(-0.0);
+                _mm256_or_ps(_mm256_andnot_ps(sign, self.0), _mm256_and_ps(sign, other.0))
+            })
         }
 
         #[inline(always)]

@@ -15,7 +15,7 @@ pub(super) struct Touch {
     pub manifolds: u16,
     /// Points of all its manifolds.
     pub points: u16,
-    /// Whether it neither rebounds nor resists rolling.
+    /// Whether it neither rebounds nor resists rolling or spinning by itself.
     pub is_plain: bool,
 }
 

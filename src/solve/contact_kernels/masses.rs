@@ -2,8 +2,8 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
-use super::super::contact::{LANES, Lane, POINTS};
-use super::super::contact_block::{ContactBlock, Face, WholeBlock};
+use super::super::contact::{LANES, Lane, POINTS, tangents_in_lanes};
+use super::super::contact_block::{ContactBlock, Extra, Face, WholeBlock};
 use super::super::side::Side;
 use super::super::state::BodyVelocity;
 use super::super::wide::{Wide, Wide3};
@@ -28,15 +28,13 @@ pub(super) fn set<W: Wide>(whole: &mut WholeBlock<'_>, velocities: &[BodyVelocit
     let immovable = Immovable::new(&side_a, &side_b);
     match face {
         Some(face) => {
-            set_rows(&mut Faced(block, face), &side_a, &side_b, &immovable);
+            set_rows(&mut Faced(block, face), extra.as_deref_mut(), &side_a, &side_b, &immovable);
             set_inverse(block, face);
         }
-        None => set_rows(&mut Single(block), &side_a, &side_b, &immovable),
+        None => set_rows(&mut Single(block), extra.as_deref_mut(), &side_a, &side_b, &immovable),
     }
     if let Some(extra) = extra.as_deref_mut().filter(|extra| extra.has_rolling) {
-        let n = Wide3::<W>::load(&block.normal);
-        let t1 = Wide3::load(&block.tangent);
-        let t2 = n.cross(t1);
+        let [t1, t2] = tangents_in_lanes(Wide3::<W>::load(&block.normal));
         let (turn1, turn2) = (side_a.response(t1) + side_b.response(t1), side_a.response(t2) + side_b.response(t2));
         put_inverse2(&mut extra.rolling_mass, t1.dot(turn1), t1.dot(turn2), t2.dot(turn2), immovable.turning);
     }
@@ -44,11 +42,16 @@ pub(super) fn set<W: Wide>(whole: &mut WholeBlock<'_>, velocities: &[BodyVelocit
 
 /// Masses of all rows but those of rolling; inverses of manifolds of more than one point.
 #[inline(always)]
-fn set_rows<W: Wide, M: Manifolds>(of: &mut M, side_a: &Side<W>, side_b: &Side<W>, immovable: &Immovable<W>) {
+fn set_rows<W: Wide, M: Manifolds>(
+    of: &mut M,
+    extra: Option<&mut Extra>,
+    side_a: &Side<W>,
+    side_b: &Side<W>,
+    immovable: &Immovable<W>,
+) {
     let inverse_mass = side_a.inverse_mass() + side_b.inverse_mass();
     let n = Wide3::load(&of.block().normal);
-    let t1 = Wide3::load(&of.block().tangent);
-    let t2 = n.cross(t1);
+    let [t1, t2] = tangents_in_lanes(n);
     set_normal(of, n, n.dot(inverse_mass.scale(n)), side_a, side_b, immovable);
 
     let (center_a, center_b) = of.centers::<W>();
@@ -61,10 +64,11 @@ fn set_rows<W: Wide, M: Manifolds>(of: &mut M, side_a: &Side<W>, side_b: &Side<W
     let m11 = t1.dot(push1) + arm_a1.dot(turn_a1) + arm_b1.dot(turn_b1);
     let m12 = t1.dot(push2) + arm_a1.dot(turn_a2) + arm_b1.dot(turn_b2);
     let m22 = t2.dot(push2) + arm_a2.dot(turn_a2) + arm_b2.dot(turn_b2);
-    let block = of.block_mut();
-    put_inverse2(&mut block.tangent_mass, m11, m12, m22, least);
+    put_inverse2(&mut of.block_mut().tangent_mass, m11, m12, m22, least);
 
-    invert(n.dot(side_a.response(n) + side_b.response(n)), immovable.turning).store(&mut block.twist_mass);
+    if let Some(twist) = of.twist(extra) {
+        invert(n.dot(side_a.response(n) + side_b.response(n)), immovable.turning).store(&mut twist.mass);
+    }
 }
 
 /// Inverse effective masses at or below which a row of two bodies is immovable: [`IMMOVABLE`] of the trace of M⁻¹ − [r]× I⁻¹ [r]×.

@@ -3,7 +3,7 @@
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
 use super::super::contact::{Lane, POINTS};
-use super::super::contact_block::{ContactBlock, Face, PointRows};
+use super::super::contact_block::{ContactBlock, Extra, Face, PointRows, TwistRow};
 use super::super::side::{Side, moved};
 use super::super::state::BodyMotion;
 use super::super::wide::{Wide, Wide3};
@@ -39,6 +39,9 @@ pub(super) trait Manifolds {
     fn rows_mut(&mut self, point: usize) -> &mut PointRows;
     /// What manifolds of more than one point have.
     fn face_mut(&mut self) -> Option<&mut Face>;
+
+    /// Row about the normal, if there is one: of manifolds of one point where the material has it.
+    fn twist<'a>(&'a mut self, extra: Option<&'a mut Extra>) -> Option<&'a mut TwistRow>;
 
     /// Levers of the middle, where friction acts.
     fn centers<W: Wide>(&self) -> (Wide3<W>, Wide3<W>);
@@ -82,6 +85,14 @@ impl Manifolds for Single<'_> {
     }
 
     #[inline(always)]
+    fn twist<'a>(&'a mut self, extra: Option<&'a mut Extra>) -> Option<&'a mut TwistRow> {
+        match extra {
+            Some(extra) if extra.has_spinning => Some(&mut extra.twist),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
     fn centers<W: Wide>(&self) -> (Wide3<W>, Wide3<W>) {
         (Wide3::load(&self.0.first.lever_a), Wide3::load(&self.0.first.lever_b))
     }
@@ -120,6 +131,11 @@ impl Manifolds for Faced<'_> {
     #[inline(always)]
     fn face_mut(&mut self) -> Option<&mut Face> {
         Some(self.1)
+    }
+
+    #[inline(always)]
+    fn twist<'a>(&'a mut self, _extra: Option<&'a mut Extra>) -> Option<&'a mut TwistRow> {
+        Some(&mut self.1.twist)
     }
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
-use super::super::contact::NEGLIGIBLE_FRICTION;
+use super::super::contact::{NEGLIGIBLE_FRICTION, tangents_in_lanes};
 use super::super::contact_block::Extra;
 use super::super::contact_pieces::BlockPart;
 use super::super::shared::Hand;
@@ -48,15 +48,15 @@ fn close_in_and_visit<W: Wide, M: Manifolds>(
 }
 
 #[inline(always)]
-fn visit<W: Wide, M: Manifolds>(of: &mut M, extra: Option<&mut Extra>, velocities: &mut Hand<'_, BodyVelocity>) {
+fn visit<W: Wide, M: Manifolds>(of: &mut M, mut extra: Option<&mut Extra>, velocities: &mut Hand<'_, BodyVelocity>) {
     let (a, b) = (&of.block().a, &of.block().b);
     let (mut side_a, mut side_b) = (Side::<W>::gather(a, velocities), Side::gather(b, velocities));
-    if let Some(extra) = extra
+    if let Some(extra) = extra.as_deref_mut()
         && extra.has_rolling
     {
         roll(of, extra, &mut side_a, &mut side_b);
     }
-    rub(of, &mut side_a, &mut side_b);
+    rub(of, extra, &mut side_a, &mut side_b);
     press(of, &mut side_a, &mut side_b);
     side_a.scatter(&of.block().a, velocities);
     side_b.scatter(&of.block().b, velocities);
@@ -79,7 +79,7 @@ fn in_disc<W: Wide>(mass: [W; 3], old: [W; 2], slip: [W; 2], limit: W) -> [W; 2]
 
 /// Tangential and twist rows of every lane.
 #[inline(always)]
-fn rub<W: Wide, M: Manifolds>(of: &mut M, side_a: &mut Side<W>, side_b: &mut Side<W>) {
+fn rub<W: Wide, M: Manifolds>(of: &mut M, extra: Option<&mut Extra>, side_a: &mut Side<W>, side_b: &mut Side<W>) {
     let (center_a, center_b) = of.centers::<W>();
     let mut load = W::zero();
     for i in 0..M::COUNT {
@@ -87,8 +87,7 @@ fn rub<W: Wide, M: Manifolds>(of: &mut M, side_a: &mut Side<W>, side_b: &mut Sid
     }
     let block = of.block_mut();
     let n = Wide3::<W>::load(&block.normal);
-    let t1 = Wide3::load(&block.tangent);
-    let t2 = n.cross(t1);
+    let [t1, t2] = tangents_in_lanes(n);
 
     let slip = side_b.linear + side_b.angular.cross(center_b) - side_a.linear - side_a.angular.cross(center_a);
     let old = [W::load(&block.tangent_lambda[0]), W::load(&block.tangent_lambda[1])];
@@ -98,24 +97,26 @@ fn rub<W: Wide, M: Manifolds>(of: &mut M, side_a: &mut Side<W>, side_b: &mut Sid
     new[1].store(&mut block.tangent_lambda[1]);
     let impulse = t1 * (new[0] - old[0]) + t2 * (new[1] - old[1]);
 
-    // The twist sees the velocities before the tangential impulse: the two hardly couple at the centre.
-    let twist_limit = W::load(&block.twist_arm) * load;
-    let old_twist = W::load(&block.twist_lambda);
-    let free = old_twist - W::load(&block.twist_mass) * n.dot(side_b.angular - side_a.angular);
-    let new_twist = free.max(-twist_limit).min(twist_limit);
-    new_twist.store(&mut block.twist_lambda);
-    let moment = n * (new_twist - old_twist);
+    let (mut torque_a, mut torque_b) = (center_a.cross(impulse), center_b.cross(impulse));
 
-    side_a.apply(-impulse, -(center_a.cross(impulse) + moment));
-    side_b.apply(impulse, center_b.cross(impulse) + moment);
+    // The twist sees the velocities before the tangential impulse: the two hardly couple at the centre.
+    if let Some(twist) = of.twist(extra) {
+        let limit = W::load(&twist.arm) * load;
+        let old = W::load(&twist.lambda);
+        let free = old - W::load(&twist.mass) * n.dot(side_b.angular - side_a.angular);
+        let new = free.max(-limit).min(limit);
+        new.store(&mut twist.lambda);
+        let moment = n * (new - old);
+        (torque_a, torque_b) = (torque_a + moment, torque_b + moment);
+    }
+    side_a.apply(-impulse, -torque_a);
+    side_b.apply(impulse, torque_b);
 }
 
 /// Rolling rows of every lane.
 #[inline(always)]
 fn roll<W: Wide, M: Manifolds>(of: &M, extra: &mut Extra, side_a: &mut Side<W>, side_b: &mut Side<W>) {
-    let n = Wide3::<W>::load(&of.block().normal);
-    let t1 = Wide3::load(&of.block().tangent);
-    let t2 = n.cross(t1);
+    let [t1, t2] = tangents_in_lanes(Wide3::<W>::load(&of.block().normal));
     let [p0, p1, p2, p3] = lambdas::<W, M>(of);
     let load = p0 + p1 + p2 + p3;
     let rolling = side_b.angular - side_a.angular;

@@ -100,8 +100,9 @@ fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
     let extras = contacts.extras.iter().flat_map(|extra| extra.rolling_lambda.iter().chain(&extra.impact_speed));
     let rows = points.chain(&block.tangent_lambda).chain(extras);
     let masses = faces.chain(&block.tangent_mass);
-    let single = [block.twist_lambda, block.twist_mass, [worst; LANES]];
-    let lanes = rows.chain(masses).chain(&single).flatten();
+    let worst = [worst; LANES];
+    let twist = contacts.twist_of(0).into_iter().flat_map(|twist| [&twist.mass, &twist.lambda]);
+    let lanes = rows.chain(masses).chain(twist).chain([&worst]).flatten();
     let bodies = velocities.iter().chain(&pushes).flat_map(|body| body.halves().into_iter().flatten());
     let told = told.iter().flatten().map(|told| u32::from(told.bits()));
     lanes.chain(bodies).map(|x| x.to_bits()).chain(told).collect()

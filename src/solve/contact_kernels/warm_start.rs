@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::super::contact::{LANES, Lane3};
+use super::super::contact::{LANES, Lane3, tangents_in_lanes};
 use super::super::contact_block::Extra;
 use super::super::contact_pieces::BlockPart;
 use super::super::shared::{Hand, Slots};
@@ -43,10 +43,12 @@ fn start<W: Wide, M: Manifolds>(
     let block = of.block();
     let (mut side_a, mut side_b) = (Side::<W>::gather(&block.a, velocities), Side::gather(&block.b, velocities));
     let n = Wide3::load(&block.normal);
-    let t1 = Wide3::load(&block.tangent);
-    let t2 = n.cross(t1);
+    let [t1, t2] = tangents_in_lanes(n);
     let friction = t1 * W::load(&block.tangent_lambda[0]) + t2 * W::load(&block.tangent_lambda[1]);
-    let mut moment = n * W::load(&block.twist_lambda);
+    let mut moment = Wide3::zero();
+    if let Some(twist) = of.twist(extra.as_deref_mut()) {
+        moment = n * W::load(&twist.lambda);
+    }
     if let Some(extra) = extra
         && extra.has_rolling
     {
@@ -67,8 +69,8 @@ fn start<W: Wide, M: Manifolds>(
     let torque_b = arm_b.cross(n) + center_b.cross(friction) + moment;
     side_a.apply(-impulse, -torque_a);
     side_b.apply(impulse, torque_b);
-    side_a.scatter(&block.a, velocities);
-    side_b.scatter(&block.b, velocities);
+    side_a.scatter(&of.block().a, velocities);
+    side_b.scatter(&of.block().b, velocities);
 }
 
 /// Forms max(s, 0)/h from the separations of now.

@@ -124,7 +124,7 @@ impl Contact {
             warm: [0.0; ROWS],
             lambda: [0.0; ROWS],
             friction: f64::from(of.friction[lane]),
-            twist_arm: f64::from(of.twist_arm[lane]),
+            twist_arm: contacts.twist_of(block as usize).map_or(0.0, |twist| f64::from(twist.arm[lane])),
             load: 0.0,
         }
     }
@@ -150,7 +150,7 @@ impl Contact {
         self.bias[normals..].fill(0.0);
         self.warm[normals] = f64::from(block.tangent_lambda[0][lane]);
         self.warm[normals + 1] = f64::from(block.tangent_lambda[1][lane]);
-        self.warm[normals + 2] = f64::from(block.twist_lambda[lane]);
+        self.warm[normals + 2] = contacts.twist_of(number).map_or(0.0, |twist| f64::from(twist.lambda[lane]));
         self.is_driven = fixed.iter().flatten().any(|velocity| velocity.iter().any(|&speed| speed != 0.0));
         for (side, velocity) in fixed.iter().enumerate() {
             if let Some(velocity) = velocity {
@@ -189,7 +189,9 @@ impl Contact {
         let block = &mut contacts.blocks[number];
         block.tangent_lambda[0][lane] = self.lambda[normals] as f32;
         block.tangent_lambda[1][lane] = self.lambda[normals + 1] as f32;
-        block.twist_lambda[lane] = self.lambda[normals + 2] as f32;
+        if let Some(twist) = contacts.twist_mut(number) {
+            twist.lambda[lane] = self.lambda[normals + 2] as f32;
+        }
     }
 
     /// J v + c of every row.
