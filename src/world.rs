@@ -23,6 +23,8 @@ use crate::solve::batch::Batch;
 use crate::workers::{ParallelFor, Workers};
 
 mod bodies;
+#[cfg(test)]
+mod carried;
 mod cells;
 mod census;
 mod chain;

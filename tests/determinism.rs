@@ -25,6 +25,17 @@ fn a_pile_has_the_same_bits_on_any_number_of_threads() {
     same_on_any_number_of_threads("pile", &[("n", "1000"), ("seconds", "10")]);
 }
 
+#[test]
+fn a_pile_that_is_swept_in_rounds_has_the_same_bits_on_any_number_of_threads() {
+    let run = |threads| Run::on_threads(scene("pile", &[("n", "5000"), ("seconds", "1.2")]), threads);
+    let one = run(1);
+    let counts = one.world().report().counts;
+    assert!(counts.bodies_awake - counts.islands > 4500, "{} islands", counts.islands);
+    for threads in [2, 3] {
+        assert_eq!(run(threads).world().state_hash(), one.world().state_hash(), "state hashes on {threads} threads and on one");
+    }
+}
+
 /// A job system that does everything on the calling thread, the last part first.
 struct Inline;
 

@@ -127,9 +127,10 @@ pub(crate) struct Batch {
     pub exact: ExactIslands,
     pub carry: Carry,
     pub coloring: Coloring,
-    /// Colour of each manifold, twice, plus one if it has a single point; and [`lanes::GROUPS`] more where joints hold what
-    /// moves of its bodies.
+    /// Colour of each manifold, twice, plus one if it has a single point; and [`lanes::GROUPS`] more for each round before its own.
     groups: Vec<u32>,
+    /// Manifolds of each group, then the next lane of each.
+    group_lanes: Vec<u32>,
     /// Manifolds by the first of their bodies, where there are many.
     by_body: Buckets,
     pub pushes: Vec<BodyVelocity>,

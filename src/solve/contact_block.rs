@@ -218,8 +218,8 @@ pub(crate) struct ContactBlocks {
     pub extras: Vec<Extra>,
     /// Which of them share no moving body, from the first to the last; nothing of lists that one thread goes through.
     pub colors: Vec<Color>,
-    /// First moving slots, less one, at each of so many equal parts of all manifolds in the order of their bodies; none where blocks are in
-    /// another order.
+    /// First moving slots, less one, at each of so many equal parts of the manifolds of each round in the order of their bodies, and of all;
+    /// none where blocks are in another order.
     pub cuts: Vec<u32>,
     /// The same of the first manifold of each block, where there are cuts.
     pub firsts: Vec<u32>,

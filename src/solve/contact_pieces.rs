@@ -39,6 +39,8 @@ pub(crate) struct Color {
     /// The first of those with manifolds of one point. Up to it, and from it on, blocks are in the order of their bodies, where there are
     /// cuts.
     pub points: usize,
+    /// Which of the cuts are for it.
+    pub round: usize,
     pub is_one: bool,
 }
 
@@ -51,10 +53,10 @@ impl Color {
 impl ContactBlocks {
     /// Says of the next blocks, if there are any, that they share no moving body, or may; those without faces are of the colour
     /// before.
-    pub(crate) fn add_color(&mut self, Range { start: first, end }: Range<usize>, is_one: bool, has_faces: bool) {
+    pub(crate) fn add_color(&mut self, Range { start: first, end }: Range<usize>, round: usize, is_one: bool, has_faces: bool) {
         match self.colors.last_mut().filter(|last| is_one && last.is_one && !has_faces) {
             Some(last) => last.blocks.end = end,
-            None => self.colors.push(Color { blocks: first..end, points: if has_faces { end } else { first }, is_one }),
+            None => self.colors.push(Color { blocks: first..end, points: if has_faces { end } else { first }, round, is_one }),
         }
     }
 
@@ -67,7 +69,7 @@ impl ContactBlocks {
         let colors = || colors.iter().filter(|color| range.contains(&color.blocks.start));
         for color in colors().filter(|color| color.is_worth_cutting()) {
             for run in [color.blocks.start..color.points, color.points..color.blocks.end] {
-                let end = |place: usize| match cuts.get(place * CUTS / places) {
+                let end = |place: usize| match cuts.get(color.round * CUTS + place * CUTS / places) {
                     Some(&cut) => firsts[run.clone()].partition_point(|&first| first < cut),
                     None => run.len() * place / places,
                 };
@@ -220,21 +222,32 @@ impl SomeBlocks<'_> {
 mod tests {
     use super::*;
 
-    /// Three colours of which the last is small, then blocks that are of none: each block's first body is its place in its run.
+    /// Bodies of another round have numbers from here on.
+    const NEXT: u32 = 1000;
+
+    /// A colour of one round and two of the next, the last of them small, then blocks that are of none: each block's first body is its place
+    /// in its run.
     fn blocks() -> ContactBlocks {
         let mut blocks = ContactBlocks::default();
-        let runs = [(40, true, true), (30, true, false), (20, true, true), (10, true, false), (5, true, true), (3, false, true)];
-        let count = |of_faces: bool| runs.iter().filter(|(_, _, faces)| *faces || !of_faces).map(|(count, ..)| count).sum();
+        let runs = [
+            (40, 0, true, true),
+            (30, 0, true, false),
+            (20, 1, true, true),
+            (10, 1, true, false),
+            (5, 1, true, true),
+            (3, 1, false, true),
+        ];
+        let count = |of_faces: bool| runs.iter().filter(|(.., faces)| *faces || !of_faces).map(|(count, ..)| count).sum();
         blocks.begin(count(false), count(true));
         let (mut first, mut faces) = (0, 0);
-        for (count, is_one, has_faces) in runs {
+        for (count, round, is_one, has_faces) in runs {
             blocks.lay_out(first..first + count, 0, has_faces, faces);
-            blocks.add_color(first..first + count, is_one, has_faces);
-            blocks.firsts.extend((0..count).map(|number| (number * CUTS / count) as u32));
+            blocks.add_color(first..first + count, round, is_one, has_faces);
+            blocks.firsts.extend((0..count).map(|number| round as u32 * NEXT + (number * CUTS / count) as u32));
             first += count;
             faces += if has_faces { count } else { 0 };
         }
-        blocks.cuts.extend(0..CUTS as u32);
+        blocks.cuts.extend((0..CUTS as u32).chain(NEXT..NEXT + CUTS as u32));
         blocks
     }
 
@@ -254,7 +267,7 @@ mod tests {
                         if number < 100 {
                             let range = place * CUTS / places..(place + 1) * CUTS / places;
                             assert!(
-                                range.contains(&(firsts[number] as usize)),
+                                range.contains(&((firsts[number] % NEXT) as usize)),
                                 "block {number} is not of place {place} of {places}"
                             );
                         } else {

@@ -3,6 +3,9 @@
 //! Within a colour, manifolds of one point have blocks of their own, which cost a fraction of those of four; and in a large batch both are in
 //! the order of their bodies, so that threads which divide them by bodies find theirs in their caches. Which lane a manifold has makes no
 //! difference to its multipliers.
+//!
+//! Each colour has manifolds of most bodies. Where these are more than a cache holds, they are swept in rounds: all colours of the manifolds
+//! of the first [`ROUND`] bodies, then all of the next.
 
 use super::{Batch, ContactEnds, HELD};
 use crate::prefetch::AHEAD;
@@ -13,11 +16,13 @@ use crate::solve::contact_pieces::{CUTS, Run};
 use crate::solve::{contact_kernels, crew};
 use crate::workers::Workers;
 
-/// Groups of manifolds: two for each colour, two for what found none; the first of those; and all groups once more for manifolds of
-/// bodies that joints hold, with each other and with what is fixed.
+/// Groups of manifolds: two for each colour, two for what found none; and the first of those. There are as many for each round, and once more
+/// for manifolds of bodies that joints hold, with each other and with what is fixed.
 const GROUPS: usize = 2 * MAX_COLORS + 2;
 const ALONE: usize = 2 * MAX_COLORS;
-const ALL_GROUPS: usize = 2 * GROUPS;
+
+/// Bodies of a round: 256 kB of velocities, which a second-level cache holds beside what streams through it.
+const ROUND: usize = 4096;
 
 /// Whether manifolds of this group share no moving body.
 fn is_colored(group: usize) -> bool {
@@ -32,25 +37,30 @@ fn has_faces(group: usize) -> bool {
 /// Manifolds from which on those of a colour are in the order of their bodies.
 const ORDERED_FROM: usize = 512;
 
-/// Manifolds of each group, and the number of colours.
+/// What groups the manifolds of a batch have.
 struct Groups {
-    counts: [u32; ALL_GROUPS],
+    rounds: usize,
     colors: u32,
     /// Whether none of them has more than contacts of most materials.
     are_plain: bool,
 }
 
 impl Groups {
-    /// Those that may have any, with how many they have: most are of colours that no manifold has.
-    fn iter(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+    /// Those that may have any manifold: most are of colours that none has.
+    fn iter(&self) -> impl Iterator<Item = usize> {
         let used = 2 * self.colors as usize;
-        (0..used).chain(GROUPS..GROUPS + used).map(|group| (group, self.counts[group] as usize))
+        (0..=self.rounds).flat_map(move |round| round * GROUPS..round * GROUPS + used)
+    }
+
+    /// The first of those of bodies that joints hold.
+    fn first_jointed(&self) -> usize {
+        self.rounds * GROUPS
     }
 }
 
 /// Blocks of a group: what found no colour is solved one manifold a block.
-fn blocks_of((group, count): (usize, usize)) -> usize {
-    if is_colored(group) { count.div_ceil(LANES) } else { count }
+fn blocks_of(group: usize, count: u32) -> usize {
+    if is_colored(group) { count.div_ceil(LANES as u32) as usize } else { count as usize }
 }
 
 impl ContactEnds {
@@ -70,8 +80,8 @@ impl Batch {
         let groups = self.group_contacts();
         // Colours are taken from the lowest on.
         self.color_count = groups.colors;
-        let next = self.lay_out_blocks(&groups);
-        self.give_lanes(next);
+        self.lay_out_blocks(&groups);
+        self.give_lanes(&groups);
         if groups.are_plain {
             return;
         }
@@ -82,12 +92,16 @@ impl Batch {
 
     /// Finds the group of each manifold.
     fn group_contacts(&mut self) -> Groups {
-        let Self { coloring, groups: group_of, roles, ends, direct, .. } = self;
+        let (moving, rounds) = (self.moving().max(1), self.moving().div_ceil(ROUND).max(1));
+        let Self { coloring, groups: group_of, group_lanes: counts, roles, ends, direct, .. } = self;
+        counts.clear();
+        counts.resize((rounds + 1) * GROUPS, 0);
         coloring.reset(roles.len());
         group_of.clear();
         make_room(group_of, ends.len());
-        let mut groups = Groups { counts: [0; ALL_GROUPS], colors: 0, are_plain: true };
-        for (number, &ContactEnds { a, b, points, is_plain }) in ends.iter().enumerate() {
+        let mut groups = Groups { rounds, colors: 0, are_plain: true };
+        for (number, own) in ends.iter().enumerate() {
+            let &ContactEnds { a, b, points, is_plain } = own;
             if direct.holds(number) {
                 group_of.push(HELD);
                 continue;
@@ -95,8 +109,9 @@ impl Batch {
             let [role_a, role_b] = [a, b].map(|slot| roles[slot as usize]);
             let color = coloring.assign((a, role_a.moves()), (b, role_b.moves())).unwrap_or(MAX_COLORS as u32);
             let held_by_joints = (role_a.moves() || role_b.moves()) && !role_a.is_loose() && !role_b.is_loose();
-            let group = 2 * color as usize + usize::from(points == 1) + if held_by_joints { GROUPS } else { 0 };
-            groups.counts[group] += 1;
+            let round = if held_by_joints { rounds } else { (own.first_moving() as usize * rounds / moving).min(rounds - 1) };
+            let group = 2 * color as usize + usize::from(points == 1) + round * GROUPS;
+            counts[group] += 1;
             groups.colors = groups.colors.max(color + 1);
             groups.are_plain &= is_plain;
             group_of.push(group as u32);
@@ -105,31 +120,31 @@ impl Batch {
         groups
     }
 
-    /// Lays out the blocks of all groups, and returns the first lane of each group.
-    fn lay_out_blocks(&mut self, groups: &Groups) -> [u32; ALL_GROUPS] {
-        let blocks = groups.iter().map(blocks_of).sum();
-        let faces = groups.iter().filter(|&(group, _)| has_faces(group)).map(blocks_of).sum();
-        self.contacts.begin(blocks, faces);
-        let mut next = [0; ALL_GROUPS];
+    /// Lays out the blocks of all groups, and puts the first lane of each group where its count was.
+    fn lay_out_blocks(&mut self, groups: &Groups) {
+        let Self { contacts, group_lanes, first_jointed, .. } = self;
+        let blocks = |group: usize| blocks_of(group, group_lanes[group]);
+        let faces = groups.iter().filter(|&group| has_faces(group)).map(blocks).sum();
+        contacts.begin(groups.iter().map(blocks).sum(), faces);
         let (mut first, mut first_face) = (0, 0);
-        for (group, count) in groups.iter() {
-            if group == GROUPS {
-                self.first_jointed = first;
+        for group in groups.iter() {
+            if group == groups.first_jointed() {
+                *first_jointed = first;
             }
-            next[group] = (first * LANES) as u32;
-            let range = first..first + blocks_of((group, count));
+            let count = std::mem::replace(&mut group_lanes[group], (first * LANES) as u32);
+            let range = first..first + blocks_of(group, count);
             first = range.end;
-            let full = if is_colored(group) { count / LANES } else { 0 };
-            self.contacts.lay_out(range.clone(), full, has_faces(group), first_face);
+            let full = if is_colored(group) { count as usize / LANES } else { 0 };
+            contacts.lay_out(range.clone(), full, has_faces(group), first_face);
             first_face += if has_faces(group) { range.len() } else { 0 };
-            self.contacts.add_color(range, is_colored(group), has_faces(group));
+            contacts.add_color(range, group / GROUPS, is_colored(group), has_faces(group));
         }
-        next
     }
 
-    /// Gives each manifold a lane of its group, of which the next ones are given.
-    fn give_lanes(&mut self, mut next: [u32; ALL_GROUPS]) {
-        let Self { groups, lanes, ends, by_body, contacts, velocities, .. } = self;
+    /// Gives each manifold a lane of its group.
+    fn give_lanes(&mut self, all: &Groups) {
+        let moving = self.moving().max(1);
+        let Self { groups, group_lanes: next, lanes, ends, by_body, contacts, velocities, .. } = self;
         make_room(lanes, groups.len());
         lanes.resize(groups.len(), (HELD, 0));
         let mut give = |number: usize| {
@@ -154,7 +169,15 @@ impl Batch {
                 contacts.firsts[block as usize] = first_of(number);
             }
         }
-        contacts.cuts.extend((0..CUTS).map(|part| first_of(order[part * order.len() / CUTS])));
+        // Of each round, and of all, which those of bodies in joints are cut by.
+        let round_of = |number: u32| first_of(number) as usize * all.rounds / moving;
+        let mut rest = order;
+        for round in 0..=all.rounds {
+            let own;
+            (own, rest) = rest.split_at(rest.partition_point(|&number| round_of(number) <= round));
+            let cut = if round == all.rounds { order } else { own };
+            contacts.cuts.extend((0..CUTS).map(|part| cut.get(part * cut.len() / CUTS).map_or(0, |&number| first_of(number))));
+        }
     }
 
     /// Prepares the rows of all manifolds that have a lane, which `form` brings into world axes: the first of those that it is given, the
