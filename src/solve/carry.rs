@@ -74,12 +74,13 @@ impl Batch {
             let before = velocity.inverse_inertia;
             integrate::apply_forces(velocity, motion, h);
             integrate::limit_speeds(velocity, motion, h);
-            let [linear, mut angular] = std::mem::replace(change, [velocity.linear, velocity.angular]);
+            let [linear, angular] = std::mem::replace(change, [velocity.linear, velocity.angular]);
             if motion.refreshed {
                 refreshes.store(true, Ordering::Relaxed);
-                angular = after_refresh(&before, &velocity.inverse_inertia, angular);
             }
             if !is_first {
+                let now = &velocity.inverse_inertia;
+                let angular = if motion.refreshed { after_refresh(&before, now, angular) } else { angular };
                 velocity.linear += linear;
                 velocity.angular += angular;
             }
