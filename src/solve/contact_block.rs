@@ -5,9 +5,9 @@
 //! rebounds has an [`Extra`].
 //!
 //! ```text
-//! blocks  [ a b n · point 0 · friction ][ … ][ … ]…                  0.7 kB each
-//! faces           [ centres · points 1, 2, 3 · 4×4 matrices · twist ]…    1.9 kB, for blocks with manifolds of more than one point
-//! extras          [ rolling, spinning · restitution, impacts ]…      0.6 kB, for blocks with such materials
+//! blocks  [ a b n · point 0 · friction ][ … ][ … ]…                      0.7 kB each
+//! faces           [ centres · points 1, 2, 3 · 4×4 matrices · twist ]…   1.9 kB, for blocks with manifolds of more than one point
+//! extras          [ rolling, spinning · restitution, impacts ]…          0.6 kB, for blocks with such materials
 //! ```
 
 use std::ops::Range;
