@@ -19,8 +19,10 @@ mod sources {
     /// Directory of the crate `name` as the lock file pins it, downloaded if need be.
     pub fn of_crate(name: &str) -> PathBuf {
         let cargo = std::env::var_os("CARGO").expect("cargo sets it for build scripts");
-        let output =
-            Command::new(cargo).args(["metadata", "--format-version=1", "--all-features", "--locked"]).output().expect("cargo can be started");
+        let output = Command::new(cargo)
+            .args(["metadata", "--format-version=1", "--all-features", "--locked"])
+            .output()
+            .expect("cargo can be started");
         assert!(output.status.success(), "cargo metadata: {}", String::from_utf8_lossy(&output.stderr));
         let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).expect("cargo metadata prints JSON");
         let packages = metadata["packages"].as_array().expect("the format's version 1 has packages");

@@ -8,6 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::prefetch::prefetch;
 use crate::room::extend_tightly;
 
 const INDEX_BITS: u32 = 28;
@@ -293,6 +294,14 @@ impl<T, H: Handle> Pool<T, H> {
 
     pub(crate) fn get(&self, index: u32) -> Option<&T> {
         self.slots.get(index as usize)?.value.as_ref()
+    }
+
+    /// Asks for the memory of a slot.
+    #[inline(always)]
+    pub(crate) fn ask_for(&self, index: u32) {
+        if let Some(slot) = self.slots.get(index as usize) {
+            prefetch(slot);
+        }
     }
 
     pub(crate) fn get_mut(&mut self, index: u32) -> Option<&mut T> {

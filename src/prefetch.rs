@@ -11,10 +11,13 @@ pub(crate) fn prefetch<T: ?Sized>(value: &T) {
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
         const LINE: usize = 64;
-        let first = std::ptr::from_ref(value).cast::<i8>();
-        for offset in (0..size_of_val(value)).step_by(LINE) {
-            // SAFETY: nothing is read: it is a hint, whatever the address.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(offset)) };
+        let (first, size) = (std::ptr::from_ref(value).cast::<i8>(), size_of_val(value));
+        // SAFETY: nothing is read: it is a hint, whatever the address.
+        let ask = |offset: usize| unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(offset)) };
+        (0..size).step_by(LINE).for_each(ask);
+        if align_of_val(value) < LINE {
+            // What does not begin with a line may end in one more.
+            ask(size.saturating_sub(1));
         }
     }
     #[cfg(not(target_arch = "x86_64"))]

@@ -116,6 +116,15 @@ impl Manifolds {
         }
     }
 
+    /// Asks for the memory that their multipliers are in.
+    #[inline(always)]
+    pub(crate) fn prefetch_impulses(&self) {
+        match self {
+            Self::Point(point) => prefetch(&point.impulses),
+            Self::Any(manifolds) => manifolds.iter().for_each(|manifold| prefetch(&manifold.impulses)),
+        }
+    }
+
     /// Exchanges manifolds of one [`Kind`], but not the memory that they are in.
     pub(super) fn swap_contents(&mut self, other: &mut Self) {
         match (self, other) {

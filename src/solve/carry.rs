@@ -22,7 +22,6 @@ use glam::Vec3;
 use super::batch::Batch;
 use super::integrate;
 use super::lead::Twist;
-use super::poses::is_pushed;
 use super::state::{BodyMotion, BodyVelocity, Symmetric};
 use crate::room::resize;
 use crate::span::sheet;
@@ -69,8 +68,9 @@ impl Batch {
     /// Adds a substep's forces and, but in the first substep, what contacts have changed in the last one; says whether the inertia of any body
     /// has been formed anew.
     pub(super) fn apply_forces_and_carry(&mut self, threads: &Workers, h: f32, is_first: bool) -> bool {
+        let Self { carry, velocities, motions, .. } = self;
         let refreshes = AtomicBool::new(false);
-        self.each_carrying(threads, |velocity, motion, change| {
+        let begin = |velocity: &mut BodyVelocity, motion: &mut BodyMotion, change: &mut Twist| {
             let before = velocity.inverse_inertia;
             integrate::apply_forces(velocity, motion, h);
             integrate::limit_speeds(velocity, motion, h);
@@ -84,30 +84,25 @@ impl Batch {
                 velocity.linear += linear;
                 velocity.angular += angular;
             }
+        };
+        let piece = threads.piece(motions.len(), LEAST_SHARED);
+        let pieces = velocities.chunks_mut(piece).zip(motions.chunks_mut(piece)).zip(carry.changes.chunks_mut(piece));
+        threads.share(pieces, |((velocities, motions), changes)| {
+            for ((velocity, motion), change) in velocities.iter_mut().zip(motions).zip(changes) {
+                begin(velocity, motion, change);
+            }
         });
         refreshes.into_inner()
     }
 
-    /// Keeps what contacts have changed, and moves the bodies that are not moved in lanes.
-    pub(super) fn keep_and_advance(&mut self, threads: &Workers, h: f32) {
-        self.each_carrying(threads, |velocity, motion, change| {
-            *change = [velocity.linear - change[0], velocity.angular - change[1]];
-            if !is_pushed(velocity, motion) {
-                integrate::advance(velocity, motion, h);
+    /// Keeps what contacts have changed of velocities in this substep.
+    pub(super) fn keep_changes(&mut self, threads: &Workers) {
+        let Self { carry, velocities, .. } = self;
+        let piece = threads.piece(velocities.len(), LEAST_SHARED);
+        threads.share(velocities.chunks(piece).zip(carry.changes.chunks_mut(piece)), |(velocities, changes)| {
+            for (velocity, change) in velocities.iter().zip(changes) {
+                *change = [velocity.linear - change[0], velocity.angular - change[1]];
             }
-        });
-    }
-
-    fn each_carrying(&mut self, threads: &Workers, work: impl Fn(&mut BodyVelocity, &mut BodyMotion, &mut Twist) + Sync) {
-        let Self { carry, velocities, motions, .. } = self;
-        let piece = threads.piece(motions.len(), LEAST_SHARED);
-        let pieces = velocities.chunks_mut(piece).zip(motions.chunks_mut(piece)).zip(carry.changes.chunks_mut(piece));
-        threads.share(pieces, |((velocities, motions), changes)| {
-            velocities
-                .iter_mut()
-                .zip(motions)
-                .zip(changes)
-                .for_each(|((velocity, motion), change)| work(velocity, motion, change));
         });
     }
 }

@@ -9,6 +9,7 @@ use smallvec::{SmallVec, smallvec};
 
 use super::contact_block::{ContactBlock, ContactBlocks, Extra, Face, NONE, WholeBlock};
 use super::shared::{Divided, Part, Slots};
+use crate::prefetch::prefetch;
 
 /// Parts into which blocks can be cut by their bodies.
 pub(crate) const CUTS: usize = 64;
@@ -31,6 +32,11 @@ pub(crate) struct Run<'a> {
 
 /// Blocks of a colour from which on several threads go through them: some 3 µs.
 const LEAST_CUT: usize = 16;
+
+/// Blocks of a batch from which on their memory is asked for ahead of its use, and how many blocks ahead; of what says where that memory
+/// is, twice as many.
+const FAR_BLOCKS: usize = 2048;
+const BLOCKS_AHEAD: usize = 2;
 
 /// Blocks that follow one another and share no moving body; or, where they may, are gone through one by one.
 #[derive(Debug, Clone)]
@@ -79,7 +85,8 @@ impl ContactBlocks {
         }
         let mut ends = ends.into_iter();
         let mut pieces = ColoredPieces::new();
-        let mut rest = BlockPart { blocks, faces, extras, before: [0; 2] };
+        let is_far = blocks.len() >= FAR_BLOCKS;
+        let mut rest = BlockPart { blocks, faces, extras, before: [0; 2], is_far };
         let mut first = range.start;
         rest.split_off(first);
         let mut part = |end: usize| {
@@ -125,14 +132,14 @@ impl ContactBlocks {
 
     /// All blocks as one part.
     pub(crate) fn all(&mut self) -> BlockPart<'_> {
-        let Self { blocks, faces, extras, .. } = self;
-        BlockPart { blocks, faces, extras, before: [0; 2] }
+        self.part(0..self.len())
     }
 
     /// Blocks that follow one another.
     pub(crate) fn part(&mut self, range: Range<usize>) -> BlockPart<'_> {
         let Self { blocks, faces, extras, .. } = self;
-        BlockPart { blocks: &mut blocks[range], faces, extras, before: [0; 2] }
+        let is_far = blocks.len() >= FAR_BLOCKS;
+        BlockPart { blocks: &mut blocks[range], faces, extras, before: [0; 2], is_far }
     }
 
     /// All blocks in parts of this length.
@@ -152,6 +159,8 @@ pub(crate) struct BlockPart<'a> {
     pub extras: &'a mut [Extra],
     /// Faces and extras before those.
     pub before: [u32; 2],
+    /// Whether all blocks together are more than the second-level cache holds.
+    is_far: bool,
 }
 
 impl<'a> BlockPart<'a> {
@@ -164,8 +173,28 @@ impl<'a> BlockPart<'a> {
         let (own_faces, own_extras) = (beside(0, self.faces.len()), beside(1, self.extras.len()));
         let (faces, more_faces) = std::mem::take(&mut self.faces).split_at_mut(own_faces);
         let (extras, more_extras) = std::mem::take(&mut self.extras).split_at_mut(own_extras);
-        *self = Self { blocks: rest, faces: more_faces, extras: more_extras, before: next.unwrap_or(before) };
-        Self { blocks, faces, extras, before }
+        let is_far = self.is_far;
+        *self = Self { blocks: rest, faces: more_faces, extras: more_extras, before: next.unwrap_or(before), is_far };
+        Self { blocks, faces, extras, before, is_far }
+    }
+
+    /// Asks for the memory of the blocks that come after this one, or before it.
+    #[inline(always)]
+    pub(crate) fn ask_for_next(&self, number: usize, backwards: bool) {
+        if !self.is_far {
+            return;
+        }
+        let next = |distance: usize| match backwards {
+            true => self.blocks.get(number.wrapping_sub(distance)),
+            false => self.blocks.get(number + distance),
+        };
+        if let Some(block) = next(2 * BLOCKS_AHEAD) {
+            prefetch(block);
+        }
+        if let Some(face) = next(BLOCKS_AHEAD).and_then(|block| self.faces.get(block.face.wrapping_sub(self.before[0]) as usize))
+        {
+            prefetch(face);
+        }
     }
 
     /// The blocks one by one.
@@ -176,6 +205,18 @@ impl<'a> BlockPart<'a> {
             let extra = if block.extra == NONE { None } else { extras.next() };
             WholeBlock { block, face, extra }
         })
+    }
+
+    /// Does the same to each of the blocks, whose memory is asked for ahead.
+    pub(crate) fn each(&mut self, mut work: impl FnMut(WholeBlock<'_>)) {
+        for number in 0..self.blocks.len() {
+            self.ask_for_next(number, false);
+            let Self { blocks, faces, extras, before, .. } = self;
+            let block = &mut blocks[number];
+            let face = faces.get_mut(block.face.wrapping_sub(before[0]) as usize);
+            let extra = extras.get_mut(block.extra.wrapping_sub(before[1]) as usize);
+            work(WholeBlock { block, face, extra });
+        }
     }
 }
 

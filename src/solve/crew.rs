@@ -11,6 +11,7 @@ use super::batch::Batch;
 use super::contact_block::{ContactBlocks, WholeBlock};
 use super::contact_kernels;
 use super::contact_pieces::{BlockPart, DividedBlocks, Run};
+use super::poses::Poses;
 use super::shared::{Hand, Shared};
 use super::state::{BodyMotion, BodyVelocity};
 use crate::workers::Workers;
@@ -135,8 +136,22 @@ pub(super) fn refresh_masses(
 impl Batch {
     /// Does the same to each body that is not moved in lanes, or only moved there.
     pub(super) fn each_single(&mut self, threads: &Workers, work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync) {
+        self.each_listed(threads, |poses| &poses.singles, work);
+    }
+
+    /// Does the same to each body that is not moved in lanes.
+    pub(super) fn each_alone(&mut self, threads: &Workers, work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync) {
+        self.each_listed(threads, |poses| &poses.alone, work);
+    }
+
+    fn each_listed(
+        &mut self,
+        threads: &Workers,
+        list: impl Fn(&Poses) -> &[u32],
+        work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync,
+    ) {
         let Self { poses, velocities, motions, .. } = self;
-        let mut rest = &poses.singles[..];
+        let mut rest = list(poses);
         if rest.len() < SHARED_BODIES || !threads.has_team() {
             rest.iter().for_each(|&slot| work(&mut velocities[slot as usize], &mut motions[slot as usize]));
             return;

@@ -368,14 +368,9 @@ impl Batch {
 
     fn advance(&mut self, threads: &Workers, h: f32) {
         if self.carry.is_on() {
-            self.keep_and_advance(threads, h);
-        } else {
-            self.each_single(threads, |velocity, motion| {
-                if !poses::is_pushed(velocity, motion) {
-                    integrate::advance(velocity, motion, h);
-                }
-            });
+            self.keep_changes(threads);
         }
+        self.each_alone(threads, |velocity, motion| integrate::advance(velocity, motion, h));
         let moving = self.moving();
         self.poses.advance(threads, (&mut self.velocities, &mut self.motions, moving), h);
     }

@@ -196,8 +196,13 @@ impl World {
                     prefetch(pairs.get(slot));
                     prefetch(index.stance(key.shapes().1));
                 }
-                if let Some(&(_, slot)) = active.get(place + AHEAD) {
-                    pairs.get(slot).manifolds.prefetch();
+                if let Some(&(key, slot)) = active.get(place + AHEAD) {
+                    let coming = pairs.get(slot);
+                    coming.manifolds.prefetch();
+                    // What was made anew in the last step is again, more often than not.
+                    if coming.updated {
+                        <[u32; 2]>::from(key.shapes()).into_iter().for_each(|shape| colliders.ask_for(shape));
+                    }
                 }
                 let pair = pairs.get_mut(slot);
                 update(pair, scratch);

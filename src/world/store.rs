@@ -231,14 +231,14 @@ impl World {
     }
 }
 
-/// Asks for the memory of the pairs of manifolds that come next.
+/// Asks for the memory of the pairs of manifolds that come next, and of their multipliers.
 #[inline(always)]
 fn ask_for_next(coming: &[(u32, u32)], pairs: &(impl Slots<Pair> + ?Sized)) {
     if let Some(&(slot, _)) = coming.get(2 * AHEAD) {
         prefetch(pairs.get(slot));
     }
     if let Some(&(slot, _)) = coming.get(AHEAD) {
-        pairs.get(slot).manifolds.prefetch();
+        pairs.get(slot).manifolds.prefetch_impulses();
     }
 }
 

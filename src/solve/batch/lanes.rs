@@ -12,7 +12,7 @@ use crate::prefetch::AHEAD;
 use crate::room::make_room;
 use crate::solve::color::MAX_COLORS;
 use crate::solve::contact::{ContactInput, LANES};
-use crate::solve::contact_pieces::{CUTS, Run};
+use crate::solve::contact_pieces::CUTS;
 use crate::solve::{contact_kernels, crew};
 use crate::workers::Workers;
 
@@ -203,14 +203,11 @@ impl Batch {
                 }
                 contacts.whole(block as usize).set_lane(lane as usize, &input(number), reach);
             }
-            for number in 0..contacts.len() {
-                contact_kernels::set_masses(&mut contacts.whole(number), velocities);
-            }
-            return;
+            return contacts.all().each(|mut block| contact_kernels::set_masses(&mut block, velocities));
         }
         crew::each_manifold(contacts, threads, lanes, places, |block, lane, number| block.set_lane(lane, &input(number), reach));
-        crew::side_by_side(contacts, threads, |Run { part, .. }| {
-            part.iter().for_each(|mut block| contact_kernels::set_masses(&mut block, velocities));
+        crew::side_by_side(contacts, threads, |mut run| {
+            run.part.each(|mut block| contact_kernels::set_masses(&mut block, velocities));
         });
     }
 }

@@ -87,9 +87,11 @@ pub(super) fn begin<W: Wide>(
     pushes: &mut Hand<'_, BodyVelocity>,
     dt: f32,
 ) -> f32 {
-    let BlockPart { blocks, faces, before, .. } = part;
     let mut deepest = W::zero();
-    for block in blocks.iter_mut() {
+    for number in 0..part.blocks.len() {
+        part.ask_for_next(number, false);
+        let BlockPart { blocks, faces, before, .. } = part;
+        let block = &mut blocks[number];
         deepest = of_block!(follow_and_part::<W>(block, (faces, before[0]), motions, pushes, dt)).max(deepest);
     }
     greatest(deepest)
@@ -126,8 +128,10 @@ fn follow<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion]) -> W {
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, pushes: &mut Hand<'_, BodyVelocity>, dt: f32) {
-    let BlockPart { blocks, faces, before, .. } = part;
-    for block in blocks.iter_mut() {
+    for number in 0..part.blocks.len() {
+        part.ask_for_next(number, false);
+        let BlockPart { blocks, faces, before, .. } = part;
+        let block = &mut blocks[number];
         of_block!(part_overlaps::<W>(block, (faces, before[0]), pushes, dt));
     }
 }

@@ -14,24 +14,23 @@ use super::warm_start::close_in;
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, backwards: bool) {
-    let BlockPart { blocks, faces, extras, before } = part;
-    if backwards {
-        for block in blocks.iter_mut().rev() {
-            let extra = extras.get_mut(block.extra.wrapping_sub(before[1]) as usize);
-            of_block!(visit::<W>(block, (faces, before[0]), extra, velocities));
-        }
-    } else {
-        for block in blocks.iter_mut() {
-            let extra = extras.get_mut(block.extra.wrapping_sub(before[1]) as usize);
-            of_block!(visit::<W>(block, (faces, before[0]), extra, velocities));
-        }
+    let last = part.blocks.len().wrapping_sub(1);
+    for place in 0..part.blocks.len() {
+        let number = if backwards { last - place } else { place };
+        part.ask_for_next(number, backwards);
+        let BlockPart { blocks, faces, extras, before, .. } = part;
+        let block = &mut blocks[number];
+        let extra = extras.get_mut(block.extra.wrapping_sub(before[1]) as usize);
+        of_block!(visit::<W>(block, (faces, before[0]), extra, velocities));
     }
 }
 
 #[inline(always)]
 pub(super) fn anew<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32) {
-    let BlockPart { blocks, faces, before, .. } = part;
-    for block in blocks.iter_mut() {
+    for number in 0..part.blocks.len() {
+        part.ask_for_next(number, false);
+        let BlockPart { blocks, faces, before, .. } = part;
+        let block = &mut blocks[number];
         of_block!(close_in_and_visit::<W>(block, (faces, before[0]), velocities, motions, h));
     }
 }

@@ -19,8 +19,10 @@ const PRESSED_GAP_SHARE: f32 = 0.01;
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32) {
-    let BlockPart { blocks, faces, extras, before } = part;
-    for block in blocks.iter_mut() {
+    for number in 0..part.blocks.len() {
+        part.ask_for_next(number, false);
+        let BlockPart { blocks, faces, extras, before, .. } = part;
+        let block = &mut blocks[number];
         let extra = extras.get_mut(block.extra.wrapping_sub(before[1]) as usize);
         of_block!(start::<W>(block, (faces, before[0]), extra, velocities, motions, h));
     }

@@ -91,8 +91,9 @@ fn put(lanes: &mut Lane3, l: usize, v: Vec3) {
 pub(crate) struct Poses {
     blocks: Vec<PoseBlock>,
     pushed: Vec<PoseBlock>,
-    /// Slots that are not moved in lanes, or only moved there.
+    /// Slots that are not moved in lanes, or only moved there; and of those, the ones that are not moved there.
     pub singles: Vec<u32>,
+    pub alone: Vec<u32>,
     /// Slots in joints that are predicted one by one: kinematic bodies, and those with locked axes.
     others: Vec<u32>,
     /// Where each jointed body will be at the end of the substep, as predicted when rows were last built.
@@ -114,7 +115,7 @@ fn suits(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
 
 /// Whether a body is moved in lanes, but nothing else of it done there: its inertia, and with it the masses of contacts, is formed
 /// anew only after it has turned. What touches nothing falls along a parabola, and is moved by itself.
-pub(crate) fn is_pushed(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
+fn is_pushed(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
     !motion.jointed && motion.constrained && is_free(velocity, motion)
 }
 
@@ -136,11 +137,12 @@ fn add(blocks: &mut Vec<PoseBlock>, slot: u32, motion: &BodyMotion, h: f32) {
 impl Poses {
     /// Lays out lanes for substeps of length `h`.
     pub(crate) fn lay_out(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], roles: &[Role], h: f32) {
-        let Self { blocks, pushed, singles, others, outlooks, refused, inertia, energies, last } = self;
+        let Self { blocks, pushed, singles, alone, others, outlooks, refused, inertia, energies, last } = self;
         energies.resize(motions.len(), 0.0);
         blocks.clear();
         pushed.clear();
         singles.clear();
+        alone.clear();
         others.clear();
         *last = 0;
         for (slot, (velocity, motion)) in velocities.iter().zip(motions.iter_mut()).enumerate() {
@@ -155,7 +157,10 @@ impl Poses {
             singles.push(slot as u32);
             if is_pushed(velocity, motion) {
                 add(pushed, slot as u32, motion, h);
-            } else if motion.jointed {
+                continue;
+            }
+            alone.push(slot as u32);
+            if motion.jointed {
                 others.push(slot as u32);
             }
         }

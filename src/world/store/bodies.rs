@@ -8,6 +8,7 @@ use crate::body::Body;
 use crate::collide::collider::Collider;
 use crate::collide::sweep::PathStart;
 use crate::id::{BodyId, Pool, ShapeId, Slot};
+use crate::prefetch::{AHEAD, prefetch};
 use crate::solve::batch::Batch;
 use crate::solve::direct::history::History;
 use crate::solve::shared::{Divided, Part, Slots};
@@ -62,6 +63,17 @@ impl Records<'_> {
         self.bodies.get_mut(index).value.as_mut()
     }
 
+    /// Asks for the memory of the bodies that come next, and of their first shapes.
+    #[inline(always)]
+    fn ask_for_next(&self, coming: &[u32]) {
+        if let Some(&index) = coming.get(2 * AHEAD) {
+            prefetch(self.bodies.get(index));
+        }
+        if let Some(&id) = coming.get(AHEAD).and_then(|&index| self.bodies.get(index).value.as_ref()?.shapes.first()) {
+            prefetch(self.colliders.get(Pool::<Collider, ShapeId>::place_of(id)));
+        }
+    }
+
     /// Has the shapes of a body follow it; how far they reach from its centre (m).
     fn shapes_follow(&mut self, index: u32) -> f32 {
         let Self { bodies, colliders, .. } = self;
@@ -99,7 +111,10 @@ impl World {
             // SAFETY: each body has one slot, which is in one piece, and each shape is on one body.
             let (bodies, colliders, forces) = unsafe { (records.0.part(), records.1.part(), records.2.part()) };
             let mut records = Records { bodies, colliders, forces };
-            slots.for_each(|slot| moves.write(slot, &mut records, noted));
+            for slot in slots {
+                records.ask_for_next(&batch.bodies[slot..]);
+                moves.write(slot, &mut records, noted);
+            }
         };
         if is_shared {
             let ranges = (0..slots).step_by(piece).map(|first| first.max(1)..slots.min(first + piece));
