@@ -199,7 +199,7 @@ impl World {
                 if let Some(&(key, slot)) = active.get(place + AHEAD) {
                     let coming = pairs.get(slot);
                     coming.manifolds.prefetch();
-                    // What was made anew in the last step is again, more often than not.
+                    // What was made anew in the last step may well be again.
                     if coming.updated {
                         <[u32; 2]>::from(key.shapes()).into_iter().for_each(|shape| colliders.ask_for(shape));
                     }

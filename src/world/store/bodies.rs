@@ -111,8 +111,9 @@ impl World {
             // SAFETY: each body has one slot, which is in one piece, and each shape is on one body.
             let (bodies, colliders, forces) = unsafe { (records.0.part(), records.1.part(), records.2.part()) };
             let mut records = Records { bodies, colliders, forces };
-            for slot in slots {
-                records.ask_for_next(&batch.bodies[slot..]);
+            for slot in slots.clone() {
+                // Not of bodies that another thread has.
+                records.ask_for_next(&batch.bodies[slot..slots.end]);
                 moves.write(slot, &mut records, noted);
             }
         };
