@@ -57,6 +57,7 @@ mod union_loads;
 mod union_query;
 mod unions;
 
+pub(crate) use hold::{HeldBody, HeldUnit};
 pub(crate) use long_range::{AskedBound, CarriedBound};
 pub use union_query::UnionInfo;
 pub(crate) use unions::CarriedUnion;

@@ -24,7 +24,7 @@ use crate::settings::{ArticulationSettings, SleepSettings, Solver, WorldDef};
 use crate::shape::{CollisionFilter, ShapeDef};
 use crate::solve::direct::history::History;
 use crate::span::union::UnionMotion;
-use crate::world::{AskedBound, CarriedBound, CarriedUnion};
+use crate::world::{AskedBound, CarriedBound, CarriedUnion, HeldBody, HeldUnit};
 
 /// What a world has besides its tables.
 #[derive(Debug)]
@@ -54,6 +54,8 @@ pub(crate) struct WorldRow {
     pub asked_bounds: Vec<AskedBound>,
     /// Joints that are to break in the next step because the host says so.
     pub asked_fractures: Vec<JointId>,
+    /// Units that are held among others that move.
+    pub held_units: Vec<HeldUnit>,
     pub free_bodies: Runs,
     pub free_shapes: Runs,
     pub free_joints: Runs,
@@ -99,11 +101,14 @@ stored!(WorldRow {
     pushed,
     asked_bounds,
     asked_fractures,
+    held_units,
     free_bodies,
     free_shapes,
     free_joints,
     free_islands,
 });
+stored!(HeldUnit { bodies });
+stored!(HeldBody { body, load, contact_force });
 stored!(WorldDef {
     gravity,
     substeps,
@@ -259,6 +264,8 @@ stored_enum!(JointKind {
 pub(crate) const LISTED: &[&str] = &[
     WorldRow::FIELDS,
     WorldDef::FIELDS,
+    HeldUnit::FIELDS,
+    HeldBody::FIELDS,
     LongRangeDef::FIELDS,
     AskedBound::FIELDS,
     SoftBound::FIELDS,

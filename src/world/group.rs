@@ -35,7 +35,7 @@ pub(super) struct Groups {
     starts: Vec<u32>,
     /// Movers that are dynamic, in their order, and those of them that joints hold.
     dynamic: Vec<u32>,
-    bound: Vec<u32>,
+    pub bound: Vec<u32>,
     /// Movers that are dynamic, sorted by island.
     pub members: Vec<u32>,
     /// Bodies of each batch, and the substeps that its islands take at once.
@@ -111,6 +111,11 @@ impl Groups {
         for (slot, joint) in joints.iter() {
             self.joint_heads[slot as usize] = JointHead::of(joint);
         }
+    }
+
+    /// Leaves a body of an island out of its batch.
+    pub(super) fn leave_out(&mut self, body: u32) {
+        self.slots[self.island[body as usize] as usize] -= 1;
     }
 
     /// Takes note of another definition of a joint.
@@ -312,6 +317,9 @@ impl World {
             batches[batch].begin_island();
             for member in groups.starts[island]..groups.starts[island + 1] {
                 let body = groups.members[member as usize];
+                if hold.units.members.has(body) {
+                    continue;
+                }
                 // Members are sorted, so the lead has its slot already.
                 groups.place[body as usize] = match unions.moving(body).filter(|union| union.lead != body) {
                     Some(union) => groups.place[union.lead as usize],

@@ -14,11 +14,15 @@
 
 use glam::Vec3;
 
+mod units;
+
 use super::World;
 use super::census::Known;
 use super::support::{Frame, Site, kind_of};
-use crate::body::BodyKind;
+use crate::body::{Body, BodyKind};
 use crate::span::support::{Graph, hull};
+pub(crate) use units::{HeldBody, HeldUnit};
+use units::{UNIT_CALM_SHARE, Units};
 
 /// Steps for which all bodies of an island must be calm where every one of them is supported.
 const CALM_STEPS: u8 = 30;
@@ -43,15 +47,16 @@ pub(super) struct Hold {
     pub islands: Vec<bool>,
     /// Whether anything was let go of in this step.
     pub let_go: bool,
+    pub units: Units,
     candidates: Vec<bool>,
     /// The support analysis of the candidates.
     graph: Graph,
 }
 
 impl World {
-    /// Speed below which a body is calm (m/s).
-    pub(super) fn calm_speed(&self, dt: f32) -> f32 {
-        if self.def.hold { CALM_SHARE * self.def.gravity.length() * dt } else { 0.0 }
+    /// Speeds below which bodies without joints and with joints are calm (m/s).
+    pub(super) fn calm_speeds(&self, dt: f32) -> [f32; 2] {
+        [CALM_SHARE, UNIT_CALM_SHARE].map(|share| if self.def.hold { share * self.def.gravity.length() * dt } else { 0.0 })
     }
 
     /// Lets go of a body that is held; its island follows in the next step.
@@ -89,12 +94,13 @@ impl World {
         hold.islands.clear();
         hold.candidates.clear();
         hold.let_go = false;
+        self.hold_units(&mut hold);
         let mut any = false;
         let census = &self.census;
         for members in self.groups.islands() {
             let known = || members.iter().map(|&index| census.of(index));
             let is_held = known().all(Known::is_held);
-            hold.let_go |= !is_held && known().any(Known::is_held);
+            hold.let_go |= !is_held && members.iter().any(|&index| census.of(index).is_held() && !hold.units.members.has(index));
             let calm_for = known().map(|known| known.calm_for).min().unwrap_or(0);
             let is_due = calm_for == u8::MAX || (calm_for > 0 && calm_for % CALM_STEPS == 0);
             let is_candidate = !is_held && is_due && !known().any(Known::is_jointed);
@@ -108,14 +114,19 @@ impl World {
         let Self { groups, bodies, census, report, .. } = self;
         for (members, &is_held) in groups.islands().zip(&hold.islands) {
             // Of what goes on being held nothing changes.
-            for &index in members.iter().filter(|&&index| census.of(index).is_held() != is_held) {
+            let mut count = 0;
+            for &index in members.iter().filter(|&&index| !hold.units.members.has(index)) {
+                count += 1;
+                if census.of(index).is_held() == is_held {
+                    continue;
+                }
                 let body = &mut bodies[index];
                 body.held = is_held;
                 if is_held {
                     (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
                 }
             }
-            report.counts.bodies_held += if is_held { members.len() as u32 } else { 0 };
+            report.counts.bodies_held += if is_held { count } else { 0 };
         }
         self.hold = hold;
     }
@@ -173,12 +184,24 @@ impl World {
         if scale == 1.0 || self.report.counts.bodies_held == 0 {
             return;
         }
-        let Self { pairs, colliders, bodies, .. } = self;
+        let Self { pairs, colliders, bodies, joints, hold, .. } = self;
         pairs.for_each_active(|pair| {
             let (a, b) = pair.key.shapes();
-            if bodies[colliders[a].body].held || bodies[colliders[b].body].held {
+            let ends = [a, b].map(|shape| &bodies[colliders[shape].body]);
+            let is_solved = |body: &&Body| body.is_free() && body.is_mover() && !body.held;
+            if ends.iter().any(|body| body.held) && !ends.iter().any(is_solved) {
                 pair.scale_impulses(scale);
             }
         });
+        for held in hold.units.held.iter().flat_map(|unit| &unit.bodies) {
+            for &id in &bodies[held.body].joints {
+                let slot = joints.slot_of(id);
+                let ends = joints[slot].bodies;
+                // Once, from its first body.
+                if ends[0] == Some(held.body) && ends[1].is_some_and(|other| bodies[other].held) {
+                    joints[slot].impulses = joints[slot].impulses.scaled(scale);
+                }
+            }
+        }
     }
 }

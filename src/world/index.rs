@@ -40,6 +40,12 @@ impl Marks {
         self.at[slot as usize] = self.now;
     }
 
+    pub(super) fn unset(&mut self, slot: u32) {
+        if let Some(at) = self.at.get_mut(slot as usize) {
+            *at = 0;
+        }
+    }
+
     pub(super) fn has(&self, slot: u32) -> bool {
         self.at.get(slot as usize) == Some(&self.now)
     }
@@ -68,7 +74,7 @@ pub(super) struct Index {
     forces: Vec<Vec3>,
     /// Bodies that a step moves, as it begins.
     pub moving: Marks,
-    /// Bodies that islands consist of.
+    /// Bodies that islands consist of, but for those that are held with a unit.
     pub free: Marks,
     /// Shapes with another kept box than when pairs were last looked through.
     pub reboxed: Marks,
@@ -165,6 +171,12 @@ impl Index {
     pub(super) fn forget_force(&mut self, body: u32) {
         if let Some(force) = self.forces.get_mut(body as usize) {
             *force = Vec3::ZERO;
+        }
+    }
+
+    pub(super) fn set_contact_force(&mut self, body: u32, force: Vec3) {
+        if let Some(own) = self.forces.get_mut(body as usize) {
+            *own = force;
         }
     }
 

@@ -158,7 +158,8 @@ impl World {
     pub(super) fn hand_out_bounds(&mut self) {
         let Self { groups, batches, long_range, bodies, movers, report, .. } = self;
         for (number, chain) in long_range.chains.iter().enumerate() {
-            if let Some(first) = chain.members.first().filter(|first| bodies[first.body].is_mover() && !bodies[first.body].held) {
+            let are_solved = chain.members.iter().all(|member| !bodies[member.body].held);
+            if let Some(first) = chain.members.first().filter(|first| are_solved && bodies[first.body].is_mover()) {
                 batches[groups.place[first.body as usize].0 as usize].chains.push(number as u32);
                 report.counts.planes += 1;
             }

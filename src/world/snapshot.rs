@@ -63,9 +63,10 @@ impl World {
             // Likewise.
             unions,
             fracture,
+            // Units that are held are stored, and what else is there made anew.
+            hold,
             // Made anew from the rest by whoever needs them next.
             escaped: _,
-            hold: _,
             rest: _,
             groups: _,
             touches: _,
@@ -125,6 +126,7 @@ impl World {
             pushed: Runs(unions.pushed.clone()),
             asked_bounds: long_range.soft.clone(),
             asked_fractures: fracture.asked().to_vec(),
+            held_units: hold.units.held.clone(),
             free_bodies: Runs(bodies.free().to_vec()),
             free_shapes: Runs(colliders.free().to_vec()),
             free_joints: Runs(joints.free().to_vec()),
@@ -203,6 +205,8 @@ impl World {
         self.report = report;
         self.index = Index::of(self.colliders.slot_count(), self.colliders.iter().map(|(slot, collider)| (slot, collider.body)));
         self.add_up_contact_forces();
+        self.hold.units.held = row.held_units;
+        self.keep_contact_forces();
         self.broken.clear();
         self.batch_count = 0;
         self.groups.forget();
@@ -306,6 +310,7 @@ impl Image {
             && self.sleepers_make_sense()
             && lengths_ok
             && row.def.check().is_ok()
+            && row.held_units.iter().flat_map(|unit| &unit.bodies).all(|held| bodies.get(held.body).is_some())
             && row.asked_bounds.iter().all(|asked| asked.bound.check().is_ok())
     }
 

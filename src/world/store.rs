@@ -63,6 +63,7 @@ impl World {
                 self.events.articulations.push(report);
             }
         }
+        self.keep_contact_forces();
         self.report_union_overloads();
         self.store_bounds(dt);
         for index in std::mem::take(&mut self.broken) {

@@ -67,7 +67,7 @@ impl World {
 
     /// Says how many substeps each island takes at once.
     pub(super) fn choose_strides(&mut self) {
-        let Self { groups, touches, census, pairs, index, unions, def, has_smooth_bodies, .. } = self;
+        let Self { groups, touches, census, pairs, index, unions, hold, def, has_smooth_bodies, .. } = self;
         let mut strides = std::mem::take(&mut groups.strides);
         strides.clear();
         let may_stride = def.substeps >= LEAST_SUBSTEPS && def.substeps % STRIDE == 0 && def.articulations.error_target == 0.0;
@@ -75,7 +75,8 @@ impl World {
             strides.extend(groups.islands().map(|members| {
                 let is_smooth = |&index: &u32| census.of(index).smooth_for >= SMOOTH_STEPS && unions.moving(index).is_none();
                 let is_jointed = |&index: &u32| census.of(index).is_jointed();
-                if members.iter().all(is_smooth) && members.iter().any(is_jointed) { STRIDE } else { 1 }
+                let is_still = |index: &u32| hold.units.members.has(*index);
+                if members.iter().all(|index| is_still(index) || is_smooth(index)) && members.iter().any(is_jointed) { STRIDE } else { 1 }
             }));
         }
         if strides.iter().any(|&stride| stride > 1) {

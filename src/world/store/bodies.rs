@@ -43,7 +43,8 @@ struct Moves<'a> {
     number: usize,
     batch: &'a Batch,
     unions: &'a Unions,
-    calm_speed: f32,
+    /// Of bodies without joints and with joints.
+    calm_speeds: [f32; 2],
     smoothness: Smoothness,
     has_joints: bool,
     may_stride: bool,
@@ -91,7 +92,7 @@ impl Records<'_> {
 
 impl World {
     pub(super) fn store_bodies(&mut self, number: usize, dt: f32) {
-        let (calm_speed, smoothness) = (self.calm_speed(dt), self.smoothness(dt));
+        let (calm_speeds, smoothness) = (self.calm_speeds(dt), self.smoothness(dt));
         let Self {
             batches, bodies, colliders, joints, unions, index, scratch, has_smooth_bodies, broken, census, threads, ..
         } = self;
@@ -99,7 +100,7 @@ impl World {
         let batch = &batches[number];
         let may_stride = batch.direct.sweeps_blocks() || batch.sheet.is_one();
         let (has_joints, some_are_fast) = (joints.len() > 0, census.some_are_fast());
-        let moves = Moves { number, batch, unions, calm_speed, smoothness, has_joints, may_stride, some_are_fast };
+        let moves = Moves { number, batch, unions, calm_speeds, smoothness, has_joints, may_stride, some_are_fast };
         let slots = batch.bodies.len();
         let is_shared = slots >= SHARED_SLOTS && threads.has_team();
         let piece = if is_shared { threads.piece(slots, LEAST_SLOTS) } else { slots };
@@ -140,7 +141,7 @@ impl World {
 impl Moves<'_> {
     /// Writes back what has this slot: a body, or the members of a union.
     fn write(&self, slot: usize, records: &mut Records<'_>, noted: &mut Noted) {
-        let &Self { number, batch, unions, calm_speed, has_joints, may_stride, some_are_fast, .. } = self;
+        let &Self { number, batch, unions, calm_speeds, has_joints, may_stride, some_are_fast, .. } = self;
         let index = batch.bodies[slot];
         let Some(lead) = records.body(index).filter(|body| body.is_free()) else { return };
         let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
@@ -194,7 +195,7 @@ impl Moves<'_> {
             body.steady_for = if steady { body.steady_for.saturating_add(1) } else { 0 };
             let reach = records.shapes_follow(member);
             let Some(body) = records.body(member) else { continue };
-            let is_calm = own.linear.length() + own.angular.length() * reach < calm_speed;
+            let is_calm = own.linear.length() + own.angular.length() * reach < calm_speeds[usize::from(!body.joints.is_empty())];
             body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
             match before {
                 Some(before) => noted.has_smooth_bodies |= self.smoothness.count(body, before, reach) && may_stride,

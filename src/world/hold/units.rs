@@ -1,0 +1,356 @@
+//! Holding bodies that joints connect and that lie still among others that do not.
+//!
+//! A heap of ragdolls comes to rest but for a head that spins about its neck, or an arm that settles: it is one island, and none of it could
+//! sleep or be held. Of a *unit*, the free bodies that joints connect, those that lie still are held by themselves, with what they touch and
+//! what hangs on them solved as if they were static.
+//!
+//! That is what the solver would find as long as nothing acts on them but what did as they lay still: contacts and joints take up what is
+//! asked of them, within their limits, and nothing moves. So a unit keeps what *loads* each of its bodies from outside, the sum of the forces
+//! of contacts and joints with other bodies that are free, and of their moments:
+//!
+//! * **Engaged** once all of its bodies have been calm for [`CALM_STEPS`] steps, at [`UNIT_CALM_SHARE`] of what gravity adds in a step, but for
+//!   ends that hang on one joint each, fewer than half of them; it touches something, nothing overlaps by more than [`OVERLAP_SHARE`], and its
+//!   joints are passive: rigid, without motors and friction, none of which can break.
+//! * **Released** whole, before the step is solved, by whatever releases an island, by a body beside it that brings more momentum than
+//!   [`BLOW_SHARE`] of what gravity gives the unit in a step, and once the load of a body is another one by [`LOAD_SHARE`] of what it bears
+//!   and weighs. It is held again where it is still calm some steps later, under what loads it then.
+
+use glam::Vec3;
+
+use super::Hold;
+use crate::body::Body;
+use crate::collide::pairs::WorldManifold;
+use crate::id::{JointId, Pool};
+use crate::joint::Joint;
+use crate::settings::Solver;
+use crate::world::World;
+use crate::world::group::{JointHead, NO_BODY};
+use crate::world::index::Marks;
+
+/// Speed below which a body with joints is calm, as a share of what gravity adds in a step.
+pub(super) const UNIT_CALM_SHARE: f32 = 3.0e-2;
+
+/// Steps for which bodies must be calm: at first, and where another load has ended a hold.
+const CALM_STEPS: u8 = 10;
+const AGAIN_STEPS: u8 = 3;
+
+/// Steps between two looks for units that are calm.
+const LOOK_STEPS: u64 = 4;
+
+/// Bodies that a unit may have.
+const MOST_BODIES: usize = 64;
+
+/// Change of the load of a body, over what it bears and weighs.
+const LOAD_SHARE: f32 = 0.15;
+
+/// Momentum of a body beside it, over what gravity gives the unit in a step.
+const BLOW_SHARE: f32 = 0.2;
+
+/// Overlap of two shapes, over the smaller one's least extent, with which neither is held.
+const OVERLAP_SHARE: f32 = 0.02;
+
+/// A body of a unit that is held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct HeldBody {
+    pub body: u32,
+    /// Force (N) and moment about the centre of mass (N·m) of what is beside the unit, as it was engaged.
+    pub load: [Vec3; 2],
+    /// Net force of its contacts then (N).
+    pub contact_force: Vec3,
+}
+
+/// Those of a unit.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct HeldUnit {
+    pub bodies: Vec<HeldBody>,
+}
+
+/// The units of a world that are held, and buffers.
+#[derive(Debug, Default)]
+pub(in crate::world) struct Units {
+    pub held: Vec<HeldUnit>,
+    /// Bodies that are held with a unit in this step.
+    pub members: Marks,
+    /// Of each body of a unit that is looked at: which unit, and its number there.
+    places: Vec<(u32, u32)>,
+    looks: Vec<Look>,
+    seen: Marks,
+    component: Vec<u32>,
+    ends: Vec<u32>,
+}
+
+/// What a look at a unit finds.
+#[derive(Debug, Default)]
+struct Look {
+    bodies: Vec<Borne>,
+    /// Momentum of a body beside it that strikes it (N·s).
+    blow: f32,
+    is_new: bool,
+    touches: bool,
+    is_disturbed: bool,
+}
+
+/// What a body of a unit bears.
+#[derive(Debug)]
+struct Borne {
+    /// Force (N) and moment about the centre of mass (N·m) of what is beside the unit.
+    load: [Vec3; 2],
+    /// What it weighs (N), and how far its shapes reach (m).
+    weight: f32,
+    reach: f32,
+}
+
+impl World {
+    /// Says which units are held in this step.
+    pub(super) fn hold_units(&mut self, Hold { units, let_go, .. }: &mut Hold) {
+        units.members.begin(self.bodies.slot_count());
+        *let_go |= self.drop_changed_units(units);
+        let kept = units.held.len();
+        if self.report.step % LOOK_STEPS == 0 && self.def.hold && self.def.solver != Solver::GaussSeidel {
+            self.find_units(units);
+        }
+        if units.held.is_empty() {
+            return;
+        }
+        self.look_at_units(units, kept);
+        let Units { held, looks, members, .. } = units;
+        let mut looks = looks.iter();
+        held.retain(|unit| {
+            let Some(look) = looks.next() else { return false };
+            let stays = look.lets_hold(unit);
+            for &HeldBody { body, .. } in &unit.bodies {
+                let record = &mut self.bodies[body];
+                *let_go |= record.held && !stays;
+                record.held = stays;
+                self.census.note_held(body, stays);
+                if stays {
+                    members.set(body);
+                    (record.linear_velocity, record.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+                } else {
+                    record.smooth_for = 0;
+                    record.calm_for = if look.is_disturbed { 0 } else { CALM_STEPS - AGAIN_STEPS };
+                }
+            }
+            stays
+        });
+        // To what is not held they are as if they did not move.
+        for HeldBody { body, .. } in held.iter().flat_map(|unit| &unit.bodies) {
+            self.index.free.unset(*body);
+            self.groups.leave_out(*body);
+        }
+        self.report.counts.bodies_held += held.iter().map(|unit| unit.bodies.len() as u32).sum::<u32>();
+    }
+
+    /// Lets go of units of which something has been released, or no longer moves; whether there are any.
+    fn drop_changed_units(&mut self, units: &mut Units) -> bool {
+        let Self { bodies, census, index, .. } = self;
+        let mut some_are = false;
+        units.held.retain(|unit| {
+            let is_whole = unit.bodies.iter().all(|held| index.free.has(held.body) && bodies[held.body].held);
+            for held in unit.bodies.iter().filter(|_| !is_whole) {
+                if let Some(body) = bodies.get_mut(held.body).filter(|body| body.held) {
+                    (body.held, body.calm_for, body.smooth_for) = (false, 0, 0);
+                    census.note_held(held.body, false);
+                    some_are = true;
+                }
+            }
+            is_whole
+        });
+        some_are
+    }
+
+    /// Adds the units that have become calm to those that are held.
+    fn find_units(&mut self, units: &mut Units) {
+        let Self { groups, census, bodies, joints, unions, index, .. } = self;
+        let Units { held, seen, component, ends, .. } = units;
+        seen.begin(bodies.slot_count());
+        held.iter().flat_map(|unit| &unit.bodies).for_each(|held| seen.set(held.body));
+        let is_calm = |body: u32| census.of(body).calm_for >= CALM_STEPS && !census.of(body).is_held();
+        for &first in &groups.bound {
+            if seen.has(first) || !is_calm(first) {
+                continue;
+            }
+            component.clear();
+            ends.clear();
+            component.push(first);
+            seen.set(first);
+            let mut may_be_held = true;
+            let mut next = 0;
+            while let Some(&body) = component.get(next) {
+                next += 1;
+                let own = &bodies[body].joints;
+                may_be_held &= unions.moving(body).is_none() && (is_calm(body) || own.len() == 1);
+                if !is_calm(body) {
+                    ends.push(body);
+                }
+                for &id in own {
+                    let slot = joints.slot_of(id);
+                    let head = &groups.joint_heads[slot as usize];
+                    may_be_held &= is_passive(head, joints, slot);
+                    for other in head.bodies {
+                        if other == NO_BODY || !index.free.has(other) {
+                            may_be_held = false;
+                        } else if !seen.has(other) {
+                            seen.set(other);
+                            component.push(other);
+                        } else if census.of(other).is_held() {
+                            // Held with what is left of the unit: this is one of its ends.
+                            may_be_held = false;
+                        }
+                    }
+                }
+            }
+            if may_be_held && component.len() <= MOST_BODIES && 2 * ends.len() < component.len() {
+                component.retain(|body| !ends.contains(body));
+                component.sort_unstable();
+                let held_body = |&body: &u32| HeldBody { body, load: [Vec3::ZERO; 2], contact_force: index.contact_force(body) };
+                held.push(HeldUnit { bodies: component.iter().map(held_body).collect() });
+            }
+        }
+    }
+
+    /// Looks at what loads units; those from number `kept` on are new.
+    fn look_at_units(&self, units: &mut Units, kept: usize) {
+        let Self { bodies, colliders, index, def, last_dt, .. } = self;
+        let Units { held, places, looks, seen, .. } = units;
+        seen.begin(bodies.slot_count());
+        places.resize(bodies.slot_count(), (0, 0));
+        looks.resize_with(held.len(), Look::default);
+        let gravity = def.gravity.length();
+        for ((number, unit), look) in held.iter().enumerate().zip(&mut *looks) {
+            let mut mass = 0.0;
+            look.bodies.clear();
+            for (local, held) in unit.bodies.iter().enumerate() {
+                seen.set(held.body);
+                places[held.body as usize] = (number as u32, local as u32);
+                let body = &bodies[held.body];
+                let own = body.mass.as_ref().map_or(0.0, |mass| mass.mass);
+                mass += own;
+                let shapes = body.shapes.iter().filter_map(|&id| colliders.find(id).ok());
+                let reach = shapes.map(|shape| colliders[shape].reach).fold(0.0, f32::max);
+                look.bodies.push(Borne { load: [Vec3::ZERO; 2], weight: own * gravity, reach });
+            }
+            look.blow = BLOW_SHARE * mass * gravity * last_dt;
+            (look.is_new, look.touches, look.is_disturbed) = (number >= kept, false, false);
+        }
+        let place_of = |body: u32| seen.has(body).then(|| places[body as usize]);
+        self.add_contacts(looks, place_of);
+        for (number, (unit, look)) in held.iter().zip(&mut *looks).enumerate() {
+            for (local, held) in unit.bodies.iter().enumerate() {
+                let is_beside = |other: u32| index.free.has(other) && place_of(other).is_none_or(|(unit, _)| unit != number as u32);
+                self.add_joints(look, (held.body, local), is_beside);
+            }
+            look.is_disturbed |= !look.touches;
+        }
+        for (unit, look) in held.iter_mut().zip(looks).skip(kept) {
+            unit.bodies.iter_mut().zip(&look.bodies).for_each(|(held, borne)| held.load = borne.load);
+        }
+    }
+
+    /// Adds the contacts of units to what is found of them; a body is told its unit, and its number there.
+    fn add_contacts(&self, looks: &mut [Look], place_of: impl Fn(u32) -> Option<(u32, u32)>) {
+        let Self { colliders, touches, pairs, index, last_substep, .. } = self;
+        let per_substep = if *last_substep > 0.0 { 1.0 / last_substep } else { 0.0 };
+        for touch in touches.touching() {
+            let places = touch.bodies.map(&place_of);
+            if places == [None; 2] {
+                continue;
+            }
+            let pair = pairs.get(touch.slot);
+            let shapes = <[u32; 2]>::from(pair.key.shapes());
+            let frames = shapes.map(|shape| index.stance(shape).frame());
+            let deepest = -OVERLAP_SHARE * index.least_extent(pair.key);
+            for side in 0..2 {
+                let (Some((unit, local)), other) = (places[side], touch.bodies[1 - side]) else { continue };
+                let look = &mut looks[unit as usize];
+                look.touches = true;
+                let mut points = pair.manifolds.iter().flat_map(|manifold| manifold.points);
+                look.is_disturbed |= look.is_new && points.any(|point| point.separation < deepest);
+                if !index.free.has(other) || places[1 - side].is_some_and(|(of_other, _)| of_other == unit) {
+                    continue;
+                }
+                look.is_disturbed |= self.momentum(other, colliders[shapes[1 - side]].reach) > look.blow;
+                for manifold in pair.manifolds.iter() {
+                    let world = WorldManifold::of(&manifold, frames[0], frames[1]);
+                    let levers = &[world.lever_a, world.lever_b][side][..manifold.points.len()];
+                    let (impulse, moment) = manifold.impulses.wrench(world.normal, levers);
+                    let sign = if side == 0 { -per_substep } else { per_substep };
+                    look.add(local as usize, impulse * sign, moment * sign);
+                }
+            }
+        }
+    }
+
+    /// Adds the joints of a body of a unit to bodies that are beside it.
+    fn add_joints(&self, look: &mut Look, (index, local): (u32, usize), is_beside: impl Fn(u32) -> bool) {
+        let Self { bodies, joints, groups, .. } = self;
+        let body = &bodies[index];
+        for &id in &body.joints {
+            let slot = joints.slot_of(id);
+            let ends = groups.joint_heads[slot as usize].bodies;
+            let side = usize::from(ends[1] == index);
+            let other = ends[1 - side];
+            if other == NO_BODY || !is_beside(other) {
+                continue;
+            }
+            let joint = &joints[slot];
+            let lever = (bodies[other].center - body.center).as_vec3();
+            look.is_disturbed |= self.momentum(other, lever.length()) > look.blow;
+            let sign = if side == 1 { 1.0 } else { -1.0 };
+            let (force, torque) = (joint.force * sign, joint.torque * sign);
+            look.add(local, force, torque + lever_of(joint, side, body).cross(force));
+        }
+    }
+
+    /// Momentum with which a body of this reach (m) may strike another (N·s).
+    fn momentum(&self, index: u32, reach: f32) -> f32 {
+        let body = &self.bodies[index];
+        if body.held {
+            return 0.0;
+        }
+        let mass = body.mass.as_ref().map_or(0.0, |mass| mass.mass);
+        mass * (body.linear_velocity.length() + body.angular_velocity.length() * reach)
+    }
+
+    /// Contacts of what is held have the force that they had as it was engaged.
+    pub(in crate::world) fn keep_contact_forces(&mut self) {
+        for held in self.hold.units.held.iter().flat_map(|unit| &unit.bodies) {
+            self.index.set_contact_force(held.body, held.contact_force);
+        }
+    }
+}
+
+/// From a body's centre of mass to where a joint holds it (m).
+fn lever_of(joint: &Joint, side: usize, body: &Body) -> Vec3 {
+    let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
+    body.rotation * (frame.position.as_vec3() - body.local_center)
+}
+
+impl Look {
+    fn add(&mut self, local: usize, force: Vec3, moment: Vec3) {
+        let [sum, moments] = &mut self.bodies[local].load;
+        *sum += force;
+        *moments += moment;
+    }
+
+    /// Whether the unit may be held: nothing has struck it, and it is loaded as it was.
+    fn lets_hold(&self, unit: &HeldUnit) -> bool {
+        // Not-a-number is another load.
+        let is_same = |(held, borne): (&HeldBody, &Borne)| {
+            let size = |[force, moment]: [Vec3; 2]| force.length() * borne.reach + moment.length();
+            let change = size([borne.load[0] - held.load[0], borne.load[1] - held.load[1]]);
+            change <= LOAD_SHARE * (size(held.load) + borne.weight * borne.reach)
+        };
+        !self.is_disturbed && unit.bodies.iter().zip(&self.bodies).all(is_same)
+    }
+}
+
+/// Whether a joint does nothing by itself, and stays.
+fn is_passive(head: &JointHead, joints: &Pool<Joint, JointId>, slot: u32) -> bool {
+    let traits = &head.traits;
+    !traits.has_motor
+        && !traits.has_friction
+        && traits.gives_by_motors_alone
+        && traits.solver != Solver::GaussSeidel
+        && joints[slot].strain.is_none()
+}
