@@ -310,7 +310,7 @@ impl Image {
             && self.sleepers_make_sense()
             && lengths_ok
             && row.def.check().is_ok()
-            && row.held_units.iter().flat_map(|unit| &unit.bodies).all(|held| bodies.get(held.body).is_some())
+            && self.units_make_sense()
             && row.asked_bounds.iter().all(|asked| asked.bound.check().is_ok())
     }
 
@@ -352,6 +352,13 @@ impl Image {
             listed.is_sorted_by(|a, b| a < b) && listed.iter().all(known)
         };
         all_listed && (!self.row.movers_sorted || is_settled())
+    }
+
+    /// Whether every body of a unit is there, and in one.
+    fn units_make_sense(&self) -> bool {
+        let mut listed: Vec<u32> = self.row.held_units.iter().flat_map(|unit| &unit.bodies).map(|held| held.body).collect();
+        listed.sort_unstable();
+        listed.is_sorted_by(|a, b| a < b) && listed.iter().all(|&body| self.bodies.get(body).is_some())
     }
 
     /// Whether islands and the bodies that sleep in them agree.

@@ -76,7 +76,11 @@ impl World {
                 let is_smooth = |&index: &u32| census.of(index).smooth_for >= SMOOTH_STEPS && unions.moving(index).is_none();
                 let is_jointed = |&index: &u32| census.of(index).is_jointed();
                 let is_still = |index: &u32| hold.units.members.has(*index);
-                if members.iter().all(|index| is_still(index) || is_smooth(index)) && members.iter().any(is_jointed) { STRIDE } else { 1 }
+                if members.iter().all(|index| is_still(index) || is_smooth(index)) && members.iter().any(is_jointed) {
+                    STRIDE
+                } else {
+                    1
+                }
             }));
         }
         if strides.iter().any(|&stride| stride > 1) {
