@@ -107,7 +107,8 @@ pub struct WorldDef {
     pub restitution_threshold: f32,
     /// Approach speed above which contacts are listed as hits (m/s), ≥ 0; infinity, the default, for never, which costs nothing.
     pub hit_threshold: f32,
-    /// Whether islands that stand still on supporting contacts are held where they are, until anything touches them.
+    /// Whether islands that stand still on supporting contacts, and jointed bodies that lie still among others, are held where they are
+    /// until anything else bears on them.
     pub hold: bool,
     /// Whether every step ends with the support analysis: which bodies are held up, and by what. Costs nothing if not.
     pub support: bool,

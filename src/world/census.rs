@@ -69,13 +69,10 @@ impl Census {
         self.known[body as usize]
     }
 
-    /// Takes note that a body is held, or let go of, which begins its time of calm anew.
+    /// Takes note that a body is held, or let go of.
     pub(super) fn note_held(&mut self, body: u32, is_held: bool) {
         let known = &mut self.known[body as usize];
         known.flags = known.flags & !Known::HELD | if is_held { Known::HELD } else { 0 };
-        if !is_held {
-            (known.calm_for, known.smooth_for) = (0, 0);
-        }
     }
 
     /// Whether any of them is kinematic.

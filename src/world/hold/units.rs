@@ -121,17 +121,25 @@ impl World {
             let Some(look) = looks.next() else { return false };
             let stays = look.lets_hold(unit);
             for &HeldBody { body, .. } in &unit.bodies {
-                let record = &mut self.bodies[body];
-                *let_go |= record.held && !stays;
-                record.held = stays;
-                self.census.note_held(body, stays);
                 if stays {
                     members.set(body);
+                }
+                let was_held = self.bodies[body].held;
+                // Of what goes on being held nothing changes.
+                if stays && was_held {
+                    continue;
+                }
+                *let_go |= was_held;
+                self.census.note_held(body, stays);
+                let record = &mut self.bodies[body];
+                record.held = stays;
+                if stays {
                     (record.linear_velocity, record.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
                     record.history.forget_lead();
+                } else if look.is_disturbed {
+                    (record.calm_for, record.smooth_for) = (0, if was_held { 0 } else { record.smooth_for });
                 } else {
-                    record.smooth_for = 0;
-                    record.calm_for = if look.is_disturbed { 0 } else { CALM_STEPS - AGAIN_STEPS };
+                    record.calm_for = CALM_STEPS - AGAIN_STEPS;
                 }
             }
             stays
@@ -182,14 +190,15 @@ impl World {
             while let Some(&body) = component.get(next) {
                 next += 1;
                 let own = &bodies[body].joints;
-                may_be_held &= unions.moving(body).is_none() && (is_calm(body) || own.len() == 1);
                 if !is_calm(body) {
+                    may_be_held &= own.len() == 1;
                     ends.push(body);
                 }
+                may_be_held = may_be_held && component.len() <= MOST_BODIES && unions.moving(body).is_none();
                 for &id in own {
                     let slot = joints.slot_of(id);
                     let head = &groups.joint_heads[slot as usize];
-                    may_be_held &= is_passive(head, joints, slot);
+                    may_be_held = may_be_held && is_passive(head, joints, slot);
                     for other in head.bodies {
                         if other == NO_BODY || !index.free.has(other) {
                             may_be_held = false;
@@ -203,7 +212,7 @@ impl World {
                     }
                 }
             }
-            if may_be_held && component.len() <= MOST_BODIES && 2 * ends.len() < component.len() {
+            if may_be_held && 2 * ends.len() < component.len() {
                 component.retain(|body| !ends.contains(body));
                 component.sort_unstable();
                 let held_body = |&body: &u32| HeldBody { body, load: [Vec3::ZERO; 2], contact_force: index.contact_force(body) };
@@ -312,7 +321,10 @@ impl World {
         if body.held {
             return 0.0;
         }
-        let mass = body.mass.as_ref().map_or(0.0, |mass| mass.mass);
+        let mass = match self.unions.moving(index) {
+            Some(union) => union.mass.mass,
+            None => body.mass.as_ref().map_or(0.0, |mass| mass.mass),
+        };
         let pushed = body.force.length() * self.last_dt;
         mass * (body.linear_velocity.length() + body.angular_velocity.length() * reach) + pushed
     }
