@@ -283,6 +283,11 @@ impl Body {
         }
     }
 
+    /// Whether this step solves for its motion: free, awake and not held.
+    pub(crate) fn is_solved(&self) -> bool {
+        self.is_free() && self.is_mover() && !self.held
+    }
+
     pub(crate) fn pose(&self) -> Pose {
         Pose { position: self.center - (self.rotation * self.local_center).as_dvec3(), rotation: self.rotation }
     }

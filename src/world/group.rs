@@ -129,7 +129,7 @@ impl Groups {
 impl World {
     /// Batch and slot of a body that is solved in this step: of others, places are those of some step before.
     pub(super) fn solved_at(&self, body: u32) -> Option<(&Batch, usize)> {
-        self.bodies.get(body).filter(|record| record.is_free() && record.is_mover() && !record.held)?;
+        self.bodies.get(body).filter(|record| record.is_solved())?;
         let &(batch, slot) = self.groups.place.get(body as usize)?;
         let batch = self.batches[..self.batch_count].get(batch as usize)?;
         (batch.bodies.get(slot as usize) == Some(&body)).then_some((batch, slot as usize))

@@ -19,7 +19,7 @@ mod units;
 use super::World;
 use super::census::Known;
 use super::support::{Frame, Site, kind_of};
-use crate::body::{Body, BodyKind};
+use crate::body::BodyKind;
 use crate::span::support::{Graph, hull};
 pub(crate) use units::{HeldBody, HeldUnit};
 use units::{UNIT_CALM_SHARE, Units};
@@ -188,8 +188,7 @@ impl World {
         pairs.for_each_active(|pair| {
             let (a, b) = pair.key.shapes();
             let ends = [a, b].map(|shape| &bodies[colliders[shape].body]);
-            let is_solved = |body: &&Body| body.is_free() && body.is_mover() && !body.held;
-            if ends.iter().any(|body| body.held) && !ends.iter().any(is_solved) {
+            if ends.iter().any(|body| body.held) && !ends.iter().any(|body| body.is_solved()) {
                 pair.scale_impulses(scale);
             }
         });

@@ -234,7 +234,7 @@ impl World {
         });
         for (number, kept) in kept {
             if let Some(support) = &mut self.support {
-                support.fell_asleep.extend_from_slice(&kept);
+                support.came_to_rest.extend_from_slice(&kept);
             }
             self.sleeping.set_pairs(number, kept);
         }

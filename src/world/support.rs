@@ -46,8 +46,8 @@ pub(super) struct SupportState {
     near: Vec<u32>,
     /// Pairs that touch after the step, of bodies that are not all held, where thrust is looked for.
     pressed: Vec<u32>,
-    /// Pairs that have fallen asleep since the last update: they are at rest now, and looked at once more.
-    pub fell_asleep: Vec<u32>,
+    /// Pairs that have fallen asleep, or are held with a unit, since the last update: they are at rest now, and looked at once more.
+    pub came_to_rest: Vec<u32>,
     /// Pairs looked at so far.
     looked_at: u64,
     /// Whether the stage rests, and whether something has come to stand on what needs no support since.
@@ -110,7 +110,7 @@ impl SupportState {
         self.records.clear();
         self.graph.clear();
         self.pressed.clear();
-        self.fell_asleep.clear();
+        self.came_to_rest.clear();
         self.rests = true;
     }
 
@@ -134,7 +134,7 @@ impl SupportState {
     /// Follows pairs that have gone to other slots.
     pub(super) fn move_pairs(&mut self, places: &[u32]) {
         let place = |slot: &mut u32| *slot = places[*slot as usize];
-        self.fell_asleep.iter_mut().for_each(place);
+        self.came_to_rest.iter_mut().for_each(place);
         if !self.records.is_empty() {
             self.records.resize_with(places.len(), Record::default);
             put_in_places(&mut self.records, places);
@@ -257,7 +257,7 @@ impl World {
         }
         if state.rests {
             (state.joints_changed, state.has_landed) = (false, false);
-            state.fell_asleep.clear();
+            state.came_to_rest.clear();
         }
         self.support = Some(state);
     }
@@ -273,7 +273,7 @@ impl World {
             self.judge_thrust(state, &frame, all);
         }
         state.pressed.clear();
-        state.fell_asleep.clear();
+        state.came_to_rest.clear();
     }
 
     fn sync_joints(&self, state: &mut SupportState) {

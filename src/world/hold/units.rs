@@ -26,6 +26,7 @@ use crate::settings::Solver;
 use crate::world::World;
 use crate::world::group::{JointHead, NO_BODY};
 use crate::world::index::Marks;
+use crate::world::touches::Touch;
 
 /// Speed below which a body with joints is calm, as a share of what gravity adds in a step.
 pub(super) const UNIT_CALM_SHARE: f32 = 3.0e-2;
@@ -106,8 +107,10 @@ impl World {
         units.members.begin(self.bodies.slot_count());
         *let_go |= self.drop_changed_units(units);
         let kept = units.held.len();
-        // What sweeps and soft bounds leave of errors goes on being mended where nothing moves fast.
-        let may_hold = self.def.hold && self.def.solver != Solver::GaussSeidel && self.long_range.soft.is_empty();
+        // What sweeps and soft bounds leave of errors goes on being mended where nothing moves fast; thrust is passed on by all that moves or
+        // has just come to rest.
+        let is_exact = self.def.solver != Solver::GaussSeidel && self.long_range.soft.is_empty();
+        let may_hold = self.def.hold && is_exact && !self.def.support_by_thrust;
         if may_hold && self.report.step.is_multiple_of(LOOK_STEPS) {
             self.find_units(units);
         }
@@ -117,9 +120,10 @@ impl World {
         self.look_at_units(units, kept);
         let Units { held, looks, members, .. } = units;
         let mut looks = looks.iter();
+        let mut are_new = false;
         held.retain(|unit| {
             let Some(look) = looks.next() else { return false };
-            let stays = look.lets_hold(unit);
+            let stays = may_hold && look.lets_hold(unit);
             for &HeldBody { body, .. } in &unit.bodies {
                 if stays {
                     members.set(body);
@@ -134,6 +138,7 @@ impl World {
                 let record = &mut self.bodies[body];
                 record.held = stays;
                 if stays {
+                    are_new = true;
                     (record.linear_velocity, record.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
                     record.history.forget_lead();
                 } else if look.is_disturbed {
@@ -148,6 +153,9 @@ impl World {
         for HeldBody { body, .. } in held.iter().flat_map(|unit| &unit.bodies) {
             self.index.free.unset(*body);
             self.groups.leave_out(*body);
+        }
+        if are_new {
+            self.judge_what_came_to_rest(members);
         }
         self.report.counts.bodies_held += held.iter().map(|unit| unit.bodies.len() as u32).sum::<u32>();
     }
@@ -327,6 +335,15 @@ impl World {
         };
         let pushed = body.force.length() * self.last_dt;
         mass * (body.linear_velocity.length() + body.angular_velocity.length() * reach) + pushed
+    }
+
+    /// Has the support analysis look once more at the contacts of units through which nothing moves.
+    fn judge_what_came_to_rest(&mut self, members: &Marks) {
+        let Self { support: Some(support), touches, bodies, .. } = self else { return };
+        let rests = |touch: &&Touch| {
+            touch.bodies.iter().any(|&body| members.has(body)) && !touch.bodies.iter().any(|&body| bodies[body].is_solved())
+        };
+        support.came_to_rest.extend(touches.touching().filter(rests).map(|touch| touch.slot));
     }
 
     /// Contacts of what is held have the force that they had as it was engaged.

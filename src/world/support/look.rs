@@ -83,9 +83,10 @@ impl SupportState {
         let mut near = std::mem::take(&mut self.near);
         for slot in near.drain(..) {
             let site = Site::new(pairs.get(slot), slot, colliders, bodies);
-            // What is held was judged when it came to rest.
-            let is_held = site.bodies.0.held || site.bodies.1.held;
-            let word = if is_held { Word::Unsettled } else { self.sync_pair(&site, &frame) };
+            // What is held was judged when it came to rest, but for what moves beside it.
+            let (a, b) = site.bodies;
+            let rests = (a.held || b.held) && !a.is_solved() && !b.is_solved();
+            let word = if rests { Word::Unsettled } else { self.sync_pair(&site, &frame) };
             pairs.get_mut(slot).word = word;
         }
         self.near = near;
@@ -131,7 +132,7 @@ impl World {
     }
 
     /// Looks at the pairs that were not looked at when contacts were reported: all of them where everything is new, and those that
-    /// have fallen asleep.
+    /// have come to rest.
     pub(super) fn sync_contacts(&mut self, state: &mut SupportState) {
         let Some(frame) = state.frame else { return };
         if state.is_new {
@@ -140,8 +141,8 @@ impl World {
                 self.pairs.get_mut(slot).word = word;
             }
         }
-        for number in 0..state.fell_asleep.len() {
-            let slot = state.fell_asleep[number];
+        for number in 0..state.came_to_rest.len() {
+            let slot = state.came_to_rest[number];
             // What was dropped meanwhile has no contacts any more.
             if self.pairs.get(slot).has_points() {
                 let site = Site::new(self.pairs.get(slot), slot, &self.colliders, &self.bodies);

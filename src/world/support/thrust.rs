@@ -275,8 +275,8 @@ impl World {
     pub(super) fn judge_thrust(&self, state: &mut SupportState, frame: &Frame, all: bool) {
         let mut thrust = std::mem::take(&mut state.thrust);
         self.list_judged(&mut thrust, all);
-        state.fell_asleep.sort_unstable();
-        state.fell_asleep.dedup();
+        state.came_to_rest.sort_unstable();
+        state.came_to_rest.dedup();
         if !thrust.judged.is_empty() {
             let (graph, records) = (&state.graph, &state.records);
             thrust.make_room(self.bodies.slot_count());
@@ -286,7 +286,7 @@ impl World {
                     self.list_all_pushes(&mut thrust, (graph, frame), records);
                 } else {
                     let is_active = |slot: &u32| self.pairs.get(*slot).is_active();
-                    let (pressed, asleep) = (state.pressed.iter().copied(), state.fell_asleep.iter().copied());
+                    let (pressed, asleep) = (state.pressed.iter().copied(), state.came_to_rest.iter().copied());
                     let slots = pressed.filter(is_active).chain(asleep.filter(|slot| !is_active(slot)));
                     self.list_pushes(&mut thrust, (graph, frame), records, slots);
                 }
