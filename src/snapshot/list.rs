@@ -108,7 +108,7 @@ stored!(WorldRow {
     free_islands,
 });
 stored!(HeldUnit { bodies });
-stored!(HeldBody { body, load, contact_force });
+stored!(HeldBody { body, load });
 stored!(WorldDef {
     gravity,
     substeps,

@@ -208,7 +208,8 @@ impl BodyMotion {
 
     /// Moves a dynamic body by a displacement (m) and a rotation vector (rad, at most [`MAX_PUSH_TURN`]).
     pub(crate) fn displace(&mut self, displacement: Vec3, turn: Vec3) {
-        if !self.is_dynamic() {
+        // To push by nothing normalises the rotation, but of what is solved by itself no bit depends on what else is in its batch.
+        if !self.is_dynamic() || self.direct {
             return;
         }
         let turn = settled(turn, NEGLIGIBLE_PUSH).clamp_length_max(MAX_PUSH_TURN);

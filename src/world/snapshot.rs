@@ -206,7 +206,6 @@ impl World {
         self.index = Index::of(self.colliders.slot_count(), self.colliders.iter().map(|(slot, collider)| (slot, collider.body)));
         self.add_up_contact_forces();
         self.hold.units.held = row.held_units;
-        self.keep_contact_forces();
         self.broken.clear();
         self.batch_count = 0;
         self.groups.forget();

@@ -56,8 +56,6 @@ pub(crate) struct HeldBody {
     pub body: u32,
     /// Force (N) and moment about the centre of mass (N·m) of what is beside the unit, as it was engaged.
     pub load: [Vec3; 2],
-    /// Net force of its contacts then (N).
-    pub contact_force: Vec3,
 }
 
 /// Those of a unit.
@@ -78,6 +76,8 @@ pub(in crate::world) struct Units {
     seen: Marks,
     component: Vec<u32>,
     ends: Vec<u32>,
+    /// Net forces of contacts of what is held, as the step began (N).
+    forces: Vec<Vec3>,
 }
 
 /// What a look at a unit finds.
@@ -118,7 +118,7 @@ impl World {
             return;
         }
         self.look_at_units(units, kept);
-        let Units { held, looks, members, .. } = units;
+        let Units { held, looks, members, forces, .. } = units;
         let mut looks = looks.iter();
         let mut are_new = false;
         held.retain(|unit| {
@@ -150,9 +150,11 @@ impl World {
             stays
         });
         // To what is not held they are as if they did not move.
-        for HeldBody { body, .. } in held.iter().flat_map(|unit| &unit.bodies) {
-            self.index.free.unset(*body);
-            self.groups.leave_out(*body);
+        forces.clear();
+        for &HeldBody { body, .. } in held.iter().flat_map(|unit| &unit.bodies) {
+            self.index.free.unset(body);
+            self.groups.leave_out(body);
+            forces.push(self.index.contact_force(body));
         }
         if are_new {
             self.judge_what_came_to_rest(members);
@@ -223,8 +225,8 @@ impl World {
             if may_be_held && 2 * ends.len() < component.len() {
                 component.retain(|body| !ends.contains(body));
                 component.sort_unstable();
-                let held_body = |&body: &u32| HeldBody { body, load: [Vec3::ZERO; 2], contact_force: index.contact_force(body) };
-                held.push(HeldUnit { bodies: component.iter().map(held_body).collect() });
+                let bodies = component.iter().map(|&body| HeldBody { body, load: [Vec3::ZERO; 2] });
+                held.push(HeldUnit { bodies: bodies.collect() });
             }
         }
     }
@@ -346,10 +348,11 @@ impl World {
         support.came_to_rest.extend(touches.touching().filter(rests).map(|touch| touch.slot));
     }
 
-    /// Contacts of what is held have the force that they had as it was engaged.
+    /// Contacts of what is held have the force that they had as the step began: those beside it would be added to it again.
     pub(in crate::world) fn keep_contact_forces(&mut self) {
-        for held in self.hold.units.held.iter().flat_map(|unit| &unit.bodies) {
-            self.index.set_contact_force(held.body, held.contact_force);
+        let Self { hold: Hold { units, .. }, index, .. } = self;
+        for (held, &force) in units.held.iter().flat_map(|unit| &unit.bodies).zip(&units.forces) {
+            index.set_contact_force(held.body, force);
         }
     }
 }
