@@ -207,7 +207,7 @@ fn ragdolls_that_lie_on_many_limbs_are_swept_and_do_not_sink() {
     for _ in 240..360 {
         engine.step(1.0 / 60.0);
         // But for a head beside what is held of its ragdoll.
-        let is_swept = |report: &ArticulationReport| report.swept || report.bodies == 1;
+        let is_swept = |report: &longspan::ArticulationReport| report.swept || report.bodies == 1;
         assert!(engine.world().articulations().iter().all(is_swept), "rows are tried on what lies on all its limbs");
         let overlap = engine.world().report().residuals.penetration;
         assert!(overlap < 5e-4, "one lies {overlap} m deep, bound 0.0005 m");

@@ -11,7 +11,7 @@
 //! * **Engaged** once all of its bodies have been calm for [`CALM_STEPS`] steps, at [`UNIT_CALM_SHARE`] of what gravity adds in a step, but for
 //!   ends that hang on one joint each, fewer than half of them; it touches something, nothing overlaps by more than [`OVERLAP_SHARE`], and its
 //!   joints are passive: rigid, without motors and friction, none of which can break.
-//! * **Released** whole, before the step is solved, by whatever releases an island, by a body beside it that brings more momentum than
+//! * **Released** whole, before the step is solved, by whatever releases an island, by an end that touches more than one thing, by a body beside it that brings more momentum than
 //!   [`BLOW_SHARE`] of what gravity gives the unit in a step, and once the load of a body is another one by [`LOAD_SHARE`] of what it bears
 //!   and weighs. It is held again where it is still calm some steps later, under what loads it then.
 
@@ -48,7 +48,7 @@ const LOAD_SHARE: f32 = 0.15;
 const BLOW_SHARE: f32 = 0.2;
 
 /// Overlap of two shapes, over the smaller one's least extent, with which neither is held.
-const OVERLAP_SHARE: f32 = 0.02;
+const OVERLAP_SHARE: f32 = 0.01;
 
 /// A body of a unit that is held.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,6 +73,8 @@ pub(in crate::world) struct Units {
     /// Of each body of a unit that is looked at: which unit, and its number there.
     places: Vec<(u32, u32)>,
     looks: Vec<Look>,
+    /// Manifolds of each body.
+    manifolds: Vec<u16>,
     seen: Marks,
     component: Vec<u32>,
     ends: Vec<u32>,
@@ -234,9 +236,11 @@ impl World {
     /// Looks at what loads units; those from number `kept` on are new.
     fn look_at_units(&self, units: &mut Units, kept: usize) {
         let Self { bodies, colliders, index, def, last_dt, .. } = self;
-        let Units { held, places, looks, seen, .. } = units;
+        let Units { held, places, looks, manifolds, seen, .. } = units;
         seen.begin(bodies.slot_count());
         places.resize(bodies.slot_count(), (0, 0));
+        manifolds.clear();
+        manifolds.resize(bodies.slot_count(), 0);
         looks.resize_with(looks.len().max(held.len()), Look::default);
         let gravity = def.gravity.length();
         for ((number, unit), look) in held.iter().enumerate().zip(&mut *looks) {
@@ -256,12 +260,12 @@ impl World {
             (look.is_new, look.touches, look.is_disturbed) = (number >= kept, false, false);
         }
         let place_of = |body: u32| seen.has(body).then(|| places[body as usize]);
-        self.add_contacts(looks, place_of);
+        self.add_contacts(looks, manifolds, place_of);
         for (number, (unit, look)) in held.iter().zip(&mut *looks).enumerate() {
             for (local, held) in unit.bodies.iter().enumerate() {
                 let is_beside =
                     |other: u32| index.free.has(other) && place_of(other).is_none_or(|(unit, _)| unit != number as u32);
-                self.add_joints(look, (held.body, local), is_beside);
+                self.add_joints(look, manifolds, (held.body, local), is_beside);
             }
             look.is_disturbed |= !look.touches;
         }
@@ -270,11 +274,15 @@ impl World {
         }
     }
 
-    /// Adds the contacts of units to what is found of them; a body is told its unit, and its number there.
-    fn add_contacts(&self, looks: &mut [Look], place_of: impl Fn(u32) -> Option<(u32, u32)>) {
+    /// Adds the contacts of units to what is found of them, and counts those of all bodies; a body is told its unit, and its number there.
+    fn add_contacts(&self, looks: &mut [Look], manifolds: &mut [u16], place_of: impl Fn(u32) -> Option<(u32, u32)>) {
         let Self { colliders, touches, pairs, index, last_substep, .. } = self;
         let per_substep = if *last_substep > 0.0 { 1.0 / last_substep } else { 0.0 };
         for touch in touches.touching() {
+            for body in touch.bodies {
+                let own = &mut manifolds[body as usize];
+                *own = own.saturating_add(touch.manifolds);
+            }
             let places = touch.bodies.map(&place_of);
             if places == [None; 2] {
                 continue;
@@ -305,7 +313,7 @@ impl World {
     }
 
     /// Adds the joints of a body of a unit to bodies that are beside it.
-    fn add_joints(&self, look: &mut Look, (index, local): (u32, usize), is_beside: impl Fn(u32) -> bool) {
+    fn add_joints(&self, look: &mut Look, manifolds: &[u16], (index, local): (u32, usize), is_beside: impl Fn(u32) -> bool) {
         let Self { bodies, joints, groups, .. } = self;
         let body = &bodies[index];
         for &id in &body.joints {
@@ -318,7 +326,9 @@ impl World {
             }
             let joint = &joints[slot];
             let lever = (bodies[other].center - body.center).as_vec3();
-            look.is_disturbed |= self.momentum(other, lever.length()) > look.blow;
+            // What is wedged between its joint and two things needs all three of them to yield.
+            let is_wedged = manifolds[other as usize] > 1;
+            look.is_disturbed |= is_wedged || self.momentum(other, lever.length()) > look.blow;
             let sign = if side == 1 { 1.0 } else { -1.0 };
             let (force, torque) = (joint.force * sign, joint.torque * sign);
             look.add(local, force, torque + lever_of(joint, side, body).cross(force));
