@@ -11,9 +11,10 @@
 //! * **Engaged** once all of its bodies have been calm for [`CALM_STEPS`] steps, at [`UNIT_CALM_SHARE`] of what gravity adds in a step, but for
 //!   ends that hang on one joint each, fewer than half of them; it touches something, nothing overlaps by more than [`OVERLAP_SHARE`], and its
 //!   joints are passive: rigid, without motors and friction, none of which can break.
-//! * **Released** whole, before the step is solved, by whatever releases an island, by an end that touches more than one thing, by a body beside it that brings more momentum than
-//!   [`BLOW_SHARE`] of what gravity gives the unit in a step, and once the load of a body is another one by [`LOAD_SHARE`] of what it bears
-//!   and weighs. It is held again where it is still calm some steps later, under what loads it then.
+//! * **Released** whole, before the step is solved, by whatever releases an island, by an end that touches more than one thing, by a body
+//!   beside it that brings more momentum than [`BLOW_SHARE`] of what gravity gives the unit in a step, and once the load of a body is
+//!   another one by [`LOAD_SHARE`] of what it bears and weighs. It is held again where it is still calm some steps later, under what
+//!   loads it then.
 
 use glam::Vec3;
 
