@@ -113,9 +113,11 @@ impl Groups {
         }
     }
 
-    /// Leaves a body of an island out of its batch.
+    /// Leaves a body of an island out of its batch. What islands take in batches is no longer what they consist of, so they are formed
+    /// anew in the next step.
     pub(super) fn leave_out(&mut self, body: u32) {
         self.slots[self.island[body as usize] as usize] -= 1;
+        self.are_of_joints = false;
     }
 
     /// Takes note of another definition of a joint.

@@ -167,10 +167,11 @@ impl World {
 
     /// Lets go of units of which something has been released, or no longer moves; whether there are any.
     fn drop_changed_units(&mut self, units: &mut Units) -> bool {
-        let Self { bodies, census, index, .. } = self;
+        let Self { bodies, census, index, unions, .. } = self;
         let mut some_are = false;
         units.held.retain(|unit| {
-            let is_whole = unit.bodies.iter().all(|held| index.free.has(held.body) && bodies[held.body].held);
+            let goes_on = |body: u32| index.free.has(body) && bodies[body].held && unions.moving(body).is_none();
+            let is_whole = unit.bodies.iter().all(|held| goes_on(held.body));
             for held in unit.bodies.iter().filter(|_| !is_whole) {
                 if let Some(body) = bodies.get_mut(held.body).filter(|body| body.held) {
                     (body.held, body.calm_for, body.smooth_for) = (false, 0, 0);
