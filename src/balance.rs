@@ -2,7 +2,7 @@
 //!
 //! Normal equations of the three balance rows in `f64`, with an active set: points that would pull are taken out, a few times.
 
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3, Vec3Swizzles};
 
 /// Passes in which points that would pull are taken out.
 const ACTIVE_SET_PASSES: usize = 5;
@@ -64,18 +64,29 @@ pub(crate) fn balance(points: &mut [LoadedPoint], demand: DVec3) {
 }
 
 /// A point whose force may change, but not below a bound.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct BoundedPoint {
-    column: DVec3,
+    /// Force and two moments per unit of it.
+    column: Vec3,
     /// Least change.
-    least: f64,
-    pub change: f64,
+    least: f32,
+    pub change: f32,
     is_free: bool,
 }
 
 impl BoundedPoint {
-    pub(crate) fn new(column: DVec3, least: f64) -> Self {
-        Self { column, least, change: 0.0, is_free: true }
+    pub(crate) fn new(column: Vec3) -> Self {
+        Self { column, ..Self::default() }
+    }
+
+    /// Begins with no change, of which there may be no less than `least`; or none at all.
+    pub(crate) fn begin(&mut self, least: f32, is_free: bool) {
+        (self.least, self.change, self.is_free) = (least, 0.0, is_free);
+    }
+
+    /// What its change adds up to.
+    pub(crate) fn effect(&self) -> DVec3 {
+        self.column.as_dvec3() * f64::from(self.change)
     }
 }
 
@@ -83,19 +94,20 @@ impl BoundedPoint {
 pub(crate) fn adjust(points: &mut [BoundedPoint], demand: DVec3) {
     let mut left = demand;
     for _ in 0..ACTIVE_SET_PASSES {
-        let mut matrix = DMat3::ZERO;
-        let (mut count, mut reach) = (0.0, 0.0);
+        let (mut squares, mut products, mut count) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for point in points.iter().filter(|point| point.is_free) {
-            let c = point.column;
-            matrix += DMat3::from_cols(c * c.x, c * c.y, c * c.z);
+            let c = point.column.as_dvec3();
+            squares += c * c;
+            products += c * c.yzx();
             count += 1.0;
-            reach += c.y * c.y + c.z * c.z;
         }
         if count == 0.0 {
             return;
         }
-        let moment = MOMENT_REGULARISATION * reach.max(f64::MIN_POSITIVE);
-        matrix += DMat3::from_diagonal(DVec3::new(FORCE_REGULARISATION * count, moment, moment));
+        let moment = MOMENT_REGULARISATION * (squares.y + squares.z).max(f64::MIN_POSITIVE);
+        let [xx, yy, zz] = (squares + DVec3::new(FORCE_REGULARISATION * count, moment, moment)).to_array();
+        let [xy, yz, zx] = products.to_array();
+        let matrix = DMat3::from_cols_array(&[xx, xy, zx, xy, yy, yz, zx, yz, zz]);
         let multiplier = matrix.inverse() * left;
         if !multiplier.is_finite() {
             points.iter_mut().for_each(|point| point.change = 0.0);
@@ -103,11 +115,11 @@ pub(crate) fn adjust(points: &mut [BoundedPoint], demand: DVec3) {
         }
         let mut is_bound = false;
         for point in points.iter_mut().filter(|point| point.is_free) {
-            point.change = point.column.dot(multiplier);
+            point.change = point.column.as_dvec3().dot(multiplier) as f32;
             if point.change < point.least {
                 point.change = point.least;
                 point.is_free = false;
-                left -= point.column * point.least;
+                left -= point.effect();
                 is_bound = true;
             }
         }

@@ -92,7 +92,7 @@ impl Batch {
             // What it says of the bodies is stored with them, and asked of those without joints.
             match self.motions[1..].iter().all(|motion| motion.jointed) {
                 true => self.load_pass.clear(),
-                false => self.prepare_load_pass(settings.gravity, h),
+                false => self.prepare_load_pass(threads, settings.gravity, h),
             }
             (0..settings.substeps).for_each(|_| self.add_to_tally());
             self.penetration = self.direct.penetration() as f32;
@@ -100,7 +100,7 @@ impl Batch {
             return;
         }
         self.start_contacts(threads, settings.gravity, h);
-        self.prepare_load_pass(settings.gravity, h);
+        self.prepare_load_pass(threads, settings.gravity, h);
         self.prepare_exact(settings.gravity, h);
         self.bounds.lay_out(&self.motions, h);
         self.taut.lay_out(&self.bounds);
@@ -185,7 +185,7 @@ impl Batch {
         }
         let (direct, floor) = self.direct_and_floor(threads);
         direct.warm_start(floor, iterations);
-        self.pass_loads();
+        self.pass_loads(threads);
         self.solve_exactly();
         for iteration in 0..iterations {
             if iteration > 0 && iteration + 1 == iterations {
@@ -236,19 +236,19 @@ impl Batch {
         self.birth = birth;
     }
 
-    fn prepare_load_pass(&mut self, gravity: glam::Vec3, h: f32) {
+    fn prepare_load_pass(&mut self, threads: &Workers, gravity: glam::Vec3, h: f32) {
         let mut pass = std::mem::take(&mut self.load_pass);
-        pass.prepare(self, gravity, h);
+        pass.prepare(self, threads, gravity, h);
         self.load_pass = pass;
     }
 
     /// Hands what the substep has left unbalanced in stacks down to the ground.
-    fn pass_loads(&mut self) {
+    fn pass_loads(&mut self, threads: &Workers) {
         if self.load_pass.is_idle() {
             return;
         }
         let mut pass = std::mem::take(&mut self.load_pass);
-        pass.apply(self);
+        pass.apply(self, threads);
         self.load_pass = pass;
     }
 

@@ -7,6 +7,7 @@
 //! all and written by none.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 use std::ptr::NonNull;
 
 /// What kernels over lanes read and write: one record for each slot.
@@ -113,6 +114,15 @@ impl<'a, T> Divided<'a, T> {
     /// While it lives no other part is used for an element that this one changes.
     pub(crate) unsafe fn part(&self) -> Part<'_, T> {
         Part { first: self.first, count: self.count, array: PhantomData }
+    }
+}
+
+impl<T> Part<'_, T> {
+    /// Elements that follow one another.
+    pub(crate) fn range_mut(&mut self, range: Range<usize>) -> &mut [T] {
+        assert!(range.start <= range.end && range.end <= self.count);
+        // SAFETY: the elements are within the array, and nobody else uses any of them, by the promise of `Divided::part`.
+        unsafe { NonNull::slice_from_raw_parts(self.first.add(range.start), range.len()).as_mut() }
     }
 }
 

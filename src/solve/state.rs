@@ -239,6 +239,9 @@ impl BodyMotion {
 
     /// Angular momentum at this angular velocity (kg·m²/s).
     pub(crate) fn angular_momentum(&self, angular: Vec3) -> Vec3 {
+        if self.kind == MotionKind::Round {
+            return self.inertia.x * angular;
+        }
         let frame = self.rotation * self.inertia_frame;
         frame * (self.inertia * (frame.conjugate() * angular))
     }
