@@ -97,6 +97,11 @@ fn a_tower_has_the_same_bits_on_any_number_of_threads_while_it_stands_and_falls(
 }
 
 #[test]
+fn a_pyramid_has_the_same_bits_on_any_number_of_threads_while_momentum_is_handed_down_in_it() {
+    same_on_any_number_of_threads("large_pyramid", &[("base", "60"), ("seconds", "0.25")]);
+}
+
+#[test]
 fn a_net_that_is_cut_into_strips_has_the_same_bits_on_any_number_of_threads() {
     same_on_any_number_of_threads("joint_grid", &[("n", "50"), ("seconds", "0.25")]);
     // Contacts have its joints swept with them.

@@ -36,6 +36,8 @@ use super::batch::Batch;
 use super::contact::tangents;
 use super::contact_pieces::Run;
 use super::crew;
+use super::state::{BodyMotion, BodyVelocity};
+use crate::room::resize;
 use crate::workers::Workers;
 use changes::LaneChanges;
 use order::Order;
@@ -68,6 +70,37 @@ pub(crate) struct LoadPass {
     /// Island of each slot; of those after the last island, none.
     island: Vec<u32>,
     islands: Vec<Island>,
+    /// By slot.
+    moods: Vec<Mood>,
+}
+
+/// What a body says of its island; see there.
+#[derive(Debug, Clone, Copy, Default)]
+struct Mood {
+    is_dynamic: bool,
+    is_slow: bool,
+    is_steady: bool,
+    is_young: bool,
+    worthwhile: f64,
+}
+
+impl Mood {
+    fn of(velocity: &BodyVelocity, motion: &BodyMotion, up: Vec3, limit: f32, h: f32) -> Self {
+        if !motion.is_dynamic() {
+            return Self::default();
+        }
+        let sideways = velocity.linear.reject_from_normalized(up);
+        let gained = f64::from(motion.acceleration.length() * h);
+        let mass = 1.0 / f64::from(velocity.inverse_mass.max_element());
+        Self {
+            is_dynamic: true,
+            is_slow: sideways.length_squared() < limit * limit,
+            // The pass knows contacts alone: a load that a joint takes would be handed down a second time.
+            is_steady: motion.steady && !motion.jointed,
+            is_young: motion.young,
+            worthwhile: WORTHWHILE_SHARE * 0.5 * mass * gained * gained,
+        }
+    }
 }
 
 /// Of an island: whether the pass is for it, its number of storeys, and the slope and curvature along the changes.
@@ -109,8 +142,8 @@ impl Island {
 /// Island of slots that belong to none: the world's, and those of kinematic bodies.
 const NO_ISLAND: u32 = u32::MAX;
 
-/// Bodies whose velocities are worth another thread's while.
-const LEAST_CHANGED: usize = 256;
+/// Bodies of which the velocity is worth another thread's while.
+const LEAST_BODIES: usize = 256;
 
 impl LoadPass {
     /// Forgets the islands of the last step.
@@ -126,7 +159,7 @@ impl LoadPass {
         let Some(up) = (-gravity).try_normalize() else { return };
         let (u, v) = tangents(up);
         self.axes = [up, u, v];
-        self.find_slow_islands(batch, SIDEWAYS_TIME * gravity.length(), h);
+        self.find_slow_islands(batch, threads, SIDEWAYS_TIME * gravity.length(), h);
         if self.islands.iter().any(Island::may_be_useful) {
             self.list_stands(batch, threads);
             self.put_in_order(batch.velocities.len());
@@ -142,25 +175,31 @@ impl LoadPass {
         self.island.get(slot).and_then(|&island| self.islands.get(island as usize)).is_none_or(|island| island.is_slow)
     }
 
-    fn find_slow_islands(&mut self, batch: &Batch, limit: f32, h: f32) {
-        self.islands.resize(batch.islands.len(), Island { is_slow: true, is_steady: true, ..Island::default() });
-        self.island.resize(batch.velocities.len(), NO_ISLAND);
+    fn find_slow_islands(&mut self, batch: &Batch, threads: &Workers, limit: f32, h: f32) {
+        let Self { islands, island, moods, axes: [up, ..], .. } = self;
+        islands.resize(batch.islands.len(), Island { is_slow: true, is_steady: true, ..Island::default() });
+        island.resize(batch.velocities.len(), NO_ISLAND);
+        resize(moods, batch.velocities.len(), Mood::default());
+        let piece = threads.piece(moods.len(), LEAST_BODIES);
+        let bodies = batch.velocities.chunks(piece).zip(batch.motions.chunks(piece));
+        threads.share(moods.chunks_mut(piece).zip(bodies), |(moods, (velocities, motions))| {
+            for (mood, (velocity, motion)) in moods.iter_mut().zip(velocities.iter().zip(motions)) {
+                *mood = Mood::of(velocity, motion, *up, limit, h);
+            }
+        });
         for (number, &first) in batch.islands.iter().enumerate() {
-            let next = batch.islands.get(number + 1).map_or(batch.velocities.len(), |&next| next as usize);
-            for slot in first as usize..next {
-                if batch.motions[slot].is_dynamic() {
-                    self.island[slot] = number as u32;
-                    let sideways = batch.velocities[slot].linear.reject_from_normalized(self.axes[0]);
-                    self.islands[number].is_slow &= sideways.length_squared() < limit * limit;
-                    // The pass knows contacts alone: a load that a joint takes would be handed down a second time.
-                    self.islands[number].is_steady &= batch.motions[slot].steady && !batch.motions[slot].jointed;
-                    let gained = f64::from(batch.motions[slot].acceleration.length() * h);
-                    let mass = 1.0 / f64::from(batch.velocities[slot].inverse_mass.max_element());
-                    self.islands[number].worthwhile += WORTHWHILE_SHARE * 0.5 * mass * gained * gained;
-                    self.islands[number].is_young |= batch.motions[slot].young;
+            let next = batch.islands.get(number + 1).map_or(moods.len(), |&next| next as usize);
+            let own = &mut islands[number];
+            for (mood, island) in moods[first as usize..next].iter().zip(&mut island[first as usize..next]) {
+                if mood.is_dynamic {
+                    *island = number as u32;
+                    own.is_slow &= mood.is_slow;
+                    own.is_steady &= mood.is_steady;
+                    own.is_young |= mood.is_young;
+                    own.worthwhile += mood.worthwhile;
                 }
             }
-            self.islands[number].is_steady &= self.islands[number].is_slow;
+            own.is_steady &= own.is_slow;
         }
     }
 
@@ -218,7 +257,7 @@ impl LoadPass {
     /// Takes those shares.
     fn apply_shares(&self, batch: &mut Batch, threads: &Workers) {
         let share_of = |island: u32| self.islands[island as usize].share;
-        let piece = threads.piece(batch.velocities.len(), LEAST_CHANGED);
+        let piece = threads.piece(batch.velocities.len(), LEAST_BODIES);
         threads.share(batch.velocities.chunks_mut(piece).zip(self.order.places().chunks(piece)), |(velocities, places)| {
             for (velocity, &place) in velocities.iter_mut().zip(places).filter(|&(_, &place)| place != NO_PLACE) {
                 let body = &self.stacks.bodies[place as usize];
