@@ -88,15 +88,20 @@ fn made_anew(world: &World) -> SupportState {
     fresh
 }
 
-/// Whether a point that the body stands on is at the edge of where the body below can carry, or one that this body stands on in turn, as
-/// many bodies down as `depth` says.
+/// How near to the edge of what a body stands on links that are kept may say the other thing than those made anew (m).
+fn close_to(node: &Node) -> f32 {
+    5e-3 * hull::reach(node.hull()).max(0.1)
+}
+
+/// Whether a body below stands on the edge itself, or a point that the body stands on is at the edge of where the one below can carry, or
+/// either is so of a body that this one stands on in turn, as many bodies down as `depth` says.
 fn stands_on_an_edge(graph: &Graph, node: &Node, depth: u32) -> bool {
     node.below.iter().map(|&link| graph.link(link)).any(|link| {
         let lower = graph.node(link.lower).filter(|lower| lower.kind == NodeKind::Body);
         lower.is_some_and(|lower| {
-            let near = 5e-3 * hull::reach(lower.hull()).max(0.1);
-            let is_near = |&point: &Vec2| hull::margin(lower.hull(), point).abs() < near;
-            link.points[..usize::from(link.count)].iter().any(is_near)
+            let is_near = |&point: &Vec2| hull::margin(lower.hull(), point).abs() < close_to(lower);
+            lower.margin.abs() < close_to(lower)
+                || link.points[..usize::from(link.count)].iter().any(is_near)
                 || (depth > 1 && stands_on_an_edge(graph, lower, depth - 1))
         })
     })
@@ -126,7 +131,7 @@ impl Tally {
             self.supported += usize::from(kept.is_supported());
             if kept.is_supported() != fresh.is_supported() {
                 // Links follow a body in steps of a milliradian, and of a thousandth of its extent: on the edge that tells.
-                let near = |node: &Node| node.margin.abs() < 5e-3 * hull::reach(node.hull()).max(0.1);
+                let near = |node: &Node| node.margin.abs() < close_to(node);
                 let on_edge = |graph: &Graph, unit: u32| {
                     let mut mates = indices.iter().filter_map(|&mate| graph.node(mate)).filter(|mate| mate.unit == unit);
                     mates.any(|mate| near(mate) || stands_on_an_edge(graph, mate, 3))
