@@ -62,6 +62,7 @@ const WORTHWHILE_SHARE: f64 = 1.0e-6;
 /// The stacks of a batch, and buffers.
 #[derive(Debug, Default)]
 pub(crate) struct LoadPass {
+    is_on: bool,
     stacks: Stacks,
     order: Order,
     /// Changes of multipliers, by block.
@@ -148,7 +149,7 @@ const LEAST_BODIES: usize = 256;
 impl LoadPass {
     /// Forgets the islands of the last step.
     pub(crate) fn clear(&mut self) {
-        self.stacks.bodies.clear();
+        self.is_on = false;
         self.islands.clear();
         self.island.clear();
     }
@@ -162,9 +163,9 @@ impl LoadPass {
         self.find_slow_islands(batch, threads, SIDEWAYS_TIME * gravity.length(), h);
         if self.islands.iter().any(Island::may_be_useful) {
             self.list_stands(batch, threads);
-            self.put_in_order(batch.velocities.len());
-            self.place_bodies(threads);
-            if !self.is_idle() {
+            self.put_in_order(threads);
+            self.is_on = !self.stacks.bodies.is_empty();
+            if self.is_on {
                 self.describe(batch, threads);
             }
         }
@@ -205,7 +206,7 @@ impl LoadPass {
 
     /// Whether nothing in the batch stands so that momentum is passed down.
     pub(crate) fn is_idle(&self) -> bool {
-        self.stacks.bodies.is_empty()
+        !self.is_on
     }
 
     /// Passes the momentum of the substep down.

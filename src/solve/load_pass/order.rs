@@ -1,6 +1,7 @@
 //! Which bodies stand on which, upper before lower, and which thread goes through them.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::super::batch::Batch;
 use super::super::buckets::Buckets;
@@ -41,6 +42,36 @@ pub(super) struct Order {
     places: Vec<u32>,
     /// Lanes by the place of the lower body.
     above: Buckets,
+    found_for: FoundFor,
+}
+
+/// What all that but stands was found for, besides these: most stacks stand as they did in the step before.
+#[derive(Debug, Default)]
+struct FoundFor {
+    island: Vec<u32>,
+    islands: Vec<Island>,
+    /// Threads that storeys are cut for, or none where nothing has been found.
+    places: usize,
+}
+
+impl FoundFor {
+    fn is(&self, island: &[u32], islands: &[Island], threads: &Workers) -> bool {
+        let are_asked = islands.iter().map(Island::may_be_useful);
+        self.places == places_of(threads) && self.island == island && self.islands.iter().map(Island::may_be_useful).eq(are_asked)
+    }
+
+    fn set(&mut self, island: &[u32], islands: &[Island], threads: &Workers) {
+        self.island.clear();
+        self.island.extend_from_slice(island);
+        self.islands.clear();
+        self.islands.extend_from_slice(islands);
+        self.places = places_of(threads);
+    }
+}
+
+/// Threads that storeys are cut for.
+fn places_of(threads: &Workers) -> usize {
+    if threads.has_team() { threads.places() } else { 1 }
 }
 
 /// Places that one thread goes through at a time; until they are given, bodies in order.
@@ -72,8 +103,7 @@ impl Order {
     fn cut(&mut self, threads: &Workers) {
         let Self { pieces, slots, storey, .. } = self;
         pieces.clear();
-        let is_shared = slots.len() >= SHARED_BODIES && threads.has_team();
-        let places = if is_shared { threads.places() } else { 1 };
+        let places = if slots.len() >= SHARED_BODIES { places_of(threads) } else { 1 };
         let (mut first, mut phase, mut is_narrow) = (0, 0, false);
         for bodies in slots.chunk_by(|&above, &slot| storey[above as usize] == storey[slot as usize]) {
             let (count, cuts) = (bodies.len() as u32, places.min(bodies.len() / LEAST_BODIES).max(1) as u32);
@@ -101,19 +131,39 @@ impl LoadPass {
         let Self { order, island, islands, axes: [up, ..], .. } = self;
         let contacts = &batch.contacts;
         let is_asked = |stand: &Stand| islands.get(island[stand.upper as usize] as usize).is_some_and(Island::may_be_useful);
+        let is_other = AtomicBool::new(order.stands.len() != contacts.len() * LANES);
         resize(&mut order.stands, contacts.len() * LANES, Stand::NONE);
         let piece = threads.piece(contacts.len(), LEAST_BLOCKS);
         threads.share(order.stands.chunks_mut(piece * LANES).zip((0..).step_by(piece)), |(stands, first)| {
             for (stand, number) in stands.iter_mut().zip(0..) {
-                let stands = Stand::of(contacts, first + number / LANES, number % LANES, *up);
-                *stand = stands.filter(is_asked).unwrap_or(Stand::NONE);
+                let found = Stand::of(contacts, first + number / LANES, number % LANES, *up);
+                let found = found.filter(is_asked).unwrap_or(Stand::NONE);
+                if std::mem::replace(stand, found) != found {
+                    is_other.store(true, Ordering::Relaxed);
+                }
             }
         });
+        if is_other.into_inner() {
+            order.found_for.places = 0;
+        }
+    }
+
+    /// Finds the order and the places, unless they are those of the last step.
+    pub(super) fn put_in_order(&mut self, threads: &Workers) {
+        let Self { order, island, islands, .. } = self;
+        if !order.found_for.is(island, islands, threads) {
+            self.sort();
+            self.place_bodies(threads);
+            self.order.found_for.set(&self.island, &self.islands, threads);
+        } else {
+            islands.iter_mut().zip(&order.found_for.islands).for_each(|(island, found)| island.storeys = found.storeys);
+        }
     }
 
     /// Upper before lower; in circles, those that wait for each other are left out, as are islands that the pass is not for.
-    pub(super) fn put_in_order(&mut self, slots: usize) {
+    fn sort(&mut self) {
         let Self { order, island, islands, .. } = self;
+        let slots = island.len();
         // Lanes without such a manifold are in a bucket that no body has.
         let by_upper = order.stands.iter().enumerate().map(|(number, stand)| (stand.upper.min(slots as u32), number as u32));
         order.by_upper.sort(slots + 1, by_upper);
@@ -149,10 +199,11 @@ impl LoadPass {
     }
 
     /// Gives every body in order its place, those of one thread in a row, and after them those that stand on nothing but are stood on.
-    pub(super) fn place_bodies(&mut self, threads: &Workers) {
+    fn place_bodies(&mut self, threads: &Workers) {
         let Self { order, stacks: Stacks { bodies, .. }, island, islands, .. } = self;
         order.cut(threads);
         let Order { stands, by_upper, slots, storey, pieces, by_place, places, above, .. } = order;
+        bodies.clear();
         by_place.clear();
         places.clear();
         places.resize(island.len(), NO_PLACE);

@@ -11,7 +11,7 @@ use super::stack::Impulse;
 use crate::balance::BoundedPoint;
 
 /// A manifold through which `upper` stands on `lower`.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Stand {
     pub upper: u32,
     pub lower: u32,
