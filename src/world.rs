@@ -34,6 +34,7 @@ mod fast;
 mod forces;
 mod fracture;
 mod group;
+mod hand_out;
 mod hold;
 mod index;
 mod joints;

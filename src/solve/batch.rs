@@ -21,7 +21,7 @@ use super::plane::Planes;
 use super::poses::Poses;
 use super::role::Role;
 use super::sheet::Sheet;
-use super::state::{BodyMotion, BodyVelocity};
+use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::taut::TautRows;
 use super::told::Told;
 use super::wrap::BatchWraps;
@@ -179,6 +179,14 @@ impl Batch {
     pub(crate) fn add_manifold(&mut self, manifold: (u32, u32), ends: ContactEnds) {
         extend_tightly(&mut self.manifolds, std::iter::once(manifold));
         extend_tightly(&mut self.ends, std::iter::once(ends));
+    }
+
+    /// Room for all manifolds that it takes, as [`add_manifold`](Self::add_manifold) would fill it.
+    pub(crate) fn room_for_manifolds(&mut self, count: usize) -> (&mut [(u32, u32)], &mut [ContactEnds]) {
+        let Self { manifolds, ends, .. } = self;
+        resize(manifolds, count, (0, 0));
+        resize(ends, count, ContactEnds { a: WORLD_SLOT, b: WORLD_SLOT, points: 0, is_plain: true });
+        (manifolds, ends)
     }
 
     /// Bodies enlisted so far.

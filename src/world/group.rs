@@ -2,13 +2,11 @@
 
 use super::World;
 use super::unions::Anchor;
-use crate::body::BodyKind;
 use crate::id::{JointId, Pool};
 use crate::island::UnionFind;
 use crate::joint::Joint;
-use crate::solve::batch::{Batch, ContactEnds, REPLICA};
+use crate::solve::batch::Batch;
 use crate::solve::joint::JointTraits;
-use crate::solve::state::WORLD_SLOT;
 
 /// Bodies after which a batch takes no further island. It must not depend on the number of threads.
 const BATCH_BODIES: u32 = 64;
@@ -34,7 +32,7 @@ pub(super) struct Groups {
     /// First member of each island in `members`.
     starts: Vec<u32>,
     /// Movers that are dynamic, in their order, and those of them that joints hold.
-    dynamic: Vec<u32>,
+    pub dynamic: Vec<u32>,
     pub bound: Vec<u32>,
     /// Movers that are dynamic, sorted by island.
     pub members: Vec<u32>,
@@ -46,22 +44,22 @@ pub(super) struct Groups {
     /// Bodies and traits of each joint, by slot, and the version of the joints that this was found of: the joints themselves are far from one
     /// another in memory, and each body asks for those of all its joints twice a step.
     pub joint_heads: Vec<JointHead>,
-    joint_version: Option<u64>,
+    pub joint_version: Option<u64>,
     /// Joints of what moves in order, each once, and what they were listed for.
-    sorted_joints: Vec<u32>,
-    listed: Listed,
+    pub sorted_joints: Vec<u32>,
+    pub listed: Listed,
     /// Whether those are the ones of this step too, and islands those of the last step, which consisted of what joints connect.
-    joints_stay: bool,
+    pub joints_stay: bool,
     islands_stay: bool,
     are_of_joints: bool,
 }
 
 /// What joints were listed for: movers that are dynamic, those of them that joints hold, and the version of the joints.
 #[derive(Debug, Default)]
-struct Listed {
-    dynamic: Vec<u32>,
-    bound: Vec<u32>,
-    joint_version: Option<u64>,
+pub(super) struct Listed {
+    pub dynamic: Vec<u32>,
+    pub bound: Vec<u32>,
+    pub joint_version: Option<u64>,
 }
 
 /// Body of a joint's side that is the world.
@@ -380,72 +378,6 @@ impl World {
         if idle > needed.max(LEAST_DROPPED) {
             batches.truncate(*batch_count);
             batches.shrink_to_fit();
-        }
-    }
-
-    fn hand_out_contacts(&mut self) {
-        let Self { groups, touches, batches, bodies, pairs, hold, index, report, .. } = self;
-        let is_driven = |body: u32| bodies[body].acts_as() == BodyKind::Kinematic && bodies[body].is_mover();
-        let slot_of = |body: u32| match index.free.has(body) {
-            true => groups.place[body as usize].1,
-            false if is_driven(body) => REPLICA,
-            false => WORLD_SLOT,
-        };
-        for touch in touches.touching() {
-            let moved = touch.bodies.into_iter().find(|&body| index.free.has(body));
-            let is_solved = |&body: &u32| !hold.islands[groups.island[body as usize] as usize];
-            let Some(body) = moved.filter(is_solved) else { continue };
-            let batch = &mut batches[groups.place[body as usize].0 as usize];
-            let [a, b] = touch.bodies.map(slot_of);
-            for number in 0..u32::from(touch.manifolds) {
-                let all = || pairs.get(touch.slot).manifolds.get(number as usize).points.len() as u8;
-                let points = if touch.manifolds == 1 { touch.points as u8 } else { all() };
-                batch.add_manifold((touch.slot, number), ContactEnds { a, b, points, is_plain: touch.is_plain });
-            }
-            report.counts.manifolds += u32::from(touch.manifolds);
-            report.counts.contact_points += u32::from(touch.points);
-        }
-    }
-
-    /// Lists the joints of what moves and is not held.
-    fn list_joints(&mut self) {
-        let Self { groups, joints, bodies, unions, index, .. } = self;
-        let Groups { sorted_joints, listed, joint_heads, dynamic, bound, joint_version, .. } = groups;
-        sorted_joints.clear();
-        let moves = |body: u32| body != NO_BODY && index.free.has(body);
-        let moved = |slot: u32| joint_heads[slot as usize].bodies.into_iter().find(|&body| moves(body));
-        for &body in bound.iter().filter(|&&body| !bodies[body].held) {
-            let own = |id: &JointId| Some(joints.slot_of(*id)).filter(|&slot| moved(slot) == Some(body));
-            match unions.moving(body) {
-                None => sorted_joints.extend(bodies[body].joints.iter().filter_map(own)),
-                Some(union) if union.lead == body => sorted_joints.extend_from_slice(&union.outer),
-                Some(_) => {}
-            }
-        }
-        sorted_joints.sort_unstable();
-        sorted_joints.dedup();
-        listed.dynamic.clone_from(dynamic);
-        listed.bound.clone_from(bound);
-        let is_whole = unions.iter().next().is_none() && !bound.iter().any(|&body| bodies[body].held);
-        listed.joint_version = joint_version.filter(|_| is_whole);
-    }
-
-    fn hand_out_joints(&mut self) {
-        if !self.groups.joints_stay {
-            self.list_joints();
-        }
-        let Self { groups, batches, joints, index, report, .. } = self;
-        let joint_heads = &groups.joint_heads;
-        let moves = |body: u32| body != NO_BODY && index.free.has(body);
-        let moved = |slot: u32| joint_heads[slot as usize].bodies.into_iter().find(|&body| moves(body));
-        groups.joint_places.resize(joints.slot_count(), 0);
-        for &slot in &groups.sorted_joints {
-            if let Some(body) = moved(slot) {
-                let joint_slots = &mut batches[groups.place[body as usize].0 as usize].joint_slots;
-                groups.joint_places[slot as usize] = joint_slots.len() as u32;
-                joint_slots.push(slot);
-                report.counts.joints += 1;
-            }
         }
     }
 }

@@ -71,8 +71,17 @@ impl Touches {
         self.all().filter(|touch| touch.manifolds == 0)
     }
 
+    /// Those that touch, or did in the step before: parts, one after another.
+    pub(super) fn parts(&self) -> impl Iterator<Item = &[Touch]> {
+        self.parts[..self.count].iter().map(Vec::as_slice)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.parts().map(<[Touch]>::len).sum()
+    }
+
     fn all(&self) -> impl Iterator<Item = &Touch> {
-        self.parts[..self.count].iter().flatten()
+        self.parts().flatten()
     }
 }
 

@@ -16,9 +16,9 @@ use crate::room::resize;
 use crate::workers::Workers;
 
 /// Bodies in stacks from which on several threads go through them, and bodies of a storey that are worth another thread's while: some
-/// 2 µs.
+/// 1 µs.
 const SHARED_BODIES: usize = 256;
-const LEAST_BODIES: usize = 8;
+const LEAST_BODIES: usize = 4;
 
 /// Blocks that are worth another thread's while to look through.
 const LEAST_BLOCKS: usize = 64;

@@ -1,0 +1,137 @@
+//! Stages that hand contacts and joints out to the batches of what they act on.
+
+use smallvec::SmallVec;
+
+use super::World;
+use super::group::{Groups, NO_BODY};
+use super::index::Index;
+use super::touches::Touch;
+use crate::body::{Body, BodyKind};
+use crate::collide::cache::PairCache;
+use crate::id::{BodyId, JointId, Pool};
+use crate::solve::batch::{ContactEnds, REPLICA};
+use crate::solve::state::WORLD_SLOT;
+use crate::workers::MOST_PIECES;
+
+/// Pairs that touch from which on all threads hand out their manifolds, where all are of one batch.
+const SHARED_TOUCHES: usize = 2048;
+
+/// What is asked of pairs that touch.
+struct Contacts<'a> {
+    groups: &'a Groups,
+    index: &'a Index,
+    bodies: &'a Pool<Body, BodyId>,
+    pairs: &'a PairCache,
+    is_held: &'a [bool],
+}
+
+impl Contacts<'_> {
+    /// A body of a pair in whose batch its manifolds are solved, if they are.
+    fn solved(&self, touch: &Touch) -> Option<u32> {
+        let moved = touch.bodies.into_iter().find(|&body| self.index.free.has(body));
+        moved.filter(|&body| !self.is_held[self.groups.island[body as usize] as usize])
+    }
+
+    fn slot_of(&self, body: u32) -> u32 {
+        let is_driven = || self.bodies[body].acts_as() == BodyKind::Kinematic && self.bodies[body].is_mover();
+        match self.index.free.has(body) {
+            true => self.groups.place[body as usize].1,
+            false if is_driven() => REPLICA,
+            false => WORLD_SLOT,
+        }
+    }
+
+    /// Manifolds of a pair, and what they are between.
+    fn manifolds(&self, touch: &Touch) -> impl Iterator<Item = ((u32, u32), ContactEnds)> {
+        let &Touch { slot, manifolds, points, is_plain, .. } = touch;
+        let [a, b] = touch.bodies.map(|body| self.slot_of(body));
+        (0..u32::from(manifolds)).map(move |number| {
+            let own = || self.pairs.get(slot).manifolds.get(number as usize).points.len() as u8;
+            let points = if manifolds == 1 { points as u8 } else { own() };
+            ((slot, number), ContactEnds { a, b, points, is_plain })
+        })
+    }
+}
+
+impl World {
+    pub(super) fn hand_out_contacts(&mut self) {
+        let Self { groups, touches, batches, batch_count, bodies, pairs, hold, index, report, threads, .. } = self;
+        let contacts = Contacts { groups, index, bodies, pairs, is_held: &hold.islands };
+        let counts = &mut report.counts;
+        match &mut batches[..*batch_count] {
+            [only] if threads.has_team() && touches.len() >= SHARED_TOUCHES => {
+                let mut parts: SmallVec<[_; MOST_PIECES]> = touches.parts().map(|part| (part, 0, 0)).collect();
+                threads.share(parts.iter_mut(), |(part, manifolds, points)| {
+                    for touch in part.iter().filter(|touch| touch.manifolds > 0 && contacts.solved(touch).is_some()) {
+                        *manifolds += usize::from(touch.manifolds);
+                        *points += u32::from(touch.points);
+                    }
+                });
+                counts.contact_points += parts.iter().map(|&(.., points)| points).sum::<u32>();
+                let all = parts.iter().map(|&(_, manifolds, _)| manifolds).sum();
+                counts.manifolds += all as u32;
+                let (mut manifolds, mut ends) = only.room_for_manifolds(all);
+                let pieces = parts.into_iter().map(|(part, own, _)| {
+                    let own = (manifolds.split_off_mut(..own), ends.split_off_mut(..own));
+                    (part, own.0.unwrap_or_default(), own.1.unwrap_or_default())
+                });
+                threads.share(pieces, |(part, manifolds, ends)| {
+                    let touching = part.iter().filter(|touch| touch.manifolds > 0 && contacts.solved(touch).is_some());
+                    let found = touching.flat_map(|touch| contacts.manifolds(touch));
+                    manifolds.iter_mut().zip(ends).zip(found).for_each(|((manifold, ends), found)| (*manifold, *ends) = found);
+                });
+            }
+            batches => {
+                for touch in touches.touching() {
+                    let Some(body) = contacts.solved(touch) else { continue };
+                    let batch = &mut batches[groups.place[body as usize].0 as usize];
+                    contacts.manifolds(touch).for_each(|(manifold, ends)| batch.add_manifold(manifold, ends));
+                    counts.manifolds += u32::from(touch.manifolds);
+                    counts.contact_points += u32::from(touch.points);
+                }
+            }
+        }
+    }
+
+    /// Lists the joints of what moves and is not held.
+    fn list_joints(&mut self) {
+        let Self { groups, joints, bodies, unions, index, .. } = self;
+        let Groups { sorted_joints, listed, joint_heads, dynamic, bound, joint_version, .. } = groups;
+        sorted_joints.clear();
+        let moves = |body: u32| body != NO_BODY && index.free.has(body);
+        let moved = |slot: u32| joint_heads[slot as usize].bodies.into_iter().find(|&body| moves(body));
+        for &body in bound.iter().filter(|&&body| !bodies[body].held) {
+            let own = |id: &JointId| Some(joints.slot_of(*id)).filter(|&slot| moved(slot) == Some(body));
+            match unions.moving(body) {
+                None => sorted_joints.extend(bodies[body].joints.iter().filter_map(own)),
+                Some(union) if union.lead == body => sorted_joints.extend_from_slice(&union.outer),
+                Some(_) => {}
+            }
+        }
+        sorted_joints.sort_unstable();
+        sorted_joints.dedup();
+        listed.dynamic.clone_from(dynamic);
+        listed.bound.clone_from(bound);
+        let is_whole = unions.iter().next().is_none() && !bound.iter().any(|&body| bodies[body].held);
+        listed.joint_version = joint_version.filter(|_| is_whole);
+    }
+
+    pub(super) fn hand_out_joints(&mut self) {
+        if !self.groups.joints_stay {
+            self.list_joints();
+        }
+        let Self { groups, batches, joints, index, report, .. } = self;
+        let joint_heads = &groups.joint_heads;
+        let moves = |body: u32| body != NO_BODY && index.free.has(body);
+        let moved = |slot: u32| joint_heads[slot as usize].bodies.into_iter().find(|&body| moves(body));
+        groups.joint_places.resize(joints.slot_count(), 0);
+        for &slot in &groups.sorted_joints {
+            if let Some(body) = moved(slot) {
+                let joint_slots = &mut batches[groups.place[body as usize].0 as usize].joint_slots;
+                groups.joint_places[slot as usize] = joint_slots.len() as u32;
+                joint_slots.push(slot);
+                report.counts.joints += 1;
+            }
+        }
+    }
+}
