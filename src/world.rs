@@ -124,6 +124,8 @@ struct Scratch {
     noted_joints: Vec<store::joints::Noted>,
     /// Pairs whose contact may have begun or ended.
     changed: Vec<u32>,
+    /// What of each part of the pairs that touch is of other batches than the largest.
+    others: Vec<Vec<u32>>,
     /// Forces of the manifolds of a batch.
     pulls: Vec<store::Pull>,
     slots: Vec<u32>,

@@ -104,7 +104,7 @@ impl Batch {
         self.prepare_exact(settings.gravity, h);
         self.bounds.lay_out(&self.motions, h);
         self.taut.lay_out(&self.bounds);
-        self.poses.lay_out(&self.velocities, &mut self.motions, &self.roles, h);
+        self.poses.lay_out(threads, (&self.velocities, &mut self.motions), &self.roles, h);
         self.find_passive_islands();
         self.dissipative.lay_out(&self.passive, &self.velocities, &self.motions);
         self.find_sheet(threads);

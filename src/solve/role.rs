@@ -28,6 +28,11 @@ impl Role {
         self.0 & Self::UNLOCKED != 0
     }
 
+    /// Whether a joint holds it.
+    pub(crate) fn is_jointed(self) -> bool {
+        self.0 & Self::JOINTED != 0
+    }
+
     /// Whether it moves and no joint holds it.
     pub(crate) fn is_loose(self) -> bool {
         self.0 & (Self::MOVES | Self::JOINTED) == Self::MOVES

@@ -98,6 +98,11 @@ impl Groups {
         self.listed.joint_version = None;
     }
 
+    /// The batch with the most bodies of those that are solved, if there is any.
+    pub(super) fn largest_batch(&self) -> Option<u32> {
+        (0..self.batch_sizes.len() as u32).max_by_key(|&batch| self.batch_sizes[batch as usize])
+    }
+
     /// Brings what is known of the joints up to date.
     fn list_joint_heads(&mut self, joints: &Pool<Joint, JointId>) {
         if self.joint_version == Some(joints.version()) {

@@ -9,11 +9,12 @@ use super::touches::Touch;
 use crate::body::{Body, BodyKind};
 use crate::collide::cache::PairCache;
 use crate::id::{BodyId, JointId, Pool};
-use crate::solve::batch::{ContactEnds, REPLICA};
+use crate::report::StepCounts;
+use crate::solve::batch::{Batch, ContactEnds, REPLICA};
 use crate::solve::state::WORLD_SLOT;
 use crate::workers::MOST_PIECES;
 
-/// Pairs that touch from which on all threads hand out their manifolds, where all are of one batch.
+/// Pairs that touch from which on all threads hand out the manifolds of the largest batch.
 const SHARED_TOUCHES: usize = 2048;
 
 /// What is asked of pairs that touch.
@@ -26,10 +27,17 @@ struct Contacts<'a> {
 }
 
 impl Contacts<'_> {
-    /// A body of a pair in whose batch its manifolds are solved, if they are.
-    fn solved(&self, touch: &Touch) -> Option<u32> {
-        let moved = touch.bodies.into_iter().find(|&body| self.index.free.has(body));
-        moved.filter(|&body| !self.is_held[self.groups.island[body as usize] as usize])
+    /// The batch in which the manifolds of a pair are solved, if there are any and they are.
+    fn batch_of(&self, touch: &Touch) -> Option<u32> {
+        let moved = touch.bodies.into_iter().find(|&body| touch.manifolds > 0 && self.index.free.has(body));
+        let solved = moved.filter(|&body| !self.is_held[self.groups.island[body as usize] as usize]);
+        solved.map(|body| self.groups.place[body as usize].0)
+    }
+
+    fn hand_out(&self, touch: &Touch, batch: &mut Batch, counts: &mut StepCounts) {
+        self.manifolds(touch).for_each(|(manifold, ends)| batch.add_manifold(manifold, ends));
+        counts.manifolds += u32::from(touch.manifolds);
+        counts.contact_points += u32::from(touch.points);
     }
 
     fn slot_of(&self, body: u32) -> u32 {
@@ -55,42 +63,63 @@ impl Contacts<'_> {
 
 impl World {
     pub(super) fn hand_out_contacts(&mut self) {
-        let Self { groups, touches, batches, batch_count, bodies, pairs, hold, index, report, threads, .. } = self;
+        let largest = self.groups.largest_batch().filter(|_| self.threads.has_team() && self.touches.len() >= SHARED_TOUCHES);
+        if let Some(largest) = largest {
+            return self.hand_out_contacts_to(largest);
+        }
+        let Self { groups, touches, batches, bodies, pairs, hold, index, report, .. } = self;
         let contacts = Contacts { groups, index, bodies, pairs, is_held: &hold.islands };
-        let counts = &mut report.counts;
-        match &mut batches[..*batch_count] {
-            [only] if threads.has_team() && touches.len() >= SHARED_TOUCHES => {
-                let mut parts: SmallVec<[_; MOST_PIECES]> = touches.parts().map(|part| (part, 0, 0)).collect();
-                threads.share(parts.iter_mut(), |(part, manifolds, points)| {
-                    for touch in part.iter().filter(|touch| touch.manifolds > 0 && contacts.solved(touch).is_some()) {
+        for touch in touches.touching() {
+            if let Some(batch) = contacts.batch_of(touch) {
+                contacts.hand_out(touch, &mut batches[batch as usize], &mut report.counts);
+            }
+        }
+    }
+
+    /// Hands out all contacts, those of the largest batch on all threads.
+    fn hand_out_contacts_to(&mut self, largest: u32) {
+        let Self { groups, touches, batches, bodies, pairs, hold, index, report, threads, scratch, .. } = self;
+        let contacts = Contacts { groups, index, bodies, pairs, is_held: &hold.islands };
+        let others = &mut scratch.others;
+        others.resize_with(others.len().max(touches.parts().count()), Vec::new);
+        // Of each part the manifolds and points that are the largest batch's, and what is of other batches.
+        let mut parts: SmallVec<[_; MOST_PIECES]> =
+            touches.parts().zip(others.iter_mut()).map(|(part, others)| (part, others, 0, 0)).collect();
+        threads.share(parts.iter_mut(), |(part, others, manifolds, points)| {
+            others.clear();
+            for (number, touch) in part.iter().enumerate() {
+                match contacts.batch_of(touch) {
+                    Some(batch) if batch == largest => {
                         *manifolds += usize::from(touch.manifolds);
                         *points += u32::from(touch.points);
                     }
-                });
-                counts.contact_points += parts.iter().map(|&(.., points)| points).sum::<u32>();
-                let all = parts.iter().map(|&(_, manifolds, _)| manifolds).sum();
-                counts.manifolds += all as u32;
-                let (mut manifolds, mut ends) = only.room_for_manifolds(all);
-                let pieces = parts.into_iter().map(|(part, own, _)| {
-                    let own = (manifolds.split_off_mut(..own), ends.split_off_mut(..own));
-                    (part, own.0.unwrap_or_default(), own.1.unwrap_or_default())
-                });
-                threads.share(pieces, |(part, manifolds, ends)| {
-                    let touching = part.iter().filter(|touch| touch.manifolds > 0 && contacts.solved(touch).is_some());
-                    let found = touching.flat_map(|touch| contacts.manifolds(touch));
-                    manifolds.iter_mut().zip(ends).zip(found).for_each(|((manifold, ends), found)| (*manifold, *ends) = found);
-                });
+                    Some(_) => others.push(number as u32),
+                    None => {}
+                }
             }
-            batches => {
-                for touch in touches.touching() {
-                    let Some(body) = contacts.solved(touch) else { continue };
-                    let batch = &mut batches[groups.place[body as usize].0 as usize];
-                    contacts.manifolds(touch).for_each(|(manifold, ends)| batch.add_manifold(manifold, ends));
-                    counts.manifolds += u32::from(touch.manifolds);
-                    counts.contact_points += u32::from(touch.points);
+        });
+        let counts = &mut report.counts;
+        for (part, others, ..) in &parts {
+            for &number in others.iter() {
+                let touch = &part[number as usize];
+                if let Some(batch) = contacts.batch_of(touch) {
+                    contacts.hand_out(touch, &mut batches[batch as usize], counts);
                 }
             }
         }
+        counts.contact_points += parts.iter().map(|&(.., points)| points).sum::<u32>();
+        let all = parts.iter().map(|&(_, _, manifolds, _)| manifolds).sum();
+        counts.manifolds += all as u32;
+        let (mut manifolds, mut ends) = batches[largest as usize].room_for_manifolds(all);
+        let pieces = parts.into_iter().map(|(part, _, own, _)| {
+            let own = (manifolds.split_off_mut(..own), ends.split_off_mut(..own));
+            (part, own.0.unwrap_or_default(), own.1.unwrap_or_default())
+        });
+        threads.share(pieces, |(part, manifolds, ends)| {
+            let own = part.iter().filter(|touch| contacts.batch_of(touch) == Some(largest));
+            let found = own.flat_map(|touch| contacts.manifolds(touch));
+            manifolds.iter_mut().zip(ends).zip(found).for_each(|((manifold, ends), found)| (*manifold, *ends) = found);
+        });
     }
 
     /// Lists the joints of what moves and is not held.

@@ -36,6 +36,10 @@ mod turn;
 const SHARED_BLOCKS: usize = 64;
 const LEAST_BLOCKS: usize = 16;
 
+/// Bodies from which on several threads lay them out, and those that are worth another thread's while: some 2 µs.
+const SHARED_BODIES: usize = 1024;
+const LEAST_BODIES: usize = 256;
+
 /// What does not change within the step of eight bodies; unused lanes are the world, which nothing moves.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
@@ -66,10 +70,22 @@ impl PoseBlock {
         tumbles: [0.0; LANES],
     };
 
-    fn add(&mut self, slot: u32, motion: &BodyMotion, h: f32) {
+    /// Takes a body, which is described later.
+    fn name(&mut self, slot: u32) -> usize {
         let l = self.count as usize;
         self.count += 1;
         self.slots[l] = slot;
+        l
+    }
+
+    /// Describes all its bodies.
+    fn describe(&mut self, motions: &[BodyMotion], h: f32) {
+        for l in 0..self.count as usize {
+            self.describe_lane(l, &motions[self.slots[l] as usize], h);
+        }
+    }
+
+    fn describe_lane(&mut self, l: usize, motion: &BodyMotion, h: f32) {
         put(&mut self.inertia, l, motion.inertia);
         for (lanes, number) in self.frame.iter_mut().zip(motion.inertia_frame.normalize().to_array()) {
             lanes[l] = number;
@@ -106,6 +122,8 @@ pub(crate) struct Poses {
     pub energies: Vec<f32>,
     /// Greatest slot of a body in lanes.
     last: usize,
+    /// Whether each slot is only moved in lanes, where that is found on all threads.
+    are_pushed: Vec<bool>,
 }
 
 /// Whether a body is moved in lanes. What that depends on must not be what else is in its batch.
@@ -124,27 +142,60 @@ fn is_free(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
     !motion.direct && motion.is_dynamic() && is_unlocked
 }
 
-fn add(blocks: &mut Vec<PoseBlock>, slot: u32, motion: &BodyMotion, h: f32) {
+/// Gives a body the next lane.
+fn name(blocks: &mut Vec<PoseBlock>, slot: u32) -> Option<(&mut PoseBlock, usize)> {
     if blocks.last().is_none_or(|block| block.count as usize == LANES) {
         make_room_behind(blocks, 1);
         blocks.push(PoseBlock::EMPTY);
     }
-    if let Some(block) = blocks.last_mut() {
-        block.add(slot, motion, h);
+    blocks.last_mut().map(|block| {
+        let lane = block.name(slot);
+        (block, lane)
+    })
+}
+
+fn add(blocks: &mut Vec<PoseBlock>, slot: u32, motion: &BodyMotion, h: f32) {
+    if let Some((block, lane)) = name(blocks, slot) {
+        block.describe_lane(lane, motion, h);
     }
 }
 
 impl Poses {
     /// Lays out lanes for substeps of length `h`.
-    pub(crate) fn lay_out(&mut self, velocities: &[BodyVelocity], motions: &mut [BodyMotion], roles: &[Role], h: f32) {
-        let Self { blocks, pushed, singles, alone, others, outlooks, refused, inertia, energies, last } = self;
-        energies.resize(motions.len(), 0.0);
-        blocks.clear();
-        pushed.clear();
-        singles.clear();
-        alone.clear();
-        others.clear();
-        *last = 0;
+    pub(crate) fn lay_out(
+        &mut self,
+        threads: &Workers,
+        (velocities, motions): (&[BodyVelocity], &mut [BodyMotion]),
+        roles: &[Role],
+        h: f32,
+    ) {
+        self.energies.resize(motions.len(), 0.0);
+        self.blocks.clear();
+        self.pushed.clear();
+        self.singles.clear();
+        self.alone.clear();
+        self.others.clear();
+        self.last = 0;
+        let is_shared = threads.has_team() && motions.len() >= SHARED_BODIES;
+        if is_shared && !roles.iter().any(|role| role.is_jointed()) {
+            self.lay_out_loose(threads, (velocities, motions), roles, h);
+        } else {
+            self.lay_out_all((velocities, motions), roles, h);
+        }
+        let Self { blocks, pushed, singles, others, outlooks, refused, inertia, .. } = self;
+        if !blocks.is_empty() {
+            inertia.resize(motions.len(), [0.0; LANES]);
+        }
+        if !(blocks.is_empty() && others.is_empty()) {
+            // Of what is in lanes they are found before anybody asks.
+            resize(outlooks, motions.len(), Outlook::still(&motions[0]));
+            singles.iter().for_each(|&slot| outlooks[slot as usize] = Outlook::still(&motions[slot as usize]));
+        }
+        refused.reserve((blocks.len() + pushed.len()) * LANES);
+    }
+
+    fn lay_out_all(&mut self, (velocities, motions): (&[BodyVelocity], &mut [BodyMotion]), roles: &[Role], h: f32) {
+        let Self { blocks, pushed, singles, alone, others, last, .. } = self;
         for (slot, (velocity, motion)) in velocities.iter().zip(motions.iter_mut()).enumerate() {
             motion.constrained |= roles.get(slot).is_some_and(|role| role.is_touched());
             motion.in_lanes = suits(velocity, motion);
@@ -164,15 +215,35 @@ impl Poses {
                 others.push(slot as u32);
             }
         }
-        if !blocks.is_empty() {
-            inertia.resize(motions.len(), [0.0; LANES]);
+    }
+
+    /// The same of many bodies none of which is in a joint.
+    fn lay_out_loose(
+        &mut self,
+        threads: &Workers,
+        (velocities, motions): (&[BodyVelocity], &mut [BodyMotion]),
+        roles: &[Role],
+        h: f32,
+    ) {
+        let Self { pushed, singles, alone, are_pushed, .. } = self;
+        are_pushed.resize(motions.len(), false);
+        let piece = threads.piece(motions.len(), LEAST_BODIES);
+        let bodies = velocities.chunks(piece).zip(motions.chunks_mut(piece)).zip(are_pushed.chunks_mut(piece));
+        threads.share(bodies.zip((0..).step_by(piece)), |(((velocities, motions), are_pushed), first)| {
+            for (((velocity, motion), own), slot) in velocities.iter().zip(motions).zip(are_pushed).zip(first..) {
+                debug_assert!(!motion.jointed, "it is in a joint");
+                motion.constrained |= roles.get(slot).is_some_and(|role| role.is_touched());
+                motion.in_lanes = false;
+                *own = is_pushed(velocity, motion);
+            }
+        });
+        singles.extend(0..motions.len() as u32);
+        alone.extend((0..).zip(&*are_pushed).filter(|&(_, &own)| !own).map(|(slot, _)| slot));
+        for (slot, _) in (0..).zip(&*are_pushed).filter(|&(_, &own)| own) {
+            name(pushed, slot);
         }
-        if !(blocks.is_empty() && others.is_empty()) {
-            // Of what is in lanes they are found before anybody asks.
-            resize(outlooks, motions.len(), Outlook::still(&motions[0]));
-            singles.iter().for_each(|&slot| outlooks[slot as usize] = Outlook::still(&motions[slot as usize]));
-        }
-        refused.reserve((blocks.len() + pushed.len()) * LANES);
+        let (piece, motions) = (threads.piece(pushed.len(), LEAST_BLOCKS), &*motions);
+        threads.share(pushed.chunks_mut(piece), |blocks| blocks.iter_mut().for_each(|block| block.describe(motions, h)));
     }
 
     /// Adds a substep's forces to velocities, and forms the world inertia that rows respond with.

@@ -57,7 +57,7 @@ fn any_bodies() -> impl Strategy<Value = Bodies> {
 /// A substep's kernels; what they leave behind, and which bodies they refused.
 fn run<W: Wide>((velocities, motions): &Bodies) -> (Bodies, Vec<Outlook>, Vec<u32>) {
     let (mut velocities, mut motions, mut poses) = (velocities.clone(), motions.clone(), Poses::default());
-    poses.lay_out(&velocities, &mut motions, &[], H);
+    poses.lay_out(&Workers::default(), (&velocities, &mut motions), &[], H);
     kernels::apply_forces::<W>(&poses.blocks, &mut velocities[..], &motions, &mut poses.energies[..], H);
     kernels::limit::<W>(&poses.blocks, &mut velocities[..], H);
     kernels::predict::<W>(&poses.blocks, &velocities, &motions, &mut poses.outlooks[..], &mut poses.refused, H);
@@ -105,7 +105,7 @@ proptest! {
         }
         let (mut own, mut own_places) = bodies;
         let mut poses = Poses::default();
-        poses.lay_out(&own, &mut own_places, &[], H);
+        poses.lay_out(&Workers::default(), (&own, &mut own_places), &[], H);
         poses.apply_forces(&Workers::default(), &mut own, &own_places, H);
         poses.limit_speeds(&Workers::default(), &mut own, H);
         poses.predict(&Workers::default(), &own, &own_places, H);
@@ -136,7 +136,7 @@ proptest! {
     #[test]
     fn lanes_displace_bodies_to_the_bits_of_bodies_displaced_one_by_one((velocities, mut motions) in any_bodies()) {
         let mut poses = Poses::default();
-        poses.lay_out(&velocities, &mut motions, &[], H);
+        poses.lay_out(&Workers::default(), (&velocities, &mut motions), &[], H);
         let mut other = motions.clone();
         other.iter_mut().zip(&velocities).for_each(|(motion, push)| motion.displace(push.linear, push.angular));
         poses.displace(&Workers::default(), &mut motions, &velocities);
@@ -166,7 +166,7 @@ fn a_body_that_tumbles_in_lanes_keeps_its_angular_momentum() {
     let before = momentum(&velocities[1], &motions[1]);
     let mut poses = Poses::default();
     for _ in 0..600 {
-        poses.lay_out(&velocities, &mut motions, &[], H);
+        poses.lay_out(&Workers::default(), (&velocities, &mut motions), &[], H);
         for _ in 0..4 {
             let moving = motions.len() - 1;
             poses.advance(&Workers::default(), (&mut velocities, &mut motions, moving), H);
