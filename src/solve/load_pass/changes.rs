@@ -17,24 +17,20 @@ pub(super) struct LaneChanges {
     islands: [u32; LANES],
 }
 
-/// Those of one lane.
-#[derive(Clone, Copy)]
-pub(super) struct OneLane<'a> {
-    changes: &'a LaneChanges,
-    lane: usize,
-}
-
 impl LaneChanges {
     pub(super) const NONE: Self =
         Self { rows: [const { [const { AtomicU32::new(0) }; LANES] }; POINTS + 2], islands: [NO_ISLAND; LANES] };
 
-    /// Begins with the island of each lane; what is noted of the others is left, and nothing is taken of it.
+    /// Begins with the island of each lane, or none: what is noted of such is left, and nothing is taken of it.
     pub(super) fn begin(&mut self, islands: impl Iterator<Item = u32>) {
         self.islands.iter_mut().zip(islands).for_each(|(own, island)| *own = island);
     }
 
-    pub(super) fn of(&self, lane: usize) -> OneLane<'_> {
-        OneLane { changes: self, lane }
+    /// Notes the changes of all points of a lane, and those of friction along both tangents.
+    pub(super) fn set(&self, lane: usize, points: [f32; POINTS], friction: [f32; 2]) {
+        for (row, change) in self.rows.iter().zip(points.into_iter().chain(friction)) {
+            row[lane].store(change.to_bits(), Ordering::Relaxed);
+        }
     }
 
     fn row(&self, row: usize) -> Lane {
@@ -64,21 +60,5 @@ fn change(lambda: &mut Lane, by: &Lane, shares: &Lane, bound: impl Fn(f32) -> f3
     for l in 0..LANES {
         let changed = bound(lambda[l] + by[l] * shares[l]);
         lambda[l] = if shares[l] > 0.0 { changed } else { lambda[l] };
-    }
-}
-
-impl OneLane<'_> {
-    fn set(&self, row: usize, change: f32) {
-        self.changes.rows[row][self.lane].store(change.to_bits(), Ordering::Relaxed);
-    }
-
-    /// Notes the change of a point's multiplier.
-    pub(super) fn set_point(&self, point: u8, change: f32) {
-        self.set(usize::from(point), change);
-    }
-
-    /// Notes that of friction along both tangents.
-    pub(super) fn set_friction(&self, change: [f32; 2]) {
-        (POINTS..).zip(change).for_each(|(row, change)| self.set(row, change));
     }
 }

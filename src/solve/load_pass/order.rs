@@ -200,7 +200,7 @@ impl LoadPass {
 
     /// Gives every body in order its place, those of one thread in a row, and after them those that stand on nothing but are stood on.
     fn place_bodies(&mut self, threads: &Workers) {
-        let Self { order, stacks: Stacks { bodies, .. }, island, islands, .. } = self;
+        let Self { order, stacks: Stacks { bodies, .. }, changes, island, islands, .. } = self;
         order.cut(threads);
         let Order { stands, by_upper, slots, storey, pieces, by_place, places, above, .. } = order;
         bodies.clear();
@@ -239,17 +239,19 @@ impl LoadPass {
             by_place.push(last);
         }
         let none = bodies.len() as u32;
-        let below = |stand: &Stand| {
-            let is_placed = stand.exists() && places[stand.upper as usize] < first;
-            if is_placed { places[stand.lower as usize].min(none) } else { none }
-        };
+        let is_placed = |stand: &Stand| stand.exists() && places[stand.upper as usize] < first;
+        let below = |stand: &Stand| if is_placed(stand) { places[stand.lower as usize].min(none) } else { none };
         above.sort(bodies.len() + 1, stands.iter().enumerate().map(|(lane, stand)| (below(stand), lane as u32)));
+        changes.resize_with(stands.len() / LANES, || LaneChanges::NONE);
+        for (changes, stands) in changes.iter_mut().zip(stands.chunks(LANES)) {
+            changes.begin(stands.iter().map(|stand| if is_placed(stand) { island[stand.upper as usize] } else { NO_ISLAND }));
+        }
     }
 
     /// Describes what bodies stand on, each with the thread that goes through it later.
     pub(super) fn describe(&mut self, batch: &Batch, threads: &Workers) {
-        let Self { order, stacks, changes, axes, island, .. } = self;
-        let Order { stands, by_upper, slots, places, by_place, .. } = order;
+        let Self { order, stacks, axes, .. } = self;
+        let Order { stands, by_upper, places, by_place, .. } = order;
         let Stacks { bodies, patches, points, bounded, handed, along } = stacks;
         let [patch_count, point_count] = bodies.last().map_or([0; 2], Standing::ends);
         resize(patches, patch_count, Patch::default());
@@ -281,11 +283,6 @@ impl LoadPass {
                 }
             }
         });
-        let is_placed = |stand: &Stand| stand.exists() && places[stand.upper as usize] < slots.len() as u32;
-        changes.resize_with(batch.contacts.len(), || LaneChanges::NONE);
-        for (changes, stands) in changes.iter_mut().zip(stands.chunks(LANES)) {
-            changes.begin(stands.iter().map(|stand| if is_placed(stand) { island[stand.upper as usize] } else { NO_ISLAND }));
-        }
     }
 }
 

@@ -5,6 +5,7 @@ use std::ops::{Add, Range, Sub};
 use glam::{DVec3, Vec3};
 
 use super::super::batch::Batch;
+use super::super::contact::POINTS;
 use super::super::contact_block::ContactBlocks;
 use super::super::shared::{Divided, Part, Slots};
 use super::super::state::{BodyMotion, BodyVelocity};
@@ -301,8 +302,7 @@ impl Under<'_> {
         let mut work = Work::default();
         for patch in &mut *self.patches {
             let own = self.body.points_of(patch);
-            let lanes = changes[patch.block()].of(patch.lane());
-            let mut load = 0.0;
+            let (mut deltas, mut load) = ([0.0; POINTS], 0.0);
             let (mut push, mut lever_upper, mut lever_lower) = (0.0, DVec3::ZERO, DVec3::ZERO);
             for (point, bounded) in self.points[own.clone()].iter().zip(&self.bounded[own]) {
                 let delta = f64::from(bounded.change);
@@ -311,11 +311,11 @@ impl Under<'_> {
                 lever_upper += point.lever_upper.as_dvec3() * delta;
                 lever_lower += point.lever_lower.as_dvec3() * delta;
                 work.closing += delta * f64::from(point.closing_speed);
-                lanes.set_point(point.index, bounded.change);
+                deltas[usize::from(point.index)] = bounded.change;
             }
             let before = patch.rubbed(blocks);
             patch.rub = (before + patch.rub).clamp_length_max(patch.friction * load.max(0.0)) - before;
-            lanes.set_friction(patch.rub_along_tangents());
+            changes[patch.block()].set(patch.lane(), deltas, patch.rub_along_tangents());
             let (normal, rub) = (patch.normal.as_dvec3(), patch.rub.as_dvec3());
             let linear = normal * push;
             let on = Impulse { linear, angular: lever_lower.cross(normal) } + Impulse::at(patch.center_lower, rub);
