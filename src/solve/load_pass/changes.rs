@@ -10,7 +10,7 @@ use super::super::contact_block::WholeBlock;
 use super::NO_ISLAND;
 
 /// Changes of the multipliers of a block's points, and of its friction along both tangents, as bits.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct LaneChanges {
     rows: [[AtomicU32; LANES]; POINTS + 2],
     /// Island of each lane that has any.
@@ -18,9 +18,6 @@ pub(super) struct LaneChanges {
 }
 
 impl LaneChanges {
-    pub(super) const NONE: Self =
-        Self { rows: [const { [const { AtomicU32::new(0) }; LANES] }; POINTS + 2], islands: [NO_ISLAND; LANES] };
-
     /// Begins with the island of each lane, or none: what is noted of such is left, and nothing is taken of it.
     pub(super) fn begin(&mut self, islands: impl Iterator<Item = u32>) {
         self.islands.iter_mut().zip(islands).for_each(|(own, island)| *own = island);

@@ -242,7 +242,7 @@ impl LoadPass {
         let is_placed = |stand: &Stand| stand.exists() && places[stand.upper as usize] < first;
         let below = |stand: &Stand| if is_placed(stand) { places[stand.lower as usize].min(none) } else { none };
         above.sort(bodies.len() + 1, stands.iter().enumerate().map(|(lane, stand)| (below(stand), lane as u32)));
-        changes.resize_with(stands.len() / LANES, || LaneChanges::NONE);
+        changes.resize_with(stands.len() / LANES, LaneChanges::default);
         for (changes, stands) in changes.iter_mut().zip(stands.chunks(LANES)) {
             changes.begin(stands.iter().map(|stand| if is_placed(stand) { island[stand.upper as usize] } else { NO_ISLAND }));
         }
