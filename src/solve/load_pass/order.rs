@@ -240,6 +240,9 @@ impl LoadPass {
         }
         let none = bodies.len() as u32;
         let is_placed = |stand: &Stand| stand.exists() && places[stand.upper as usize] < first;
+        let is_above = |stand: &Stand| storey[stand.upper as usize] < storey[stand.lower as usize];
+        let mut between = stands.iter().filter(|stand| is_placed(stand) && places[stand.lower as usize] != NO_PLACE);
+        debug_assert!(between.all(is_above), "a body stands on one of its own storey");
         let below = |stand: &Stand| if is_placed(stand) { places[stand.lower as usize].min(none) } else { none };
         above.sort(bodies.len() + 1, stands.iter().enumerate().map(|(lane, stand)| (below(stand), lane as u32)));
         changes.resize_with(stands.len() / LANES, LaneChanges::default);

@@ -145,8 +145,8 @@ impl DividedStacks<'_> {
     /// # Safety
     /// While it lives no other part is used for a body that this one is used for, or for one that stands on such a body or under it.
     pub(super) unsafe fn part(&self) -> SomeStacks<'_> {
-        // SAFETY: patches and points belong to the body that stands on them; of others, only those of what stands on a body are read, and
-        // bodies under it.
+        // SAFETY: patches and points belong to the body that stands on them, as do the lanes of what it hands on and the energy of its slot; of
+        // others, only what is handed on by those that stand on a body is read, and the velocities of those under it.
         unsafe {
             SomeStacks {
                 bodies: self.bodies.part(),
