@@ -93,7 +93,9 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers
     };
     let gap = pair.gap(margin)?;
     let allowed = pair.allowed_normal(gap.normal)?;
-    let normal = if allowed.dot(gap.normal) < 1.0 - SLACK.1 {
+    // However little the neighbours have turned it, their normal is the right one: a normal tilted by θ pushes sideways with θ of the
+    // weight, and nothing holds what can roll.
+    let normal = if allowed != gap.normal {
         pair.facing_features(allowed, buffers);
         let depth = gap.distance() - pair.radii;
         buffers.candidates.retain(|c| depth >= 0.0 || c.separation >= MAX_DEEPENING * depth);
