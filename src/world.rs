@@ -118,7 +118,7 @@ struct Scratch {
     pairs: Vec<PairScratch>,
     /// Shapes with another kept box, for each piece of the shapes.
     reboxed: Vec<Vec<u32>>,
-    paths: Vec<fast::Path>,
+    sweeps: fast::Sweeps,
     /// What is noted of bodies, and of joints, for each piece of a batch.
     noted: Vec<store::bodies::Noted>,
     noted_joints: Vec<store::joints::Noted>,

@@ -1,116 +1,318 @@
 //! Stage that stops bodies flagged fast at what they would have passed through.
 //!
+//! A step moves bodies from where they were to where the solver has put them. Those flagged fast are swept along that way, against all
+//! that is near it and moves along its own way at the same time. Touches are taken in the order in which they happen: what one has
+//! stopped does not come as far as the next, and nothing meets it there. All are found before anything is put back.
+//!
+//! Two fast bodies that touch both stop there. What touches another body is carried on by that to the end of the step, as if it lay on it.
+//! Velocities stay what they are; the contact of the next step answers to them.
+//!
 //! What joints connect stops as one: where a member of an articulation is stopped, all of it goes back along its path by the same
 //! share, so that no part is torn from the rest. Members do not stop one another.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::World;
+use super::index::Marks;
 use crate::collide::broad::{FEW_SHAPES, LARGE_GROUP};
-use crate::collide::sweep::{self, PathStart};
+use crate::collide::sweep::{self, BodyPath, BodyPose, Buffer};
 use crate::span::union::UnionMotion;
 
-/// Path of a body through the step.
-#[derive(Debug, Clone, Copy)]
+/// A body that may have to be stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Path {
     /// Batch, and articulation in it; a body without joints is one by itself.
     pub group: (u32, u32),
     pub body: u32,
-    pub start: PathStart,
 }
 
-/// Whether a body is of a group, which is sorted by body.
-fn is_member(group: &[Path], body: u32) -> bool {
-    group.binary_search_by_key(&body, |member| member.body).is_ok()
+/// Group of a body that is not swept.
+const NO_GROUP: u32 = u32::MAX;
+
+/// A body that the step moves.
+#[derive(Debug, Clone, Copy)]
+struct Mover {
+    /// Where it was when the step began.
+    start: BodyPose,
+    /// Number of its group.
+    group: u32,
+}
+
+/// Bodies that stop as one.
+#[derive(Debug, Clone, Copy)]
+struct Group {
+    /// Range of paths.
+    first: usize,
+    end: usize,
+    stop: Option<Stop>,
+}
+
+/// Where a group stops.
+#[derive(Debug, Clone, Copy)]
+struct Stop {
+    /// Share of the way.
+    time: f32,
+    /// Where what it has met was then, and is at the end of the step, if that goes on.
+    carried: Option<[BodyPose; 2]>,
+}
+
+impl Stop {
+    /// Where a body ends that stops here.
+    fn carry(&self, at: BodyPose) -> BodyPose {
+        let Some([from, to]) = self.carried else { return at };
+        let turn = to.rotation * from.rotation.conjugate();
+        let center = to.center + turn.as_dquat() * (at.center - from.center);
+        BodyPose { center, rotation: (turn * at.rotation).normalize() }
+    }
+}
+
+/// A touch to come, in the order in which touches are taken: share of the step as the bits of a number that is not negative, swept shape,
+/// the other, and which of the two were stopped when it was found.
+type Touch = (u32, u32, u32, [bool; 2]);
+
+/// Buffers of the stage.
+#[derive(Debug, Default)]
+pub(super) struct Sweeps {
+    pub paths: Vec<Path>,
+    /// By slot, those that are marked.
+    movers: Vec<Mover>,
+    moved: Marks,
+    groups: Vec<Group>,
+    /// Swept shapes, each with another that may be in its way.
+    near: Vec<(u32, u32)>,
+    /// Places in that list by the groups of both.
+    near_group: Vec<(u32, u32)>,
+    /// Swept shapes that have left the box in which others look for them, with the box of their way.
+    strays: Vec<(u32, Aabb)>,
+    around: Vec<u32>,
+    touches: BinaryHeap<Reverse<Touch>>,
+    parts: Buffer,
+}
+
+impl Sweeps {
+    fn group_of(&self, body: u32) -> u32 {
+        if self.moved.has(body) { self.movers[body as usize].group } else { NO_GROUP }
+    }
+
+    fn stop_of(&self, body: u32) -> Option<Stop> {
+        self.groups.get(self.group_of(body) as usize)?.stop
+    }
+
+    /// Cuts the list of paths into groups.
+    fn form_groups(&mut self) {
+        self.paths.sort_unstable();
+        self.groups.clear();
+        for (place, path) in self.paths.iter().enumerate() {
+            if place == 0 || self.paths[place - 1].group != path.group {
+                self.groups.push(Group { first: place, end: place, stop: None });
+            }
+            let number = self.groups.len() - 1;
+            self.groups[number].end = place + 1;
+            self.movers[path.body as usize].group = number as u32;
+        }
+    }
 }
 
 impl World {
-    /// Sweeps bodies flagged fast along the path of the step.
-    pub(super) fn stop_fast_bodies(&mut self) {
-        if !self.census.some_are_fast() {
+    /// Takes note of where bodies are that the step has not moved yet, if any may have to be stopped.
+    pub(super) fn note_starts(&mut self) {
+        let Self { census, movers, bodies, scratch, .. } = self;
+        let sweeps = &mut scratch.sweeps;
+        sweeps.paths.clear();
+        if !census.some_are_fast() {
             return;
         }
-        let mut paths = std::mem::take(&mut self.scratch.paths);
-        paths.sort_unstable_by_key(|path| (path.group, path.body));
-        for group in paths.chunk_by(|a, b| a.group == b.group) {
-            let mut near = std::mem::take(&mut self.scratch.slots);
-            let few = self.find_near(group, &mut near).then_some(&near[..]);
-            let touch = |path: &Path| if self.bodies[path.body].fast { self.first_touch(path, group, few) } else { None };
-            let fraction = group.iter().filter_map(touch).min_by(f32::total_cmp);
-            self.scratch.slots = near;
-            let Some(fraction) = fraction else { continue };
-            for path in group {
-                if let Some(union) = self.unions.moving(path.body) {
-                    if let Some(before) = union.before.filter(|_| union.lead == path.body) {
-                        let center = before.center.lerp(union.motion.center, f64::from(fraction));
-                        let rotation = before.rotation.lerp(union.motion.rotation, fraction);
-                        self.place_members(path.body, UnionMotion { center, rotation, ..before });
-                    }
-                    continue;
-                }
-                let body = &mut self.bodies[path.body];
-                body.center = path.start.center.lerp(body.center, f64::from(fraction));
-                if group.len() > 1 {
-                    body.rotation = path.start.rotation.lerp(body.rotation, fraction);
-                }
-                self.shapes_follow(path.body);
-            }
+        sweeps.moved.begin(bodies.slot_count());
+        let nowhere = Mover { start: BodyPose::ORIGIN, group: NO_GROUP };
+        sweeps.movers.resize(bodies.slot_count(), nowhere);
+        for &index in &*movers {
+            let body = &bodies[index];
+            let start = BodyPose { center: body.center, rotation: body.rotation };
+            sweeps.movers[index as usize] = Mover { start, group: NO_GROUP };
+            sweeps.moved.set(index);
         }
-        self.scratch.paths = paths;
     }
 
-    /// Finds the shapes that may be in the way of a group; false if the group is small or there are many.
-    fn find_near(&self, group: &[Path], near: &mut Vec<u32>) -> bool {
+    /// Sweeps bodies flagged fast along their ways through the step.
+    pub(super) fn stop_fast_bodies(&mut self) {
+        if self.scratch.sweeps.paths.is_empty() {
+            return;
+        }
+        let mut sweeps = std::mem::take(&mut self.scratch.sweeps);
+        sweeps.form_groups();
+        self.find_near_paths(&mut sweeps);
+        sweeps.touches.clear();
+        for place in 0..sweeps.near.len() {
+            self.find_touch(&mut sweeps, place);
+        }
+        while let Some(Reverse((time, swept, other, stopped))) = sweeps.touches.pop() {
+            let bodies = [swept, other].map(|shape| self.colliders[shape].body);
+            if bodies.map(|body| sweeps.stop_of(body).is_some()) == stopped {
+                self.stop_at(&mut sweeps, f32::from_bits(time), bodies);
+            }
+        }
+        for group in &sweeps.groups {
+            if let Some(stop) = &group.stop {
+                self.put_back(&sweeps.paths[group.first..group.end], stop, &sweeps);
+            }
+        }
+        self.scratch.sweeps = sweeps;
+    }
+
+    /// Way of a body through the step, as far as it goes by what is known so far.
+    fn path_of(&self, sweeps: &Sweeps, index: u32) -> BodyPath {
+        let body = &self.bodies[index];
+        let end = BodyPose { center: body.center, rotation: body.rotation };
+        if !sweeps.moved.has(index) {
+            return BodyPath::straight(end, end);
+        }
+        let start = sweeps.movers[index as usize].start;
+        match sweeps.stop_of(index) {
+            None => BodyPath::straight(start, end),
+            Some(stop) => {
+                let turn = start.lerp(&end, stop.time);
+                BodyPath { start, until: stop.time, turn, end: stop.carry(turn) }
+            }
+        }
+    }
+
+    /// Lists swept shapes with what may be in their way.
+    fn find_near_paths(&self, sweeps: &mut Sweeps) {
+        let mut near = std::mem::take(&mut sweeps.near);
+        let mut strays = std::mem::take(&mut sweeps.strays);
+        let mut around = std::mem::take(&mut sweeps.around);
         near.clear();
-        if group.len() < LARGE_GROUP {
+        strays.clear();
+        let is_swept = |body: u32| sweeps.group_of(body) != NO_GROUP && self.bodies[body].fast;
+        let pair_of = |shape: u32, other: u32| {
+            let (a, b) = (&self.colliders[shape], &self.colliders[other]);
+            let may_meet = sweeps.group_of(a.body) != sweeps.group_of(b.body) && self.may_meet(a, b);
+            may_meet.then(|| if other < shape && is_swept(b.body) { (other, shape) } else { (shape, other) })
+        };
+        for group in &sweeps.groups {
+            let members = &sweeps.paths[group.first..group.end];
+            let few = self.find_around(sweeps, members, &mut around).then_some(&around[..]);
+            for (shape, bounds) in self.swept_shapes(sweeps, members) {
+                match few {
+                    Some(few) => {
+                        let meets = |other: u32| self.colliders[other].fat_box.is_some_and(|kept| kept.intersects(&bounds));
+                        near.extend(few.iter().filter(|&&other| meets(other)).filter_map(|&other| pair_of(shape, other)));
+                    }
+                    None => near.extend(self.broad.overlapping(&bounds).filter_map(|other| pair_of(shape, other))),
+                }
+                if self.colliders[shape].fat_box.is_none_or(|kept| !kept.contains(&bounds)) {
+                    strays.push((shape, bounds));
+                }
+            }
+        }
+        strays.sort_unstable_by(|(a, bounds_a), (b, bounds_b)| bounds_a.mins.x.total_cmp(&bounds_b.mins.x).then(a.cmp(b)));
+        for (place, (shape, bounds)) in strays.iter().enumerate() {
+            let behind = strays[place + 1..].iter().take_while(|(_, other)| other.mins.x <= bounds.maxs.x);
+            near.extend(behind.filter(|(_, other)| other.intersects(bounds)).filter_map(|&(other, _)| pair_of(*shape, other)));
+        }
+        near.sort_unstable();
+        near.dedup();
+        sweeps.near_group.clear();
+        for (place, &(swept, other)) in near.iter().enumerate() {
+            let groups = [swept, other].map(|shape| sweeps.group_of(self.colliders[shape].body));
+            let swept_groups = groups.into_iter().filter(|&group| group != NO_GROUP);
+            sweeps.near_group.extend(swept_groups.map(|group| (group, place as u32)));
+        }
+        sweeps.near_group.sort_unstable();
+        (sweeps.near, sweeps.strays, sweeps.around) = (near, strays, around);
+    }
+
+    /// Shapes of a group that are swept, with the boxes of their ways.
+    fn swept_shapes<'a>(&'a self, sweeps: &'a Sweeps, members: &'a [Path]) -> impl Iterator<Item = (u32, Aabb)> + 'a {
+        let fast = members.iter().map(|path| path.body).filter(|&body| self.bodies[body].fast);
+        fast.flat_map(move |index| {
+            let (body, start) = (&self.bodies[index], &sweeps.movers[index as usize].start);
+            let shapes = body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok());
+            shapes.map(move |shape| (shape, sweep::path_box(&self.colliders[shape], body, start)))
+        })
+    }
+
+    /// Finds the shapes that may be in the way of a large group; false if it is small, or there are many.
+    fn find_around(&self, sweeps: &Sweeps, members: &[Path], around: &mut Vec<u32>) -> bool {
+        around.clear();
+        if members.len() < LARGE_GROUP {
             return false;
         }
-        let mut whole: Option<Aabb> = None;
-        for path in group.iter().filter(|path| self.bodies[path.body].fast) {
-            let body = &self.bodies[path.body];
-            for shape in body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok()) {
-                let swept = sweep::path_box(&self.colliders[shape], body, &path.start);
-                whole = Some(whole.map_or(swept, |whole| whole.merged(&swept)));
-            }
+        let own = sweeps.group_of(members[0].body);
+        if let Some(whole) =
+            self.swept_shapes(sweeps, members).map(|(_, bounds)| bounds).reduce(|whole, more| whole.merged(&more))
+        {
+            let is_other = |&shape: &u32| sweeps.group_of(self.colliders[shape].body) != own;
+            around.extend(self.broad.overlapping(&whole).filter(is_other).take(FEW_SHAPES + 1));
         }
-        let is_other = |&shape: &u32| !is_member(group, self.colliders[shape].body);
-        if let Some(whole) = whole {
-            near.extend(self.broad.overlapping(&whole).filter(is_other).take(FEW_SHAPES + 1));
-        }
-        near.len() <= FEW_SHAPES
+        around.len() <= FEW_SHAPES
     }
 
-    /// Share of the path after which the body touches something that is not of its group; `near` is all that could be, if known.
-    fn first_touch(&self, path: &Path, group: &[Path], near: Option<&[u32]>) -> Option<f32> {
-        let body = &self.bodies[path.body];
-        let mut first: Option<f32> = None;
-        for &id in &body.shapes {
-            let collider = &self.colliders[self.colliders.find(id).ok()?];
-            if !sweep::is_long(collider, body, &path.start) {
+    /// Finds the touch of two shapes that may be in each other's way, as far as both go by what is known so far.
+    fn find_touch(&self, sweeps: &mut Sweeps, place: usize) {
+        let (swept, other) = sweeps.near[place];
+        let colliders = [swept, other].map(|shape| &self.colliders[shape]);
+        let bodies = colliders.map(|collider| collider.body);
+        let stopped = bodies.map(|body| sweeps.stop_of(body).is_some());
+        let moving = |i: usize| sweep::moving(colliders[i], &self.bodies[bodies[i]], self.path_of(sweeps, bodies[i]));
+        let (a, b) = (moving(0), moving(1));
+        let is_swept = sweeps.group_of(bodies[1]) != NO_GROUP && self.bodies[bodies[1]].fast;
+        let extent = if is_swept { colliders[0].least_extent.min(colliders[1].least_extent) } else { colliders[0].least_extent };
+        if let Some(time) = sweep::first_touch(&a, &b, extent, &mut sweeps.parts) {
+            sweeps.touches.push(Reverse((time.to_bits(), swept, other, stopped)));
+        }
+    }
+
+    /// Stops those of two bodies that touch which are swept and have not been stopped, and looks what that changes for others.
+    fn stop_at(&self, sweeps: &mut Sweeps, time: f32, bodies: [u32; 2]) {
+        let goes_on = |body: u32| sweeps.group_of(body) == NO_GROUP || sweeps.stop_of(body).is_some();
+        let on = bodies.map(goes_on);
+        let paths = bodies.map(|body| self.path_of(sweeps, body));
+        for (i, met) in [(0, 1), (1, 0)] {
+            if on[i] {
                 continue;
             }
-            if near.is_some_and(<[u32]>::is_empty) {
-                return None;
-            }
-            let swept = sweep::path_box(collider, body, &path.start);
-            let mut try_touch = |other: u32| {
-                let other_shape = &self.colliders[other];
-                if !is_member(group, other_shape.body)
-                    && self.may_meet(collider, other_shape)
-                    && let Some(fraction) = sweep::first_touch(collider, body, &path.start, other_shape)
-                {
-                    first = Some(first.map_or(fraction, |least| least.min(fraction)));
+            let carried = on[met].then(|| [paths[met].at(time), paths[met].end]);
+            let group = sweeps.group_of(bodies[i]);
+            sweeps.groups[group as usize].stop = Some(Stop { time, carried });
+        }
+        for i in (0..2).filter(|&i| !on[i]) {
+            let group = sweeps.group_of(bodies[i]);
+            let first = sweeps.near_group.partition_point(|&(other, _)| other < group);
+            let end = sweeps.near_group.partition_point(|&(other, _)| other <= group);
+            for entry in first..end {
+                let place = sweeps.near_group[entry].1 as usize;
+                let (swept, other) = sweeps.near[place];
+                let may_stop = |shape: u32| {
+                    let body = self.colliders[shape].body;
+                    sweeps.group_of(body) != NO_GROUP && sweeps.stop_of(body).is_none()
+                };
+                if may_stop(swept) || may_stop(other) {
+                    self.find_touch(sweeps, place);
                 }
-            };
-            match near {
-                Some(near) => {
-                    let meets = |other: u32| self.colliders[other].fat_box.is_some_and(|kept| kept.intersects(&swept));
-                    near.iter().copied().filter(|&other| meets(other)).for_each(&mut try_touch);
-                }
-                None => self.broad.overlapping(&swept).for_each(&mut try_touch),
             }
         }
-        first
+    }
+
+    /// Puts the members of a group where they stop.
+    fn put_back(&mut self, members: &[Path], stop: &Stop, sweeps: &Sweeps) {
+        for path in members {
+            if let Some(union) = self.unions.moving(path.body) {
+                if let Some(before) = union.before.filter(|_| union.lead == path.body) {
+                    let pose = |motion: &UnionMotion| BodyPose { center: motion.center, rotation: motion.rotation };
+                    let BodyPose { center, rotation } = stop.carry(pose(&before).lerp(&pose(&union.motion), stop.time));
+                    self.place_members(path.body, UnionMotion { center, rotation, ..before });
+                }
+                continue;
+            }
+            let end = self.path_of(sweeps, path.body).end;
+            let body = &mut self.bodies[path.body];
+            (body.center, body.rotation) = (end.center, end.rotation);
+            self.shapes_follow(path.body);
+        }
     }
 
     fn shapes_follow(&mut self, index: u32) {

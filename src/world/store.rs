@@ -43,7 +43,7 @@ impl World {
         let substep = dt / self.def.substeps as f32;
         self.scale_held(self.impulse_scale(substep));
         (self.last_substep, self.last_dt) = (substep, dt);
-        self.scratch.paths.clear();
+        self.note_starts();
         self.scratch.changed.clear();
         self.has_smooth_bodies = false;
         for number in 0..self.batch_count {

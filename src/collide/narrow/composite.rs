@@ -50,7 +50,7 @@ fn bounds(shape: &Shape, pose: &Pose3, margin: f32) -> Option<Aabb> {
     bounded.then(|| shape.parry().compute_aabb(pose).loosened(margin))
 }
 
-fn part_count(shape: &Shape) -> u32 {
+pub(super) fn part_count(shape: &Shape) -> u32 {
     match shape.geometry() {
         Geometry::Compound { parts } => parts.len() as u32,
         Geometry::TriangleMesh { .. } => shape.parry().as_trimesh().map_or(0, |mesh| mesh.num_triangles() as u32),
@@ -61,7 +61,7 @@ fn part_count(shape: &Shape) -> u32 {
 }
 
 /// Ids of the parts of `shape` that may meet `bounds`, in order; all of them without bounds.
-fn near_parts(shape: &Shape, bounds: Option<&Aabb>, ids: &mut Vec<u32>) {
+pub(super) fn near_parts(shape: &Shape, bounds: Option<&Aabb>, ids: &mut Vec<u32>) {
     ids.clear();
     let parry = shape.parry();
     let Some(bounds) = bounds else {
@@ -81,7 +81,7 @@ fn near_parts(shape: &Shape, bounds: Option<&Aabb>, ids: &mut Vec<u32>) {
 }
 
 /// A part of `shape` and its place there.
-fn part_at(shape: &Shape, id: u32) -> Option<(Part<'_>, Pose3)> {
+pub(super) fn part_at(shape: &Shape, id: u32) -> Option<(Part<'_>, Pose3)> {
     let parry = shape.parry();
     if let Geometry::Compound { parts } = shape.geometry() {
         let (pose, part) = parry.as_compound()?.shapes().get(id as usize)?;

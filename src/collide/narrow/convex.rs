@@ -76,21 +76,7 @@ impl SupportMap for Core<'_> {
 
 /// Part B against part A.
 pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers: &mut Buffers) -> Option<Manifold> {
-    let (reach_a, reach_b) = (a.reach(), b.reach());
-    // Written so that a NaN is no contact.
-    let near = relative.translation.length() <= reach_a + reach_b + margin;
-    if !near || !relative.rotation.is_finite() {
-        return None;
-    }
-    let size = reach_a.min(reach_b);
-    let pair = Pair {
-        a,
-        b,
-        relative,
-        radii: a.rounding() + b.rounding(),
-        size,
-        slop: CLIP_SLOP * size + 4.0 * f32::EPSILON * reach_a.max(reach_b),
-    };
+    let pair = Pair::near(a, b, relative, margin)?;
     let gap = pair.gap(margin)?;
     let allowed = pair.allowed_normal(gap.normal)?;
     // However little the neighbours have turned it, their normal is the right one: a normal tilted by θ pushes sideways with θ of the
@@ -116,6 +102,25 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers
     (manifold.count > 0 && manifold.is_finite()).then_some(manifold)
 }
 
+/// Direction from part A to part B, in A's frame, along which they are furthest apart or least overlap, and how far (m); none if
+/// further than `limit`.
+pub(super) fn separation(a: &Part, b: &Part, relative: &Pose3, limit: f32) -> Option<(Vec3, f32)> {
+    let above = |normal: Vec3, part: &Part, pose: &Pose3| {
+        let lowest = *pose * part.core_support(pose.rotation.inverse() * -normal);
+        let height = normal.dot(lowest) - part.rounding();
+        (height <= limit).then_some(height)
+    };
+    match (a, b) {
+        (&Part::HalfSpace { normal }, _) => Some((normal, above(normal, b, relative)?)),
+        (_, &Part::HalfSpace { normal }) => Some((relative.rotation * -normal, above(normal, a, &relative.inverse())?)),
+        _ => {
+            let pair = Pair::near(a, b, relative, limit)?;
+            let gap = pair.gap(limit)?;
+            Some((gap.normal, gap.distance() - pair.radii))
+        }
+    }
+}
+
 impl Gap {
     fn distance(&self) -> f32 {
         self.normal.dot(self.on_b - self.on_a)
@@ -133,7 +138,26 @@ struct Pair<'a> {
     slop: f32,
 }
 
-impl Pair<'_> {
+impl<'a> Pair<'a> {
+    /// Two parts, if they may be nearer to each other than `margin`.
+    fn near(a: &'a Part<'a>, b: &'a Part<'a>, relative: &'a Pose3, margin: f32) -> Option<Self> {
+        let (reach_a, reach_b) = (a.reach(), b.reach());
+        // Written so that a NaN is no contact.
+        let near = relative.translation.length() <= reach_a + reach_b + margin;
+        if !near || !relative.rotation.is_finite() {
+            return None;
+        }
+        let size = reach_a.min(reach_b);
+        Some(Self {
+            a,
+            b,
+            relative,
+            radii: a.rounding() + b.rounding(),
+            size,
+            slop: CLIP_SLOP * size + 4.0 * f32::EPSILON * reach_a.max(reach_b),
+        })
+    }
+
     /// Nearest points of the cores, or those of deepest overlap; none if the parts are further apart than `margin`.
     fn gap(&self, margin: f32) -> Option<Gap> {
         let scale = 1.0 / self.size;

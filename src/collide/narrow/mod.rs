@@ -27,6 +27,7 @@ mod cylinder;
 mod distance;
 mod face;
 mod half_space;
+pub(crate) mod impact;
 mod part;
 mod plane;
 mod reduce;

@@ -6,7 +6,6 @@ use glam::Vec3;
 
 use crate::body::Body;
 use crate::collide::collider::Collider;
-use crate::collide::sweep::PathStart;
 use crate::id::{BodyId, Pool, ShapeId, Slot};
 use crate::prefetch::{AHEAD, prefetch};
 use crate::solve::batch::Batch;
@@ -126,7 +125,7 @@ impl World {
         }
         for noted in &mut noted[..pieces] {
             broken.append(&mut noted.broken);
-            scratch.paths.append(&mut noted.paths);
+            scratch.sweeps.paths.append(&mut noted.paths);
             *has_smooth_bodies |= std::mem::take(&mut noted.has_smooth_bodies);
             for (member, motion) in noted.unions.drain(..) {
                 if let Some(union) = unions.of_mut(member).filter(|union| union.anchor == Anchor::Free) {
@@ -177,9 +176,8 @@ impl Moves<'_> {
         for &member in members {
             let Some(body) = records.body(member) else { continue };
             if is_swept {
-                let start = PathStart { center: body.center, rotation: body.rotation };
                 let group = (number as u32, batch.direct.group_of(slot as u32));
-                noted.paths.push(Path { group, body: member, start });
+                noted.paths.push(Path { group, body: member });
             }
             let own = match union {
                 Some(_) => unions.motion_of(member, &to),
