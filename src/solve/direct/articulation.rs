@@ -208,14 +208,14 @@ pub(crate) struct Outcome {
 pub(super) struct Began {
     pub rates: Vec<Rate>,
     pub stances: Vec<Stance>,
-    joints: Vec<SavedJoint>,
+    pub(super) joints: Vec<SavedJoint>,
     touches: Vec<Touch>,
 }
 
 /// What a substep changes of a joint.
 #[derive(Debug, Clone, Copy)]
-struct SavedJoint {
-    impulses: JointImpulses,
+pub(super) struct SavedJoint {
+    pub(super) impulses: JointImpulses,
     sums: [Vec3; 2],
     acted: [Vec3; 2],
     pressed: u32,
@@ -424,13 +424,21 @@ impl Articulation {
                 Some(last) => SecondOrder::new(h, last),
                 None => self.second_order(h),
             };
-            let second_order = order.is_some();
+            let mut second_order = order.is_some();
             self.order = order.unwrap_or(SecondOrder::EULER);
             if !second_order && self.entries.iter().all(|entry| entry.impulses.is_zero()) {
                 self.guess_impulses(joints, h);
             }
             let energy = self.energy_to_keep();
-            let momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
+            let mut momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
+            let mut meets_stop = self.meets_stop(joints);
+            if meets_stop && second_order {
+                // The rates before a blow say nothing of those after it: extrapolated across it, they would throw the bodies back.
+                self.restore();
+                (self.order, second_order) = (SecondOrder::EULER, false);
+                momentum = self.substep(joints, h, Mode::Smooth);
+                meets_stop = self.meets_stop(joints);
+            }
             let errors = self.find_errors(joints);
             if errors.worst <= (TOLERANCE * self.size).max(before.unwrap_or_default())
                 && !self.touches.iter().any(Touch::presses)
@@ -448,7 +456,8 @@ impl Articulation {
                 quads::note(&self.quads, h, &self.order, &self.began, (reached, &self.rates), &mut self.histories);
                 // As the histories hold it.
                 self.continues = Some(f64::from(h as f32));
-                if self.meets_stop(joints) {
+                if meets_stop {
+                    self.resolve_impact(joints);
                     // A blow is not what the bodies go on with.
                     self.histories.fill(History::NONE);
                     self.continues = None;
@@ -499,15 +508,6 @@ impl Articulation {
             saved.impulses = entry.impulses;
         }
         self.restore();
-    }
-
-    /// Whether a stop presses that did not before this substep.
-    fn meets_stop(&self, joints: &Pool<Joint, JointId>) -> bool {
-        !self.is_points
-            && self.entries.iter().zip(&self.began.joints).any(|(entry, before)| {
-                let met = entry.impulses.pressing() & !before.impulses.pressing();
-                met != 0 && joints[entry.joint].stops_of(met) != 0
-            })
     }
 
     /// As [`advance`](Self::advance), in parts of equal length.
