@@ -17,6 +17,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::fracture::Strength;
 use crate::fracture::strain::Strain;
 use crate::id::BodyId;
+use crate::joint_drive::JointDrive;
 use crate::pose::Pose;
 use crate::settings::Solver;
 
@@ -442,6 +443,8 @@ pub(crate) struct Joint {
     pub strain: Option<Box<Strain>>,
     /// Stops that pressed in the last step, as bits: 2 × axis, and one more for the upper one.
     pub pressed: u32,
+    /// How the host moves its stops and frames, if it does.
+    pub drive: Option<Box<JointDrive>>,
 }
 
 impl Joint {
@@ -456,6 +459,7 @@ impl Joint {
             acted: [Vec3::ZERO; 2],
             strain,
             pressed: 0,
+            drive: None,
         }
     }
 

@@ -36,6 +36,7 @@ mod fracture;
 mod id;
 mod island;
 mod joint;
+mod joint_drive;
 mod long_range;
 mod mass;
 mod material;

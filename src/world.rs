@@ -30,6 +30,7 @@ mod census;
 mod chain;
 mod contacts;
 mod draw;
+mod drives;
 mod fast;
 mod forces;
 mod fracture;
@@ -78,6 +79,8 @@ pub struct World {
     movers_sorted: bool,
     /// Whether some of those that are sorted are kinematic: they stop being movers without a word.
     some_are_driven: bool,
+    /// Joints whose stops or frames the host has moved of late.
+    driven_joints: Vec<u32>,
     sleeping: SleepingIslands,
 
     unions: unions::Unions,
@@ -152,6 +155,7 @@ impl World {
             movers: Vec::new(),
             movers_sorted: true,
             some_are_driven: false,
+            driven_joints: Vec::new(),
             sleeping: SleepingIslands::default(),
             unions: unions::Unions::default(),
             long_range: long_range::LongRange::default(),
@@ -195,6 +199,7 @@ impl World {
         clock.enter(c"find pairs");
         self.begin_step(dt);
         self.form_unions();
+        self.drive_joints(dt);
         let stirs = self.stirs();
         if stirs {
             self.find_pairs(dt);

@@ -14,6 +14,7 @@ use crate::collide::pairs::PairKey;
 use crate::fracture::strain::{Span, Strain};
 use crate::fracture::{Damage, FractureSettings, Strength};
 use crate::id::{JointId, Slot};
+use crate::joint_drive::{DriveRates, JointDrive};
 use crate::joint::{Axis, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
 use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
@@ -205,7 +206,9 @@ stored!(Collider {
 stored!(Material { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule });
 stored!(CollisionFilter { member_of, collides_with });
 
-stored!(Joint { def, bodies, impulses, force, torque, acted, strain, pressed });
+stored!(Joint { def, bodies, impulses, force, torque, acted, strain, pressed, drive });
+stored!(JointDrive { stops, frames, found, carried, solved });
+stored!(DriveRates { stops, frames });
 stored!(Strain { spans, damage, condemned });
 stored!(Span { time, linear, angular });
 stored!(Strength { tension, compression, shear, bending, torsion, window, damage });

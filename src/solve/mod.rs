@@ -111,6 +111,7 @@ impl Batch {
         self.prepare_carry();
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
+            self.joints.left = h * (settings.substeps - substep) as f32;
             self.leads.begin_substep(&self.velocities, substep, settings.substeps);
             self.apply_forces(joints, threads, h, substep, settings.substeps);
             self.passive.note(threads, &self.velocities, &self.poses);
@@ -132,6 +133,7 @@ impl Batch {
                 self.planes.fit_velocities(&mut self.velocities, &self.motions, &self.poses, h);
             }
             self.advance(threads, h);
+            self.joints.left -= h;
             self.wraps.project(&self.velocities, &mut self.motions);
             self.bounds.project(&self.velocities, &mut self.motions, h);
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);

@@ -77,7 +77,7 @@ impl JointHead {
     const NONE: Self = Self { bodies: [NO_BODY; 2], traits: JointTraits::NONE };
 
     fn of(joint: &Joint) -> Self {
-        Self { bodies: joint.bodies.map(|body| body.unwrap_or(NO_BODY)), traits: JointTraits::of(&joint.def) }
+        Self { bodies: joint.bodies.map(|body| body.unwrap_or(NO_BODY)), traits: JointTraits::of(joint) }
     }
 }
 
@@ -420,7 +420,7 @@ mod tests {
         let mut before = known(&world);
         for (number, edit) in edits.iter().enumerate() {
             edit(&mut world, hinge);
-            let now = JointTraits::of(&world.joints[slot].def);
+            let now = JointTraits::of(&world.joints[slot]);
             assert_eq!(known(&world), now, "edit {number}");
             assert!(number > 3 || now != before, "edit {number} is seen");
             before = now;

@@ -217,9 +217,11 @@ impl World {
         }
     }
 
-    fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
+    pub(super) fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
         self.joint_changed(slot);
+        let before = self.joints[slot].def;
         edit(&mut self.joints[slot].def);
+        self.note_drive(slot, &before);
         self.groups.joint_changed(slot, &self.joints[slot]);
         self.joint_changed(slot);
         self.topology_changed();

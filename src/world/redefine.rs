@@ -125,23 +125,17 @@ impl World {
         Ok(())
     }
 
-    /// Gives a joint other frames on its bodies (in world coordinates where the body is the world) and wakes them; the joint
-    /// starts from nothing, as after a teleport.
+    /// Gives a joint other frames on its bodies (in world coordinates where the body is the world) and wakes them.
+    ///
+    /// Frames that are moved in step after step carry the speed that they move with, as a kinematic body would. A frame that is put
+    /// somewhere else by a single edit has none: the joint starts from nothing, as after a teleport.
     ///
     /// # Errors
     /// The handle is not a joint of this world; a frame is not finite, too far out, or not a rotation.
     pub fn set_joint_frames(&mut self, joint: JointId, frame_a: Pose, frame_b: Pose) -> Result<()> {
         let slot = self.joints.find(joint)?;
         let def = JointDef { frame_a, frame_b, ..self.joints[slot].def }.checked()?;
-        self.joints[slot].forget_impulses();
-        self.joints[slot].def = def;
-        self.joint_changed(slot);
-        self.topology_changed();
-        self.long_range.graph_changed();
-        for index in self.joints[slot].bodies.into_iter().flatten() {
-            self.bodies[index].history.forget();
-            self.wake_body(index);
-        }
+        self.change_joint(slot, |old| *old = def);
         Ok(())
     }
 

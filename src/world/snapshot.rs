@@ -72,6 +72,7 @@ impl World {
             touches: _,
             census: _,
             some_are_driven: _,
+            driven_joints: _,
             index: _,
             batches: _,
             batch_count: _,
@@ -189,6 +190,7 @@ impl World {
         self.events = Events { ended_by_edits: row.ended_by_edits, ..Events::default() };
         self.movers = row.movers.0;
         (self.movers_sorted, self.some_are_driven) = (row.movers_sorted, true);
+        self.driven_joints = joints.iter().filter(|(_, joint)| joint.drive.is_some()).map(|(slot, _)| slot).collect();
         self.has_smooth_bodies = true;
         self.last_substep = row.last_substep;
         self.last_dt = row.last_dt;
@@ -336,6 +338,7 @@ impl Image {
         ends.into_iter().all(named)
             && joint.def.checked().is_ok()
             && joint.strain.is_some() == joint.def.strength.can_break()
+            && joint.drive.as_ref().is_none_or(|drive| drive.is_finite())
             && joint.bodies.iter().flatten().any(|&body| self.bodies[body].is_dynamic())
     }
 

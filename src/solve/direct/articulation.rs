@@ -155,6 +155,8 @@ pub(crate) struct Articulation {
     pub(super) dt: f64,
     pub(super) world_substep: f64,
     pub(super) h: f64,
+    /// From where the bodies stand to the end of the step (s).
+    pub(super) left: f64,
     /// From the start of the substep for which rows are built to the end of the step, where it is swept (s).
     pub(super) rest: f64,
     /// Length by which errors are judged (m).
@@ -208,6 +210,7 @@ pub(crate) struct Outcome {
 pub(super) struct Began {
     pub rates: Vec<Rate>,
     pub stances: Vec<Stance>,
+    left: f64,
     pub(super) joints: Vec<SavedJoint>,
     touches: Vec<Touch>,
 }
@@ -328,6 +331,7 @@ impl Articulation {
     ) {
         self.load(velocities, motions);
         self.dt = f64::from(settings.dt);
+        self.left = self.dt;
         self.world_substep = self.dt / f64::from(settings.substeps);
         self.step_start.clone_from(&self.stances);
         if !self.watched.is_empty() || !self.touches.is_empty() {
@@ -532,6 +536,7 @@ impl Articulation {
         let saved = &mut self.began;
         saved.rates.clone_from(&self.rates);
         saved.stances.clone_from(&self.stances);
+        saved.left = self.left;
         saved.joints.clear();
         saved.joints.extend(self.entries.iter().map(|entry| SavedJoint {
             impulses: entry.impulses,
@@ -546,6 +551,7 @@ impl Articulation {
         let saved = &self.began;
         self.rates.clone_from(&saved.rates);
         self.stances.clone_from(&saved.stances);
+        self.left = saved.left;
         self.points.is_known = false;
         for (entry, saved) in self.entries.iter_mut().zip(&saved.joints) {
             entry.impulses = saved.impulses;

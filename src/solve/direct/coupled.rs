@@ -65,7 +65,7 @@ impl Articulation {
         h: f64,
         rest: f64,
     ) {
-        (self.h, self.rest) = (h, rest);
+        (self.h, self.rest, self.left) = (h, rest, rest);
         if self.lasting == Lasting::Good {
             return self.go_on(velocities, motions);
         }
@@ -294,6 +294,7 @@ impl Articulation {
                 return None;
             }
         }
+        self.left = if is_end { 0.0 } else { self.rest - self.h };
         self.hand_back_impulses();
         self.load(velocities, motions);
         let has_rows = self.has_lasting_rows();

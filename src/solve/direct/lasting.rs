@@ -73,7 +73,8 @@ impl Articulation {
     fn is_lasting_kind(&self, joints: &Pool<Joint, JointId>) -> bool {
         !self.is_points
             && self.entries.iter().all(|entry| {
-                let def = &joints[entry.joint].def;
+                let joint = &joints[entry.joint];
+                let def = &joint.def;
                 let holds = match &def.kind {
                     JointKind::Fixed => true,
                     JointKind::Hinge { limits, motor } => match motor {
@@ -84,7 +85,7 @@ impl Articulation {
                     JointKind::Spherical { motor, .. } => !matches!(motor, SphericalMotor::Position { .. }),
                     JointKind::Distance { .. } | JointKind::Prismatic { .. } | JointKind::Generic { .. } => false,
                 };
-                holds && kinds::gives_by_motors_alone(def)
+                holds && joint.drive.is_none() && kinds::gives_by_motors_alone(def)
             })
     }
 

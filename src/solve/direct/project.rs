@@ -11,10 +11,11 @@ use super::system::{PROJECTION_PASSES, System};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
 use crate::solve::joint::Stance;
+use crate::solve::joint::driven::{self, Driven};
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
 use crate::solve::joint::reach::FarStops;
-use crate::solve::joint::rows::{Held, Phase, Rate, ScalarRow};
+use crate::solve::joint::rows::{Held, Phase, Rate, RowRates, ScalarRow};
 
 /// Share of the tolerance below which positions are left as they are.
 const GOOD_ENOUGH: f64 = 0.25;
@@ -115,6 +116,7 @@ impl Articulation {
             carries_across,
             stops,
             rest,
+            left,
             ..
         } = self;
         let mut next_touch = 0;
@@ -145,11 +147,16 @@ impl Articulation {
                 continue;
             };
             let [a, b] = link.bodies.map(|body| body as usize);
-            let placement = |a: &Stance, b: &Stance| if link.is_plain { entry.points(a, b) } else { entry.placement(*a, *b) };
+            let joint = &joints[entry.joint];
+            let placement = |a: &Stance, b: &Stance, left: f64| match link.is_plain {
+                true => entry.points(a, b),
+                false => driven::before(entry.placement(*a, *b), joint.drive(), [a, b], left),
+            };
+            let ends = if in_place { [*left; 2] } else { [*left, *left - *h] };
             let (start, end, between);
             let geometry = if matches!(phase, Phase::Velocity { .. }) {
-                start = placement(&began.stances[a], &began.stances[b]);
-                end = placement(&predicted[a], &predicted[b]);
+                start = placement(&began.stances[a], &began.stances[b], ends[0]);
+                end = placement(&predicted[a], &predicted[b], ends[1]);
                 let on_the_way = |body: usize| {
                     let (from, to) = (began.stances[body], predicted[body]);
                     (from.0.lerp(to.0, implicit[number]), from.1.lerp(to.1, implicit[number]))
@@ -158,28 +165,30 @@ impl Articulation {
                     0.0 => &start,
                     1.0 => &end,
                     _ => {
-                        between = placement(&on_the_way(a), &on_the_way(b));
+                        let left = ends[0] + (ends[1] - ends[0]) * implicit[number];
+                        between = placement(&on_the_way(a), &on_the_way(b), left);
                         &between
                     }
                 };
                 JointGeometry { start: &start, predicted: &end, gradient, is_still: false }
             } else {
-                start = placement(&stances[a], &stances[b]);
+                start = placement(&stances[a], &stances[b], ends[0]);
                 match looks_ahead {
                     true => {
-                        between = placement(&predicted[a], &predicted[b]);
+                        between = placement(&predicted[a], &predicted[b], ends[0]);
                         JointGeometry { gradient: &between, ..JointGeometry::at(&start) }
                     }
                     false => JointGeometry::at(&start),
                 }
             };
-            let def = &joints[entry.joint].def;
+            let driven = joint.drive().map(|drive| Driven::new(drive, [&stances[a], &stances[b]], geometry.gradient, ends));
             let is_free = may_leave_out && stops[number].are_out_of_reach(&entry.impulses, &start, [&rates[a], &rates[b]], *rest);
             asked.clear();
             let mut sink = RowSink {
-                rates: [rates[a], rates[b]],
+                rates: RowRates { bodies: [rates[a], rates[b]], frames: driven.filter(|_| !in_place).map(|driven| driven.rates) },
                 geometry,
-                def,
+                def: &joint.def,
+                driven,
                 impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
                 share: phase.h() / *h,
                 phase,
@@ -232,16 +241,18 @@ impl Articulation {
         self.asked.clear();
         let (link, entry) = (&self.links[number], &self.entries[number]);
         let [a, b] = link.bodies.map(|body| self.stances[body as usize]);
-        let def = &joints[entry.joint].def;
+        let joint = &joints[entry.joint];
         if link.is_plain {
             return [entry.points(&a, &b).gap, DVec3::ZERO];
         }
-        let placement = entry.placement(a, b);
+        let placement = driven::before(entry.placement(a, b), joint.drive(), [&a, &b], self.left);
+        let driven = joint.drive().map(|drive| Driven::new(drive, [&a, &b], &placement, [self.left; 2]));
         let stops = self.stops.get(number).filter(|_| self.coupled);
         let mut sink = RowSink {
-            rates: link.bodies.map(|body| self.rates[body as usize]),
+            rates: RowRates { bodies: link.bodies.map(|body| self.rates[body as usize]), frames: None },
             geometry: JointGeometry::at(&placement),
-            def,
+            def: &joint.def,
+            driven,
             impulses: &JointImpulses::ZERO,
             share: 1.0,
             phase: Phase::Position { most: f64::INFINITY },

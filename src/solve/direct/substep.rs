@@ -69,6 +69,7 @@ impl Articulation {
             stance.1 = turn.rotation;
             rate.angular = turn.angular;
         }
+        self.left -= full;
         momentum
     }
 

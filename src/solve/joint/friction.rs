@@ -85,7 +85,7 @@ impl RowSink<'_> {
         let most = f64::from(friction) * self.phase.h();
         let carried = self.impulses.angular.as_dvec3() * self.share;
         let size = carried.length();
-        let spin = self.rates[1].angular - self.rates[0].angular;
+        let spin = self.rates.bodies[1].angular - self.rates.bodies[0].angular;
         let speed = spin.length();
         let slides = speed > MIN_SPIN && (size >= SLIDES * most || size == 0.0);
         let along = if slides { spin / speed } else { carried.try_normalize().unwrap_or(self.geometry.gradient.axes_a().x_axis) };
@@ -101,7 +101,7 @@ impl RowSink<'_> {
     fn rub_about(&mut self, axis: DVec3, max_impulse: f64, carried: DVec3) {
         let demand = Demand::Speed { target: 0.0, max_impulse };
         let (jacobian, give, impulse) = (Jacobian::angular(axis), Give::rigid(self.phase), carried.dot(axis) as f32);
-        self.scalars.push(ScalarRow::new(&self.rates, jacobian, demand, give, ABOUT_POINT, impulse));
+        self.scalars.push(ScalarRow::new(&self.rates, 0.0, jacobian, demand, give, ABOUT_POINT, impulse));
     }
 
     /// Whether errors are to be taken out of positions.

@@ -2,16 +2,19 @@
 
 use glam::DVec3;
 
+use super::driven::Driven;
 use super::friction;
 use super::geometry::{JointGeometry, Placement};
-use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, Phase, Rate, ScalarRow};
+use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, Phase, RowRates, ScalarRow};
 use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor, SphericalMotor};
 
 /// Rows of one joint for one substep, as its kind asks for them.
 pub(crate) struct RowSink<'a> {
-    pub rates: [Rate; 2],
+    pub rates: RowRates,
     pub geometry: JointGeometry<'a>,
     pub def: &'a JointDef,
+    /// What the host moves of its stops and frames.
+    pub driven: Option<Driven<'a>>,
     pub impulses: &'a JointImpulses,
     /// What the substep of this phase has of the carried impulses.
     pub share: f64,
@@ -163,18 +166,16 @@ impl RowSink<'_> {
         let give = Give::new(self.def.limit, self.phase);
         let jacobian = coordinate.jacobian;
         let (min, max) = (f64::from(limits.min), f64::from(limits.max));
-        if min == max {
-            let error = Error1 { start: start - min, predicted: predicted - min };
-            self.scalar(jacobian, Demand::Equal(error), give, id);
-        } else {
-            if min.is_finite() {
-                let error = Error1 { start: start - min, predicted: predicted - min };
-                self.scalar(jacobian, Demand::AtLeast(error), give, id);
-            }
-            if max.is_finite() {
-                let error = Error1 { start: max - start, predicted: max - predicted };
-                self.scalar(jacobian.reversed(), Demand::AtLeast(error), give, id + 1);
-            }
+        if min.is_finite() {
+            let ([first, last], rate) = self.stop_at(min, id);
+            let error = Error1 { start: start - first, predicted: predicted - last };
+            let demand = if min == max { Demand::Equal(error) } else { Demand::AtLeast(error) };
+            self.driven_scalar(jacobian, -rate, demand, give, id);
+        }
+        if max.is_finite() && min != max {
+            let ([first, last], rate) = self.stop_at(max, id + 1);
+            let error = Error1 { start: first - start, predicted: last - predicted };
+            self.driven_scalar(jacobian.reversed(), rate, Demand::AtLeast(error), give, id + 1);
         }
         self.drive(jacobian, start, predicted, limits, motor, id + 2);
     }
@@ -202,8 +203,18 @@ impl RowSink<'_> {
 
     /// Adds one scalar row whose multiplier is `id`.
     pub(crate) fn scalar(&mut self, jacobian: Jacobian, demand: Demand, give: Give, id: u8) {
+        self.driven_scalar(jacobian, 0.0, demand, give, id);
+    }
+
+    /// The same of a coordinate whose error grows at the rate `driven` by what the host moves of its stop.
+    pub(crate) fn driven_scalar(&mut self, jacobian: Jacobian, driven: f64, demand: Demand, give: Give, id: u8) {
         let impulse = self.impulses.scalar[id as usize] * self.share as f32;
-        self.scalars.push(ScalarRow::new(&self.rates, jacobian, demand, give, id, impulse));
+        self.scalars.push(ScalarRow::new(&self.rates, driven, jacobian, demand, give, id, impulse));
+    }
+
+    /// Where a stop is at the start and at the end of the substep, and its rate.
+    pub(crate) fn stop_at(&self, value: f64, row: u8) -> ([f64; 2], f64) {
+        self.driven.as_ref().map_or(([value; 2], 0.0), |driven| driven.stop(value, row))
     }
 
     /// Gradient of the component of the gap along `axis`, which is fixed in A's frame.

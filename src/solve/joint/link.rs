@@ -1,7 +1,7 @@
 //! A joint as it is asked for where joints are sorted: in a few bytes, where records and entries have hundreds.
 
 use super::{friction, kinds};
-use crate::joint::JointDef;
+use crate::joint::Joint;
 use crate::settings::Solver;
 
 /// What follows from the definition of a joint.
@@ -31,13 +31,15 @@ impl JointTraits {
         solver: Solver::Auto,
     };
 
-    pub(crate) fn of(def: &JointDef) -> Self {
+    pub(crate) fn of(joint: &Joint) -> Self {
+        let (def, is_driven) = (&joint.def, joint.drive.is_some());
         let most_rows = kinds::most_rows(def);
         Self {
             most_rows: most_rows as u8,
-            is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0,
+            is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0 && !is_driven,
             has_friction: friction::rows_of(def) > 0,
-            gives_by_motors_alone: kinds::gives_by_motors_alone(def),
+            // What the host moves does work.
+            gives_by_motors_alone: kinds::gives_by_motors_alone(def) && !is_driven,
             has_motor: kinds::has_motor(&def.kind),
             solver: def.solver,
         }

@@ -12,6 +12,7 @@ use glam::{DQuat, DVec3, Vec3};
 
 mod course;
 mod distance;
+pub(crate) mod driven;
 mod fixed;
 pub(crate) mod friction;
 mod generic;
@@ -44,6 +45,7 @@ use super::shared::Divided;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind, Softness};
+use crate::joint_drive::DriveRates;
 use crate::workers::Workers;
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
@@ -102,6 +104,8 @@ pub(crate) struct JointEntry {
 pub(crate) struct BatchJoints {
     /// All of them, in the order of their articulations once they are sorted.
     pub links: Vec<JointLink>,
+    /// From now to the end of the step (s).
+    pub left: f32,
     /// Those that no direct solve takes.
     pub entries: Vec<JointEntry>,
     /// What is swept by itself; and the rest, of most batches all.
@@ -145,7 +149,7 @@ impl BatchJoints {
         substeps: u32,
     ) {
         let dt = h * substeps as f32;
-        let Self { links, entries, strips, lanes, singles, visits, parts, places, left_over, order } = self;
+        let Self { links, entries, strips, lanes, singles, visits, parts, places, left_over, order, .. } = self;
         let links = left.unwrap_or(links);
         strips.cut(links, motions.len());
         lanes.clear(WORLD_SLOT);
@@ -166,6 +170,9 @@ impl BatchJoints {
                 // What most joints of a net are, said without a look at their records.
                 if link.traits.is_plain {
                     return Some(Holds::Points);
+                }
+                if joints[link.joint].drive.is_some() {
+                    return None;
                 }
                 let kind = &joints[link.joint].def.kind;
                 let always = Holds::of(kind, u32::from(link.traits.most_rows), false);
@@ -259,7 +266,7 @@ impl BatchJoints {
         }
         self.strips.each(threads, |strip| prepare(&mut strip.lanes, strip.slots.clone()));
         prepare(&mut self.lanes, 0..motions.len());
-        self.singles.prepare(&self.entries, joints, velocities, motions, outlooks, h);
+        self.singles.prepare(&self.entries, joints, (velocities, motions, outlooks), h, self.left);
     }
 
     /// Applies the carried multipliers.
@@ -335,7 +342,7 @@ impl BatchJoints {
         motions: &mut [BodyMotion],
         h: f32,
     ) {
-        let Self { entries, strips, lanes, singles, visits, .. } = self;
+        let Self { entries, strips, lanes, singles, visits, left, .. } = self;
         let most = rows::MAX_RECOVERY_SPEED as f32 * h;
         strips.each_moved(threads, velocities, motions, |strip, velocities, motions| {
             for blocks in &strip.visits {
@@ -344,7 +351,7 @@ impl BatchJoints {
         });
         for visit in visits.iter() {
             lanes.project(visit.blocks.clone(), velocities, motions, most);
-            singles.project(visit.singles.clone(), entries, joints, velocities, motions, h);
+            singles.project(visit.singles.clone(), entries, joints, (velocities, motions), h, *left);
         }
     }
 
@@ -411,12 +418,21 @@ impl JointEntry {
     }
 
     /// Where the joint is at the start of a substep of length `h`, where at its end, and where its rows are taken.
-    fn course(&self, velocities: &[BodyVelocity], motions: &[BodyMotion], outlooks: &[Outlook], h: f32) -> [Placement; 3] {
+    ///
+    /// `drive` is how its stops and frames move, and `left` how far start and end are from the end of the step (s).
+    fn course(
+        &self,
+        (velocities, motions, outlooks): (&[BodyVelocity], &[BodyMotion], &[Outlook]),
+        h: f32,
+        drive: Option<&DriveRates>,
+        left: [f64; 2],
+    ) -> [Placement; 3] {
         let (a, b) = (self.a as usize, self.b as usize);
         let now = |slot: usize| motions[slot].stance();
         let then = |slot: usize| stance((outlooks[slot].displacement, outlooks[slot].rotation));
-        let start = self.placement(now(a), now(b));
-        let end = self.placement(then(a), then(b));
+        let placed = |a: Stance, b: Stance, left: f64| driven::before(self.placement(a, b), drive, [&a, &b], left);
+        let start = placed(now(a), now(b), left[0]);
+        let end = placed(then(a), then(b), left[1]);
         let stiffness = h
             * self.impulses.point.length()
             * (turning_ease(&velocities[a], start.a.lever.as_vec3()) + turning_ease(&velocities[b], start.b.lever.as_vec3()));
@@ -430,7 +446,7 @@ impl JointEntry {
                 let (from, to) = (now(slot), then(slot));
                 (from.0.lerp(to.0, f64::from(implicit)), from.1.lerp(to.1, f64::from(implicit)))
             };
-            self.placement(blend(a), blend(b))
+            placed(blend(a), blend(b), left[0] + (left[1] - left[0]) * f64::from(implicit))
         };
         [start, end, gradient]
     }

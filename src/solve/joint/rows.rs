@@ -89,37 +89,41 @@ impl Give {
     }
 
     /// What the error changes by in a substep at the present velocity, over its length, less the rate: the path's curvature.
-    fn curvature(&self, error: Error1, rate: f64) -> f64 {
+    fn curvature(&self, error: Error1, [rate, driven]: [f64; 2]) -> f64 {
         match self.phase {
-            Phase::Velocity { h } => (error.predicted - error.start) / h - rate,
+            Phase::Velocity { h } => (error.predicted - error.start) / h - (rate + driven),
             Phase::Tangent { .. } | Phase::Position { .. } => 0.0,
         }
     }
 
-    /// Bias of a row C = 0 whose error has the rate `rate` (J v*).
-    fn bias(&self, error: Error1, rate: f64) -> f64 {
+    /// Bias of a row C = 0 whose error has the rate J v* by the bodies, and one by what the host moves of the joint.
+    fn bias(&self, error: Error1, rate: [f64; 2]) -> f64 {
         match self.phase {
             Phase::Position { most } => error.start.clamp(-most, most),
-            _ if self.rigid => self.curvature(error, rate),
-            Phase::Velocity { h } | Phase::Tangent { h } => (error.start / h + self.curvature(error, rate)) * self.share,
+            _ if self.rigid => rate[1] + self.curvature(error, rate),
+            Phase::Velocity { h } | Phase::Tangent { h } => {
+                rate[1] + (error.start / h + self.curvature(error, rate)) * self.share
+            }
         }
     }
 
     /// Bias of a stop C ≥ 0: a rigid one may be closed within the substep but not overrun further.
-    fn stop(&self, error: Error1, rate: f64) -> f64 {
+    fn stop(&self, error: Error1, rate: [f64; 2]) -> f64 {
         match self.phase {
             Phase::Position { most } => error.start.max(-most),
-            Phase::Velocity { h } | Phase::Tangent { h } if self.rigid => error.start.max(0.0) / h + self.curvature(error, rate),
+            Phase::Velocity { h } | Phase::Tangent { h } if self.rigid => {
+                rate[1] + error.start.max(0.0) / h + self.curvature(error, rate)
+            }
             _ => self.bias(error, rate),
         }
     }
 
     /// Bias of a drive towards C = 0; a rigid one closes [`DRIVE_SHARE`] of the error in a substep, at a bounded speed.
-    fn drive(&self, error: Error1, rate: f64) -> f64 {
+    fn drive(&self, error: Error1, rate: [f64; 2]) -> f64 {
         match self.phase {
             Phase::Velocity { h } | Phase::Tangent { h } if self.rigid => {
                 let closing = (error.start * DRIVE_SHARE / h).clamp(-MAX_RECOVERY_SPEED, MAX_RECOVERY_SPEED);
-                self.curvature(error, rate) + closing
+                rate[1] + self.curvature(error, rate) + closing
             }
             _ => self.bias(error, rate),
         }
@@ -136,6 +140,22 @@ pub(crate) struct Rate {
 impl Rate {
     pub(crate) fn of(body: &BodyVelocity) -> Self {
         Self { linear: body.linear.as_dvec3(), angular: body.angular.as_dvec3() }
+    }
+}
+
+/// Velocities that a joint's coordinates change with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RowRates {
+    /// Of the two bodies.
+    pub bodies: [Rate; 2],
+    /// Of frames that the host moves, as velocities of the bodies that would move them so.
+    pub frames: Option<[Rate; 2]>,
+}
+
+impl RowRates {
+    /// Rate of a coordinate by the bodies, and by the frames.
+    fn read<T>(&self, rate: impl Fn(&[Rate; 2]) -> T, none: T) -> [T; 2] {
+        [rate(&self.bodies), self.frames.as_ref().map_or(none, rate)]
     }
 }
 
@@ -187,21 +207,22 @@ pub(crate) struct BlockRow {
 
 impl BlockRow {
     /// Holds two points together in the directions `held`.
-    pub(crate) fn point(rates: &[Rate; 2], levers: [DVec3; 2], error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
-        let [a, b] = rates;
-        let rate = b.linear + b.angular.cross(levers[1]) - a.linear - a.angular.cross(levers[0]);
-        Self::new(levers, rate, error, held, give, impulse)
+    pub(crate) fn point(rates: &RowRates, levers: [DVec3; 2], error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
+        let rate = |[a, b]: &[Rate; 2]| b.linear + b.angular.cross(levers[1]) - a.linear - a.angular.cross(levers[0]);
+        Self::new(levers, rates.read(rate, DVec3::ZERO), error, held, give, impulse)
     }
 
     /// Holds two directions together about the axes `held`.
-    pub(crate) fn direction(rates: &[Rate; 2], error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
-        Self::new([DVec3::ZERO; 2], rates[1].angular - rates[0].angular, error, held, give, impulse)
+    pub(crate) fn direction(rates: &RowRates, error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
+        let rate = |[a, b]: &[Rate; 2]| b.angular - a.angular;
+        Self::new([DVec3::ZERO; 2], rates.read(rate, DVec3::ZERO), error, held, give, impulse)
     }
 
-    fn new(levers: [DVec3; 2], rate: DVec3, error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
+    fn new(levers: [DVec3; 2], rate: [DVec3; 2], error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
         // The bias is bounded by components, so what is along a free direction must be gone before.
-        let (start, predicted, rate) = (held.project(error.start), held.project(error.predicted), held.project(rate));
-        let bias = std::array::from_fn(|i| give.bias(Error1 { start: start[i], predicted: predicted[i] }, rate[i]));
+        let (start, predicted) = (held.project(error.start), held.project(error.predicted));
+        let [rate, driven] = rate.map(|rate| held.project(rate));
+        let bias = std::array::from_fn(|i| give.bias(Error1 { start: start[i], predicted: predicted[i] }, [rate[i], driven[i]]));
         let impulse = held.project(impulse.as_dvec3()).as_vec3();
         Self { levers, held, bias: DVec3::from_array(bias), gamma: give.gamma, acts: give.acts(), impulse }
     }
@@ -257,8 +278,18 @@ pub(crate) struct ScalarRow {
 }
 
 impl ScalarRow {
-    pub(crate) fn new(rates: &[Rate; 2], jacobian: Jacobian, demand: Demand, give: Give, id: u8, impulse: f32) -> Self {
-        let rate = jacobian.rate(rates);
+    /// `driven` is how fast the error grows by what the host moves of the stop itself.
+    pub(crate) fn new(
+        rates: &RowRates,
+        driven: f64,
+        jacobian: Jacobian,
+        demand: Demand,
+        give: Give,
+        id: u8,
+        impulse: f32,
+    ) -> Self {
+        let mut rate = rates.read(|rates| jacobian.rate(rates), 0.0);
+        rate[1] += driven;
         let moves = !matches!(give.phase, Phase::Position { .. });
         let (mut gamma, mut acts) = (give.gamma, give.acts());
         let (bias, min, max) = match demand {
@@ -266,7 +297,7 @@ impl ScalarRow {
             Demand::AtLeast(error) => (give.stop(error, rate), 0.0, f64::INFINITY),
             Demand::Speed { target, max_impulse } => {
                 (gamma, acts) = (0.0, moves);
-                (-target, -max_impulse, max_impulse)
+                (rate[1] - target, -max_impulse, max_impulse)
             }
             Demand::Drive { error, max_impulse } => {
                 acts = moves;

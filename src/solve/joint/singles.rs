@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use glam::{Mat3, Vec3};
 
-use super::geometry::JointGeometry;
+use super::driven::{self, Driven};
+use super::geometry::{JointGeometry, Placement};
 use super::kinds::{self, RowSink};
-use super::rows::{self, Phase, Rate};
+use super::rows::{self, Phase, Rate, RowRates};
 use super::sweep::{self, BlockRow, ScalarRow};
 use super::{JointEntry, MOMENTUM_RETURN_LIMIT};
 use crate::id::{JointId, Pool};
@@ -83,6 +84,15 @@ impl JointRows {
     }
 }
 
+impl JointEntry {
+    /// What the host moves of the joint, which is placed like this, in a substep so far from the end of the step (s).
+    fn driven<'a>(&self, joint: &'a Joint, motions: &[BodyMotion], placement: &Placement, left: [f64; 2]) -> Option<Driven<'a>> {
+        let drive = joint.drive()?;
+        let stances = [self.a, self.b].map(|slot| motions[slot as usize].stance());
+        Some(Driven::new(drive, stances.each_ref(), placement, left))
+    }
+}
+
 /// The joints of a batch that are swept one by one, by their places among its entries.
 #[derive(Debug, Default)]
 pub(super) struct Singles {
@@ -117,23 +127,26 @@ impl Singles {
         &mut self,
         entries: &[JointEntry],
         joints: &Pool<Joint, JointId>,
-        velocities: &[BodyVelocity],
-        motions: &[BodyMotion],
-        outlooks: &[Outlook],
+        (velocities, motions, outlooks): (&[BodyVelocity], &[BodyMotion], &[Outlook]),
         h: f32,
+        left: f32,
     ) {
+        let left = [left, left - h].map(f64::from);
         self.rows.clear();
         self.scalars.clear();
         for &number in &self.numbers {
             let entry = &entries[number];
-            let [start, predicted, gradient] = entry.course(velocities, motions, outlooks, h);
+            let joint = &joints[entry.joint];
+            let [start, predicted, gradient] = entry.course((velocities, motions, outlooks), h, joint.drive(), left);
             let first = self.scalars.len() as u32;
             let bodies = [&velocities[entry.a as usize], &velocities[entry.b as usize]];
+            let driven = entry.driven(joint, motions, &gradient, left);
             self.asked.clear();
             let mut sink = RowSink {
-                rates: bodies.map(Rate::of),
+                rates: RowRates { bodies: bodies.map(Rate::of), frames: driven.map(|driven| driven.rates) },
                 geometry: JointGeometry { start: &start, predicted: &predicted, gradient: &gradient, is_still: false },
-                def: &joints[entry.joint].def,
+                def: &joint.def,
+                driven,
                 impulses: &entry.impulses,
                 share: 1.0,
                 phase: Phase::Velocity { h: f64::from(h) },
@@ -261,20 +274,23 @@ impl Singles {
         range: Range<usize>,
         entries: &[JointEntry],
         joints: &Pool<Joint, JointId>,
-        velocities: &mut [BodyVelocity],
-        motions: &mut [BodyMotion],
+        (velocities, motions): (&mut [BodyVelocity], &mut [BodyMotion]),
         h: f32,
+        left: f32,
     ) {
         for &number in &self.numbers[range] {
             let entry = &entries[number];
-            let now = |slot: u32| motions[slot as usize].stance();
-            let placement = entry.placement(now(entry.a), now(entry.b));
+            let joint = &joints[entry.joint];
+            let [stance_a, stance_b] = [entry.a, entry.b].map(|slot| motions[slot as usize].stance());
+            let placement = entry.placement(stance_a, stance_b);
+            let placement = driven::before(placement, joint.drive(), [&stance_a, &stance_b], f64::from(left));
             let [mut a, mut b] = [entry.a, entry.b].map(|slot| velocities[slot as usize].at_rest());
             self.asked.clear();
             let mut sink = RowSink {
-                rates: [Rate::of(&a), Rate::of(&b)],
+                rates: RowRates { bodies: [Rate::of(&a), Rate::of(&b)], frames: None },
                 geometry: JointGeometry::at(&placement),
-                def: &joints[entry.joint].def,
+                def: &joint.def,
+                driven: entry.driven(joint, motions, &placement, [f64::from(left); 2]),
                 impulses: &JointImpulses::ZERO,
                 share: 1.0,
                 phase: Phase::Position { most: rows::MAX_RECOVERY_SPEED * f64::from(h) },

@@ -24,11 +24,11 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
         let across = axis_a.cross(axis_b);
         let sine = across.length();
         if sine > MIN_SWING {
-            let limit = f64::from(swing_limit);
+            let ([first, last], rate) = sink.stop_at(f64::from(swing_limit), 0);
             let (start, predicted) = sink.geometry.read(swing);
-            let error = Error1 { start: limit - start, predicted: limit - predicted };
+            let error = Error1 { start: first - start, predicted: last - predicted };
             let give = Give::new(sink.def.limit, sink.phase);
-            sink.scalar(Jacobian::angular(-across / sine), Demand::AtLeast(error), give, 0);
+            sink.driven_scalar(Jacobian::angular(-across / sine), rate, Demand::AtLeast(error), give, 0);
         }
     }
     let denominator = 1.0 + axis_a.dot(axis_b);

@@ -1,0 +1,65 @@
+//! Joints whose stops or frames the host moves: see [`crate::joint_drive`].
+
+use glam::Quat;
+
+use super::World;
+use crate::body::BodyKind;
+use crate::joint::JointDef;
+use crate::joint_drive::JointDrive;
+
+impl World {
+    /// Notes that an edit of a joint, which was `before`, may have moved a stop or a frame.
+    pub(super) fn note_drive(&mut self, slot: u32, before: &JointDef) {
+        let joint = &mut self.joints[slot];
+        if joint.drive.is_none() && JointDrive::is_moved(before, &joint.def) {
+            joint.drive = Some(Box::new(JointDrive::from(before)));
+            self.driven_joints.push(slot);
+        }
+    }
+
+    /// Finds how fast the host moves stops and frames of joints, and has those start from nothing that have been put somewhere else.
+    pub(super) fn drive_joints(&mut self, dt: f32) {
+        let mut driven = std::mem::take(&mut self.driven_joints);
+        // A slot may have been given to another joint.
+        driven.sort_unstable();
+        driven.dedup();
+        driven.retain(|&slot| self.drive_joint(slot, dt));
+        self.driven_joints = driven;
+    }
+
+    /// The same for one joint; says whether it is still driven.
+    fn drive_joint(&mut self, slot: u32, dt: f32) -> bool {
+        let Some(joint) = self.joints.get(slot).filter(|joint| joint.drive.is_some()) else { return false };
+        let (bodies, def) = (joint.bodies, joint.def);
+        let turns = bodies.map(|body| body.map_or(Quat::IDENTITY, |index| self.solved_turn(index)));
+        let joint = &mut self.joints[slot];
+        let Some(drive) = &mut joint.drive else { return false };
+        let change = drive.begin_step(&def, dt);
+        for (side, turn) in turns.into_iter().enumerate() {
+            drive.solved.frames[side] = drive.carried.frames[side].map(|rate| turn * rate);
+        }
+        if change.is_over {
+            joint.drive = None;
+        }
+        if change.is_put {
+            joint.forget_impulses();
+        }
+        if change.is_put || change.is_sudden {
+            for index in bodies.into_iter().flatten() {
+                self.bodies[index].history.forget();
+            }
+        }
+        // Whether a joint is driven decides how it is solved.
+        self.groups.joint_changed(slot, &self.joints[slot]);
+        !change.is_over
+    }
+
+    /// Rotation from a body's axes to those of what the solver moves: its union, or the world where the body is static.
+    fn solved_turn(&self, index: u32) -> Quat {
+        let body = &self.bodies[index];
+        if self.unions.moving(index).is_some() {
+            return self.unions.place(index).rotation;
+        }
+        if body.kind == BodyKind::Static { body.rotation } else { Quat::IDENTITY }
+    }
+}
