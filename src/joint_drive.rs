@@ -183,7 +183,6 @@ fn stops_of(kind: &JointKind) -> [f32; STOP_ROWS] {
     stops
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

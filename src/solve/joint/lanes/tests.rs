@@ -177,11 +177,11 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
         let all = 0..entries.len();
         let mut singles = Singles::default();
         singles.add(&Vec::from_iter(0..entries.len() as u32));
-        singles.prepare(&entries, &pool, &velocities, &motions, &outlooks(scene), H);
+        singles.prepare(&entries, &pool, (&velocities, &motions, &outlooks(scene)), H, H);
         singles.warm_start(&mut velocities);
         singles.sweep(all.clone(), &mut velocities, false);
         singles.sweep(all.clone(), &mut velocities, true);
-        singles.project(all, &entries, &pool, &mut velocities, &mut motions, H);
+        singles.project(all, &entries, &pool, (&mut velocities, &mut motions), H, 0.0);
     }
     (velocities, motions)
 }
