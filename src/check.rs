@@ -7,6 +7,10 @@ use crate::error::{Error, ErrorKind, Result};
 /// Largest distance from the origin that a position may have (m): at this range an `f64` still resolves 0.1 µm.
 pub const MAX_COORDINATE: f64 = 1.0e9;
 
+/// Largest distance of a point of a body from the body's origin (m), as for shapes, centres of mass and frames of joints: the size of
+/// the largest shape. An `f32` lever of that length still resolves 0.06 m.
+pub const MAX_LEVER: f32 = 1.0e6;
+
 /// Shortest and longest step (s).
 pub const STEP_RANGE: (f32, f32) = (1.0e-6, 1.0);
 
@@ -60,6 +64,14 @@ pub(crate) fn range(argument: &'static str, min: f32, max: f32) -> Result<()> {
 
 pub(crate) fn finite_vec(argument: &'static str, value: Vec3) -> Result<Vec3> {
     if value.is_finite() { Ok(value) } else { Err(not_finite(argument)) }
+}
+
+/// A point in the frame of a body.
+pub(crate) fn lever(argument: &'static str, value: Vec3) -> Result<Vec3> {
+    if finite_vec(argument, value)?.abs().max_element() > MAX_LEVER {
+        return Err(Error::new(ErrorKind::OutOfRange, argument, "is more than 1e6 m from the body's origin"));
+    }
+    Ok(value)
 }
 
 pub(crate) fn position(argument: &'static str, value: DVec3) -> Result<DVec3> {

@@ -296,6 +296,10 @@ impl JointDef {
     pub(crate) fn checked(mut self) -> Result<Self> {
         self.frame_a = self.frame_a.checked("frame_a.position", "frame_a.rotation")?;
         self.frame_b = self.frame_b.checked("frame_b.position", "frame_b.rotation")?;
+        let sides = [("frame_a.position", self.body_a, self.frame_a), ("frame_b.position", self.body_b, self.frame_b)];
+        for (argument, _, frame) in sides.into_iter().filter(|(_, body, _)| *body != BodyId::NULL) {
+            check::lever(argument, frame.position.as_vec3())?;
+        }
         self.linear.check("linear.compliance", "linear.damping")?;
         self.angular.check("angular.compliance", "angular.damping")?;
         self.limit.check("limit.compliance", "limit.damping")?;

@@ -56,7 +56,7 @@ mod workers;
 mod world;
 
 pub use body::{BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
-pub use check::{MAX_COORDINATE, STEP_RANGE};
+pub use check::{MAX_COORDINATE, MAX_LEVER, STEP_RANGE};
 pub use debug::{Color, DebugDraw, DrawLayers, DrawOptions};
 pub use error::{Error, ErrorKind, Result};
 pub use fracture::voronoi::{Bond, Cell, Cells, MAX_CELLS, Material as BondMaterial};

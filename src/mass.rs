@@ -56,7 +56,7 @@ impl MassProperties {
 
     fn checked(self) -> Result<Self> {
         let mass = checked_mass("mass", self.mass)?;
-        check::finite_vec("center_of_mass", self.center_of_mass)?;
+        check::lever("center_of_mass", self.center_of_mass)?;
         check::positive("principal_inertia.x", self.principal_inertia.x)?;
         check::positive("principal_inertia.y", self.principal_inertia.y)?;
         check::positive("principal_inertia.z", self.principal_inertia.z)?;

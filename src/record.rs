@@ -94,7 +94,6 @@ impl RecordedWorld {
     /// # Errors
     /// [`ErrorKind::Unsupported`] if the sink takes nothing.
     pub fn record(&mut self, mut sink: Box<dyn RecordingSink>, hash_every_call: bool) -> Result<()> {
-        self.recorder = None;
         let mut seed = Vec::new();
         self.world.save(&mut seed);
         let flags = if hash_every_call { HASH_EVERY_CALL } else { 0 };

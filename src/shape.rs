@@ -47,7 +47,7 @@ impl LocalPose {
     }
 
     fn checked(self) -> Result<Self> {
-        check::finite_vec("local_pose.position", self.position)?;
+        check::lever("local_pose.position", self.position)?;
         Ok(Self { rotation: check::rotation("local_pose.rotation", self.rotation)?, ..self })
     }
 }

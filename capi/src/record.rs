@@ -5,7 +5,7 @@ use std::fs::File;
 
 use ls_core::{RecordingSink, Replay, Replayed};
 
-use crate::access::edit;
+use crate::access::{edit, edit_hosted};
 use crate::boundary::call;
 use crate::enums;
 use crate::float_environment::as_host;
@@ -167,8 +167,12 @@ pub unsafe extern "C" fn ls_world_record_to_file(world: LsWorld, path: *const c_
         let path = unsafe { CStr::from_ptr(path) };
         let hashed = hash_every_call(flags)?;
         let cannot = || Failure::Refused(LS_ERROR_OTHER, "path", "is not that of a file that can be made");
-        let file = File::create(path.to_str().map_err(|_| cannot())?).map_err(|_| cannot())?;
-        edit(world, |world| world.record(Box::new(file), hashed))
+        let path = path.to_str().map_err(|_| cannot())?;
+        // Only once the world has been found and may be changed: making the file empties one that is there.
+        edit_hosted(world, |hosted| {
+            let file = File::create(path).map_err(|_| cannot())?;
+            Ok(hosted.world.record(Box::new(file), hashed)?)
+        })
     })
 }
 

@@ -330,9 +330,6 @@ impl Stored for PairKey {
 #[derive(Debug, Default)]
 pub(crate) struct Runs(pub Vec<u32>);
 
-/// Most numbers in one list; a world holds far fewer.
-const MOST_NUMBERS: u32 = 1 << 26;
-
 impl Stored for Runs {
     fn put(&self, out: &mut Writer) {
         let mut runs: Vec<(u32, u32)> = Vec::new();
@@ -346,8 +343,8 @@ impl Stored for Runs {
     }
     fn take(input: &mut Reader) -> Option<Self> {
         let runs = Vec::<(u32, u32)>::take(input)?;
-        let total = runs.iter().try_fold(0_u32, |total, &(_, len)| total.checked_add(len));
-        total.filter(|&total| total <= MOST_NUMBERS)?;
+        let total = runs.iter().map(|&(_, len)| u64::from(len)).sum();
+        *input.numbers_left = input.numbers_left.checked_sub(total)?;
         let mut numbers = Vec::new();
         for (first, len) in runs {
             numbers.extend(first..first.checked_add(len)?);

@@ -28,6 +28,8 @@ pub(crate) struct Reader<'a> {
     pub tag: u16,
     /// Lists inside lists that are being read.
     pub depth: u32,
+    /// How many numbers runs may still stand for, in all rows together.
+    pub numbers_left: &'a mut u64,
 }
 
 impl Reader<'_> {

@@ -88,6 +88,10 @@ impl<'a> Output<'a> {
 /// Rows that room is made for before they are read.
 const MOST_AT_ONCE: u64 = 1 << 14;
 
+/// How many numbers a byte of a snapshot may stand for by runs. A number names a row of a table, which takes a byte or more, and there are
+/// eleven lists of them: more numbers than this name nothing, and memory stays a multiple of the snapshot's length.
+const NUMBERS_FOR_A_BYTE: u64 = 16;
+
 /// Words of a row above which a byte for each eight groups of four tells which of them differ at all.
 const MASKED: usize = 16;
 
@@ -100,11 +104,12 @@ pub(crate) struct Input<'a> {
     forms: &'a KnownForms,
     tag: u16,
     row: Vec<u32>,
+    numbers_left: u64,
 }
 
 impl<'a> Input<'a> {
     pub(crate) fn new(bytes: &'a [u8], forms: &'a KnownForms, tag: u16) -> Self {
-        Self { bytes, forms, tag, row: Vec::new() }
+        Self { bytes, forms, tag, row: Vec::new(), numbers_left: NUMBERS_FOR_A_BYTE * bytes.len() as u64 }
     }
 
     /// Reads a table; `None` if it makes no sense.
@@ -205,7 +210,7 @@ impl<'a> Input<'a> {
                 }
             }
         }
-        let mut reader = Reader { words: &self.row, forms: self.forms, tag: self.tag, depth: 0 };
+        let mut reader = Reader { words: &self.row, forms: self.forms, tag: self.tag, depth: 0, numbers_left: &mut self.numbers_left };
         let value = take(&mut reader)?;
         reader.words.is_empty().then_some(value)
     }

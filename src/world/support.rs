@@ -116,10 +116,11 @@ impl SupportState {
 
     fn forget_body(&mut self, index: u32) {
         let Some(node) = self.graph.node(index) else { return };
-        let links: Vec<u32> = node.below.iter().chain(&node.above).copied().collect();
-        for link in links {
-            self.forget_pair(self.graph.link(link).pair);
-        }
+        // A pair has a link for each of its manifolds, and forgetting it removes them all.
+        let mut pairs: Vec<u32> = node.below.iter().chain(&node.above).map(|&link| self.graph.link(link).pair).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs.into_iter().for_each(|pair| self.forget_pair(pair));
         self.graph.set_kind(index, NodeKind::Absent);
         self.thrust.forget_body(index);
         if std::mem::take(&mut self.said[index as usize]) {

@@ -240,17 +240,31 @@ impl World {
             Some(body) if !body.is_dynamic() => self.unions_held_by(index),
             _ => Vec::new(),
         };
-        for slot in anchored_here.into_iter().chain((slot != NONE).then_some(slot)) {
-            if let Some(union) = self.unions.dissolve(slot) {
-                for &member in &union.members {
-                    self.set_anchored(member, Anchored::No);
-                    self.revisit_shapes(member);
-                }
-                self.unions.stale.extend_from_slice(&union.members);
-                self.long_range.graph_changed();
-            }
+        // A body that comes to be free to join belongs to no union yet, but those beside it will be other ones with it.
+        let beside = self.unions_welded_to(index);
+        for slot in anchored_here.into_iter().chain((slot != NONE).then_some(slot)).chain(beside) {
+            self.dissolve_union(slot);
         }
         self.unions.stale.push(index);
+    }
+
+    /// Takes a union apart, and has its members looked at in the next flood. Does nothing where there is none.
+    fn dissolve_union(&mut self, slot: u32) {
+        let Some(union) = self.unions.dissolve(slot) else { return };
+        for &member in &union.members {
+            self.set_anchored(member, Anchored::No);
+            self.revisit_shapes(member);
+        }
+        self.unions.stale.extend_from_slice(&union.members);
+        self.long_range.graph_changed();
+    }
+
+    /// Unions with a member that a weld connects to this dynamic body.
+    fn unions_welded_to(&self, index: u32) -> Vec<u32> {
+        let Some(body) = self.bodies.get(index).filter(|body| body.is_dynamic()) else { return Vec::new() };
+        let welds = body.joints.iter().filter_map(|&id| self.joints.find(id).ok()).filter(|&slot| self.is_weld(slot));
+        let others = welds.flat_map(|slot| self.joints[slot].bodies).flatten().filter(|&other| other != index);
+        others.map(|other| self.unions.place(other).union).filter(|&slot| slot != NONE).collect()
     }
 
     /// Has what is near a body looked for: members of a union are no pairs, those of two are.
@@ -342,6 +356,8 @@ impl World {
             let begins = self.bodies.get(index).is_some_and(can_join) && self.unions.place(index).union == NONE;
             if begins && self.def.long_range.enabled && self.def.long_range.union {
                 let component = self.component(index);
+                let is_apart = |&member: &u32| self.unions.place(member).union == NONE;
+                debug_assert!(component.members.iter().all(is_apart), "a union is formed around another");
                 self.form(component, None);
             }
         }
@@ -453,7 +469,10 @@ impl World {
                         let center = self.bodies[index].local_center.as_dvec3();
                         (number(index), Frame { position: own.position - center, ..own })
                     }
-                    // All that is static has one frame, in which the first anchor stands.
+                    // In the frame of the first anchor, without a detour through the world: a moving one would leave other bits of it
+                    // wherever the union is formed, and a restored world would part from the one that was saved.
+                    Some(index) if anchors.first() == Some(&index) => (Some(0), own),
+                    // All that is static has that frame.
                     Some(index) => (Some(0), base.inverse().then(&frame_of(&self.bodies[index]).then(&own))),
                     None => (Some(0), base.inverse().then(&own)),
                 }
@@ -488,7 +507,10 @@ impl World {
     /// What unions carry from step to step, and the bodies to flood from.
     pub(super) fn carried_unions(&self) -> (Vec<u32>, Vec<CarriedUnion>) {
         let carried = |union: &Union| CarriedUnion { lead: union.lead, motion: union.motion, before: union.before };
-        (self.unions.stale.clone(), self.unions.iter().map(carried).collect())
+        let mut stale = self.unions.stale.clone();
+        stale.sort_unstable();
+        stale.dedup();
+        (stale, self.unions.iter().map(carried).collect())
     }
 
     /// Makes all unions anew after a restore, with what they carried.

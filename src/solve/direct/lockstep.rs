@@ -51,6 +51,12 @@ pub(super) struct Locksteps {
 }
 
 impl Locksteps {
+    /// Forgets the groups of the last step.
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+        self.lone.clear();
+    }
+
     /// Groups the articulations that are swept and have a twin.
     pub(super) fn gather(&mut self, articulations: &mut [Articulation]) {
         self.count = 0;

@@ -127,9 +127,12 @@ pub(crate) trait BatchRecords {
 }
 
 impl Direct {
-    /// Forgets the articulations of the last step but for what they may use again.
+    /// Forgets the articulations of the last step but for what they may use again, and every list that numbers them or their contacts.
     pub(crate) fn clear(&mut self) {
         self.count = 0;
+        self.held.clear();
+        self.impulses.clear();
+        self.locksteps.clear();
     }
 
     /// Articulations solved directly in this step.

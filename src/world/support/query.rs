@@ -202,7 +202,9 @@ impl World {
             }
         }
         gone.iter().for_each(|&index| graph.set_kind(index, NodeKind::Absent));
-        let (ties, anchors) = self.ties(|index| !is_gone(index));
+        // The graph is that of the last step: bodies made since then have no node in it, and cannot lose what they do not have.
+        let is_known = |index: u32| state.graph.node(index).is_some();
+        let (ties, anchors) = self.ties(|index| !is_gone(index) && is_known(index));
         graph.set_joints(&ties, &anchors);
         graph.update();
         let is_supported = |node: Option<&Node>| node.is_some_and(Node::is_supported);
