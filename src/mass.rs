@@ -54,7 +54,7 @@ impl MassProperties {
         Self { mass: self.mass * factor, principal_inertia: self.principal_inertia * factor, ..self }
     }
 
-    fn checked(self) -> Result<Self> {
+    pub(crate) fn checked(self) -> Result<Self> {
         let mass = checked_mass("mass", self.mass)?;
         check::lever("center_of_mass", self.center_of_mass)?;
         check::positive("principal_inertia.x", self.principal_inertia.x)?;

@@ -46,7 +46,7 @@ impl LocalPose {
         Pose3::from_parts(self.position, self.rotation)
     }
 
-    fn checked(self) -> Result<Self> {
+    pub(crate) fn checked(self) -> Result<Self> {
         check::lever("local_pose.position", self.position)?;
         Ok(Self { rotation: check::rotation("local_pose.rotation", self.rotation)?, ..self })
     }

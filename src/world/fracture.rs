@@ -209,8 +209,9 @@ impl World {
     fn step_load(&self, slot: u32) -> JointLoad {
         let joint = &self.joints[slot];
         let turned = joint.bodies[0].map_or(Quat::IDENTITY, |body| {
-            let now = self.bodies[body].rotation;
-            halfway(now, self.rotation_after(body)) * now.conjugate()
+            let (now, after) = (self.bodies[body].rotation, self.rotation_after(body));
+            // A solve that found no finite state is not stored: the body stays as it was.
+            halfway(now, if after.is_finite() { after } else { now }) * now.conjugate()
         });
         let axes = (turned * self.end(joint, 0).frame).conjugate();
         let (force, torque) = self.load_inside(slot).unwrap_or((joint.force, joint.torque));

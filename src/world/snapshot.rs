@@ -322,8 +322,15 @@ impl Image {
             && (body.rotation.length_squared() - 1.0).abs() < 0.1
             && body.linear_velocity.is_finite()
             && body.angular_velocity.is_finite()
-            && body.local_center.is_finite()
+            && body.force.is_finite()
+            && body.torque.is_finite()
+            && body.gravity_scale.is_finite()
+            && body.linear_damping >= 0.0
+            && body.angular_damping >= 0.0
+            && crate::check::lever("local_center", body.local_center).is_ok()
             && body.is_dynamic() == body.mass.is_some()
+            && body.mass.is_none_or(|mass| mass.checked().is_ok())
+            && body.target.is_none_or(|target| target.checked("target", "target").is_ok())
             && (body.anchored == Anchored::No || body.is_dynamic())
             && body.shapes.iter().all(own_shape)
             && body.joints.iter().all(own_joint)
@@ -380,7 +387,10 @@ impl Image {
 
 fn shape_makes_sense(shape: &Collider) -> bool {
     shape.place.0.is_finite()
+        && crate::check::rotation("place", shape.place.1).is_ok()
+        && shape.local_pose.checked().is_ok()
         && shape.material.check().is_ok()
+        && shape.density >= 0.0
         && !(shape.reach.is_nan() || shape.least_extent.is_nan())
         && shape.fat_box.is_some_and(|kept| kept.mins.cmple(kept.maxs).all())
 }

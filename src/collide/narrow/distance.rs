@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 use parry3d::math::Pose3;
-use parry3d::query::details::contact_support_map_support_map_with_params;
+use parry3d::query::epa::EPA;
 use parry3d::query::gjk::{self, CsoPoint, GJKResult, VoronoiSimplex};
 use parry3d::shape::SupportMap;
 
@@ -37,9 +37,23 @@ pub(super) enum Nearest {
 
 /// Nearest points or least overlap of shapes not further apart than `limit`; the search starts along `seed`.
 pub(super) fn nearest(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3, limit: f32, seed: Option<Vec3>) -> Nearest {
-    match contact_support_map_support_map_with_params(relative, a, b, limit, &mut VoronoiSimplex::new(), seed) {
-        GJKResult::ClosestPoints(on_a, on_b, normal) => Nearest::Found(Gap { on_a, on_b, normal }),
+    let mut simplex = VoronoiSimplex::new();
+    let direction = seed.or_else(|| relative.translation.try_normalize()).unwrap_or(Vec3::X);
+    simplex.reset(CsoPoint::from_shapes(relative, a, b, direction));
+    let found = |(on_a, on_b, normal): (Vec3, Vec3, Vec3)| Nearest::Found(Gap { on_a, on_b, normal });
+    match gjk::closest_points(relative, a, b, limit, true, &mut simplex) {
+        GJKResult::ClosestPoints(on_a, on_b, normal) => found((on_a, on_b, normal)),
         GJKResult::NoIntersection(direction) | GJKResult::Proximity(direction) => Nearest::Beyond(direction),
+        GJKResult::Intersection if can_expand(&simplex) => {
+            EPA::new().closest_points(relative, a, b, &simplex).map_or(Nearest::Beyond(Vec3::X), found)
+        }
         GJKResult::Intersection => Nearest::Beyond(Vec3::X),
     }
+}
+
+/// Whether EPA can begin with a simplex. It makes no face of two points that are the same one, or of what is not finite, and panics.
+fn can_expand(simplex: &VoronoiSimplex) -> bool {
+    let point = |i: usize| simplex.point(i).point;
+    let is_finite = (0..=simplex.dimension()).all(|i| point(i).length_squared().is_finite());
+    is_finite && (simplex.dimension() != 1 || (point(1) - point(0)).normalize_or_zero() != Vec3::ZERO)
 }
