@@ -210,7 +210,8 @@ impl<'a> Input<'a> {
                 }
             }
         }
-        let mut reader = Reader { words: &self.row, forms: self.forms, tag: self.tag, depth: 0, numbers_left: &mut self.numbers_left };
+        let mut reader =
+            Reader { words: &self.row, forms: self.forms, tag: self.tag, depth: 0, numbers_left: &mut self.numbers_left };
         let value = take(&mut reader)?;
         reader.words.is_empty().then_some(value)
     }

@@ -250,7 +250,9 @@ impl World {
         if matches!(def.kind, JointKind::Fixed) {
             self.fracture.seeds.push(bodies);
         }
-        if let Some(body) = bodies.into_iter().flatten().find(|&body| self.bodies[body].is_dynamic()) {
+        // What breaks before the step has velocities that the last one has solved: its jolts are spent.
+        let within_step = dt > 0.0;
+        if let Some(body) = bodies.into_iter().flatten().find(|&body| within_step && self.bodies[body].is_dynamic()) {
             self.take_back_jolts(body);
         }
         // What stood like its anchor has a mass of its own again once the joint is gone.
