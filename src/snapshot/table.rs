@@ -219,7 +219,21 @@ impl<'a> Input<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Runs;
     use super::*;
+
+    #[test]
+    fn a_few_bytes_do_not_stand_for_millions_of_numbers() {
+        let (numbered, known) = (NumberedForms::default(), KnownForms::default());
+        let mut bytes = Vec::new();
+        Output::new(&mut bytes, &numbered).table([Runs((0..1 << 20).collect())].iter());
+        assert!(bytes.len() < 16, "a run is short: {} bytes", bytes.len());
+        assert!(Input::new(&bytes, &known, 1).table::<Runs>().is_none(), "no table has so many rows in so few bytes");
+        // Beside as many rows as the numbers name they are taken.
+        bytes.resize(bytes.len() + (1 << 20), 0);
+        let read = Input::new(&bytes, &known, 1).table::<Runs>().expect("makes sense");
+        assert_eq!(read[0].0.len(), 1 << 20);
+    }
 
     #[test]
     fn rows_come_back_and_equal_ones_cost_next_to_nothing() {

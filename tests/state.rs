@@ -1,0 +1,250 @@
+//! Legal calls in any order leave a world that steps, and one that restores to the bit.
+
+use longspan::glam::{Quat, Vec3};
+use longspan::{
+    BodyDef, BodyId, BodyKind, FractureSettings, Geometry, JointDef, JointId, JointKind, LocalPose, LockedAxes, Mass,
+    MassProperties, Pose, RecordedWorld, RecordingSink, Shape, ShapeDef, Solver, Strength, World, WorldDef,
+};
+
+const DT: f32 = 1.0 / 60.0;
+
+fn box_of(half: f32) -> ShapeDef {
+    ShapeDef::new(Shape::cuboid(Vec3::splat(half)).unwrap())
+}
+
+fn boxed(world: &mut World, kind: BodyKind, x: f64, y: f64) -> BodyId {
+    world.create_body(&BodyDef { kind, ..BodyDef::dynamic(Pose::at_xyz(x, y, 0.0)).with_shape(box_of(0.5)) }).unwrap()
+}
+
+fn floor(world: &mut World) -> BodyId {
+    let shape = Shape::new(Geometry::HalfSpace { normal: Vec3::Y }).unwrap();
+    world.create_body(&BodyDef::fixed(Pose::IDENTITY).with_shape(ShapeDef::new(shape))).unwrap()
+}
+
+fn weld(world: &mut World, a: BodyId, b: BodyId, strength: Strength) -> JointId {
+    let def = JointDef::new(JointKind::Fixed, a, b).at(Vec3::X * 0.5, Vec3::X * -0.5);
+    world.create_joint(&JointDef { strength, ..def }).unwrap()
+}
+
+fn steps(world: &mut World, count: u32) {
+    for _ in 0..count {
+        world.step(DT).unwrap();
+    }
+}
+
+/// Hashes of the next steps.
+fn hashes(world: &mut World, count: u32) -> Vec<u64> {
+    (0..count)
+        .map(|_| {
+            world.step(DT).unwrap();
+            world.state_hash()
+        })
+        .collect()
+}
+
+#[test]
+fn the_only_direct_joint_of_a_sweeping_world_may_go() {
+    for destroyed in [true, false] {
+        let mut world = World::new(&WorldDef { solver: Solver::GaussSeidel, ..WorldDef::default() }).unwrap();
+        floor(&mut world);
+        let (a, b) = (boxed(&mut world, BodyKind::Dynamic, 0.0, 0.5), boxed(&mut world, BodyKind::Dynamic, 1.2, 0.5));
+        boxed(&mut world, BodyKind::Dynamic, 0.0, 1.49);
+        let hinge = JointDef::new(JointKind::HINGE, a, b).at(Vec3::X * 0.6, Vec3::X * -0.6);
+        let joint = world.create_joint(&JointDef { solver: Solver::Direct, ..hinge }).unwrap();
+        steps(&mut world, 10);
+        match destroyed {
+            true => world.destroy_joint(joint).unwrap(),
+            false => world.set_joint_solver(joint, Solver::Auto).unwrap(),
+        }
+        steps(&mut world, 3);
+    }
+}
+
+#[test]
+fn support_is_asked_for_of_bodies_made_since_the_last_step() {
+    let mut world = World::new(&WorldDef { support: true, ..WorldDef::default() }).unwrap();
+    floor(&mut world);
+    let stands = boxed(&mut world, BodyKind::Dynamic, 0.0, 0.5);
+    steps(&mut world, 1);
+    let (b, c) = (boxed(&mut world, BodyKind::Dynamic, 3.0, 0.5), boxed(&mut world, BodyKind::Dynamic, 4.0, 0.5));
+    world.create_joint(&JointDef::new(JointKind::HINGE, b, c).at(Vec3::X * 0.5, Vec3::X * -0.5)).unwrap();
+    for body in [stands, b, c] {
+        world.support(body).unwrap();
+        world.support_hull(body).unwrap();
+        world.supporters(body).unwrap();
+        world.supported_by(body).unwrap();
+        world.load_on(body).unwrap();
+        world.path_to_ground(body).unwrap();
+        assert_eq!(world.would_lose_support(&[body]).unwrap(), [], "nothing stands on {body:?}");
+    }
+    steps(&mut world, 1);
+}
+
+#[test]
+fn what_stands_on_several_manifolds_of_one_pair_may_be_destroyed() {
+    for of_floor in [false, true] {
+        let mut world = World::new(&WorldDef { support: true, ..WorldDef::default() }).unwrap();
+        let ground = floor(&mut world);
+        let foot = Geometry::Box { half_extents: Vec3::new(0.1, 0.5, 0.1) };
+        let parts = [-1.0, 1.0].map(|x| (LocalPose::at(Vec3::X * x), foot.clone())).to_vec();
+        let table = ShapeDef::new(Shape::new(Geometry::Compound { parts }).unwrap());
+        let body = world.create_body(&BodyDef::dynamic(Pose::at_xyz(0.0, 0.5, 0.0)).with_shape(table)).unwrap();
+        steps(&mut world, 5);
+        assert!(world.contacts().count() >= 2, "each foot has a manifold");
+        world.destroy_body(if of_floor { ground } else { body }).unwrap();
+        steps(&mut world, 2);
+    }
+}
+
+#[test]
+fn a_body_that_comes_to_be_free_joins_the_union_beside_it() {
+    let mut world = World::new(&WorldDef::default()).unwrap();
+    let bodies = [0.0, 1.0, 2.0].map(|x| boxed(&mut world, BodyKind::Dynamic, x, 3.0));
+    let locked = LockedAxes { rotation: [true, false, false], ..LockedAxes::default() };
+    world.set_locked_axes(bodies[2], locked).unwrap();
+    let breakable = Strength { tension: 1.0e9, ..Strength::UNBREAKABLE };
+    let joints = [weld(&mut world, bodies[0], bodies[1], breakable), weld(&mut world, bodies[1], bodies[2], breakable)];
+    steps(&mut world, 2);
+    assert_eq!(world.unions().map(|union| union.members).collect::<Vec<_>>(), [2]);
+    world.set_locked_axes(bodies[2], LockedAxes::default()).unwrap();
+    let mut saved = Vec::new();
+    world.save(&mut saved);
+    let first = hashes(&mut world, 5);
+    assert_eq!(world.unions().map(|union| union.members).collect::<Vec<_>>(), [3], "one union, and none left behind");
+    world.restore(&saved).unwrap();
+    assert_eq!(hashes(&mut world, 5), first, "a restore before the union is formed anew");
+    world.destroy_joint(joints[0]).unwrap();
+    steps(&mut world, 2);
+}
+
+#[test]
+fn a_body_welded_to_a_moving_kinematic_one_restores_to_the_bit() {
+    for number in 0..12 {
+        let mut world = World::new(&WorldDef::default()).unwrap();
+        let x = 10.0 + 3.7 * f64::from(number);
+        let driver = boxed(&mut world, BodyKind::Kinematic, x, 3.0);
+        let rider = boxed(&mut world, BodyKind::Dynamic, x + 1.0, 3.0);
+        weld(&mut world, driver, rider, Strength::UNBREAKABLE);
+        world.set_linear_velocity(driver, Vec3::new(0.3, 0.1 * number as f32, 0.0)).unwrap();
+        world.set_angular_velocity(driver, Vec3::new(0.7, 0.2, 1.1 + 0.1 * number as f32)).unwrap();
+        steps(&mut world, 37 + number);
+        let mut saved = Vec::new();
+        world.save(&mut saved);
+        let first = hashes(&mut world, 30);
+        world.restore(&saved).unwrap();
+        assert_eq!(hashes(&mut world, 30), first, "variant {number}");
+    }
+}
+
+#[test]
+fn what_a_step_cannot_bear_is_refused_by_name() {
+    let mut world = World::new(&WorldDef::default()).unwrap();
+    let body = boxed(&mut world, BodyKind::Dynamic, 0.0, 0.0);
+    let other = boxed(&mut world, BodyKind::Dynamic, 2.0, 0.0);
+    for far in [1.1e6, 1.0e7, 1.0e20, 3.0e38_f32] {
+        let away = Vec3::X * far;
+        let shape = ShapeDef { local_pose: LocalPose::at(away), ..box_of(0.5) };
+        let def = BodyDef::dynamic(Pose::IDENTITY);
+        assert_eq!(world.create_body(&def.clone().with_shape(shape.clone())).unwrap_err().argument, "local_pose.position");
+        assert_eq!(world.attach_shape(body, &shape).unwrap_err().argument, "local_pose.position");
+        let mass = Mass::Properties(MassProperties { center_of_mass: away, ..MassProperties::new(1.0, Vec3::ONE) });
+        assert_eq!(world.create_body(&def.with_mass(mass)).unwrap_err().argument, "center_of_mass");
+        assert_eq!(world.set_mass(body, mass).unwrap_err().argument, "center_of_mass");
+        let joint = JointDef::new(JointKind::SPHERICAL, body, other);
+        assert_eq!(world.create_joint(&joint.at(away, Vec3::ZERO)).unwrap_err().argument, "frame_a.position");
+        assert_eq!(world.create_joint(&joint.at(Vec3::ZERO, away)).unwrap_err().argument, "frame_b.position");
+    }
+    // Just inside, all of it is borne.
+    let shape = ShapeDef { local_pose: LocalPose::at(Vec3::X * 9.0e5), ..box_of(0.5) };
+    let far = world.create_body(&BodyDef::dynamic(Pose::IDENTITY).with_shape(shape)).unwrap();
+    world.set_angular_velocity(far, Vec3::Z).unwrap();
+    steps(&mut world, 10);
+    let pose = world.pose(far).unwrap();
+    assert!(pose.position.is_finite() && pose.rotation.is_finite(), "{pose:?}");
+    assert_eq!(world.quarantined(), []);
+}
+
+#[test]
+fn a_joint_of_a_union_that_breaks_after_its_step_takes_no_velocity_back() {
+    // Two pairs of welded boxes in weightless space, pulled apart at once. One weld may break in a step: the other one breaks as the next
+    // step begins, when both of its boxes have long had the velocity that they share.
+    let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, ..WorldDef::default() }).unwrap();
+    let strength = Strength { tension: 1.0, window: 0.01, ..Strength::UNBREAKABLE };
+    let mut bodies = Vec::new();
+    for y in [0.0, 5.0] {
+        let pair = [0.0, 1.0].map(|x| boxed(&mut world, BodyKind::Dynamic, x, y));
+        weld(&mut world, pair[0], pair[1], strength);
+        bodies.extend(pair);
+    }
+    let settings = FractureSettings { most: 1, ..world.def().fracture };
+    world.set_fracture_settings(settings).unwrap();
+    steps(&mut world, 2);
+    for &body in [&bodies[0], &bodies[2]] {
+        world.set_linear_velocity(body, Vec3::new(-3.0, 0.0, 0.0)).unwrap();
+    }
+    world.step(DT).unwrap();
+    assert_eq!(world.joint_count(), 1, "one breaks, one waits");
+    let mut saved = Vec::new();
+    world.save(&mut saved);
+    let first = hashes(&mut world, 3);
+    assert_eq!(world.joint_count(), 0, "the other breaks as soon as it may");
+    let velocity = |body: BodyId| world.linear_velocity(body).unwrap();
+    let last = [velocity(bodies[2]), velocity(bodies[3])];
+    assert!((last[0] + last[1] - Vec3::X * -3.0).length() < 1.0e-5, "the pair of 3 m/s in one has {last:?}");
+    assert!((last[0] - last[1]).length() < 1.0e-5, "what moved as one goes on as one: {last:?}");
+    world.restore(&saved).unwrap();
+    assert_eq!(hashes(&mut world, 3), first);
+}
+
+/// A sink that takes so many writes, and notes what it took.
+struct Sink(u32, std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
+
+impl RecordingSink for Sink {
+    fn write(&mut self, data: &[u8]) -> bool {
+        let takes = self.0 > 0;
+        self.0 = self.0.saturating_sub(1);
+        if takes {
+            self.1.lock().unwrap().extend_from_slice(data);
+        }
+        takes
+    }
+}
+
+#[test]
+fn a_recording_that_is_refused_leaves_the_one_under_way() {
+    let mut world = RecordedWorld::new(World::new(&WorldDef::default()).unwrap());
+    let (kept, refused) = (std::sync::Arc::default(), std::sync::Arc::default());
+    world.record(Box::new(Sink(u32::MAX, std::sync::Arc::clone(&kept))), false).unwrap();
+    world.step(DT).unwrap();
+    let before = kept.lock().unwrap().len();
+    assert!(world.record(Box::new(Sink(0, refused)), false).is_err());
+    assert!(world.is_recording(), "the recording under way goes on");
+    world.step(DT).unwrap();
+    assert!(kept.lock().unwrap().len() > before);
+    world.stop_recording().unwrap();
+}
+
+#[test]
+fn a_joint_that_breaks_reports_a_finite_load_whatever_the_solve_found() {
+    // Soft to the limit of what `f32` bears, and steps of very different lengths.
+    let mut world = World::new(&WorldDef::default()).unwrap();
+    let (a, b) = (boxed(&mut world, BodyKind::Dynamic, 0.0, 0.0), boxed(&mut world, BodyKind::Dynamic, 1.0, 0.0));
+    let soft = |compliance, damping| longspan::Softness { compliance, damping };
+    let def = JointDef {
+        linear: soft(2.5e-5, 0.043),
+        angular: soft(2.3e-6, 4598.0),
+        limit: soft(0.52, 2.1e-4),
+        strength: Strength { tension: 1.0e6, ..Strength::UNBREAKABLE },
+        frame_a: Pose::at_xyz(0.5, 0.0, 0.0),
+        frame_b: Pose { rotation: Quat::from_rotation_x(2.0), ..Pose::at_xyz(-0.5, 0.3, 0.0) },
+        ..JointDef::new(JointKind::SPHERICAL, a, b)
+    };
+    let joint = world.create_joint(&def).unwrap();
+    for dt in [0.1, 4.5e-5, 0.5, 1.0e-6] {
+        world.step(dt).unwrap();
+    }
+    world.apply_fractures(&[joint]).unwrap();
+    world.step(1.0e-6).unwrap();
+    let [broken] = world.broken() else { panic!("one joint breaks") };
+    assert!(broken.force.is_finite() && broken.torque.is_finite(), "{broken:?}");
+}
