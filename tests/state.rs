@@ -165,6 +165,18 @@ fn what_a_step_cannot_bear_is_refused_by_name() {
 }
 
 #[test]
+fn a_kinematic_body_stops_at_the_edge_of_space() {
+    let mut world = World::new(&WorldDef::default()).unwrap();
+    let body = boxed(&mut world, BodyKind::Kinematic, longspan::MAX_COORDINATE - 100.0, 0.0);
+    world.set_linear_velocity(body, Vec3::X * longspan::MAX_LINEAR_SPEED).unwrap();
+    steps(&mut world, 3);
+    assert_eq!(world.pose(body).unwrap().position.x, longspan::MAX_COORDINATE);
+    let mut saved = Vec::new();
+    world.save(&mut saved);
+    world.restore(&saved).unwrap();
+}
+
+#[test]
 fn a_joint_of_a_union_that_breaks_after_its_step_takes_no_velocity_back() {
     // Two pairs of welded boxes in weightless space, pulled apart at once. One weld may break in a step: the other one breaks as the next
     // step begins, when both of its boxes have long had the velocity that they share.

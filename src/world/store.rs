@@ -189,6 +189,13 @@ impl World {
                 let turn = body.angular_velocity * dt;
                 body.rotation = rotated_far(body.rotation, turn);
             }
+            // It stops at the edge of the space that positions may be in.
+            let edge = glam::DVec3::splat(crate::check::MAX_COORDINATE);
+            let inside = body.center.clamp(-edge, edge);
+            if inside != body.center {
+                body.center = inside;
+                body.linear_velocity = Vec3::ZERO;
+            }
             for &id in &body.shapes {
                 if let Ok(shape) = self.colliders.find(id) {
                     self.colliders[shape].follow(body);
