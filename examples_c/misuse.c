@@ -128,6 +128,7 @@ static void shapes_and_joints(LsWorld world, LsWorld other)
     LsJoint joint = create_joint(world, upper, lower), foreign_joint = create_joint(other, far_upper, far_lower);
     LsJoint no_joint = {0}, any_joint = {7};
     LsJointDef def;
+    LsJointAxisState axis;
     uint64_t word;
 
     expect(LS_ERROR_NULL_HANDLE, ls_shape_user_word_get(world, no_shape, &word), "null shape");
@@ -148,6 +149,12 @@ static void shapes_and_joints(LsWorld world, LsWorld other)
     expect(LS_ERROR_NOT_FINITE, ls_joint_friction_set(world, joint, INFINITY), "infinite friction");
     expect(LS_ERROR_NULL_ARGUMENT, ls_joint_axis_friction_set(world, joint, NULL), "friction of axes is NULL");
 
+    expect(LS_ERROR_NULL_HANDLE, ls_joint_axis_state_get(world, no_joint, 0, &axis, sizeof axis), "axis of a null joint");
+    expect(LS_ERROR_INVALID_HANDLE, ls_joint_axis_state_get(world, any_joint, 0, &axis, sizeof axis), "axis of an invented joint");
+    expect(LS_ERROR_FOREIGN_HANDLE, ls_joint_axis_state_get(world, foreign_joint, 0, &axis, sizeof axis), "axis of a foreign joint");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_joint_axis_state_get(world, joint, 2, &axis, sizeof axis), "third axis of a spherical joint");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_joint_axis_state_get(world, joint, 0, NULL, sizeof axis), "state of an axis is NULL");
+    expect(LS_ERROR_STRUCT_SIZE, ls_joint_axis_state_get(world, joint, 0, &axis, 8), "state of an axis too small");
     expect(LS_OK, ls_joint_def_get(world, joint, &def, sizeof def), "definition of a joint");
     def.kind = LS_JOINT_HINGE;
     expect(LS_ERROR_NOT_APPLICABLE, ls_joint_kind_set(world, joint, &def), "turn a spherical joint into a hinge");
@@ -157,6 +164,17 @@ static void shapes_and_joints(LsWorld world, LsWorld other)
     def.limits.max = 1.0f;
     def.motor.mode = -1;
     expect(LS_ERROR_INVALID_ENUM, ls_joint_create(world, &def, &any_joint), "unknown motor mode");
+    def.motor.mode = LS_MOTOR_POSITION;
+    def.motor_drive.side = 3;
+    expect(LS_ERROR_INVALID_ENUM, ls_joint_create(world, &def, &any_joint), "unknown side of a motor");
+    def.motor_drive.side = LS_FORCE_PULL;
+    def.motor_drive.max_speed = -1.0f;
+    expect(LS_ERROR_OUT_OF_RANGE, ls_joint_create(world, &def, &any_joint), "negative greatest speed of a motor");
+    def.motor_drive.max_speed = INFINITY;
+    def.motor_drive.target_velocity = INFINITY;
+    expect(LS_ERROR_NOT_FINITE, ls_joint_create(world, &def, &any_joint), "target that moves infinitely fast");
+    def.motor_drive.target_velocity = 0.0f;
+    def.motor_drive.side = LS_FORCE_BOTH;
     def.motor.mode = LS_MOTOR_OFF;
     def.kind = 6;
     expect(LS_ERROR_INVALID_ENUM, ls_joint_create(world, &def, &any_joint), "unknown joint kind");

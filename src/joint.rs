@@ -85,27 +85,77 @@ pub enum Motor {
     Position {
         /// Value to reach.
         target: f32,
-        /// Spring and damper; rigid closes a tenth of the error in each substep, at up to 10 m/s or rad/s.
+        /// Spring and damper; rigid goes to its target as fast as `max_force` allows, and stops there.
         softness: Softness,
         /// Greatest force or torque, may be infinite.
         max_force: f32,
     },
+    /// Either of the two, with all that a motor can be told.
+    Drive(Drive),
+}
+
+/// Everything that a motor can be told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// Value to reach (m or rad); `None` for a motor that holds `velocity` alone.
+    pub target: Option<f32>,
+    /// Speed to hold (m/s or rad/s). Beside a target: the speed at which that moves. Damping acts on the difference to it, and the
+    /// target is where `target` says at the end of the step; set both before each step.
+    pub velocity: f32,
+    /// Spring and damper towards `target`; rigid goes there as fast as force and speed allow.
+    pub softness: Softness,
+    /// Greatest force or torque, may be infinite.
+    pub max_force: f32,
+    /// Greatest speed towards `target` (m/s or rad/s), over `velocity`, may be infinite. A spring is held back to it, but does not brake
+    /// what others drive faster.
+    pub max_speed: f32,
+    /// Which way it may push.
+    pub side: ForceSide,
+}
+
+/// Which way a motor may push its coordinate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ForceSide {
+    /// Both ways.
+    #[default]
+    Both,
+    /// Towards lesser values alone: a winch, a muscle.
+    Pull,
+    /// Towards greater values alone: a jack.
+    Push,
+}
+
+impl Drive {
+    /// A rigid motor to `target` (m or rad) with at most `max_force` (N or N·m).
+    pub const fn to(target: f32, max_force: f32) -> Self {
+        Self { target: Some(target), ..Self::at(0.0, max_force) }
+    }
+
+    /// A motor that holds a speed (m/s or rad/s) with at most `max_force` (N or N·m).
+    pub const fn at(velocity: f32, max_force: f32) -> Self {
+        Self { target: None, velocity, softness: Softness::RIGID, max_force, max_speed: f32::INFINITY, side: ForceSide::Both }
+    }
 }
 
 impl Motor {
-    fn check(&self) -> Result<()> {
+    /// What it is told; `None` where it is off.
+    pub fn drive(&self) -> Option<Drive> {
         match *self {
-            Self::Off => {}
-            Self::Velocity { target, max_force } => {
-                check::finite("motor.target", target)?;
-                check::bound("motor.max_force", max_force)?;
-            }
-            Self::Position { target, softness, max_force } => {
-                check::finite("motor.target", target)?;
-                softness.check("motor.compliance", "motor.damping")?;
-                check::bound("motor.max_force", max_force)?;
-            }
+            Self::Off => None,
+            Self::Velocity { target, max_force } => Some(Drive::at(target, max_force)),
+            Self::Position { target, softness, max_force } => Some(Drive { softness, ..Drive::to(target, max_force) }),
+            Self::Drive(drive) => Some(drive),
         }
+    }
+
+    fn check(&self) -> Result<()> {
+        let Some(drive) = self.drive() else { return Ok(()) };
+        let is_velocity = matches!(self, Self::Velocity { .. });
+        check::finite(if is_velocity { "motor.target" } else { "motor.velocity" }, drive.velocity)?;
+        check::finite("motor.target", drive.target.unwrap_or_default())?;
+        drive.softness.check("motor.compliance", "motor.damping")?;
+        check::bound("motor.max_force", drive.max_force)?;
+        check::bound("motor.max_speed", drive.max_speed)?;
         Ok(())
     }
 }
@@ -161,9 +211,9 @@ impl Axis {
 pub enum JointKind {
     /// Nothing moves.
     Fixed,
-    /// Rotation about the joint axis; the angle is in (−π, π].
+    /// Rotation about the joint axis; the angle counts turns.
     Hinge {
-        /// Range of the angle (rad).
+        /// Range of the angle (rad), of any size.
         limits: Limits,
         /// Drive of the angle.
         motor: Motor,
@@ -172,7 +222,7 @@ pub enum JointKind {
     Spherical {
         /// Greatest angle between the two joint axes (rad), π for none.
         swing_limit: f32,
-        /// Range of the rotation about the joint axis (rad).
+        /// Range of the rotation about the joint axis (rad), which counts turns.
         twist_limits: Limits,
         /// Drive of the rotation.
         motor: SphericalMotor,
@@ -193,8 +243,9 @@ pub enum JointKind {
         /// Drive of the translation.
         motor: Motor,
     },
-    /// Six axes of A's frame, each free, locked or limited. Rotations are x·y·z Euler angles of B's frame in A's; keep the
-    /// one about y within ±80° unless both others are locked.
+    /// Six axes of A's frame, each free, locked or limited. Rotations are the angles φ, θ, ψ of R_x(φ) R_y(θ) R_z(ψ), which takes A's
+    /// frame to B's, and count turns. With one axis free it is a hinge, with x and y or y and z a universal joint, with three a
+    /// spherical joint. Where none of x and z is locked, these two are one axis at θ = ±π/2: what is asked of them fades there.
     Generic {
         /// Translation along x, y, z.
         linear: [Axis; 3],
@@ -319,11 +370,7 @@ impl JointKind {
     pub(crate) fn checked(mut self) -> Result<Self> {
         match &mut self {
             Self::Fixed => {}
-            Self::Hinge { limits, motor } => {
-                angle_limits("limits", limits)?;
-                motor.check()?;
-            }
-            Self::Prismatic { limits, motor } => {
+            Self::Hinge { limits, motor } | Self::Prismatic { limits, motor } => {
                 check::range("limits", limits.min, limits.max)?;
                 motor.check()?;
             }
@@ -331,7 +378,7 @@ impl JointKind {
                 if check::not_negative("swing_limit", *swing_limit)? > std::f32::consts::PI {
                     return Err(Error::new(ErrorKind::OutOfRange, "swing_limit", "is greater than π"));
                 }
-                angle_limits("twist_limits", twist_limits)?;
+                check::range("twist_limits", twist_limits.min, twist_limits.max)?;
                 match motor {
                     SphericalMotor::Off => {}
                     SphericalMotor::Velocity { target, max_torque } => {
@@ -366,19 +413,10 @@ impl JointKind {
     }
 }
 
-/// Angles are in (−π, π]: a stop beyond that can never be reached.
-fn angle_limits(argument: &'static str, limits: &Limits) -> Result<()> {
-    check::range(argument, limits.min, limits.max)?;
-    if limits.min > std::f32::consts::PI || limits.max < -std::f32::consts::PI {
-        return Err(Error::new(ErrorKind::OutOfRange, argument, "lies outside (−π, π]"));
-    }
-    Ok(())
-}
-
 /// What a joint does at the end of the last step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
-    /// Coordinate of the free axis: angle (rad), translation or distance (m); zero for other kinds.
+    /// Coordinate of the free axis: angle, turns counted (rad), translation or distance (m); zero for other kinds.
     pub position: f32,
     /// Its rate (rad/s or m/s).
     pub velocity: f32,
@@ -391,6 +429,19 @@ pub struct JointState {
     /// Force (N) or torque (N·m) on body B along the free axis, mean over the step: what motor, friction, spring, stops at limits and a
     /// distance that is held come to. Zero for kinds without a coordinate; of these `torque` has all.
     pub effort: f32,
+}
+
+/// One axis of a joint at the end of the last step.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointAxisState {
+    /// Its coordinate: angle, turns counted (rad), translation or distance (m).
+    pub position: f32,
+    /// Rate of the coordinate (rad/s or m/s).
+    pub velocity: f32,
+    /// Force (N) or torque (N·m) on body B along the axis, mean over the step: all that acts there.
+    pub effort: f32,
+    /// That of the motor alone.
+    pub motor: f32,
 }
 
 /// Most scalar rows of one joint: six axes, each with a lower stop, an upper stop, a motor and friction.
@@ -437,6 +488,9 @@ pub(crate) struct Joint {
     /// Slots of the bodies; `None` is the world.
     pub bodies: [Option<u32>; 2],
     pub impulses: JointImpulses,
+    /// Angles near those at the end of the last step, turns counted (rad): that of a hinge, the twist of a spherical joint, all three of
+    /// a six-axis joint. Of those that its rotation allows, the nearest are its own.
+    pub angles: [f64; 3],
     /// Force and torque on B, mean over the last step.
     pub force: Vec3,
     pub torque: Vec3,
@@ -449,6 +503,8 @@ pub(crate) struct Joint {
     pub pressed: u32,
     /// How the host moves its stops and frames, if it does.
     pub drive: Option<Box<JointDrive>>,
+    /// What the motor of each axis did, mean over the last step (N, N·m).
+    pub motors: [f32; 6],
 }
 
 impl Joint {
@@ -458,12 +514,14 @@ impl Joint {
             def,
             bodies,
             impulses: JointImpulses::ZERO,
+            angles: [0.0; 3],
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
             acted: [Vec3::ZERO; 2],
             strain,
             pressed: 0,
             drive: None,
+            motors: [0.0; 6],
         }
     }
 
@@ -497,6 +555,7 @@ impl Joint {
         self.impulses = JointImpulses::ZERO;
         self.force = Vec3::ZERO;
         self.torque = Vec3::ZERO;
+        self.motors = [0.0; 6];
         self.acted = [Vec3::ZERO; 2];
         if let Some(strain) = &mut self.strain {
             strain.spans = Default::default();

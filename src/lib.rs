@@ -65,7 +65,9 @@ pub use fracture::{
 };
 pub use glam;
 pub use id::{BodyId, Handle, JointId, MAX_OBJECTS, ShapeId};
-pub use joint::{Axis, JointDef, JointKind, JointState, Limits, Motor, Softness, SphericalMotor};
+pub use joint::{
+    Axis, Drive, ForceSide, JointAxisState, JointDef, JointKind, JointState, Limits, Motor, Softness, SphericalMotor,
+};
 pub use long_range::{
     BoundKind, BoundKindDef, BoundState, ChainLink, ChainState, LongRangeDef, MAX_LEVELS, PlaneState, SoftBound,
 };

@@ -1,6 +1,6 @@
 //! Joints.
 
-use ls_core::JointState;
+use ls_core::{JointAxisState, JointState};
 
 use crate::access::{edit, read};
 use crate::boundary::call;
@@ -16,7 +16,7 @@ use crate::sized::{self, SizedOut, Versioned};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C)]
 pub struct LsJointState {
-    /// Coordinate of the free axis: angle (rad), translation or distance (m); 0 for other kinds.
+    /// Coordinate of the free axis: angle, turns counted (rad), translation or distance (m); 0 for other kinds.
     pub position: f32,
     /// Its rate (rad/s or m/s).
     pub velocity: f32,
@@ -46,6 +46,31 @@ impl From<JointState> for LsJointState {
             gap: state.gap,
             effort: state.effort,
         }
+    }
+}
+
+/// One axis of a joint at the end of the last step. Later versions append fields.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C)]
+pub struct LsJointAxisState {
+    /// Its coordinate: angle, turns counted (rad), translation or distance (m).
+    pub position: f32,
+    /// Rate of the coordinate (rad/s or m/s).
+    pub velocity: f32,
+    /// Force (N) or torque (N m) on body B along the axis, mean over the step: all that acts there.
+    pub effort: f32,
+    /// That of the motor alone.
+    pub motor: f32,
+}
+
+// SAFETY: numbers without padding.
+unsafe impl Versioned for LsJointAxisState {
+    const SIZES: &'static [usize] = &[16];
+}
+
+impl From<JointAxisState> for LsJointAxisState {
+    fn from(state: JointAxisState) -> Self {
+        Self { position: state.position, velocity: state.velocity, effort: state.effort, motor: state.motor }
     }
 }
 
@@ -107,6 +132,31 @@ pub unsafe extern "C" fn ls_joint_state_get(world: LsWorld, joint: LsJoint, out:
     call("ls_joint_state_get", || {
         let out = host!(SizedOut::new, out, size);
         read(world, |world| out.write(&world.joint_state(joint.into())?.into()))
+    })
+}
+
+/// One axis of a joint at the end of the last step, numbered as in LsJointStop: axis 0 of a hinge, a prismatic or a distance joint; the
+/// twist (0) and the swing (1) of a spherical joint; the translations along x, y and z (0 to 2) and the rotations about them (3 to 5)
+/// of a generic joint.
+///
+/// @param world  the world; any value is safe
+/// @param joint  a joint of that world; any value is safe
+/// @param axis   number of the axis
+/// @param out    filled on LS_OK
+/// @param size   sizeof *out as the host knows it
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_OUT_OF_RANGE
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_joint_axis_state_get(
+    world: LsWorld,
+    joint: LsJoint,
+    axis: u32,
+    out: *mut LsJointAxisState,
+    size: usize,
+) -> LsResult {
+    call("ls_joint_axis_state_get", || {
+        let out = host!(SizedOut::new, out, size);
+        read(world, |world| out.write(&world.joint_axis(joint.into(), axis)?.into()))
     })
 }
 

@@ -1,7 +1,7 @@
 //! What a joint starts with, as C describes it: one flat struct, of which each kind reads its own fields.
 
 use ls_core::glam::{Quat, Vec3};
-use ls_core::{Axis, JointDef, JointKind, Limits, Motor, Pose, Softness, SphericalMotor, Strength};
+use ls_core::{Axis, Drive, ForceSide, JointDef, JointKind, Limits, Motor, Pose, Softness, SphericalMotor, Strength};
 
 use crate::boundary::call;
 use crate::enums;
@@ -15,16 +15,18 @@ use crate::world_def::LS_SOLVER_AUTO;
 
 /// Joint kind: nothing moves.
 pub const LS_JOINT_FIXED: i32 = 0;
-/// Joint kind: rotation about the joint axis, the angle in (-pi, pi]; limits, motor, friction.
+/// Joint kind: rotation about the joint axis, the angle counts turns; limits, motor, motor_drive, friction.
 pub const LS_JOINT_HINGE: i32 = 1;
-/// Joint kind: rotation about a point; swing_limit, limits (of the twist), spherical_motor, friction.
+/// Joint kind: rotation about a point; swing_limit, limits (of the twist, which counts turns), spherical_motor, friction.
 pub const LS_JOINT_SPHERICAL: i32 = 2;
-/// Joint kind: the distance between two points; limits, has_spring, spring_length, motor.
+/// Joint kind: the distance between two points; limits, has_spring, spring_length, motor, motor_drive.
 pub const LS_JOINT_DISTANCE: i32 = 3;
-/// Joint kind: translation along the joint axis; limits, motor, friction.
+/// Joint kind: translation along the joint axis; limits, motor, motor_drive, friction.
 pub const LS_JOINT_PRISMATIC: i32 = 4;
-/// Joint kind: six axes of A's frame, each free, locked or limited; linear_axes, angular_axes. Rotations are x, y, z Euler
-/// angles of B's frame in A's; keep the one about y within 80 degrees unless both others are locked.
+/// Joint kind: six axes of A's frame, each free, locked or limited; linear_axes, angular_axes, axis_drives, axis_friction.
+/// Rotations are the angles x, y, z of R_x R_y R_z, which takes A's frame to B's, and count turns. With one free it is a hinge,
+/// whichever it is; with x and y or y and z free a universal joint; with three free a spherical joint. Where neither x nor z is
+/// locked, these two are one axis at y = 90 degrees: what is asked of them fades there.
 pub const LS_JOINT_GENERIC: i32 = 5;
 
 /// Motor mode: nothing drives the coordinate.
@@ -33,6 +35,13 @@ pub const LS_MOTOR_OFF: i32 = 0;
 pub const LS_MOTOR_VELOCITY: i32 = 1;
 /// Motor mode: pulls towards a value as a spring and damper, with at most the greatest force or torque.
 pub const LS_MOTOR_POSITION: i32 = 2;
+
+/// Which way a motor may push its coordinate: both ways.
+pub const LS_FORCE_BOTH: i32 = 0;
+/// Which way a motor may push its coordinate: towards lesser values alone, as a winch or a muscle does.
+pub const LS_FORCE_PULL: i32 = 1;
+/// Which way a motor may push its coordinate: towards greater values alone, as a jack does.
+pub const LS_FORCE_PUSH: i32 = 2;
 
 /// Give of constraint rows. Acts as a physical spring and damper whatever the number of substeps and iterations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,10 +71,26 @@ pub struct LsMotor {
     pub mode: i32,
     /// Speed (m/s or rad/s) or value (m or rad) to reach.
     pub target: f32,
-    /// Spring and damper of LS_MOTOR_POSITION; rigid reaches the target as fast as max_force allows.
+    /// Spring and damper of LS_MOTOR_POSITION; rigid goes to its target as fast as max_force allows, and stops there.
     pub softness: LsSoftness,
     /// Greatest force (N) or torque (N m), may be INFINITY.
     pub max_force: f32,
+}
+
+/// What more a motor can be told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsDrive {
+    /// LS_MOTOR_POSITION: speed at which its target moves (m/s or rad/s); default 0. Damping acts on the difference to it, and the target
+    /// is where target says at the end of the step: set both before each step.
+    pub target_velocity: f32,
+    /// LS_MOTOR_POSITION: greatest speed towards the target (m/s or rad/s), over target_velocity, >= 0; default INFINITY. A spring is held
+    /// back to it, but does not brake what others drive faster.
+    pub max_speed: f32,
+    /// LS_FORCE_ constant: which way the motor may push; default LS_FORCE_BOTH.
+    pub side: i32,
+    /// Not used; 0.
+    pub reserved: u32,
 }
 
 /// What drives the rotation of a spherical joint.
@@ -161,11 +186,15 @@ pub struct LsJointDef {
     pub axis_friction: [f32; 6],
     /// Not used; 0.
     pub reserved_last: u32,
+    /// What more the motor of a hinge, prismatic or distance joint is told; default nothing.
+    pub motor_drive: LsDrive,
+    /// Generic: what more the motors of its axes are told, along x, y and z, then about them; default nothing.
+    pub axis_drives: [LsDrive; 6],
 }
 
 // SAFETY: numbers without padding.
 unsafe impl Versioned for LsJointDef {
-    const SIZES: &'static [usize] = &[400, 440, 448, 456, 488];
+    const SIZES: &'static [usize] = &[400, 440, 448, 456, 488, 600];
 }
 
 // SAFETY: begins with struct_size.
@@ -205,6 +234,8 @@ impl Default for LsJointDef {
             friction: 0.0,
             axis_friction: [0.0; 6],
             reserved_last: 0,
+            motor_drive: LsDrive::NONE,
+            axis_drives: [LsDrive::NONE; 6],
         }
     }
 }
@@ -251,25 +282,68 @@ impl TryFrom<&LsJointDef> for JointKind {
         let limits = Limits::from(def.limits);
         Ok(match def.kind {
             LS_JOINT_FIXED => Self::Fixed,
-            LS_JOINT_HINGE => Self::Hinge { limits, motor: def.motor.try_into()? },
+            LS_JOINT_HINGE => Self::Hinge { limits, motor: motor(def.motor, def.motor_drive)? },
             LS_JOINT_SPHERICAL => {
                 Self::Spherical { swing_limit: def.swing_limit, twist_limits: limits, motor: def.spherical_motor.try_into()? }
             }
             LS_JOINT_DISTANCE => Self::Distance {
                 limits,
                 spring_length: (def.has_spring != 0).then_some(def.spring_length),
-                motor: def.motor.try_into()?,
+                motor: motor(def.motor, def.motor_drive)?,
             },
-            LS_JOINT_PRISMATIC => Self::Prismatic { limits, motor: def.motor.try_into()? },
-            LS_JOINT_GENERIC => Self::Generic { linear: axes(def.linear_axes)?, angular: axes(def.angular_axes)? },
+            LS_JOINT_PRISMATIC => Self::Prismatic { limits, motor: motor(def.motor, def.motor_drive)? },
+            LS_JOINT_GENERIC => {
+                let [x, y, z, about_x, about_y, about_z] = def.axis_drives;
+                Self::Generic {
+                    linear: axes(def.linear_axes, [x, y, z])?,
+                    angular: axes(def.angular_axes, [about_x, about_y, about_z])?,
+                }
+            }
             _ => return Err(enums::unknown("kind")),
         })
     }
 }
 
-fn axes([x, y, z]: [LsAxis; 3]) -> Outcome<[Axis; 3]> {
-    let axis = |axis: LsAxis| Ok::<_, Failure>(Axis { limits: axis.limits.into(), motor: axis.motor.try_into()? });
-    Ok([axis(x)?, axis(y)?, axis(z)?])
+fn axes([x, y, z]: [LsAxis; 3], drives: [LsDrive; 3]) -> Outcome<[Axis; 3]> {
+    let axis = |axis: LsAxis, drive| Ok::<_, Failure>(Axis { limits: axis.limits.into(), motor: motor(axis.motor, drive)? });
+    Ok([axis(x, drives[0])?, axis(y, drives[1])?, axis(z, drives[2])?])
+}
+
+impl LsDrive {
+    const NONE: Self = Self { target_velocity: 0.0, max_speed: f32::INFINITY, side: LS_FORCE_BOTH, reserved: 0 };
+
+    fn of(motor: &Motor) -> Self {
+        let Motor::Drive(drive) = motor else { return Self::NONE };
+        Self {
+            target_velocity: if drive.target.is_some() { drive.velocity } else { 0.0 },
+            max_speed: drive.max_speed,
+            side: match drive.side {
+                ForceSide::Both => LS_FORCE_BOTH,
+                ForceSide::Pull => LS_FORCE_PULL,
+                ForceSide::Push => LS_FORCE_PUSH,
+            },
+            reserved: 0,
+        }
+    }
+}
+
+/// A motor with what more it is told.
+fn motor(motor: LsMotor, drive: LsDrive) -> Outcome<Motor> {
+    let plain = Motor::try_from(motor)?;
+    let side = match drive.side {
+        LS_FORCE_BOTH => ForceSide::Both,
+        LS_FORCE_PULL => ForceSide::Pull,
+        LS_FORCE_PUSH => ForceSide::Push,
+        _ => return Err(enums::unknown("motor.side")),
+    };
+    let is_plain = drive.target_velocity == 0.0 && drive.max_speed == f32::INFINITY && side == ForceSide::Both;
+    Ok(match plain.drive().filter(|_| !is_plain) {
+        None => plain,
+        Some(told) => {
+            let velocity = if told.target.is_some() { drive.target_velocity } else { told.velocity };
+            Motor::Drive(Drive { velocity, max_speed: drive.max_speed, side, ..told })
+        }
+    })
 }
 
 impl TryFrom<&JointDef> for LsJointDef {
@@ -305,9 +379,11 @@ impl LsJointDef {
             JointKind::Fixed => self.kind = LS_JOINT_FIXED,
             JointKind::Hinge { limits, motor } => {
                 (self.kind, self.limits, self.motor) = (LS_JOINT_HINGE, limits.into(), motor.into());
+                self.motor_drive = LsDrive::of(&motor);
             }
             JointKind::Prismatic { limits, motor } => {
                 (self.kind, self.limits, self.motor) = (LS_JOINT_PRISMATIC, limits.into(), motor.into());
+                self.motor_drive = LsDrive::of(&motor);
             }
             JointKind::Spherical { swing_limit, twist_limits, motor } => {
                 (self.kind, self.swing_limit, self.limits) = (LS_JOINT_SPHERICAL, swing_limit, twist_limits.into());
@@ -315,6 +391,7 @@ impl LsJointDef {
             }
             JointKind::Distance { limits, spring_length, motor } => {
                 (self.kind, self.limits, self.motor) = (LS_JOINT_DISTANCE, limits.into(), motor.into());
+                self.motor_drive = LsDrive::of(&motor);
                 self.has_spring = spring_length.is_some().into();
                 self.spring_length = spring_length.unwrap_or(0.0);
             }
@@ -322,6 +399,8 @@ impl LsJointDef {
                 self.kind = LS_JOINT_GENERIC;
                 self.linear_axes = linear.map(LsAxis::from);
                 self.angular_axes = angular.map(LsAxis::from);
+                let mut motors = linear.iter().chain(&angular).map(|axis| LsDrive::of(&axis.motor));
+                self.axis_drives = std::array::from_fn(|_| motors.next().unwrap_or(LsDrive::NONE));
             }
             _ => return Err(Failure::Refused(LS_ERROR_UNSUPPORTED, "joint", "is of a kind that C cannot describe")),
         }
@@ -379,6 +458,12 @@ impl From<Motor> for LsMotor {
             Motor::Off => Self { mode: LS_MOTOR_OFF, target: 0.0, softness: rigid, max_force: f32::INFINITY },
             Motor::Velocity { target, max_force } => Self { mode: LS_MOTOR_VELOCITY, target, softness: rigid, max_force },
             Motor::Position { target, softness, max_force } => {
+                Self { mode: LS_MOTOR_POSITION, target, softness: softness.into(), max_force }
+            }
+            Motor::Drive(Drive { target: None, velocity, max_force, .. }) => {
+                Self { mode: LS_MOTOR_VELOCITY, target: velocity, softness: rigid, max_force }
+            }
+            Motor::Drive(Drive { target: Some(target), softness, max_force, .. }) => {
                 Self { mode: LS_MOTOR_POSITION, target, softness: softness.into(), max_force }
             }
         }

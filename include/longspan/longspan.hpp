@@ -262,6 +262,11 @@ public:
         check(ls_joint_state_get(world_, joint, &state, sizeof state));
         return state;
     }
+    LsJointAxisState axis_state(LsJoint joint, uint32_t axis) const {
+        LsJointAxisState state;
+        check(ls_joint_axis_state_get(world_, joint, axis, &state, sizeof state));
+        return state;
+    }
 
     std::vector<LsBody> bodies() const { return list<LsBody>(ls_world_bodies_get); }
     std::vector<LsJoint> joints() const { return list<LsJoint>(ls_world_joints_get); }

@@ -14,7 +14,7 @@ use crate::collide::pairs::PairKey;
 use crate::fracture::strain::{Span, Strain};
 use crate::fracture::{Damage, FractureSettings, Strength};
 use crate::id::{JointId, Slot};
-use crate::joint::{Axis, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
+use crate::joint::{Axis, Drive, ForceSide, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
 use crate::joint_drive::{DriveRates, JointDrive};
 use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
@@ -206,7 +206,7 @@ stored!(Collider {
 stored!(Material { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule });
 stored!(CollisionFilter { member_of, collides_with });
 
-stored!(Joint { def, bodies, impulses, force, torque, acted, strain, pressed, drive });
+stored!(Joint { def, bodies, impulses, angles, force, torque, acted, strain, pressed, drive, motors });
 stored!(JointDrive { stops, frames, found, carried, solved });
 stored!(DriveRates { stops, frames });
 stored!(Strain { spans, damage, condemned });
@@ -248,7 +248,10 @@ stored_enum!(Motor {
     0 => Off {},
     1 => Velocity { target: target, max_force: max_force },
     2 => Position { target: target, softness: softness, max_force: max_force },
+    3 => Drive { 0: drive },
 });
+stored!(Drive { target, velocity, softness, max_force, max_speed, side });
+stored_enum!(ForceSide { 0 => Both {}, 1 => Pull {}, 2 => Push {} });
 stored_enum!(SphericalMotor {
     0 => Off {},
     1 => Velocity { target: target, max_torque: max_torque },
@@ -293,6 +296,7 @@ pub(crate) const LISTED: &[&str] = &[
     FractureSettings::FIELDS,
     JointDef::FIELDS,
     JointImpulses::FIELDS,
+    Drive::FIELDS,
     PairRow::FIELDS,
     FarPose::FIELDS,
     ManifoldRow::FIELDS,

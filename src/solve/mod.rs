@@ -120,8 +120,8 @@ impl Batch {
             if !self.sheet.is_one() {
                 self.sweep_all(joints, threads, h, settings.iterations, substep == 0);
             }
-            self.restrain(joints, threads, is_weighed);
-            self.dissipate(joints, threads, settings.iterations);
+            self.restrain(threads, is_weighed);
+            self.dissipate(threads, settings.iterations);
             if substep == 0 {
                 self.leads.halve_start(self.passive.slots(), &mut self.velocities);
             }
@@ -162,7 +162,7 @@ impl Batch {
         if let Some(limits) = &settings.limits {
             contact_kernels::tell(&mut self.contacts, &self.velocities, limits, &mut self.told);
         }
-        self.joints.store(threads);
+        self.joints.store(joints, threads, &self.motions);
         self.bounds.store();
         self.taut.store();
         let swept_gap = self.joints.worst_gap(joints, threads, &self.motions);

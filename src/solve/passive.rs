@@ -27,8 +27,6 @@ use super::batch::Batch;
 use super::momentum::FreeIslands;
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
-use crate::id::{JointId, Pool};
-use crate::joint::Joint;
 use crate::room::resize;
 use crate::workers::Workers;
 
@@ -215,8 +213,8 @@ impl Batch {
     }
 
     /// Takes the energy out again that the sweeps of this substep have added; `is_weighed` where energies of now have been found.
-    pub(crate) fn restrain(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, is_weighed: bool) {
-        self.find_motor_work(joints);
+    pub(crate) fn restrain(&mut self, threads: &Workers, is_weighed: bool) {
+        self.find_motor_work();
         let Self { passive, velocities, motions, poses, free, joints, bounds, taut, .. } = self;
         if let Some(torn) = passive.restrain(threads, (velocities, motions), poses, free, is_weighed) {
             joints.give_up(torn);
@@ -225,13 +223,13 @@ impl Batch {
         }
     }
 
-    fn find_motor_work(&mut self, joints: &Pool<Joint, JointId>) {
+    fn find_motor_work(&mut self) {
         let Self { passive: PassiveIslands { islands, owner, .. }, velocities, .. } = self;
         if !islands.iter().any(|island| island.has_motors) {
             return;
         }
         islands.iter_mut().for_each(|island| island.work = 0.0);
-        self.joints.find_work(joints, velocities, |slots, work| {
+        self.joints.find_work(velocities, |slots, work| {
             let slot = slots.into_iter().find(|&slot| owner[slot as usize] != NOBODY);
             // They are in the order of their slots.
             let place = slot.map(|slot| islands.partition_point(|island| island.end <= slot));

@@ -155,7 +155,7 @@ impl Graph {
                 let (u, w) = local(&frames);
                 // The hinge turns B against A; seen from B it turns A by the opposite angle.
                 let (low, high) = if near == 0 { (min, max) } else { (-max, -min) };
-                hinge_range(u, w, f64::from(low).max(-PI), f64::from(high).min(PI))
+                hinge_range(u, w, f64::from(low), f64::from(high))
             }
             Turn::Swing { frames, limit } => {
                 let (u, w) = local(&frames);
@@ -171,8 +171,10 @@ fn hinge_range(u: glam::DVec3, w: glam::DVec3, low: f64, high: f64) -> AngleRang
     let across = u.y.hypot(u.z) * w.y.hypot(w.z);
     let aligned = u.z.atan2(u.y) - w.z.atan2(w.y);
     let cosine = |turned: f64| (u.x * w.x + across * (turned - aligned).cos()).clamp(-1.0, 1.0);
-    let contains = |angle: f64| (angle - low).rem_euclid(TAU) <= high - low;
-    let (at_low, at_high) = (cosine(low), cosine(high));
+    // Angles count turns: limits a turn apart, or only one of them, leave every direction.
+    let is_whole = !(high - low < TAU);
+    let contains = |angle: f64| is_whole || (angle - low).rem_euclid(TAU) <= high - low;
+    let (at_low, at_high) = if is_whole { (0.0, 0.0) } else { (cosine(low), cosine(high)) };
     let greatest = if contains(aligned) { u.x * w.x + across } else { at_low.max(at_high) };
     let least = if contains(aligned + PI) { u.x * w.x - across } else { at_low.min(at_high) };
     AngleRange { min: greatest.clamp(-1.0, 1.0).acos(), max: least.clamp(-1.0, 1.0).acos() }

@@ -5,9 +5,10 @@ use glam::{DVec3, Quat, Vec3};
 use super::World;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId};
-use crate::joint::{Joint, JointDef, JointKind, JointState, Softness};
+use crate::joint::{Joint, JointAxisState, JointDef, JointKind, JointState, Softness};
 use crate::settings::Solver;
-use crate::solve::joint::{coordinate, gap_of, placement_of};
+use crate::solve::joint::geometry::Placement;
+use crate::solve::joint::{angles, axis_of, coordinate, gap_of, placement_of};
 
 impl World {
     /// Makes a joint and wakes its bodies.
@@ -25,6 +26,7 @@ impl World {
             return Err(Error::new(ErrorKind::NotApplicable, "body_a", "a joint needs at least one dynamic body"));
         }
         let (slot, id) = self.joints.insert(Joint::new(def, bodies))?;
+        self.joints[slot].angles = angles::first(&def.kind, &self.placement(&self.joints[slot]));
         self.fracture.joints_changed();
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.push(id);
@@ -172,16 +174,14 @@ impl World {
         let slot = self.joints.find(joint)?;
         let joint = &self.joints[slot];
         let (force, torque) = self.load_inside(slot).unwrap_or((joint.force, joint.torque));
-        let ([a, b], [velocity_a, velocity_b]) =
-            ([self.end(joint, 0), self.end(joint, 1)], [self.velocity(joint, 0), self.velocity(joint, 1)]);
-        let levers = [a.lever, b.lever].map(|lever| lever.as_dvec3());
-        let frames = [a.frame, b.frame].map(|frame| frame.as_dquat().normalize());
-        let placement = placement_of(b.origin - a.origin, levers, frames);
-        let (position, axis) = coordinate(&joint.def.kind, &placement);
+        let [velocity_a, velocity_b] = [self.velocity(joint, 0), self.velocity(joint, 1)];
+        let placement = self.placement(joint);
+        let (position, axis) = coordinate(&joint.def.kind, &placement, joint.angles);
         let axis = axis.as_vec3();
+        let [lever_a, lever_b] = [placement.a.lever, placement.b.lever].map(|lever| lever.as_vec3());
         let angular_rate = (velocity_b.1 - velocity_a.1).dot(axis);
         let point_rate =
-            velocity_b.0 + velocity_b.1.cross(b.lever) - velocity_a.0 - velocity_a.1.cross(a.lever + placement.gap.as_vec3());
+            velocity_b.0 + velocity_b.1.cross(lever_b) - velocity_a.0 - velocity_a.1.cross(lever_a + placement.gap.as_vec3());
         let turns = matches!(joint.def.kind, JointKind::Hinge { .. });
         Ok(JointState {
             position: position as f32,
@@ -191,6 +191,34 @@ impl World {
             torque,
             gap: gap_of(&joint.def.kind, &placement) as f32,
         })
+    }
+
+    /// One axis of a joint at the end of the last step: axis 0 of a hinge, a prismatic or a distance joint; the twist (0) and the swing (1)
+    /// of a spherical joint; of a six-axis joint the translations (0 to 2) and the rotations (3 to 5) in the order of its definition.
+    /// Axes are numbered as in [`JointStop`](crate::JointStop).
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world; the joint has no such axis.
+    pub fn joint_axis(&self, joint: JointId, axis: u32) -> Result<JointAxisState> {
+        let slot = self.joints.find(joint)?;
+        let joint = &self.joints[slot];
+        let (force, torque) = self.load_inside(slot).unwrap_or((joint.force, joint.torque));
+        let placement = self.placement(joint);
+        let Some(found) = axis_of(&joint.def.kind, &placement, joint.angles, axis as usize) else {
+            return Err(Error::new(ErrorKind::OutOfRange, "axis", "is not one that this kind of joint has"));
+        };
+        let [a, b] = [self.velocity(joint, 0), self.velocity(joint, 1)];
+        let [lever_a, lever_b] = [placement.a.lever + placement.gap, placement.b.lever].map(|lever| lever.as_vec3());
+        let along = b.0 + b.1.cross(lever_b) - a.0 - a.1.cross(lever_a);
+        let (gradient, direction) = (found.gradient.as_vec3(), found.direction.as_vec3());
+        let (rate, load) = if found.turns { (b.1 - a.1, torque) } else { (along, force) };
+        let motor = if matches!(joint.def.kind, JointKind::Spherical { .. }) {
+            let [x, y, z, ..] = joint.motors;
+            (placement.a.frame.as_quat() * Vec3::new(x, y, z)).dot(direction)
+        } else {
+            joint.motors[axis as usize]
+        };
+        Ok(JointAxisState { position: found.position as f32, velocity: rate.dot(gradient), effort: load.dot(direction), motor })
     }
 
     /// Every joint, by slot.
@@ -238,6 +266,13 @@ impl World {
                 self.joints[slot].forget_impulses();
             }
         }
+    }
+
+    /// Where a joint's two frames are.
+    fn placement(&self, joint: &Joint) -> Placement {
+        let [a, b] = [self.end(joint, 0), self.end(joint, 1)];
+        let levers = [a.lever, b.lever].map(|lever| lever.as_dvec3());
+        placement_of(b.origin - a.origin, levers, [a.frame, b.frame].map(|frame| frame.as_dquat().normalize()))
     }
 
     pub(super) fn end(&self, joint: &Joint, side: usize) -> End {

@@ -344,6 +344,8 @@ impl Image {
         let ends = [(joint.bodies[0], joint.def.body_a), (joint.bodies[1], joint.def.body_b)];
         ends.into_iter().all(named)
             && joint.def.checked().is_ok()
+            && joint.angles.iter().all(|angle| angle.is_finite())
+            && joint.motors.iter().all(|force| force.is_finite())
             && joint.strain.is_some() == joint.def.strength.can_break()
             && joint.drive.as_ref().is_none_or(|drive| drive.is_finite())
             && joint.bodies.iter().flatten().any(|&body| self.bodies[body].is_dynamic())

@@ -95,7 +95,8 @@ fn layouts() -> Vec<Layout> {
         LsJointDef {
             struct_size, kind, body_a, body_b, frame_a, frame_b, linear, angular, limit, limits, swing_limit, spring_length,
             has_spring, break_force, break_torque, collide_connected, user_word, motor, spherical_motor, linear_axes,
-            angular_axes, strength, long_range, reserved, solver, reserved_too, friction, axis_friction, reserved_last
+            angular_axes, strength, long_range, reserved, solver, reserved_too, friction, axis_friction, reserved_last,
+            motor_drive, axis_drives
         }
         LsStrength {
             tension, compression, shear, bending, torsion, window, wears, damage_from, damage_time, damage_half_life
@@ -114,6 +115,8 @@ fn layouts() -> Vec<Layout> {
         }
         LsJointStress { force, torque, share, limit, damage }
         LsJointState { position, velocity, force, torque, gap, effort }
+        LsJointAxisState { position, velocity, effort, motor }
+        LsDrive { target_velocity, max_speed, side, reserved }
         LsBoundKindDef { enabled, upper, lower }
         LsLongRangeDef { struct_size, enabled, attachment, hierarchy, levels, reserved, soft, unions, plane_position, plane_axis }
         LsSoftBound { share, softness }
@@ -220,7 +223,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsMotor", 20),
         ("LsSphericalMotor", 44),
         ("LsAxis", 28),
-        ("LsJointDef", 488),
+        ("LsJointDef", 600),
         ("LsStrength", 40),
         ("LsBondMaterial", 32),
         ("LsFractureSettings", 8),
@@ -229,6 +232,8 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsPiece", 80),
         ("LsJointStress", 36),
         ("LsJointState", 40),
+        ("LsJointAxisState", 16),
+        ("LsDrive", 16),
         ("LsBoundKindDef", 20),
         ("LsLongRangeDef", 72),
         ("LsBound", 96),

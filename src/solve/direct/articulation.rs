@@ -159,6 +159,8 @@ pub(crate) struct Articulation {
     pub(super) left: f64,
     /// From the start of the substep for which rows are built to the end of the step, where it is swept (s).
     pub(super) rest: f64,
+    /// Whether a rigid position motor was on its way in the last substep.
+    pub(super) is_under_way: bool,
     /// Length by which errors are judged (m).
     pub(super) size: f64,
     pub(super) mode: Mode,
@@ -219,9 +221,11 @@ pub(super) struct Began {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SavedJoint {
     pub(super) impulses: JointImpulses,
+    angles: [f64; 3],
     sums: [Vec3; 2],
     acted: [Vec3; 2],
     pressed: u32,
+    motors: [f32; 6],
 }
 
 impl Articulation {
@@ -240,6 +244,7 @@ impl Articulation {
         self.is_warm = false;
         self.in_lockstep = false;
         self.is_damped = false;
+        self.is_under_way = false;
         self.solves_left = 0;
         self.bodies.clear();
         self.origins.clear();
@@ -443,6 +448,7 @@ impl Articulation {
                 momentum = self.substep(joints, h, Mode::Smooth);
                 meets_stop = self.meets_stop(joints);
             }
+            self.follow_angles(joints, h);
             let errors = self.find_errors(joints);
             if errors.worst <= (TOLERANCE * self.size).max(before.unwrap_or_default())
                 && !self.touches.iter().any(Touch::presses)
@@ -462,7 +468,9 @@ impl Articulation {
                 self.continues = Some(f64::from(h as f32));
                 if meets_stop {
                     self.resolve_impact(joints);
-                    // A blow is not what the bodies go on with.
+                }
+                if self.is_under_way || meets_stop {
+                    // Neither a blow is what the bodies go on with, nor a motor that may brake in the next substep.
                     self.histories.fill(History::NONE);
                     self.continues = None;
                 }
@@ -483,6 +491,7 @@ impl Articulation {
         }
         let before = before.unwrap_or_else(|| self.find_errors(joints).worst);
         let momentum = self.substep(joints, h, Mode::Safe);
+        self.follow_angles(joints, h);
         let settled = self.system.settled || self.touches.is_empty();
         let errors = self.find_errors(joints);
         let error = self.project(joints, errors);
@@ -540,9 +549,11 @@ impl Articulation {
         saved.joints.clear();
         saved.joints.extend(self.entries.iter().map(|entry| SavedJoint {
             impulses: entry.impulses,
+            angles: entry.angles,
             sums: [entry.linear_sum, entry.angular_sum],
             acted: entry.acted,
             pressed: entry.pressed,
+            motors: entry.motors,
         }));
         saved.touches.clone_from(&self.touches);
     }
@@ -555,9 +566,11 @@ impl Articulation {
         self.points.is_known = false;
         for (entry, saved) in self.entries.iter_mut().zip(&saved.joints) {
             entry.impulses = saved.impulses;
+            entry.angles = saved.angles;
             [entry.linear_sum, entry.angular_sum] = saved.sums;
             entry.acted = saved.acted;
             entry.pressed = saved.pressed;
+            entry.motors = saved.motors;
         }
         self.touches.clone_from(&saved.touches);
     }

@@ -19,8 +19,8 @@ use super::single;
 use super::system::Node;
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
+use crate::solve::joint::JointEntry;
 use crate::solve::joint::rows::{Phase, Rate};
-use crate::solve::joint::{JointEntry, kinds};
 use crate::solve::shared::Slots;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
@@ -157,14 +157,13 @@ impl Articulation {
     }
 
     /// What motors and springs have done in the substep (J).
-    pub(crate) fn work(&self, joints: &Pool<Joint, JointId>) -> f64 {
+    pub(crate) fn work(&self) -> f64 {
         if self.is_points {
             return 0.0;
         }
         let Self { entries, system, rates, .. } = self;
         let work = |(entry, node): (&JointEntry, &Node)| {
-            let kind = &joints[entry.joint].def.kind;
-            let is_motor = |origin: Origin| matches!(origin, Origin::Scalar(id) if kinds::is_motor_row(kind, id));
+            let is_motor = |origin: Origin| matches!(origin, Origin::Scalar(id) if entry.motor_rows.axis(id).is_some());
             let pair = node.bodies.map(|body| rates[body as usize]);
             let rows = system.rows[node.first as usize..node.last as usize].iter();
             rows.filter(|row| row.gamma > 0.0 || is_motor(row.origin)).map(|row| row.impulse * row.rate(&pair)).sum::<f64>()
@@ -209,6 +208,9 @@ impl Articulation {
                     Origin::Scalar(id) => {
                         entry.impulses.scalar[id as usize] = row.impulse as f32;
                         entry.pressed |= u32::from(sum > 0.0) << id;
+                        if let Some(axis) = entry.motor_rows.axis(id) {
+                            entry.motors[axis] += sum as f32;
+                        }
                         (row.linear[1], row.angular[1] - lever.cross(row.linear[1]))
                     }
                     Origin::Across | Origin::Contact => continue,
@@ -297,6 +299,7 @@ impl Articulation {
         self.left = if is_end { 0.0 } else { self.rest - self.h };
         self.hand_back_impulses();
         self.load(velocities, motions);
+        self.follow_angles(joints, 0.0);
         let has_rows = self.has_lasting_rows();
         if self.lasting != Lasting::Never {
             self.lasting = Lasting::No;

@@ -54,7 +54,7 @@ impl Articulation {
                 let acts = match row.origin {
                     Origin::Contact => false,
                     Origin::Scalar(id) if is_stop => pressing >> id & 1 == 1,
-                    _ => row.gamma == 0.0 && row.min == f64::NEG_INFINITY,
+                    _ => row.gamma == 0.0 && !row.has_bounds(),
                 };
                 row.bias = 0.0;
                 row.impulse = 0.0;

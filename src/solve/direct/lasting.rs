@@ -80,7 +80,7 @@ impl Articulation {
                     JointKind::Hinge { limits, motor } => match motor {
                         Motor::Off => true,
                         Motor::Velocity { .. } => *limits == Limits::NONE,
-                        Motor::Position { .. } => false,
+                        Motor::Position { .. } | Motor::Drive(_) => false,
                     },
                     JointKind::Spherical { motor, .. } => !matches!(motor, SphericalMotor::Position { .. }),
                     JointKind::Distance { .. } | JointKind::Prismatic { .. } | JointKind::Generic { .. } => false,

@@ -10,12 +10,13 @@ use super::ropes;
 use super::system::{PROJECTION_PASSES, System};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
-use crate::solve::joint::Stance;
 use crate::solve::joint::driven::{self, Driven};
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
+use crate::solve::joint::motor::Answer;
 use crate::solve::joint::reach::FarStops;
 use crate::solve::joint::rows::{Held, Phase, Rate, RowRates, ScalarRow};
+use crate::solve::joint::{Stance, angles};
 
 /// Share of the tolerance below which positions are left as they are.
 const GOOD_ENOUGH: f64 = 0.25;
@@ -117,8 +118,10 @@ impl Articulation {
             stops,
             rest,
             left,
+            is_under_way,
             ..
         } = self;
+        *is_under_way &= matches!(phase, Phase::Position { .. });
         let mut next_touch = 0;
         let mut add_touches = |number: usize, system: &mut System| {
             while let Some(touch) = touches.get(next_touch).filter(|touch| touch.node as usize == number) {
@@ -141,7 +144,7 @@ impl Articulation {
         }
         system.clear();
         for (number, link) in links.iter().enumerate() {
-            let Some(entry) = entries.get(number) else {
+            let Some(entry) = entries.get_mut(number) else {
                 system.add(link.bodies, None, None, &[], Repeats::Often);
                 add_touches(number, system);
                 continue;
@@ -182,7 +185,11 @@ impl Articulation {
                 }
             };
             let driven = joint.drive().map(|drive| Driven::new(drive, [&stances[a], &stances[b]], geometry.gradient, ends));
-            let is_free = may_leave_out && stops[number].are_out_of_reach(&entry.impulses, &start, [&rates[a], &rates[b]], *rest);
+            if *coupled && entry.counts_turns {
+                entry.follow(&joint.def.kind, &start);
+            }
+            let is_free = may_leave_out
+                && stops[number].are_out_of_reach((&entry.impulses, entry.angles[0]), &start, [&rates[a], &rates[b]], *rest);
             asked.clear();
             let mut sink = RowSink {
                 rates: RowRates { bodies: [rates[a], rates[b]], frames: driven.filter(|_| !in_place).map(|driven| driven.rates) },
@@ -196,12 +203,19 @@ impl Articulation {
                 point: None,
                 direction: None,
                 scalars: asked,
+                angles: entry.angles,
+                answer: &|side| answer_of(&bodies[link.bodies[side] as usize]),
+                left: ends[1],
+                closing_share: 1.0,
+                applied: 0.0,
+                is_under_way: false,
             };
             if link.is_plain {
                 sink.hold_points(Held::All);
             } else {
                 kinds::add_rows(&mut sink);
             }
+            *is_under_way |= sink.is_under_way;
             let (point, direction) = (sink.point, sink.direction);
             let repeats = match topology.loops {
                 _ if link.is_plain => Repeats::Points,
@@ -215,6 +229,23 @@ impl Articulation {
                 rows.into_iter().flatten().for_each(|row| system.add_row(row));
             }
             add_touches(number, system);
+        }
+    }
+
+    /// Brings the angles of joints up to the present poses, after `h` (s) at the present rates.
+    pub(super) fn follow_angles(&mut self, joints: &Pool<Joint, JointId>, h: f64) {
+        let Self { entries, links, stances, rates, left, .. } = self;
+        for (entry, link) in entries.iter_mut().zip(&*links).filter(|(entry, _)| entry.counts_turns) {
+            let [a, b] = link.bodies.map(|body| body as usize);
+            let joint = &joints[entry.joint];
+            let ends = [&stances[a], &stances[b]];
+            let placement = driven::before(entry.placement(*ends[0], *ends[1]), joint.drive(), ends, *left);
+            let kind = &joint.def.kind;
+            if h > 0.0 {
+                let moved = angles::rates(kind, &placement, entry.angles, (rates[b].angular - rates[a].angular) * h);
+                entry.angles.iter_mut().zip(moved).for_each(|(angle, moved)| *angle += moved);
+            }
+            entry.follow(kind, &placement);
         }
     }
 
@@ -260,6 +291,12 @@ impl Articulation {
             point: None,
             direction: None,
             scalars: &mut self.asked,
+            angles: entry.angles,
+            answer: &|_| Answer::NONE,
+            left: 0.0,
+            closing_share: 1.0,
+            applied: 0.0,
+            is_under_way: false,
         };
         kinds::add_rows(&mut sink);
         [sink.point, sink.direction].map(|row| row.filter(|row| row.acts).map_or(DVec3::ZERO, |row| row.bias))
@@ -384,6 +421,12 @@ impl Articulation {
         (self.outcome.gap, self.outcome.angle) = (errors.gap, errors.angle);
         errors.worst
     }
+}
+
+/// How a body answers to a motor.
+fn answer_of(body: &DirectBody) -> Answer {
+    let acceleration = Rate { linear: body.acceleration, angular: body.inverse_inertia * body.torque };
+    Answer { inverse_mass: body.inverse_mass, inverse_inertia: body.inverse_inertia, acceleration }
 }
 
 /// The greater of two; unlike `max`, which passes over what is no number.

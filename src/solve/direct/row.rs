@@ -75,6 +75,11 @@ impl Row {
             + self.angular[1].dot(b.angular)
     }
 
+    /// Whether its multiplier is bounded on either side.
+    pub(super) fn has_bounds(&self) -> bool {
+        self.min > f64::NEG_INFINITY || self.max < f64::INFINITY
+    }
+
     pub(super) fn fix(&mut self, impulse: f64) {
         self.impulse = impulse;
         self.state = State::High;

@@ -131,10 +131,10 @@ impl Direct {
     }
 
     /// What motors and springs of articulations that touch what moves have done in the substep (J): handed over with slots of each.
-    pub(crate) fn find_work(&self, joints: &Pool<Joint, JointId>, mut hand_over: impl FnMut([u32; 2], f64)) {
+    pub(crate) fn find_work(&self, mut hand_over: impl FnMut([u32; 2], f64)) {
         for articulation in self.articulations().iter().filter(|articulation| articulation.coupled) {
             if let Some(slot) = articulation.moved_slots().next() {
-                hand_over([slot; 2], articulation.work(joints));
+                hand_over([slot; 2], articulation.work());
             }
         }
     }

@@ -217,10 +217,10 @@ impl System {
                 row.gamma = CONTACT_COMPLIANCE * (own(0) + own(1));
             }
         }
-        self.is_bounded = self.rows.iter().any(|row| row.state != State::Free || row.min > f64::NEG_INFINITY);
+        self.is_bounded = self.rows.iter().any(|row| row.state != State::Free || row.has_bounds());
         self.bounded.clear();
         for (number, node) in self.nodes.iter().enumerate() {
-            let has_bounds = |&row: &u32| self.rows[row as usize].min > f64::NEG_INFINITY;
+            let has_bounds = |&row: &u32| self.rows[row as usize].has_bounds();
             self.bounded.extend((node.first..node.last).filter(has_bounds).map(|row| (row, number as u32)));
         }
         self.has_pushed = false;

@@ -34,8 +34,6 @@ use super::contact::LANES;
 use super::passive::PassiveIslands;
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
-use crate::id::{JointId, Pool};
-use crate::joint::Joint;
 use crate::workers::Workers;
 use afresh::Afresh;
 
@@ -338,18 +336,18 @@ impl DissipativeIslands {
 impl Batch {
     /// Solves the substep once more for islands that the sweeps have given energy, without what was carried, and slows those that
     /// have been given some even then.
-    pub(crate) fn dissipate(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, iterations: u32) {
+    pub(crate) fn dissipate(&mut self, threads: &Workers, iterations: u32) {
         if self.dissipative.islands.is_empty() {
             return;
         }
-        self.find_work_on_islands(joints);
+        self.find_work_on_islands();
         if !self.dissipative.look(&self.velocities) {
             return;
         }
         self.dissipative.weigh(threads, &self.velocities, &self.motions, &mut self.poses);
         if self.dissipative.islands.iter().any(Island::is_to_be_solved_afresh) {
             self.solve_afresh(iterations);
-            self.find_work_on_islands(joints);
+            self.find_work_on_islands();
             self.dissipative.weigh(threads, &self.velocities, &self.motions, &mut self.poses);
         }
         self.give_up_what_is_torn();
@@ -403,7 +401,7 @@ impl Batch {
     }
 
     /// Finds what motors and springs have done in the substep.
-    fn find_work_on_islands(&mut self, joints: &Pool<Joint, JointId>) {
+    fn find_work_on_islands(&mut self) {
         let Self { dissipative: DissipativeIslands { islands, .. }, direct, velocities, .. } = self;
         if !islands.iter().any(|island| island.has_drives) {
             return;
@@ -415,7 +413,7 @@ impl Batch {
                 island.work += work;
             }
         };
-        direct.find_work(joints, &mut hand_over);
-        self.joints.find_work(joints, velocities, hand_over);
+        direct.find_work(&mut hand_over);
+        self.joints.find_work(velocities, hand_over);
     }
 }

@@ -4,7 +4,7 @@
 use glam::DVec3;
 
 use super::geometry::Placement;
-use super::kinds::{Coordinate, RowSink};
+use super::kinds::RowSink;
 use super::rows::{Demand, Error1, Give, Jacobian};
 use crate::joint::{Limits, Motor};
 
@@ -16,10 +16,12 @@ pub(crate) fn rows(sink: &mut RowSink, limits: Limits, spring_length: Option<f32
     let length = g.gap.length();
     let direction = if length > MIN_GAP { g.gap / length } else { g.a.frame * DVec3::X };
     let jacobian = Jacobian { linear: direction, angular_a: g.a.lever.cross(direction), angular_b: g.b.lever.cross(direction) };
-    let distance = Coordinate { jacobian, value: |p: &Placement| p.gap.length(), is_angle: false };
     // No distance is negative: a least distance of zero needs no row.
     let limits = if limits.min <= 0.0 && limits.max > 0.0 { Limits::new(f32::NEG_INFINITY, limits.max) } else { limits };
-    sink.limit_and_drive(&distance, limits, motor, 0);
+    if sink.has_rows(limits, motor) {
+        let distance = sink.length(jacobian, |p: &Placement| p.gap.length());
+        sink.limit_and_drive(&distance, limits, motor, 0);
+    }
     if let Some(rest) = spring_length.map(f64::from) {
         let error =
             Error1 { start: sink.geometry.start.gap.length() - rest, predicted: sink.geometry.predicted.gap.length() - rest };

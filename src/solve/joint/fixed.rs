@@ -5,6 +5,6 @@ use super::kinds::RowSink;
 use super::rows::Held;
 
 pub(crate) fn rows(sink: &mut RowSink) {
-    sink.hold_directions(Held::All, Placement::rotation_vector);
+    sink.hold_directions(Held::All, sink.geometry.gradient.a.frame, Placement::rotation_vector);
     sink.hold_points(Held::All);
 }

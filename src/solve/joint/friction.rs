@@ -63,6 +63,11 @@ pub(super) fn motor_beside(id: u8) -> Option<u8> {
     (OF_AXES..ABOUT_POINT).contains(&id).then(|| 3 * (id - OF_AXES) + 2)
 }
 
+/// Bounds of what acts either way.
+fn both_ways(most: f64) -> [f64; 2] {
+    [-most, most]
+}
+
 /// Whether a coordinate with these limits is free to rub.
 fn acts(friction: f32, limits: &Limits) -> bool {
     friction > 0.0 && limits.min < limits.max
@@ -72,7 +77,7 @@ impl RowSink<'_> {
     /// Adds the friction of a coordinate, the first of its joint or that of axis `axis`, after its motor.
     pub(super) fn rub(&mut self, jacobian: Jacobian, friction: f32, limits: Limits, axis: u8) {
         if acts(friction, &limits) && !self.is_in_place() {
-            let demand = Demand::Speed { target: 0.0, max_impulse: f64::from(friction) * self.phase.h() };
+            let demand = Demand::Speed { target: 0.0, bounds: both_ways(f64::from(friction) * self.phase.h()) };
             self.scalar(jacobian, demand, Give::rigid(self.phase), OF_AXES + axis);
         }
     }
@@ -99,7 +104,7 @@ impl RowSink<'_> {
     }
 
     fn rub_about(&mut self, axis: DVec3, max_impulse: f64, carried: DVec3) {
-        let demand = Demand::Speed { target: 0.0, max_impulse };
+        let demand = Demand::Speed { target: 0.0, bounds: both_ways(max_impulse) };
         let (jacobian, give, impulse) = (Jacobian::angular(axis), Give::rigid(self.phase), carried.dot(axis) as f32);
         self.scalars.push(ScalarRow::new(&self.rates, 0.0, jacobian, demand, give, ABOUT_POINT, impulse));
     }

@@ -1,67 +1,101 @@
 //! Generic six-axis joint: each translation and rotation along A's axes free, locked, limited or driven.
 //!
-//! Translations are the gap's components in A's frame. Rotations are Euler angles R_aᵀ R_b = R_x(φ) R_y(θ) R_z(ψ): φ turns about
-//! A's x axis, ψ about B's z axis, θ about their common normal. The gradient of each angle is the vector of the dual basis, so
-//! that the angles are exact away from θ = ±π/2.
+//! Translations are the gap's components in A's frame. Rotations are the angles of R_aᵀ R_b = R_x(φ) R_y(θ) R_z(ψ), read and driven
+//! as [`super::angles`] says: one free axis is a hinge, whichever it is, x and y or y and z free are a universal joint. Axes that leave
+//! no angle, or one, have rows on directions, with the give `angular`; an axis that is locked beside two free ones has one on its angle.
 
-use glam::{DMat3, DVec3};
-
+use super::angles::Turning;
 use super::geometry::Placement;
 use super::kinds::{Coordinate, RowSink};
-use super::rows::{Held, Jacobian};
+use super::rows::{Demand, Error1, Give, Held};
 use crate::joint::{Axis, Limits};
 
-/// Least volume of the basis (cosine of θ) at which the dual basis is formed.
-const MIN_BASIS_VOLUME: f64 = 0.05;
+/// Multiplier of the first row of an axis; those of the others follow, three each.
+const fn first_row(axis: usize) -> u8 {
+    3 * axis as u8
+}
 
 pub(crate) fn rows(sink: &mut RowSink, linear: &[Axis; 3], angular: &[Axis; 3]) {
-    let locked = |axes: &[Axis; 3]| axes.iter().all(|axis| axis.limits == Limits::new(0.0, 0.0));
-    let axes = sink.geometry.gradient.axes_a();
-    if locked(angular) {
-        sink.hold_directions(Held::All, Placement::rotation_vector);
-    } else {
-        let duals = dual_axes(sink.geometry.gradient);
-        for (i, axis) in angular.iter().enumerate() {
-            let angle = Coordinate {
-                jacobian: Jacobian::angular(duals.col(i)),
-                value: move |p: &Placement| euler_angles(p)[i],
-                is_angle: true,
-            };
-            sink.limit_and_drive(&angle, axis.limits, axis.motor, 9 + 3 * i as u8);
-            sink.rub(angle.jacobian, sink.def.axis_friction[3 + i], axis.limits, 3 + i as u8);
-        }
-    }
-    if locked(linear) {
+    let is_held = linear.iter().all(|axis| axis.limits == Limits::new(0.0, 0.0));
+    if is_held {
         sink.hold_points(Held::All);
-    } else {
-        for (i, axis) in linear.iter().enumerate() {
-            let slide =
-                Coordinate { jacobian: sink.along(axes.col(i)), value: move |p: &Placement| p.local_gap()[i], is_angle: false };
-            sink.limit_and_drive(&slide, axis.limits, axis.motor, 3 * i as u8);
-            sink.rub(slide.jacobian, sink.def.axis_friction[i], axis.limits, i as u8);
+    }
+    let angles = turns(sink, angular);
+    // What is locked comes first: motors have to know of it.
+    for holds in [true, false] {
+        if let Some(angles) = &angles {
+            for (i, axis) in angular.iter().enumerate().filter(|(_, axis)| is_locked(axis) == holds) {
+                if let Some(angle) = &angles[i] {
+                    add_angle(sink, angle, axis, i);
+                }
+            }
+        }
+        if !is_held {
+            for (i, axis) in linear.iter().enumerate().filter(|(_, axis)| is_locked(axis) == holds) {
+                add_slide(sink, axis, i);
+            }
         }
     }
 }
 
-/// φ, θ, ψ of R_aᵀ R_b = R_x(φ) R_y(θ) R_z(ψ) (rad).
-pub(crate) fn euler_angles(placement: &Placement) -> DVec3 {
-    let r = DMat3::from_quat(placement.relative_rotation());
-    DVec3::new(
-        libm::atan2(-r.z_axis.y, r.z_axis.z),
-        libm::asin(r.z_axis.x.clamp(-1.0, 1.0)),
-        libm::atan2(-r.y_axis.x, r.x_axis.x),
-    )
+fn is_locked(axis: &Axis) -> bool {
+    axis.limits.min == axis.limits.max
 }
 
-/// The vectors that pick φ', θ' and ψ' out of the relative angular velocity (world axes).
-fn dual_axes(placement: &Placement) -> DMat3 {
-    let x = placement.a.frame * DVec3::X;
-    let z = placement.b.frame * DVec3::Z;
-    let normal = z.cross(x);
-    let cosine = normal.length();
-    if cosine < MIN_BASIS_VOLUME {
-        return placement.axes_a();
+fn add_slide(sink: &mut RowSink, axis: &Axis, i: usize) {
+    let jacobian = sink.along(sink.geometry.gradient.axes_a().col(i));
+    if sink.has_rows(axis.limits, axis.motor) {
+        let slide = sink.length(jacobian, |p: &Placement| p.local_gap()[i]);
+        sink.limit_and_drive(&slide, axis.limits, axis.motor, first_row(i));
     }
-    let y = normal / cosine;
-    DMat3::from_cols(y.cross(z) / cosine, y, x.cross(y) / cosine)
+    sink.rub(jacobian, sink.def.axis_friction[i], axis.limits, i as u8);
+}
+
+fn add_angle(sink: &mut RowSink, angle: &Coordinate, axis: &Axis, i: usize) {
+    let id = first_row(3 + i);
+    if is_locked(axis) {
+        let ([first, last], rate) = sink.stop_at(f64::from(axis.limits.min), id);
+        let factor = angle.factor;
+        let error = Error1 { start: (angle.start - first) * factor, predicted: (angle.predicted - last) * factor };
+        let give = Give::new(sink.def.angular, sink.phase);
+        return sink.driven_scalar(angle.jacobian, -rate * factor, Demand::Equal(error), give, id);
+    }
+    if sink.has_rows(axis.limits, axis.motor) {
+        sink.limit_and_drive(angle, axis.limits, axis.motor, id);
+    }
+    sink.rub(angle.jacobian, sink.def.axis_friction[3 + i], axis.limits, 3 + i as u8);
+}
+
+/// Holds directions where no angle is left, or one; returns the angles that have rows of their own: not those whose directions are held.
+fn turns(sink: &mut RowSink, angular: &[Axis; 3]) -> Option<[Option<Coordinate>; 3]> {
+    let turning = Turning::of(angular);
+    let gradient = turning.turned(sink.geometry.gradient);
+    match turning {
+        Turning::None(_) => {
+            sink.hold_directions(Held::All, gradient.a.frame, |p| turning.turned(p).rotation_vector());
+            return None;
+        }
+        Turning::About(..) => {
+            let axis = gradient.axes_a().x_axis;
+            sink.hold_directions(Held::Across(axis), gradient.a.frame, |p| turning.turned(p).axis_error());
+        }
+        Turning::AcrossX(_) | Turning::AcrossZ(_) | Turning::Euler => {}
+    }
+    let is_held = |i: usize| matches!(turning, Turning::About(axis, _) if axis != i);
+    let rubs = |i: usize| sink.def.axis_friction[3 + i] > 0.0;
+    if !(0..3).any(|i| !is_held(i) && (sink.has_rows(angular[i].limits, angular[i].motor) || rubs(i))) {
+        return None;
+    }
+    let start = turning.read(sink.geometry.start, sink.angles, angular);
+    let gradients = turning.gradients(sink.geometry.gradient, turning.read(sink.geometry.gradient, start, angular));
+    let predicted = if sink.geometry.is_still {
+        start
+    } else {
+        let near = std::array::from_fn(|i| start[i] + gradients[i].0.rate(&sink.rates.bodies) * sink.phase.h());
+        turning.read(sink.geometry.predicted, near, angular)
+    };
+    Some(std::array::from_fn(|i| {
+        let (jacobian, factor) = gradients[i];
+        (!is_held(i)).then_some(Coordinate { jacobian, start: start[i], predicted: predicted[i], factor })
+    }))
 }

@@ -37,10 +37,10 @@ impl Placement {
         DMat3::from_quat(self.a.frame)
     }
 
-    /// Rotation of B about A's joint axis, in (−π, π] (rad).
+    /// Rotation of B about A's joint axis, in [−π, π] (rad).
     pub(crate) fn twist(&self) -> f64 {
         let q = self.relative_rotation();
-        wrapped(2.0 * libm::atan2(q.x, q.w))
+        2.0 * libm::atan2(q.x, q.w)
     }
 
     /// Rotation vector from A's frame to B's, in A's frame (rad).
@@ -60,18 +60,6 @@ impl Placement {
         let sine = (b.y * b.y + b.z * b.z).sqrt();
         let angle_over_sine = if sine < 1.0e-4 && b.x > 0.0 { 1.0 } else { libm::atan2(sine, b.x) / sine.max(1.0e-6) };
         DVec3::new(0.0, -b.z, b.y) * angle_over_sine
-    }
-}
-
-/// An angle brought into (−π, π].
-pub(crate) fn wrapped(angle: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    if angle > PI {
-        angle - TAU
-    } else if angle <= -PI {
-        angle + TAU
-    } else {
-        angle
     }
 }
 

@@ -2,15 +2,18 @@
 //! and driven, and rub. The angle is read as the twist of R_aᵀ R_b; its gradient is the joint axis.
 
 use super::geometry::Placement;
-use super::kinds::{Coordinate, RowSink};
+use super::kinds::RowSink;
 use super::rows::{Held, Jacobian};
 use crate::joint::{Limits, Motor};
 
 pub(crate) fn rows(sink: &mut RowSink, limits: Limits, motor: Motor) {
     let axis = sink.geometry.gradient.axes_a().x_axis;
-    sink.hold_directions(Held::Across(axis), Placement::axis_error);
-    let angle = Coordinate { jacobian: Jacobian::angular(axis), value: Placement::twist, is_angle: true };
-    sink.limit_and_drive(&angle, limits, motor, 0);
-    sink.rub(angle.jacobian, sink.def.friction, limits, 0);
+    sink.hold_directions(Held::Across(axis), sink.geometry.gradient.a.frame, Placement::axis_error);
     sink.hold_points(Held::All);
+    let jacobian = Jacobian::angular(axis);
+    if sink.has_rows(limits, motor) {
+        let angle = sink.angle(jacobian, Placement::twist);
+        sink.limit_and_drive(&angle, limits, motor, 0);
+    }
+    sink.rub(jacobian, sink.def.friction, limits, 0);
 }

@@ -1,10 +1,12 @@
 //! Which rows each kind of joint has; one function a kind, in its own file.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
+use super::angles::nearest;
 use super::driven::Driven;
 use super::friction;
 use super::geometry::{JointGeometry, Placement};
+use super::motor::Answer;
 use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, Phase, RowRates, ScalarRow};
 use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor, SphericalMotor};
 
@@ -24,6 +26,18 @@ pub(crate) struct RowSink<'a> {
     pub point: Option<BlockRow>,
     pub direction: Option<BlockRow>,
     pub scalars: &'a mut Vec<ScalarRow>,
+    /// Angles near those of the substep's start, turns counted (rad).
+    pub angles: [f64; 3],
+    /// How each body answers: asked for where a motor has to know what it can do.
+    pub answer: &'a dyn Fn(usize) -> Answer,
+    /// From the end of the substep to that of the step (s).
+    pub left: f64,
+    /// Share of what is left that a rigid position motor closes in a substep at most.
+    pub closing_share: f64,
+    /// Share of the carried multipliers that is in the rates.
+    pub applied: f64,
+    /// Set where a rigid position motor is on its way.
+    pub is_under_way: bool,
 }
 
 /// Adds the rows of the joint's kind.
@@ -81,13 +95,37 @@ pub(crate) fn has_motor(kind: &JointKind) -> bool {
     }
 }
 
-/// Whether the multiplier `id` of a joint of this kind is that of a motor.
-pub(crate) fn is_motor_row(kind: &JointKind, id: u8) -> bool {
-    match kind {
-        JointKind::Fixed => false,
-        JointKind::Hinge { .. } | JointKind::Prismatic { .. } | JointKind::Distance { .. } => id == 2,
-        JointKind::Spherical { .. } => (4..7).contains(&id),
-        JointKind::Generic { .. } => id < friction::OF_AXES && id % 3 == 2,
+/// Which multipliers of a joint are those of motors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum MotorRows {
+    None,
+    /// That of its only coordinate.
+    One,
+    /// Those of a spherical joint, about A's axes.
+    Three,
+    /// Those of a six-axis joint.
+    Six,
+}
+
+impl MotorRows {
+    pub(crate) fn of(kind: &JointKind) -> Self {
+        match kind {
+            JointKind::Fixed => Self::None,
+            JointKind::Hinge { .. } | JointKind::Prismatic { .. } | JointKind::Distance { .. } => Self::One,
+            JointKind::Spherical { .. } => Self::Three,
+            JointKind::Generic { .. } => Self::Six,
+        }
+    }
+
+    /// The axis whose motor has the multiplier `id`.
+    pub(crate) fn axis(self, id: u8) -> Option<usize> {
+        let (is_one, axis) = match self {
+            Self::None => (false, 0),
+            Self::One => (id == 2, 0),
+            Self::Three => ((4..7).contains(&id), id.wrapping_sub(4)),
+            Self::Six => (id < friction::OF_AXES && id % 3 == 2, id / 3),
+        };
+        is_one.then_some(axis as usize)
     }
 }
 
@@ -106,13 +144,14 @@ pub(crate) fn is_distance(kind: &JointKind) -> bool {
     matches!(kind, JointKind::Distance { .. })
 }
 
-/// A coordinate of a joint: its gradient and how to read it off a placement.
-#[derive(Clone, Copy)]
-pub(crate) struct Coordinate<F: Fn(&Placement) -> f64> {
+/// A coordinate of a joint: its gradient, what it is at the substep's start and what it is predicted to be at its end (m or rad).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Coordinate {
     pub jacobian: Jacobian,
-    pub value: F,
-    /// Angles wrap at ±π; lengths do not.
-    pub is_angle: bool,
+    pub start: f64,
+    pub predicted: f64,
+    /// Factor of its rows: what is asked for along the coordinate is asked for times this along the gradient.
+    pub factor: f64,
 }
 
 impl RowSink<'_> {
@@ -137,68 +176,56 @@ impl RowSink<'_> {
         self.point = Some(BlockRow::point(&self.rates, levers, error, held, give, self.impulses.point));
     }
 
-    /// Holds the joint frames together about the axes `held`; `error` reads the rotation vector in A's frame.
-    pub(crate) fn hold_directions(&mut self, held: Held, error: impl Fn(&Placement) -> DVec3) {
+    /// Holds the joint frames together about the axes `held`; `error` reads the rotation vector in this frame of A.
+    pub(crate) fn hold_directions(&mut self, held: Held, frame: DQuat, error: impl Fn(&Placement) -> DVec3) {
         let g = &self.geometry;
-        let in_world = |placement: &Placement| g.gradient.a.frame * error(placement);
+        let in_world = |placement: &Placement| frame * error(placement);
         let (start, predicted) = g.read(in_world);
         let error = Error3 { start, predicted };
         let give = Give::new(self.def.angular, self.phase);
         self.direction = Some(BlockRow::direction(&self.rates, error, held, give, self.impulses.angular));
     }
 
-    /// Adds the stops and the motor of a coordinate; their multipliers are `id`, `id + 1` and `id + 2`.
-    pub(crate) fn limit_and_drive<F: Fn(&Placement) -> f64>(
-        &mut self,
-        coordinate: &Coordinate<F>,
-        limits: Limits,
-        motor: Motor,
-        id: u8,
-    ) {
+    /// Whether a coordinate with these limits and this motor has any rows.
+    pub(crate) fn has_rows(&self, limits: Limits, motor: Motor) -> bool {
         let is_free = limits == Limits::NONE || !self.has_stops;
-        if is_free && matches!(motor, Motor::Off) {
-            return;
-        }
-        let (start, mut predicted) = self.geometry.read(&coordinate.value);
-        if coordinate.is_angle {
-            predicted = start + super::geometry::wrapped(predicted - start);
-        }
-        let give = Give::new(self.def.limit, self.phase);
-        let jacobian = coordinate.jacobian;
-        let (min, max) = (f64::from(limits.min), f64::from(limits.max));
-        if min.is_finite() {
-            let ([first, last], rate) = self.stop_at(min, id);
-            let error = Error1 { start: start - first, predicted: predicted - last };
-            let demand = if min == max { Demand::Equal(error) } else { Demand::AtLeast(error) };
-            self.driven_scalar(jacobian, -rate, demand, give, id);
-        }
-        if max.is_finite() && min != max {
-            let ([first, last], rate) = self.stop_at(max, id + 1);
-            let error = Error1 { start: first - start, predicted: last - predicted };
-            self.driven_scalar(jacobian.reversed(), rate, Demand::AtLeast(error), give, id + 1);
-        }
-        self.drive(jacobian, start, predicted, limits, motor, id + 2);
+        !is_free || motor != Motor::Off
     }
 
-    fn drive(&mut self, jacobian: Jacobian, start: f64, predicted: f64, limits: Limits, motor: Motor, id: u8) {
-        match motor {
-            Motor::Off => {}
-            Motor::Velocity { target, max_force } => {
-                // A motor that pushed on past the joint's own stop would fight it, without end if its force has none.
-                let h = self.phase.h();
-                let (min, max) = (f64::from(limits.min), f64::from(limits.max));
-                let (least, most) = ((min - start).min(0.0) / h, (max - start).max(0.0) / h);
-                let demand =
-                    Demand::Speed { target: f64::from(target).clamp(least, most), max_impulse: f64::from(max_force) * h };
-                self.scalar(jacobian, demand, Give::rigid(self.phase), id);
-            }
-            Motor::Position { target, softness, max_force } => {
-                let target = f64::from(target.clamp(limits.min, limits.max));
-                let error = Error1 { start: start - target, predicted: predicted - target };
-                let demand = Demand::Drive { error, max_impulse: f64::from(max_force) * self.phase.h() };
-                self.scalar(jacobian, demand, Give::new(softness, self.phase), id);
-            }
+    /// A coordinate that is a length (m).
+    pub(crate) fn length(&self, jacobian: Jacobian, value: impl Fn(&Placement) -> f64) -> Coordinate {
+        let (start, predicted) = self.geometry.read(value);
+        Coordinate { jacobian, start, predicted, factor: 1.0 }
+    }
+
+    /// The first angle of the joint (rad); `value` reads it up to whole turns.
+    pub(crate) fn angle(&self, jacobian: Jacobian, value: impl Fn(&Placement) -> f64) -> Coordinate {
+        let start = nearest(value(self.geometry.start), self.angles[0]);
+        let predicted = if self.geometry.is_still {
+            start
+        } else {
+            nearest(value(self.geometry.predicted), start + jacobian.rate(&self.rates.bodies) * self.phase.h())
+        };
+        Coordinate { jacobian, start, predicted, factor: 1.0 }
+    }
+
+    /// Adds the stops and the motor of a coordinate; their multipliers are `id`, `id + 1` and `id + 2`.
+    pub(crate) fn limit_and_drive(&mut self, coordinate: &Coordinate, limits: Limits, motor: Motor, id: u8) {
+        let &Coordinate { jacobian, start, predicted, factor } = coordinate;
+        let give = Give::new(self.def.limit, self.phase);
+        let (min, max) = (f64::from(limits.min), f64::from(limits.max));
+        if self.has_stops && min.is_finite() {
+            let ([first, last], rate) = self.stop_at(min, id);
+            let error = Error1 { start: (start - first) * factor, predicted: (predicted - last) * factor };
+            let demand = if min == max { Demand::Equal(error) } else { Demand::AtLeast(error) };
+            self.driven_scalar(jacobian, -rate * factor, demand, give, id);
         }
+        if self.has_stops && max.is_finite() && min != max {
+            let ([first, last], rate) = self.stop_at(max, id + 1);
+            let error = Error1 { start: (first - start) * factor, predicted: (last - predicted) * factor };
+            self.driven_scalar(jacobian.reversed(), rate * factor, Demand::AtLeast(error), give, id + 1);
+        }
+        self.drive(coordinate, limits, &motor, id + 2);
     }
 
     /// Adds one scalar row whose multiplier is `id`.

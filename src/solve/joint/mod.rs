@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use glam::{DQuat, DVec3, Vec3};
 
+pub(crate) mod angles;
 mod course;
 mod distance;
 pub(crate) mod driven;
@@ -21,6 +22,7 @@ mod hinge;
 pub(crate) mod kinds;
 mod lanes;
 mod link;
+pub(crate) mod motor;
 mod prismatic;
 pub(crate) mod reach;
 pub(crate) mod rows;
@@ -56,6 +58,9 @@ const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
 const KINDS: usize = 1 + Holds::ALL.len();
 const GROUPS: usize = KINDS * (MAX_COLORS + 1);
 
+/// Way of an angle in a step from which on it is read off the rotation again (rad).
+const MOST_SUMMED: f64 = 0.5;
+
 /// Greatest change of angular velocity, over the sum of both bodies', by which angular momentum is given back.
 const MOMENTUM_RETURN_LIMIT: f32 = 0.2;
 
@@ -76,6 +81,8 @@ pub(crate) struct JointEntry {
     /// Joint frame in the body's frame.
     pub local_frame: [DQuat; 2],
     pub impulses: JointImpulses,
+    /// Its angles near those of now, turns counted (rad).
+    pub angles: [f64; 3],
     /// Sums over the substeps of the impulses on B (N·s, N·m·s).
     pub linear_sum: Vec3,
     pub angular_sum: Vec3,
@@ -83,6 +90,9 @@ pub(crate) struct JointEntry {
     pub acted: [Vec3; 2],
     /// Scalar rows that ended a substep with a positive multiplier, as bits.
     pub pressed: u32,
+    /// Sums over the substeps of the multipliers of its motors, by axis (N·s, N·m·s).
+    pub motors: [f32; 6],
+    pub motor_rows: kinds::MotorRows,
     /// Most rows that it can have.
     pub most_rows: u8,
     /// Whether it holds points rigidly together and does nothing else.
@@ -90,6 +100,8 @@ pub(crate) struct JointEntry {
     /// Whether it is a hinge, and whether it holds a distance.
     pub is_hinge: bool,
     pub is_distance: bool,
+    /// Whether it has angles that count turns.
+    pub counts_turns: bool,
     /// Whether it gives energy by its motors alone, if by anything, and whether it has one.
     pub gives_by_motors_alone: bool,
     pub has_motor: bool,
@@ -263,10 +275,13 @@ impl BatchJoints {
         };
         if again {
             self.singles.keep_impulses(&mut self.entries);
+        } else {
+            self.singles.follow(&mut self.entries, joints, motions, self.left);
         }
         self.strips.each(threads, |strip| prepare(&mut strip.lanes, strip.slots.clone()));
         prepare(&mut self.lanes, 0..motions.len());
-        self.singles.prepare(&self.entries, joints, (velocities, motions, outlooks), h, self.left);
+        let moving = Moving { velocities, motions, outlooks };
+        self.singles.prepare(&self.entries, joints, &moving, (h, self.left), again);
     }
 
     /// Applies the carried multipliers.
@@ -304,13 +319,8 @@ impl BatchJoints {
     }
 
     /// What the motors of each joint do on its bodies in this substep (J): handed over with the slots of the two.
-    pub(crate) fn find_work(
-        &self,
-        joints: &Pool<Joint, JointId>,
-        velocities: &[BodyVelocity],
-        hand_over: impl FnMut([u32; 2], f64),
-    ) {
-        self.singles.find_work(&self.entries, joints, velocities, hand_over);
+    pub(crate) fn find_work(&self, velocities: &[BodyVelocity], hand_over: impl FnMut([u32; 2], f64)) {
+        self.singles.find_work(&self.entries, velocities, hand_over);
     }
 
     /// Ends the velocity rows of a substep: multipliers are kept, and added to the joints' loads.
@@ -321,16 +331,18 @@ impl BatchJoints {
         self.singles.add_loads(&mut self.entries);
     }
 
-    /// Hands multipliers and loads of joints in lanes back to their entries.
-    pub(crate) fn store(&mut self, threads: &Workers) {
-        let Self { entries, strips, lanes, .. } = self;
+    /// Hands multipliers and loads of joints in lanes back to their entries, and brings the angles of all up to the end of the step.
+    pub(crate) fn store(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, motions: &[BodyMotion]) {
+        let Self { entries, strips, lanes, singles, .. } = self;
+        singles.follow(entries, joints, motions, 0.0);
+        let follow = |entry: &mut JointEntry| entry.follow_step(&joints[entry.joint].def.kind, motions);
         let shared = Divided::new(entries);
         strips.each(threads, |strip| {
             // SAFETY: each joint has one lane, and each strip is one thread's.
-            strip.lanes.store(&mut unsafe { shared.part() });
+            strip.lanes.store(&mut unsafe { shared.part() }, follow);
         });
         // SAFETY: no other part is in use.
-        lanes.store(&mut unsafe { shared.part() });
+        lanes.store(&mut unsafe { shared.part() }, follow);
     }
 
     /// One sweep of position rows, joint by joint at the poses of now: rigid errors are taken out, angular momentum is kept.
@@ -408,6 +420,34 @@ impl JointEntry {
             |rotation: DQuat, i: usize| Side { lever: rotation * self.local_lever[i], frame: rotation * self.local_frame[i] };
         let (side_a, side_b) = (side(a.1, 0), side(b.1, 1));
         Placement { a: side_a, b: side_b, gap: self.offset + (b.0 - a.0) + (side_b.lever - side_a.lever) }
+    }
+
+    /// Brings its angles up to where it is placed now: neither body has turned by half a turn against the other since.
+    pub(crate) fn follow(&mut self, kind: &JointKind, placement: &Placement) {
+        self.angles = angles::read(kind, placement, self.angles);
+    }
+
+    /// Brings the angle of a joint in lanes from the start of the step up to now.
+    ///
+    /// The turns of the bodies in the step say which turn it is in. What they add up to is off by little, and whoever asks for the
+    /// angle takes the nearest that the rotation allows; so that is looked for once in about a radian alone.
+    fn follow_step(&mut self, kind: &JointKind, motions: &[BodyMotion]) {
+        let (a, b) = (&motions[self.a as usize], &motions[self.b as usize]);
+        let turned = b.turn - a.turn;
+        if turned == Vec3::ZERO {
+            return;
+        }
+        let before = self.angles[0];
+        let way = if matches!(kind, JointKind::Hinge { .. }) {
+            f64::from((a.rotation * (self.local_frame[0] * DVec3::X).as_vec3()).dot(turned))
+        } else {
+            let placement = self.placement(a.stance(), b.stance());
+            angles::rates(kind, &placement, self.angles, turned.as_dvec3())[0]
+        };
+        self.angles[0] += way;
+        if way.abs() > MOST_SUMMED || before.floor() != self.angles[0].floor() {
+            self.follow(kind, &self.placement(a.stance(), b.stance()));
+        }
     }
 
     /// The joint points alone; frames are left out.
@@ -496,14 +536,53 @@ pub(crate) fn gap_of(kind: &JointKind, placement: &Placement) -> f64 {
     }
 }
 
-/// Coordinate of the free axis of a joint (rad or m) and its gradient, for read-out.
-pub(crate) fn coordinate(kind: &JointKind, placement: &Placement) -> (f64, DVec3) {
+/// Coordinate of the free axis of a joint (rad or m) and its gradient, for read-out; `angles` are those that it had last (rad).
+pub(crate) fn coordinate(kind: &JointKind, placement: &Placement, angles: [f64; 3]) -> (f64, DVec3) {
     let axis = placement.a.frame * DVec3::X;
     match kind {
-        JointKind::Hinge { .. } => (placement.twist(), axis),
+        JointKind::Hinge { .. } => (angles::nearest(placement.twist(), angles[0]), axis),
         JointKind::Prismatic { .. } => (placement.local_gap().x, axis),
         JointKind::Distance { .. } => (placement.gap.length(), placement.gap.normalize_or(axis)),
         _ => (0.0, DVec3::ZERO),
+    }
+}
+
+/// One axis of a joint, for read-out.
+pub(crate) struct AxisReading {
+    /// Coordinate (rad or m).
+    pub position: f64,
+    /// Gradient of the coordinate, and the direction in which a force or torque acts along it; unit vectors but for angles whose axes
+    /// are not at right angles.
+    pub gradient: DVec3,
+    pub direction: DVec3,
+    pub turns: bool,
+}
+
+/// One axis of a joint of this kind that had these angles last (rad), if it has one of that number.
+pub(crate) fn axis_of(kind: &JointKind, placement: &Placement, last: [f64; 3], axis: usize) -> Option<AxisReading> {
+    let reading = |position: f64, along: DVec3, turns: bool| AxisReading { position, gradient: along, direction: along, turns };
+    match (kind, axis) {
+        (JointKind::Hinge { .. }, 0) => {
+            let (angle, along) = coordinate(kind, placement, last);
+            Some(reading(angle, along, true))
+        }
+        (JointKind::Prismatic { .. } | JointKind::Distance { .. }, 0) => {
+            let (length, along) = coordinate(kind, placement, last);
+            Some(reading(length, along, false))
+        }
+        (JointKind::Spherical { .. }, 0) => {
+            let (a, b) = (placement.a.frame * DVec3::X, placement.b.frame * DVec3::X);
+            let gradient = (a + b) / (1.0 + a.dot(b)).max(angles::LEAST_COMMON);
+            let angle = angles::nearest(placement.twist(), last[0]);
+            Some(AxisReading { position: angle, gradient, direction: a, turns: true })
+        }
+        (JointKind::Spherical { .. }, 1) => {
+            let across = (placement.a.frame * DVec3::X).cross(placement.b.frame * DVec3::X).normalize_or_zero();
+            Some(reading(spherical::swing(placement), across, true))
+        }
+        (JointKind::Generic { .. }, 0..3) => Some(reading(placement.local_gap()[axis], placement.axes_a().col(axis), false)),
+        (JointKind::Generic { angular, .. }, 3..6) => Some(angles::axis(angular, placement, last, axis - 3)),
+        _ => None,
     }
 }
 

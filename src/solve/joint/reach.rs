@@ -22,6 +22,7 @@
 use glam::DQuat;
 
 use super::JointEntry;
+use super::angles::nearest;
 use super::geometry::Placement;
 use super::rows::Rate;
 use super::spherical::swing;
@@ -53,11 +54,11 @@ pub(super) fn stops_are_out_of_reach(
     let reach = OUTPACED * spin * f64::from(dt) + BLOW;
     let placement = entry.placement(motions[a].stance(), motions[b].stance());
     match *kind {
-        JointKind::Hinge { limits, .. } => is_within(placement.twist(), limits, reach),
+        JointKind::Hinge { limits, .. } => is_within(nearest(placement.twist(), entry.angles[0]), limits, reach),
         JointKind::Spherical { swing_limit, twist_limits, .. } => {
             let swings = swing_limit < std::f32::consts::PI;
             (!swings || swing(&placement) + reach < f64::from(swing_limit))
-                && (twist_limits == Limits::NONE || twists_within(&placement, twist_limits, reach))
+                && (twist_limits == Limits::NONE || twists_within(&placement, entry.angles[0], twist_limits, reach))
         }
         _ => false,
     }
@@ -69,8 +70,8 @@ fn is_within(angle: f64, limits: Limits, reach: f64) -> bool {
 }
 
 /// The same of the twist of a joint that is not swung so far that twist has no meaning.
-fn twists_within(placement: &Placement, limits: Limits, reach: f64) -> bool {
-    swing(placement) < std::f64::consts::FRAC_PI_2 && is_within(placement.twist(), limits, 2.0 * reach)
+fn twists_within(placement: &Placement, angle: f64, limits: Limits, reach: f64) -> bool {
+    swing(placement) < std::f64::consts::FRAC_PI_2 && is_within(nearest(placement.twist(), angle), limits, 2.0 * reach)
 }
 
 /// Stops of one joint, by cosines, and whether they are out of reach of the rows that it has now.
@@ -110,7 +111,7 @@ impl FarStops {
         let (swing, twist) = match twist == Limits::NONE {
             true if !has_swing => (f64::INFINITY, [0.0; 3]),
             true => (libm::cos(f64::from(swing)), [0.0, 0.0, f64::NEG_INFINITY]),
-            // Angles wrap there, and stops do not.
+            // Cosines tell no turns apart.
             false if !turn.contains(&min) || !turn.contains(&max) => (f64::INFINITY, [0.0; 3]),
             false => {
                 let (middle, half) = (0.5 * (min + max), 0.5 * (max - min));
@@ -121,15 +122,18 @@ impl FarStops {
         *self = Self { limits, swing, twist, is_hinge, are_far: false };
     }
 
-    /// Notes whether no stop acts or may come to act within a time of `rest` (s), for bodies with these velocities.
+    /// Notes whether no stop acts or may come to act within a time of `rest` (s), for bodies with these velocities and a joint at this
+    /// angle (rad).
     pub(crate) fn are_out_of_reach(
         &mut self,
-        impulses: &JointImpulses,
+        (impulses, angle): (&JointImpulses, f64),
         placement: &Placement,
         [a, b]: [&Rate; 2],
         rest: f64,
     ) -> bool {
-        self.are_far = self.swing < f64::INFINITY && impulses.scalar[..3] == [0.0; 3] && {
+        // A turn further on it would look the same.
+        let is_between = || self.twist[2] == f64::NEG_INFINITY || (self.limits[1]..=self.limits[2]).contains(&(angle as f32));
+        self.are_far = self.swing < f64::INFINITY && impulses.scalar[..3] == [0.0; 3] && is_between() && {
             let reach = OUTPACED * (b.angular - a.angular).length() * rest + BLOW;
             self.are_beyond(reach, placement.relative_rotation())
         };
@@ -159,6 +163,7 @@ mod tests {
 
     use super::*;
     use crate::joint::JointImpulses;
+    use crate::solve::joint::kinds::MotorRows;
 
     const DT: f32 = 1.0 / 60.0;
 
@@ -175,14 +180,18 @@ mod tests {
             local_lever: [DVec3::ZERO; 2],
             local_frame: [DQuat::IDENTITY, DQuat::from_scaled_axis(turned.as_dvec3())],
             impulses,
+            angles: [0.0; 3],
             linear_sum: Vec3::ZERO,
             angular_sum: Vec3::ZERO,
             acted: [Vec3::ZERO; 2],
             pressed: 0,
+            motors: [0.0; 6],
+            motor_rows: MotorRows::None,
             most_rows: 0,
             is_plain: false,
             is_hinge: false,
             is_distance: false,
+            counts_turns: true,
             gives_by_motors_alone: true,
             has_motor: false,
             has_friction: false,
@@ -251,7 +260,8 @@ mod tests {
                 let turned = DQuat::from_axis_angle(axis, turn);
                 let placement = super::super::placement_of(DVec3::ZERO, [DVec3::ZERO; 2], [DQuat::IDENTITY, turned]);
                 let by_angle = is_free(*kind, turned.to_scaled_axis().as_vec3(), Vec3::ZERO, 0.0);
-                let by_cosine = stops.are_out_of_reach(&JointImpulses::ZERO, &placement, [&still; 2], f64::from(DT));
+                let near = super::super::angles::first(kind, &placement)[0];
+                let by_cosine = stops.are_out_of_reach((&JointImpulses::ZERO, near), &placement, [&still; 2], f64::from(DT));
                 assert!(by_angle || !by_cosine, "{kind:?} turned by {turn} about {axis}");
                 assert!(!by_cosine || stops.still_hold(&placement), "what is far holds");
                 *found += i32::from(by_cosine);
@@ -274,10 +284,13 @@ mod tests {
             super::super::placement_of(DVec3::ZERO, [DVec3::ZERO; 2], [DQuat::IDENTITY, DQuat::from_rotation_x(turned)])
         };
         let still = Rate { linear: DVec3::ZERO, angular: DVec3::ZERO };
-        assert!(stops.are_out_of_reach(&JointImpulses::ZERO, &at(0.0), [&still; 2], 0.01));
+        let none = (&JointImpulses::ZERO, 0.0);
+        assert!(stops.are_out_of_reach(none, &at(0.0), [&still; 2], 0.01));
+        assert!(!stops.are_out_of_reach((none.0, 6.3), &at(0.0), [&still; 2], 0.01), "a turn past its stop");
+        assert!(stops.are_out_of_reach(none, &at(0.0), [&still; 2], 0.01));
         assert!(stops.still_hold(&at(0.499)) && !stops.still_hold(&at(0.501)) && !stops.still_hold(&at(-0.501)));
         let turning = Rate { angular: DVec3::X * 30.0, ..still };
-        assert!(!stops.are_out_of_reach(&JointImpulses::ZERO, &at(0.0), [&still, &turning], 0.01), "it may turn by 0.6 rad");
+        assert!(!stops.are_out_of_reach(none, &at(0.0), [&still, &turning], 0.01), "it may turn by 0.6 rad");
         assert!(!stops.still_hold(&at(0.0)), "rows have it");
     }
 }

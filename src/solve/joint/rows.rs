@@ -28,16 +28,15 @@ use glam::{DVec3, Vec3};
 use crate::joint::Softness;
 use crate::solve::state::BodyVelocity;
 
-/// Greatest displacement of a joint point, and rotation, by one position row in one substep of a sweep, and by a rigid drive, as
-/// speeds (m/s, rad/s).
+/// Greatest displacement of a joint point, and rotation, by one position row in one substep of a sweep, as speeds (m/s, rad/s).
 pub(crate) const MAX_RECOVERY_SPEED: f64 = 10.0;
 
-/// Share of its error that a rigid drive closes in a substep.
+/// Share of its error that a rigid drive closes in a substep of a sweep at most.
 ///
 /// The carried multiplier repeats what the closing took, and sweeps take that back by a factor 1 − ρ only. With ρ what a
 /// substep's sweeps leave of an error, the drive swings to and fro for ever where the share exceeds about 1 − ρ (a bar on its end:
 /// ρ = 0.56).
-const DRIVE_SHARE: f64 = 0.1;
+pub(crate) const DRIVE_SHARE: f64 = 0.1;
 
 /// What rows are built for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,15 +117,9 @@ impl Give {
         }
     }
 
-    /// Bias of a drive towards C = 0; a rigid one closes [`DRIVE_SHARE`] of the error in a substep, at a bounded speed.
-    fn drive(&self, error: Error1, rate: [f64; 2]) -> f64 {
-        match self.phase {
-            Phase::Velocity { h } | Phase::Tangent { h } if self.rigid => {
-                let closing = (error.start * DRIVE_SHARE / h).clamp(-MAX_RECOVERY_SPEED, MAX_RECOVERY_SPEED);
-                rate[1] + self.curvature(error, rate) + closing
-            }
-            _ => self.bias(error, rate),
-        }
+    /// Bias of a spring and damper towards C = 0, whose reference moves at `speed`, and γ.
+    pub(crate) fn spring(&self, error: Error1, speed: f64, rate: [f64; 2]) -> (f64, f64) {
+        (self.bias(error, rate) - speed, self.gamma)
     }
 }
 
@@ -154,7 +147,7 @@ pub(crate) struct RowRates {
 
 impl RowRates {
     /// Rate of a coordinate by the bodies, and by the frames.
-    fn read<T>(&self, rate: impl Fn(&[Rate; 2]) -> T, none: T) -> [T; 2] {
+    pub(super) fn read<T>(&self, rate: impl Fn(&[Rate; 2]) -> T, none: T) -> [T; 2] {
         [rate(&self.bodies), self.frames.as_ref().map_or(none, rate)]
     }
 }
@@ -255,10 +248,12 @@ pub(crate) enum Demand {
     Equal(Error1),
     /// C ≥ 0; an overlap of a rigid stop is left to position recovery.
     AtLeast(Error1),
-    /// Hold a speed with a bounded impulse.
-    Speed { target: f64, max_impulse: f64 },
-    /// C = 0 with a bounded impulse.
-    Drive { error: Error1, max_impulse: f64 },
+    /// Hold a speed with an impulse in these bounds.
+    Speed { target: f64, bounds: [f64; 2] },
+    /// A spring and damper towards C = 0, where that moves at `speed`, with an impulse in these bounds.
+    Drive { error: Error1, speed: f64, bounds: [f64; 2] },
+    /// The same rigidly, closing C at the rate `closing`.
+    Approach { error: Error1, closing: f64, speed: f64, bounds: [f64; 2] },
 }
 
 /// One row along a coordinate, with a bounded multiplier.
@@ -295,13 +290,17 @@ impl ScalarRow {
         let (bias, min, max) = match demand {
             Demand::Equal(error) => (give.bias(error, rate), f64::NEG_INFINITY, f64::INFINITY),
             Demand::AtLeast(error) => (give.stop(error, rate), 0.0, f64::INFINITY),
-            Demand::Speed { target, max_impulse } => {
+            Demand::Speed { target, bounds: [least, most] } => {
                 (gamma, acts) = (0.0, moves);
-                (rate[1] - target, -max_impulse, max_impulse)
+                (rate[1] - target, least, most)
             }
-            Demand::Drive { error, max_impulse } => {
+            Demand::Drive { error, speed, bounds: [least, most] } => {
                 acts = moves;
-                (give.drive(error, rate), -max_impulse, max_impulse)
+                (give.spring(error, speed, rate).0, least, most)
+            }
+            Demand::Approach { error, closing, speed, bounds: [least, most] } => {
+                acts = moves;
+                (rate[1] + give.curvature(error, rate) + closing - speed, least, most)
             }
         };
         let impulse = if acts { impulse.clamp(min as f32, max as f32) } else { 0.0 };

@@ -2,17 +2,17 @@
 
 use std::ops::Range;
 
-use glam::{Mat3, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 
 use super::driven::{self, Driven};
 use super::geometry::{JointGeometry, Placement};
 use super::kinds::{self, RowSink};
+use super::motor::Answer;
 use super::rows::{self, Phase, Rate, RowRates};
 use super::sweep::{self, BlockRow, ScalarRow};
-use super::{JointEntry, MOMENTUM_RETURN_LIMIT};
+use super::{JointEntry, MOMENTUM_RETURN_LIMIT, Moving};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
-use crate::solve::integrate::Outlook;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// Passes over the rows of a joint that has scalar ones: they are solved one by one, and see each other only so.
@@ -122,14 +122,27 @@ impl Singles {
         self.numbers.iter().copied()
     }
 
+    /// Brings angles that count turns up to where the bodies are now, `left` (s) from the end of the step.
+    pub(super) fn follow(&self, entries: &mut [JointEntry], joints: &Pool<Joint, JointId>, motions: &[BodyMotion], left: f32) {
+        for &number in &self.numbers {
+            let entry = &mut entries[number];
+            if entry.counts_turns {
+                let joint = &joints[entry.joint];
+                let [a, b] = [entry.a, entry.b].map(|slot| motions[slot as usize].stance());
+                let placement = driven::before(entry.placement(a, b), joint.drive(), [&a, &b], f64::from(left));
+                entry.follow(&joint.def.kind, &placement);
+            }
+        }
+    }
+
     /// Builds the rows of all.
     pub(super) fn prepare(
         &mut self,
         entries: &[JointEntry],
         joints: &Pool<Joint, JointId>,
-        (velocities, motions, outlooks): (&[BodyVelocity], &[BodyMotion], &[Outlook]),
-        h: f32,
-        left: f32,
+        &Moving { velocities, motions, outlooks }: &Moving<'_>,
+        (h, left): (f32, f32),
+        again: bool,
     ) {
         let left = [left, left - h].map(f64::from);
         self.rows.clear();
@@ -141,6 +154,7 @@ impl Singles {
             let first = self.scalars.len() as u32;
             let bodies = [&velocities[entry.a as usize], &velocities[entry.b as usize]];
             let driven = entry.driven(joint, motions, &gradient, left);
+            let answer = |side: usize| answer_of(bodies[side], &motions[[entry.a, entry.b][side] as usize]);
             self.asked.clear();
             let mut sink = RowSink {
                 rates: RowRates { bodies: bodies.map(Rate::of), frames: driven.map(|driven| driven.rates) },
@@ -154,6 +168,12 @@ impl Singles {
                 point: None,
                 direction: None,
                 scalars: &mut self.asked,
+                angles: entry.angles,
+                answer: &answer,
+                left: left[1],
+                closing_share: rows::DRIVE_SHARE,
+                applied: f64::from(u8::from(again)),
+                is_under_way: false,
             };
             kinds::add_rows(&mut sink);
             let point = sink.point.map(|row| BlockRow::point(&row, bodies));
@@ -227,6 +247,9 @@ impl Singles {
                 let about_point = row.angular_b - lever_b.map_or(row.angular_b, |lever| lever.cross(row.linear));
                 angular += about_point * row.impulse;
                 entry.pressed |= u32::from(row.impulse > 0.0) << row.id;
+                if let Some(axis) = entry.motor_rows.axis(row.id) {
+                    entry.motors[axis] += row.impulse;
+                }
             }
             entry.linear_sum += linear;
             entry.angular_sum += angular;
@@ -237,15 +260,14 @@ impl Singles {
     pub(super) fn find_work(
         &self,
         entries: &[JointEntry],
-        joints: &Pool<Joint, JointId>,
         velocities: &[BodyVelocity],
         mut hand_over: impl FnMut([u32; 2], f64),
     ) {
         for rows in &self.rows {
-            let kind = &joints[entries[rows.entry].joint].def.kind;
+            let rows_of_motors = entries[rows.entry].motor_rows;
             let (a, b) = (&velocities[rows.a as usize], &velocities[rows.b as usize]);
             let scalars = &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize];
-            let motors = scalars.iter().filter(|row| kinds::is_motor_row(kind, row.id));
+            let motors = scalars.iter().filter(|row| rows_of_motors.axis(row.id).is_some());
             let work = motors.map(|row| f64::from(row.impulse) * f64::from(row.rate(a, b))).sum();
             hand_over([rows.a, rows.b], work);
         }
@@ -298,6 +320,12 @@ impl Singles {
                 point: None,
                 direction: None,
                 scalars: &mut self.asked,
+                angles: entry.angles,
+                answer: &|_| Answer::NONE,
+                left: 0.0,
+                closing_share: 0.0,
+                applied: 0.0,
+                is_under_way: false,
             };
             kinds::add_rows(&mut sink);
             let (point, direction) = (sink.point, sink.direction);
@@ -315,6 +343,14 @@ impl Singles {
             motions[entry.b as usize].displace(b.linear, b.angular);
         }
     }
+}
+
+/// How a body answers to its motor.
+fn answer_of(velocity: &BodyVelocity, motion: &BodyMotion) -> Answer {
+    let inverse_inertia = velocity.inverse_inertia.to_mat3().as_dmat3();
+    let linear = if motion.is_dynamic() { motion.acceleration.as_dvec3() } else { DVec3::ZERO };
+    let acceleration = Rate { linear, angular: inverse_inertia * motion.torque.as_dvec3() };
+    Answer { inverse_mass: velocity.inverse_mass.as_dvec3(), inverse_inertia, acceleration }
 }
 
 /// Gives a pair of bodies back the angular momentum that moving them by position rows would take.

@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::geometry::Placement;
-use super::kinds::{Coordinate, RowSink};
+use super::kinds::RowSink;
 use super::rows::{Demand, Error1, Give, Held, Jacobian};
 use crate::joint::{Limits, Motor, SphericalMotor};
 
@@ -34,12 +34,14 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
     let denominator = 1.0 + axis_a.dot(axis_b);
     if twist_limits != Limits::NONE && denominator > MIN_TWIST_DENOMINATOR {
         let jacobian = Jacobian::angular((axis_a + axis_b) / denominator);
-        let twist = Coordinate { jacobian, value: Placement::twist, is_angle: true };
-        sink.limit_and_drive(&twist, twist_limits, Motor::Off, 1);
+        if sink.has_rows(twist_limits, Motor::Off) {
+            let twist = sink.angle(jacobian, Placement::twist);
+            sink.limit_and_drive(&twist, twist_limits, Motor::Off, 1);
+        }
     }
+    sink.hold_points(Held::All);
     drive(sink, motor);
     sink.rub_about_point(sink.def.friction);
-    sink.hold_points(Held::All);
 }
 
 /// Angle between the joint axes (rad).
@@ -56,24 +58,18 @@ fn drive(sink: &mut RowSink, motor: SphericalMotor) {
         SphericalMotor::Velocity { target, max_torque } => {
             let max_impulse = f64::from(max_torque) * sink.phase.h();
             for i in 0..3 {
-                let demand = Demand::Speed { target: f64::from(target[i]), max_impulse };
+                let demand = Demand::Speed { target: f64::from(target[i]), bounds: [-max_impulse, max_impulse] };
                 sink.scalar(Jacobian::angular(axes.col(i)), demand, Give::rigid(sink.phase), 4 + i as u8);
             }
         }
         SphericalMotor::Position { target, softness, max_torque } => {
-            let max_impulse = f64::from(max_torque) * sink.phase.h();
             let target = target.as_dquat().normalize();
             let error = |placement: &Placement| {
                 let mut turned = *placement;
                 turned.a.frame = placement.a.frame * target;
                 target * turned.rotation_vector()
             };
-            let (start, predicted) = sink.geometry.read(error);
-            for i in 0..3 {
-                let error = Error1 { start: start[i], predicted: predicted[i] };
-                let demand = Demand::Drive { error, max_impulse };
-                sink.scalar(Jacobian::angular(axes.col(i)), demand, Give::new(softness, sink.phase), 4 + i as u8);
-            }
+            sink.turn_to(error, softness, max_torque);
         }
     }
 }

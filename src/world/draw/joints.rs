@@ -103,7 +103,8 @@ fn draw_angle(pen: &mut Pen, world: &dyn Fn(Vec3) -> DVec3, limits: Limits, size
     if !limits.min.is_finite() && !limits.max.is_finite() {
         return;
     }
-    let (min, max) = (limits.min.max(-PI), limits.max.min(PI));
+    // A full circle where they are a turn apart, or only one is there.
+    let (min, max) = if limits.max - limits.min < 2.0 * PI { (limits.min, limits.max) } else { (-PI, PI) };
     arc_from(Vec3::ZERO, (Vec3::Y, Vec3::Z), size, (min, max), &mut |from, to| pen.line(world(from), world(to), Color::MAGENTA));
     for stop in [limits.min, limits.max].into_iter().filter(|stop| stop.is_finite()) {
         let (sin, cos) = stop.sin_cos();

@@ -5,7 +5,8 @@ use glam::Vec3;
 use super::{REPLICA, Records};
 use crate::joint::Joint;
 use crate::solve::batch::{Batch, JointEnd};
-use crate::solve::joint::{BatchJoints, JointEntry, JointLink, kinds};
+use crate::solve::joint::kinds::MotorRows;
+use crate::solve::joint::{BatchJoints, JointEntry, JointLink, angles, kinds};
 use crate::solve::state::WORLD_SLOT;
 use crate::workers::Workers;
 use crate::world::group::NO_BODY;
@@ -123,14 +124,18 @@ impl Records<'_> {
             local_lever: [a.lever, b.lever].map(|lever| lever.as_dvec3()),
             local_frame: [a.frame, b.frame].map(|frame| frame.as_dquat().normalize()),
             impulses: joint.impulses.scaled(scale),
+            angles: joint.angles,
             linear_sum: Vec3::ZERO,
             angular_sum: Vec3::ZERO,
             acted: joint.acted.map(|acted| acted * stride),
             pressed: 0,
+            motors: [0.0; 6],
+            motor_rows: if traits.has_motor { MotorRows::of(&def.kind) } else { MotorRows::None },
             most_rows: traits.most_rows,
             is_plain: traits.is_plain,
             is_hinge: kinds::is_hinge(&def.kind),
             is_distance: kinds::is_distance(&def.kind),
+            counts_turns: angles::counts_turns(&def.kind),
             gives_by_motors_alone: traits.gives_by_motors_alone,
             has_motor: traits.has_motor,
             has_friction: traits.has_friction,

@@ -46,6 +46,9 @@ impl World {
         for batch in &batches[..*batch_count] {
             each_joint(batch, joints, threads, &mut scratch.noted_joints, |entry, joint, _| {
                 (joint.force, joint.torque) = (entry.linear_sum / dt, entry.angular_sum / dt);
+                if entry.has_motor {
+                    joint.motors = entry.motors.map(|impulse| if impulse.is_finite() { impulse / dt } else { 0.0 });
+                }
                 if !joint.force.is_finite() || !joint.torque.is_finite() {
                     (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
                 }
@@ -59,6 +62,9 @@ impl World {
         let noted = &mut scratch.noted_joints;
         each_joint(&batches[number], joints, threads, noted, |entry, joint, noted| {
             (joint.impulses, joint.acted) = (entry.impulses.scaled(share), entry.acted.map(|acted| acted * share));
+            if entry.counts_turns && entry.angles.iter().all(|angle| angle.is_finite()) {
+                joint.angles = entry.angles;
+            }
             if !entry.impulses.is_finite() {
                 return joint.forget_impulses();
             }

@@ -267,13 +267,16 @@ impl JointLanes {
         }
     }
 
-    /// Hands multipliers and their sums back to the joints.
-    pub(crate) fn store<E: Slots<JointEntry> + ?Sized>(&self, entries: &mut E) {
+    /// Hands multipliers and their sums back to the joints, and has `follow` bring those up to now whose angles count turns.
+    pub(crate) fn store<E: Slots<JointEntry> + ?Sized>(&self, entries: &mut E, follow: impl Fn(&mut JointEntry)) {
         for block in &self.points {
             for (l, &number) in block.numbers().iter().enumerate() {
                 let entry = entries.get_mut(number);
                 entry.impulses = JointImpulses { point: get(&block.impulse, l), ..JointImpulses::ZERO };
                 entry.linear_sum = get(&block.sum, l);
+                if entry.counts_turns {
+                    follow(entry);
+                }
                 if let Some(directions) = block.directions {
                     let directions = &self.directions[directions as usize];
                     entry.impulses.angular = get(&directions.impulse, l);

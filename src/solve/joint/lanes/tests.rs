@@ -8,6 +8,7 @@ use crate::id::{BodyId, JointId, Pool, WorldTag};
 use crate::joint::{Joint, JointDef};
 use crate::settings::Solver;
 use crate::solve::color::Coloring;
+use crate::solve::joint::kinds::MotorRows;
 use crate::solve::joint::singles::Singles;
 use crate::solve::joint::{BatchJoints, JointLink, JointTraits, Moving};
 use crate::solve::role::Role;
@@ -85,14 +86,18 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             local_lever: levers,
             local_frame: frames,
             impulses: JointImpulses { point: impulse, angular: impulse * 0.1, ..JointImpulses::ZERO },
+            angles: [0.0; 3],
             linear_sum: Vec3::ZERO,
             angular_sum: Vec3::ZERO,
             acted: [Vec3::ZERO; 2],
             pressed: 0,
+            motors: [0.0; 6],
+            motor_rows: MotorRows::None,
             most_rows: 0,
             is_plain: false,
             is_hinge: false,
             is_distance: false,
+            counts_turns: false,
             gives_by_motors_alone: true,
             has_motor: false,
             has_friction: false,
@@ -177,7 +182,8 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
         let all = 0..entries.len();
         let mut singles = Singles::default();
         singles.add(&Vec::from_iter(0..entries.len() as u32));
-        singles.prepare(&entries, &pool, (&velocities, &motions, &outlooks(scene)), H, H);
+        let moving = Moving { velocities: &velocities, motions: &motions, outlooks: &outlooks(scene) };
+        singles.prepare(&entries, &pool, &moving, (H, H), false);
         singles.warm_start(&mut velocities);
         singles.sweep(all.clone(), &mut velocities, false);
         singles.sweep(all.clone(), &mut velocities, true);

@@ -1,0 +1,259 @@
+//! Motors do what they are documented to do: servos go as fast as their force allows and stop on their target, speed limits hold, targets
+//! that move are followed, one-sided motors never push the other way, and all of them tell their true force.
+
+use longspan::glam::{Quat, Vec3};
+use longspan::{
+    Axis, BodyDef, BodyId, Drive, ForceSide, JointAxisState, JointDef, JointId, JointKind, Limits, Mass, MassProperties, Motor,
+    Pose, SleepSettings, Softness, Solver, World, WorldDef,
+};
+
+const SOLVERS: [Solver; 2] = [Solver::Auto, Solver::GaussSeidel];
+const RATES: [f32; 3] = [30.0, 60.0, 240.0];
+const MASS: f32 = 2.0;
+const INERTIA: f32 = 0.1;
+/// From a hinge to the centre of mass of what it carries (m).
+const LEVER: f32 = 0.5;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Hinge,
+    Slider,
+    Distance,
+    Slide,
+    Turn,
+}
+
+const KINDS: [Kind; 5] = [Kind::Hinge, Kind::Slider, Kind::Distance, Kind::Slide, Kind::Turn];
+
+struct Rig {
+    world: World,
+    body: BodyId,
+    joint: JointId,
+    axis: u32,
+    /// What the coordinate begins at, and what a unit of force accelerates it by.
+    begin: f32,
+    ease: f32,
+}
+
+/// A body whose coordinate points up along y, or a door whose lever lies level at zero; `gravity` along −y (m/s²).
+fn rig(kind: Kind, motor: Motor, limits: Limits, gravity: f32, solver: Solver, substeps: u32) -> Rig {
+    let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+    let def = WorldDef { gravity: Vec3::NEG_Y * gravity, solver, sleep, substeps, ..WorldDef::default() };
+    let mut world = World::new(&def).expect("a valid world");
+    let properties = MassProperties {
+        mass: MASS,
+        center_of_mass: Vec3::ZERO,
+        principal_inertia: Vec3::splat(INERTIA),
+        inertia_frame: Quat::IDENTITY,
+    };
+    let turns = matches!(kind, Kind::Hinge | Kind::Turn);
+    let start = if turns { Pose::at_xyz(f64::from(LEVER), 0.0, 0.0) } else { Pose::IDENTITY };
+    let body = world.create_body(&BodyDef::dynamic(start).with_mass(Mass::Properties(properties))).expect("a valid body");
+    let driven = Axis { limits, motor };
+    let (free, held) = (driven, Axis::LOCKED);
+    let kind_of = match kind {
+        Kind::Hinge => JointKind::Hinge { limits, motor },
+        Kind::Slider => JointKind::Prismatic { limits, motor },
+        Kind::Distance => JointKind::Distance { limits, spring_length: None, motor },
+        Kind::Slide => JointKind::Generic { linear: [held, free, held], angular: [held; 3] },
+        Kind::Turn => JointKind::Generic { linear: [held; 3], angular: [held, held, free] },
+    };
+    let up = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
+    let about_z = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+    let frame = match kind {
+        Kind::Hinge => about_z,
+        Kind::Slider => up,
+        Kind::Distance | Kind::Slide | Kind::Turn => Quat::IDENTITY,
+    };
+    let mut def = JointDef::new(kind_of, BodyId::NULL, body);
+    let lever = if turns { f64::from(LEVER) } else { 0.0 };
+    let below = if kind == Kind::Distance { -0.5 } else { 0.0 };
+    (def.frame_a, def.frame_b) = (Pose::at_xyz(0.0, below, 0.0).rotated(frame), Pose::at_xyz(-lever, 0.0, 0.0).rotated(frame));
+    let joint = world.create_joint(&def).expect("a valid joint");
+    let axis = [0, 0, 0, 1, 5][kind as usize];
+    let begin = if kind == Kind::Distance { 0.5 } else { 0.0 };
+    let ease = if turns { 1.0 / (INERTIA + MASS * LEVER * LEVER) } else { 1.0 / MASS };
+    Rig { world, body, joint, axis, begin, ease }
+}
+
+impl Rig {
+    fn step(&mut self, dt: f32) -> JointAxisState {
+        self.world.step(dt).expect("a valid step");
+        let mut state = self.world.joint_axis(self.joint, self.axis).expect("the joint has this axis");
+        state.position -= self.begin;
+        state
+    }
+}
+
+fn servo(kind: Kind, target: f32, max_force: f32) -> Motor {
+    let begin = if kind == Kind::Distance { 0.5 } else { 0.0 };
+    Motor::Position { target: target + begin, softness: Softness::RIGID, max_force }
+}
+
+/// Steps until a servo stays within 0.1 % of its target, and what it overshot by.
+fn arrival(rig: &mut Rig, target: f32, dt: f32, most: u32) -> (u32, f32, JointAxisState) {
+    let (mut last_away, mut over, mut state) = (0, 0.0_f32, JointAxisState::default());
+    for step in 1..=most {
+        state = rig.step(dt);
+        if (state.position - target).abs() > 1.0e-3 * target {
+            last_away = step;
+        }
+        over = over.max(state.position - target);
+    }
+    (last_away + 1, over, state)
+}
+
+#[test]
+fn a_servo_is_as_fast_as_its_force_allows_and_stops_on_its_target() {
+    for kind in KINDS {
+        for (rate, substeps) in [(30.0_f32, 4), (60.0, 4), (60.0, 1), (60.0, 16), (240.0, 4)] {
+            for (force, target) in [(10.0_f32, 0.7_f32), (300.0, 1.0), (1.0e4, 1.0), (1.0e6, 0.8)] {
+                let mut rig = rig(kind, servo(kind, target, force), Limits::NONE, 0.0, Solver::Auto, substeps);
+                let least = 2.0 * (target / (force * rig.ease)).sqrt();
+                let (steps, over, state) = arrival(&mut rig, target, 1.0 / rate, ((2.0 * least + 0.2) * rate) as u32 + 8);
+                let time = steps as f32 / rate;
+                // What is left for braking costs 2.7 %; rests are told at the ends of steps, and force is even for a substep.
+                let bound = 1.05 * least + 2.0 / rate;
+                let what = format!("{kind:?}, {force} N over {target} at {rate} Hz in {substeps} substeps");
+                assert!(time <= bound, "{what}: {time} s, mechanics allow {least} s, bound {bound} s");
+                assert!(over <= 1.0e-4, "{what}: overshoots by {over}");
+                assert!((state.position - target).abs() < 1.0e-5 && state.velocity.abs() < 1.0e-4, "{what}: rests at {state:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_servo_lifts_and_lowers_its_load_without_overshoot() {
+    for (kind, solver) in KINDS.into_iter().flat_map(|kind| SOLVERS.map(|solver| (kind, solver))) {
+        for (rate, way) in RATES.into_iter().flat_map(|rate| [(rate, 1.0), (rate, -1.0)]) {
+            let (gravity, force) = (9.81, 40.0);
+            let target = if kind == Kind::Distance && way < 0.0 { -0.4 } else { 0.8 * way };
+            let mut rig = rig(kind, servo(kind, target, force), Limits::NONE, gravity, solver, 4);
+            let (mut over, mut state, mut greatest) = (0.0_f32, JointAxisState::default(), 0.0_f32);
+            for _ in 0..(3.0 * rate) as u32 {
+                state = rig.step(1.0 / rate);
+                over = over.max((state.position - target) * way);
+                greatest = greatest.max(state.motor.abs());
+            }
+            let what = format!("{kind:?} to {target} at {rate} Hz by {solver:?}");
+            // A lever's weight changes as it turns, and sweeps keep a carried multiplier.
+            let bound = if solver == Solver::Auto { 2.0e-3 } else { 1.0e-2 };
+            assert!(over < bound, "{what}: overshoots by {over}");
+            assert!((state.position - target).abs() < 1.0e-3, "{what}: rests at {state:?}");
+            assert!(greatest <= force * 1.001, "{what}: pushes with {greatest} N of {force} N");
+            let load = match kind {
+                Kind::Hinge | Kind::Turn => MASS * gravity * LEVER * target.cos(),
+                _ => MASS * gravity,
+            };
+            assert!((state.motor - load).abs() < 0.02 * MASS * gravity, "{what}: tells {} N for a load of {load} N", state.motor);
+        }
+    }
+}
+
+fn drive(kind: Kind, target: f32, drive: Drive) -> Motor {
+    let begin = if kind == Kind::Distance { 0.5 } else { 0.0 };
+    Motor::Drive(Drive { target: Some(target + begin), ..drive })
+}
+
+#[test]
+fn a_position_motor_keeps_its_speed_limit() {
+    let soft = Softness { compliance: 1.0 / 400.0, damping: 20.0 };
+    for (kind, solver) in KINDS.into_iter().flat_map(|kind| SOLVERS.map(|solver| (kind, solver))) {
+        for (rate, softness) in RATES.into_iter().flat_map(|rate| [(rate, Softness::RIGID), (rate, soft)]) {
+            let told = Drive { softness, max_speed: 0.5, ..Drive::to(0.0, 500.0) };
+            let mut rig = rig(kind, drive(kind, 1.0, told), Limits::NONE, 0.0, solver, 4);
+            let (mut fastest, mut state) = (0.0_f32, JointAxisState::default());
+            for _ in 0..(5.0 * rate) as u32 {
+                state = rig.step(1.0 / rate);
+                fastest = fastest.max(state.velocity);
+            }
+            let what = format!("{kind:?} at {rate} Hz by {solver:?}, {softness:?}");
+            assert!((0.48..=0.51).contains(&fastest), "{what}: {fastest} of 0.5 m/s");
+            assert!((state.position - 1.0).abs() < 5.0e-3, "{what}: rests at {state:?}");
+        }
+    }
+}
+
+#[test]
+fn a_motor_follows_a_target_that_moves() {
+    let soft = Softness { compliance: 1.0 / 400.0, damping: 60.0 };
+    for (kind, rate) in KINDS.into_iter().flat_map(|kind| RATES.map(|rate| (kind, rate))) {
+        for softness in [Softness::RIGID, soft] {
+            let speed = 0.6;
+            let told = Drive { softness, velocity: speed, ..Drive::to(0.0, 1000.0) };
+            let mut rig = rig(kind, drive(kind, 0.0, told), Limits::NONE, 0.0, Solver::Auto, 4);
+            for step in 1..=(2.0 * rate) as u32 {
+                let target = speed * step as f32 / rate;
+                let def = rig.world.joint_def(rig.joint).expect("the joint stays");
+                let motor = drive(kind, target, told);
+                let kind_now = match def.kind {
+                    JointKind::Hinge { limits, .. } => JointKind::Hinge { limits, motor },
+                    JointKind::Prismatic { limits, .. } => JointKind::Prismatic { limits, motor },
+                    JointKind::Distance { limits, spring_length, .. } => JointKind::Distance { limits, spring_length, motor },
+                    JointKind::Generic { mut linear, mut angular } => {
+                        let axes = if kind == Kind::Slide { &mut linear } else { &mut angular };
+                        axes[if kind == Kind::Slide { 1 } else { 2 }].motor = motor;
+                        JointKind::Generic { linear, angular }
+                    }
+                    other => other,
+                };
+                rig.world.set_joint_kind(rig.joint, kind_now).expect("the same kind");
+                let state = rig.step(1.0 / rate);
+                let (off, time) = ((state.position - target).abs(), step as f32 / rate);
+                let what = format!("{kind:?} at {rate} Hz, {softness:?}, after {time} s");
+                if time > 1.0 {
+                    assert!(off < 2.0e-3, "{what}: {off} behind its target");
+                    assert!((state.velocity - speed).abs() < 0.02, "{what}: at {} of {speed} m/s", state.velocity);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_motor_that_only_pulls_lifts_and_never_pushes() {
+    for (solver, rate) in SOLVERS.into_iter().flat_map(|solver| RATES.map(|rate| (solver, rate))) {
+        // Hangs 0.5 m below; the distance is shortened.
+        let told = Drive { target: Some(0.2), side: ForceSide::Pull, ..Drive::to(0.2, 60.0) };
+        let mut rig = rig(Kind::Distance, Motor::Drive(told), Limits::NONE, -9.81, solver, 4);
+        let mut state = JointAxisState::default();
+        for _ in 0..(3.0 * rate) as u32 {
+            state = rig.step(1.0 / rate);
+            assert!(state.motor <= 1.0e-3, "{solver:?} at {rate} Hz: pushes with {} N", state.motor);
+        }
+        assert!((state.position + 0.3).abs() < 2.0e-3, "{solver:?} at {rate} Hz: holds at {state:?}");
+        assert!((state.motor + MASS * 9.81).abs() < 0.4, "{solver:?} at {rate} Hz: tells {} N", state.motor);
+        // Thrown up, it is not held back.
+        rig.world.set_linear_velocity(rig.body, Vec3::NEG_Y * 1.0).expect("the body stays");
+        let thrown = rig.step(1.0 / rate);
+        assert!(thrown.velocity < -0.3 && thrown.motor.abs() < 1.0e-3, "{solver:?} at {rate} Hz: thrown towards, {thrown:?}");
+    }
+}
+
+#[test]
+fn a_motor_tells_its_own_force_where_a_stop_takes_it_up() {
+    for (kind, solver) in KINDS.into_iter().flat_map(|kind| SOLVERS.map(|solver| (kind, solver))) {
+        let begin = if kind == Kind::Distance { 0.5 } else { 0.0 };
+        // A spring to beyond its stop: 400 N/m over 0.2 m.
+        let motor = Motor::Drive(Drive {
+            target: Some(begin),
+            softness: Softness { compliance: 1.0 / 400.0, damping: 10.0 },
+            ..Drive::to(0.0, f32::INFINITY)
+        });
+        let limits = Limits::new(begin + 0.2, begin + 1.0);
+        let mut rig = rig(kind, motor, limits, 0.0, solver, 4);
+        let mut state = JointAxisState::default();
+        for _ in 0..120 {
+            state = rig.step(1.0 / 60.0);
+        }
+        // A target is clamped to the limits: at the stop the spring is at rest.
+        assert!((state.position - 0.2).abs() < 1.0e-3, "{kind:?} by {solver:?}: {state:?}");
+        assert!(state.motor.abs() < 1.0 && state.effort.abs() < 1.0, "{kind:?} by {solver:?}: {state:?}");
+        rig.world.add_force(rig.body, Vec3::Y * -50.0).expect("the body stays");
+        let pressed = rig.step(1.0 / 60.0);
+        let load = if matches!(kind, Kind::Hinge | Kind::Turn) { 50.0 * LEVER * 0.2_f32.cos() } else { 50.0 };
+        assert!((pressed.effort - load).abs() < 0.05 * load, "{kind:?} by {solver:?}: {pressed:?} under {load} N");
+        assert!(pressed.motor.abs() < 0.1 * load, "{kind:?} by {solver:?}: the stop takes it, told {} N", pressed.motor);
+    }
+}
