@@ -106,8 +106,8 @@ pub struct Drive {
     pub softness: Softness,
     /// Greatest force or torque, may be infinite.
     pub max_force: f32,
-    /// Greatest speed towards `target` (m/s or rad/s), over `velocity`, may be infinite. A spring is held back to it, but does not brake
-    /// what others drive faster.
+    /// Greatest speed on the way to `target` (m/s or rad/s), may be infinite. A spring is held back to it, but does not brake what others
+    /// drive faster.
     pub max_speed: f32,
     /// Which way it may push.
     pub side: ForceSide,
@@ -440,7 +440,7 @@ pub struct JointAxisState {
     pub velocity: f32,
     /// Force (N) or torque (N·m) on body B along the axis, mean over the step: all that acts there.
     pub effort: f32,
-    /// That of the motor alone.
+    /// That of the motor alone (N or N·m).
     pub motor: f32,
 }
 

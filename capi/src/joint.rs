@@ -59,7 +59,7 @@ pub struct LsJointAxisState {
     pub velocity: f32,
     /// Force (N) or torque (N m) on body B along the axis, mean over the step: all that acts there.
     pub effort: f32,
-    /// That of the motor alone.
+    /// That of the motor alone (N or N m).
     pub motor: f32,
 }
 
@@ -156,7 +156,7 @@ pub unsafe extern "C" fn ls_joint_axis_state_get(
 ) -> LsResult {
     call("ls_joint_axis_state_get", || {
         let out = host!(SizedOut::new, out, size);
-        read(world, |world| out.write(&world.joint_axis(joint.into(), axis)?.into()))
+        read(world, |world| out.write(&world.joint_axis_state(joint.into(), axis)?.into()))
     })
 }
 

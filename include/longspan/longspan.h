@@ -190,21 +190,23 @@
 /** Joint kind: nothing moves. */
 #define LS_JOINT_FIXED 0
 
-/** Joint kind: rotation about the joint axis, the angle in (-pi, pi]; limits, motor, friction. */
+/** Joint kind: rotation about the joint axis, the angle counts turns; limits, motor, motor_drive, friction. */
 #define LS_JOINT_HINGE 1
 
-/** Joint kind: rotation about a point; swing_limit, limits (of the twist), spherical_motor, friction. */
+/** Joint kind: rotation about a point; swing_limit, limits (of the twist, which counts turns), spherical_motor, friction. */
 #define LS_JOINT_SPHERICAL 2
 
-/** Joint kind: the distance between two points; limits, has_spring, spring_length, motor. */
+/** Joint kind: the distance between two points; limits, has_spring, spring_length, motor, motor_drive. */
 #define LS_JOINT_DISTANCE 3
 
-/** Joint kind: translation along the joint axis; limits, motor, friction. */
+/** Joint kind: translation along the joint axis; limits, motor, motor_drive, friction. */
 #define LS_JOINT_PRISMATIC 4
 
 /**
- * Joint kind: six axes of A's frame, each free, locked or limited; linear_axes, angular_axes. Rotations are x, y, z Euler
- * angles of B's frame in A's; keep the one about y within 80 degrees unless both others are locked.
+ * Joint kind: six axes of A's frame, each free, locked or limited; linear_axes, angular_axes, axis_drives, axis_friction.
+ * Rotations are the angles x, y, z of R_x R_y R_z, which takes A's frame to B's, and count turns. With one free it is a hinge,
+ * whichever it is; with x and y or y and z free a universal joint; with three free a spherical joint. Where neither x nor z is
+ * locked, these two are one axis at y = 90 degrees: what is asked of them fades there.
  */
 #define LS_JOINT_GENERIC 5
 
@@ -216,6 +218,15 @@
 
 /** Motor mode: pulls towards a value as a spring and damper, with at most the greatest force or torque. */
 #define LS_MOTOR_POSITION 2
+
+/** Which way a motor may push its coordinate: both ways. */
+#define LS_FORCE_BOTH 0
+
+/** Which way a motor may push its coordinate: towards lesser values alone, as a winch or a muscle does. */
+#define LS_FORCE_PULL 1
+
+/** Which way a motor may push its coordinate: towards greater values alone, as a jack does. */
+#define LS_FORCE_PUSH 2
 
 /** Solver: the library chooses per group of bodies. */
 #define LS_SOLVER_AUTO 0
@@ -744,7 +755,7 @@ typedef struct LsMotor {
     int32_t mode;
     /** Speed (m/s or rad/s) or value (m or rad) to reach. */
     float target;
-    /** Spring and damper of LS_MOTOR_POSITION; rigid reaches the target as fast as max_force allows. */
+    /** Spring and damper of LS_MOTOR_POSITION; rigid goes to its target as fast as max_force allows, and stops there. */
     struct LsSoftness softness;
     /** Greatest force (N) or torque (N m), may be INFINITY. */
     float max_force;
@@ -802,6 +813,24 @@ typedef struct LsStrength {
     /** Time in which damage halves (s), > 0, INFINITY if it stays; read if wears; default INFINITY. */
     float damage_half_life;
 } LsStrength;
+
+/** What more a motor can be told. */
+typedef struct LsDrive {
+    /**
+     * LS_MOTOR_POSITION: speed at which its target moves (m/s or rad/s); default 0. Damping acts on the difference to it, and the target
+     * is where target says at the end of the step: set both before each step.
+     */
+    float target_velocity;
+    /**
+     * LS_MOTOR_POSITION: greatest speed on the way to the target (m/s or rad/s), >= 0; default INFINITY. A spring is held back to it,
+     * but does not brake what others drive faster.
+     */
+    float max_speed;
+    /** LS_FORCE_ constant: which way the motor may push; default LS_FORCE_BOTH. */
+    int32_t side;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsDrive;
 
 /**
  * Everything a joint starts with. Fill it with ls_joint_def_init first.
@@ -874,6 +903,10 @@ typedef struct LsJointDef {
     float axis_friction[6];
     /** Not used; 0. */
     uint32_t reserved_last;
+    /** What more the motor of a hinge, prismatic or distance joint is told; default nothing. */
+    struct LsDrive motor_drive;
+    /** Generic: what more the motors of its axes are told, along x, y and z, then about them; default nothing. */
+    struct LsDrive axis_drives[6];
 } LsJointDef;
 
 /** When bodies fall asleep. */
@@ -1454,7 +1487,7 @@ typedef struct LsReplay {
 
 /** What a joint does at the end of the last step. Later versions append fields. */
 typedef struct LsJointState {
-    /** Coordinate of the free axis: angle (rad), translation or distance (m); 0 for other kinds. */
+    /** Coordinate of the free axis: angle, turns counted (rad), translation or distance (m); 0 for other kinds. */
     float position;
     /** Its rate (rad/s or m/s). */
     float velocity;
@@ -1470,6 +1503,18 @@ typedef struct LsJointState {
      */
     float effort;
 } LsJointState;
+
+/** One axis of a joint at the end of the last step. Later versions append fields. */
+typedef struct LsJointAxisState {
+    /** Its coordinate: angle, turns counted (rad), translation or distance (m). */
+    float position;
+    /** Rate of the coordinate (rad/s or m/s). */
+    float velocity;
+    /** Force (N) or torque (N m) on body B along the axis, mean over the step: all that acts there. */
+    float effort;
+    /** That of the motor alone (N or N m). */
+    float motor;
+} LsJointAxisState;
 
 /** The verdict on a body at the end of the last step. The layout of this struct never changes. */
 typedef struct LsSupport {
@@ -3837,6 +3882,21 @@ LsResult ls_joint_def_get(LsWorld world, LsJoint joint, LsJointDef *out, size_t 
  * Threads: read. Callbacks: allowed.
  */
 LsResult ls_joint_state_get(LsWorld world, LsJoint joint, LsJointState *out, size_t size);
+
+/**
+ * One axis of a joint at the end of the last step, numbered as in LsJointStop: axis 0 of a hinge, a prismatic or a distance joint; the
+ * twist (0) and the swing (1) of a spherical joint; the translations along x, y and z (0 to 2) and the rotations about them (3 to 5)
+ * of a generic joint.
+ *
+ * @param world  the world; any value is safe
+ * @param joint  a joint of that world; any value is safe
+ * @param axis   number of the axis
+ * @param out    filled on LS_OK
+ * @param size   sizeof *out as the host knows it
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_OUT_OF_RANGE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_joint_axis_state_get(LsWorld world, LsJoint joint, uint32_t axis, LsJointAxisState *out, size_t size);
 
 /**
  * Sets what a joint allows: new limits or motors of the same kind.

@@ -187,3 +187,29 @@ fn swing_range(from_a: f64, from_b: f64, limit: f64) -> AngleRange {
     let max = if (low..=high).contains(&(PI - from_b)) { PI } else { widest(low).max(widest(high)) };
     AngleRange { min, max }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn limits_of_a_hinge_mean_what_they_say_beyond_half_a_turn() {
+        let between = |low: f64, high: f64| {
+            let range = hinge_range(DVec3::Y, DVec3::Y, low.to_radians(), high.to_radians());
+            [range.min.to_degrees(), range.max.to_degrees()]
+        };
+        let is = |found: [f64; 2], expected: [f64; 2]| {
+            let off = (0..2).map(|i| (found[i] - expected[i]).abs()).fold(0.0, f64::max);
+            assert!(off < 1.0e-4, "{found:?}, expected {expected:?} degrees");
+        };
+        is(between(190.0, 200.0), [160.0, 170.0]);
+        is(between(0.0, 200.0), [0.0, 180.0]);
+        is(between(170.0, 200.0), [160.0, 180.0]);
+        is(between(-400.0, -380.0), [20.0, 40.0]);
+        for (low, high) in [(-180.0, 180.0), (-720.0, 720.0), (0.0, f64::INFINITY), (f64::NEG_INFINITY, f64::INFINITY)] {
+            is(between(low, high), [0.0, 180.0]);
+        }
+    }
+}

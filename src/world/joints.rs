@@ -199,7 +199,7 @@ impl World {
     ///
     /// # Errors
     /// The handle is not a joint of this world; the joint has no such axis.
-    pub fn joint_axis(&self, joint: JointId, axis: u32) -> Result<JointAxisState> {
+    pub fn joint_axis_state(&self, joint: JointId, axis: u32) -> Result<JointAxisState> {
         let slot = self.joints.find(joint)?;
         let joint = &self.joints[slot];
         let (force, torque) = self.load_inside(slot).unwrap_or((joint.force, joint.torque));

@@ -201,7 +201,7 @@ impl RowSink<'_> {
 
     /// A spring and damper, no faster than it may be: where it would be, a motor at that speed with what the spring has left.
     fn pull(&mut self, jacobian: &Jacobian, error: Error1, speed: f64, drive: &Drive, bounds: [f64; 2], id: u8) {
-        let give = Give::new(drive.softness, self.phase);
+        let (give, speed) = (Give::new(drive.softness, self.phase), [speed / self.share, speed]);
         let most = f64::from(drive.max_speed);
         if most < f64::INFINITY {
             let ease = self.ease_of(jacobian);
@@ -211,6 +211,7 @@ impl RowSink<'_> {
             let impulse = (-(rate + bias) / (ease.ease + gamma)).clamp(bounds[0], bounds[1]);
             let (reached, way) = (rate + ease.ease * impulse, impulse.signum());
             if reached * way > most {
+                self.is_under_way = true;
                 let left = -(way * most + bias) / gamma;
                 let bounds = [left.min(0.0).max(bounds[0]), left.max(0.0).min(bounds[1])];
                 return self.scalar(*jacobian, Demand::Speed { target: way * most, bounds }, Give::rigid(self.phase), id);
@@ -227,7 +228,8 @@ impl RowSink<'_> {
         let closing = (speed * error.start.signum() - approach.speed).clamp(-approach.most, approach.most) + approach.speed;
         self.is_under_way |= closing.abs() > ON_ITS_WAY;
         // Over the whole substep, of which the row may have a part.
-        let demand = Demand::Approach { error, closing: closing / self.share, speed: approach.speed, bounds };
+        let [closing, speed] = [closing, approach.speed].map(|speed| speed / self.share);
+        let demand = Demand::Approach { error, closing, speed, bounds };
         self.scalar(*jacobian, demand, Give::rigid(self.phase), id);
     }
 
@@ -258,7 +260,8 @@ impl RowSink<'_> {
             let error = Error1 { start: start[i], predicted: predicted[i] };
             let (jacobian, id) = (Jacobian::angular(axes.col(i)), 4 + i as u8);
             if softness.compliance > 0.0 {
-                self.scalar(jacobian, Demand::Drive { error, speed: 0.0, bounds }, Give::new(softness, self.phase), id);
+                let demand = Demand::Drive { error, speed: [0.0; 2], bounds };
+                self.scalar(jacobian, demand, Give::new(softness, self.phase), id);
             } else {
                 let demand = Demand::Approach { error, closing: closing[i] / self.share, speed: 0.0, bounds };
                 self.scalar(jacobian, demand, Give::rigid(self.phase), id);

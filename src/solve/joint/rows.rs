@@ -117,9 +117,10 @@ impl Give {
         }
     }
 
-    /// Bias of a spring and damper towards C = 0, whose reference moves at `speed`, and γ.
-    pub(crate) fn spring(&self, error: Error1, speed: f64, rate: [f64; 2]) -> (f64, f64) {
-        (self.bias(error, rate) - speed, self.gamma)
+    /// Bias of a spring and damper towards C = 0, whose reference moves at `speed`, and γ; `speed` is what moves it over the length of the
+    /// row's part of the substep, and what its damper sees.
+    pub(crate) fn spring(&self, error: Error1, speed: [f64; 2], rate: [f64; 2]) -> (f64, f64) {
+        (self.bias(error, rate) - speed[0] * self.share - speed[1] * (1.0 - self.share), self.gamma)
     }
 }
 
@@ -250,8 +251,8 @@ pub(crate) enum Demand {
     AtLeast(Error1),
     /// Hold a speed with an impulse in these bounds.
     Speed { target: f64, bounds: [f64; 2] },
-    /// A spring and damper towards C = 0, where that moves at `speed`, with an impulse in these bounds.
-    Drive { error: Error1, speed: f64, bounds: [f64; 2] },
+    /// A spring and damper towards C = 0, where that moves at `speed` (see [`Give::spring`]), with an impulse in these bounds.
+    Drive { error: Error1, speed: [f64; 2], bounds: [f64; 2] },
     /// The same rigidly, closing C at the rate `closing`.
     Approach { error: Error1, closing: f64, speed: f64, bounds: [f64; 2] },
 }

@@ -46,7 +46,7 @@ impl World {
         for batch in &batches[..*batch_count] {
             each_joint(batch, joints, threads, &mut scratch.noted_joints, |entry, joint, _| {
                 (joint.force, joint.torque) = (entry.linear_sum / dt, entry.angular_sum / dt);
-                if entry.has_motor {
+                if entry.has_motor || joint.motors != [0.0; 6] {
                     joint.motors = entry.motors.map(|impulse| if impulse.is_finite() { impulse / dt } else { 0.0 });
                 }
                 if !joint.force.is_finite() || !joint.torque.is_finite() {
