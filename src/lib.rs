@@ -33,6 +33,7 @@ mod collide;
 mod debug;
 mod error;
 mod fracture;
+mod hull;
 mod id;
 mod island;
 mod joint;
@@ -74,7 +75,7 @@ pub use long_range::{
 pub use mass::{MASS_RANGE, Mass, MassProperties};
 pub use material::{CombineRule, Material};
 pub use pose::Pose;
-pub use query::{MAX_QUERY_LENGTH, NearestPoint, QueryFilter, Ray, RayHit};
+pub use query::{Cast, Distance, MAX_CAST_TURN, MAX_QUERY_LENGTH, NearestPoint, NearestShape, QueryFilter, Ray, RayHit};
 pub use record::{Divergence, RecordedWorld, RecordingSink, Replay, Replayed};
 pub use report::{
     ArticulationReport, Contact, ContactPair, ContactPoint, Hit, JointOverload, JointStop, Moved, Residuals, StepCounts,

@@ -1,11 +1,11 @@
 //! Mass, centre of mass and inertia of a body.
 
-use glam::{Mat3, Quat, Vec3};
-use parry3d::math::SymmetricEigen3;
+use glam::{DMat3, DVec3, Quat, Vec3};
 
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
-use crate::shape::{LocalPose, ShapeDef, inertia_tensor};
+use crate::hull::weight::{Weight, principal_axes};
+use crate::shape::{LocalPose, ShapeDef};
 
 /// Least and greatest mass of a dynamic body (kg).
 pub const MASS_RANGE: (f32, f32) = (1.0e-9, 1.0e12);
@@ -50,6 +50,22 @@ impl MassProperties {
         }
     }
 
+    /// Those of a solid of density 1.
+    pub(crate) fn from_weight(weight: &Weight) -> Self {
+        Self::from_tensor(weight.volume, weight.center, weight.inertia)
+    }
+
+    /// From a mass (kg), its centre (m) and the inertia about it (kg·m²).
+    fn from_tensor(mass: f64, center: DVec3, inertia: DMat3) -> Self {
+        let (moments, axes) = principal_axes(inertia);
+        Self {
+            mass: mass as f32,
+            center_of_mass: center.as_vec3(),
+            principal_inertia: moments.as_vec3(),
+            inertia_frame: glam::DQuat::from_mat3(&axes).normalize().as_quat(),
+        }
+    }
+
     pub(crate) fn scaled(self, factor: f32) -> Self {
         Self { mass: self.mass * factor, principal_inertia: self.principal_inertia * factor, ..self }
     }
@@ -67,7 +83,7 @@ impl MassProperties {
         }
     }
 
-    fn placed(self, pose: LocalPose) -> Self {
+    pub(crate) fn placed(self, pose: LocalPose) -> Self {
         Self {
             center_of_mass: pose.position + pose.rotation * self.center_of_mass,
             inertia_frame: pose.rotation * self.inertia_frame,
@@ -88,50 +104,54 @@ fn checked_mass(argument: &'static str, mass: f32) -> Result<f32> {
 pub(crate) fn resolve(mass: Mass, shapes: &[ShapeDef]) -> Result<MassProperties> {
     match mass {
         Mass::Properties(properties) => properties.checked(),
-        Mass::FromShapes => combined(shapes)?.checked(),
+        Mass::FromShapes => {
+            let combined = of_shapes(shapes)?;
+            checked_mass("density", combined.mass)?;
+            combined.checked().map_err(too_thin)
+        }
         Mass::Total(total) => {
             checked_mass("mass", total)?;
-            let combined = combined(shapes)?;
-            combined.scaled(total / combined.mass).checked()
+            let combined = of_shapes(shapes)?;
+            combined.scaled(total / combined.mass).checked().map_err(too_thin)
         }
     }
 }
 
-/// Sum of the shapes' mass properties (parallel axis theorem), diagonalised.
-fn combined(shapes: &[ShapeDef]) -> Result<MassProperties> {
+/// The host gave shapes, not moments of inertia: what is wrong with those is wrong with the shapes.
+fn too_thin(error: Error) -> Error {
+    Error::new(error.kind, "shapes", "are too small or too thin: a moment of inertia cannot be inverted")
+}
+
+fn of_shapes(shapes: &[ShapeDef]) -> Result<MassProperties> {
     let parts: Vec<MassProperties> = shapes
         .iter()
         .filter(|shape| shape.density > 0.0 && !shape.sensor)
         .filter_map(|shape| Some(shape.shape.mass_properties(shape.density)?.placed(shape.local_pose)))
         .collect();
-    if let [single] = parts[..] {
-        return Ok(single);
+    combined(&parts).ok_or(Error::new(
+        ErrorKind::OutOfRange,
+        "mass",
+        "a dynamic body needs a shape with density, or mass and inertia of its own",
+    ))
+}
+
+/// Sum of the mass properties of some parts of a body (parallel axis theorem), diagonalised; none without mass.
+pub(crate) fn combined(parts: &[MassProperties]) -> Option<MassProperties> {
+    if let [single] = *parts {
+        return Some(single);
     }
-    let mass: f32 = parts.iter().map(|part| part.mass).sum();
+    let mass: f64 = parts.iter().map(|part| f64::from(part.mass)).sum();
     if mass <= 0.0 {
-        return Err(Error::new(
-            ErrorKind::OutOfRange,
-            "mass",
-            "a dynamic body needs a shape with density, or mass and inertia of its own",
-        ));
+        return None;
     }
-    let center_of_mass = parts.iter().map(|part| part.mass * part.center_of_mass).sum::<Vec3>() / mass;
-    let mut tensor = Mat3::ZERO;
-    for part in &parts {
-        let offset = part.center_of_mass - center_of_mass;
-        let steiner = Mat3::from_diagonal(Vec3::splat(offset.length_squared()))
-            - Mat3::from_cols(offset * offset.x, offset * offset.y, offset * offset.z);
-        tensor += inertia_tensor(part.principal_inertia, part.inertia_frame) + part.mass * steiner;
-    }
-    let eigen = SymmetricEigen3::new(tensor);
-    let mut axes = eigen.eigenvectors;
-    if axes.determinant() < 0.0 {
-        axes.z_axis = -axes.z_axis;
-    }
-    Ok(MassProperties {
-        mass,
-        center_of_mass,
-        principal_inertia: eigen.eigenvalues,
-        inertia_frame: Quat::from_mat3(&axes).normalize(),
-    })
+    let moment = |part: &MassProperties| f64::from(part.mass) * part.center_of_mass.as_dvec3();
+    let center = parts.iter().map(moment).sum::<DVec3>() / mass;
+    let tensor = parts.iter().map(|part| {
+        let offset = part.center_of_mass.as_dvec3() - center;
+        let steiner = DMat3::from_diagonal(DVec3::splat(offset.length_squared()))
+            - DMat3::from_cols(offset * offset.x, offset * offset.y, offset * offset.z);
+        let axes = DMat3::from_quat(part.inertia_frame.as_dquat().normalize());
+        axes * DMat3::from_diagonal(part.principal_inertia.as_dvec3()) * axes.transpose() + steiner * f64::from(part.mass)
+    });
+    Some(MassProperties::from_tensor(mass, center, tensor.fold(DMat3::ZERO, |sum, part| sum + part)))
 }

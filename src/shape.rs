@@ -12,7 +12,9 @@ use parry3d::utils::Array2;
 
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
-use crate::mass::MassProperties;
+use crate::hull::Hull;
+use crate::hull::weight::weigh;
+use crate::mass::{self, MassProperties};
 use crate::material::Material;
 
 /// Smallest and largest extent of a shape (m).
@@ -139,6 +141,8 @@ struct ShapeData {
     parry: SharedShape,
     /// Mass properties at a density of 1 kg/m³; none for what has no volume.
     unit_mass: Option<MassProperties>,
+    /// The host's number of each triangle of a mesh of which parry3d has left some out; empty if it has not.
+    host_triangles: Vec<u32>,
 }
 
 impl Shape {
@@ -149,14 +153,14 @@ impl Shape {
     /// the vertices, an empty mesh, a compound part that is not convex.
     pub fn new(geometry: Geometry) -> Result<Self> {
         let parry = build(&geometry)?;
-        let has_volume = geometry.is_solid();
-        let unit_mass = has_volume.then(|| MassProperties::from_parry(&parry.mass_properties(1.0)));
+        let unit_mass = unit_mass(&geometry, &*parry);
         if let Some(mass) = &unit_mass
             && !(mass.mass.is_finite() && mass.mass > 0.0 && mass.principal_inertia.is_finite())
         {
             return Err(Error::new(ErrorKind::Degenerate, "geometry", "encloses no volume"));
         }
-        Ok(Self(Arc::new(ShapeData { geometry, parry, unit_mass })))
+        let host_triangles = host_triangles(&geometry, &*parry);
+        Ok(Self(Arc::new(ShapeData { geometry, parry, unit_mass, host_triangles })))
     }
 
     /// A ball of `radius` (m).
@@ -191,6 +195,16 @@ impl Shape {
 
     pub(crate) fn parry(&self) -> &SharedShape {
         &self.0.parry
+    }
+
+    /// The host's number of a triangle of parry3d's mesh.
+    pub(crate) fn host_triangle(&self, number: u32) -> u32 {
+        self.0.host_triangles.get(number as usize).copied().unwrap_or(number)
+    }
+
+    /// The hull that the shape is, if it is one.
+    pub(crate) fn hull(&self) -> Option<&Hull> {
+        self.0.parry.as_shape::<Hull>()
     }
 }
 
@@ -313,6 +327,36 @@ fn build(geometry: &Geometry) -> Result<SharedShape> {
     })
 }
 
+/// Which triangles of the host a mesh still has: parry3d leaves out those with two corners in one place.
+fn host_triangles(geometry: &Geometry, parry: &dyn parry3d::shape::Shape) -> Vec<u32> {
+    let (Geometry::TriangleMesh { vertices, triangles }, Some(mesh)) = (geometry, parry.as_trimesh()) else {
+        return Vec::new();
+    };
+    if mesh.indices().len() == triangles.len() {
+        return Vec::new();
+    }
+    let mut kept = (0..).zip(triangles).filter(|(_, triangle)| {
+        let [a, b, c] = triangle.map(|index| vertices[index as usize]);
+        a != b && b != c && c != a
+    });
+    mesh.indices().iter().filter_map(|_| Some(kept.next()?.0)).collect()
+}
+
+/// Mass properties at a density of 1 kg/m³: of a hull, those of exactly the surface that was given; none without volume.
+fn unit_mass(geometry: &Geometry, parry: &dyn parry3d::shape::Shape) -> Option<MassProperties> {
+    match geometry {
+        Geometry::ConvexHull { .. } => Some(MassProperties::from_weight(&weigh(parry.as_shape::<Hull>()?.surface()))),
+        Geometry::Compound { parts } => {
+            let built = parry.as_compound()?.shapes();
+            let weighed = parts.iter().zip(built);
+            let weighed = weighed.filter_map(|((pose, part), (_, built))| Some(unit_mass(part, &**built)?.placed(*pose)));
+            mass::combined(&weighed.collect::<Vec<_>>())
+        }
+        _ if geometry.is_solid() => Some(MassProperties::from_parry(&parry.mass_properties(1.0))),
+        _ => None,
+    }
+}
+
 fn extent(argument: &'static str, value: f32) -> Result<f32> {
     if check::positive(argument, value)? < EXTENT_RANGE.0 {
         return Err(Error::new(ErrorKind::Degenerate, argument, "is smaller than 1e-5 m"));
@@ -342,8 +386,7 @@ fn convex_hull(points: &[Vec3]) -> Result<SharedShape> {
     }
     spans_a_volume(points)?;
     let degenerate = Error::new(ErrorKind::Degenerate, "points", "do not span a convex solid");
-    let (vertices, triangles) = parry3d::transformation::try_convex_hull(points).map_err(|_| degenerate)?;
-    SharedShape::convex_mesh(vertices, &triangles).ok_or(degenerate)
+    Ok(SharedShape::new(Hull::new(points).ok_or(degenerate)?))
 }
 
 /// Refuses points on one point, line or plane: the spread along the third direction is compared with the first.

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::hull::Triangulation;
 use crate::shape::Geometry;
 
 impl Geometry {
@@ -9,7 +10,9 @@ impl Geometry {
     /// `None` for the other forms, which a few numbers describe.
     pub fn triangles(&self) -> Option<(Vec<Vec3>, Vec<[u32; 3]>)> {
         match self {
-            Self::ConvexHull { points } => Some(parry3d::transformation::try_convex_hull(points).unwrap_or_default()),
+            Self::ConvexHull { points } => {
+                Some(Triangulation::of(points).map(|hull| (hull.points, hull.triangles)).unwrap_or_default())
+            }
             Self::TriangleMesh { vertices, triangles } => Some((vertices.clone(), triangles.clone())),
             Self::HeightField { rows, columns, heights, size_x, size_z } => {
                 Some(grid(*rows, *columns, heights, *size_x, *size_z))

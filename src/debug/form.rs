@@ -1,7 +1,9 @@
 //! Outlines and surfaces of forms, in their own frames.
 
 use glam::Vec3;
-use parry3d::shape::{ConvexPolyhedron, SharedShape, TypedShape};
+use parry3d::shape::{SharedShape, TypedShape};
+
+use crate::hull::Hull;
 
 /// Lines of a whole circle.
 const CIRCLE: u32 = 24;
@@ -50,7 +52,6 @@ pub(crate) fn outline(form: &SharedShape, line: &mut dyn FnMut(Vec3, Vec3)) {
                 line(-top + side * radius, top);
             }
         }
-        TypedShape::ConvexPolyhedron(hull) => hull_edges(hull, line),
         TypedShape::TriMesh(mesh) => mesh_edges(mesh.vertices(), mesh.indices(), line),
         TypedShape::HeightField(field) => {
             let (points, triangles) = field.to_trimesh();
@@ -71,6 +72,11 @@ pub(crate) fn outline(form: &SharedShape, line: &mut dyn FnMut(Vec3, Vec3)) {
                 });
             }
         }
+        TypedShape::Custom(custom) => {
+            if let Some(hull) = custom.as_shape::<Hull>() {
+                hull_edges(hull, line);
+            }
+        }
         _ => {}
     }
 }
@@ -86,7 +92,11 @@ pub(crate) fn surface(form: &SharedShape, triangle: &mut dyn FnMut([Vec3; 3])) {
         TypedShape::Capsule(capsule) => all(capsule.to_trimesh(CIRCLE / 2, CIRCLE / 4)),
         TypedShape::Cylinder(cylinder) => all(cylinder.to_trimesh(CIRCLE)),
         TypedShape::Cone(cone) => all(cone.to_trimesh(CIRCLE)),
-        TypedShape::ConvexPolyhedron(hull) => all(hull.to_trimesh()),
+        TypedShape::Custom(custom) => {
+            if let Some(hull) = custom.as_shape::<Hull>() {
+                hull.triangles().iter().for_each(|corners| triangle(corners.map(|i| hull.points()[i as usize])));
+            }
+        }
         TypedShape::TriMesh(mesh) => {
             mesh.indices().iter().for_each(|corners| triangle(corners.map(|i| mesh.vertices()[i as usize])));
         }
@@ -138,11 +148,16 @@ pub(crate) fn box_edges(min: Vec3, max: Vec3, line: &mut dyn FnMut(Vec3, Vec3)) 
     }
 }
 
-fn hull_edges(hull: &ConvexPolyhedron, line: &mut dyn FnMut(Vec3, Vec3)) {
-    for edge in hull.edges() {
-        let [a, b] = [edge.vertices[0], edge.vertices[1]].map(|i| hull.points()[i as usize]);
-        line(a, b);
-    }
+/// Every edge of the flat faces once: two of them share it.
+fn hull_edges(hull: &Hull, line: &mut dyn FnMut(Vec3, Vec3)) {
+    let sides = hull.faces().iter().flat_map(|face| {
+        let corners = hull.corners(face);
+        corners.iter().zip(corners.iter().cycle().skip(1)).map(|(&a, &b)| (a.min(b), a.max(b)))
+    });
+    let mut edges: Vec<(u32, u32)> = sides.collect();
+    edges.sort_unstable();
+    edges.dedup();
+    edges.iter().for_each(|&(a, b)| line(hull.points()[a as usize], hull.points()[b as usize]));
 }
 
 /// Every edge of a mesh once: inner ones belong to two triangles.

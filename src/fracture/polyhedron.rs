@@ -191,20 +191,9 @@ fn box_faces(half: DVec3) -> Vec<Vec<DVec3>> {
     faces
 }
 
-/// The faces of a hull, as parry3d found them.
+/// The triangles of a hull: exactly its surface, so that nothing is lost.
 fn hull_faces(shape: &Shape) -> Vec<Vec<DVec3>> {
-    let Some(hull) = shape.parry().as_convex_polyhedron() else { return Vec::new() };
-    let corners = hull.vertices_adj_to_face();
-    let mut faces = Vec::new();
-    for face in hull.faces() {
-        let first = face.first_vertex_or_edge as usize;
-        let numbers = &corners[first..first + face.num_vertices_or_edges as usize];
-        let mut points: Vec<DVec3> = numbers.iter().map(|&corner| hull.points()[corner as usize].as_dvec3()).collect();
-        let around: DVec3 = points[1..].windows(2).map(|edge| (edge[0] - points[0]).cross(edge[1] - points[0])).sum();
-        if around.dot(face.normal.as_dvec3()) < 0.0 {
-            points.reverse();
-        }
-        faces.push(points);
-    }
-    faces
+    let Some(hull) = shape.hull() else { return Vec::new() };
+    let corner = |index: u32| hull.points()[index as usize].as_dvec3();
+    hull.triangles().iter().map(|triangle| triangle.map(corner).to_vec()).collect()
 }

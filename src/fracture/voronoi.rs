@@ -3,7 +3,7 @@
 //! The cell of a seed is what lies closer to it than to any other: the solid, clipped by the plane halfway to every other seed
 //! that can reach it, nearest first, until the next is more than twice as far as the cell's farthest corner. Clipping is done in
 //! `f64` on polygons that remember which seed cut them, so that the face between two cells has one area, one centre and one
-//! normal. The faces of a convex hull come from parry3d.
+//! normal. The faces of a convex hull are its triangles.
 
 use glam::{DVec3, Vec3};
 

@@ -57,9 +57,7 @@ pub(super) fn find(part: &Part, direction: Vec3, corners: &mut Vec<Corner>) -> F
             let faces = hull.faces();
             let best = (1..faces.len())
                 .fold(0, |best, i| if faces[i].normal.dot(direction) > faces[best].normal.dot(direction) { i } else { best });
-            let first = faces[best].first_vertex_or_edge as usize;
-            let ids = &hull.vertices_adj_to_face()[first..first + faces[best].num_vertices_or_edges as usize];
-            corners.extend(ids.iter().map(|&id| (hull.points()[id as usize], id as u16)));
+            corners.extend(hull.corners(&faces[best]).iter().map(|&id| (hull.points()[id as usize], id as u16)));
             Feature::Face { normal: faces[best].normal }
         }
         Part::Triangle { triangle, .. } => {

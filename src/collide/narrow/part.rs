@@ -3,10 +3,11 @@
 use glam::Vec3;
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Pose3;
-use parry3d::shape::{ConvexPolyhedron, SupportMap, Triangle, TrianglePseudoNormals};
+use parry3d::shape::{SupportMap, Triangle, TrianglePseudoNormals};
 
 use super::capsule::Segment;
 use super::{Manifold, Scratch, ball, box_box, capsule, capsule_box, convex, cylinder, half_space, triangle};
+use crate::hull::Hull;
 use crate::shape::{Geometry, Shape};
 
 /// A convex piece, in its own frame. Lengths in metres, as in [`Geometry`].
@@ -30,7 +31,7 @@ pub(super) enum Part<'a> {
         half_height: f32,
         radius: f32,
     },
-    Hull(&'a ConvexPolyhedron),
+    Hull(&'a Hull),
     HalfSpace {
         normal: Vec3,
     },
@@ -54,7 +55,7 @@ impl<'a> Part<'a> {
             Geometry::Capsule { half_height, radius } => Self::Capsule { half_height, radius },
             Geometry::Cylinder { half_height, radius } => Self::Cylinder { half_height, radius },
             Geometry::Cone { half_height, radius } => Self::Cone { half_height, radius },
-            Geometry::ConvexHull { .. } => Self::Hull(parry.as_convex_polyhedron()?),
+            Geometry::ConvexHull { .. } => Self::Hull(parry.as_shape::<Hull>()?),
             Geometry::HalfSpace { .. } => Self::HalfSpace { normal: parry.as_halfspace()?.normal },
             Geometry::TriangleMesh { .. } | Geometry::HeightField { .. } | Geometry::Compound { .. } => return None,
         })
@@ -69,7 +70,7 @@ impl<'a> Part<'a> {
             Self::Cylinder { half_height, radius } | Self::Cone { half_height, radius } => {
                 (half_height * half_height + radius * radius).sqrt()
             }
-            Self::Hull(hull) => hull.points().iter().map(|p| p.length_squared()).fold(0.0, f32::max).sqrt(),
+            Self::Hull(hull) => hull.reach() as f32,
             Self::Triangle { triangle, .. } => triangle.vertices().iter().map(|p| p.length()).fold(0.0, f32::max),
             Self::HalfSpace { .. } => f32::INFINITY,
         }
