@@ -330,6 +330,10 @@ static void queries(LsWorld world)
     LsShapeDef shape;
     LsPose pose = {{0, 0, 0}, {0, 0, 0, 1}};
     LsNearestPoint nearest;
+    LsShapeDistance distance;
+    LsCastDef cast;
+    LsCastHit met;
+    const LsShape none = {0};
     const double corners[6] = {1, 1, 1, 0, 0, 0};
     float path[3] = {1, 0, 0};
     size_t count;
@@ -361,6 +365,31 @@ static void queries(LsWorld world)
     pose.rotation[3] = 0.0f;
     expect(LS_ERROR_NOT_UNIT, ls_world_overlap_shape(world, &shape, &pose, NULL, NULL, 0, &count), "overlap without a rotation");
     expect(LS_ERROR_OUT_OF_RANGE, ls_world_overlap_box(world, corners, corners + 3, NULL, NULL, 0, &count), "box inside out");
+    expect(LS_ERROR_NOT_UNIT, ls_world_nearest_shape(world, &shape, &pose, 1.0f, NULL, &distance), "nearest to a solid without a rotation");
+    pose.rotation[3] = 1.0f;
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_nearest_shape(world, &shape, &pose, -1.0f, NULL, &distance), "nearest within less than nothing");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_nearest_shape(world, &shape, &pose, 1.0f, NULL, NULL), "nearest shape to NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_nearest_shape(world, NULL, &pose, 1.0f, NULL, &distance), "nearest to no solid");
+    expect(LS_ERROR_NULL_HANDLE, ls_world_shape_distance(world, none, none, &distance), "distance between null shapes");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_shape_distance(world, none, none, NULL), "distance to NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_cast_def_init(NULL, sizeof cast), "cast definition is NULL");
+    memset(&cast, 0, sizeof cast);
+    expect(LS_ERROR_STRUCT_SIZE, ls_world_cast(world, &cast, NULL, &met), "cast filled with zeros");
+    ls_cast_def_init(&cast, sizeof cast);
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast(world, NULL, NULL, &met), "cast is NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast(world, &cast, NULL, NULL), "hit of a cast to NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast_all(world, &cast, NULL, NULL, 0, NULL), "number of hits to NULL");
+    cast.path[1] = NAN;
+    expect(LS_ERROR_NOT_FINITE, ls_world_cast(world, &cast, NULL, &met), "cast along no known path");
+    cast.path[1] = 1.0e8;
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_cast_all(world, &cast, NULL, &met, 1, &count), "cast too long");
+    cast.path[1] = 1.0;
+    cast.turn[0] = 1000.0f;
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_cast(world, &cast, NULL, &met), "cast that turns too often");
+    cast.turn[0] = 0.0f;
+    shape.kind = LS_SHAPE_HALF_SPACE;
+    cast.shape = &shape;
+    expect(LS_ERROR_NOT_APPLICABLE, ls_world_cast(world, &cast, NULL, &met), "cast of a half-space");
     expect(LS_ERROR_OUT_OF_RANGE, ls_world_nearest_point(world, corners, -1.0f, NULL, &nearest), "negative distance");
 }
 

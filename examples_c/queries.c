@@ -21,7 +21,10 @@ int main(void)
     LsRay ray = {{-10, 0, 0}, {1, 0, 0}, 100}, rays[2];
     LsRayHit hit, hits[BOXES];
     LsQueryFilter filter;
-    LsShapeDef ball;
+    LsShapeDef ball, plank, held;
+    LsCastDef cast;
+    LsCastHit met;
+    LsShapeDistance gap;
     LsPose pose = {{-10, 0.9, 0}, {0, 0, 0, 1}};
     LsNearestPoint nearest;
     LsShape shapes[BOXES];
@@ -78,6 +81,28 @@ int main(void)
     expect(hit_body.id == row[0].id && nearest.point[1] == 0.5, "the nearest point is on top of the first box");
     check(ls_world_nearest_point(world, point, 1.0f, NULL, &nearest));
     expect(nearest.shape.id == 0, "nothing is within 1 m");
+
+    /* A plank 2 m long, held at one end above the row, is swung down by a quarter turn: the other end meets the third box. */
+    check(ls_cast_def_init(&cast, sizeof cast));
+    check(ls_shape_def_init(&plank, sizeof plank));
+    plank.kind = LS_SHAPE_BOX;
+    plank.half_extents[0] = 1.0f;
+    plank.half_extents[1] = plank.half_extents[2] = 0.05f;
+    plank.local_position[0] = 1.0f;
+    check(ls_shape_def_init(&held, sizeof held));
+    held.kind = LS_SHAPE_COMPOUND;
+    held.parts = &plank;
+    held.part_count = 1;
+    cast.shape = &held;
+    cast.pose.position[0] = 2.0;
+    cast.pose.position[1] = 1.5;
+    cast.turn[2] = -1.5707964f;
+    check(ls_world_cast(world, &cast, NULL, &met));
+    printf("swung down, the plank is stopped after %.0f degrees\n", 90.0 * met.fraction);
+    expect(met.body.id == row[2].id && met.fraction > 0.2 && met.fraction < 0.5 && met.part == LS_NO_INDEX, "a box is in its way");
+
+    check(ls_world_nearest_shape(world, &ball, &pose, 1.0f, NULL, &gap));
+    expect(gap.distance < 0.0 && fabs(gap.distance + 0.1) < 1e-6, "the ball between two boxes overlaps one by 0.1 m");
 
     rays[0] = rays[1] = ray;
     rays[1].direction[0] = -1.0f;

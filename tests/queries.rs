@@ -110,7 +110,7 @@ fn random_ray(random: &mut Random, origin: DVec3) -> Ray {
 }
 
 /// Greatest difference of distances that counts as equal (m): on grazing hits of round forms GJK stops within 4 mm.
-const TOLERANCE: f32 = 1.0e-2;
+const TOLERANCE: f64 = 1.0e-2;
 
 #[test]
 fn a_ray_meets_first_and_meets_all_that_brute_force_finds() {
@@ -132,8 +132,12 @@ fn a_ray_meets_first_and_meets_all_that_brute_force_finds() {
             assert_eq!(first, all.first().copied(), "the first of all is the first");
             if grazing == 0 {
                 for (found, (distance, _)) in all.iter().zip(&expected) {
-                    assert!((found.distance - distance).abs() < TOLERANCE, "{} m, by brute force {distance} m", found.distance);
-                    let along = ray.origin + ray.direction.as_dvec3() * f64::from(found.distance);
+                    assert!(
+                        (found.distance - f64::from(*distance)).abs() < TOLERANCE,
+                        "{} m, by brute force {distance} m",
+                        found.distance
+                    );
+                    let along = ray.origin + ray.direction.as_dvec3() * found.distance;
                     assert!((found.point - along).length() < 1.0e-3, "the point lies on the ray");
                     assert!(found.normal.is_normalized() && found.normal.dot(ray.direction) <= 1.0e-6, "{:?}", found.normal);
                 }
@@ -150,12 +154,12 @@ fn a_batch_of_rays_gives_what_single_rays_give_on_any_number_of_threads() {
     let (single, threaded) = (Throng::new(DVec3::ZERO, 1), Throng::new(DVec3::ZERO, 4));
     let mut random = Random::new(2);
     let rays: Vec<Ray> = (0..500).map(|_| random_ray(&mut random, DVec3::ZERO)).collect();
-    let expected: Vec<Option<f32>> =
+    let expected: Vec<Option<f64>> =
         rays.iter().map(|ray| single.world.cast_ray(ray, &QueryFilter::default()).unwrap().map(|hit| hit.distance)).collect();
     for throng in [&single, &threaded] {
         let mut out: Vec<Option<RayHit>> = vec![None; rays.len()];
         throng.world.cast_rays(&rays, &QueryFilter::default(), &mut out).unwrap();
-        let found: Vec<Option<f32>> = out.iter().map(|hit| hit.map(|hit| hit.distance)).collect();
+        let found: Vec<Option<f64>> = out.iter().map(|hit| hit.map(|hit| hit.distance)).collect();
         assert_eq!(found, expected);
     }
     assert!(expected.iter().flatten().count() > 200);
@@ -173,7 +177,7 @@ fn threads_may_ask_at_the_same_time() {
         hits.collect::<Vec<_>>()
     };
     let expected = ask();
-    let found: Vec<Vec<u32>> = std::thread::scope(|scope| {
+    let found: Vec<Vec<u64>> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..4).map(|_| scope.spawn(ask)).collect();
         threads.into_iter().map(|thread| thread.join().unwrap()).collect()
     });
@@ -198,7 +202,7 @@ fn a_swept_solid_meets_first_what_brute_force_finds() {
         };
         let expected = throng.each(DVec3::ZERO).filter_map(cast).min_by(|a, b| a.0.total_cmp(&b.0));
         let found = throng.world.cast_shape(&shape, pose, path, &QueryFilter::default()).unwrap();
-        let distances = (found.map(|hit| hit.distance), expected.map(|hit| hit.0));
+        let distances = (found.map(|hit| hit.distance), expected.map(|hit| f64::from(hit.0)));
         match distances {
             (Some(found), Some(expected)) => {
                 // Both search by conservative advancement, from different starts.
@@ -207,8 +211,10 @@ fn a_swept_solid_meets_first_what_brute_force_finds() {
                 from_inside += u32::from(found == 0.0);
             }
             (None, None) => {}
-            (None, Some(late)) => assert!(late > path.length() - 1.0e-2, "missed at {late} of {} m ({form:?})", path.length()),
-            (Some(late), None) => assert!(late > path.length() - 1.0e-2, "invented at {late} of {} m", path.length()),
+            (None, Some(late)) => {
+                assert!(late > f64::from(path.length()) - 1.0e-2, "missed at {late} of {} m ({form:?})", path.length())
+            }
+            (Some(late), None) => assert!(late > f64::from(path.length()) - 1.0e-2, "invented at {late} of {} m", path.length()),
         }
         if let Some(hit) = found.filter(|hit| hit.distance > 0.0) {
             assert!(hit.normal.is_normalized() && hit.normal.dot(direction) < 1.0e-2, "{:?} along {direction:?}", hit.normal);
@@ -246,15 +252,15 @@ fn the_nearest_point_is_the_one_that_brute_force_finds() {
     for _ in 0..1000 {
         let (point, limit) = (random.vector(7.0).as_dvec3(), random.between(0.0, 3.0));
         let expected = throng.each(DVec3::ZERO).map(|(_, shape, pose)| shape.distance_to_point(&pose, point.as_vec3(), true));
-        let expected = expected.fold(f32::INFINITY, f32::min);
+        let expected = f64::from(expected.fold(f32::INFINITY, f32::min));
         let nearest: Option<NearestPoint> = throng.world.nearest_point(point, limit, &QueryFilter::default()).unwrap();
         match nearest {
             Some(nearest) => {
                 assert!((nearest.distance - expected).abs() < 1.0e-4, "{} m, by brute force {expected} m", nearest.distance);
-                assert!(((nearest.point - point).length() as f32 - nearest.distance).abs() < 1.0e-4);
+                assert!(((nearest.point - point).length() - nearest.distance).abs() < 1.0e-4);
                 found += 1;
             }
-            None => assert!(expected > limit - 1.0e-4, "missed at {expected} m within {limit} m"),
+            None => assert!(expected > f64::from(limit) - 1.0e-4, "missed at {expected} m within {limit} m"),
         }
     }
     assert!(found > 300, "only {found} found");

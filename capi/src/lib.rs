@@ -38,6 +38,8 @@ mod profiler;
 
 mod query_def;
 
+mod cast;
+mod distance;
 mod query;
 
 mod draw;

@@ -273,7 +273,7 @@ pub unsafe extern "C" fn ls_world_nearest_point(
 
 /// # Safety
 /// The pointers are null or valid, as those of a shape definition.
-unsafe fn solid(shape: *const LsShapeDef, pose: *const LsPose) -> Outcome<(Shape, Pose)> {
+pub(crate) unsafe fn solid(shape: *const LsShapeDef, pose: *const LsPose) -> Outcome<(Shape, Pose)> {
     // SAFETY: as promised to this function.
     let (shape, pose) = unsafe { (sized::read(shape, "shape")?.to_core()?, pointer::read(pose, "pose")?) };
     Ok((shape.shape, pose.into()))

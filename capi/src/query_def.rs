@@ -109,9 +109,10 @@ pub struct LsRayHit {
     pub body: LsBody,
     /// Where (m), on the surface of the shape that is met.
     pub point: [f64; 3],
-    /// Outward unit normal of that surface; against the motion where the two overlap from the start.
+    /// Outward unit normal of that surface; where a solid overlaps it from the start, the shortest way out. Of a ray that begins
+    /// inside a solid, against the ray.
     pub normal: [f32; 3],
-    /// How far along the ray or sweep (m); 0 where the two overlap from the start.
+    /// How far along the ray or sweep (m); 0 where the two overlap or touch from the start.
     pub distance: f32,
 }
 
@@ -154,7 +155,7 @@ impl From<RayHit> for LsRayHit {
             body: hit.body.into(),
             point: hit.point.to_array(),
             normal: hit.normal.to_array(),
-            distance: hit.distance,
+            distance: hit.distance as f32,
         }
     }
 }
@@ -165,7 +166,7 @@ impl From<NearestPoint> for LsNearestPoint {
             shape: nearest.shape.into(),
             body: nearest.body.into(),
             point: nearest.point.to_array(),
-            distance: nearest.distance,
+            distance: nearest.distance as f32,
             reserved: 0,
         }
     }

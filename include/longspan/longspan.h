@@ -246,6 +246,9 @@
 /** Query kinds: shapes of dynamic bodies count. */
 #define LS_QUERY_DYNAMIC 4
 
+/** Part or triangle of a shape that has none. */
+#define LS_NO_INDEX UINT32_MAX
+
 /**
  * Layer: outlines of shapes: static grey, kinematic blue, awake orange, held where they are yellow, asleep dim, sensors green,
  * quarantined red.
@@ -1350,6 +1353,86 @@ typedef struct LsQueryFilter {
     void *user;
 } LsQueryFilter;
 
+/** What is cast: a solid or a point on a straight path, with or without a turn. Fill it with ls_cast_def_init first. */
+typedef struct LsCastDef {
+    /** Size of this struct in the host, set by ls_cast_def_init. */
+    uint32_t struct_size;
+    /**
+     * Not 0: leaves out what is overlapped or touched at the start; of a mesh, a height field or a compound those triangles or
+     * parts alone. Default 0.
+     */
+    uint32_t ignore_overlapped;
+    /**
+     * A solid, so no half-space, mesh or height field; of it, only its geometry is read. Default NULL: a point, whose way is a
+     * ray.
+     */
+    const struct LsShapeDef *shape;
+    /** Where it begins; default the origin. */
+    struct LsPose pose;
+    /** How far its origin goes (m), together at most 1e7; default zero. */
+    double path[3];
+    /** How far a solid turns about its origin on the way, evenly: axis times angle (rad), at most 100.6 together; default zero. */
+    float turn[3];
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsCastDef;
+
+/** Where a cast first meets a shape. The layout of this struct never changes. */
+typedef struct LsCastHit {
+    /** The shape that is met; null if nothing is. */
+    struct LsShape shape;
+    /** Its body. */
+    struct LsBody body;
+    /** Where (m), on the surface of the shape that is met; where a ray begins, if that is inside a solid. */
+    double point[3];
+    /**
+     * Outward unit normal of that surface; where a solid overlaps it from the start, the shortest way out. Of a ray that begins
+     * inside a solid, against the ray.
+     */
+    float normal[3];
+    /** Part of a compound that is met; LS_NO_INDEX of any other shape. */
+    uint32_t part;
+    /** How far along the path (m); 0 where the two overlap or touch from the start. */
+    double distance;
+    /** The same as a fraction of the whole way, 0 to 1: it tells how far a turn has got. */
+    double fraction;
+    /** How deep a solid overlaps the shape from the start, along the normal (m); else 0. */
+    double depth;
+    /**
+     * Triangle of a mesh that is met, as the host numbered them, or of a height field: 2 * (row * (columns - 1) + column) for
+     * the triangle at the cell's own height, and 1 more for the one across. LS_NO_INDEX of any other shape.
+     */
+    uint32_t triangle;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsCastHit;
+
+/** How far two shapes are apart, or how deep they overlap. The layout of this struct never changes. */
+typedef struct LsShapeDistance {
+    /** The first shape; null if there is none. */
+    struct LsShape shape_a;
+    /** The second shape; null where that is a solid of the host's. */
+    struct LsShape shape_b;
+    /** Nearest point of the first, or its deepest (m). */
+    double point_a[3];
+    /** Nearest point of the second, or its deepest (m). */
+    double point_b[3];
+    /** Distance (m); negative is the least depth by which they overlap. */
+    double distance;
+    /** Unit vector from the first to the second: moving the second along it by the depth parts them. */
+    float normal[3];
+    /** Part of a compound that the first point is on; LS_NO_INDEX of any other shape. */
+    uint32_t part_a;
+    /** The same of the second point. */
+    uint32_t part_b;
+    /** Triangle of a mesh or height field that the first point is on, numbered as in LsCastHit; LS_NO_INDEX of any other shape. */
+    uint32_t triangle_a;
+    /** The same of the second point. */
+    uint32_t triangle_b;
+    /** Not used; 0. */
+    uint32_t reserved;
+} LsShapeDistance;
+
 /** A half-line of some length. The layout of this struct never changes. */
 typedef struct LsRay {
     /** Where it begins (m). */
@@ -1368,9 +1451,12 @@ typedef struct LsRayHit {
     struct LsBody body;
     /** Where (m), on the surface of the shape that is met. */
     double point[3];
-    /** Outward unit normal of that surface; against the motion where the two overlap from the start. */
+    /**
+     * Outward unit normal of that surface; where a solid overlaps it from the start, the shortest way out. Of a ray that begins
+     * inside a solid, against the ray.
+     */
     float normal[3];
-    /** How far along the ray or sweep (m); 0 where the two overlap from the start. */
+    /** How far along the ray or sweep (m); 0 where the two overlap or touch from the start. */
     float distance;
 } LsRayHit;
 
@@ -2945,6 +3031,82 @@ LsResult ls_world_profiler_set(LsWorld world, LsZoneCallback begin, LsZoneCallba
  * Threads: any thread at any time. Callbacks: allowed.
  */
 LsResult ls_query_filter_init(LsQueryFilter *filter, size_t size);
+
+/**
+ * Fills the definition of a cast with defaults: a ray of no length from the origin.
+ *
+ * @param def   filled on LS_OK
+ * @param size  sizeof *def as the host knows it
+ * @return LS_OK, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE
+ * Threads: any thread at any time. Callbacks: allowed.
+ */
+LsResult ls_cast_def_init(LsCastDef *def, size_t size);
+
+/**
+ * The first shape that a solid or a point meets on its way, with the part and the triangle that it meets.
+ *
+ * @param world   the world; any value is safe
+ * @param def     filled by ls_cast_def_init and changed as wanted; read during the call
+ * @param filter  which shapes count; NULL for all
+ * @param out     filled on LS_OK; its shape is null if nothing is met
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast(LsWorld world, const LsCastDef *def, const LsQueryFilter *filter, LsCastHit *out);
+
+/**
+ * Every shape that a solid or a point meets on its way, nearest first, where it first meets it.
+ *
+ * @param world     the world; any value is safe
+ * @param def       filled by ls_cast_def_init and changed as wanted; read during the call
+ * @param filter    which shapes count; NULL for all
+ * @param out       room for capacity hits, filled on LS_OK, nearest first; may be NULL if capacity is 0
+ * @param capacity  number that fit
+ * @param count     number of them, on LS_OK and LS_ERROR_BUFFER_TOO_SMALL
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE, LS_ERROR_BUFFER_TOO_SMALL
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_cast_all(LsWorld world,
+                           const LsCastDef *def,
+                           const LsQueryFilter *filter,
+                           LsCastHit *out,
+                           size_t capacity,
+                           size_t *count);
+
+/**
+ * How far two shapes of a world are apart, or how deep they overlap. Sensors and shapes of one body count too. Of a mesh or a
+ * height field that is overlapped, it is the triangle that is overlapped deepest.
+ *
+ * @param world  the world; any value is safe
+ * @param a      the first; any value is safe
+ * @param b      the second; any value is safe
+ * @param out    filled on LS_OK
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_APPLICABLE (both are half-spaces)
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_shape_distance(LsWorld world, LsShape a, LsShape b, LsShapeDistance *out);
+
+/**
+ * The shape nearest to a solid, or the one that it overlaps deepest: shape_a; shape_b is null.
+ *
+ * @param world         the world; any value is safe
+ * @param shape         filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+ * @param pose          where it is; positions (m)
+ * @param max_distance  how far to look (m), 0 to 1e7
+ * @param filter        which shapes count; NULL for all
+ * @param out           filled on LS_OK; its shape_a is null if there is none
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_STRUCT_SIZE, LS_ERROR_INVALID_ENUM, LS_ERROR_NOT_FINITE,
+ *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_nearest_shape(LsWorld world,
+                                const LsShapeDef *shape,
+                                const LsPose *pose,
+                                float max_distance,
+                                const LsQueryFilter *filter,
+                                LsShapeDistance *out);
 
 /* Queries --------------------------------------------------------------------------------------------------------- */
 

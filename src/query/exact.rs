@@ -1,80 +1,290 @@
-//! The shapes themselves, asked through parry3d in coordinates relative to each one.
+//! The shapes themselves, each asked in double precision in a frame whose origin is that of the question.
 
 use glam::{DVec3, Vec3};
-use parry3d::bounding_volume::Aabb;
-use parry3d::math::Pose3;
-use parry3d::query::{ShapeCastOptions, cast_shapes, intersection_test};
 
-use super::{Probe, Ray, Segment};
+use super::cast::{self, Meeting, Motion};
+use super::gap::{self, Gap};
+use super::part::{Form, Part, Place};
+use super::parts::{self, Placed};
+use super::region::Segment;
+use super::{Distance, Probe, ray};
 use crate::collide::collider::Collider;
+use crate::pose::Pose;
+use crate::shape::{Geometry, Shape};
 
-/// Where something was met: distance along the way (m), point (m), outward normal.
-pub(crate) type Met = (f32, DVec3, Vec3);
+/// Room around the box of a probe, over its extent: the box is of single precision.
+const BOX_SLACK: f64 = 1.0e-6;
 
-/// Where a ray first meets a shape. The part of the ray before the shape's box is skipped in `f64`.
-pub(crate) fn ray(collider: &Collider, ray: &Ray) -> Option<Met> {
-    let segment = Segment { origin: ray.origin, direction: ray.direction, length: ray.length, half: DVec3::ZERO };
-    let entry = segment.enters_box(&collider.world_box(0.0))?;
-    let (position, rotation) = collider.place;
-    let start = segment.at(entry);
-    let inverse = rotation.conjugate();
-    let local = parry3d::query::Ray::new(inverse * (start - position).as_vec3(), inverse * ray.direction);
-    let remaining = (f64::from(ray.length) - entry) as f32;
-    let hit = collider.shape.parry().cast_local_ray_and_get_normal(&local, remaining, true)?;
-    let distance = (entry + f64::from(hit.time_of_impact)) as f32;
-    let normal = (rotation * hit.normal).try_normalize().unwrap_or(-ray.direction);
-    // Seen from behind, a triangle or a plane shows its back.
-    let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-    Some((distance, start + (ray.direction * hit.time_of_impact).as_dvec3(), normal))
+/// By how much the region is widened in which the nearest part of a shape is searched, each time that it holds none.
+const WIDENING: f64 = 3.0;
+
+/// Where something was met.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Met {
+    /// How far along the way (m).
+    pub distance: f64,
+    /// What share of the way, 0 to 1.
+    pub share: f64,
+    /// On the surface of what is met (m).
+    pub point: DVec3,
+    /// Its outward unit normal there.
+    pub normal: Vec3,
+    /// How deep the two overlap from the start (m).
+    pub depth: f64,
+    pub part: Option<u32>,
+    pub triangle: Option<u32>,
 }
 
-/// Where a shape, moved along a straight path without turning, first meets another.
-pub(crate) fn swept(collider: &Collider, probe: &Probe, direction: Vec3, length: f32) -> Option<Met> {
-    let own_box = probe_box(probe);
-    let half = (own_box.half_extents()).as_dvec3();
-    let center = probe.pose.position + own_box.center().as_dvec3();
-    let segment = Segment { origin: center, direction, length, half };
-    let entry = segment.enters_box(&collider.world_box(0.0))?;
-    let (position, rotation) = collider.place;
-    let start = probe.pose.position + direction.as_dvec3() * entry;
-    let moving = Pose3::from_parts((start - position).as_vec3(), probe.pose.rotation);
-    let fixed = Pose3::from_parts(Vec3::ZERO, rotation);
-    let options = ShapeCastOptions {
-        max_time_of_impact: (f64::from(length) - entry) as f32,
-        target_distance: 0.0,
-        stop_at_penetration: true,
-        compute_impact_geometry_on_penetration: false,
-    };
-    let (own, other) = (&**probe.shape.parry(), &**collider.shape.parry());
-    let hit = cast_shapes(&fixed, Vec3::ZERO, other, &moving, direction, own, options).ok()??;
-    let distance = (entry + f64::from(hit.time_of_impact)) as f32;
-    if hit.time_of_impact <= 0.0 && entry <= 0.0 {
-        return Some((0.0, probe.pose.position, -direction));
+/// A probe on its way.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sweep<'a> {
+    pub probe: Probe<'a>,
+    /// Whole path (m).
+    pub path: DVec3,
+    /// Whole turn about the probe's origin: unit axis times angle (rad).
+    pub turn: DVec3,
+    /// Whether what overlaps or touches the probe from the start does not count.
+    pub ignore_overlapped: bool,
+}
+
+impl Sweep<'_> {
+    /// The way of a box around the probe, in the world (m).
+    pub(crate) fn path_box(&self) -> Segment {
+        let length = self.path.length();
+        let direction = if length > 0.0 { self.path / length } else { DVec3::X };
+        if self.turn == DVec3::ZERO {
+            return Segment { direction, length, ..probe_box(&self.probe) };
+        }
+        let mut reach: f64 = 0.0;
+        self.probe.parts(self.probe.pose.position, &mut |part| reach = reach.max(part.place.origin.length() + part.reach()));
+        Segment { origin: self.probe.pose.position, direction, length, half: DVec3::splat(reach * (1.0 + BOX_SLACK)) }
     }
-    let on_fixed = position + (rotation * hit.witness1).as_dvec3();
-    let normal = (rotation * hit.normal1).try_normalize().unwrap_or(-direction);
-    Some((distance, on_fixed, normal))
 }
 
-/// Whether two shapes overlap or touch.
-pub(crate) fn overlap(collider: &Collider, probe: &Probe) -> bool {
+impl<'a> Probe<'a> {
+    fn placed(&self, frame: DVec3) -> Placed<'a> {
+        placed(self.shape, self.pose, frame)
+    }
+
+    /// Every part of the probe; a solid is convex or made of convex parts.
+    fn parts(&self, frame: DVec3, visit: &mut dyn FnMut(&Part<'a>)) {
+        let (low, high) = self.placed(frame).bounds();
+        parts::near(self.placed(frame), low, high, visit);
+    }
+}
+
+fn placed(shape: &Shape, pose: Pose, frame: DVec3) -> Placed<'_> {
+    Placed { shape, place: Place::new(pose.position - frame, pose.rotation) }
+}
+
+fn collider_at(collider: &Collider, frame: DVec3) -> Placed<'_> {
     let (position, rotation) = collider.place;
-    let own = Pose3::from_parts((probe.pose.position - position).as_vec3(), probe.pose.rotation);
-    let fixed = Pose3::from_parts(Vec3::ZERO, rotation);
-    intersection_test(&fixed, &**collider.shape.parry(), &own, &**probe.shape.parry()).is_ok_and(|met| met.intersecting)
+    Placed { shape: &collider.shape, place: Place::new(position - frame, rotation) }
 }
 
-/// The nearest point of a shape not farther than `limit` (m), and how far it is.
-pub(crate) fn nearest_point(collider: &Collider, point: DVec3, limit: f32) -> Option<(f32, DVec3)> {
-    let (position, rotation) = collider.place;
-    let local = rotation.conjugate() * (point - position).as_vec3();
-    let found = collider.shape.parry().project_local_point(local, true);
-    let distance = if found.is_inside { 0.0 } else { (found.point - local).length() };
-    let nearest = if found.is_inside { point } else { position + (rotation * found.point).as_dvec3() };
-    (distance <= limit).then_some((distance, nearest))
+/// Where a ray first meets a shape; from outside, if what it begins in is left out.
+pub(crate) fn first_on_ray(collider: &Collider, of: &Segment, ignore_overlapped: bool) -> Option<Met> {
+    let (direction, length) = (of.direction, of.length);
+    let path = Segment { origin: DVec3::ZERO, ..*of };
+    let mut best: Option<Met> = None;
+    parts::along(collider_at(collider, of.origin), &path, &mut |part, _| {
+        let limit = best.map_or(length, |best| best.distance);
+        if let Some((distance, normal)) = ray::enter(part, DVec3::ZERO, direction, limit)
+            && !(distance == 0.0 && ignore_overlapped)
+            && best.is_none_or(|best| (distance, part.triangle) < (best.distance, best.triangle))
+        {
+            best = Some(Met {
+                distance,
+                share: if length > 0.0 { distance / length } else { 0.0 },
+                point: of.origin + direction * distance,
+                normal: normal.as_vec3().normalize(),
+                depth: 0.0,
+                part: part.part,
+                triangle: part.triangle,
+            });
+        }
+        best.map_or(length, |best| best.distance)
+    });
+    best
 }
 
-/// Box of a probe around its own origin, in world axes (m).
-pub(crate) fn probe_box(probe: &Probe) -> Aabb {
-    probe.shape.parry().compute_aabb(&Pose3::from_parts(Vec3::ZERO, probe.pose.rotation))
+/// Where a moving solid first meets a shape.
+pub(crate) fn first_on_sweep(collider: &Collider, sweep: &Sweep) -> Option<Met> {
+    let frame = sweep.probe.pose.position;
+    let (way, length) = (sweep.path_box(), sweep.path.length());
+    let way = Segment { origin: way.origin - frame, ..way };
+    let motion = Motion { path: sweep.path, turn: sweep.turn, center: DVec3::ZERO };
+    let mut best: Option<(Meeting, Option<u32>, Option<u32>)> = None;
+    sweep.probe.parts(frame, &mut |moving| {
+        parts::along(collider_at(collider, frame), &way, &mut |fixed, _| {
+            let limit = best.map_or(1.0, |(best, ..)| best.share);
+            let found = cast::first_meeting(fixed, moving, &motion, limit);
+            let counts = |met: &Meeting| !(met.from_start && sweep.ignore_overlapped);
+            if let Some(met) = found.filter(counts)
+                && best.is_none_or(|(best, _, triangle)| {
+                    (met.share, met.gap.distance, fixed.triangle) < (best.share, best.gap.distance, triangle)
+                })
+            {
+                best = Some((met, fixed.part, fixed.triangle));
+            }
+            // Along the path at least this much is still to be looked at; a turn may reach as far from its start.
+            best.map_or(f64::INFINITY, |(best, ..)| best.share * length)
+        });
+    });
+    best.map(|(met, part, triangle)| Met {
+        distance: met.share * length,
+        share: met.share,
+        point: frame + met.gap.on_a,
+        normal: met.gap.normal.as_vec3().normalize(),
+        depth: if met.from_start { (-met.gap.distance).max(0.0) } else { 0.0 },
+        part,
+        triangle,
+    })
+}
+
+/// Whether a solid and a shape overlap or touch.
+pub(crate) fn overlaps(collider: &Collider, probe: &Probe) -> bool {
+    let frame = probe.pose.position;
+    meet(collider_at(collider, frame), probe.placed(frame))
+}
+
+/// Whether two shapes of a world overlap or touch.
+pub(crate) fn shapes_overlap(a: &Collider, b: &Collider) -> bool {
+    // The origin of a solid is near it.
+    let frame = if a.shape.geometry().is_solid() { a.place.0 } else { b.place.0 };
+    meet(collider_at(a, frame), collider_at(b, frame))
+}
+
+fn meet(a: Placed, b: Placed) -> bool {
+    let mut met = false;
+    pairs(a, &|low, high, visit| parts::near(b, low, high, visit), b.bounds(), 0.0, &mut |part_a, part_b| {
+        met = met || gap::distance(part_a, part_b).is_some_and(|distance| distance <= gap::touch(part_a, part_b));
+    });
+    met
+}
+
+/// Nearest points of a solid and a shape not farther apart than `limit` (m), or those of least overlap.
+pub(crate) fn distance_to(collider: &Collider, probe: &Probe, limit: f64) -> Option<Distance> {
+    let frame = probe.pose.position;
+    separation(collider_at(collider, frame), probe.placed(frame), limit).map(|found| found.in_world(frame))
+}
+
+/// Nearest points of two shapes of a world, or those of least overlap; none of two half-spaces.
+pub(crate) fn distance_between(a: &Collider, b: &Collider) -> Option<Distance> {
+    let frame = if a.shape.geometry().is_solid() { a.place.0 } else { b.place.0 };
+    separation(collider_at(a, frame), collider_at(b, frame), f64::INFINITY).map(|found| found.in_world(frame))
+}
+
+/// The nearest point of a shape not farther than `limit` (m); the point itself inside.
+pub(crate) fn nearest_point(collider: &Collider, point: DVec3, limit: f64) -> Option<Distance> {
+    let place = Place { origin: DVec3::ZERO, axes: glam::DMat3::IDENTITY };
+    let part = Part { form: Form::Point, place, rounding: 0.0, part: None, triangle: None };
+    let here = (DVec3::ZERO, DVec3::ZERO);
+    let found = search(collider_at(collider, point), &|_, _, visit| visit(&part), here, limit)?.in_world(point);
+    let is_inside = found.distance <= 0.0;
+    Some(if is_inside { Distance { distance: 0.0, point_a: point, ..found } } else { found })
+}
+
+/// Visits the parts of a shape that may meet the box between two corners.
+type Near<'n, 'b> = &'n dyn Fn(DVec3, DVec3, &mut dyn FnMut(&Part<'b>));
+
+/// Visits every pair of parts whose boxes, widened by `margin`, meet. B is known by its box and by its parts.
+fn pairs<'a, 'b>(
+    a: Placed<'a>,
+    near_b: Near<'_, 'b>,
+    (low, high): (DVec3, DVec3),
+    margin: f64,
+    visit: &mut dyn FnMut(&Part<'a>, &Part<'b>),
+) {
+    let room = DVec3::splat(margin);
+    parts::near(a, low - room, high + room, &mut |part_a| {
+        let (low, high) = part_a.bounds();
+        near_b(low - room, high + room, &mut |part_b| visit(part_a, part_b));
+    });
+}
+
+fn separation(a: Placed, b: Placed, limit: f64) -> Option<Distance> {
+    search(a, &|low, high, visit| parts::near(b, low, high, visit), b.bounds(), limit)
+}
+
+/// The least gap between two shapes, in regions around B that grow until one holds it.
+fn search(a: Placed, near_b: Near, (low, high): (DVec3, DVec3), limit: f64) -> Option<Distance> {
+    let (least, greatest) = a.bounds();
+    let apart = (least - high).max(low - greatest).max(DVec3::ZERO).length();
+    let mut reach = if a.is_single() { limit } else { apart + a.grain() };
+    loop {
+        let reach_now = reach.min(limit);
+        let mut best: Option<Distance> = None;
+        pairs(a, near_b, (low, high), reach_now.min(1.0e10), &mut |part_a, part_b| {
+            if let Some(gap) = gap::gap(part_a, part_b)
+                && gap.distance <= limit
+                && best.as_ref().is_none_or(|best| gap.distance < best.distance)
+            {
+                best = Some(Distance::of(&gap, part_a, part_b));
+            }
+        });
+        let is_certain = best.as_ref().is_some_and(|best| best.distance <= reach_now);
+        // Nothing of either is farther from the other than this.
+        let all = apart + (greatest - least).length() + (high - low).length();
+        if is_certain || reach_now >= limit || reach_now >= all {
+            return best;
+        }
+        reach *= WIDENING;
+    }
+}
+
+impl Distance {
+    fn of(gap: &Gap, a: &Part, b: &Part) -> Self {
+        Self {
+            distance: gap.distance,
+            normal: gap.normal.as_vec3().normalize(),
+            point_a: gap.on_a,
+            point_b: gap.on_b,
+            parts: [a.part, b.part],
+            triangles: [a.triangle, b.triangle],
+        }
+    }
+
+    fn in_world(self, frame: DVec3) -> Self {
+        Self { point_a: self.point_a + frame, point_b: self.point_b + frame, ..self }
+    }
+}
+
+impl Placed<'_> {
+    fn is_single(&self) -> bool {
+        !matches!(self.shape.geometry(), Geometry::TriangleMesh { .. } | Geometry::HeightField { .. } | Geometry::Compound { .. })
+    }
+
+    /// The box around a shape in the frame of the query (m).
+    fn bounds(&self) -> (DVec3, DVec3) {
+        if let Some(part) = Part::whole(self.shape.geometry(), self.shape.hull(), self.place) {
+            return part.bounds();
+        }
+        let own = self.shape.parry().compute_local_aabb();
+        let (center, half) = (own.center().as_dvec3(), own.half_extents().as_dvec3());
+        let axes = self.place.axes;
+        let half = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + axes.z_axis.abs() * half.z;
+        let half = half + DVec3::splat(BOX_SLACK * half.max_element());
+        let center = self.place.to_frame(center);
+        (center - half, center + half)
+    }
+
+    /// About how large one part of a shape of many is (m).
+    fn grain(&self) -> f64 {
+        let count = match self.shape.geometry() {
+            Geometry::TriangleMesh { triangles, .. } => triangles.len(),
+            Geometry::HeightField { heights, .. } => heights.len(),
+            _ => 1,
+        };
+        let (low, high) = self.bounds();
+        (high - low).length() / (count as f64).sqrt()
+    }
+}
+
+/// The box around a probe, in the world (m).
+pub(crate) fn probe_box(probe: &Probe) -> Segment {
+    let (low, high) = probe.placed(probe.pose.position).bounds();
+    let half = (high - low) * 0.5;
+    let slack = BOX_SLACK * half.max_element();
+    Segment::still(probe.pose.position + (low + high) * 0.5, half + DVec3::splat(slack))
 }

@@ -10,7 +10,7 @@ use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::ShapeId;
 use crate::pose::Pose;
-use crate::query::{self, NearestPoint, Probe, QueryFilter, Ray, RayHit, Segment};
+use crate::query::{self, Cast, Distance, Met, NearestPoint, NearestShape, Probe, QueryFilter, Ray, RayHit, Segment, Way};
 use crate::shape::Shape;
 
 /// Rays of a batch below which it stays on one thread.
@@ -32,8 +32,8 @@ impl World {
     /// # Errors
     /// A number of the ray that is not finite, a direction that is not of unit length, a length outside 0 … 1e7 m.
     pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter) -> Result<Option<RayHit>> {
-        let ray = ray.checked()?;
-        Ok(self.first_hit(&ray_path(&ray), filter, |slot| query::ray(&self.colliders[slot], &ray)))
+        let path = ray.checked()?;
+        Ok(self.first_hit(&path, filter, |slot| query::first_on_ray(&self.colliders[slot], &path, false)))
     }
 
     /// Every shape that a ray meets, nearest first, where the ray first meets it; `out` is cleared.
@@ -41,8 +41,8 @@ impl World {
     /// # Errors
     /// As [`cast_ray`](Self::cast_ray).
     pub fn cast_ray_all(&self, ray: &Ray, filter: &QueryFilter, out: &mut Vec<RayHit>) -> Result<()> {
-        let ray = ray.checked()?;
-        self.all_hits(&ray_path(&ray), filter, out, |slot| query::ray(&self.colliders[slot], &ray));
+        let path = ray.checked()?;
+        self.all_hits(&path, filter, out, |slot| query::first_on_ray(&self.colliders[slot], &path, false));
         Ok(())
     }
 
@@ -54,13 +54,16 @@ impl World {
         if rays.len() != out.len() {
             return Err(Error::new(ErrorKind::OutOfRange, "out", "is not as long as the list of rays"));
         }
-        rays.iter().try_for_each(|ray| ray.checked().map(drop))?;
-        let cast = |(ray, hit): (&Ray, &mut Option<RayHit>)| *hit = self.cast_ray(ray, filter).unwrap_or(None);
+        let checked = rays.iter().map(|ray| ray.checked()).collect::<Result<Vec<Segment>>>()?;
+        let cast = |(path, hit): (&Segment, &mut Option<RayHit>)| {
+            *hit = self.first_hit(path, filter, |slot| query::first_on_ray(&self.colliders[slot], path, false));
+        };
         if rays.len() < MIN_PARALLEL_RAYS || self.threads.has_host() {
-            rays.iter().zip(out).for_each(cast);
+            checked.iter().zip(out).for_each(cast);
         } else {
             let piece = self.threads.piece(rays.len(), LEAST_RAYS);
-            self.threads.share(rays.chunks(piece).zip(out.chunks_mut(piece)), |(rays, out)| rays.iter().zip(out).for_each(cast));
+            self.threads
+                .share(checked.chunks(piece).zip(out.chunks_mut(piece)), |(rays, out)| rays.iter().zip(out).for_each(cast));
         }
         Ok(())
     }
@@ -70,9 +73,7 @@ impl World {
     /// # Errors
     /// A shape that is not solid; a pose or path that is not finite or out of range.
     pub fn cast_shape(&self, shape: &Shape, pose: Pose, path: Vec3, filter: &QueryFilter) -> Result<Option<RayHit>> {
-        let (probe, direction, length) = sweep(shape, pose, path)?;
-        let segment = sweep_path(&probe, direction, length);
-        Ok(self.first_hit(&segment, filter, |slot| query::swept(&self.colliders[slot], &probe, direction, length)))
+        self.cast(&Cast::new(shape, pose, path.as_dvec3()), filter)
     }
 
     /// Every shape that a solid meets on a straight path (m) without turning, nearest first; `out` is cleared.
@@ -87,9 +88,37 @@ impl World {
         filter: &QueryFilter,
         out: &mut Vec<RayHit>,
     ) -> Result<()> {
-        let (probe, direction, length) = sweep(shape, pose, path)?;
-        let segment = sweep_path(&probe, direction, length);
-        self.all_hits(&segment, filter, out, |slot| query::swept(&self.colliders[slot], &probe, direction, length));
+        self.cast_all(&Cast::new(shape, pose, path.as_dvec3()), filter, out)
+    }
+
+    /// The first shape that a solid meets on its way, which may turn, or a ray.
+    ///
+    /// # Errors
+    /// A shape that is not solid; a pose, path or turn that is not finite or out of range.
+    pub fn cast(&self, cast: &Cast, filter: &QueryFilter) -> Result<Option<RayHit>> {
+        let ignore = cast.ignore_overlapped;
+        Ok(match cast.checked()? {
+            Way::Ray(path) => self.first_hit(&path, filter, |slot| query::first_on_ray(&self.colliders[slot], &path, ignore)),
+            Way::Sweep(sweep) => {
+                self.first_hit(&sweep.path_box(), filter, |slot| query::first_on_sweep(&self.colliders[slot], &sweep))
+            }
+        })
+    }
+
+    /// Every shape that a solid or a ray meets on its way, nearest first; `out` is cleared.
+    ///
+    /// # Errors
+    /// As [`cast`](Self::cast).
+    pub fn cast_all(&self, cast: &Cast, filter: &QueryFilter, out: &mut Vec<RayHit>) -> Result<()> {
+        let ignore = cast.ignore_overlapped;
+        match cast.checked()? {
+            Way::Ray(path) => {
+                self.all_hits(&path, filter, out, |slot| query::first_on_ray(&self.colliders[slot], &path, ignore));
+            }
+            Way::Sweep(sweep) => {
+                self.all_hits(&sweep.path_box(), filter, out, |slot| query::first_on_sweep(&self.colliders[slot], &sweep));
+            }
+        }
         Ok(())
     }
 
@@ -99,10 +128,9 @@ impl World {
     /// As [`cast_shape`](Self::cast_shape).
     pub fn overlap_shape(&self, shape: &Shape, pose: Pose, filter: &QueryFilter, out: &mut Vec<ShapeId>) -> Result<()> {
         let probe = Probe::checked(shape, pose)?;
-        let path = sweep_path(&probe, Vec3::X, 0.0);
         out.clear();
-        for (_, slot) in self.candidates(&path) {
-            if self.counts(slot, filter) && query::overlap(&self.colliders[slot], &probe) {
+        for (_, slot) in self.candidates(&query::probe_box(&probe)) {
+            if self.counts(slot, filter) && query::overlaps(&self.colliders[slot], &probe) {
                 out.push(self.colliders.handle_of(slot));
             }
         }
@@ -120,7 +148,7 @@ impl World {
         if min.cmpgt(max).any() {
             return Err(Error::new(ErrorKind::OutOfRange, "min", "is beyond max"));
         }
-        let path = Segment { origin: (min + max) * 0.5, direction: Vec3::X, length: 0.0, half: (max - min) * 0.5 };
+        let path = Segment::still((min + max) * 0.5, (max - min) * 0.5);
         out.clear();
         for (_, slot) in self.candidates(&path) {
             if self.counts(slot, filter) && path.enters_box(&self.colliders[slot].world_box(0.0)).is_some() {
@@ -138,41 +166,89 @@ impl World {
     pub fn nearest_point(&self, point: DVec3, max_distance: f32, filter: &QueryFilter) -> Result<Option<NearestPoint>> {
         check::position("point", point)?;
         let reach = f64::from(query::query_length("max_distance", max_distance)?);
-        let around = Segment { origin: point, direction: Vec3::X, length: 0.0, half: DVec3::splat(reach) };
-        let mut best: Option<NearestPoint> = None;
-        for (_, slot) in self.candidates(&around) {
-            let limit = best.map_or(max_distance, |best| best.distance);
-            if !self.counts(slot, filter) {
-                continue;
-            }
-            if let Some((distance, nearest)) = query::nearest_point(&self.colliders[slot], point, limit) {
-                let shape = self.colliders.handle_of(slot);
-                if best.is_none_or(|best| (distance, shape) < (best.distance, best.shape)) {
-                    let body = self.bodies.handle_of(self.colliders[slot].body);
-                    best = Some(NearestPoint { shape, body, point: nearest, distance });
+        let around = Segment::still(point, DVec3::splat(reach));
+        let found = self.nearest(&around, reach, filter, |slot, limit| query::nearest_point(&self.colliders[slot], point, limit));
+        Ok(found.map(|(slot, found)| NearestPoint {
+            shape: self.colliders.handle_of(slot),
+            body: self.bodies.handle_of(self.colliders[slot].body),
+            point: found.point_a,
+            distance: found.distance,
+            part: found.parts[0],
+            triangle: found.triangles[0],
+        }))
+    }
+
+    /// The shape nearest to a solid, not farther than `max_distance` (m), or the one that it overlaps deepest.
+    ///
+    /// # Errors
+    /// A shape that is not solid, a pose that is not finite or out of range, a distance outside 0 … 1e7 m.
+    pub fn nearest_shape(
+        &self,
+        shape: &Shape,
+        pose: Pose,
+        max_distance: f32,
+        filter: &QueryFilter,
+    ) -> Result<Option<NearestShape>> {
+        let probe = Probe::checked(shape, pose)?;
+        let reach = f64::from(query::query_length("max_distance", max_distance)?);
+        let own = query::probe_box(&probe);
+        let around = Segment { half: own.half + DVec3::splat(reach), ..own };
+        let found = self.nearest(&around, reach, filter, |slot, limit| query::distance_to(&self.colliders[slot], &probe, limit));
+        Ok(found.map(|(slot, distance)| {
+            let body = self.bodies.handle_of(self.colliders[slot].body);
+            NearestShape { shape: self.colliders.handle_of(slot), body, distance }
+        }))
+    }
+
+    /// How far two shapes are apart, or how deep they overlap; sensors and shapes of one body too. Of a mesh or height field
+    /// that is overlapped, the depth is that of the triangle that is overlapped deepest.
+    ///
+    /// # Errors
+    /// A handle of no shape of this world; two half-spaces.
+    pub fn shape_distance(&self, a: ShapeId, b: ShapeId) -> Result<Distance> {
+        let (slot_a, slot_b) = (self.colliders.find(a)?, self.colliders.find(b)?);
+        query::distance_between(&self.colliders[slot_a], &self.colliders[slot_b]).ok_or(Error::new(
+            ErrorKind::NotApplicable,
+            "b",
+            "two half-spaces have no nearest points",
+        ))
+    }
+
+    /// The least distance that `measure` finds within a limit, and its shape; of equal ones, that of the lowest handle.
+    fn nearest(
+        &self,
+        around: &Segment,
+        reach: f64,
+        filter: &QueryFilter,
+        measure: impl Fn(u32, f64) -> Option<Distance>,
+    ) -> Option<(u32, Distance)> {
+        let mut best: Option<(u32, Distance)> = None;
+        for (_, slot) in self.candidates(around) {
+            let limit = best.as_ref().map_or(reach, |(_, best)| best.distance);
+            if self.counts(slot, filter)
+                && let Some(found) = measure(slot, limit)
+            {
+                let order = |slot: u32, found: &Distance| (found.distance, self.colliders.handle_of(slot));
+                if best.as_ref().is_none_or(|(known, best)| order(slot, &found) < order(*known, best)) {
+                    best = Some((slot, found));
                 }
             }
         }
-        Ok(best)
+        best
     }
 
-    fn first_hit(
-        &self,
-        path: &Segment,
-        filter: &QueryFilter,
-        meet: impl Fn(u32) -> Option<(f32, DVec3, Vec3)>,
-    ) -> Option<RayHit> {
+    fn first_hit(&self, path: &Segment, filter: &QueryFilter, meet: impl Fn(u32) -> Option<Met>) -> Option<RayHit> {
         let mut best: Option<RayHit> = None;
         for (entry, slot) in self.candidates(path) {
             // Boxes come in the order in which the path enters them; a hit lies no nearer than its box.
-            if best.is_some_and(|best| entry as f32 > best.distance) {
+            if best.is_some_and(|best| entry > best.distance) {
                 break;
             }
             if self.counts(slot, filter)
                 && let Some(met) = meet(slot)
             {
-                let hit = self.hit(slot, met);
-                if best.is_none_or(|best| (hit.distance, hit.shape) < (best.distance, best.shape)) {
+                let hit = self.hit(slot, &met);
+                if best.is_none_or(|best| (hit.fraction, hit.shape) < (best.fraction, best.shape)) {
                     best = Some(hit);
                 }
             }
@@ -180,22 +256,25 @@ impl World {
         best
     }
 
-    fn all_hits(
-        &self,
-        path: &Segment,
-        filter: &QueryFilter,
-        out: &mut Vec<RayHit>,
-        meet: impl Fn(u32) -> Option<(f32, DVec3, Vec3)>,
-    ) {
+    fn all_hits(&self, path: &Segment, filter: &QueryFilter, out: &mut Vec<RayHit>, meet: impl Fn(u32) -> Option<Met>) {
         out.clear();
         let counting = self.candidates(path).into_iter().filter(|&(_, slot)| self.counts(slot, filter));
-        out.extend(counting.filter_map(|(_, slot)| Some(self.hit(slot, meet(slot)?))));
-        out.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.shape.cmp(&b.shape)));
+        out.extend(counting.filter_map(|(_, slot)| Some(self.hit(slot, &meet(slot)?))));
+        out.sort_by(|a, b| a.fraction.total_cmp(&b.fraction).then(a.shape.cmp(&b.shape)));
     }
 
-    fn hit(&self, slot: u32, (distance, point, normal): (f32, DVec3, Vec3)) -> RayHit {
-        let body = self.bodies.handle_of(self.colliders[slot].body);
-        RayHit { shape: self.colliders.handle_of(slot), body, point, normal, distance }
+    fn hit(&self, slot: u32, met: &Met) -> RayHit {
+        RayHit {
+            shape: self.colliders.handle_of(slot),
+            body: self.bodies.handle_of(self.colliders[slot].body),
+            point: met.point,
+            normal: met.normal,
+            distance: met.distance,
+            fraction: met.share,
+            depth: met.depth,
+            part: met.part,
+            triangle: met.triangle,
+        }
     }
 
     fn counts(&self, slot: u32, filter: &QueryFilter) -> bool {
@@ -240,20 +319,4 @@ impl World {
     pub(super) fn forget_escaped(&mut self) {
         self.escaped = Escaped::default();
     }
-}
-
-fn ray_path(ray: &Ray) -> Segment {
-    Segment { origin: ray.origin, direction: ray.direction, length: ray.length, half: DVec3::ZERO }
-}
-
-fn sweep(shape: &Shape, pose: Pose, path: Vec3) -> Result<(Probe<'_>, Vec3, f32)> {
-    let probe = Probe::checked(shape, pose)?;
-    let length = query::query_length("path", check::finite_vec("path", path)?.length())?;
-    Ok((probe, path.try_normalize().unwrap_or(Vec3::X), length))
-}
-
-fn sweep_path(probe: &Probe, direction: Vec3, length: f32) -> Segment {
-    let own_box = query::probe_box(probe);
-    let origin = probe.pose.position + own_box.center().as_dvec3();
-    Segment { origin, direction, length, half: own_box.half_extents().as_dvec3() }
 }

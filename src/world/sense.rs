@@ -3,13 +3,11 @@
 //! A sensor sees every shape of another body that its filter accepts and that is no sensor itself, unless both bodies are static.
 //! It looks at poses at the end of the step: what passes through it within one is not seen.
 
-use parry3d::math::Pose3;
-use parry3d::query::intersection_test;
-
 use super::World;
 use crate::body::BodyKind;
 use crate::collide::collider::Collider;
 use crate::id::{Pool, ShapeId};
+use crate::query;
 use crate::report::ContactPair;
 
 /// The sensors of a world, and what overlaps them.
@@ -84,8 +82,7 @@ impl World {
         if b.sensor || a.body == b.body || both_static || body_b.quarantined || !a.filter.accepts(&b.filter) {
             return false;
         }
-        let (own, other) = (&**a.shape.parry(), &**b.shape.parry());
-        intersection_test(&Pose3::IDENTITY, own, &a.relative(b), other).is_ok_and(|met| met.intersecting)
+        query::shapes_overlap(a, b)
     }
 }
 

@@ -9,7 +9,9 @@ use longspan_stream_schema::*;
 
 use crate::body_def::*;
 use crate::callbacks::*;
+use crate::cast::*;
 use crate::chain::*;
+use crate::distance::*;
 use crate::draw::*;
 use crate::events::*;
 use crate::fracture::*;
@@ -156,6 +158,11 @@ fn layouts() -> Vec<Layout> {
         LsRay { origin, direction, length }
         LsRayHit { shape, body, point, normal, distance }
         LsNearestPoint { shape, body, point, distance, reserved }
+        LsCastDef { struct_size, ignore_overlapped, shape, pose, path, turn, reserved }
+        LsCastHit { shape, body, point, normal, part, distance, fraction, depth, triangle, reserved }
+        LsShapeDistance {
+            shape_a, shape_b, point_a, point_b, distance, normal, part_a, part_b, triangle_a, triangle_b, reserved
+        }
         LsStream { id }
         LsStreamReader { id }
         LsStreamDef { struct_size, every, name, domain, layers, readers, body_capacity, state_hash }
@@ -259,6 +266,9 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsRay", 40),
         ("LsRayHit", 56),
         ("LsNearestPoint", 48),
+        ("LsCastDef", 96),
+        ("LsCastHit", 88),
+        ("LsShapeDistance", 104),
         ("LsStreamHeader", 128),
         ("LsStreamSection", 32),
         ("LsStreamMotion", 96),

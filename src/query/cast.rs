@@ -1,0 +1,179 @@
+//! Where a moving convex part first meets another (conservative advancement: Mirtich 1996, van den Bergen 2004).
+//!
+//! Along a direction in which two parts are apart by g, they cannot meet before that gap has closed. So the motion advances to
+//! where it would, the distance is found again, and so on until it is small: then the plane of the surface gives the rest.
+//! Along a straight path the gap closes at a constant rate. Where the part turns as well, the same plane is followed by steps
+//! that bound how fast any point can move, and only then is the distance found again.
+
+use glam::{DQuat, DVec3};
+
+use super::gap::{self, Gap};
+use super::part::Part;
+
+/// Gap at which the plane of the surface gives the rest of the way: over the finest measure of the two parts, and over the
+/// greatest (rounding). How far the surface may leave its plane until then is far below what a host can tell.
+const NEAR: (f64, f64) = (1.0e-7, 1.0e-11);
+
+/// Greatest way aside that the plane is trusted for, over the way at which a surface as round as the finest measure has left
+/// it by the gap: paths that graze a surface need a smaller gap.
+const TRUSTED: f64 = 0.1;
+
+/// Times that the distance is found. Flat parts take two to four, round ones some ten; paths that graze a surface, more.
+const MAX_SEARCHES: usize = 128;
+
+/// Steps along one plane of a part that turns.
+const MAX_STEPS: usize = 32;
+
+/// Gap at which parts that graze each other until all searches are used up are taken to meet, over the finest measure.
+const GRAZING: f64 = 1.0e-3;
+
+/// A straight path, with a turn about a point that moves along: both evenly, from 0 to 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Motion {
+    /// Whole path (m).
+    pub path: DVec3,
+    /// Whole turn: unit axis times angle (rad).
+    pub turn: DVec3,
+    /// Where the centre of the turn begins (m).
+    pub center: DVec3,
+}
+
+/// Where a moving part first meets another.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Meeting {
+    /// Share of the motion, 0 to 1.
+    pub share: f64,
+    /// The gap there; at 0 it may be an overlap.
+    pub gap: Gap,
+    /// Whether they overlap or touch from the start.
+    pub from_start: bool,
+}
+
+impl Motion {
+    fn at<'a>(&self, part: &Part<'a>, share: f64) -> Part<'a> {
+        let angle = self.turn.length();
+        let turn = if angle > 0.0 { DQuat::from_axis_angle(self.turn / angle, angle * share) } else { DQuat::IDENTITY };
+        part.moved(self.path * share, turn, self.center)
+    }
+}
+
+/// Where `moving` first meets `fixed`, not later than `limit`, a share of the motion.
+pub(super) fn first_meeting(fixed: &Part, moving: &Part, motion: &Motion, limit: f64) -> Option<Meeting> {
+    let start = gap::gap(fixed, moving)?;
+    let touch = gap::touch(fixed, moving);
+    if start.distance <= touch {
+        return Some(Meeting { share: 0.0, gap: start, from_start: true });
+    }
+    let finest = fixed.finest().min(moving.finest());
+    let near = NEAR.0 * finest + NEAR.1 * gap::greatest(fixed, moving);
+    // Greatest distance of a point of the part from the centre of the turn, its rounding left out: that does not turn.
+    let lever = (moving.place.origin - motion.center).length() + moving.reach() - moving.rounding;
+    let turning = motion.turn.length() * lever;
+    let (mut share, mut gap) = (0.0, start);
+    for _ in 0..MAX_SEARCHES {
+        let closing = -gap.normal.dot(motion.path);
+        if turning == 0.0 && closing <= 0.0 {
+            return None;
+        }
+        if gap.distance <= near
+            && let Some(meeting) = last_stretch((fixed, moving), motion, (share, gap), turning)
+        {
+            let aside = (meeting.share - share) * (motion.path.length() + turning);
+            if aside <= TRUSTED * (gap.distance * finest).sqrt() || gap.distance <= touch {
+                return (meeting.share <= limit).then_some(meeting);
+            }
+        }
+        // Half of what is near is left, so that the next direction is not noise.
+        let goal = (0.5 * near).min(0.5 * gap.distance);
+        share = if turning == 0.0 {
+            // No more than the parts are apart for certain.
+            let apart = gap::along(fixed, &motion.at(moving, share), gap.normal);
+            share + (apart.min(gap.distance) - goal).max(0.0) / closing
+        } else {
+            follow((fixed, moving), motion, (share, gap.normal), (goal, lever), limit)
+        };
+        if share > limit {
+            return None;
+        }
+        let here = motion.at(moving, share);
+        let next = gap::gap(fixed, &here)?;
+        if next.distance <= touch {
+            // The search ended a little early, or rounding took the rest: they meet here. An overlap that is none has no normal.
+            let met = Gap { distance: 0.0, normal: gap.normal, ..next };
+            return Some(Meeting { share, gap: met, from_start: false });
+        }
+        gap = next;
+    }
+    // It is safe up to here, and too near to be passed for sure.
+    (gap.distance <= GRAZING * finest).then_some(Meeting { share, gap, from_start: false })
+}
+
+/// The share up to which the parts are apart by `goal` along a plane across `normal`, or one beyond the limit.
+///
+/// The plane stays with the larger part, so that all points of the smaller, p, move alike. With c the centre of the turn and
+/// ω the turn, either way p closes in at (ω×n)·(p − c) − n·path. No point of the smaller part is faster than the one farthest
+/// along ω×n, and that speed rises by at most a: the gap g has g(s + h) ≥ g(s) − v h − a h²/2.
+fn follow(
+    (fixed, moving): (&Part, &Part),
+    motion: &Motion,
+    (start, normal): (f64, DVec3),
+    (goal, lever): (f64, f64),
+    limit: f64,
+) -> f64 {
+    let rides = fixed.reach() < moving.reach();
+    let (turn, path) = (motion.turn.length(), motion.path.length());
+    let steepness = motion.turn.cross(normal).length();
+    let acceleration = if rides {
+        let arm = (fixed.place.origin - motion.center).length() + fixed.reach() + path;
+        steepness * (turn * arm + 2.0 * path)
+    } else {
+        steepness * turn * lever
+    };
+    let mut share = start;
+    for _ in 0..MAX_STEPS {
+        let here = motion.at(moving, share);
+        // Across the axis of the turn a plane that rides on the moving part has turned since.
+        let normal = if rides { DQuat::from_scaled_axis(motion.turn * (share - start)) * normal } else { normal };
+        let left = gap::along(fixed, &here, normal) - goal;
+        if left <= 0.01 * goal {
+            break;
+        }
+        let across = motion.turn.cross(normal);
+        let point =
+            if rides { fixed.support(across) + across.normalize_or_zero() * fixed.rounding } else { here.support(across) };
+        let speed = (point - motion.center - motion.path * share).dot(across) - normal.dot(motion.path);
+        let root = (speed * speed + 2.0 * acceleration * left).sqrt();
+        // The positive root of v h + a h²/2 = left, without cancellation.
+        let step = if speed > 0.0 { 2.0 * left / (speed + root) } else { (root - speed) / acceleration };
+        share += step;
+        if share.is_nan() || share > limit {
+            return f64::INFINITY;
+        }
+    }
+    share
+}
+
+/// From a small gap on: the way along the plane of the surface. None if it opens again.
+fn last_stretch((fixed, moving): (&Part, &Part), motion: &Motion, (share, gap): (f64, Gap), turning: f64) -> Option<Meeting> {
+    let closing = -gap.normal.dot(motion.path);
+    if turning == 0.0 {
+        let rest = gap.distance / closing;
+        let (on_a, on_b) = (gap.on_a, gap.on_b + motion.path * rest);
+        let aside = on_b - on_a;
+        return Some(Meeting {
+            share: share + rest,
+            gap: Gap { distance: 0.0, on_a: on_a + aside - gap.normal * aside.dot(gap.normal), on_b, ..gap },
+            from_start: false,
+        });
+    }
+    // How fast the gap closes, by a look ahead of as much as it could close by.
+    let fastest = closing.max(0.0) + turning;
+    let ahead = gap.distance / fastest;
+    let left = gap::along(fixed, &motion.at(moving, share + ahead), gap.normal);
+    let rate = (gap.distance - left) / ahead;
+    if rate <= 1.0e-3 * fastest {
+        return None;
+    }
+    let rest = gap.distance / rate;
+    Some(Meeting { share: share + rest, gap: Gap { distance: 0.0, ..gap }, from_start: false })
+}

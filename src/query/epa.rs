@@ -1,0 +1,180 @@
+//! Depth and direction of least overlap of two convex parts (van den Bergen 2001), in double precision.
+//!
+//! The origin lies inside the body of all b − a. A polytope of its points grows from the simplex that GJK left: the face
+//! nearest to the origin is pushed out to the surface until it lies on it. Its distance is the depth, its normal the way in.
+
+use glam::DVec3;
+
+use super::gjk::{Simplex, Vertex};
+use super::part::Part;
+
+/// Error of the depth at which the search ends, over the depth and over the size of the parts.
+const TOLERANCE: (f64, f64) = (1.0e-9, 1.0e-12);
+
+/// A corner closer than this to the plane, line or point of those before it adds nothing, over the size of the parts.
+const FLAT: f64 = 1.0e-12;
+
+/// Steps of the search: round rims take the most.
+const MAX_STEPS: usize = 256;
+
+/// How deep two parts overlap, without their rounding.
+pub(super) struct Depth {
+    /// Least depth (m), ≥ 0.
+    pub depth: f64,
+    /// Unit direction in which B is to be pushed out of A.
+    pub normal: DVec3,
+    pub on_a: DVec3,
+    pub on_b: DVec3,
+}
+
+struct Face {
+    corners: [usize; 3],
+    normal: DVec3,
+    /// Distance of the plane from the origin (m).
+    distance: f64,
+}
+
+/// How deep two parts overlap whose `simplex` holds the origin.
+pub(super) fn depth(a: &Part, b: &Part, simplex: &Simplex) -> Depth {
+    let mut corners = simplex.corners[..simplex.count].to_vec();
+    let size = a.reach().max(b.reach()).max(f64::MIN_POSITIVE);
+    if let Err(normal) = fill_tetrahedron(a, b, &mut corners, FLAT * size) {
+        // All b − a lie in a plane: the way out is across it, on the side of B.
+        let (on_a, on_b) = simplex.points();
+        let side = normal.dot(b.place.origin - a.place.origin);
+        return Depth { depth: 0.0, normal: normal * 1.0_f64.copysign(side), on_a, on_b };
+    }
+    let mut faces: Vec<Face> = Vec::with_capacity(32);
+    let middle = corners.iter().map(|corner| corner.offset).sum::<DVec3>() * 0.25;
+    for triangle in [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]] {
+        let [p, q, r] = triangle.map(|i| corners[i].offset);
+        let outward = (q - p).cross(r - p).dot(p - middle) > 0.0;
+        push(&mut faces, &corners, if outward { triangle } else { [triangle[0], triangle[2], triangle[1]] });
+    }
+    // The way out along any direction is no shorter than the least; the polytope is no deeper. Between the two lies the answer.
+    let mut best: Option<(f64, DVec3)> = None;
+    for _ in 0..MAX_STEPS {
+        let nearest = nearest(&faces);
+        let (normal, distance) = (faces[nearest].normal, faces[nearest].distance);
+        if best.is_some_and(|(depth, _)| depth - distance <= TOLERANCE.0 * depth + TOLERANCE.1 * size) {
+            break;
+        }
+        let next = Vertex::support(a, b, normal);
+        let way_out = normal.dot(next.offset);
+        if best.is_none_or(|(depth, _)| way_out < depth) {
+            best = Some((way_out, normal));
+        }
+        if !take_in(&mut faces, &mut corners, next, TOLERANCE.1 * size) {
+            break;
+        }
+    }
+    let face = &faces[nearest(&faces)];
+    let (depth, normal) = best.unwrap_or((face.distance, face.normal));
+    let (on_a, on_b) = points(face, &corners);
+    // On B's side of the way out both points are where its plane is.
+    let off = (on_b - on_a).dot(normal) - depth;
+    Depth { depth: depth.max(0.0), normal: -normal, on_a, on_b: on_b - normal * off }
+}
+
+fn nearest(faces: &[Face]) -> usize {
+    (1..faces.len()).fold(0, |best, i| if faces[i].distance < faces[best].distance { i } else { best })
+}
+
+/// Adds corners until there are four that are not in one plane; where all are, the normal of a plane that holds them.
+fn fill_tetrahedron(a: &Part, b: &Part, corners: &mut Vec<Vertex>, flat: f64) -> Result<(), DVec3> {
+    let mut kept: Vec<Vertex> = Vec::with_capacity(4);
+    for &corner in corners.iter() {
+        if off(&kept, corner.offset) > flat {
+            kept.push(corner);
+        }
+    }
+    while kept.len() < 4 {
+        let directions = match *kept {
+            [] => vec![DVec3::X],
+            [_] => vec![DVec3::X, DVec3::Y, DVec3::Z],
+            [p, q] => {
+                let (u, v) = (q.offset - p.offset).normalize().any_orthonormal_pair();
+                vec![u, v]
+            }
+            _ => vec![normal_of(&kept)],
+        };
+        let fallback = directions[0];
+        let both = directions.into_iter().flat_map(|direction| [direction, -direction]);
+        let candidates = both.map(|direction| Vertex::support(a, b, direction));
+        let best = candidates.max_by(|x, y| off(&kept, x.offset).total_cmp(&off(&kept, y.offset)));
+        match best {
+            Some(corner) if kept.is_empty() || off(&kept, corner.offset) > flat => kept.push(corner),
+            _ if kept.len() == 1 => return Err(DVec3::Y),
+            _ => return Err(fallback),
+        }
+    }
+    *corners = kept;
+    Ok(())
+}
+
+fn normal_of(corners: &[Vertex]) -> DVec3 {
+    let [p, q, r] = [0, 1, 2].map(|i| corners[i].offset);
+    (q - p).cross(r - p).normalize_or(DVec3::Y)
+}
+
+/// Distance of a point from the point, line or plane of up to three corners (m).
+fn off(corners: &[Vertex], point: DVec3) -> f64 {
+    match *corners {
+        [] => f64::INFINITY,
+        [p] => point.distance(p.offset),
+        [p, q] => (point - p.offset).reject_from((q.offset - p.offset).normalize()).length(),
+        [p, ..] => (point - p.offset).dot(normal_of(corners)).abs(),
+    }
+}
+
+fn push(faces: &mut Vec<Face>, corners: &[Vertex], triangle: [usize; 3]) {
+    let [p, q, r] = triangle.map(|i| corners[i].offset);
+    // A needle without a normal is never the nearest.
+    let normal = (q - p).cross(r - p).try_normalize();
+    let distance = normal.map_or(f64::INFINITY, |normal| normal.dot(p).max(normal.dot(q)).max(normal.dot(r)));
+    faces.push(Face { corners: triangle, normal: normal.unwrap_or(DVec3::ZERO), distance });
+}
+
+/// Puts a corner in place of the faces that it is above; false if there are none.
+fn take_in(faces: &mut Vec<Face>, corners: &mut Vec<Vertex>, next: Vertex, slack: f64) -> bool {
+    let mut rim: Vec<(usize, usize)> = Vec::new();
+    faces.retain(|face| {
+        let seen = face.normal.dot(next.offset) > face.distance + slack;
+        if seen {
+            for side in 0..3 {
+                let edge = (face.corners[side], face.corners[(side + 1) % 3]);
+                // An edge between two faces that go cancels out.
+                match rim.iter().position(|&(from, to)| (to, from) == edge) {
+                    Some(inner) => drop(rim.swap_remove(inner)),
+                    None => rim.push(edge),
+                }
+            }
+        }
+        !seen
+    });
+    if rim.is_empty() {
+        return false;
+    }
+    let number = corners.len();
+    corners.push(next);
+    for (from, to) in rim {
+        push(faces, corners, [from, to, number]);
+    }
+    true
+}
+
+/// The points on A and B behind the foot of the origin on a face.
+fn points(face: &Face, corners: &[Vertex]) -> (DVec3, DVec3) {
+    let [p, q, r] = face.corners.map(|i| corners[i].offset);
+    let foot = face.normal * face.distance;
+    let (u, v, w) = (q - p, r - p, foot - p);
+    let (uu, uv, vv, wu, wv) = (u.dot(u), u.dot(v), v.dot(v), w.dot(u), w.dot(v));
+    let area = uu * vv - uv * uv;
+    let (s, t) = if area > 0.0 { ((vv * wu - uv * wv) / area, (uu * wv - uv * wu) / area) } else { (0.0, 0.0) };
+    // What rounding puts outside a needle is brought back, so that both points are points of their parts.
+    let shares = [1.0 - s - t, s, t].map(|share| share.max(0.0));
+    let total: f64 = shares.iter().sum();
+    let shares = shares.map(|share| share / total);
+    let of = |part: fn(&Vertex) -> DVec3| (0..3).map(|i| part(&corners[face.corners[i]]) * shares[i]).sum::<DVec3>();
+    (of(|corner| corner.on_a), of(|corner| corner.on_b))
+}
