@@ -84,13 +84,20 @@ pub(crate) fn position(argument: &'static str, value: DVec3) -> Result<DVec3> {
     Ok(value)
 }
 
-/// Accepts a rotation within 1 % of unit length and returns it normalised.
+/// What rounding leaves of a quaternion's length squared when it is normalised.
+const NORMALIZED: f32 = 4.0 * f32::EPSILON;
+
+/// Accepts a rotation within 1 % of unit length and returns it normalised. One that is normalised stays as it is to the bit: a definition
+/// goes through here with every edit of any of its fields.
 pub(crate) fn rotation(argument: &'static str, value: Quat) -> Result<Quat> {
     if !value.is_finite() {
         return Err(not_finite(argument));
     }
     if (value.length() - 1.0).abs() > UNIT_TOLERANCE {
         return Err(Error::new(ErrorKind::NotUnit, argument, "rotation is not of unit length"));
+    }
+    if (value.length_squared() - 1.0).abs() <= NORMALIZED {
+        return Ok(value);
     }
     Ok(value.normalize())
 }

@@ -137,6 +137,22 @@ fn a_body_welded_to_a_moving_kinematic_one_restores_to_the_bit() {
 }
 
 #[test]
+fn an_edit_of_one_field_leaves_the_rotations_of_a_joint_as_they_are() {
+    let mut world = World::new(&WorldDef::default()).unwrap();
+    let (a, b) = (boxed(&mut world, BodyKind::Dynamic, 0.0, 0.0), boxed(&mut world, BodyKind::Dynamic, 1.0, 0.0));
+    for number in 0..200 {
+        let turned = |by: f32| Pose { rotation: Quat::from_scaled_axis(Vec3::new(by, 0.3, 1.7)), ..Pose::IDENTITY };
+        let frames = [turned(0.031 * number as f32), turned(-0.017 * number as f32)];
+        let def = JointDef { frame_a: frames[0], frame_b: frames[1], ..JointDef::new(JointKind::Fixed, a, b) };
+        let joint = world.create_joint(&def).unwrap();
+        let made = world.joint_def(joint).unwrap();
+        world.set_joint_friction(joint, 1.0).unwrap();
+        let edited = world.joint_def(joint).unwrap();
+        assert_eq!([made.frame_a, made.frame_b], [edited.frame_a, edited.frame_b], "joint {number}");
+    }
+}
+
+#[test]
 fn what_a_step_cannot_bear_is_refused_by_name() {
     let mut world = World::new(&WorldDef::default()).unwrap();
     let body = boxed(&mut world, BodyKind::Dynamic, 0.0, 0.0);
