@@ -205,10 +205,22 @@ pub(crate) enum Anchored {
 /// Where a body is in the life of its island.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum SleepState {
-    /// Moving, or quiet for this long (s).
-    Awake { quiet_for: f32 },
+    /// Moving, or quiet for this long (s), and how it drifts meanwhile.
+    Awake { quiet_for: f32, drift: Drift },
     /// Asleep as a member of this sleeping island.
     Asleep { island: u32 },
+}
+
+impl SleepState {
+    /// Awake, and not quiet yet.
+    pub(crate) const AWAKE: Self = Self::Awake { quiet_for: 0.0, drift: Drift { linear: Vec3::ZERO, angular: Vec3::ZERO } };
+}
+
+/// Mean rate at which the pose of a quiet body changes (m/s, rad/s), which is not its velocity where overlaps are taken out of positions.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Drift {
+    pub linear: Vec3,
+    pub angular: Vec3,
 }
 
 impl Body {
@@ -237,7 +249,7 @@ impl Body {
             driven: false,
             shapes: Vec::new(),
             joints: Vec::new(),
-            sleep: SleepState::Awake { quiet_for: 0.0 },
+            sleep: SleepState::AWAKE,
             age: 0,
             steady_for: u8::MAX,
             calm_for: 0,

@@ -35,6 +35,8 @@ impl UnionFind {
 pub(crate) struct SleepingIsland {
     pub bodies: Vec<u32>,
     pub pairs: Vec<u32>,
+    /// Worst distance between joint points of its bodies beyond what the joints allow (m).
+    pub gap: f32,
 }
 
 /// All sleeping islands, by number; numbers are used again.
@@ -43,6 +45,8 @@ pub(crate) struct SleepingIslands {
     islands: Vec<Option<SleepingIsland>>,
     free: Vec<u32>,
     bodies: usize,
+    /// Worst gap of all islands (m), until one is taken out.
+    worst_gap: Option<f32>,
 }
 
 impl SleepingIslands {
@@ -53,7 +57,7 @@ impl SleepingIslands {
         sorted.dedup();
         let empty: Vec<u32> = (0..islands.len() as u32).filter(|&number| islands[number as usize].is_none()).collect();
         let bodies = islands.iter().flatten().map(|island| island.bodies.len()).sum();
-        (sorted == empty && sorted.len() == free.len()).then_some(Self { islands, free, bodies })
+        (sorted == empty && sorted.len() == free.len()).then_some(Self { islands, free, bodies, worst_gap: None })
     }
 
     /// Every island by number.
@@ -72,6 +76,7 @@ impl SleepingIslands {
 
     pub(crate) fn insert(&mut self, island: SleepingIsland) -> u32 {
         self.bodies += island.bodies.len();
+        self.worst_gap = self.worst_gap.map(|worst| worst.max(island.gap));
         match self.free.pop() {
             Some(number) => {
                 self.islands[number as usize] = Some(island);
@@ -101,8 +106,21 @@ impl SleepingIslands {
     pub(crate) fn take(&mut self, number: u32) -> SleepingIsland {
         let island = self.islands[number as usize].take().unwrap_or_default();
         self.bodies -= island.bodies.len();
+        self.worst_gap = None;
         self.free.push(number);
         island
+    }
+
+    /// Worst gap of a joint between bodies that sleep (m).
+    pub(crate) fn worst_gap(&mut self) -> f32 {
+        let Self { islands, worst_gap, .. } = self;
+        *worst_gap.get_or_insert_with(|| islands.iter().flatten().map(|island| island.gap).fold(0.0, f32::max))
+    }
+
+    /// Notes the gaps of islands that were not known when they were put in.
+    pub(crate) fn set_gaps(&mut self, gap_of: impl Fn(&[u32]) -> f32) {
+        self.islands.iter_mut().flatten().for_each(|island| island.gap = gap_of(&island.bodies));
+        self.worst_gap = None;
     }
 
     /// Every pair kept by a sleeping island.

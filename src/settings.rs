@@ -19,7 +19,7 @@ pub enum Solver {
     Direct,
 }
 
-/// When bodies fall asleep: an island sleeps once all its bodies have been slower than this for a while.
+/// When bodies fall asleep: an island sleeps once all its bodies have been slower than this for a while and nothing in it is going anywhere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SleepSettings {
     /// Whether anything may sleep.

@@ -30,6 +30,7 @@ mod census;
 mod chain;
 mod contacts;
 mod draw;
+mod drift;
 mod drives;
 mod fast;
 mod forces;
@@ -58,6 +59,7 @@ mod touches;
 mod union_loads;
 mod union_query;
 mod unions;
+mod wake;
 
 pub(crate) use hold::{HeldBody, HeldUnit};
 pub(crate) use long_range::{AskedBound, CarriedBound};
@@ -304,9 +306,11 @@ impl World {
     /// # Errors
     /// `gravity` is not finite.
     pub fn set_gravity(&mut self, gravity: glam::Vec3) -> Result<()> {
-        self.def.gravity = check::finite_vec("gravity", gravity)?;
-        self.wake_all();
-        self.release_all();
+        if self.def.gravity != check::finite_vec("gravity", gravity)? {
+            self.def.gravity = gravity;
+            self.wake_all();
+            self.release_all();
+        }
         Ok(())
     }
 }

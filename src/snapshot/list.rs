@@ -8,7 +8,7 @@ use parry3d::bounding_volume::Aabb;
 
 use super::contacts::{FarPose, ManifoldRow, PairRow, PointRow};
 use super::stored::{Reader, Stored, Writer, stored, stored_enum};
-use crate::body::{Anchored, Body, BodyDef, BodyKind, LockedAxes, SleepState};
+use crate::body::{Anchored, Body, BodyDef, BodyKind, Drift, LockedAxes, SleepState};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::PairKey;
 use crate::fracture::strain::{Span, Strain};
@@ -242,7 +242,8 @@ stored_enum!(Solver { 0 => Auto {}, 1 => GaussSeidel {}, 2 => Direct {} });
 stored_enum!(Anchored { 0 => No {}, 1 => Still {}, 2 => Driven {} });
 stored_enum!(BodyKind { 0 => Static {}, 1 => Kinematic {}, 2 => Dynamic {} });
 stored_enum!(Mass { 0 => FromShapes {}, 1 => Total { 0: mass }, 2 => Properties { 0: properties } });
-stored_enum!(SleepState { 0 => Awake { quiet_for: quiet_for }, 1 => Asleep { island: island } });
+stored!(Drift { linear, angular });
+stored_enum!(SleepState { 0 => Awake { quiet_for: quiet_for, drift: drift }, 1 => Asleep { island: island } });
 stored_enum!(CombineRule { 0 => GeometricMean {}, 1 => Average {}, 2 => Minimum {}, 3 => Multiply {}, 4 => Maximum {} });
 stored_enum!(Motor {
     0 => Off {},

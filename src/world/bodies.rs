@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::World;
+use super::wake::Edited;
 use crate::body::{Anchored, Body, BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, checked_velocity};
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
@@ -29,6 +30,10 @@ impl World {
         }
         self.note_mover(index);
         self.topology_changed();
+        // What is dynamic is awake, and wakes what it touches.
+        if def.kind != BodyKind::Dynamic {
+            self.wake_for(Edited::Place(index));
+        }
         Ok(id)
     }
 
@@ -38,8 +43,7 @@ impl World {
     /// The handle is not a body of this world.
     pub fn destroy_body(&mut self, body: BodyId) -> Result<()> {
         let index = self.bodies.find_to_destroy(body)?;
-        self.wake_body(index);
-        self.wake_around(index);
+        self.wake_for(Edited::Place(index));
         for joint in self.bodies[index].joints.clone() {
             self.destroy_joint(joint)?;
         }
@@ -61,8 +65,7 @@ impl World {
     pub fn set_pose(&mut self, body: BodyId, pose: Pose) -> Result<()> {
         let pose = pose.checked("pose.position", "pose.rotation")?;
         let index = self.bodies.find(body)?;
-        self.wake_body(index);
-        self.wake_around(index);
+        self.wake_for(Edited::Place(index));
         let record = &mut self.bodies[index];
         record.set_pose(pose);
         record.target = None;
@@ -79,7 +82,7 @@ impl World {
         self.forget_joints_of(index);
         self.bodies[index].history.forget();
         self.refresh_boxes(index);
-        self.wake_around(index);
+        self.wake_for(Edited::Place(index));
         self.note_mover(index);
         Ok(())
     }
@@ -90,9 +93,7 @@ impl World {
     /// The handle is not a body of this world; the body is static; the velocity is not finite or above 1e4 m/s.
     pub fn set_linear_velocity(&mut self, body: BodyId, velocity: Vec3) -> Result<()> {
         checked_velocity("linear_velocity", velocity, MAX_LINEAR_SPEED)?;
-        let record = self.moving_body(body)?;
-        record.linear_velocity = velocity;
-        self.velocity_changed(body)
+        self.change_velocities(body, |record| record.linear_velocity = velocity)
     }
 
     /// Gives a body another angular velocity (rad/s), and wakes it.
@@ -101,9 +102,7 @@ impl World {
     /// The handle is not a body of this world; the body is static; the velocity is not finite or above 1e4 rad/s.
     pub fn set_angular_velocity(&mut self, body: BodyId, velocity: Vec3) -> Result<()> {
         checked_velocity("angular_velocity", velocity, MAX_ANGULAR_SPEED)?;
-        let record = self.moving_body(body)?;
-        record.angular_velocity = velocity;
-        self.velocity_changed(body)
+        self.change_velocities(body, |record| record.angular_velocity = velocity)
     }
 
     /// Moves a kinematic body so that it has this pose at the end of the next step.
@@ -117,7 +116,18 @@ impl World {
         if self.bodies[index].kind != BodyKind::Kinematic {
             return Err(Error::new(ErrorKind::NotApplicable, "body", "only kinematic bodies are moved by target"));
         }
-        self.bodies[index].target = Some(target);
+        let record = &mut self.bodies[index];
+        let at = record.pose();
+        if at.position == target.position && (at.rotation == target.rotation || at.rotation == -target.rotation) {
+            // It stands, and what lies on it may sleep: a velocity that it has ends as the next step begins.
+            (record.target, record.driven) = (None, true);
+            return Ok(());
+        }
+        let stood = !record.is_mover();
+        record.target = Some(target);
+        if stood {
+            self.wake_for(Edited::Body(index));
+        }
         self.note_mover(index);
         Ok(())
     }
@@ -206,29 +216,30 @@ impl World {
     fn change(&mut self, body: BodyId, edit: impl FnOnce(&mut Body)) -> Result<()> {
         let index = self.bodies.find(body)?;
         edit(&mut self.bodies[index]);
-        self.wake_body(index);
+        self.wake_for(Edited::Body(index));
         Ok(())
     }
 
-    fn moving_body(&mut self, body: BodyId) -> Result<&mut Body> {
-        let index = self.bodies.find(body)?;
-        if self.bodies[index].kind == BodyKind::Static {
-            return Err(Error::new(ErrorKind::NotApplicable, "body", "static bodies have no velocity"));
-        }
-        Ok(&mut self.bodies[index])
-    }
-
-    fn velocity_changed(&mut self, body: BodyId) -> Result<()> {
+    /// Gives a body other velocities and wakes what they may move. A kinematic body that moves already has nothing asleep on it.
+    fn change_velocities(&mut self, body: BodyId, edit: impl FnOnce(&mut Body)) -> Result<()> {
         let index = self.bodies.find(body)?;
         let record = &mut self.bodies[index];
+        if record.kind == BodyKind::Static {
+            return Err(Error::new(ErrorKind::NotApplicable, "body", "static bodies have no velocity"));
+        }
+        let stood = !record.is_mover();
+        edit(record);
         record.driven = false;
+        if record.acts_as() == BodyKind::Dynamic || (stood && record.is_mover()) {
+            self.wake_for(Edited::Body(index));
+        }
+        let record = &mut self.bodies[index];
         if std::mem::take(&mut record.quarantined) {
             self.topology_changed();
             self.long_range.graph_changed();
             self.welds_changed(index);
         }
         self.keep_anchored(index);
-        self.wake_body(index);
         self.note_mover(index);
         Ok(())
     }
@@ -309,6 +320,8 @@ impl World {
             }
             self.center_changed(index);
         }
-        self.wake_body(index);
+        if self.bodies[index].is_dynamic() {
+            self.wake_for(Edited::Body(index));
+        }
     }
 }

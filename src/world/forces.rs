@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::World;
 use super::unions::Anchor;
+use super::wake::Edited;
 use crate::body::{Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, checked_velocity};
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
@@ -86,7 +87,7 @@ impl World {
         if !self.bodies[index].is_free() {
             self.unions.pushed.push(index);
         }
-        self.wake_body(index);
+        self.wake_for(Edited::Body(index));
         Ok(())
     }
 
@@ -106,7 +107,7 @@ impl World {
         if !is_felt {
             self.keep_anchored(index);
         }
-        self.wake_body(index);
+        self.wake_for(Edited::Body(index));
         Ok(())
     }
 }

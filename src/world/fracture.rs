@@ -15,6 +15,7 @@ use glam::{DVec3, Quat, Vec3};
 use super::World;
 use super::union_loads::halfway;
 use super::unions::Anchor;
+use super::wake::Edited;
 use crate::body::SleepState;
 use crate::fracture::strain::Judgement;
 use crate::fracture::{BreakCause, JointBreak, JointLoad, Piece, Split, Strength};
@@ -79,10 +80,10 @@ impl World {
         let asked = std::mem::take(&mut self.fracture.asked);
         for &id in &asked {
             let Ok(slot) = self.joints.find(id) else { continue };
-            for body in self.joints[slot].bodies.into_iter().flatten() {
-                if !self.bodies[body].is_awake() || self.bodies[body].held {
-                    self.wake_body(body);
-                }
+            // Where the server broke the joint, its bodies were awake, and nothing but the break has changed them.
+            let rests = |body: u32| !self.bodies[body].is_awake() || self.bodies[body].held;
+            if self.joints[slot].bodies.into_iter().flatten().any(rests) {
+                self.wake_for(Edited::Joint(slot));
             }
         }
         self.fracture.asked = asked;
@@ -301,10 +302,11 @@ impl World {
             if let Some(strain) = &mut joint.strain {
                 strain.note(&joint.def.strength, &load, dt);
                 self.report.counts.joints_condemned += u32::from(strain.condemned);
-                // What wears out goes on wearing.
-                if joint.def.strength.damage.is_some_and(|damage| judgement.share > damage.from) {
+                // What wears out goes on wearing, and a load above a limit has its window to last for.
+                let wears = joint.def.strength.damage.is_some_and(|damage| judgement.share > damage.from);
+                if wears || joint.def.strength.share(&load).0 > 1.0 {
                     for body in joint.bodies.into_iter().flatten() {
-                        if let SleepState::Awake { quiet_for } = &mut self.bodies[body].sleep {
+                        if let SleepState::Awake { quiet_for, .. } = &mut self.bodies[body].sleep {
                             *quiet_for = 0.0;
                         }
                     }

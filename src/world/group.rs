@@ -1,4 +1,4 @@
-//! Stages that wake what is touched and sort bodies, contacts and joints into islands, and islands into batches.
+//! Stages that sort bodies, contacts and joints into islands, and islands into batches.
 
 use super::World;
 use super::unions::Anchor;
@@ -86,6 +86,12 @@ impl Groups {
     pub(super) fn islands(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|range| &self.members[range[0] as usize..range[1] as usize])
     }
+
+    /// Members of the island of this number.
+    pub(super) fn members_of(&self, island: u32) -> Option<&[u32]> {
+        let range = self.starts.get(island as usize..island as usize + 2)?;
+        Some(&self.members[range[0] as usize..range[1] as usize])
+    }
 }
 
 impl Groups {
@@ -138,39 +144,6 @@ impl World {
         let &(batch, slot) = self.groups.place.get(body as usize)?;
         let batch = self.batches[..self.batch_count].get(batch as usize)?;
         (batch.bodies.get(slot as usize) == Some(&body)).then_some((batch, slot as usize))
-    }
-
-    /// Wakes sleeping islands that something awake may touch in this step.
-    pub(super) fn wake_what_is_touched(&mut self) {
-        self.pairs.settle();
-        if self.sleeping.body_count() == 0 {
-            return self.settle_movers();
-        }
-        let mut slots = std::mem::take(&mut self.scratch.slots);
-        slots.clear();
-        for &(key, slot) in self.pairs.active() {
-            if !self.pairs.get(slot).may_touch {
-                continue;
-            }
-            let (a, b) = key.shapes();
-            for body in [self.colliders[a].body, self.colliders[b].body] {
-                if self.bodies[body].is_free() && !self.bodies[body].is_awake() {
-                    slots.push(body);
-                }
-            }
-        }
-        for &body in &slots {
-            self.wake_body(body);
-        }
-        let has_woken = !slots.is_empty();
-        self.scratch.slots = slots;
-        self.settle_movers();
-        if has_woken {
-            // Pairs that have woken are solved in this step.
-            self.pairs.settle();
-            self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
-            self.touches.outdate();
-        }
     }
 
     /// Sorts everything awake into islands and batches.

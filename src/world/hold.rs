@@ -103,7 +103,9 @@ impl World {
             hold.let_go |= !is_held && members.iter().any(|&index| census.of(index).is_held() && !hold.units.members.has(index));
             let calm_for = known().map(|known| known.calm_for).min().unwrap_or(0);
             let is_due = calm_for == u8::MAX || (calm_for > 0 && calm_for % CALM_STEPS == 0);
-            let is_candidate = !is_held && is_due && !known().any(Known::is_jointed);
+            let may_be_candidate = !is_held && is_due && !known().any(Known::is_jointed);
+            // What is embedded comes out without a velocity.
+            let is_candidate = may_be_candidate && !members.iter().any(|&index| self.creeps(index));
             hold.islands.push(is_held);
             hold.candidates.push(is_candidate);
             any |= is_candidate;

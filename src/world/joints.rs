@@ -3,6 +3,7 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::World;
+use super::wake::Edited;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId};
 use crate::joint::{Joint, JointAxisState, JointDef, JointKind, JointState, Softness};
@@ -32,8 +33,8 @@ impl World {
             self.bodies[index].joints.push(id);
             // What moved without the joint says nothing about how it will move with it.
             self.bodies[index].history.forget();
-            self.wake_body(index);
         }
+        self.wake_for(Edited::Joint(slot));
         if let ([Some(a), Some(b)], false) = (bodies, def.collide_connected) {
             self.drop_pairs_between(a, b);
         }
@@ -56,6 +57,7 @@ impl World {
     /// Takes a joint out and wakes its bodies.
     pub(super) fn remove_joint(&mut self, slot: u32) {
         self.joint_changed(slot);
+        self.wake_for(Edited::Joint(slot));
         let (joint, bodies) = (self.joints.handle_of(slot), self.joints[slot].bodies);
         self.joints.remove(slot);
         self.fracture.joints_changed();
@@ -64,7 +66,6 @@ impl World {
         for index in bodies.into_iter().flatten() {
             self.bodies[index].joints.retain(|&other| other != joint);
             self.bodies[index].history.forget();
-            self.wake_body(index);
             // The two may collide from now on.
             for &id in &self.bodies[index].shapes {
                 if let Ok(shape) = self.colliders.find(id) {
@@ -136,8 +137,11 @@ impl World {
     pub fn set_joint_break(&mut self, joint: JointId, force: f32, torque: f32) -> Result<()> {
         let slot = self.joints.find(joint)?;
         let def = JointDef { break_force: force, break_torque: torque, ..self.joints[slot].def }.checked()?;
-        self.joints[slot].def = def;
-        self.limits_changed(slot);
+        if self.joints[slot].def != def {
+            self.joints[slot].def = def;
+            self.limits_changed(slot);
+            self.wake_for(Edited::Joint(slot));
+        }
         Ok(())
     }
 
@@ -148,9 +152,7 @@ impl World {
     /// The handle is not a joint of this world.
     pub fn set_joint_long_range(&mut self, joint: JointId, long_range: bool) -> Result<()> {
         let slot = self.joints.find(joint)?;
-        if self.joints[slot].def.long_range != long_range {
-            self.change_joint(slot, |def| def.long_range = long_range);
-        }
+        self.change_joint(slot, |def| def.long_range = long_range);
         Ok(())
     }
 
@@ -160,9 +162,7 @@ impl World {
     /// The handle is not a joint of this world.
     pub fn set_joint_solver(&mut self, joint: JointId, solver: Solver) -> Result<()> {
         let slot = self.joints.find(joint)?;
-        if self.joints[slot].def.solver != solver {
-            self.change_joint(slot, |def| def.solver = solver);
-        }
+        self.change_joint(slot, |def| def.solver = solver);
         Ok(())
     }
 
@@ -239,24 +239,26 @@ impl World {
             self.joints[slot].def = def;
             self.groups.joint_changed(slot, &self.joints[slot]);
             self.topology_changed();
-            for index in self.joints[slot].bodies.into_iter().flatten() {
-                self.wake_body(index);
-            }
+            self.wake_for(Edited::Joint(slot));
         }
     }
 
+    /// Gives a joint another definition and wakes its bodies. One that is as it was changes nothing: a host may set a target in every step.
     pub(super) fn change_joint(&mut self, slot: u32, edit: impl FnOnce(&mut JointDef)) {
-        self.joint_changed(slot);
         let before = self.joints[slot].def;
-        edit(&mut self.joints[slot].def);
+        let mut def = before;
+        edit(&mut def);
+        if def == before {
+            return;
+        }
+        self.joint_changed(slot);
+        self.joints[slot].def = def;
         self.note_drive(slot, &before);
         self.groups.joint_changed(slot, &self.joints[slot]);
         self.joint_changed(slot);
         self.topology_changed();
         self.long_range.graph_changed();
-        for index in self.joints[slot].bodies.into_iter().flatten() {
-            self.wake_body(index);
-        }
+        self.wake_for(Edited::Joint(slot));
     }
 
     /// Starts all joints of a body from nothing, as after a teleport.

@@ -4,6 +4,7 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::World;
 use super::unions::Unions;
+use super::wake::Edited;
 use crate::body::{Body, LockedAxes};
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId, Pool};
@@ -291,9 +292,7 @@ impl World {
         self.long_range.graph_changed();
         for slot in slots {
             self.joint_changed(slot);
-            for body in self.joints[slot].bodies.into_iter().flatten() {
-                self.wake_body(body);
-            }
+            self.wake_for(Edited::Joint(slot));
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::World;
+use super::wake::Edited;
 use crate::body::BodyKind;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId, ShapeId};
@@ -41,14 +42,13 @@ impl World {
         } else {
             None
         };
-        self.wake_body(index);
-        self.wake_around(index);
+        self.wake_for(Edited::Place(index));
         self.forget_contacts_of(index);
         self.colliders[slot].redefine(&def, self.bodies[index].local_center);
         self.sensing.note(slot, def.sensor);
         self.apply_mass(index, mass);
         self.refresh_boxes(index);
-        self.wake_around(index);
+        self.wake_for(Edited::Place(index));
         self.note_mover(index);
         Ok(())
     }
@@ -72,8 +72,7 @@ impl World {
             self.check_joints_without(index)?;
             None
         };
-        self.wake_body(index);
-        self.wake_around(index);
+        self.wake_for(Edited::Place(index));
         self.forget_contacts_of(index);
         self.forget_joints_of(index);
         let record = &mut self.bodies[index];
@@ -98,7 +97,7 @@ impl World {
             }
         }
         self.refresh_boxes(index);
-        self.wake_around(index);
+        self.wake_for(Edited::Place(index));
         self.note_mover(index);
         self.movers_sorted = false;
         Ok(())

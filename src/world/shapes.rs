@@ -4,6 +4,7 @@ use parry3d::bounding_volume::BoundingVolume;
 
 use super::World;
 use super::pairs::contact_pair;
+use super::wake::Edited;
 use crate::body::BodyKind;
 use crate::collide::broad::still_near;
 use crate::collide::collider::{Collider, own_margin};
@@ -32,7 +33,7 @@ impl World {
         };
         let id = self.add_collider(index, &def)?;
         self.apply_mass(index, mass);
-        self.wake_around_shape(id);
+        self.wake_for(Edited::Shape(id));
         self.note_mover(index);
         Ok(id)
     }
@@ -51,7 +52,7 @@ impl World {
         } else {
             None
         };
-        self.wake_around_shape(shape);
+        self.wake_for(Edited::Shape(shape));
         self.remove_collider(slot);
         self.apply_mass(index, mass);
         Ok(())
@@ -64,9 +65,7 @@ impl World {
     pub fn set_material(&mut self, shape: ShapeId, material: Material) -> Result<()> {
         material.check()?;
         let slot = self.colliders.find(shape)?;
-        let body = self.colliders[slot].body;
-        self.wake_body(body);
-        self.wake_around(body);
+        self.wake_for(Edited::Shape(shape));
         self.colliders[slot].material = material;
         Ok(())
     }
@@ -77,9 +76,7 @@ impl World {
     /// The handle is not a shape of this world.
     pub fn set_filter(&mut self, shape: ShapeId, filter: CollisionFilter) -> Result<()> {
         let slot = self.colliders.find(shape)?;
-        let body = self.colliders[slot].body;
-        self.wake_body(body);
-        self.wake_around(body);
+        self.wake_for(Edited::Shape(shape));
         self.colliders[slot].filter = filter;
         self.drop_pairs_of_shape(slot);
         self.broad.revisit(slot);

@@ -1,6 +1,8 @@
-//! Sleep and wake: whole islands, with the pairs between their bodies.
+//! Sleep: whole islands, with the pairs between their bodies.
 
 use super::World;
+use super::drift::{WATCHED_AGAIN, quiet_after};
+use super::wake::Edited;
 use crate::body::{BodyKind, SleepState};
 use crate::collide::broad::still_near;
 use crate::collide::cache::Fate;
@@ -25,7 +27,7 @@ impl World {
     /// The handle is not a body of this world.
     pub fn wake(&mut self, body: BodyId) -> Result<()> {
         let index = self.bodies.find(body)?;
-        self.wake_body(index);
+        self.wake_for(Edited::Body(index));
         Ok(())
     }
 
@@ -54,74 +56,6 @@ impl World {
         Ok(())
     }
 
-    /// Wakes the island of a body, or starts its time of quiet anew.
-    pub(super) fn wake_body(&mut self, index: u32) {
-        match self.bodies[index].sleep {
-            SleepState::Awake { .. } => {
-                self.bodies[index].sleep = SleepState::Awake { quiet_for: 0.0 };
-                self.release(index);
-            }
-            SleepState::Asleep { island } => {
-                let island = self.sleeping.take(island);
-                for &member in &island.bodies {
-                    let body = &mut self.bodies[member];
-                    body.sleep = SleepState::Awake { quiet_for: 0.0 };
-                    (body.held, body.calm_for, body.smooth_for, body.woke) = (false, 0, 0, true);
-                    for &id in &body.shapes {
-                        if let Ok(shape) = self.colliders.find(id) {
-                            self.broad.revisit(shape);
-                        }
-                    }
-                }
-                self.movers.extend_from_slice(&island.bodies);
-                self.movers_sorted = false;
-                let Self { pairs, colliders, .. } = self;
-                pairs.activate_kept(&island.pairs, |key| is_whole(colliders, key));
-            }
-        }
-        if self.bodies[index].is_mover() {
-            self.movers.push(index);
-            self.movers_sorted = false;
-        }
-    }
-
-    pub(super) fn wake_all(&mut self) {
-        let asleep: Vec<u32> = self.bodies.iter().filter(|(_, body)| !body.is_awake()).map(|(index, _)| index).collect();
-        for index in asleep {
-            self.wake_body(index);
-        }
-    }
-
-    /// Wakes, or no longer holds, everything whose box meets that of a shape of this body.
-    pub(super) fn wake_around(&mut self, index: u32) {
-        self.wake_near(&self.bodies[index].shapes.clone());
-    }
-
-    /// The same for one shape of a body.
-    pub(super) fn wake_around_shape(&mut self, shape: ShapeId) {
-        self.wake_near(&[shape]);
-    }
-
-    fn wake_near(&mut self, shapes: &[ShapeId]) {
-        let mut near = Vec::new();
-        for &id in shapes {
-            if let Ok(shape) = self.colliders.find(id)
-                && let Some(region) = self.colliders[shape].fat_box
-            {
-                near.extend(self.broad.overlapping(&region).map(|other| self.colliders[other].body));
-            }
-        }
-        near.sort_unstable();
-        near.dedup();
-        for other in near {
-            if self.bodies[other].is_awake() {
-                self.release(other);
-            } else {
-                self.wake_body(other);
-            }
-        }
-    }
-
     /// Drops from the list of movers what no longer moves, and sorts it.
     pub(super) fn settle_movers(&mut self) {
         if self.movers_sorted {
@@ -144,29 +78,46 @@ impl World {
         if !self.def.sleep.enabled {
             return;
         }
-        let mut sleepy = Vec::new();
         let limits = self.def.sleep;
-        let Self { groups, bodies, .. } = self;
-        for members in groups.islands() {
+        let mut sleepy = std::mem::take(&mut self.scratch.slots);
+        sleepy.clear();
+        for (island, members) in self.groups.islands().enumerate() {
             let mut quiet = f32::INFINITY;
             for &index in members {
-                let body = &bodies[index];
-                let slow = body.linear_velocity.length() <= limits.linear_speed
-                    && body.angular_velocity.length() <= limits.angular_speed;
-                if let SleepState::Awake { quiet_for: before } = body.sleep {
-                    let quiet_for = if slow && body.can_sleep { before + dt } else { 0.0 };
-                    quiet = quiet.min(quiet_for);
-                    if quiet_for != before {
-                        bodies[index].sleep = SleepState::Awake { quiet_for };
-                    }
+                let (quiet_for, drift) =
+                    quiet_after(&self.bodies[index], self.index.contact_force(index) != glam::Vec3::ZERO, &limits, dt);
+                quiet = quiet.min(quiet_for);
+                let now = SleepState::Awake { quiet_for, drift };
+                if self.bodies[index].sleep != now {
+                    self.bodies[index].sleep = now;
                 }
             }
             if quiet >= limits.time && !members.is_empty() {
-                sleepy.push(members.to_vec());
+                sleepy.push(island as u32);
             }
         }
-        sleepy.retain(|members| !self.rests_on_a_mover(members));
-        self.put_islands_to_sleep(sleepy);
+        sleepy.retain(|&island| self.is_at_rest(island));
+        let islands = sleepy.iter().filter_map(|&island| self.groups.members_of(island)).map(<[u32]>::to_vec).collect();
+        self.scratch.slots = sleepy;
+        self.put_islands_to_sleep(islands);
+    }
+
+    /// Whether an island that has been quiet for long enough is at rest; where it goes somewhere, it is watched anew before it is asked again.
+    fn is_at_rest(&mut self, island: u32) -> bool {
+        let Some(members) = self.groups.members_of(island) else { return false };
+        let quiet = |&index: &u32| match self.bodies[index].sleep {
+            SleepState::Awake { quiet_for, .. } => quiet_for,
+            SleepState::Asleep { .. } => f32::INFINITY,
+        };
+        let quiet_for = members.iter().map(quiet).fold(f32::INFINITY, f32::min);
+        // As if it had been watched for ever, and as it was: springs may want it to be watched for longer.
+        if !self.goes_somewhere(members, f32::INFINITY) && !self.rests_on_a_mover(members) {
+            return !self.goes_somewhere(members, quiet_for);
+        }
+        if let SleepState::Awake { quiet_for, .. } = &mut self.bodies[members[0]].sleep {
+            *quiet_for = WATCHED_AGAIN * self.def.sleep.time;
+        }
+        false
     }
 
     /// Whether a kinematic body that moves touches or holds one of these bodies.
@@ -199,7 +150,8 @@ impl World {
                 body.angular_velocity = glam::Vec3::ZERO;
                 body.history.forget_lead();
             }
-            let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new() });
+            let gap = self.gap_of_island(&members);
+            let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new(), gap });
             for &index in &members {
                 self.bodies[index].sleep = SleepState::Asleep { island: number };
             }

@@ -159,7 +159,7 @@ impl World {
         let asleep: Vec<u32> = sleeping.pairs().filter(is_whole).collect();
         contacts::write(&mut tables, (pairs, asleep.into_iter()), colliders, |_| true);
         let island = |island: &Option<SleepingIsland>| {
-            island.as_ref().map(|SleepingIsland { bodies, pairs }| IslandRow {
+            island.as_ref().map(|SleepingIsland { bodies, pairs, .. }| IslandRow {
                 bodies: Runs(bodies.clone()),
                 pairs: pairs.iter().filter(|slot| is_whole(slot)).count() as u32,
             })
@@ -207,6 +207,9 @@ impl World {
         self.report = report;
         self.index = Index::of(self.colliders.slot_count(), self.colliders.iter().map(|(slot, collider)| (slot, collider.body)));
         self.add_up_contact_forces();
+        let mut sleeping = std::mem::take(&mut self.sleeping);
+        sleeping.set_gaps(|members| self.gap_of_island(members));
+        self.sleeping = sleeping;
         self.hold.units.held = row.held_units;
         self.broken.clear();
         self.batch_count = 0;
@@ -272,7 +275,7 @@ impl Image {
                 Some(IslandRow { bodies, pairs }) => {
                     let slots = next..next.checked_add(pairs)?;
                     next = slots.end;
-                    Some(SleepingIsland { bodies: bodies.0, pairs: slots.collect() })
+                    Some(SleepingIsland { bodies: bodies.0, pairs: slots.collect(), gap: 0.0 })
                 }
             });
         }

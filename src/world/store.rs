@@ -72,6 +72,7 @@ impl World {
         self.finish_kinematic_bodies(dt);
         self.carry_anchored();
         self.report.counts.bodies_asleep = self.sleeping.body_count() as u32;
+        self.report.residuals.joint_gap = self.report.residuals.joint_gap.max(self.sleeping.worst_gap());
     }
 
     fn store_contacts(&mut self, number: usize, dt: f32) {

@@ -17,6 +17,7 @@ use glam::{DQuat, Quat, Vec3};
 
 use super::World;
 use super::union_loads::wants_load;
+use super::wake::Edited;
 use crate::body::{Anchored, Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::id::{Pool, ShapeId};
@@ -299,7 +300,7 @@ impl World {
         if body.anchored == anchored {
             return;
         }
-        self.wake_body(index);
+        self.wake_for(Edited::Body(index));
         let body = &mut self.bodies[index];
         body.anchored = anchored;
         if anchored != Anchored::No {
@@ -310,7 +311,7 @@ impl World {
             (body.held, body.calm_for) = (false, 0);
         }
         self.movers_sorted = false;
-        self.wake_around(index);
+        self.wake_for(Edited::Place(index));
         self.note_mover(index);
         self.topology_changed();
     }

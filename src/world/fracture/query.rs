@@ -5,6 +5,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::fracture::{FractureSettings, JointBreak, JointLoad, JointStress, Piece, Split, Strength};
 use crate::id::{JointId, in_world};
 use crate::world::World;
+use crate::world::wake::Edited;
 
 impl World {
     /// Sets what a joint bears before it breaks; what it has borne so far is kept while it can break.
@@ -15,6 +16,9 @@ impl World {
         strength.check()?;
         let slot = self.joints.find(joint)?;
         let record = &mut self.joints[slot];
+        if record.def.strength == strength {
+            return Ok(());
+        }
         record.def.strength = strength;
         record.strain = match record.strain.take() {
             kept if strength.can_break() => kept.or_else(|| Some(Box::default())),
@@ -22,16 +26,21 @@ impl World {
         };
         self.fracture.joints_changed();
         self.limits_changed(slot);
+        // What bears more than that already breaks in the next step.
+        self.wake_for(Edited::Joint(slot));
         Ok(())
     }
 
-    /// Sets whether and how fast joints break.
+    /// Sets whether and how fast joints break, and wakes everything: what bears too much already may break now.
     ///
     /// # Errors
     /// The budget is zero.
     pub fn set_fracture_settings(&mut self, settings: FractureSettings) -> Result<()> {
         settings.check()?;
-        self.def.fracture = settings;
+        if self.def.fracture != settings {
+            self.def.fracture = settings;
+            self.wake_all();
+        }
         Ok(())
     }
 

@@ -4,16 +4,18 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use crate::body::Body;
+use crate::body::{Body, SleepState};
 use crate::collide::collider::Collider;
 use crate::id::{BodyId, Pool, ShapeId, Slot};
 use crate::prefetch::{AHEAD, prefetch};
+use crate::settings::SleepSettings;
 use crate::solve::batch::Batch;
 use crate::solve::direct::history::History;
 use crate::solve::shared::{Divided, Part, Slots};
 use crate::solve::state::WORLD_SLOT;
 use crate::span::union::UnionMotion;
 use crate::world::World;
+use crate::world::drift::is_slow;
 use crate::world::fast::Path;
 use crate::world::stride::Smoothness;
 use crate::world::unions::{Anchor, Unions};
@@ -45,6 +47,9 @@ struct Moves<'a> {
     /// Of bodies without joints and with joints.
     calm_speeds: [f32; 2],
     smoothness: Smoothness,
+    /// When bodies are quiet, where they may sleep or be held, and the length of the step (s).
+    sleep: Option<SleepSettings>,
+    dt: f32,
     has_joints: bool,
     may_stride: bool,
     some_are_fast: bool,
@@ -92,6 +97,7 @@ impl Records<'_> {
 impl World {
     pub(super) fn store_bodies(&mut self, number: usize, dt: f32) {
         let (calm_speeds, smoothness) = (self.calm_speeds(dt), self.smoothness(dt));
+        let sleep = Some(self.def.sleep).filter(|sleep| sleep.enabled || self.def.hold);
         let Self {
             batches, bodies, colliders, joints, unions, index, scratch, has_smooth_bodies, broken, census, threads, ..
         } = self;
@@ -99,7 +105,7 @@ impl World {
         let batch = &batches[number];
         let may_stride = batch.direct.sweeps_blocks() || batch.sheet.is_one();
         let (has_joints, some_are_fast) = (joints.len() > 0, census.some_are_fast());
-        let moves = Moves { number, batch, unions, calm_speeds, smoothness, has_joints, may_stride, some_are_fast };
+        let moves = Moves { number, batch, unions, calm_speeds, smoothness, sleep, dt, has_joints, may_stride, some_are_fast };
         let slots = batch.bodies.len();
         let is_shared = slots >= SHARED_SLOTS && threads.has_team();
         let piece = if is_shared { threads.piece(slots, LEAST_SLOTS) } else { slots };
@@ -186,6 +192,7 @@ impl Moves<'_> {
             // Of what has no joints always: what is solved beside it makes no difference.
             let may_be_smooth = if body.joints.is_empty() { has_joints } else { may_stride };
             let before = may_be_smooth.then_some([body.linear_velocity, body.angular_velocity]);
+            self.note_drift(body, &own);
             (body.center, body.rotation) = (own.center, own.rotation);
             (body.linear_velocity, body.angular_velocity) = (own.linear, own.angular);
             body.history.forget();
@@ -202,6 +209,19 @@ impl Moves<'_> {
         }
         if union.is_some() {
             noted.unions.push((index, to));
+        }
+    }
+}
+
+impl Moves<'_> {
+    /// Has the drift of a quiet body follow its pose.
+    fn note_drift(&self, body: &mut Body, own: &UnionMotion) {
+        if !self.sleep.is_some_and(|limits| is_slow(&limits, own.linear, own.angular)) {
+            return;
+        }
+        if let SleepState::Awake { quiet_for, drift } = &mut body.sleep {
+            let poses = ((body.center, body.rotation), (own.center, own.rotation));
+            drift.follow(poses, self.dt, *quiet_for == 0.0);
         }
     }
 }

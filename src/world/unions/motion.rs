@@ -9,6 +9,7 @@ use crate::span::union::matching::{Loose, fit_velocity};
 use crate::span::union::{UnionMotion, inertia_of};
 use crate::world::World;
 use crate::world::union_loads::wants_load;
+use crate::world::wake::Edited;
 
 impl World {
     /// Takes the members of a new free union as they are.
@@ -225,7 +226,7 @@ impl World {
         let members = self.unions.of(lead).map(|union| union.members.clone()).unwrap_or_default();
         for index in members {
             self.take_boxes_along(index);
-            self.wake_around(index);
+            self.wake_for(Edited::Place(index));
         }
     }
 

@@ -1,0 +1,178 @@
+//! Waking: whatever changes the motion or the load of something wakes what joints, contacts and unions connect to it.
+//!
+//! Every edit of a body, shape or joint goes through [`World::wake_for`]. Bodies that are free to move wake with their whole island, which
+//! holds all that touches them or is jointed to them. What is static, kinematic or welded to such a body is in no island, since many of
+//! them rest on it: an edit of it wakes all that is jointed to it or near it, with their islands, and goes no further.
+
+use super::World;
+use super::sleep::is_whole;
+use crate::body::{Anchored, BodyKind, SleepState};
+use crate::id::ShapeId;
+
+/// What an edit changes.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Edited {
+    /// How a body moves, or what loads it.
+    Body(u32),
+    /// Where a body is, or what it may touch. Said before the edit for what it leaves, and after it for what it meets.
+    Place(u32),
+    /// The form of a shape, or whether there is one. Said before or after the edit, as of a place.
+    Shape(ShapeId),
+    /// What a joint does to its bodies, or what it bears.
+    Joint(u32),
+}
+
+impl World {
+    /// Wakes whatever an edit may set in motion, and starts its time of quiet anew.
+    pub(super) fn wake_for(&mut self, edited: Edited) {
+        match edited {
+            Edited::Body(index) => {
+                self.wake_body(index);
+                if !self.is_in_island(index) {
+                    self.wake_around_hub(index);
+                }
+            }
+            Edited::Place(index) => {
+                self.wake_body(index);
+                if self.is_in_island(index) {
+                    self.wake_near(&self.bodies[index].shapes.clone());
+                } else {
+                    self.wake_around_hub(index);
+                }
+            }
+            Edited::Shape(shape) => {
+                if let Ok(slot) = self.colliders.find(shape) {
+                    self.wake_body(self.colliders[slot].body);
+                    self.wake_near(&[shape]);
+                }
+            }
+            Edited::Joint(slot) => {
+                for index in self.joints[slot].bodies.into_iter().flatten() {
+                    self.wake_body(index);
+                    // What hangs on a union bears on the joints inside it.
+                    if self.bodies[index].anchored != Anchored::No {
+                        self.wake_around_hub(index);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether all that touches a body or is jointed to it sleeps and wakes with it.
+    fn is_in_island(&self, index: u32) -> bool {
+        self.bodies[index].is_free() && !self.bodies[index].quarantined
+    }
+
+    /// Wakes what is jointed to a body that is in no island, or to what is welded to it, and what is near these.
+    fn wake_around_hub(&mut self, index: u32) {
+        let mut hubs = vec![index];
+        let is_anchored = |other: &u32| self.bodies[*other].anchored != Anchored::No;
+        let welded = self.jointed_to(index).filter(is_anchored).chain([index]);
+        hubs.extend(welded.filter_map(|other| self.unions.of(other)).flat_map(|union| union.members.iter().copied()));
+        hubs.sort_unstable();
+        hubs.dedup();
+        for hub in hubs {
+            for other in self.jointed_to(hub).collect::<Vec<_>>() {
+                self.wake_body(other);
+            }
+            self.wake_near(&self.bodies[hub].shapes.clone());
+        }
+    }
+
+    /// Bodies that joints connect to a body.
+    pub(super) fn jointed_to(&self, index: u32) -> impl Iterator<Item = u32> + '_ {
+        let joints = self.bodies[index].joints.iter().filter_map(|&id| self.joints.find(id).ok());
+        joints.flat_map(|slot| self.joints[slot].bodies).flatten().filter(move |&other| other != index)
+    }
+
+    /// Wakes the island of a body, or starts its time of quiet anew.
+    pub(super) fn wake_body(&mut self, index: u32) {
+        match self.bodies[index].sleep {
+            SleepState::Awake { .. } => {
+                self.bodies[index].sleep = SleepState::AWAKE;
+                self.release(index);
+            }
+            SleepState::Asleep { island } => {
+                let island = self.sleeping.take(island);
+                for &member in &island.bodies {
+                    let body = &mut self.bodies[member];
+                    body.sleep = SleepState::AWAKE;
+                    (body.held, body.calm_for, body.smooth_for, body.woke) = (false, 0, 0, true);
+                    for &id in &body.shapes {
+                        if let Ok(shape) = self.colliders.find(id) {
+                            self.broad.revisit(shape);
+                        }
+                    }
+                }
+                self.movers.extend_from_slice(&island.bodies);
+                self.movers_sorted = false;
+                let Self { pairs, colliders, .. } = self;
+                pairs.activate_kept(&island.pairs, |key| is_whole(colliders, key));
+            }
+        }
+        if self.bodies[index].is_mover() {
+            self.movers.push(index);
+            self.movers_sorted = false;
+        }
+    }
+
+    pub(super) fn wake_all(&mut self) {
+        let asleep: Vec<u32> = self.bodies.iter().filter(|(_, body)| !body.is_awake()).map(|(index, _)| index).collect();
+        for index in asleep {
+            self.wake_body(index);
+        }
+    }
+
+    /// Wakes everything dynamic whose box meets that of one of these shapes, unless that only senses.
+    fn wake_near(&mut self, shapes: &[ShapeId]) {
+        let mut near = Vec::new();
+        for &id in shapes {
+            if let Ok(shape) = self.colliders.find(id)
+                && !self.colliders[shape].sensor
+                && let Some(region) = self.colliders[shape].fat_box
+            {
+                near.extend(self.broad.overlapping(&region).map(|other| self.colliders[other].body));
+            }
+        }
+        near.sort_unstable();
+        near.dedup();
+        near.retain(|&other| self.bodies[other].is_dynamic());
+        for other in near {
+            self.wake_body(other);
+        }
+    }
+
+    /// Wakes sleeping islands that something awake may touch in this step, and those that hang on a kinematic body that moves.
+    pub(super) fn wake_what_is_touched(&mut self) {
+        self.pairs.settle();
+        if self.sleeping.body_count() == 0 {
+            return self.settle_movers();
+        }
+        let mut slots = std::mem::take(&mut self.scratch.slots);
+        slots.clear();
+        let sleeps = |body: u32| self.bodies[body].is_free() && !self.bodies[body].is_awake();
+        for &(key, slot) in self.pairs.active() {
+            if !self.pairs.get(slot).may_touch {
+                continue;
+            }
+            let (a, b) = key.shapes();
+            slots.extend([self.colliders[a].body, self.colliders[b].body].into_iter().filter(|&body| sleeps(body)));
+        }
+        let drives = |&&body: &&u32| self.bodies.get(body).is_some_and(|body| body.acts_as() == BodyKind::Kinematic);
+        if self.some_are_driven {
+            slots.extend(self.movers.iter().filter(drives).flat_map(|&body| self.jointed_to(body)).filter(|&body| sleeps(body)));
+        }
+        for &body in &slots {
+            self.wake_body(body);
+        }
+        let has_woken = !slots.is_empty();
+        self.scratch.slots = slots;
+        self.settle_movers();
+        if has_woken {
+            // Pairs that have woken are solved in this step.
+            self.pairs.settle();
+            self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
+            self.touches.outdate();
+        }
+    }
+}
