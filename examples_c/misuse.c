@@ -148,6 +148,10 @@ static void shapes_and_joints(LsWorld world, LsWorld other)
     expect(LS_ERROR_OUT_OF_RANGE, ls_joint_friction_set(world, joint, -1.0f), "negative friction");
     expect(LS_ERROR_NOT_FINITE, ls_joint_friction_set(world, joint, INFINITY), "infinite friction");
     expect(LS_ERROR_NULL_ARGUMENT, ls_joint_axis_friction_set(world, joint, NULL), "friction of axes is NULL");
+    expect(LS_ERROR_NULL_HANDLE, ls_joint_restitution_set(world, no_joint, 0.5f), "restitution of a null joint");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_joint_restitution_set(world, joint, -0.1f), "negative restitution of stops");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_joint_restitution_set(world, joint, 1.5f), "restitution of stops above 1");
+    expect(LS_ERROR_NOT_FINITE, ls_joint_restitution_set(world, joint, NAN), "restitution of stops that is not a number");
 
     expect(LS_ERROR_NULL_HANDLE, ls_joint_axis_state_get(world, no_joint, 0, &axis, sizeof axis), "axis of a null joint");
     expect(LS_ERROR_INVALID_HANDLE, ls_joint_axis_state_get(world, any_joint, 0, &axis, sizeof axis), "axis of an invented joint");

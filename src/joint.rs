@@ -18,6 +18,7 @@ use crate::fracture::Strength;
 use crate::fracture::strain::Strain;
 use crate::id::BodyId;
 use crate::joint_drive::JointDrive;
+use crate::joint_rebounds::Rebounds;
 use crate::pose::Pose;
 use crate::settings::Solver;
 
@@ -288,6 +289,8 @@ pub struct JointDef {
     pub friction: f32,
     /// Dry friction of a six-axis joint's axes, ≥ 0: along x, y and z (N), then about them (N·m). Other kinds have none.
     pub axis_friction: [f32; 6],
+    /// Restitution of its rigid stops, 0 to 1: the share of the speed at which one is met that it is left with.
+    pub restitution: f32,
     /// Force at which the joint is reported as overloaded (N), infinity for never.
     pub break_force: f32,
     /// Torque at which the joint is reported as overloaded (N·m), infinity for never.
@@ -319,6 +322,7 @@ impl JointDef {
             limit: Softness::RIGID,
             friction: 0.0,
             axis_friction: [0.0; 6],
+            restitution: 0.0,
             break_force: f32::INFINITY,
             break_torque: f32::INFINITY,
             strength: Strength::UNBREAKABLE,
@@ -357,6 +361,9 @@ impl JointDef {
         check::not_negative("friction", self.friction)?;
         for friction in self.axis_friction {
             check::not_negative("axis_friction", friction)?;
+        }
+        if check::not_negative("restitution", self.restitution)? > 1.0 {
+            return Err(Error::new(ErrorKind::OutOfRange, "restitution", "is greater than 1"));
         }
         check::bound("break_force", self.break_force)?;
         check::bound("break_torque", self.break_torque)?;
@@ -505,6 +512,8 @@ pub(crate) struct Joint {
     pub drive: Option<Box<JointDrive>>,
     /// What the motor of each axis did, mean over the last step (N, N·m).
     pub motors: [f32; 6],
+    /// At which speeds stops are to be left that were met in the last substep.
+    pub rebounds: Rebounds,
 }
 
 impl Joint {
@@ -522,6 +531,7 @@ impl Joint {
             pressed: 0,
             drive: None,
             motors: [0.0; 6],
+            rebounds: Rebounds::NONE,
         }
     }
 
@@ -557,6 +567,7 @@ impl Joint {
         self.torque = Vec3::ZERO;
         self.motors = [0.0; 6];
         self.acted = [Vec3::ZERO; 2];
+        self.rebounds = Rebounds::NONE;
         if let Some(strain) = &mut self.strain {
             strain.spans = Default::default();
         }

@@ -38,6 +38,7 @@ mod id;
 mod island;
 mod joint;
 mod joint_drive;
+mod joint_rebounds;
 mod long_range;
 mod mass;
 mod material;

@@ -271,3 +271,113 @@ fn a_world_with_a_rope_being_reeled_in_goes_on_from_a_snapshot_as_it_was() {
         }
     }
 }
+
+/// A joint whose stops give back this share of a speed.
+fn join_with(world: &mut World, stop: Stop, bodies: [BodyId; 2], way: f32, restitution: f32) {
+    let joint = stop.join(world, bodies, way);
+    world.set_joint_restitution(joint, restitution).expect("a share");
+}
+
+#[test]
+fn a_stop_with_restitution_is_left_at_its_share_of_the_speed_wherever_in_the_step_it_is_met() {
+    for (stop, restitution) in Stop::ALL.into_iter().flat_map(|stop| [0.25, 1.0].map(|restitution| (stop, restitution))) {
+        for (rate, solver) in RATES.into_iter().flat_map(|rate| SOLVERS.map(|solver| (rate, solver))) {
+            for phase in 0..3 {
+                let (dt, speed) = (1.0 / rate, 3.0);
+                let way = 0.5 + speed * dt * phase as f32 / 3.0;
+                let mut world = world(solver, 0.0);
+                let moved = body(&mut world, Vec3::ZERO, 2.0);
+                join_with(&mut world, stop, [BodyId::NULL, moved], way, restitution);
+                stop.start(&mut world, moved, speed);
+                steps(&mut world, dt, way / speed + 3.0 * dt);
+                let (left, expected) = (stop.speed(&world, moved), -restitution * speed);
+                let what = format!("{stop:?}, {solver:?}, {rate}/s, phase {phase}/3, restitution {restitution}");
+                assert!((left - expected).abs() < 0.01 * speed, "{what}: leaves at {left}, {expected} is its share, bound 1 %");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rebound_between_two_free_bodies_keeps_momentum_and_has_their_masses() {
+    for stop in Stop::ALL {
+        for (rate, solver) in RATES.into_iter().flat_map(|rate| SOLVERS.map(|solver| (rate, solver))) {
+            let mut world = world(solver, 0.0);
+            let [slow, fast] = [3.0, 1.0].map(|mass| body(&mut world, Vec3::ZERO, mass));
+            join_with(&mut world, stop, [slow, fast], 0.513, 0.5);
+            stop.start(&mut world, fast, 4.0);
+            steps(&mut world, 1.0 / rate, 0.3);
+            // They part at 2 /s, half of what they met at, about their common 1 /s.
+            for (moved, expected) in [(slow, 1.5), (fast, -0.5)] {
+                let speed = stop.speed(&world, moved);
+                assert!((speed - expected).abs() < 0.03, "{stop:?}, {solver:?}, {rate}/s: {speed} /s of {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rebound_moves_all_that_joints_hold_to_a_body() {
+    for rate in RATES {
+        let mut world = world(Solver::Auto, 0.0);
+        let light = body(&mut world, Vec3::ZERO, 0.1);
+        let heavy = body(&mut world, Vec3::X, 10.0);
+        join_with(&mut world, Stop::Slider, [BodyId::NULL, light], 0.513, 0.5);
+        let mut hold = JointDef::new(JointKind::Fixed, light, heavy).at(Vec3::X * 0.5, Vec3::X * -0.5);
+        hold.long_range = false;
+        world.create_joint(&hold).expect("a valid joint");
+        for moved in [light, heavy] {
+            Stop::Slider.start(&mut world, moved, 4.0);
+        }
+        steps(&mut world, 1.0 / rate, 0.3);
+        for moved in [light, heavy] {
+            let speed = Stop::Slider.speed(&world, moved);
+            assert!((speed + 2.0).abs() < 0.01, "{rate}/s: {speed} m/s, half of 4 m/s back");
+        }
+    }
+}
+
+#[test]
+fn what_falls_on_an_elastic_stop_comes_up_as_high_and_no_higher() {
+    for (rate, solver) in RATES.into_iter().flat_map(|rate| SOLVERS.map(|solver| (rate, solver))) {
+        let dt = 1.0 / rate;
+        let mut world = world(solver, 9.81);
+        let moved = body(&mut world, Vec3::ZERO, 2.0);
+        let up = Pose::IDENTITY.rotated(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+        let mut def = JointDef::new(Stop::Slider.kind(f32::INFINITY), BodyId::NULL, moved);
+        (def.frame_a, def.frame_b, def.restitution) = (up, up, 1.0);
+        if let JointKind::Prismatic { limits, .. } = &mut def.kind {
+            *limits = Limits::new(-1.0, f32::INFINITY);
+        }
+        world.create_joint(&def).expect("a valid joint");
+        // Four bounces of 2 √(2 h/g) = 0.903 s, the fourth at 3.16 s.
+        let (mut highest, mut last) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+        for step in 0..(4.0 * rate) as u32 {
+            world.step(dt).expect("a valid step");
+            let height = world.pose(moved).expect("it stays").position.y;
+            if step as f32 * dt > 0.5 {
+                highest = highest.max(height);
+            }
+            if step as f32 * dt > 3.2 {
+                last = last.max(height);
+            }
+        }
+        let what = format!("{solver:?}, {rate}/s");
+        assert!(highest < 0.005, "{what}: rises to {highest} m, dropped from 0");
+        // Sweeps move bodies by the speed at a substep's end, which takes v h of the height in each bounce, v = 4.4 m/s.
+        let bound = if solver == Solver::Auto { 0.05 } else { 0.05 + 4.0 * 4.43 / (4.0 * rate) };
+        assert!(last > -f64::from(bound), "{what}: rises to {last} m after four bounces, dropped from 0 m by 1 m, bound {bound}");
+    }
+}
+
+#[test]
+fn a_restitution_that_is_no_share_is_refused_by_name() {
+    let mut world = world(Solver::Auto, 0.0);
+    let moved = body(&mut world, Vec3::ZERO, 2.0);
+    let joint = Stop::Slider.join(&mut world, [BodyId::NULL, moved], 0.5);
+    for wrong in [-0.1, 1.1, f32::NAN, f32::INFINITY] {
+        let refused = world.set_joint_restitution(joint, wrong).expect_err("no share");
+        assert_eq!(refused.argument, "restitution", "{wrong}");
+        assert_eq!(world.joint_def(joint).expect("it stays").restitution, 0.0);
+    }
+}

@@ -232,6 +232,18 @@ pub unsafe extern "C" fn ls_joint_axis_friction_set(world: LsWorld, joint: LsJoi
     })
 }
 
+/// Sets the restitution of a joint's rigid stops, and wakes its bodies: LsJointDef.restitution, which ls_joint_def_get tells.
+///
+/// @param world        the world; any value is safe
+/// @param joint        a joint of that world; any value is safe
+/// @param restitution  0 to 1: a limit that is met at v is left at this share of v
+/// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+/// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+#[unsafe(no_mangle)]
+pub extern "C" fn ls_joint_restitution_set(world: LsWorld, joint: LsJoint, restitution: f32) -> LsResult {
+    call("ls_joint_restitution_set", || edit(world, |world| world.set_joint_restitution(joint.into(), restitution)))
+}
+
 /// Sets the load at which a joint is reported as overloaded.
 ///
 /// @param world         the world; any value is safe

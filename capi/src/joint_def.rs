@@ -184,8 +184,8 @@ pub struct LsJointDef {
     pub friction: f32,
     /// Generic: dry friction along x, y, z (N), then about them (N m), >= 0; default 0.
     pub axis_friction: [f32; 6],
-    /// Not used; 0.
-    pub reserved_last: u32,
+    /// Restitution of its rigid stops, 0 to 1: a limit that is met at v is left at this share of v; default 0.
+    pub restitution: f32,
     /// What more the motor of a hinge, prismatic or distance joint is told; default nothing.
     pub motor_drive: LsDrive,
     /// Generic: what more the motors of its axes are told, along x, y and z, then about them; default nothing.
@@ -233,7 +233,7 @@ impl Default for LsJointDef {
             reserved_too: 0,
             friction: 0.0,
             axis_friction: [0.0; 6],
-            reserved_last: 0,
+            restitution: 0.0,
             motor_drive: LsDrive::NONE,
             axis_drives: [LsDrive::NONE; 6],
         }
@@ -265,6 +265,7 @@ impl TryFrom<&LsJointDef> for JointDef {
             limit: def.limit.into(),
             friction: def.friction,
             axis_friction: def.axis_friction,
+            restitution: def.restitution,
             break_force: def.break_force,
             break_torque: def.break_torque,
             strength: def.strength.into(),
@@ -366,6 +367,7 @@ impl TryFrom<&JointDef> for LsJointDef {
             solver: enums::from_solver(def.solver),
             friction: def.friction,
             axis_friction: def.axis_friction,
+            restitution: def.restitution,
             ..Self::default()
         };
         c.set_kind(&def.kind)?;

@@ -904,8 +904,8 @@ typedef struct LsJointDef {
     float friction;
     /** Generic: dry friction along x, y, z (N), then about them (N m), >= 0; default 0. */
     float axis_friction[6];
-    /** Not used; 0. */
-    uint32_t reserved_last;
+    /** Restitution of its rigid stops, 0 to 1: a limit that is met at v is left at this share of v; default 0. */
+    float restitution;
     /** What more the motor of a hinge, prismatic or distance joint is told; default nothing. */
     struct LsDrive motor_drive;
     /** Generic: what more the motors of its axes are told, along x, y and z, then about them; default nothing. */
@@ -4112,6 +4112,17 @@ LsResult ls_joint_friction_set(LsWorld world, LsJoint joint, float friction);
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
 LsResult ls_joint_axis_friction_set(LsWorld world, LsJoint joint, const float friction[6]);
+
+/**
+ * Sets the restitution of a joint's rigid stops, and wakes its bodies: LsJointDef.restitution, which ls_joint_def_get tells.
+ *
+ * @param world        the world; any value is safe
+ * @param joint        a joint of that world; any value is safe
+ * @param restitution  0 to 1: a limit that is met at v is left at this share of v
+ * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
+ * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
+ */
+LsResult ls_joint_restitution_set(LsWorld world, LsJoint joint, float restitution);
 
 /**
  * Sets the load at which a joint is reported as overloaded.

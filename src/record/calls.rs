@@ -139,4 +139,5 @@ recorded! {
     50 set_joint_solver(val joint: JointId, val solver: Solver) -> ();
     51 set_joint_friction(val joint: JointId, val friction: f32) -> ();
     52 set_joint_axis_friction(val joint: JointId, val friction: [f32; 6]) -> ();
+    53 set_joint_restitution(val joint: JointId, val restitution: f32) -> ();
 }

@@ -16,6 +16,7 @@ use crate::fracture::{Damage, FractureSettings, Strength};
 use crate::id::{JointId, Slot};
 use crate::joint::{Axis, Drive, ForceSide, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
 use crate::joint_drive::{DriveRates, JointDrive};
+use crate::joint_rebounds::Rebounds;
 use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
 use crate::material::{CombineRule, Material};
@@ -206,7 +207,8 @@ stored!(Collider {
 stored!(Material { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule });
 stored!(CollisionFilter { member_of, collides_with });
 
-stored!(Joint { def, bodies, impulses, angles, force, torque, acted, strain, pressed, drive, motors });
+stored!(Joint { def, bodies, impulses, angles, force, torque, acted, strain, pressed, drive, motors, rebounds });
+stored!(Rebounds { rows, speeds });
 stored!(JointDrive { stops, frames, found, carried, solved });
 stored!(DriveRates { stops, frames });
 stored!(Strain { spans, damage, condemned });
@@ -224,6 +226,7 @@ stored!(JointDef {
     limit,
     friction,
     axis_friction,
+    restitution,
     break_force,
     break_torque,
     strength,

@@ -130,6 +130,17 @@ impl World {
         Ok(())
     }
 
+    /// Sets the restitution of a joint's stops, as [`JointDef::restitution`], and wakes its bodies.
+    ///
+    /// # Errors
+    /// The handle is not a joint of this world; `restitution` is not within 0 … 1.
+    pub fn set_joint_restitution(&mut self, joint: JointId, restitution: f32) -> Result<()> {
+        let slot = self.joints.find(joint)?;
+        let def = JointDef { restitution, ..self.joints[slot].def }.checked()?;
+        self.take_friction(slot, def);
+        Ok(())
+    }
+
     /// Sets the force (N) and torque (N·m) above which a joint is reported as overloaded.
     ///
     /// # Errors
@@ -233,7 +244,7 @@ impl World {
         self.bodies.find(body).map(Some).map_err(|error| Error { argument, ..error })
     }
 
-    /// Where friction alone differs, neither bounds nor unions do: a brake may be set in every step.
+    /// Where friction or restitution alone differs, neither bounds nor unions do: a brake may be set in every step.
     fn take_friction(&mut self, slot: u32, def: JointDef) {
         if self.joints[slot].def != def {
             self.joints[slot].def = def;

@@ -350,6 +350,7 @@ impl Image {
             && joint.angles.iter().all(|angle| angle.is_finite())
             && joint.motors.iter().all(|force| force.is_finite())
             && joint.strain.is_some() == joint.def.strength.can_break()
+            && joint.rebounds.speeds.iter().all(|&speed| speed.is_finite() && speed >= 0.0)
             && joint.drive.as_ref().is_none_or(|drive| drive.is_finite())
             && joint.bodies.iter().flatten().any(|&body| self.bodies[body].is_dynamic())
     }

@@ -97,7 +97,7 @@ fn layouts() -> Vec<Layout> {
         LsJointDef {
             struct_size, kind, body_a, body_b, frame_a, frame_b, linear, angular, limit, limits, swing_limit, spring_length,
             has_spring, break_force, break_torque, collide_connected, user_word, motor, spherical_motor, linear_axes,
-            angular_axes, strength, long_range, reserved, solver, reserved_too, friction, axis_friction, reserved_last,
+            angular_axes, strength, long_range, reserved, solver, reserved_too, friction, axis_friction, restitution,
             motor_drive, axis_drives
         }
         LsStrength {

@@ -20,6 +20,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::body::DirectBody;
+use super::buckle;
 use super::contacts::Touch;
 use super::history::{History, SecondOrder, Surprise};
 use super::lasting::Lasting;
@@ -30,6 +31,7 @@ use super::single;
 use super::system::{System, Topology};
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
+use crate::joint_rebounds::Rebounds;
 use crate::report::ArticulationReport;
 use crate::solve::StepSettings;
 use crate::solve::joint::reach::FarStops;
@@ -133,6 +135,8 @@ pub(crate) struct Articulation {
     pub(super) implicit: Vec<f64>,
     pub(super) changes: Vec<Rate>,
     pub(super) tried: Vec<Stance>,
+    /// Stops that may be met in the substep, by row, and the speeds at which they are to be left then.
+    pub(super) approaches: Vec<(u32, f64)>,
     /// Where the bodies were before their positions were mended; empty where they have been left as they were.
     pub(super) reached: Vec<Stance>,
     /// Joints at the start of the step.
@@ -140,6 +144,8 @@ pub(crate) struct Articulation {
     /// Whether rows across the axes of its hinges carry what lies on them, and room for where its joints are (m).
     pub(super) carries_across: bool,
     pub(super) places: Vec<DVec3>,
+    /// Whether any of its stops gives back of the speed at which it is met.
+    pub(super) rebounds: bool,
     /// Whether any of its bodies is damped.
     pub(super) is_damped: bool,
     /// Whether a joint ties it to something that it does not move.
@@ -224,8 +230,11 @@ pub(super) struct SavedJoint {
     angles: [f64; 3],
     sums: [Vec3; 2],
     acted: [Vec3; 2],
+    rebounds: Rebounds,
     pressed: u32,
     motors: [f32; 6],
+    /// Rows that pressed then, as bits: what is guessed of impulses says nothing of that.
+    pub(super) pressing: u32,
 }
 
 impl Articulation {
@@ -245,6 +254,7 @@ impl Articulation {
         self.in_lockstep = false;
         self.is_damped = false;
         self.is_under_way = false;
+        self.rebounds = false;
         self.solves_left = 0;
         self.bodies.clear();
         self.origins.clear();
@@ -276,6 +286,7 @@ impl Articulation {
 
     /// Takes in a joint between bodies of these numbers.
     pub(super) fn add_joint(&mut self, entry: JointEntry, ends: [u32; 2]) {
+        self.rebounds |= entry.restitution > 0.0;
         self.entries.push(entry);
         self.ends.push(ends);
     }
@@ -441,9 +452,17 @@ impl Articulation {
             let energy = self.energy_to_keep();
             let mut momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
             let mut meets_stop = self.meets_stop(joints);
+            let knows_past = second_order;
             if meets_stop && second_order {
                 // The rates before a blow say nothing of those after it: extrapolated across it, they would throw the bodies back.
                 self.restore();
+                // What moved smoothly took few substeps, too long for one of first order.
+                let parts = (h / self.world_substep).round() as u32;
+                if parts > 1 {
+                    self.histories.fill(History::NONE);
+                    self.continues = None;
+                    return self.advance_in_parts(joints, h, parts, depth, before);
+                }
                 (self.order, second_order) = (SecondOrder::EULER, false);
                 momentum = self.substep(joints, h, Mode::Smooth);
                 meets_stop = self.meets_stop(joints);
@@ -454,28 +473,19 @@ impl Articulation {
                 && !self.touches.iter().any(Touch::presses)
                 && !energy.is_some_and(|energy| self.has_gained(energy))
             {
+                let approaches =
+                    if meets_stop && self.rebounds { self.approaches_at_start(joints, knows_past) } else { Vec::new() };
                 let error = self.project(joints, errors);
                 self.keep_momentum(momentum);
-                // What a substep of first order got wrong says nothing of the one after it.
-                if second_order && !self.after_first_order {
-                    self.surprise = self.surprise();
-                }
-                self.after_first_order = !second_order;
-                // A mended position is no way that the bodies have gone: extrapolated, it would have to be taken back by a blow.
-                let reached = if self.reached.is_empty() { &self.stances } else { &self.reached };
-                quads::note(&self.quads, h, &self.order, &self.began, (reached, &self.rates), &mut self.histories);
-                // As the histories hold it.
-                self.continues = Some(f64::from(h as f32));
+                self.note_smooth(h, second_order);
                 if meets_stop {
-                    self.resolve_impact(joints);
+                    self.resolve_impact(joints, &approaches);
                 }
                 if self.is_under_way || meets_stop {
                     // Neither a blow is what the bodies go on with, nor a motor that may brake in the next substep.
                     self.histories.fill(History::NONE);
                     self.continues = None;
                 }
-                let order = if second_order { &mut self.outcome.second_order } else { &mut self.outcome.first_order };
-                *order += 1;
                 return error;
             }
             self.mode = Mode::Safe;
@@ -490,8 +500,14 @@ impl Articulation {
             }
         }
         let before = before.unwrap_or_else(|| self.find_errors(joints).worst);
-        let momentum = self.substep(joints, h, Mode::Safe);
+        let mut momentum = self.substep(joints, h, Mode::Safe);
+        if self.is_jammed(h) && self.pay(buckle::SOLVES) {
+            self.restore();
+            self.bend_ahead(joints, h);
+            momentum = self.substep(joints, h, Mode::Safe);
+        }
         self.follow_angles(joints, h);
+        self.note_rebounds();
         let settled = self.system.settled || self.touches.is_empty();
         let errors = self.find_errors(joints);
         let error = self.project(joints, errors);
@@ -510,6 +526,22 @@ impl Articulation {
         self.outcome.halvings += 1;
         self.restore();
         self.advance_in_parts(joints, h, 2, depth + 1, Some(before))
+    }
+
+    /// Notes a smooth substep of length `h` (s) for those that follow it.
+    fn note_smooth(&mut self, h: f64, second_order: bool) {
+        // What a substep of first order got wrong says nothing of the one after it.
+        if second_order && !self.after_first_order {
+            self.surprise = self.surprise();
+        }
+        self.after_first_order = !second_order;
+        // A mended position is no way that the bodies have gone: extrapolated, it would have to be taken back by a blow.
+        let reached = if self.reached.is_empty() { &self.stances } else { &self.reached };
+        quads::note(&self.quads, h, &self.order, &self.began, (reached, &self.rates), &mut self.histories);
+        // As the histories hold it.
+        self.continues = Some(f64::from(h as f32));
+        let order = if second_order { &mut self.outcome.second_order } else { &mut self.outcome.first_order };
+        *order += 1;
     }
 
     /// Finds multipliers for a first substep that carries none: those of one taken on trial.
@@ -552,8 +584,10 @@ impl Articulation {
             angles: entry.angles,
             sums: [entry.linear_sum, entry.angular_sum],
             acted: entry.acted,
+            rebounds: entry.rebounds,
             pressed: entry.pressed,
             motors: entry.motors,
+            pressing: entry.impulses.pressing(),
         }));
         saved.touches.clone_from(&self.touches);
     }
@@ -569,6 +603,7 @@ impl Articulation {
             entry.angles = saved.angles;
             [entry.linear_sum, entry.angular_sum] = saved.sums;
             entry.acted = saved.acted;
+            entry.rebounds = saved.rebounds;
             entry.pressed = saved.pressed;
             entry.motors = saved.motors;
         }

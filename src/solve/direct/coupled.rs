@@ -78,6 +78,7 @@ impl Articulation {
         self.answer_contacts(velocities, motions, !has_answer);
         self.look_ahead(joints, motions, rest);
         self.ask(joints, Phase::Tangent { h });
+        self.list_approaches(h);
     }
 
     /// Applies the carried multipliers in place of the first of several solves, if there are any.
@@ -163,7 +164,7 @@ impl Articulation {
         }
         let Self { entries, system, rates, .. } = self;
         let work = |(entry, node): (&JointEntry, &Node)| {
-            let is_motor = |origin: Origin| matches!(origin, Origin::Scalar(id) if entry.motor_rows.axis(id).is_some());
+            let is_motor = |origin: Origin| matches!(origin, Origin::Scalar(id) if entry.motor_rows.axis(id).is_some() || entry.rebounds.of(id) > 0.0);
             let pair = node.bodies.map(|body| rates[body as usize]);
             let rows = system.rows[node.first as usize..node.last as usize].iter();
             rows.filter(|row| row.gamma > 0.0 || is_motor(row.origin)).map(|row| row.impulse * row.rate(&pair)).sum::<f64>()
@@ -175,6 +176,7 @@ impl Articulation {
     /// Keeps the multipliers of a substep. Rows that may last keep them themselves, and what they add up to.
     fn keep_swept_impulses(&mut self) {
         self.outcome.safe += 1;
+        self.note_rebounds();
         if self.is_points {
             return self.keep_impulses(1.0);
         }

@@ -11,6 +11,11 @@
 //! with the bodies' own masses M: nothing has turned in no time, so that no geometric stiffness takes part. The impulse is the one that the
 //! effective mass of the whole articulation gives; momentum is kept, and kinetic energy can only fall (v⁺ is the projection of v on what
 //! is allowed, in the metric of M).
+//!
+//! **Restitution.** Stops that give back e of the speed v⁻ at which they were met ([`rebound`](crate::solve::joint::rebound)) are then asked for
+//! J v ≥ e v⁻, once more with all else that holds or presses. For one e that is Poisson's rule: what stopped the bodies acts once more by the
+//! share e, so that no energy comes of it. Where several stops with different e are met at once it may: then as much of it acts as
+//! energy allows.
 
 use glam::{DMat3, DVec3};
 
@@ -20,17 +25,30 @@ use super::row::{Origin, State};
 use super::single;
 use super::system::PASSES;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
-use crate::solve::joint::rows::Phase;
+use crate::joint::{Joint, JointImpulses};
+use crate::joint_rebounds::Rebounds;
+use crate::solve::joint::geometry::JointGeometry;
+use crate::solve::joint::kinds::{self, RowSink};
+use crate::solve::joint::motor::Answer;
+use crate::solve::joint::rows::{Phase, Rate, RowRates};
+use crate::solve::joint::{Stance, rebound};
+use crate::solve::rotation;
 
-/// Multiplier of a stop that presses although nothing is known of its load: the blow that met it says nothing of that (N·s, N·m·s).
-const PRESSES: f32 = f32::MIN_POSITIVE;
+/// Length of a substep (s) over which what is left of a gap asks for no speed. What the host moves of a joint asks for its own.
+const LONG: f64 = 1.0e9;
+
+/// Of what stops give back where that is more energy than there was: by how much less is tried, and how often.
+const LESS: f64 = 0.9;
+const SHARES: usize = 40;
+
+/// Gain of kinetic energy by an impact that is rounding.
+const ROUNDING: f64 = 1.0e-6;
 
 impl Articulation {
     /// Stops of a joint that press and did not before this substep, as bits of their rows.
     fn met_by(&self, number: usize, joints: &Pool<Joint, JointId>) -> u32 {
         let (entry, before) = (&self.entries[number], &self.began.joints[number]);
-        let met = entry.impulses.pressing() & !before.impulses.pressing();
+        let met = entry.impulses.pressing() & !before.pressing;
         if met != 0 && joints[entry.joint].stops_of(met) != 0 { met } else { 0 }
     }
 
@@ -39,40 +57,41 @@ impl Articulation {
         !self.is_points && (0..self.entries.len()).any(|number| self.met_by(number, joints) != 0)
     }
 
-    /// Ends a substep in which a stop was met by the impact that follows: what presses approaches no more. Joints go on with the
-    /// multipliers that they had before.
-    pub(super) fn resolve_impact(&mut self, joints: &Pool<Joint, JointId>) {
+    /// Ends a substep in which a stop was met by the impact that follows: what presses approaches no more, and stops with restitution are left
+    /// at the speeds of `leaving`, by joint and row. Joints go on with the multipliers of the substep.
+    pub(super) fn resolve_impact(&mut self, joints: &Pool<Joint, JointId>, leaving: &[(usize, u8, f64)]) {
         self.stiffness.fill(DMat3::ZERO);
         quads::respond(&self.quads, 0.0, &self.stances, &self.stiffness, &mut self.bodies);
         self.predicted.clone_from(&self.stances);
         self.tensions.fill(0.0);
-        self.ask(joints, Phase::Tangent { h: self.h });
+        self.ask(joints, Phase::Tangent { h: LONG });
         for (number, node) in self.system.nodes.iter().enumerate().take(self.entries.len()) {
             let pressing = self.entries[number].impulses.pressing();
             for row in &mut self.system.rows[node.first as usize..node.last as usize] {
-                let is_stop = row.min == 0.0 && row.max == f64::INFINITY;
                 let acts = match row.origin {
                     Origin::Contact => false,
-                    Origin::Scalar(id) if is_stop => pressing >> id & 1 == 1,
+                    Origin::Scalar(id) if row.is_stop() => pressing >> id & 1 == 1,
+                    Origin::Scalar(id) if self.entries[number].motor_rows.axis(id).is_some() => false,
                     _ => row.gamma == 0.0 && !row.has_bounds(),
                 };
-                row.bias = 0.0;
-                row.impulse = 0.0;
                 row.state = if acts { State::Free } else { State::Absent };
             }
         }
-        self.system.begin(&self.bodies);
-        self.system.solve(&self.topology, &self.bodies, &mut self.rates, PASSES);
-        self.add_blows(joints);
+        self.blow(1.0);
+        if !leaving.is_empty() {
+            self.leave_stops(leaving);
+        }
+        self.go_on_without_blow(leaving);
     }
 
-    /// Adds the multipliers of an impact to the loads of the joints; those that joints go on with are those from before it.
-    fn add_blows(&mut self, joints: &Pool<Joint, JointId>) {
-        for number in 0..self.entries.len() {
-            let met = self.met_by(number, joints);
-            let Self { entries, system, links, stances, began, .. } = self;
-            let (entry, node) = (&mut entries[number], &system.nodes[number]);
-            let lever = stances[links[number].bodies[1] as usize].1 * entry.local_lever[1];
+    /// Solves the rows of an impact, and adds this share of the multipliers to the loads of the joints.
+    fn blow(&mut self, share: f64) {
+        self.system.rows.iter_mut().for_each(|row| row.impulse = 0.0);
+        self.system.begin(&self.bodies);
+        self.system.solve(&self.topology, &self.bodies, &mut self.rates, PASSES);
+        let Self { entries, system, links, stances, .. } = self;
+        for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {
+            let lever = stances[link.bodies[1] as usize].1 * entry.local_lever[1];
             let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
             for row in system.rows[node.first as usize..node.last as usize].iter().filter(|row| row.state != State::Absent) {
                 let about = match row.origin {
@@ -83,13 +102,160 @@ impl Articulation {
                 force += row.linear[1] * row.impulse;
                 moment += about * row.impulse;
             }
-            entry.linear_sum += single::impulse(force);
-            entry.angular_sum += single::impulse(moment);
-            entry.impulses = began.joints[number].impulses;
-            for (row, impulse) in entry.impulses.scalar.iter_mut().enumerate().filter(|&(row, _)| met >> row & 1 == 1) {
-                debug_assert!(row < u32::BITS as usize);
-                *impulse = PRESSES;
+            entry.linear_sum += single::impulse(force * share);
+            entry.angular_sum += single::impulse(moment * share);
+        }
+    }
+
+    /// Lets stops be left, at no more energy than the bodies had when the substep began.
+    fn leave_stops(&mut self, leaving: &[(usize, u8, f64)]) {
+        for &(number, id, speed) in leaving {
+            let node = &self.system.nodes[number];
+            let mut rows = self.system.rows[node.first as usize..node.last as usize].iter_mut();
+            if let Some(row) = rows.find(|row| row.origin == Origin::Scalar(id)) {
+                row.bias -= speed;
+                row.state = State::Free;
             }
+        }
+        let stopped = self.rates.clone();
+        self.blow(1.0);
+        let most = self.energy_at_start();
+        let left = self.rates.clone();
+        let mut share = 1.0;
+        for _ in 0..SHARES {
+            if self.energy() <= most {
+                break;
+            }
+            share *= LESS;
+            for ((rate, stopped), left) in self.rates.iter_mut().zip(&stopped).zip(&left) {
+                rate.linear = stopped.linear.lerp(left.linear, share);
+                rate.angular = stopped.angular.lerp(left.angular, share);
+            }
+        }
+    }
+
+    /// Kinetic energy less the work of forces when the substep began, and a little for rounding (J).
+    fn energy_at_start(&self) -> f64 {
+        let bodies = self.bodies.iter().zip(&self.began.rates).zip(self.began.stances.iter().zip(&self.step_start));
+        let energy: f64 = bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum();
+        energy + ROUNDING * self.kinetic_energy()
+    }
+
+    /// Stops with restitution that this substep has met, by joint and row, and the speeds at which they are to be left.
+    pub(super) fn approaches_at_start(&mut self, joints: &Pool<Joint, JointId>, knows_past: bool) -> Vec<(usize, u8, f64)> {
+        let mut leaving = Vec::new();
+        for number in 0..self.entries.len() {
+            let restitution = f64::from(self.entries[number].restitution);
+            let met = if restitution > 0.0 { self.met_by(number, joints) } else { 0 };
+            if met == 0 {
+                continue;
+            }
+            let bodies = self.links[number].bodies.map(|body| body as usize);
+            let (stances, rates) = (bodies.map(|body| self.began.stances[body]), bodies.map(|body| self.began.rates[body]));
+            let (h, past) = (
+                f64::from(self.histories[bodies[0]].h.max(self.histories[bodies[1]].h)),
+                bodies.map(|body| self.stance_before(body)),
+            );
+            let starts = self.stops_at(number, joints, stances, rates);
+            let before = if knows_past { self.stops_at(number, joints, past, rates) } else { Vec::new() };
+            for &(id, distance, rate) in starts.iter().filter(|(id, ..)| met >> id & 1 == 1) {
+                let last = before.iter().find(|last| last.0 == id).map_or(distance - rate * h, |last| last.1);
+                // C at the start of the last substep, to second order: C − Ċ h + ½ C̈ h².
+                let acceleration = if h > 0.0 { 2.0 * (last - distance + rate * h) / (h * h) } else { 0.0 };
+                leaving.push((number, id, restitution * rebound::speed_of_impact(distance, rate, acceleration)));
+            }
+        }
+        leaving
+    }
+
+    /// Where a body stood at the start of the last substep before this one.
+    fn stance_before(&self, body: usize) -> Stance {
+        let (history, (place, rotation)) = (&self.histories[body], self.began.stances[body]);
+        let is_known = self.bodies[body].is_dynamic() && history.h > 0.0;
+        if !is_known {
+            return (place, rotation);
+        }
+        (place - history.displacement.as_dvec3(), rotation::rotated(rotation, -history.turn.as_dvec3()))
+    }
+
+    /// Stops of a joint between bodies that stand and move so: their rows, distances and rates.
+    fn stops_at(
+        &mut self,
+        number: usize,
+        joints: &Pool<Joint, JointId>,
+        stances: [Stance; 2],
+        rates: [Rate; 2],
+    ) -> Vec<(u8, f64, f64)> {
+        let entry = &self.entries[number];
+        let placement = entry.placement(stances[0], stances[1]);
+        self.asked.clear();
+        let mut sink = RowSink {
+            rates: RowRates { bodies: rates, frames: None },
+            geometry: JointGeometry::at(&placement),
+            def: &joints[entry.joint].def,
+            driven: None,
+            impulses: &JointImpulses::ZERO,
+            rebounds: Rebounds::NONE,
+            share: 1.0,
+            phase: Phase::Position { most: f64::INFINITY },
+            has_stops: true,
+            point: None,
+            direction: None,
+            scalars: &mut self.asked,
+            angles: entry.angles,
+            answer: &|_| Answer::NONE,
+            left: 0.0,
+            closing_share: 1.0,
+            applied: 0.0,
+            is_under_way: false,
+        };
+        kinds::add_rows(&mut sink);
+        self.asked.iter().filter(|row| row.is_stop()).map(|row| (row.id, row.bias, row.jacobian.rate(&rates))).collect()
+    }
+
+    /// Lists the stops with restitution that may be met in a substep of first order, of length `h` (s), whose rows have just been built.
+    pub(super) fn list_approaches(&mut self, h: f64) {
+        self.approaches.clear();
+        if !self.rebounds || self.is_points {
+            return;
+        }
+        for (entry, node) in self.entries.iter().zip(&self.system.nodes).filter(|(entry, _)| entry.restitution > 0.0) {
+            let rates = node.bodies.map(|body| self.rates[body as usize]);
+            let forces = node.bodies.map(|body| Rate { linear: self.bodies[body as usize].acceleration, angular: DVec3::ZERO });
+            for number in node.first..node.last {
+                let row = &self.system.rows[number as usize];
+                let Origin::Scalar(id) = row.origin else { continue };
+                if row.is_stop() && entry.impulses.scalar[id as usize] <= 0.0 {
+                    let distance = row.bias.max(0.0) * h;
+                    let speed = rebound::speed_after(entry.restitution, distance, row.rate(&rates), row.rate(&forces), h);
+                    self.approaches.push((number, speed));
+                }
+            }
+        }
+    }
+
+    /// Notes which of the stops that might be met have been, and are to be left in the next substep.
+    pub(super) fn note_rebounds(&mut self) {
+        if !self.rebounds {
+            return;
+        }
+        let Self { entries, system, approaches, .. } = self;
+        for (entry, node) in entries.iter_mut().zip(&system.nodes) {
+            entry.rebounds = Rebounds::NONE;
+            for &(number, speed) in approaches.iter().filter(|(number, _)| (node.first..node.last).contains(number)) {
+                let row = &system.rows[number as usize];
+                if let (Origin::Scalar(id), true) = (row.origin, row.impulse > 0.0) {
+                    entry.rebounds.add(id, speed as f32);
+                }
+            }
+        }
+    }
+
+    /// Has joints go on with the multipliers of the substep; stops that are left press no more.
+    fn go_on_without_blow(&mut self, leaving: &[(usize, u8, f64)]) {
+        self.entries.iter_mut().for_each(|entry| entry.rebounds = Rebounds::NONE);
+        for &(number, row, _) in leaving.iter().filter(|(_, _, speed)| *speed > 0.0) {
+            self.entries[number].impulses.scalar[row as usize] = 0.0;
         }
     }
 }

@@ -85,7 +85,8 @@ impl Articulation {
                     JointKind::Spherical { motor, .. } => !matches!(motor, SphericalMotor::Position { .. }),
                     JointKind::Distance { .. } | JointKind::Prismatic { .. } | JointKind::Generic { .. } => false,
                 };
-                holds && joint.drive.is_none() && kinds::gives_by_motors_alone(def)
+                // A stop that is met and left again changes what its row asks for.
+                holds && joint.drive.is_none() && def.restitution == 0.0 && kinds::gives_by_motors_alone(def)
             })
     }
 

@@ -10,6 +10,7 @@ use super::ropes;
 use super::system::{PROJECTION_PASSES, System};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
+use crate::joint_rebounds::Rebounds;
 use crate::solve::joint::driven::{self, Driven};
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
@@ -96,7 +97,7 @@ impl Articulation {
     }
 
     /// Makes the rows of all joints and contacts; those of a velocity phase need the predicted poses.
-    fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
+    pub(super) fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
         let Self {
             entries,
             links,
@@ -197,6 +198,7 @@ impl Articulation {
                 def: &joint.def,
                 driven,
                 impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
+                rebounds: if in_place { Rebounds::NONE } else { entry.rebounds },
                 share: phase.h() / *h,
                 phase,
                 has_stops: !is_free,
@@ -285,6 +287,7 @@ impl Articulation {
             def: &joint.def,
             driven,
             impulses: &JointImpulses::ZERO,
+            rebounds: Rebounds::NONE,
             share: 1.0,
             phase: Phase::Position { most: f64::INFINITY },
             has_stops: !stops.is_some_and(|stops| stops.still_hold(&placement)),
@@ -397,11 +400,18 @@ impl Articulation {
     }
 
     /// Takes errors out of the positions; returns the worst of the joints that is left.
-    pub(super) fn project(&mut self, joints: &Pool<Joint, JointId>, mut errors: Errors) -> f64 {
+    pub(super) fn project(&mut self, joints: &Pool<Joint, JointId>, errors: Errors) -> f64 {
         self.outcome.penetration = self.outcome.penetration.max(errors.overlap);
+        self.reached.clear();
+        let left = self.close(joints, errors);
+        (self.outcome.gap, self.outcome.angle) = (left.gap, left.angle);
+        left.worst
+    }
+
+    /// Takes errors out of the positions by Newton's steps, as far as each lessens the worst; returns those that are left.
+    pub(super) fn step_towards(&mut self, joints: &Pool<Joint, JointId>, mut errors: Errors) -> Errors {
         let good = self.good_enough();
         let mut overlaps = errors.overlap > NEGLIGIBLE_OVERLAP;
-        self.reached.clear();
         for round in 0..PROJECTIONS {
             if (errors.worst <= good && !overlaps && self.is_harmless(errors.gap))
                 || !errors.worst.is_finite()
@@ -409,7 +419,7 @@ impl Articulation {
             {
                 break;
             }
-            if round == 0 {
+            if self.reached.is_empty() {
                 self.reached.extend_from_slice(&self.stances);
             }
             let accept = |left: &Errors| left.worst < errors.worst || (overlaps && left.worst <= good);
@@ -418,8 +428,7 @@ impl Articulation {
             // Overlaps are taken out bit by bit, once a substep.
             overlaps = false;
         }
-        (self.outcome.gap, self.outcome.angle) = (errors.gap, errors.angle);
-        errors.worst
+        errors
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::body::DirectBody;
 use super::guard::Repeats;
 use crate::solve::joint::rows::{self, Rate};
 
@@ -78,6 +79,20 @@ impl Row {
     /// Whether its multiplier is bounded on either side.
     pub(super) fn has_bounds(&self) -> bool {
         self.min > f64::NEG_INFINITY || self.max < f64::INFINITY
+    }
+
+    /// What a multiplier of one changes its own rate by, J M̃⁻¹ Jᵀ.
+    pub(super) fn response(&self, bodies: [&DirectBody; 2]) -> f64 {
+        let own = |side: usize| {
+            (bodies[side].inverse_mass * self.linear[side]).dot(self.linear[side])
+                + (bodies[side].inverse_inertia * self.angular[side]).dot(self.angular[side])
+        };
+        own(0) + own(1)
+    }
+
+    /// Whether the row is a stop's, which pushes and does not pull.
+    pub(super) fn is_stop(&self) -> bool {
+        self.min == 0.0 && self.max == f64::INFINITY
     }
 
     pub(super) fn fix(&mut self, impulse: f64) {

@@ -48,6 +48,9 @@ impl Articulation {
             }
         }
         self.ask(joints, if mode == Mode::Safe { Phase::Tangent { h } } else { Phase::Velocity { h } });
+        if mode == Mode::Safe {
+            self.list_approaches(h);
+        }
         if turns {
             self.changes.clone_from(&self.rates);
             self.turn_along();

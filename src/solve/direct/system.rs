@@ -209,12 +209,7 @@ impl System {
         for contact in &self.contacts {
             let node = &self.nodes[contact.node as usize];
             for row in &mut self.rows[contact.first as usize..(contact.first + contact.count()) as usize] {
-                let own = |side: usize| {
-                    let body = &bodies[node.bodies[side] as usize];
-                    (body.inverse_mass * row.linear[side]).dot(row.linear[side])
-                        + (body.inverse_inertia * row.angular[side]).dot(row.angular[side])
-                };
-                row.gamma = CONTACT_COMPLIANCE * (own(0) + own(1));
+                row.gamma = CONTACT_COMPLIANCE * row.response(node.bodies.map(|body| &bodies[body as usize]));
             }
         }
         self.is_bounded = self.rows.iter().any(|row| row.state != State::Free || row.has_bounds());

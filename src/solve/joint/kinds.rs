@@ -9,6 +9,7 @@ use super::geometry::{JointGeometry, Placement};
 use super::motor::Answer;
 use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, Phase, RowRates, ScalarRow};
 use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor, SphericalMotor};
+use crate::joint_rebounds::Rebounds;
 
 /// Rows of one joint for one substep, as its kind asks for them.
 pub(crate) struct RowSink<'a> {
@@ -18,6 +19,8 @@ pub(crate) struct RowSink<'a> {
     /// What the host moves of its stops and frames.
     pub driven: Option<Driven<'a>>,
     pub impulses: &'a JointImpulses,
+    /// Stops that are to be left at a speed.
+    pub rebounds: Rebounds,
     /// What the substep of this phase has of the carried impulses.
     pub share: f64,
     pub phase: Phase,
@@ -236,7 +239,11 @@ impl RowSink<'_> {
     /// The same of a coordinate whose error grows at the rate `driven` by what the host moves of its stop.
     pub(crate) fn driven_scalar(&mut self, jacobian: Jacobian, driven: f64, demand: Demand, give: Give, id: u8) {
         let impulse = self.impulses.scalar[id as usize] * self.share as f32;
-        self.scalars.push(ScalarRow::new(&self.rates, driven, jacobian, demand, give, id, impulse));
+        let mut row = ScalarRow::new(&self.rates, driven, jacobian, demand, give, id, impulse);
+        if self.rebounds != Rebounds::NONE && matches!(demand, Demand::AtLeast(_)) {
+            row.leave_at(f64::from(self.rebounds.of(id)));
+        }
+        self.scalars.push(row);
     }
 
     /// Where a stop is at the start and at the end of the substep, and its rate.

@@ -15,6 +15,7 @@ pub(crate) struct JointTraits {
     pub has_friction: bool,
     /// Whether it gives energy by its motors alone, if by anything, and whether it has one.
     pub gives_by_motors_alone: bool,
+    /// Motors are also stops that give back of the speed at which they are met.
     pub has_motor: bool,
     /// What it asks of its articulation.
     pub solver: Solver,
@@ -40,7 +41,8 @@ impl JointTraits {
             has_friction: friction::rows_of(def) > 0,
             // What the host moves does work.
             gives_by_motors_alone: kinds::gives_by_motors_alone(def) && !is_driven,
-            has_motor: kinds::has_motor(&def.kind),
+            // What a stop gives back is more than it had in the substep before.
+            has_motor: kinds::has_motor(&def.kind) || def.restitution > 0.0,
             solver: def.solver,
         }
     }

@@ -25,6 +25,7 @@ mod link;
 pub(crate) mod motor;
 mod prismatic;
 pub(crate) mod reach;
+pub(crate) mod rebound;
 pub(crate) mod rows;
 mod singles;
 mod spherical;
@@ -48,6 +49,7 @@ use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind, Softness};
 use crate::joint_drive::DriveRates;
+use crate::joint_rebounds::Rebounds;
 use crate::workers::Workers;
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
@@ -88,6 +90,9 @@ pub(crate) struct JointEntry {
     pub angular_sum: Vec3,
     /// Of the last substep, if a direct solve took it; what its multipliers moved by last, if a sheet did.
     pub acted: [Vec3; 2],
+    /// Restitution of its stops, and those that are to be left at a speed.
+    pub restitution: f32,
+    pub rebounds: Rebounds,
     /// Scalar rows that ended a substep with a positive multiplier, as bits.
     pub pressed: u32,
     /// Sums over the substeps of the multipliers of its motors, by axis (N·s, N·m·s).

@@ -184,6 +184,8 @@ mod tests {
             linear_sum: Vec3::ZERO,
             angular_sum: Vec3::ZERO,
             acted: [Vec3::ZERO; 2],
+            restitution: 0.0,
+            rebounds: crate::joint_rebounds::Rebounds::NONE,
             pressed: 0,
             motors: [0.0; 6],
             motor_rows: MotorRows::None,

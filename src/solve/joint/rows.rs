@@ -307,4 +307,11 @@ impl ScalarRow {
         let impulse = if acts { impulse.clamp(min as f32, max as f32) } else { 0.0 };
         Self { jacobian, bias, gamma, min, max, acts, impulse, id }
     }
+
+    /// Has a stop be left at this speed at least (m/s, rad/s), if it is above zero.
+    pub(super) fn leave_at(&mut self, speed: f64) {
+        if speed > 0.0 {
+            self.bias = self.bias.min(-speed);
+        }
+    }
 }

@@ -8,11 +8,13 @@ use super::driven::{self, Driven};
 use super::geometry::{JointGeometry, Placement};
 use super::kinds::{self, RowSink};
 use super::motor::Answer;
+use super::rebound;
 use super::rows::{self, Phase, Rate, RowRates};
 use super::sweep::{self, BlockRow, ScalarRow};
 use super::{JointEntry, MOMENTUM_RETURN_LIMIT, Moving};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
+use crate::joint_rebounds::Rebounds;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// Passes over the rows of a joint that has scalar ones: they are solved one by one, and see each other only so.
@@ -101,6 +103,8 @@ pub(super) struct Singles {
     scalars: Vec<ScalarRow>,
     /// What the joint at hand asks in scalar rows.
     asked: Vec<rows::ScalarRow>,
+    /// Stops that may be met in the substep, by entry and row, and the speeds at which they are to be left then.
+    approaches: Vec<(usize, u8, f32)>,
 }
 
 impl Singles {
@@ -145,6 +149,9 @@ impl Singles {
         again: bool,
     ) {
         let left = [left, left - h].map(f64::from);
+        if !again {
+            self.approaches.clear();
+        }
         self.rows.clear();
         self.scalars.clear();
         for &number in &self.numbers {
@@ -162,6 +169,7 @@ impl Singles {
                 def: &joint.def,
                 driven,
                 impulses: &entry.impulses,
+                rebounds: entry.rebounds,
                 share: 1.0,
                 phase: Phase::Velocity { h: f64::from(h) },
                 has_stops: true,
@@ -176,8 +184,19 @@ impl Singles {
                 is_under_way: false,
             };
             kinds::add_rows(&mut sink);
-            let point = sink.point.map(|row| BlockRow::point(&row, bodies));
-            let direction = sink.direction.map(|row| BlockRow::direction(&row, bodies));
+            let (rates, point, direction) = (sink.rates, sink.point, sink.direction);
+            if entry.restitution > 0.0 && !again {
+                let force = |slot: u32| Rate { linear: motions[slot as usize].acceleration.as_dvec3(), angular: DVec3::ZERO };
+                let forces = [force(entry.a), force(entry.b)];
+                for row in self.asked.iter().filter(|row| row.is_stop() && row.impulse <= 0.0) {
+                    let (rate, acceleration) = (row.jacobian.rate(&rates.bodies), row.jacobian.rate(&forces));
+                    let distance = row.bias.max(0.0) * f64::from(h);
+                    let speed = rebound::speed_after(entry.restitution, distance, rate, acceleration, f64::from(h));
+                    self.approaches.push((number, row.id, speed as f32));
+                }
+            }
+            let point = point.map(|row| BlockRow::point(&row, bodies));
+            let direction = direction.map(|row| BlockRow::direction(&row, bodies));
             self.scalars.extend(self.asked.iter().map(|row| ScalarRow::new(row, bodies)));
             let scalars = (first, self.scalars.len() as u32);
             let leans = entry.has_friction;
@@ -230,10 +249,11 @@ impl Singles {
         }
     }
 
-    /// Adds the substep's multipliers to the joints' loads, and notes which stops press.
+    /// Adds the substep's multipliers to the joints' loads, and notes which stops press and which are to be left again.
     pub(super) fn add_loads(&self, entries: &mut [JointEntry]) {
         for rows in &self.rows {
             let entry = &mut entries[rows.entry];
+            entry.rebounds = Rebounds::NONE;
             let (mut linear, mut angular) = (Vec3::ZERO, Vec3::ZERO);
             if let Some(row) = &rows.point {
                 linear += row.impulse;
@@ -254,6 +274,12 @@ impl Singles {
             entry.linear_sum += linear;
             entry.angular_sum += angular;
         }
+        for &(number, row, speed) in &self.approaches {
+            let entry = &mut entries[number];
+            if entry.impulses.scalar[row as usize] > 0.0 {
+                entry.rebounds.add(row, speed);
+            }
+        }
     }
 
     /// What the motors of each joint do on its bodies, λ J v (J): handed over with the slots of the two.
@@ -264,10 +290,11 @@ impl Singles {
         mut hand_over: impl FnMut([u32; 2], f64),
     ) {
         for rows in &self.rows {
-            let rows_of_motors = entries[rows.entry].motor_rows;
+            let entry = &entries[rows.entry];
             let (a, b) = (&velocities[rows.a as usize], &velocities[rows.b as usize]);
             let scalars = &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize];
-            let motors = scalars.iter().filter(|row| rows_of_motors.axis(row.id).is_some());
+            let gives = |row: &&ScalarRow| entry.motor_rows.axis(row.id).is_some() || entry.rebounds.of(row.id) > 0.0;
+            let motors = scalars.iter().filter(gives);
             let work = motors.map(|row| f64::from(row.impulse) * f64::from(row.rate(a, b))).sum();
             hand_over([rows.a, rows.b], work);
         }
@@ -314,6 +341,7 @@ impl Singles {
                 def: &joint.def,
                 driven: entry.driven(joint, motions, &placement, [f64::from(left); 2]),
                 impulses: &JointImpulses::ZERO,
+                rebounds: Rebounds::NONE,
                 share: 1.0,
                 phase: Phase::Position { most: rows::MAX_RECOVERY_SPEED * f64::from(h) },
                 has_stops: true,

@@ -128,6 +128,8 @@ impl Records<'_> {
             linear_sum: Vec3::ZERO,
             angular_sum: Vec3::ZERO,
             acted: joint.acted.map(|acted| acted * stride),
+            restitution: def.restitution,
+            rebounds: joint.rebounds,
             pressed: 0,
             motors: [0.0; 6],
             motor_rows: if traits.has_motor { MotorRows::of(&def.kind) } else { MotorRows::None },

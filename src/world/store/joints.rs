@@ -65,6 +65,7 @@ impl World {
             if entry.counts_turns && entry.angles.iter().all(|angle| angle.is_finite()) {
                 joint.angles = entry.angles;
             }
+            joint.rebounds = entry.rebounds;
             if !entry.impulses.is_finite() {
                 return joint.forget_impulses();
             }
