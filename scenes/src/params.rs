@@ -54,7 +54,7 @@ pub struct Params {
 }
 
 /// Keys that every scene takes beside the kinds of long-range constraints.
-const COMMON: [&str; 7] = ["seconds", "solver", "substeps", "iterations", "error_target", "most_substeps", "sleep"];
+const COMMON: [&str; 8] = ["seconds", "solver", "substeps", "iterations", "error_target", "most_substeps", "sleep", "hold"];
 
 impl Params {
     /// Of two values of one key the later counts.
@@ -165,6 +165,9 @@ impl Params {
         }
         if self.given("most_substeps").is_some() {
             world.articulations.most_substeps = self.parsed("most_substeps", world.articulations.most_substeps, 0..=64)?;
+        }
+        if self.given("hold").is_some() {
+            world.hold = self.switch("hold", false)?;
         }
         if self.given("sleep").is_some() {
             world.sleep = SleepSettings { enabled: self.switch("sleep", false)?, ..world.sleep };

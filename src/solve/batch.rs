@@ -12,6 +12,7 @@ use super::contact_block::ContactBlocks;
 use super::direct::Direct;
 use super::dissipative::DissipativeIslands;
 use super::exact::ExactIslands;
+use super::impact::gather::Impacts;
 use super::joint::{BatchJoints, may_be_cut};
 use super::lead::Leads;
 use super::load_pass::LoadPass;
@@ -54,7 +55,7 @@ pub(crate) struct ContactEnds {
     pub a: u32,
     pub b: u32,
     pub points: u8,
-    /// Whether it neither rebounds nor resists rolling or spinning by itself.
+    /// Whether it neither rebounds nor resists rolling or spinning by itself, nor lies on what the host turns.
     pub is_plain: bool,
 }
 
@@ -125,6 +126,7 @@ pub(crate) struct Batch {
     pub birth: Birth,
     pub load_pass: LoadPass,
     pub exact: ExactIslands,
+    pub impacts: Impacts,
     pub carry: Carry,
     pub coloring: Coloring,
     /// Colour of each manifold, twice, plus one if it has a single point; and [`lanes::GROUPS`] more for each round before its own.
@@ -284,6 +286,11 @@ impl Batch {
     /// Slots after the world's that are those of bodies which rows may move.
     pub(crate) fn moving(&self) -> usize {
         self.bodies.len() - 1 - self.replicas.len()
+    }
+
+    /// Block and lane of the manifold with this number; none where an articulation holds it.
+    pub(crate) fn place_of(&self, number: usize) -> Option<(u32, u32)> {
+        self.lanes.get(number).copied().filter(|&(block, _)| block != HELD)
     }
 
     /// Multipliers of the manifold with this number.

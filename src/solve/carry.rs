@@ -28,7 +28,7 @@ use crate::span::sheet;
 use crate::workers::Workers;
 
 /// Bodies of an island for which this is done: one that has a batch to itself, as what is done must not depend on what else is in a batch.
-const LEAST_BODIES: usize = sheet::LEAST_BODIES;
+pub(super) const LEAST_BODIES: usize = sheet::LEAST_BODIES;
 
 /// Bodies that are worth another thread's while.
 const LEAST_SHARED: usize = 128;

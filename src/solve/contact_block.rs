@@ -91,7 +91,7 @@ pub(crate) struct Face {
     pub inverse: [Lane; 10],
 }
 
-/// What a block has beside it of which a manifold resists rolling, or spinning by its material, or rebounds.
+/// What a block has beside it of which a manifold resists rolling, or spinning by its material, or rebounds, or lies on what the host turns.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
 pub(crate) struct Extra {
@@ -109,6 +109,9 @@ pub(crate) struct Extra {
     pub blow: Lane,
     /// Whether that was in this substep.
     pub rebounds: [bool; LANES],
+    /// What the slip is greater by in the middle of the substep, as sides that the host turns carry the contact round (m/s).
+    pub lean: [Lane; 2],
+    pub has_lean: bool,
     pub has_rolling: bool,
     pub has_spinning: bool,
     pub has_restitution: bool,
@@ -190,6 +193,8 @@ impl Extra {
         impact_speed: [ZERO; POINTS],
         blow: ZERO,
         rebounds: [false; LANES],
+        lean: [ZERO; 2],
+        has_lean: false,
         has_rolling: false,
         has_spinning: false,
         has_restitution: false,

@@ -4,7 +4,7 @@
 //! Batches share nothing and are solved side by side; an island's result does not depend on the batch it is in.
 //!
 //! A substep: forces → joint rows at predicted poses, warm start → sweeps of joints and contacts → poses → position rows of
-//! joints. After the substeps: restitution, then position recovery of contacts. What moves positions gives no velocity.
+//! joints → impacts. After the substeps: position recovery of contacts. What moves positions gives no velocity.
 
 pub(crate) mod batch;
 mod birth;
@@ -21,6 +21,7 @@ pub(crate) mod direct;
 mod dispatch;
 mod dissipative;
 mod exact;
+mod impact;
 pub(crate) mod integrate;
 pub(crate) mod joint;
 pub(crate) mod lead;
@@ -109,16 +110,18 @@ impl Batch {
         self.dissipative.lay_out(&self.passive, &self.velocities, &self.motions);
         self.find_sheet(threads);
         self.prepare_carry();
+        self.impacts.prepare(&self.contacts);
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
             self.joints.left = h * (settings.substeps - substep) as f32;
             self.leads.begin_substep(&self.velocities, substep, settings.substeps);
             self.apply_forces(joints, threads, h, substep, settings.substeps);
             self.passive.note(threads, &self.velocities, &self.poses);
+            self.note_impacts();
             self.prepare_joints(joints, threads, h, false, true);
             let is_weighed = self.sheet.is_one() && self.solve_sheet(threads, h);
             if !self.sheet.is_one() {
-                self.sweep_all(joints, threads, h, settings.iterations, substep == 0);
+                self.sweep_all(joints, threads, h, settings.iterations, substep);
             }
             self.restrain(threads, is_weighed);
             self.dissipate(threads, settings.iterations);
@@ -132,6 +135,7 @@ impl Batch {
             if is_last {
                 self.planes.fit_velocities(&mut self.velocities, &self.motions, &self.poses, h);
             }
+            self.find_impacts(settings.restitution_threshold);
             self.advance(threads, h);
             self.joints.left -= h;
             self.wraps.project(&self.velocities, &mut self.motions);
@@ -171,26 +175,31 @@ impl Batch {
 
     /// Lets points that have hit something in the substep leave again, and adds up its multipliers.
     fn rebound(&mut self, threshold: f32) {
+        self.apply_impacts();
         contact_kernels::restitute(&mut self.contacts, &mut self.velocities, threshold);
         self.add_to_tally();
         self.contacts.end_blows();
+        self.forget_impacts();
     }
 
     /// Warm start and sweeps of a substep of length `h`.
-    fn sweep_all(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, iterations: u32, is_first: bool) {
+    fn sweep_all(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, iterations: u32, substep: u32) {
         self.joints.warm_start(threads, &mut self.velocities);
         self.bounds.warm_start(&mut self.velocities);
         self.wraps.begin_substep(&mut self.velocities, &self.motions, h);
-        let is_carried = self.carry.is_on() && !is_first;
+        let is_carried = self.carry.is_on() && substep > 0;
+        // Levers are those of the start of the step.
+        let middle = (substep as f32 + 0.5) * h;
         if !is_carried {
-            self.start_sweeps(threads, h);
+            self.start_sweeps(threads, h, middle);
         }
         let (direct, floor) = self.direct_and_floor(threads);
         direct.warm_start(floor, iterations);
         self.pass_loads(threads);
         self.solve_exactly();
         for iteration in 0..iterations {
-            if iteration > 0 && iteration + 1 == iterations {
+            let is_last = iteration + 1 == iterations;
+            if iteration > 0 && is_last {
                 self.prepare_joints(joints, threads, h, true, iterations >= LONG_SUBSTEP);
             }
             if iteration % 2 == 0 {
@@ -200,12 +209,12 @@ impl Batch {
                 self.sweep_articulations(threads);
                 self.joints.sweep(threads, &mut self.velocities, false);
                 if is_carried && iteration == 0 {
-                    self.sweep_anew(threads, h);
+                    self.sweep_anew(threads, h, is_last);
                 } else {
-                    self.sweep_contacts(threads, false);
+                    self.sweep_contacts(threads, false, is_last);
                 }
             } else {
-                self.sweep_contacts(threads, true);
+                self.sweep_contacts(threads, true, is_last);
                 self.joints.sweep(threads, &mut self.velocities, true);
                 self.sweep_articulations(threads);
                 self.taut.sweep(&mut self.velocities, true);
@@ -305,7 +314,8 @@ impl Batch {
         direct.settle(joints, floor, is_end);
         if !self.free.is_empty() {
             self.poses.find_inertia(&self.motions);
-            self.free.restore(&mut self.velocities, &self.motions, &self.poses);
+            let Self { free, velocities, motions, poses, impacts, islands, .. } = self;
+            free.restore(velocities, motions, poses, |slot| !is_end && impacts.has_struck(islands, slot));
         }
     }
 
@@ -333,7 +343,7 @@ impl Batch {
         self.poses.apply_forces(threads, &mut self.velocities, &self.motions, h);
         self.find_inertia();
         if is_noted {
-            self.free.note(&self.velocities, &self.motions, &self.poses);
+            self.free.note(&self.velocities, &self.motions, &self.poses, |_| true);
             self.each_single(threads, |velocity, motion| integrate::limit_speeds(velocity, motion, h));
         }
         self.poses.limit_speeds(threads, &mut self.velocities, h);
@@ -347,25 +357,35 @@ impl Batch {
     }
 
     /// Applies the multipliers that contacts have carried on, and looks how far their surfaces are apart by now.
-    fn start_sweeps(&mut self, threads: &Workers, h: f32) {
+    fn start_sweeps(&mut self, threads: &Workers, h: f32, middle: f32) {
         let (range, moving, motions) = (0..self.contacts.len(), self.moving(), &self.motions);
         crew::in_colors(&mut self.contacts, range, threads, (&mut self.velocities, moving), false, |part, velocities| {
-            contact_kernels::warm_start(part, velocities, motions, h);
+            contact_kernels::warm_start(part, velocities, motions, h, middle);
         });
     }
 
     /// The first sweep of a substep over contacts whose bodies carry what they have done; looks how far their surfaces are apart by now.
-    fn sweep_anew(&mut self, threads: &Workers, h: f32) {
+    fn sweep_anew(&mut self, threads: &Workers, h: f32, is_last: bool) {
+        let presses_last = is_last || !self.reverses_rows();
         let (range, moving, motions) = (0..self.contacts.len(), self.moving(), &self.motions);
         crew::in_colors(&mut self.contacts, range, threads, (&mut self.velocities, moving), false, |part, velocities| {
-            contact_kernels::sweep_anew(part, velocities, motions, h);
+            contact_kernels::sweep_anew(part, velocities, motions, h, presses_last);
         });
     }
 
     /// One sweep over the contacts, or backwards, all in the opposite order.
-    fn sweep_contacts(&mut self, threads: &Workers, backwards: bool) {
+    fn sweep_contacts(&mut self, threads: &Workers, backwards: bool, is_last: bool) {
         let moving = self.moving();
-        crew::sweep(&mut self.contacts, self.first_jointed, threads, (&mut self.velocities, moving), backwards);
+        let presses_last = is_last || !self.reverses_rows();
+        crew::sweep(&mut self.contacts, self.first_jointed, threads, (&mut self.velocities, moving), backwards, presses_last);
+    }
+
+    /// Whether sweeps go through the rows of each manifold in opposite orders on their two ways.
+    ///
+    /// Only then are the two one symmetric operator, and slow waves of load do not grow. Such waves are of large islands. In small ones friction
+    /// comes before the normal rows on both ways: with two visits it then sees twice what these have made of the load, not once.
+    fn reverses_rows(&self) -> bool {
+        self.islands.len() == 1 && self.moving() >= carry::LEAST_BODIES
     }
 
     fn advance(&mut self, threads: &Workers, h: f32) {

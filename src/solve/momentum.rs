@@ -190,10 +190,17 @@ impl FreeIslands {
         self.islands.is_empty()
     }
 
-    /// Notes the angular momentum that each has, and is to keep; `poses` hold the inertia of now.
-    pub(crate) fn note(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion], poses: &Poses) {
+    /// Notes the angular momentum that those have, and are to keep, of which `is_asked` says so of a slot; `poses` hold the inertia of
+    /// now.
+    pub(crate) fn note(
+        &mut self,
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+        poses: &Poses,
+        is_asked: impl Fn(u32) -> bool,
+    ) {
         let Self { islands, members, .. } = self;
-        for (start, end, spin) in islands {
+        for (start, end, spin) in islands.iter_mut().filter(|&&mut (start, ..)| is_asked(members[start].0)) {
             let mut whole = Whole::default();
             for member in &members[*start..*end] {
                 Body::of(member, velocities, motions, poses).add_to(&mut whole);
@@ -202,9 +209,15 @@ impl FreeIslands {
         }
     }
 
-    /// Gives back what has been lost of it since, or takes what has been won.
-    pub(crate) fn restore(&self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], poses: &Poses) {
-        for &(start, end, spin) in &self.islands {
+    /// Gives back what has been lost of it since, or takes what has been won, but where `is_exempt` says so of a slot.
+    pub(crate) fn restore(
+        &self,
+        velocities: &mut [BodyVelocity],
+        motions: &[BodyMotion],
+        poses: &Poses,
+        is_exempt: impl Fn(u32) -> bool,
+    ) {
+        for &(start, end, spin) in self.islands.iter().filter(|&&(start, ..)| !is_exempt(self.members[start].0)) {
             let members = &self.members[start..end];
             let (mut whole, mut moments) = (Whole::default(), Moments::default());
             for member in members {

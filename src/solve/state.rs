@@ -80,6 +80,11 @@ impl BodyVelocity {
         unsafe { &mut *std::ptr::from_mut(self).cast::<[f32; 8]>() }
     }
 
+    /// Whether it turns and no row can change that: it is moved by the host.
+    pub(crate) fn turns_as_told(&self) -> bool {
+        self.angular != Vec3::ZERO && self.inverse_mass == Vec3::ZERO && self.inverse_inertia.0 == [0.0; 6]
+    }
+
     /// The same body at rest, to gather displacements in.
     pub(crate) fn at_rest(&self) -> Self {
         Self { linear: Vec3::ZERO, angular: Vec3::ZERO, ..*self }

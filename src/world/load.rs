@@ -290,7 +290,8 @@ impl Records<'_> {
             if ends.a == REPLICA || ends.b == REPLICA {
                 let (a, b) = self.pairs.get(batch.manifolds[number].0).key.shapes();
                 let [a, b] = [a, b].map(|shape| self.slot(batch, self.index.body_of(shape)));
-                batch.ends[number] = ContactEnds { a, b, ..ends };
+                let turns = [a, b].iter().any(|&slot| batch.velocities[slot as usize].turns_as_told());
+                batch.ends[number] = ContactEnds { a, b, is_plain: ends.is_plain && !turns, ..ends };
             }
         }
     }

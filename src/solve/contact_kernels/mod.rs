@@ -29,20 +29,21 @@ in_lanes!(
 in_lanes!(
     /// Applies the carried multipliers and forms the closing speeds of this substep.
     ///
-    /// The velocities have the substep's forces in them already.
+    /// The velocities have the substep's forces in them already; the middle of the substep is so much (s) after the time that levers are
+    /// of.
     pub(crate) warm_start, warm_start::all,
-    (part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32)
+    (part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32, middle: f32)
 );
 in_lanes!(
-    /// One sweep: friction, then the normal rows of each manifold as a block.
+    /// One sweep: the normal rows of each manifold as a block, and its friction before or after them.
     pub(crate) sweep, sweep::all,
-    (part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, backwards: bool)
+    (part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, backwards: bool, presses_last: bool)
 );
 in_lanes!(
     /// One sweep from velocities that have the carried multipliers in them, of blocks without extras: forms the closing speeds of this
     /// substep first.
     pub(crate) sweep_anew, sweep::anew,
-    (part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32)
+    (part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32, presses_last: bool)
 );
 in_lanes!(
     /// After a substep: points that hit something at more than `threshold` (m/s) leave at the rebound speed.

@@ -13,7 +13,12 @@ use super::rows::{Faced, Manifolds, Single, lambdas, load_all, normal_rates, of_
 use super::warm_start::close_in;
 
 #[inline(always)]
-pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, backwards: bool) {
+pub(super) fn all<W: Wide>(
+    part: &mut BlockPart<'_>,
+    velocities: &mut Hand<'_, BodyVelocity>,
+    backwards: bool,
+    presses_last: bool,
+) {
     let last = part.blocks.len().wrapping_sub(1);
     for place in 0..part.blocks.len() {
         let number = if backwards { last - place } else { place };
@@ -21,17 +26,23 @@ pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, B
         let BlockPart { blocks, faces, extras, before, .. } = part;
         let block = &mut blocks[number];
         let extra = extras.get_mut(block.extra.wrapping_sub(before[1]) as usize);
-        of_block!(visit::<W>(block, (faces, before[0]), extra, velocities));
+        of_block!(visit::<W>(block, (faces, before[0]), extra, velocities, presses_last));
     }
 }
 
 #[inline(always)]
-pub(super) fn anew<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32) {
+pub(super) fn anew<W: Wide>(
+    part: &mut BlockPart<'_>,
+    velocities: &mut Hand<'_, BodyVelocity>,
+    motions: &[BodyMotion],
+    h: f32,
+    presses_last: bool,
+) {
     for number in 0..part.blocks.len() {
         part.ask_for_next(number, false);
         let BlockPart { blocks, faces, before, .. } = part;
         let block = &mut blocks[number];
-        of_block!(close_in_and_visit::<W>(block, (faces, before[0]), velocities, motions, h));
+        of_block!(close_in_and_visit::<W>(block, (faces, before[0]), velocities, motions, h, presses_last));
     }
 }
 
@@ -41,44 +52,76 @@ fn close_in_and_visit<W: Wide, M: Manifolds>(
     velocities: &mut Hand<'_, BodyVelocity>,
     motions: &[BodyMotion],
     h: f32,
+    presses_last: bool,
 ) {
     close_in::<W, M>(of, motions, h);
-    visit::<W, M>(of, None, velocities);
+    visit::<W, M>(of, None, velocities, presses_last);
 }
 
+/// Solves the rows of each manifold of a block: rolling, friction, then the normal rows, or in the opposite order. What is solved last holds
+/// best, and that should be that nothing overlaps.
+///
+/// A sweep back is the exact reverse of a sweep forth only if it also goes through the rows of each manifold backwards. With the same
+/// order on both ways the two are no symmetric operator, and carried multipliers let slow waves of load grow in large stacks.
 #[inline(always)]
-fn visit<W: Wide, M: Manifolds>(of: &mut M, mut extra: Option<&mut Extra>, velocities: &mut Hand<'_, BodyVelocity>) {
+fn visit<W: Wide, M: Manifolds>(
+    of: &mut M,
+    mut extra: Option<&mut Extra>,
+    velocities: &mut Hand<'_, BodyVelocity>,
+    presses_last: bool,
+) {
     let (a, b) = (&of.block().a, &of.block().b);
     let (mut side_a, mut side_b) = (Side::<W>::gather(a, velocities), Side::gather(b, velocities));
+    if !presses_last {
+        press(of, &mut side_a, &mut side_b);
+        rub(of, extra.as_deref_mut(), &mut side_a, &mut side_b);
+    }
     if let Some(extra) = extra.as_deref_mut()
         && extra.has_rolling
     {
         roll(of, extra, &mut side_a, &mut side_b);
     }
-    rub(of, extra, &mut side_a, &mut side_b);
-    press(of, &mut side_a, &mut side_b);
+    if presses_last {
+        rub(of, extra, &mut side_a, &mut side_b);
+        press(of, &mut side_a, &mut side_b);
+    }
     side_a.scatter(&of.block().a, velocities);
     side_b.scatter(&of.block().b, velocities);
 }
 
 /// Two multipliers across the normal, from their old values and the slips, inside the disc of radius `limit`.
 ///
+/// What would stop the slip is taken if the disc holds it. Where it does not, the multipliers step against the slip by the lesser
+/// eigenvalue of `mass` and are shortened to the disc: that lowers the energy of the two rows, and stays where it is only if the
+/// multipliers point exactly against the slip. Were what would stop it shortened instead, they would point along `mass`·slip, and what
+/// slides would be turned by its own shape.
+///
 /// A multiplier that is nothing beside its limit, and whose square would be a denormal number, is zero.
 #[inline(always)]
 fn in_disc<W: Wide>(mass: [W; 3], old: [W; 2], slip: [W; 2], limit: W) -> [W; 2] {
     let [m11, m12, m22] = mass;
-    let (free1, free2) = (old[0] - (m11 * slip[0] + m12 * slip[1]), old[1] - (m12 * slip[0] + m22 * slip[1]));
     let (negligible, zero) = (W::splat(NEGLIGIBLE_FRICTION) * limit, W::zero());
-    let free1 = W::select(free1.abs().above(negligible), free1, zero);
-    let free2 = W::select(free2.abs().above(negligible), free2, zero);
-    let size = (free1 * free1 + free2 * free2).sqrt();
-    let scale = W::select(size.above(limit), limit / size, W::splat(1.0));
-    [free1 * scale, free2 * scale]
+    let settled = |x: W| W::select(x.abs().above(negligible), x, zero);
+    let mut new = [old[0] - (m11 * slip[0] + m12 * slip[1]), old[1] - (m12 * slip[0] + m22 * slip[1])].map(settled);
+    let slides = (new[0] * new[0] + new[1] * new[1]).sqrt().above(limit);
+    if W::any(slides) {
+        let (half, one) = (W::splat(0.5), W::splat(1.0));
+        let (mean, apart) = ((m11 + m22) * half, (m11 - m22) * half);
+        let greatest = mean + (apart * apart + m12 * m12).sqrt();
+        // As a quotient: the difference of two numbers that are almost equal would be rounding.
+        let least = W::select(greatest.above(zero), (m11 * m22 - m12 * m12).max(zero) / greatest, zero);
+        let stepped = [old[0] - least * slip[0], old[1] - least * slip[1]].map(settled);
+        let size = (stepped[0] * stepped[0] + stepped[1] * stepped[1]).sqrt();
+        let scale = W::select(size.above(limit), limit / size, one);
+        // What sticks keeps its bits, whatever else is in the block.
+        new = [W::select(slides, stepped[0] * scale, new[0]), W::select(slides, stepped[1] * scale, new[1])];
+    }
+    new
 }
 
 /// Tangential and twist rows of every lane.
 #[inline(always)]
-fn rub<W: Wide, M: Manifolds>(of: &mut M, extra: Option<&mut Extra>, side_a: &mut Side<W>, side_b: &mut Side<W>) {
+fn rub<W: Wide, M: Manifolds>(of: &mut M, mut extra: Option<&mut Extra>, side_a: &mut Side<W>, side_b: &mut Side<W>) {
     let (center_a, center_b) = of.centers::<W>();
     let mut load = W::zero();
     for i in 0..M::COUNT {
@@ -91,7 +134,13 @@ fn rub<W: Wide, M: Manifolds>(of: &mut M, extra: Option<&mut Extra>, side_a: &mu
     let slip = side_b.linear + side_b.angular.cross(center_b) - side_a.linear - side_a.angular.cross(center_a);
     let old = [W::load(&block.tangent_lambda[0]), W::load(&block.tangent_lambda[1])];
     let mass = load_all(&block.tangent_mass);
-    let new = in_disc(mass, old, [slip.dot(t1), slip.dot(t2)], W::load(&block.friction) * load);
+    let mut slip = [slip.dot(t1), slip.dot(t2)];
+    if let Some(extra) = extra.as_deref_mut()
+        && extra.has_lean
+    {
+        slip = [slip[0] + W::load(&extra.lean[0]), slip[1] + W::load(&extra.lean[1])];
+    }
+    let new = in_disc(mass, old, slip, W::load(&block.friction) * load);
     new[0].store(&mut block.tangent_lambda[0]);
     new[1].store(&mut block.tangent_lambda[1]);
     let impulse = t1 * (new[0] - old[0]) + t2 * (new[1] - old[1]);

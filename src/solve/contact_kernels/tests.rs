@@ -90,16 +90,16 @@ fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
     let Scene { mut contacts, mut velocities, motions } = scene.clone();
     let moving = velocities.len() - 1;
     masses::set::<W>(&mut contacts.whole(0), &velocities);
-    warm_start::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), &motions, 0.004);
+    warm_start::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), &motions, 0.004, 0.006);
     let mut anew = (contacts.clone(), velocities.clone());
-    sweep::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), false);
+    sweep::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), false, false);
     if contacts.extras.is_empty() {
         (0..anew.0.room_of(0)).for_each(|i| anew.0.rows_mut(0, i).closing_speed = [9.0; LANES]);
-        sweep::anew::<W>(&mut anew.0.all(), &mut Hand::alone(&mut anew.1, moving), &motions, 0.004);
+        sweep::anew::<W>(&mut anew.0.all(), &mut Hand::alone(&mut anew.1, moving), &motions, 0.004, false);
         assert_eq!(numbers(&anew.1), numbers(&velocities), "closing speeds formed in the sweep, and before it");
     }
-    sweep::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), true);
-    sweep::anew::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), &motions, 0.004);
+    sweep::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), true, true);
+    sweep::anew::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), &motions, 0.004, false);
     recover::restitute::<W>(&mut contacts, &mut velocities, 0.1);
     let mut at_once = (contacts.clone(), velocities.iter().map(BodyVelocity::at_rest).collect::<Vec<_>>());
     let worst = recover::end_step::<W>(&mut contacts.all(), &motions);
@@ -147,8 +147,8 @@ proptest! {
         let Scene { mut contacts, mut velocities, motions } = scene;
             masses::set::<Plain>(&mut contacts.whole(0), &velocities);
         let mut hand = Hand::alone(&mut velocities, motions.len() - 1);
-        warm_start::all::<Plain>(&mut contacts.all(), &mut hand, &motions, 0.004);
-        sweep::all::<Plain>(&mut contacts.all(), &mut hand, false);
+        warm_start::all::<Plain>(&mut contacts.all(), &mut hand, &motions, 0.004, 0.002);
+        sweep::all::<Plain>(&mut contacts.all(), &mut hand, false, true);
         let lambdas = (0..contacts.room_of(0)).flat_map(|i| contacts.rows(0, i).lambda);
         let least = lambdas.fold(0.0_f32, f32::min);
         prop_assert!(least >= 0.0, "a point pulls with {least} N·s");

@@ -2,29 +2,29 @@
 
 use glam::Vec3;
 
-use super::super::contact::{LANES, Lane3, tangents_in_lanes};
+use super::super::contact::{LANES, Lane3, tangents, tangents_in_lanes};
 use super::super::contact_block::Extra;
 use super::super::contact_pieces::BlockPart;
 use super::super::shared::{Hand, Slots};
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
-use super::super::wide::{Wide, Wide3};
+use super::super::wide::{Plain, Wide, Wide3};
 use super::rows::{Faced, Manifolds, Single, of_block, separations};
 
-/// Share of a gap that a point under load may close in one substep.
-///
-/// A loaded point gapes by rounding or by an unfinished sweep. If it may close whole in one substep, the impulse that stops it is
-/// carried on, opens the next gap, and waves of load grow in a tower until it falls.
-const PRESSED_GAP_SHARE: f32 = 0.01;
-
 #[inline(always)]
-pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, velocities: &mut Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32) {
+pub(super) fn all<W: Wide>(
+    part: &mut BlockPart<'_>,
+    velocities: &mut Hand<'_, BodyVelocity>,
+    motions: &[BodyMotion],
+    h: f32,
+    middle: f32,
+) {
     for number in 0..part.blocks.len() {
         part.ask_for_next(number, false);
         let BlockPart { blocks, faces, extras, before, .. } = part;
         let block = &mut blocks[number];
         let extra = extras.get_mut(block.extra.wrapping_sub(before[1]) as usize);
-        of_block!(start::<W>(block, (faces, before[0]), extra, velocities, motions, h));
+        of_block!(start::<W>(block, (faces, before[0]), extra, velocities, motions, h, middle));
     }
 }
 
@@ -35,8 +35,12 @@ fn start<W: Wide, M: Manifolds>(
     velocities: &mut Hand<'_, BodyVelocity>,
     motions: &[BodyMotion],
     h: f32,
+    middle: f32,
 ) {
     close_in::<W, M>(of, motions, h);
+    if let Some(extra) = extra.as_deref_mut() {
+        lean(of, extra, velocities, middle);
+    }
     if let Some(extra) = extra.as_deref_mut()
         && extra.has_restitution
     {
@@ -75,7 +79,17 @@ fn start<W: Wide, M: Manifolds>(
     side_b.scatter(&of.block().b, velocities);
 }
 
-/// Forms max(s, 0)/h from the separations of now.
+/// Forms max(s, 0)/h from the separations of now, but nothing for points under load.
+///
+/// A loaded point gapes by rounding, or by a sweep that is not done. With g the error that the sweeps of a substep leave of a mode of the
+/// stack, u its velocity and S its gap divided by h, a share k of the gap closed in a substep makes of the carried multipliers
+///
+/// ```text
+/// u' = g (2 u − u₋) − (1 − g) k S,    S' = S + u',
+/// ```
+///
+/// which grows by k/2 − (1 − g) a substep: any k lets the slow waves of a large stack grow until it falls. So the gap stays until the
+/// load is off the point.
 #[inline(always)]
 pub(super) fn close_in<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
     let separation = separations::<W, M>(of, motions);
@@ -83,8 +97,49 @@ pub(super) fn close_in<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion]
     for (i, separation) in separation.into_iter().enumerate().take(M::COUNT) {
         let rows = of.rows_mut(i);
         let pressed = W::load(&rows.lambda).above(W::zero());
-        let share = W::select(pressed, W::splat(PRESSED_GAP_SHARE), W::splat(1.0));
-        (separation.max(W::zero()) * (share * inverse_h)).store(&mut rows.closing_speed);
+        W::select(pressed, W::zero(), separation.max(W::zero()) * inverse_h).store(&mut rows.closing_speed);
+    }
+}
+
+/// Forms what levers on sides that turn at a given rate add to the slip in the middle of this substep, `middle` (s) after the time that
+/// levers are of.
+///
+/// Levers are those of one moment. A turning support carries what stands on it round meanwhile: the velocity at its lever r changes by
+/// ω × (v − v_A) t, with v that of the contact and v_A that of its own centre. Left out, what rests on a turntable is carried off along
+/// the tangent in each step, outwards by ½ ω² dt of its radius a second. On what other bodies move the term would be a force that answers
+/// to its own result.
+fn lean<M: Manifolds>(of: &M, extra: &mut Extra, velocities: &Hand<'_, BodyVelocity>, middle: f32) {
+    let block = of.block();
+    extra.has_lean = false;
+    for l in 0..LANES {
+        let (a, b) = (velocities.get(block.a[l]), velocities.get(block.b[l]));
+        let turns = [a, b].map(BodyVelocity::turns_as_told);
+        if turns == [false; 2] {
+            extra.lean.iter_mut().for_each(|lane| lane[l] = 0.0);
+            continue;
+        }
+        let (center_a, center_b) = of.centers::<Plain>();
+        let (lever_a, lever_b) = (lane_of(&center_a, l), lane_of(&center_b, l));
+        let (at_a, at_b) = (a.linear + a.angular.cross(lever_a), b.linear + b.angular.cross(lever_b));
+        let n = at(&block.normal, l);
+        // Of the slip alone: along the normal the forces of the substep are in it that the contact will take.
+        let slip = (at_b - at_a).reject_from_normalized(n);
+        // The contact goes with a face of what is moved, or as the centre of what touches at a point.
+        let own = |side: &BodyVelocity, lever: Vec3| if M::COUNT > 1 { Vec3::ZERO } else { side.angular.cross(lever) };
+        let change_a = if turns[0] {
+            a.angular.cross(at_a + slip - own(b, lever_b).reject_from_normalized(n) - a.linear)
+        } else {
+            Vec3::ZERO
+        };
+        let change_b = if turns[1] {
+            b.angular.cross(at_b - slip - own(a, lever_a).reject_from_normalized(n) - b.linear)
+        } else {
+            Vec3::ZERO
+        };
+        let change = (change_b - change_a) * middle;
+        let (t1, t2) = tangents(n);
+        (extra.lean[0][l], extra.lean[1][l]) = (change.dot(t1), change.dot(t2));
+        extra.has_lean = true;
     }
 }
 
@@ -121,4 +176,11 @@ fn normal_speed<M: Manifolds>(of: &M, velocities: &Hand<'_, BodyVelocity>, i: us
 /// Lane `l` of a vector.
 fn at(lanes: &Lane3, l: usize) -> Vec3 {
     Vec3::new(lanes[0][l], lanes[1][l], lanes[2][l])
+}
+
+/// Lane `l` of a vector of registers.
+fn lane_of<W: Wide>(lanes: &Wide3<W>, l: usize) -> Vec3 {
+    let mut stored = [[0.0; LANES]; 3];
+    lanes.store(&mut stored);
+    at(&stored, l)
 }

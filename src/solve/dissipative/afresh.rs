@@ -84,9 +84,9 @@ impl Batch {
         for iteration in 0..iterations {
             if iteration % 2 == 0 {
                 direct.sweep_on(&afresh.slots, velocities);
-                crew::sweep(&mut afresh.blocks, first_jointed, &alone, (velocities, moving), false);
+                crew::sweep(&mut afresh.blocks, first_jointed, &alone, (velocities, moving), false, true);
             } else {
-                crew::sweep(&mut afresh.blocks, first_jointed, &alone, (velocities, moving), true);
+                crew::sweep(&mut afresh.blocks, first_jointed, &alone, (velocities, moving), true, true);
                 direct.sweep_on(&afresh.slots, velocities);
             }
         }

@@ -1,0 +1,275 @@
+//! Impacts of a batch: what takes part in them, from its blocks of contacts and back.
+
+use std::ops::Range;
+
+use glam::{DVec2, Vec3};
+
+use super::super::batch::Batch;
+use super::super::contact::{POINTS, tangents};
+use super::super::contact_block::ContactBlocks;
+use super::super::state::{BodyVelocity, Symmetric};
+use super::{Body, Impact, Manifold, Point};
+use crate::room::resize;
+
+/// What is no body of the impact at hand.
+const NOBODY: u32 = u32::MAX;
+
+/// Impacts of the islands of a batch, and buffers.
+#[derive(Debug, Default)]
+pub(crate) struct Impacts {
+    /// Whether any contact of the step can rebound.
+    may_happen: bool,
+    /// Velocities from before anything acted on them in the substep but forces.
+    before: Vec<BodyVelocity>,
+    /// Islands in which something has hit.
+    struck: Vec<u32>,
+    /// Manifolds of those: island, number, and place.
+    members: Vec<(u32, u32, u32, u32)>,
+    impact: Impact,
+    /// Body of each slot, and slot of each body.
+    number: Vec<u32>,
+    slots: Vec<u32>,
+    /// What is added to velocities once poses have moved.
+    changes: Vec<(u32, [Vec3; 2])>,
+    /// Block, lane and multipliers that are carried on, of manifolds that were pressed with more in the impact.
+    carried: Vec<(u32, u32, [f32; POINTS], f32)>,
+}
+
+impl Impacts {
+    /// Begins a step.
+    pub(crate) fn prepare(&mut self, contacts: &ContactBlocks) {
+        self.may_happen = contacts.extras.iter().any(|extra| extra.has_restitution);
+        self.struck.clear();
+        self.changes.clear();
+        self.carried.clear();
+    }
+
+    /// Whether something has hit in this substep in the island of a slot; `islands` are the first slots of all.
+    pub(crate) fn has_struck(&self, islands: &[u32], slot: u32) -> bool {
+        !self.struck.is_empty()
+            && islands
+                .partition_point(|&first| first <= slot)
+                .checked_sub(1)
+                .is_some_and(|island| self.struck.binary_search(&(island as u32)).is_ok())
+    }
+
+    /// Keeps the velocities that contacts hit with in this substep.
+    pub(crate) fn note(&mut self, velocities: &[BodyVelocity]) {
+        if self.may_happen {
+            self.before.clear();
+            self.before.extend_from_slice(velocities);
+        }
+    }
+
+    /// Number of the body of a slot in the impact at hand.
+    fn body(&mut self, slot: u32) -> u32 {
+        let number = &mut self.number[slot as usize];
+        if *number == NOBODY {
+            *number = self.slots.len() as u32;
+            self.slots.push(slot);
+            self.impact.bodies.push(Body::of(&self.before[slot as usize]));
+        }
+        *number
+    }
+
+    /// Takes a manifold into the impact at hand: those of its points that press or touch.
+    fn take(&mut self, contacts: &ContactBlocks, block: usize, lane: usize) {
+        let from = &contacts.blocks[block];
+        let (a, b) = (self.body(from.a[lane]), self.body(from.b[lane]));
+        let extra = contacts.extras.get(from.extra as usize);
+        let first = self.impact.points.len();
+        for i in 0..usize::from(from.count[lane]) {
+            let rows = contacts.rows(block, i);
+            let (lever_a, lever_b) = rows.levers_of(lane);
+            // What neither presses nor touches keeps its place and takes no part.
+            let takes_part = rows.inverse_diagonal[lane] > 0.0 && (rows.lambda[lane] > 0.0 || rows.closing_speed[lane] <= 0.0);
+            self.impact.points.push(Point {
+                lever_a: lever_a.as_dvec3(),
+                lever_b: lever_b.as_dvec3(),
+                impact_speed: extra.map_or(0.0, |extra| f64::from(extra.impact_speed[i][lane])),
+                lambda: f64::from(rows.lambda[lane]),
+                takes_part,
+                ..Point::default()
+            });
+        }
+        let normal = from.normal_of(lane);
+        let (t1, t2) = tangents(normal);
+        let (center_a, center_b) = contacts.centers_of(block, lane);
+        let twist = contacts.twist_of(block);
+        self.impact.manifolds.push(Manifold {
+            a,
+            b,
+            normal: normal.as_dvec3(),
+            tangents: [t1.as_dvec3(), t2.as_dvec3()],
+            center_a: center_a.as_dvec3(),
+            center_b: center_b.as_dvec3(),
+            points: first..self.impact.points.len(),
+            restitution: extra.map_or(0.0, |extra| f64::from(extra.restitution[lane])),
+            friction: f64::from(from.friction[lane]),
+            twist_arm: twist.map_or(0.0, |twist| f64::from(twist.arm[lane])),
+            rolling_arm: extra.map_or(0.0, |extra| f64::from(extra.rolling_arm[lane])),
+            slide: DVec2::new(f64::from(from.tangent_lambda[0][lane]), f64::from(from.tangent_lambda[1][lane])),
+            twist: twist.map_or(0.0, |twist| f64::from(twist.lambda[lane])),
+            roll: extra.map_or(DVec2::ZERO, |extra| {
+                DVec2::new(f64::from(extra.rolling_lambda[0][lane]), f64::from(extra.rolling_lambda[1][lane]))
+            }),
+            ..Manifold::default()
+        });
+    }
+
+    /// Gives velocities and multipliers back.
+    fn give_back(&mut self, contacts: &mut ContactBlocks, velocities: &[BodyVelocity], members: Range<usize>) {
+        for (&slot, body) in self.slots.iter().zip(&self.impact.bodies) {
+            self.number[slot as usize] = NOBODY;
+            let now = &velocities[slot as usize];
+            let change = [body.linear - now.linear.as_dvec3(), body.angular - now.angular.as_dvec3()];
+            self.changes.push((slot, change.map(|change| change.as_vec3())));
+        }
+        for (manifold, &(.., block, lane)) in self.impact.manifolds.iter().zip(&self.members[members]) {
+            let (number, l) = (block as usize, lane as usize);
+            let points = &self.impact.points[manifold.points.clone()];
+            let [load, blow] =
+                [0, 1].map(|part| -> f64 { points.iter().map(|point| if part == 0 { point.lambda } else { point.blow }).sum() });
+            let mut carried = [0.0; POINTS];
+            for (i, point) in points.iter().enumerate() {
+                contacts.rows_mut(number, i).lambda[l] = (point.lambda + point.blow) as f32;
+                carried[i] = point.lambda as f32;
+            }
+            let block_of = &mut contacts.blocks[number];
+            block_of.tangent_lambda[0][l] = manifold.slide.x as f32;
+            block_of.tangent_lambda[1][l] = manifold.slide.y as f32;
+            let extra = block_of.extra as usize;
+            if let Some(twist) = contacts.twist_mut(number) {
+                twist.lambda[l] = manifold.twist as f32;
+            }
+            if let Some(extra) = contacts.extras.get_mut(extra) {
+                extra.rolling_lambda[0][l] = manifold.roll.x as f32;
+                extra.rolling_lambda[1][l] = manifold.roll.y as f32;
+                // It is over for the substep: nothing is left to rebound by itself.
+                extra.impact_speed.iter_mut().for_each(|lanes| lanes[l] = 0.0);
+                if manifold.was_hit && extra.restitution[l] > 0.0 {
+                    extra.rebounds[l] = true;
+                    extra.blow[l] = (load + blow) as f32;
+                }
+            }
+            if blow > 0.0 {
+                let share = load / (load + blow);
+                self.carried.push((block, lane, carried, share as f32));
+            }
+        }
+    }
+}
+
+impl Body {
+    fn of(velocity: &BodyVelocity) -> Self {
+        Self {
+            linear: velocity.linear.as_dvec3(),
+            angular: velocity.angular.as_dvec3(),
+            inverse_mass: velocity.inverse_mass.as_dvec3(),
+            inverse_inertia: Symmetric::to_mat3(velocity.inverse_inertia).as_dmat3(),
+        }
+    }
+}
+
+impl Batch {
+    /// Keeps the velocities of now, where something may rebound in this substep.
+    pub(crate) fn note_impacts(&mut self) {
+        self.impacts.note(&self.velocities);
+    }
+
+    /// Finds what impacts of this substep make of velocities. Poses move by those of now: what has hit is then where it hit.
+    pub(crate) fn find_impacts(&mut self, threshold: f32) {
+        if !self.impacts.may_happen {
+            return;
+        }
+        let mut impacts = std::mem::take(&mut self.impacts);
+        self.list_struck(&mut impacts, threshold);
+        if !impacts.struck.is_empty() {
+            resize(&mut impacts.number, self.velocities.len(), NOBODY);
+            self.list_members(&mut impacts);
+            let mut first = 0;
+            while first < impacts.members.len() {
+                let island = impacts.members[first].0;
+                let count = impacts.members[first..].iter().take_while(|member| member.0 == island).count();
+                impacts.impact.clear();
+                impacts.slots.clear();
+                for place in first..first + count {
+                    let (.., block, lane) = impacts.members[place];
+                    impacts.take(&self.contacts, block as usize, lane as usize);
+                }
+                impacts.impact.solve(f64::from(threshold));
+                impacts.give_back(&mut self.contacts, &self.velocities, first..first + count);
+                first += count;
+            }
+        }
+        self.impacts = impacts;
+    }
+
+    /// Gives bodies what impacts have made of their velocities.
+    ///
+    /// What is free keeps the angular momentum that it has then. Its bodies have moved on since the levers were formed, so a blow along one line
+    /// is along two; were that made up for by a rotation of all, balls without friction would spin, and elastic ones gain energy.
+    pub(crate) fn apply_impacts(&mut self) {
+        for (slot, [linear, angular]) in self.impacts.changes.drain(..) {
+            let velocity = &mut self.velocities[slot as usize];
+            velocity.linear += linear;
+            velocity.angular += angular;
+        }
+        if !self.impacts.struck.is_empty() && !self.free.is_empty() {
+            let Self { free, velocities, motions, poses, impacts, islands, .. } = self;
+            free.note(velocities, motions, poses, |slot| impacts.has_struck(islands, slot));
+        }
+    }
+
+    /// Ends the substep of impacts: multipliers of blows are nothing to carry on.
+    pub(crate) fn forget_impacts(&mut self) {
+        let Self { impacts, contacts, .. } = self;
+        for (block, lane, normals, share) in impacts.carried.drain(..) {
+            let (number, l) = (block as usize, lane as usize);
+            let mut whole = contacts.whole(number);
+            whole.multipliers().for_each(|lambda| lambda[l] *= share);
+            for (i, normal) in normals.into_iter().enumerate().take(contacts.room_of(number)) {
+                contacts.rows_mut(number, i).lambda[l] = normal;
+            }
+        }
+    }
+
+    /// Island of a manifold; none where joints hold anything in it, whose rows the law does not have.
+    fn island_of(&self, number: usize) -> Option<u32> {
+        let ends = &self.ends[number];
+        let slot = [ends.a, ends.b].into_iter().find(|&slot| self.roles[slot as usize].moves())?;
+        self.islands.partition_point(|&first| first <= slot).checked_sub(1).map(|island| island as u32)
+    }
+
+    fn list_struck(&self, impacts: &mut Impacts, threshold: f32) {
+        impacts.struck.clear();
+        for number in 0..self.ends.len() {
+            let Some((block, lane)) = self.place_of(number) else { continue };
+            let (block, lane) = (block as usize, lane as usize);
+            let Some(extra) = self.contacts.extras.get(self.contacts.blocks[block].extra as usize) else { continue };
+            let hits = |i: usize| extra.impact_speed[i][lane] < -threshold && self.contacts.rows(block, i).lambda[lane] > 0.0;
+            if extra.has_restitution && (0..self.contacts.room_of(block)).any(hits) {
+                impacts.struck.extend(self.island_of(number));
+            }
+        }
+        impacts.struck.sort_unstable();
+        impacts.struck.dedup();
+        let next = |island: u32| self.islands.get(island as usize + 1).map_or(self.moving() + 1, |&next| next as usize);
+        let is_free = |island: &u32| {
+            let slots = self.islands[*island as usize] as usize..next(*island);
+            self.motions[slots].iter().all(|motion| !motion.jointed && !motion.direct)
+        };
+        impacts.struck.retain(is_free);
+    }
+
+    fn list_members(&self, impacts: &mut Impacts) {
+        impacts.members.clear();
+        for number in 0..self.ends.len() {
+            let Some((block, lane)) = self.place_of(number) else { continue };
+            if let Some(island) = self.island_of(number).filter(|island| impacts.struck.binary_search(island).is_ok()) {
+                impacts.members.push((island, number as u32, block, lane));
+            }
+        }
+        impacts.members.sort_unstable();
+    }
+}
