@@ -11,7 +11,7 @@ use crate::room::make_room;
 use crate::workers::Workers;
 
 /// Overlap below which position recovery has nothing to do (m).
-const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
+pub(super) const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
 
 /// Blocks of contacts from which on position recovery begins as the greatest overlap is looked for, since going through them twice takes
 /// longer than a sweep that may be in vain.

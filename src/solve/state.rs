@@ -218,7 +218,11 @@ impl BodyMotion {
             return;
         }
         let turn = settled(turn, NEGLIGIBLE_PUSH).clamp_length_max(MAX_PUSH_TURN);
-        self.displacement += settled(displacement, NEGLIGIBLE_PUSH);
+        let displacement = settled(displacement, NEGLIGIBLE_PUSH);
+        if displacement == Vec3::ZERO && turn == Vec3::ZERO {
+            return;
+        }
+        self.displacement += displacement;
         self.turn += turn;
         self.rotation = rotated(self.rotation, turn);
     }

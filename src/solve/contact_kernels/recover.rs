@@ -5,6 +5,7 @@
 use super::super::contact::{LANES, POINTS};
 use super::super::contact_block::{ContactBlocks, Extra};
 use super::super::contact_pieces::BlockPart;
+use super::super::recovery::NEGLIGIBLE_OVERLAP;
 use super::super::shared::Hand;
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
@@ -144,7 +145,9 @@ fn part_overlaps<W: Wide, M: Manifolds>(of: &mut M, pushes: &mut Hand<'_, BodyVe
     let mut old = [W::zero(); POINTS];
     for i in 0..M::COUNT {
         old[i] = W::load(&of.rows(i).closing_speed);
+        // Below what is worth a push there is none, so that no island is pushed because another in its batch is.
         let s = W::load(&of.rows(i).separation);
+        let s = W::select((-s).above(W::splat(NEGLIGIBLE_OVERLAP)), s, s.max(W::zero()));
         let apart = (W::splat(RECOVERY_SHARE) * s).max(W::splat(-MAX_RECOVERY_SPEED * dt));
         residual[i] = residual[i] + W::select(W::zero().above(s), apart, s);
     }
