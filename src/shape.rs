@@ -193,6 +193,17 @@ impl Shape {
         Arc::as_ptr(&self.0) as usize
     }
 
+    /// Whether it is round somewhere.
+    pub(crate) fn is_round(&self) -> bool {
+        use Geometry::{Ball, Capsule, Cone, Cylinder};
+        matches!(self.geometry(), Ball { .. } | Capsule { .. } | Cylinder { .. } | Cone { .. })
+    }
+
+    /// Whether it consists of several convex forms.
+    pub(crate) fn is_compound(&self) -> bool {
+        matches!(self.geometry(), Geometry::Compound { .. })
+    }
+
     pub(crate) fn parry(&self) -> &SharedShape {
         &self.0.parry
     }

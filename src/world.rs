@@ -48,6 +48,7 @@ mod query;
 mod read;
 mod redefine;
 mod rest;
+mod seams;
 mod sense;
 mod shapes;
 mod sleep;
@@ -124,6 +125,9 @@ struct Scratch {
     /// Shapes with another kept box, for each piece of the shapes.
     reboxed: Vec<Vec<u32>>,
     sweeps: fast::Sweeps,
+    /// Pairs of which one body moves over the other, for each piece of the pairs.
+    glides: Vec<Vec<seams::Glide>>,
+    seams: seams::Seams,
     /// What is noted of bodies, and of joints, for each piece of a batch.
     noted: Vec<store::bodies::Noted>,
     noted_joints: Vec<store::joints::Noted>,

@@ -189,3 +189,220 @@ fn what_is_fast_rolls_on_over_what_it_rests_on() {
         }
     }
 }
+
+/// Where a shape flies past another: both, the gap between them at the nearest (m), where it is then, and its direction.
+fn passes(size: f32, gap: f64) -> Vec<(&'static str, Shape, Shape, DVec3, DVec3)> {
+    let scale = f64::from(size);
+    let ball = || Shape::ball(0.25 * size).unwrap();
+    let cube = || Shape::cuboid(Vec3::splat(0.25 * size)).unwrap();
+    let block = || Shape::cuboid(Vec3::new(3.0, 1.0, 3.0) * size).unwrap();
+    let boulder = || Shape::ball(0.5 * size).unwrap();
+    let over = DVec3::new(-3.0 * scale, 1.25 * scale + gap, 0.0);
+    let beside = DVec3::new(3.25 * scale + gap, 1.0 * scale, 0.0);
+    let past = DVec3::Y * (0.75 * scale + gap);
+    let across =
+        DVec3::new(3.0, 1.0, 0.0) * scale + DVec3::new(1.0, 1.0, 0.0).normalize() * (0.25 * 2.0_f64.sqrt() * scale + gap);
+    let diagonal = DVec3::new(1.0, -1.0, 0.0).normalize();
+    vec![
+        ("ball over a ledge", ball(), block(), over, DVec3::X),
+        ("ball down a wall", ball(), block(), beside, DVec3::NEG_Y),
+        ("ball past a ball", ball(), boulder(), past, DVec3::X),
+        ("cube past a ball", cube(), boulder(), past, DVec3::X),
+        ("ball across a corner", ball(), block(), across, diagonal),
+    ]
+}
+
+#[test]
+fn what_is_round_and_passes_by_is_not_deflected() {
+    for (size, speed, gap) in [
+        (1.0_f32, 2.0_f32, 0.001_f64),
+        (1.0, 10.0, 0.02),
+        (1.0, 50.0, 0.1),
+        (1.0, 300.0, 0.2),
+        (0.01, 2.0, 1.0e-4),
+        (100.0, 50.0, 0.1),
+    ] {
+        for rate in [30.0_f32, 60.0, 240.0] {
+            for (what, shape, obstacle, at, direction) in passes(size, gap) {
+                for phase in 0..4 {
+                    let mut world = world(0.0);
+                    world.create_body(&BodyDef::fixed(Pose::IDENTITY).with_shape(smooth(obstacle.clone(), 0.0))).unwrap();
+                    // It comes from where it has a step and a part to go.
+                    let way = f64::from(1.5 * size + speed / rate * (1.0 + 0.25 * phase as f32));
+                    let velocity = direction.as_vec3() * speed;
+                    let def = BodyDef { linear_velocity: velocity, ..BodyDef::dynamic(Pose::at(at - direction * way)) };
+                    let body = world.create_body(&def.with_shape(smooth(shape.clone(), 0.0))).unwrap();
+                    let steps = (2.0 * way / f64::from(speed / rate)) as usize + 2;
+                    for _ in 0..steps.min(200) {
+                        world.step(1.0 / rate).unwrap();
+                    }
+                    let off = (world.linear_velocity(body).unwrap() - velocity).length() / speed;
+                    assert!(
+                        off < 0.01,
+                        "{what}, size {size} m, {speed} m/s, gap {gap} m, {rate} Hz, phase {phase}: off by {off} of its speed"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_hits_is_stopped() {
+    for (speed, rate) in [(2.0_f32, 60.0_f32), (10.0, 30.0), (20.0, 60.0), (50.0, 60.0), (50.0, 240.0)] {
+        for (name, wall) in [("wall", Vec3::new(0.5, 3.0, 3.0)), ("plate", Vec3::new(0.025, 3.0, 3.0))] {
+            let shapes = [
+                Geometry::Ball { radius: 0.25 },
+                Geometry::Box { half_extents: Vec3::splat(0.25) },
+                Geometry::Capsule { half_height: 0.25, radius: 0.2 },
+            ];
+            for shape in shapes {
+                for phase in 0..4 {
+                    let mut world = world(0.0);
+                    let at = Pose::at(DVec3::X * f64::from(wall.x));
+                    world.create_body(&BodyDef::fixed(at).with_shape(smooth(Shape::cuboid(wall).unwrap(), 0.0))).unwrap();
+                    let start = DVec3::new(-0.9 - f64::from(speed / rate) * (1.0 + 0.25 * f64::from(phase)), 0.0, 0.003);
+                    let def = BodyDef { linear_velocity: Vec3::X * speed, ..BodyDef::dynamic(Pose::at(start)) };
+                    let body = world.create_body(&def.with_shape(smooth(Shape::new(shape.clone()).unwrap(), 0.0))).unwrap();
+                    let mut deepest = 0.0_f32;
+                    for _ in 0..(2.0 * rate / speed) as usize + 8 {
+                        world.step(1.0 / rate).unwrap();
+                        deepest = deepest.max(world.report().residuals.penetration);
+                    }
+                    let (x, speed_left) = (position(&world, body).x, world.linear_velocity(body).unwrap().x);
+                    assert!(
+                        x < 0.0 && speed_left < 0.01 * speed && deepest < 1.0e-3,
+                        "{name}, {shape:?}, {speed} m/s, {rate} Hz, phase {phase}: at {x} m with {speed_left} m/s, {deepest} m deep"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A floor whose top is at height zero, of one kind, 12 m long from −2 m.
+fn flush_floor(world: &mut World, kind: &str) {
+    let mut random = 0x2545_f491_4f6c_dd1d_u64;
+    let mut next = || {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        (random >> 40) as f32 / (1 << 24) as f32
+    };
+    let mut place = |shape: Shape, at: DVec3, is_dynamic: bool| {
+        let def = if is_dynamic {
+            BodyDef { can_sleep: false, ..BodyDef::dynamic(Pose::at(at)) }
+        } else {
+            BodyDef::fixed(Pose::at(at))
+        };
+        let mut shape = smooth(shape, 0.0);
+        // What does not move is heavy, and lies.
+        shape.density = 1.0e5;
+        world.create_body(&def.with_shape(shape)).unwrap();
+    };
+    match kind {
+        "fields" | "meshes" => {
+            for i in 0..6 {
+                place(grid(8, 0.25, |_, _| 0.0, kind == "fields"), DVec3::new(2.0 * f64::from(i) - 1.0, 0.0, 0.0), false);
+            }
+        }
+        "compound" => {
+            let tile = |i: i32| {
+                let local = longspan::LocalPose { position: Vec3::X * (i as f32 - 1.5), rotation: Quat::IDENTITY };
+                (local, Geometry::Box { half_extents: Vec3::new(0.5, 0.5, 1.0) })
+            };
+            place(Shape::new(Geometry::Compound { parts: (0..12).map(tile).collect() }).unwrap(), DVec3::Y * -0.5, false);
+        }
+        _ => {
+            let mut x = -2.0;
+            while x < 10.0 {
+                let mixed = kind == "mixed";
+                let length = if mixed { 0.3 + 1.2 * next() } else { 1.0 };
+                let mut z = -1.5;
+                while z < 1.5 {
+                    let width = if mixed { 0.3 + 1.2 * next() } else { 1.0 };
+                    let at = DVec3::new(f64::from(x + 0.5 * length), -0.5, f64::from(z + 0.5 * width));
+                    place(Shape::cuboid(Vec3::new(0.5 * length, 0.5, 0.5 * width)).unwrap(), at, kind == "loose");
+                    z += width;
+                }
+                x += length;
+            }
+            if kind == "loose" {
+                place(Shape::new(Geometry::HalfSpace { normal: Vec3::Y }).unwrap(), DVec3::NEG_Y, false);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_round_goes_on_over_flush_surfaces() {
+    let shapes = [
+        ("ball", Geometry::Ball { radius: 0.25 }, 0.25),
+        ("cylinder", Geometry::Cylinder { half_height: 0.25, radius: 0.25 }, 0.25),
+    ];
+    for kind in ["tiles", "mixed", "compound", "fields", "meshes", "loose"] {
+        for (name, shape, height) in &shapes {
+            for (speed, rate) in [(0.5_f32, 60.0_f32), (2.0, 30.0), (2.0, 60.0), (8.0, 60.0), (8.0, 240.0)] {
+                let mut world = world(9.81);
+                flush_floor(&mut world, kind);
+                let velocity = Vec3::new(speed, 0.0, 0.05 * speed);
+                let start = DVec3::new(-0.7, *height, -0.13);
+                let def = BodyDef { linear_velocity: velocity, ..BodyDef::dynamic(Pose::at(start)) };
+                let body = world.create_body(&def.with_shape(smooth(Shape::new(shape.clone()).unwrap(), 0.0))).unwrap();
+                let mut hop = 0.0_f64;
+                for _ in 0..((8.0 / speed).min(4.0) * rate) as usize {
+                    world.step(1.0 / rate).unwrap();
+                    hop = hop.max((position(&world, body).y - height).abs());
+                }
+                let off = (world.linear_velocity(body).unwrap() - velocity).length() / speed;
+                assert!(
+                    off < 0.02 && hop < 2.0e-3,
+                    "{name} on {kind}, {speed} m/s, {rate} Hz: off by {off} of its speed, {hop} m off the floor"
+                );
+            }
+        }
+    }
+}
+
+/// Energy of a marble after 40 s in a bowl of radius 2 m, from 0.12 rad, over what it began with.
+fn energy_kept_in_a_bowl(radius: f32, is_rolling: bool, rate: f32) -> f64 {
+    const BOWL: f32 = 2.0;
+    let mut world = world(9.81);
+    let friction = if is_rolling { 1.0 } else { 0.0 };
+    let material = Material { friction, ..Material::default() };
+    let mut bowl = ShapeDef::new(grid(100, 0.01, |x, z| BOWL - (BOWL * BOWL - x * x - z * z).sqrt(), false));
+    bowl.material = material;
+    world.create_body(&BodyDef::fixed(Pose::IDENTITY).with_shape(bowl)).unwrap();
+    let mut marble = ShapeDef::new(Shape::ball(radius).unwrap());
+    marble.material = material;
+    let (swing, angle) = (f64::from(BOWL - radius), 0.12_f64);
+    let at = DVec3::new(swing * angle.sin(), f64::from(BOWL) - swing * angle.cos(), 0.003);
+    let body = world.create_body(&BodyDef { can_sleep: false, ..BodyDef::dynamic(Pose::at(at)) }.with_shape(marble)).unwrap();
+    for _ in 0..(40.0 * rate) as usize {
+        world.step(1.0 / rate).unwrap();
+    }
+    let (linear, angular) = (world.linear_velocity(body).unwrap(), world.angular_velocity(body).unwrap());
+    let moving = 0.5 * f64::from(linear.length_squared() + 0.4 * radius * radius * angular.length_squared());
+    let height = position(&world, body).y - f64::from(radius);
+    (9.81 * height + moving) / (9.81 * swing * (1.0 - angle.cos()))
+}
+
+#[test]
+fn a_marble_in_a_bowl_keeps_its_energy() {
+    // At the normals of the step's start it had 2.5 to 3.3 times as much at 60 steps a second. Facets of 1 cm take and give some of it, by
+    // how they lie under the way: 1.06, and of the large ball, which touches several at once, 1.08 at most.
+    for (radius, is_rolling, rate, bound) in [
+        (0.03, false, 60.0, 0.1),
+        (0.1, true, 60.0, 0.1),
+        (0.1, false, 60.0, 0.1),
+        (0.3, true, 60.0, 0.1),
+        (0.1, true, 240.0, 0.02),
+    ] {
+        let kept = energy_kept_in_a_bowl(radius, is_rolling, rate);
+        println!("radius {radius} m, rolling {is_rolling}, {rate} Hz: {kept}");
+        assert!(
+            (kept - 1.0).abs() < bound,
+            "radius {radius} m, rolling {is_rolling}, {rate} Hz: {kept} of its energy after 40 s"
+        );
+    }
+}

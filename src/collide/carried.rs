@@ -57,6 +57,9 @@ fn lone_point(manifolds: &[CarriedManifold]) -> Option<CarriedPoint> {
     Some(CarriedPoint { normal: *normal, point: points[0], impulses: *impulses })
 }
 
+/// Separation of a point that is left out (m): more than anything closes in a step.
+const LEFT_OUT: f32 = 1.0e6;
+
 /// All manifolds of a pair.
 #[derive(Debug, Clone)]
 pub(crate) enum Manifolds {
@@ -168,6 +171,19 @@ impl Manifolds {
         point.into_iter().chain(manifolds.iter_mut().map(|manifold| &mut manifold.impulses))
     }
 
+    /// Leaves a point out until the manifold is made anew.
+    pub(super) fn leave_out(&mut self, number: usize, point: usize) {
+        let (place, impulses) = match self {
+            Self::Point(only) => (&mut only.point, &mut only.impulses),
+            Self::Any(manifolds) => {
+                let manifold = &mut manifolds[number];
+                (&mut manifold.geometry.points[point], &mut manifold.impulses)
+            }
+        };
+        place.separation = LEFT_OUT;
+        impulses.normal[point] = 0.0;
+    }
+
     pub(crate) fn set_impulses(&mut self, number: usize, impulses: ContactImpulses) {
         match self {
             Self::Point(point) => point.impulses = impulses,
@@ -179,6 +195,9 @@ impl Manifolds {
     /// on the surfaces.
     pub(crate) fn follow(&mut self, relative: &Pose3) {
         let follow = |normal: Vec3, point: &mut ManifoldPoint| {
+            if point.separation == LEFT_OUT {
+                return;
+            }
             let on_b = relative.rotation * point.on_b + relative.translation;
             point.separation = normal.dot(on_b - point.on_a);
         };

@@ -14,5 +14,6 @@ pub(crate) mod collider;
 pub(crate) mod curvature;
 pub(crate) mod narrow;
 pub(crate) mod pairs;
+pub(crate) mod predict;
 pub(crate) mod stance;
 pub(crate) mod sweep;

@@ -8,10 +8,10 @@ use parry3d::math::Pose3;
 use super::carried::{Carried, CarriedManifold, Manifolds, near, pressed, touching};
 use super::coarse::{CoarsePose, coarse, pose_unit};
 use super::collider::{Collider, relative};
-use super::narrow::{self, Manifold, Scratch};
+use super::narrow::{Manifold, Scratch};
+use super::predict::{Approach, Follow, Found, Step};
 use super::stance::Stance;
 use crate::body::Body;
-use crate::shape::Shape;
 use crate::solve::contact::ContactImpulses;
 use crate::solve::told::Told;
 
@@ -154,12 +154,14 @@ impl Pair {
         }
     }
 
-    /// Brings the manifolds up to date with the bodies' poses; `shapes` are asked for where they are made anew.
+    /// Brings the manifolds up to date with the bodies' poses; what else is known of shapes is asked for where they are made
+    /// anew.
     pub(crate) fn update<'a>(
         &mut self,
         (a, b): (&Stance, &Stance),
         motion: f32,
-        shapes: impl FnOnce() -> [&'a Shape; 2],
+        step: Step,
+        moving: impl FnOnce() -> [Follow<'a>; 2],
         scratch: &mut PairScratch,
     ) {
         let still = a.contact_margin(b);
@@ -174,8 +176,10 @@ impl Pair {
                 // Nothing moves like that; whatever does is taken out after the step.
                 return self.part();
             }
-            let [shape_a, shape_b] = shapes();
-            narrow::collide(shape_a, shape_b, relative, margin, &mut scratch.narrow, &mut scratch.manifolds);
+            let moving = moving();
+            let approach = Approach::new(a, b, &moving, step);
+            let mut found = Found { scratch: &mut scratch.narrow, manifolds: &mut scratch.manifolds };
+            approach.collide(moving.map(|of| of.shape), relative, margin, self.pressed, &mut found);
             self.take(&scratch.manifolds, &mut scratch.carried);
             (self.pose, self.margin) = (CoarsePose::of(&coarse(&relative, pose_unit(extent))), margin);
         } else {
@@ -183,6 +187,12 @@ impl Pair {
         }
         let points = self.manifolds.iter().flat_map(|manifold| manifold.points);
         put(&mut self.may_touch, points.fold(f32::INFINITY, |least, point| least.min(point.separation)) <= motion);
+        self.note_near(extent);
+    }
+
+    /// Leaves a point out of the pair's contacts until they are made anew; `extent` is the lesser least extent of the two shapes (m).
+    pub(crate) fn leave_out(&mut self, number: usize, point: usize, extent: f32) {
+        self.manifolds.leave_out(number, point);
         self.note_near(extent);
     }
 

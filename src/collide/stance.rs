@@ -20,17 +20,23 @@ pub(crate) struct Stance {
     /// World position of the shape's origin (m).
     pub position: DVec3,
     /// Speed at which the farthest point of the shape turns (m/s).
-    turning: f32,
+    pub turning: f32,
     /// Factor on gravity; zero for what it does not pull.
     fall: f32,
     pub rotation: Quat,
-    velocity: Vec3,
+    pub velocity: Vec3,
     /// From the body's centre of mass to the shape's origin (m, world axes).
-    offset: Vec3,
+    pub offset: Vec3,
     pub material: Material,
     /// Whether nothing has moved the body since its contacts were made, or can.
     pub still: bool,
 }
+
+/// Way in a step from which on a body glides, over the lesser least extent: what goes less far loses nothing to speak of at a seam.
+const LEAST_GLIDE: f32 = 1.0e-4;
+
+/// Speed, over that of what glides over it, below which a body is still.
+const STILLNESS: f32 = 0.01;
 
 const _: () = assert!(size_of::<Stance>() == 128);
 
@@ -71,6 +77,24 @@ impl Stance {
     pub(crate) fn motion_against(&self, other: &Self, gravity: Vec3, dt: f32) -> f32 {
         let closing = other.velocity - self.velocity + gravity * ((other.fall - self.fall) * dt);
         (closing.length() + self.turning + other.turning) * dt
+    }
+
+    /// Speed of its farthest point at most (m/s).
+    fn speed(&self) -> f32 {
+        self.velocity.length() + self.turning
+    }
+
+    /// Whether the body moves along more slowly than another.
+    pub(crate) fn is_slower_than(&self, other: &Self) -> bool {
+        self.velocity.length_squared() < other.velocity.length_squared()
+    }
+
+    /// Whether the body moves along over another that hardly moves.
+    pub(crate) fn glides_over(&self, other: &Self, dt: f32) -> bool {
+        let way = LEAST_GLIDE * self.least_extent.min(other.least_extent);
+        let speed_squared = self.velocity.length_squared();
+        let moves = speed_squared * (dt * dt) > way * way;
+        moves && other.speed() < STILLNESS * speed_squared.sqrt()
     }
 
     /// Distance at which two shapes become contacts even without relative motion (m).

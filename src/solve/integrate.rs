@@ -195,6 +195,12 @@ pub(crate) fn rotated(rotation: Quat, vector: Vec3) -> Quat {
     Quat::from_vec4(Vec4::select(rotation.abs().cmpgt(Vec4::splat(NEGLIGIBLE_WAY)), rotation, Vec4::ZERO)).normalize()
 }
 
+/// The same for a rotation vector of any length, in pieces of less than a radian.
+pub(crate) fn rotated_far(rotation: Quat, turn: Vec3) -> Quat {
+    let pieces = turn.length().ceil().max(1.0);
+    (0..pieces as u32).fold(rotation, |rotation, _| rotated(rotation, turn / pieces))
+}
+
 /// The rotation by a rotation vector.
 fn quaternion_of(vector: Vec3) -> Quat {
     let half = vector * 0.5;

@@ -6,6 +6,7 @@ use glam::DVec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::World;
+use super::seams::Glide;
 use super::touches::Touch;
 use super::unions::Unions;
 use crate::body::Body;
@@ -13,6 +14,7 @@ use crate::collide::blows::Blow;
 use crate::collide::broad::still_near;
 use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::{Pair, PairKey, PairScratch, WorldManifold};
+use crate::collide::predict::{Follow, Step};
 use crate::collide::stance::Stance;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
@@ -167,9 +169,14 @@ impl World {
 
     /// Makes or follows the contacts of every active pair, and lists what touches.
     pub(super) fn update_contacts(&mut self, dt: f32) {
-        let Self { pairs, colliders, index, touches, scratch, threads, def, report, .. } = self;
+        let Self { pairs, colliders, bodies, index, touches, scratch, threads, def, report, .. } = self;
         let (active, slots) = pairs.active_and_slots();
-        let shape = |slot: u32| &colliders[slot].shape;
+        let moving = |slot: u32| {
+            let collider = &colliders[slot];
+            let body = &bodies[collider.body];
+            Follow { shape: &collider.shape, angular: body.angular_velocity, is_jointed: !body.joints.is_empty() }
+        };
+        let step = Step { dt, substeps: def.substeps };
         let update = |pair: &mut Pair, scratch: &mut PairScratch| {
             let (a, b) = pair.key.shapes();
             let stances = (index.stance(a), index.stance(b));
@@ -180,14 +187,16 @@ impl World {
                 return pair.part();
             }
             let motion = stances.0.motion_against(stances.1, def.gravity, dt);
-            pair.update(stances, motion, || [shape(a), shape(b)], scratch);
+            pair.update(stances, motion, step, || [moving(a), moving(b)], scratch);
         };
         let is_shared = !threads.is_alone() && active.len() >= MIN_PARALLEL_PAIRS;
         let piece = if is_shared { threads.piece(active.len(), LEAST_PAIRS) } else { active.len().max(1) };
         let parts = active.len().div_ceil(piece);
         scratch.pairs.resize_with(scratch.pairs.len().max(parts), PairScratch::default);
+        scratch.glides.resize_with(scratch.glides.len().max(parts), Vec::new);
         let (updated, slots) = (AtomicUsize::new(0), Divided::new(slots));
-        threads.share(active.chunks(piece).zip(&mut scratch.pairs).zip(touches.begin(parts)), |((active, scratch), touches)| {
+        let pieces = active.chunks(piece).zip(&mut scratch.pairs).zip(touches.begin(parts)).zip(&mut scratch.glides);
+        threads.share(pieces, |(((active, scratch), touches), glides)| {
             // SAFETY: each active pair has a slot of its own, and is in one piece.
             let mut pairs = unsafe { slots.part() };
             let mut own = 0;
@@ -207,6 +216,8 @@ impl World {
                 let pair = pairs.get_mut(slot);
                 update(pair, scratch);
                 own += usize::from(pair.updated);
+                let (a, b) = key.shapes();
+                glides.extend(Glide::of(key, slot, pair, (index.stance(a), index.stance(b)), dt));
                 extend_tightly(touches, Touch::of(key, slot, pair, index).into_iter());
             }
             updated.fetch_add(own, Ordering::Relaxed);
@@ -215,6 +226,7 @@ impl World {
         report.counts.pairs = active as u32;
         report.counts.pairs_updated = updated as u32;
         report.counts.pairs_reused = (active - updated) as u32;
+        self.leave_out_seams();
     }
 }
 

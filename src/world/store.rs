@@ -15,6 +15,7 @@ use crate::id::{BodyId, Pool, ShapeId};
 use crate::prefetch::{AHEAD, prefetch};
 use crate::report::Events;
 use crate::solve::contact::TOUCHED;
+use crate::solve::integrate;
 use crate::solve::shared::{Divided, Slots};
 
 pub(super) mod bodies;
@@ -188,7 +189,7 @@ impl World {
             } else {
                 body.center += body.linear_velocity.as_dvec3() * f64::from(dt);
                 let turn = body.angular_velocity * dt;
-                body.rotation = rotated_far(body.rotation, turn);
+                body.rotation = integrate::rotated_far(body.rotation, turn);
             }
             // It stops at the edge of the space that positions may be in.
             let edge = glam::DVec3::splat(crate::check::MAX_COORDINATE);
@@ -271,10 +272,4 @@ fn pieces_by_pair(manifolds: &[(u32, u32)], length: usize) -> impl Iterator<Item
         }
         (first < next).then_some(first..next)
     })
-}
-
-/// As the solver's rotation of one substep, but for any angle: in pieces of less than a radian.
-fn rotated_far(rotation: glam::Quat, turn: Vec3) -> glam::Quat {
-    let pieces = turn.length().ceil().max(1.0);
-    (0..pieces as u32).fold(rotation, |rotation, _| crate::solve::integrate::rotated(rotation, turn / pieces))
 }

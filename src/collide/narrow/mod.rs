@@ -138,6 +138,31 @@ pub(crate) fn collide(a: &Shape, b: &Shape, relative: Pose3, margin: f32, scratc
     }
 }
 
+/// The parts of two shapes, the second of which is `b`, that a manifold between them is of.
+pub(crate) fn parts_of(b: &Shape, part: u32) -> [u32; 2] {
+    let parts_of_b = composite::part_count(b).max(1);
+    [part / parts_of_b, part % parts_of_b]
+}
+
+/// Angle between directions that count as one (rad): more than manifolds are turned by rounding and by resting overlaps.
+const SAME_DIRECTION: f32 = 5.0e-3;
+
+/// Whether a direction in the frame of a shape (unit) is the outward normal of a face of one of its parts.
+pub(crate) fn is_face_normal(shape: &Shape, part: u32, direction: Vec3) -> bool {
+    let Some((part, place)) = composite::part_at(shape, part) else { return false };
+    let direction = place.rotation.inverse() * direction;
+    let face = match part {
+        part::Part::HalfSpace { normal } => Some(normal),
+        part => face::nearest(&part, direction),
+    };
+    face.is_some_and(|normal| (normal - direction).length_squared() < SAME_DIRECTION * SAME_DIRECTION)
+}
+
+/// Distance from a shape to a point in its frame (m); zero inside.
+pub(crate) fn distance_to(shape: &Shape, point: Vec3) -> f32 {
+    shape.parry().distance_to_local_point(point, true)
+}
+
 fn collide_parts(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
     match (part::Part::whole(a), part::Part::whole(b)) {
         (Some(part_a), Some(part_b)) => part::collide(&part_a, &part_b, relative, margin, scratch, out),

@@ -1,0 +1,182 @@
+//! Stage that leaves out contacts at seams.
+//!
+//! What slides or rolls from one surface onto another that lies flush beside it meets the edge of the second, which is no obstacle: were
+//! both one surface, there would be none. Narrow phases see two shapes at a time and cannot know. Where a round body moves over at least two
+//! pairs with what does not move, a point e on K is left out if a face of another shape J carries the body there as well:
+//!
+//! * J presses, or nearly, with a face, in whose plane e lies, and e lies on J or its rim;
+//! * e does not press as that face does: it is an edge, or a side;
+//! * K does not rise above that plane behind e, as a wall or a step would.
+
+use glam::{DVec3, Vec3};
+
+use super::World;
+use super::index::Index;
+use crate::collide::collider::Collider;
+use crate::collide::narrow;
+use crate::collide::pairs::{Pair, PairKey};
+use crate::collide::stance::Stance;
+use crate::id::{Pool, ShapeId};
+
+/// How far surfaces may lie apart and still be flush, over the lesser least extent of what moves and what it moves over: eight times the
+/// overlap at which bodies rest, and a step that nobody sees.
+const FLUSH: f32 = 2.0e-3;
+
+/// How far behind a point, in distances of which surfaces are flush, K is looked for above J's plane.
+const BEHIND: f32 = 10.0;
+
+/// Cosine between two normals from which on they press alike: points of a face of K support what lies on it, and are left out only if
+/// they are lone edges.
+const ALIKE: f32 = 0.9;
+
+/// Sine of the angle from J's normal below which a point does not hold up what slides.
+const UPRIGHT: f32 = 1.0e-4;
+
+/// A pair of which one body moves over the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Glide {
+    /// The body that moves.
+    body: u32,
+    key: PairKey,
+    slot: u32,
+    /// Whether that is the second.
+    is_second: bool,
+}
+
+impl Glide {
+    /// What there is to note of a pair that has been brought up to date.
+    pub(super) fn of(key: PairKey, slot: u32, pair: &Pair, (a, b): (&Stance, &Stance), dt: f32) -> Option<Self> {
+        if !pair.may_touch || a.body == b.body {
+            return None;
+        }
+        let is_second = a.is_slower_than(b);
+        let (still, mover) = if is_second { (a, b) } else { (b, a) };
+        mover.glides_over(still, dt).then_some(Self { body: mover.body, key, slot, is_second })
+    }
+
+    /// Shape that moves.
+    fn mover(&self) -> u32 {
+        let (a, b) = self.key.shapes();
+        if self.is_second { b } else { a }
+    }
+
+    /// Shape that does not move.
+    fn still(&self) -> u32 {
+        let (a, b) = self.key.shapes();
+        if self.is_second { a } else { b }
+    }
+}
+
+/// A point at which a body moves over a shape.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    slot: u32,
+    number: usize,
+    point: usize,
+    /// Whether it is the only one of its manifold.
+    is_lone: bool,
+    /// Shape that does not move, and its part.
+    shape: u32,
+    part: u32,
+    /// On that shape (m), and from there to the body.
+    at: DVec3,
+    normal: Vec3,
+    separation: f32,
+    flush: f32,
+}
+
+/// Buffers of the stage.
+#[derive(Debug, Default)]
+pub(super) struct Seams {
+    glides: Vec<Glide>,
+    points: Vec<Point>,
+}
+
+impl World {
+    /// Leaves out contacts with the edges of flush neighbours of what a body moves over.
+    pub(super) fn leave_out_seams(&mut self) {
+        let Self { pairs, colliders, index, scratch, .. } = self;
+        let Seams { glides, points } = &mut scratch.seams;
+        glides.clear();
+        scratch.glides.iter_mut().for_each(|found| glides.append(found));
+        glides.retain(|glide| colliders[glide.mover()].shape.is_round());
+        glides.sort_unstable();
+        for glides in glides.chunk_by(|a, b| a.body == b.body) {
+            let is_at_seam = glides.len() > 1 || colliders[glides[0].still()].shape.is_compound();
+            if !is_at_seam {
+                continue;
+            }
+            points.clear();
+            for glide in glides {
+                list_points(glide, pairs.get(glide.slot), colliders, index, points);
+            }
+            let ground = Ground { colliders, index };
+            for e in points.iter().filter(|e| points.iter().any(|f| ground.carries(f, e))) {
+                let extent = index.least_extent(pairs.get(e.slot).key);
+                pairs.get_mut(e.slot).leave_out(e.number, e.point, extent);
+            }
+        }
+    }
+}
+
+/// Appends the points of a pair.
+fn list_points(glide: &Glide, pair: &Pair, colliders: &Pool<Collider, ShapeId>, index: &Index, points: &mut Vec<Point>) {
+    let (a, b) = glide.key.shapes();
+    let shape = glide.still();
+    let (stance, sign) = (index.stance(shape), if glide.is_second { 1.0 } else { -1.0 });
+    let turn_a = index.stance(a).rotation;
+    let flush = FLUSH * index.least_extent(glide.key);
+    for (number, manifold) in pair.manifolds.iter().enumerate() {
+        let parts = narrow::parts_of(&colliders[b].shape, manifold.part);
+        let normal = turn_a * manifold.normal * sign;
+        points.extend(manifold.points.iter().enumerate().map(|(point, place)| Point {
+            slot: glide.slot,
+            number,
+            point,
+            is_lone: manifold.points.len() == 1,
+            shape,
+            part: parts[usize::from(!glide.is_second)],
+            at: stance.position + (stance.rotation * if glide.is_second { place.on_a } else { place.on_b }).as_dvec3(),
+            normal,
+            separation: place.separation,
+            flush,
+        }));
+    }
+}
+
+/// What does not move.
+struct Ground<'a> {
+    colliders: &'a Pool<Collider, ShapeId>,
+    index: &'a Index,
+}
+
+impl Ground<'_> {
+    /// Whether the surface at `f` carries what moves so that it does not meet `e`.
+    fn carries(&self, f: &Point, e: &Point) -> bool {
+        let is_same = f.shape == e.shape && (f.part == e.part || !self.colliders[e.shape].shape.is_compound());
+        let alignment = e.normal.dot(f.normal);
+        if is_same || f.separation > 2.0 * e.flush || (!e.is_lone && alignment >= ALIKE) {
+            return false;
+        }
+        if f.normal.dot((e.at - f.at).as_vec3()).abs() > e.flush {
+            return false;
+        }
+        let into = f.normal * alignment - e.normal;
+        if into.length_squared() < UPRIGHT * UPRIGHT || !self.is_face(f) || (alignment >= ALIKE && self.is_face(e)) {
+            return false;
+        }
+        let behind = e.at + (f.normal * (2.0 * e.flush) + into.normalize() * (BEHIND * e.flush)).as_dvec3();
+        self.distance(f.shape, e.at) <= e.flush && self.distance(e.shape, behind) >= e.flush
+    }
+
+    fn is_face(&self, point: &Point) -> bool {
+        let normal = self.index.stance(point.shape).rotation.conjugate() * point.normal;
+        narrow::is_face_normal(&self.colliders[point.shape].shape, point.part, normal)
+    }
+
+    /// From a shape to a place (m); zero inside.
+    fn distance(&self, shape: u32, at: DVec3) -> f32 {
+        let stance = self.index.stance(shape);
+        narrow::distance_to(&self.colliders[shape].shape, stance.rotation.conjugate() * (at - stance.position).as_vec3())
+    }
+}
