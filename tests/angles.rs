@@ -71,10 +71,10 @@ impl Turns {
     }
 }
 
-/// A stop may be overrun by what one substep of the default effort is off at most (rad); by sweeps, which leave a share of a blow, by a
-/// tenth of what it turned by in one besides.
+/// A stop may be overrun by what one substep of the default effort is off at most (rad); by sweeps, which take the first substep of a step
+/// at the velocity of its middle, by half of what it turned by in one besides.
 const OVERRUN: f64 = 0.02;
-const SWEPT_SHARE: f64 = 0.1;
+const SWEPT_SHARE: f64 = 0.5;
 
 #[test]
 fn stops_hold_at_any_angle_and_speed_from_both_sides() {

@@ -259,3 +259,54 @@ fn a_motor_tells_its_own_force_where_a_stop_takes_it_up() {
         assert!(pressed.motor.abs() < 0.1 * load, "{kind:?} by {solver:?}: the stop takes it, told {} N", pressed.motor);
     }
 }
+
+#[test]
+fn servos_of_an_arm_brake_what_hangs_on_them() {
+    let targets = [0.8_f32, -0.5, 0.6];
+    for rate in RATES {
+        for force in [200.0_f32, 2.0e3, 2.0e4] {
+            let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+            let def = WorldDef { gravity: Vec3::NEG_Y * 9.81, sleep, ..WorldDef::default() };
+            let mut world = World::new(&def).expect("a valid world");
+            let about_z = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+            let (mut before, mut joints) = (BodyId::NULL, Vec::new());
+            for (link, &target) in targets.iter().enumerate() {
+                let mass = if link == 2 { 5.0 } else { 2.0 };
+                let inertia = mass / 12.0 * Vec3::new(0.02, 0.26, 0.26);
+                let properties = MassProperties {
+                    mass,
+                    center_of_mass: Vec3::ZERO,
+                    principal_inertia: inertia,
+                    inertia_frame: Quat::IDENTITY,
+                };
+                let pose = Pose::at_xyz(0.25 + 0.5 * link as f64, 0.0, 0.0);
+                let body =
+                    world.create_body(&BodyDef::dynamic(pose).with_mass(Mass::Properties(properties))).expect("a valid body");
+                let motor = Motor::Position { target, softness: Softness::RIGID, max_force: force };
+                let mut def = JointDef::new(JointKind::Hinge { limits: Limits::NONE, motor }, before, body);
+                let end = if link == 0 { 0.0 } else { 0.25 };
+                (def.frame_a, def.frame_b) =
+                    (Pose::at_xyz(end, 0.0, 0.0).rotated(about_z), Pose::at_xyz(-0.25, 0.0, 0.0).rotated(about_z));
+                joints.push(world.create_joint(&def).expect("a valid joint"));
+                before = body;
+            }
+            let mut over = 0.0_f32;
+            for _ in 0..(5.0 * rate) as u32 {
+                world.step(1.0 / rate).expect("a valid step");
+                for (&joint, target) in joints.iter().zip(targets) {
+                    let state = world.joint_axis_state(joint, 0).expect("a hinge has one");
+                    over = over.max((state.position - target) * target.signum());
+                }
+            }
+            let what = format!("an arm with {force} N·m at {rate} Hz");
+            let off = joints.iter().zip(targets).map(|(&joint, target)| {
+                let state = world.joint_axis_state(joint, 0).expect("a hinge has one");
+                (state.position - target).abs() + state.velocity.abs()
+            });
+            let worst = off.fold(0.0, f32::max);
+            // Two hundred N·m carry the arm, but hardly brake it; beyond, servos know what they have set going.
+            assert!(over < 0.15, "{what}: overshoots by {over} rad, bound 0.15");
+            assert!(worst < 1.0e-3, "{what}: off by {worst} rad and rad/s after 5 s");
+        }
+    }
+}

@@ -21,6 +21,7 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::body::DirectBody;
 use super::buckle;
+use super::composite::Parts;
 use super::contacts::Touch;
 use super::history::{History, SecondOrder, Surprise};
 use super::lasting::Lasting;
@@ -167,6 +168,8 @@ pub(crate) struct Articulation {
     pub(super) rest: f64,
     /// Whether a rigid position motor was on its way in the last substep.
     pub(super) is_under_way: bool,
+    /// What its servos move.
+    pub(super) parts: Parts,
     /// Length by which errors are judged (m).
     pub(super) size: f64,
     pub(super) mode: Mode,

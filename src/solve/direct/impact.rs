@@ -206,6 +206,7 @@ impl Articulation {
             answer: &|_| Answer::NONE,
             left: 0.0,
             closing_share: 1.0,
+            most_speed: f64::INFINITY,
             applied: 0.0,
             is_under_way: false,
         };

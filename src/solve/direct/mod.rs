@@ -6,7 +6,7 @@
 //! `take` sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
 //! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
 //! `system` holds the rows, `active_set` says which of them count, `points` is the same without rows where all joints hold points; `layout` says where in its matrix they
-//! are, `guard` what is done about those that repeat others, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours` and `registers`; `articulation` takes a step, in as many substeps as `effort` says, `substep` and `project` one part of it each; `ropes` is what distance joints that pull ask for across their lines; `buckle` is the way out of positions that no small displacement mends; `impact` is the blow when a stop is met; `lift` keeps mended positions from making energy; `contacts` are those with what it cannot move, along
+//! are, `composite` is what a motor moves, `guard` what is done about those that repeat others, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours` and `registers`; `articulation` takes a step, in as many substeps as `effort` says, `substep` and `project` one part of it each; `ropes` is what distance joints that pull ask for across their lines; `buckle` is the way out of positions that no small displacement mends; `impact` is the blow when a stop is met; `lift` keeps mended positions from making energy; `contacts` are those with what it cannot move, along
 //! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
 //! anything else that moves, whose rows may be `lasting` ones; `single` is how any of them writes its `f64` into the state; `swept` is all of those of a batch, of which like ones go in `lockstep`, their rows
 //! `abreast`.
@@ -32,6 +32,7 @@ mod articulation;
 mod block;
 mod body;
 mod buckle;
+mod composite;
 mod contacts;
 mod coupled;
 mod curved;

@@ -98,6 +98,9 @@ impl Articulation {
 
     /// Makes the rows of all joints and contacts; those of a velocity phase need the predicted poses.
     pub(super) fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
+        if !matches!(phase, Phase::Position { .. }) {
+            self.find_parts(joints);
+        }
         let Self {
             entries,
             links,
@@ -120,6 +123,7 @@ impl Articulation {
             rest,
             left,
             is_under_way,
+            parts,
             ..
         } = self;
         *is_under_way &= matches!(phase, Phase::Position { .. });
@@ -206,9 +210,13 @@ impl Articulation {
                 direction: None,
                 scalars: asked,
                 angles: entry.angles,
-                answer: &|side| answer_of(&bodies[link.bodies[side] as usize]),
+                answer: &|side| {
+                    let parts = parts.answers.get(number).copied().flatten();
+                    parts.map_or_else(|| answer_of(&bodies[link.bodies[side] as usize]), |parts| parts[side])
+                },
                 left: ends[1],
                 closing_share: 1.0,
+                most_speed: f64::INFINITY,
                 applied: 0.0,
                 is_under_way: false,
             };
@@ -298,6 +306,7 @@ impl Articulation {
             answer: &|_| Answer::NONE,
             left: 0.0,
             closing_share: 1.0,
+            most_speed: f64::INFINITY,
             applied: 0.0,
             is_under_way: false,
         };
@@ -435,7 +444,7 @@ impl Articulation {
 /// How a body answers to a motor.
 fn answer_of(body: &DirectBody) -> Answer {
     let acceleration = Rate { linear: body.acceleration, angular: body.inverse_inertia * body.torque };
-    Answer { inverse_mass: body.inverse_mass, inverse_inertia: body.inverse_inertia, acceleration }
+    Answer { inverse_mass: body.inverse_mass, inverse_inertia: body.inverse_inertia, acceleration, center: DVec3::ZERO }
 }
 
 /// The greater of two; unlike `max`, which passes over what is no number.

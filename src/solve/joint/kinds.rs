@@ -35,8 +35,9 @@ pub(crate) struct RowSink<'a> {
     pub answer: &'a dyn Fn(usize) -> Answer,
     /// From the end of the substep to that of the step (s).
     pub left: f64,
-    /// Share of what is left that a rigid position motor closes in a substep at most.
+    /// Share of what is left that a rigid position motor closes in a substep at most, and its greatest speed (m/s, rad/s).
     pub closing_share: f64,
+    pub most_speed: f64,
     /// Share of the carried multipliers that is in the rates.
     pub applied: f64,
     /// Set where a rigid position motor is on its way.
@@ -95,6 +96,23 @@ pub(crate) fn has_motor(kind: &JointKind) -> bool {
         }
         JointKind::Spherical { motor, .. } => *motor != SphericalMotor::Off,
         JointKind::Generic { linear, angular } => linear.iter().chain(angular).any(|axis| axis.motor != Motor::Off),
+    }
+}
+
+/// Whether a joint of this kind has a rigid position motor of bounded force.
+pub(crate) fn has_servo(kind: &JointKind) -> bool {
+    let is_servo = |motor: &Motor| {
+        motor
+            .drive()
+            .is_some_and(|drive| drive.target.is_some() && drive.softness.compliance == 0.0 && drive.max_force < f32::INFINITY)
+    };
+    match kind {
+        JointKind::Fixed => false,
+        JointKind::Hinge { motor, .. } | JointKind::Prismatic { motor, .. } | JointKind::Distance { motor, .. } => {
+            is_servo(motor)
+        }
+        JointKind::Spherical { motor, .. } => matches!(motor, SphericalMotor::Position { .. }),
+        JointKind::Generic { linear, angular } => linear.iter().chain(angular).any(|axis| is_servo(&axis.motor)),
     }
 }
 

@@ -98,6 +98,8 @@ pub(crate) struct JointEntry {
     /// Sums over the substeps of the multipliers of its motors, by axis (N·s, N·m·s).
     pub motors: [f32; 6],
     pub motor_rows: kinds::MotorRows,
+    /// Whether a body of a joint with motors has other joints too.
+    pub is_chained: bool,
     /// Most rows that it can have.
     pub most_rows: u8,
     /// Whether it holds points rigidly together and does nothing else.

@@ -15,8 +15,8 @@
 //!
 //! a = w F − d, with F the greatest force, w = J M⁻¹ Jᵀ the inverse effective mass of the coordinate *with the rest of the joint held*
 //! (a door of mass m on a lever r is m r² heavier than about its centre), and d what external forces accelerate it by, both found by
-//! orthogonalising J against the joint's other rows in the metric of M⁻¹. What other joints and contacts hang on it is not known
-//! here: [`BRAKING_SHARE`] is left of a for it.
+//! orthogonalising J against the joint's other rows in the metric of M⁻¹. An articulation
+//! gives what hangs on other joints too (*../direct/composite.rs*); of a for what is not known [`BRAKING_SHARE`] is left.
 //!
 //! A *reference* that moves at u has r(t) = target − u (T − t), T the end of the step: all of this is then about x − r and v − u.
 
@@ -50,8 +50,10 @@ pub(crate) struct Answer {
     pub inverse_mass: DVec3,
     /// (1/(kg·m²)).
     pub inverse_inertia: DMat3,
-    /// (m/s², rad/s²).
+    /// Of its centre (m/s², rad/s²).
     pub acceleration: Rate,
+    /// From the centre of mass that rows are about to its own (m): another one where it stands for several bodies.
+    pub center: DVec3,
 }
 
 impl Answer {
@@ -60,7 +62,20 @@ impl Answer {
         inverse_mass: DVec3::ZERO,
         inverse_inertia: DMat3::ZERO,
         acceleration: Rate { linear: DVec3::ZERO, angular: DVec3::ZERO },
+        center: DVec3::ZERO,
     };
+
+    /// What a force, and a torque about the centre of mass that rows are about, change of the motion there.
+    fn response(&self, push: &Rate) -> Rate {
+        let angular = self.inverse_inertia * (push.angular - self.center.cross(push.linear));
+        Rate { linear: self.inverse_mass * push.linear - angular.cross(self.center), angular }
+    }
+
+    /// What external forces accelerate it by, there.
+    fn acceleration(&self) -> Rate {
+        let Rate { linear, angular } = self.acceleration;
+        Rate { linear: linear - angular.cross(self.center), angular }
+    }
 }
 
 /// How a coordinate answers to its motor, with the rest of the joint held.
@@ -92,10 +107,7 @@ impl Covector {
 
     /// M⁻¹ of it.
     fn response(&self, answers: &[Answer; 2]) -> [Rate; 2] {
-        std::array::from_fn(|i| Rate {
-            linear: answers[i].inverse_mass * self.0[i].linear,
-            angular: answers[i].inverse_inertia * self.0[i].angular,
-        })
+        std::array::from_fn(|i| answers[i].response(&self.0[i]))
     }
 
     fn less(&self, factor: f64, other: &Self) -> Self {
@@ -164,7 +176,7 @@ impl RowSink<'_> {
         let row = held.without(Covector::of(jacobian));
         Ease {
             ease: row.dot(&row.response(&answers)),
-            acceleration: row.dot(&answers.map(|answer| answer.acceleration)),
+            acceleration: row.dot(&answers.map(|answer| answer.acceleration())),
             rate: row.dot(&self.rates.bodies),
         }
     }
@@ -194,7 +206,7 @@ impl RowSink<'_> {
         } else {
             let ease = if drive.max_force < f32::INFINITY { Some(self.ease_of(&jacobian)) } else { None };
             let braking = ease.map_or(f64::INFINITY, |ease| braking(&ease, error.start, drive.bounds()));
-            let most = most_speed(&jacobian, f64::from(drive.max_speed), h / self.share);
+            let most = most_speed(&jacobian, f64::from(drive.max_speed).min(self.most_speed), h / self.share);
             self.approach(&jacobian, error, Approach { braking, most, speed }, bounds, id);
         }
     }
@@ -252,7 +264,8 @@ impl RowSink<'_> {
             } else {
                 f64::INFINITY
             };
-            let speed = approach_speed(start.length(), braking, full, self.closing_share).min(MOST_TURN / full);
+            let speed = approach_speed(start.length(), braking, full, self.closing_share);
+            let speed = speed.min(self.most_speed).min(MOST_TURN / full);
             closing = start.normalize_or_zero() * speed;
             self.is_under_way |= speed > ON_ITS_WAY;
         }

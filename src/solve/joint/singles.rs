@@ -180,6 +180,8 @@ impl Singles {
                 answer: &answer,
                 left: left[1],
                 closing_share: rows::DRIVE_SHARE,
+                // What hangs on other joints is not known here: a motor does not set it going faster than sweeps stop it.
+                most_speed: if entry.is_chained { rows::MAX_RECOVERY_SPEED } else { f64::INFINITY },
                 applied: f64::from(u8::from(again)),
                 is_under_way: false,
             };
@@ -352,6 +354,7 @@ impl Singles {
                 answer: &|_| Answer::NONE,
                 left: 0.0,
                 closing_share: 0.0,
+                most_speed: 0.0,
                 applied: 0.0,
                 is_under_way: false,
             };
@@ -378,7 +381,7 @@ fn answer_of(velocity: &BodyVelocity, motion: &BodyMotion) -> Answer {
     let inverse_inertia = velocity.inverse_inertia.to_mat3().as_dmat3();
     let linear = if motion.is_dynamic() { motion.acceleration.as_dvec3() } else { DVec3::ZERO };
     let acceleration = Rate { linear, angular: inverse_inertia * motion.torque.as_dvec3() };
-    Answer { inverse_mass: velocity.inverse_mass.as_dvec3(), inverse_inertia, acceleration }
+    Answer { inverse_mass: velocity.inverse_mass.as_dvec3(), inverse_inertia, acceleration, center: DVec3::ZERO }
 }
 
 /// Gives a pair of bodies back the angular momentum that moving them by position rows would take.

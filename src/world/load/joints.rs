@@ -133,6 +133,7 @@ impl Records<'_> {
             pressed: 0,
             motors: [0.0; 6],
             motor_rows: if traits.has_motor { MotorRows::of(&def.kind) } else { MotorRows::None },
+            is_chained: traits.has_motor && joint.bodies.iter().flatten().any(|&body| self.bodies[body].joints.len() > 1),
             most_rows: traits.most_rows,
             is_plain: traits.is_plain,
             is_hinge: kinds::is_hinge(&def.kind),

@@ -95,6 +95,7 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             pressed: 0,
             motors: [0.0; 6],
             motor_rows: MotorRows::None,
+            is_chained: false,
             most_rows: 0,
             is_plain: false,
             is_hinge: false,

@@ -1,0 +1,117 @@
+//! What a motor moves: the bodies on either side of its joint, as if nothing else gave way.
+//!
+//! A servo brakes in time only if it knows what it has set going: an arm's shoulder moves the whole arm and what the hand holds. With
+//! the joint taken out an articulation falls into two parts; each is taken as one rigid body, of mass M = Σ m and inertia about its
+//! centre I = Σ (I + m (|r|² 1 − r rᵀ)), since other servos hold. A part with something that does not move does not move either.
+//! Where the joint closes a loop there are no two parts, and its own bodies stand for them.
+
+use glam::{DMat3, DVec3};
+
+use super::articulation::Articulation;
+use super::layout::Link;
+use crate::id::{JointId, Pool};
+use crate::joint::Joint;
+use crate::solve::joint::kinds;
+use crate::solve::joint::motor::Answer;
+use crate::solve::joint::rows::Rate;
+
+/// Joints of an articulation beyond which a servo looks at its own bodies alone: its parts are found anew for each motor, which takes
+/// joints times the depth of the tree.
+const MOST_JOINTS: usize = 64;
+
+/// The two parts of each joint with a servo, and room to find them.
+#[derive(Debug, Default)]
+pub(super) struct Parts {
+    /// By joint; empty where no joint has a servo.
+    pub answers: Vec<Option<[Answer; 2]>>,
+    reached: Vec<bool>,
+}
+
+impl Articulation {
+    /// Finds what the servos move, at the present poses.
+    pub(super) fn find_parts(&mut self, joints: &Pool<Joint, JointId>) {
+        let mut parts = std::mem::take(&mut self.parts);
+        parts.answers.clear();
+        let is_small = (2..=MOST_JOINTS).contains(&self.entries.len());
+        if is_small && self.entries.iter().any(|entry| entry.has_motor) {
+            for number in 0..self.entries.len() {
+                let entry = &self.entries[number];
+                let is_servo = entry.has_motor && kinds::has_servo(&joints[entry.joint].def.kind);
+                let answers = if is_servo { self.parts_of(number, &mut parts.reached) } else { None };
+                parts.answers.push(answers);
+            }
+        }
+        self.parts = parts;
+    }
+
+    fn parts_of(&self, number: usize, reached: &mut Vec<bool>) -> Option<[Answer; 2]> {
+        let ends = self.links[number].bodies;
+        let mut answers = [Answer::NONE; 2];
+        for side in 0..2 {
+            if !self.bodies[ends[side] as usize].is_dynamic() {
+                continue;
+            }
+            reached.clear();
+            reached.resize(self.bodies.len(), false);
+            reached[ends[side] as usize] = true;
+            // What does not move connects nothing.
+            let others = || {
+                self.links
+                    .iter()
+                    .enumerate()
+                    .filter(|&(other, link)| other != number && other < self.entries.len() && moves(self, link))
+            };
+            loop {
+                let mut grows = false;
+                for (_, link) in others() {
+                    let [a, b] = link.bodies.map(|body| body as usize);
+                    grows |= reached[a] != reached[b];
+                    (reached[a], reached[b]) = (reached[a] | reached[b], reached[a] | reached[b]);
+                }
+                if !grows {
+                    break;
+                }
+            }
+            if reached[ends[1 - side] as usize] {
+                return None;
+            }
+            let hangs = self.links.iter().enumerate().any(|(other, link)| {
+                other != number && !moves(self, link) && link.bodies.iter().any(|&body| reached[body as usize])
+            });
+            if !hangs {
+                answers[side] = self.composite(ends[side] as usize, reached)?;
+            }
+        }
+        Some(answers)
+    }
+
+    /// The bodies that have been reached, as one, seen from the centre of mass of `body`.
+    fn composite(&self, body: usize, reached: &[bool]) -> Option<Answer> {
+        let place = |i: usize| self.origins[i] - self.origins[body] + self.stances[i].0 - self.stances[body].0;
+        let members = || (0..self.bodies.len()).filter(|&i| reached[i]);
+        let (mut mass, mut center, mut force) = (0.0, DVec3::ZERO, DVec3::ZERO);
+        for i in members() {
+            let own = self.bodies[i].free_mass()?;
+            mass += own;
+            center += place(i) * own;
+            force += self.bodies[i].acceleration * own;
+        }
+        let center = center / mass;
+        let (mut inertia, mut torque) = (DMat3::ZERO, DVec3::ZERO);
+        for i in members() {
+            let (own, arm) = (self.bodies[i].free_mass()?, place(i) - center);
+            let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
+            inertia += self.bodies[i].inertia_at(&self.stances[i])
+                + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * own;
+            torque += self.bodies[i].torque + arm.cross(self.bodies[i].acceleration * own);
+        }
+        let inverse_inertia = inertia.inverse();
+        let acceleration = Rate { linear: force / mass, angular: inverse_inertia * torque };
+        Some(Answer { inverse_mass: DVec3::splat(1.0 / mass), inverse_inertia, acceleration, center })
+    }
+}
+
+/// Whether both bodies of a joint move.
+fn moves(own: &Articulation, link: &Link) -> bool {
+    link.bodies.iter().all(|&body| own.bodies[body as usize].is_dynamic())
+}
