@@ -14,6 +14,9 @@ const TOLERANCE: (f64, f64) = (1.0e-9, 1.0e-12);
 /// A corner closer than this to the plane, line or point of those before it adds nothing, over the size of the parts.
 const FLAT: f64 = 1.0e-12;
 
+/// Faces whose normals differ by less (1 − cosine) lie across the same way out.
+const ALIGNED: f64 = 1.0e-12;
+
 /// Steps of the search: round rims take the most.
 const MAX_STEPS: usize = 256;
 
@@ -68,8 +71,12 @@ pub(super) fn depth(a: &Part, b: &Part, simplex: &Simplex) -> Depth {
             break;
         }
     }
-    let face = &faces[nearest(&faces)];
-    let (depth, normal) = best.unwrap_or((face.distance, face.normal));
+    let last = &faces[nearest(&faces)];
+    let (depth, normal) = best.unwrap_or((last.distance, last.normal));
+    // Of the faces across the way out, the one that it passes through.
+    let across = faces.iter().filter(|face| face.normal.dot(normal) > 1.0 - ALIGNED);
+    let inner = |face: &Face| shares(face, &corners).into_iter().fold(f64::INFINITY, f64::min);
+    let face = across.max_by(|a, b| inner(a).total_cmp(&inner(b))).unwrap_or(last);
     let (on_a, on_b) = points(face, &corners);
     // On B's side of the way out both points are where its plane is.
     let off = (on_b - on_a).dot(normal) - depth;
@@ -163,18 +170,22 @@ fn take_in(faces: &mut Vec<Face>, corners: &mut Vec<Vertex>, next: Vertex, slack
     true
 }
 
-/// The points on A and B behind the foot of the origin on a face.
-fn points(face: &Face, corners: &[Vertex]) -> (DVec3, DVec3) {
+/// The shares of a face's corners that make the foot of the origin on its plane; one of them is negative if that is outside.
+fn shares(face: &Face, corners: &[Vertex]) -> [f64; 3] {
     let [p, q, r] = face.corners.map(|i| corners[i].offset);
     let foot = face.normal * face.distance;
     let (u, v, w) = (q - p, r - p, foot - p);
     let (uu, uv, vv, wu, wv) = (u.dot(u), u.dot(v), v.dot(v), w.dot(u), w.dot(v));
     let area = uu * vv - uv * uv;
     let (s, t) = if area > 0.0 { ((vv * wu - uv * wv) / area, (uu * wv - uv * wu) / area) } else { (0.0, 0.0) };
+    [1.0 - s - t, s, t]
+}
+
+/// The points on A and B behind the foot of the origin on a face.
+fn points(face: &Face, corners: &[Vertex]) -> (DVec3, DVec3) {
     // What rounding puts outside a needle is brought back, so that both points are points of their parts.
-    let shares = [1.0 - s - t, s, t].map(|share| share.max(0.0));
+    let shares = shares(face, corners).map(|share| share.max(0.0));
     let total: f64 = shares.iter().sum();
-    let shares = shares.map(|share| share / total);
-    let of = |part: fn(&Vertex) -> DVec3| (0..3).map(|i| part(&corners[face.corners[i]]) * shares[i]).sum::<DVec3>();
+    let of = |part: fn(&Vertex) -> DVec3| (0..3).map(|i| part(&corners[face.corners[i]]) * (shares[i] / total)).sum::<DVec3>();
     (of(|corner| corner.on_a), of(|corner| corner.on_b))
 }
