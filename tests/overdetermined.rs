@@ -256,6 +256,6 @@ fn a_platform_swings_back_on_six_bars_as_on_two() {
 fn a_loop_of_six_hinges_keeps_its_momentum() {
     let run = Run::of("hinge_loop", &[("n", "6")]);
     run.keeps("lin_momentum_err_pct", 4e-4, "%");
-    run.keeps("ang_momentum_err_pct", 5e-3, "%");
+    run.keeps("ang_momentum_err_pct", 6e-3, "%");
     Run::of("hinge_loop", &[("n", "40")]).keeps("ang_momentum_err_pct", 1e-3, "%");
 }

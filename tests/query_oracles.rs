@@ -6,6 +6,8 @@
 //!
 //! LONGSPAN_QUERY_CASES sets the number of random cases of each pair at each scale (10 by default; by hand, 2000).
 
+#![allow(clippy::needless_range_loop, reason = "kinds are named by their numbers")]
+
 use longspan::glam::{DQuat, DVec3, Quat, Vec3};
 use longspan::{BodyDef, Cast, Geometry, Pose, QueryFilter, Shape, ShapeDef, ShapeId, World, WorldDef};
 

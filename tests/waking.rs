@@ -221,6 +221,7 @@ const ROWS: &[Row] = &[
     ("ls_joint_softness_set", &[Load], |s| s.world.set_joint_softness(s.hook, GIVE, GIVE, GIVE).unwrap()),
     ("ls_joint_softness_set", &[Lamp], |s| s.world.set_joint_softness(s.weld, GIVE, GIVE, GIVE).unwrap()),
     ("ls_joint_friction_set", &[Load], |s| s.world.set_joint_friction(s.hook, 1.0).unwrap()),
+    ("ls_joint_restitution_set", &[Load], |s| s.world.set_joint_restitution(s.hook, 0.5).unwrap()),
     ("ls_joint_axis_friction_set", &[Load], |s| s.world.set_joint_axis_friction(s.hook, [1.0; 6]).unwrap()),
     ("ls_joint_frames_set", &[Load], |s| {
         s.world.set_joint_frames(s.hook, Pose::at_xyz(3.0, 5.1, 0.0), Pose::IDENTITY).unwrap();
@@ -317,7 +318,8 @@ fn the_table_of_edits_has_a_row_for_each_function_that_changes_something() {
 
 #[test]
 fn an_edit_that_changes_nothing_wakes_nothing() {
-    let edits: [(&str, fn(&mut Scene)); 8] = [
+    type NamedEdit = (&'static str, fn(&mut Scene));
+    let edits: [NamedEdit; 8] = [
         ("kind of a joint", |s| {
             let kind = s.world.joint_def(s.hook).unwrap().kind;
             s.world.set_joint_kind(s.hook, kind).unwrap();

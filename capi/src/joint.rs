@@ -236,7 +236,7 @@ pub unsafe extern "C" fn ls_joint_axis_friction_set(world: LsWorld, joint: LsJoi
 ///
 /// @param world        the world; any value is safe
 /// @param joint        a joint of that world; any value is safe
-/// @param restitution  0 to 1: a limit that is met at v is left at this share of v
+/// @param restitution  coefficient of restitution, 0 to 1: a limit that is met at v is left at this share of v
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]

@@ -184,7 +184,7 @@ pub struct LsJointDef {
     pub friction: f32,
     /// Generic: dry friction along x, y, z (N), then about them (N m), >= 0; default 0.
     pub axis_friction: [f32; 6],
-    /// Restitution of its rigid stops, 0 to 1: a limit that is met at v is left at this share of v; default 0.
+    /// Coefficient of restitution of its rigid stops, 0 to 1: a limit that is met at v is left at this share of v; default 0.
     pub restitution: f32,
     /// What more the motor of a hinge, prismatic or distance joint is told; default nothing.
     pub motor_drive: LsDrive,

@@ -904,7 +904,7 @@ typedef struct LsJointDef {
     float friction;
     /** Generic: dry friction along x, y, z (N), then about them (N m), >= 0; default 0. */
     float axis_friction[6];
-    /** Restitution of its rigid stops, 0 to 1: a limit that is met at v is left at this share of v; default 0. */
+    /** Coefficient of restitution of its rigid stops, 0 to 1: a limit that is met at v is left at this share of v; default 0. */
     float restitution;
     /** What more the motor of a hinge, prismatic or distance joint is told; default nothing. */
     struct LsDrive motor_drive;
@@ -4118,7 +4118,7 @@ LsResult ls_joint_axis_friction_set(LsWorld world, LsJoint joint, const float fr
  *
  * @param world        the world; any value is safe
  * @param joint        a joint of that world; any value is safe
- * @param restitution  0 to 1: a limit that is met at v is left at this share of v
+ * @param restitution  coefficient of restitution, 0 to 1: a limit that is met at v is left at this share of v
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */

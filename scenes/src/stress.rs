@@ -376,7 +376,7 @@ fn bad_velocity(scene: &mut Scene, random: &mut Random) -> Result<Bounds, SceneE
 }
 
 fn bad_joint(scene: &mut Scene, random: &mut Random) -> Result<Bounds, SceneError> {
-    let bad = [Limits::new(1.0, -1.0), Limits::new(f32::NAN, 1.0), Limits::new(4.0, 5.0)];
+    let bad = [Limits::new(1.0, -1.0), Limits::new(f32::NAN, 1.0), Limits::new(f32::INFINITY, f32::NEG_INFINITY)];
     let body = scene.body(BodyDef::dynamic(Pose::IDENTITY).with_shape(ball(0.5)?));
     let kind = JointKind::Hinge { limits: bad[random.index(bad.len())], motor: Motor::Off };
     scene.joint(None, Some(body), about_z(kind, Vec3::ZERO, Vec3::ZERO));

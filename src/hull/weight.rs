@@ -64,6 +64,7 @@ pub(crate) fn principal_axes(tensor: DMat3) -> (DVec3, DMat3) {
             let (rp, rq) = (m[r][p], m[r][q]);
             (m[r][p], m[r][q]) = (c * rp - s * rq, s * rp + c * rq);
             (m[p][r], m[q][r]) = (m[r][p], m[r][q]);
+            #[allow(clippy::needless_range_loop, reason = "k names an axis of several arrays")]
             for k in 0..3 {
                 let (kp, kq) = (axes[p][k], axes[q][k]);
                 (axes[p][k], axes[q][k]) = (c * kp - s * kq, s * kp + c * kq);

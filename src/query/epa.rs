@@ -142,32 +142,47 @@ fn push(faces: &mut Vec<Face>, corners: &[Vertex], triangle: [usize; 3]) {
     faces.push(Face { corners: triangle, normal: normal.unwrap_or(DVec3::ZERO), distance });
 }
 
-/// Puts a corner in place of the faces that it is above; false if there are none.
+/// Puts a corner in place of the faces that it is above; false, with nothing changed, if there are none or if rounding has them
+/// leave no simple loop: a surface that is no longer closed would grow without end.
 fn take_in(faces: &mut Vec<Face>, corners: &mut Vec<Vertex>, next: Vertex, slack: f64) -> bool {
+    let is_seen = |face: &Face| face.normal.dot(next.offset) > face.distance + slack;
     let mut rim: Vec<(usize, usize)> = Vec::new();
-    faces.retain(|face| {
-        let seen = face.normal.dot(next.offset) > face.distance + slack;
-        if seen {
-            for side in 0..3 {
-                let edge = (face.corners[side], face.corners[(side + 1) % 3]);
-                // An edge between two faces that go cancels out.
-                match rim.iter().position(|&(from, to)| (to, from) == edge) {
-                    Some(inner) => drop(rim.swap_remove(inner)),
-                    None => rim.push(edge),
-                }
+    for face in faces.iter().filter(|face| is_seen(face)) {
+        for side in 0..3 {
+            let edge = (face.corners[side], face.corners[(side + 1) % 3]);
+            // An edge between two faces that go cancels out.
+            match rim.iter().position(|&(from, to)| (to, from) == edge) {
+                Some(inner) => drop(rim.swap_remove(inner)),
+                None => rim.push(edge),
             }
         }
-        !seen
-    });
-    if rim.is_empty() {
+    }
+    if !is_loop(&rim) {
         return false;
     }
+    faces.retain(|face| !is_seen(face));
     let number = corners.len();
     corners.push(next);
     for (from, to) in rim {
         push(faces, corners, [from, to, number]);
     }
     true
+}
+
+/// Whether edges form one loop that meets no corner twice.
+fn is_loop(rim: &[(usize, usize)]) -> bool {
+    let Some(&(start, mut at)) = rim.first() else { return false };
+    for length in 1..=rim.len() {
+        if at == start {
+            return length == rim.len();
+        }
+        let mut onward = rim.iter().filter(|(from, _)| *from == at);
+        match (onward.next(), onward.next()) {
+            (Some(&(_, to)), None) => at = to,
+            _ => return false,
+        }
+    }
+    false
 }
 
 /// The shares of a face's corners that make the foot of the origin on its plane; one of them is negative if that is outside.

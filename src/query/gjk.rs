@@ -46,6 +46,7 @@ pub(super) struct Simplex {
 }
 
 /// What is known of two parts, without their rounding.
+#[allow(clippy::large_enum_variant, reason = "one lives on the stack at a time")]
 pub(super) enum Closest {
     /// They are apart by this vector from A to B.
     Apart { offset: DVec3, on_a: DVec3, on_b: DVec3 },

@@ -172,7 +172,7 @@ fn hinge_range(u: glam::DVec3, w: glam::DVec3, low: f64, high: f64) -> AngleRang
     let aligned = u.z.atan2(u.y) - w.z.atan2(w.y);
     let cosine = |turned: f64| (u.x * w.x + across * (turned - aligned).cos()).clamp(-1.0, 1.0);
     // Angles count turns: limits a turn apart, or only one of them, leave every direction.
-    let is_whole = !(high - low < TAU);
+    let is_whole = (high - low).partial_cmp(&TAU) != Some(std::cmp::Ordering::Less);
     let contains = |angle: f64| is_whole || (angle - low).rem_euclid(TAU) <= high - low;
     let (at_low, at_high) = if is_whole { (0.0, 0.0) } else { (cosine(low), cosine(high)) };
     let greatest = if contains(aligned) { u.x * w.x + across } else { at_low.max(at_high) };

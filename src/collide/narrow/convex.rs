@@ -74,6 +74,9 @@ impl SupportMap for Core<'_> {
     }
 }
 
+/// Angle between two normals that differ by rounding alone (rad).
+const SAME_NORMAL: f32 = 1.0e-5;
+
 /// Part B against part A.
 pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers: &mut Buffers) -> Option<Manifold> {
     let pair = Pair::near(a, b, relative, margin)?;
@@ -85,6 +88,10 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers
         pair.facing_features(allowed, buffers);
         let depth = gap.distance() - pair.radii;
         buffers.candidates.retain(|c| depth >= 0.0 || c.separation >= MAX_DEEPENING * depth);
+        // A capsule on end has no feature that faces it; where the two normals are one but for rounding, the nearest points are as good.
+        if buffers.candidates.is_empty() && (allowed - gap.normal).length_squared() < SAME_NORMAL * SAME_NORMAL {
+            pair.settle(&gap, buffers);
+        }
         allowed
     } else {
         pair.settle(&gap, buffers)

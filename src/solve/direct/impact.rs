@@ -209,6 +209,7 @@ impl Articulation {
             most_speed: f64::INFINITY,
             applied: 0.0,
             is_under_way: false,
+            arrives: 0,
         };
         kinds::add_rows(&mut sink);
         self.asked.iter().filter(|row| row.is_stop()).map(|row| (row.id, row.bias, row.jacobian.rate(&rates))).collect()

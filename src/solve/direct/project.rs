@@ -219,6 +219,7 @@ impl Articulation {
                 most_speed: f64::INFINITY,
                 applied: 0.0,
                 is_under_way: false,
+                arrives: 0,
             };
             if link.is_plain {
                 sink.hold_points(Held::All);
@@ -226,7 +227,8 @@ impl Articulation {
                 kinds::add_rows(&mut sink);
             }
             *is_under_way |= sink.is_under_way;
-            let (point, direction) = (sink.point, sink.direction);
+            let (point, direction, arrives) = (sink.point, sink.direction, sink.arrives);
+            entry.pressed |= if matches!(phase, Phase::Position { .. }) { 0 } else { arrives };
             let repeats = match topology.loops {
                 _ if link.is_plain => Repeats::Points,
                 _ if *carries_across => Repeats::InLine,
@@ -309,6 +311,7 @@ impl Articulation {
             most_speed: f64::INFINITY,
             applied: 0.0,
             is_under_way: false,
+            arrives: 0,
         };
         kinds::add_rows(&mut sink);
         [sink.point, sink.direction].map(|row| row.filter(|row| row.acts).map_or(DVec3::ZERO, |row| row.bias))

@@ -42,6 +42,8 @@ pub(crate) struct RowSink<'a> {
     pub applied: f64,
     /// Set where a rigid position motor is on its way.
     pub is_under_way: bool,
+    /// Stops that a motor which holds a speed comes to in this substep, as bits of their rows: it stops short of pressing them.
+    pub arrives: u32,
 }
 
 /// Adds the rows of the joint's kind.

@@ -191,7 +191,9 @@ impl RowSink<'_> {
             // A motor that pushed on past the joint's own stop would fight it, without end if its force has none.
             let (min, max) = (f64::from(limits.min), f64::from(limits.max));
             let (least, most) = ((min - start).min(0.0) / h, (max - start).max(0.0) / h);
-            let target = f64::from(drive.velocity).clamp(least, most) * factor;
+            let wanted = f64::from(drive.velocity);
+            self.arrives |= u32::from(wanted < least) << (id - 2) | u32::from(wanted > most) << (id - 1);
+            let target = wanted.clamp(least, most) * factor;
             return self.scalar(jacobian, Demand::Speed { target, bounds }, Give::rigid(self.phase), id);
         };
         if matches!(self.phase, Phase::Position { .. }) {
@@ -306,17 +308,24 @@ fn most_speed(jacobian: &Jacobian, most: f64, h: f64) -> f64 {
     if jacobian.linear == DVec3::ZERO { most.min(MOST_TURN / h) } else { most }
 }
 
+/// Distance, in units of what one substep's braking is worth in one substep, beyond which substeps make no difference to a speed.
+const MANY_PARTS: f64 = 1.0e12;
+
 /// Greatest speed from which what is `distance` away comes to rest in time, in substeps of length `h`, of which the last ones close this
 /// share of what is left.
 fn approach_speed(distance: f64, braking: f64, h: f64, share: f64) -> f64 {
     let arrives = distance * share / h;
-    let half = 0.5 * braking * h;
-    if half == f64::INFINITY {
+    let slowed = braking * h;
+    if slowed == f64::INFINITY {
         return arrives;
     }
-    let reach = 2.0 * braking * distance;
-    // √(a²h²/4 + 2aD) − ah/2, without the difference.
-    arrives.min(reach / (half + (half * half + reach).sqrt()).max(f64::MIN_POSITIVE))
+    let parts = distance / (slowed * h);
+    if parts > MANY_PARTS || parts.is_nan() {
+        return arrives.min((2.0 * braking * distance).sqrt());
+    }
+    // In units of ah and ah²: a speed v, less by one in each substep, goes v + (v − 1) + … = (n + 1) v − n (n + 1)/2 with n = ⌊v⌋.
+    let whole = (0.5 * ((1.0 + 8.0 * parts).sqrt() - 1.0)).floor();
+    arrives.min(slowed * (parts / (whole + 1.0) + 0.5 * whole))
 }
 
 impl Drive {

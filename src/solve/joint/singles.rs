@@ -184,6 +184,7 @@ impl Singles {
                 most_speed: if entry.is_chained { rows::MAX_RECOVERY_SPEED } else { f64::INFINITY },
                 applied: f64::from(u8::from(again)),
                 is_under_way: false,
+                arrives: 0,
             };
             kinds::add_rows(&mut sink);
             let (rates, point, direction) = (sink.rates, sink.point, sink.direction);
@@ -357,6 +358,7 @@ impl Singles {
                 most_speed: 0.0,
                 applied: 0.0,
                 is_under_way: false,
+                arrives: 0,
             };
             kinds::add_rows(&mut sink);
             let (point, direction) = (sink.point, sink.direction);
