@@ -150,7 +150,7 @@ fn link(world: &mut World, boxes: &[BodyId], long_range: bool) {
     }
 }
 
-/// As docs/performance.md says. Room grows by leaps, here by those of a thousand of each.
+/// As docs/lab/performance.md says. Room grows by leaps, here by those of a thousand of each.
 #[test]
 fn a_body_a_contact_a_joint_and_a_bound_take_the_memory_that_is_stated() {
     let floor = |world: &mut World, _: &[BodyId]| {

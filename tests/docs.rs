@@ -34,17 +34,17 @@ fn section<'a>(document: &'a str, heading: &str) -> &'a str {
 
 #[test]
 fn every_stage_of_a_step_is_described_in_the_order_in_which_it_runs() {
-    let document = read("docs/architecture.md");
+    let document = read("docs/reference/architecture.md");
     let stages = section(&document, "The stages").lines().filter_map(|line| line.strip_prefix("### `")?.strip_suffix('`'));
     let stages: Vec<&str> = stages.collect();
     let called = calls("src/world.rs", "pub fn step(&mut self");
     assert!(called.len() > 5, "only {called:?} were found in `step`");
-    assert_eq!(stages, called, "docs/architecture.md describes the left, `step` in src/world.rs calls the right");
+    assert_eq!(stages, called, "docs/reference/architecture.md describes the left, `step` in src/world.rs calls the right");
 }
 
 #[test]
 fn every_stage_of_a_batch_that_is_described_exists() {
-    let document = read("docs/architecture.md");
+    let document = read("docs/reference/architecture.md");
     let called = ["fn solve(&mut self", "fn sweep_all(&mut self"].map(|part| calls("src/solve/mod.rs", part)).concat();
     let lines = section(&document, "A batch").lines().filter_map(|line| line.strip_prefix("    "));
     let described: Vec<&str> = lines.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "for").collect();
@@ -52,13 +52,14 @@ fn every_stage_of_a_batch_that_is_described_exists() {
     let missing: Vec<&&str> = described.iter().filter(|name| !called.iter().any(|call| call == **name)).collect();
     assert!(
         missing.is_empty(),
-        "docs/architecture.md names {missing:?}; `solve` and `sweep_all` in src/solve/mod.rs call {called:?}"
+        "docs/reference/architecture.md names {missing:?}; `solve` and `sweep_all` in src/solve/mod.rs call {called:?}"
     );
 }
 
 /// README.md, and all of docs/ and of the folders' own.
 fn documents() -> Vec<PathBuf> {
-    let folders = ["", "docs", "examples_c", "include", "setup", "tests", "benches", "bench"];
+    let folders =
+        ["", "docs", "docs/guide", "docs/reference", "docs/lab", "examples_c", "include", "setup", "tests", "benches", "bench"];
     let files = folders.iter().flat_map(|folder| {
         let folder = repository().join(folder);
         let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));

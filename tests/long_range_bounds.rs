@@ -310,7 +310,7 @@ impl Left {
         }
     }
 
-    /// Prints its row of the table in docs/long-range.md; returns the median of upper bounds.
+    /// Prints its row of the table in docs/lab/long-range.md; returns the median of upper bounds.
     fn print(mut self, name: &str) -> f64 {
         let at = |left: &mut Vec<f64>, share: f64| {
             left.sort_unstable_by(f64::total_cmp);

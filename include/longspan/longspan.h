@@ -4695,7 +4695,7 @@ LsResult ls_world_cells_create(LsWorld world,
 LsResult ls_stream_def_init(LsStreamDef *def, size_t size);
 
 /**
- * Begins to publish a world to other processes of this user, through shared memory; docs/stream.md has the bytes.
+ * Begins to publish a world to other processes of this user, through shared memory; docs/reference/stream-bytes.md has the bytes.
  *
  * From now on each ls_world_step ends with a publication, which never waits and never fails: what cannot be placed is counted.
  * Leftovers of publishers that died are removed here. A world may have several streams.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::interface::Interface;
 
-const INTRODUCTION: &str = "# What hosts have been compiled against: see docs/abi.md. LONGSPAN_BLESS=1 cargo test -p longspan-capi \
+const INTRODUCTION: &str = "# What hosts have been compiled against: see docs/reference/abi.md. LONGSPAN_BLESS=1 cargo test -p longspan-capi \
                             --test header adds what is new.\n\n";
 
 #[test]
@@ -20,7 +20,7 @@ fn nothing_that_a_host_was_compiled_against_has_changed() {
     let before = Interface::parse(&text);
     let broken = before.broken_by(&now);
     let renumbered = now.number() > before.number();
-    assert!(broken.is_empty() || renumbered, "these need a new LS_ABI_VERSION (docs/abi.md): {broken:#?}");
+    assert!(broken.is_empty() || renumbered, "these need a new LS_ABI_VERSION (docs/reference/abi.md): {broken:#?}");
     if blessed {
         fs::write(&path, format!("{INTRODUCTION}{now}")).expect("the baseline can be written");
     }

@@ -8,7 +8,7 @@
 //!
 //! A message is the same in shared memory and in a recording. Numbers are little-endian, in the layout of C. A reader takes as many
 //! bytes of a record as it knows, up to the stride, and skips sections of a kind that it does not know: records may grow at their
-//! end, and kinds may be added, without a new schema number. docs/stream.md has the bytes in a table.
+//! end, and kinds may be added, without a new schema number. docs/reference/stream-bytes.md has the bytes in a table.
 //!
 //! Names and comments are those of the C header, which is generated from them.
 

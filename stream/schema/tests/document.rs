@@ -1,4 +1,4 @@
-//! The tables of docs/stream.md are what the structs are. `LONGSPAN_BLESS=1` writes them.
+//! The tables of docs/reference/stream-bytes.md are what the structs are. `LONGSPAN_BLESS=1` writes them.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -22,7 +22,7 @@ fn tables() -> String {
 
 #[test]
 fn the_document_of_the_bytes_is_up_to_date() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/stream.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/stream-bytes.md");
     let document = std::fs::read_to_string(&path).expect("the document is there");
     let (before, rest) = document.split_once(BEGIN).expect("the document says where the tables begin");
     let (found, after) = rest.split_once(END).expect("and where they end");
