@@ -1,8 +1,9 @@
 //! What the command line takes.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use longspan_scenes::Effort;
 
 /// Our engine's name on the command line.
@@ -35,6 +36,9 @@ pub enum Command {
         /// Name of the error to show instead of each scene's first
         #[arg(long)]
         error: Option<String>,
+        /// Steps whose median time is shown
+        #[arg(long, value_enum, default_value_t = Stretch::Whole)]
+        time: Stretch,
     },
     /// Runs every row of the stress scene on our engine and prints the table of what held (Markdown)
     StressTable {
@@ -69,6 +73,28 @@ pub enum Command {
         #[arg(long, default_value = "1280x720", value_parser = size)]
         size: (usize, usize),
     },
+}
+
+/// Steps that a time is a median of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Stretch {
+    /// The whole run
+    Whole,
+    /// The second of simulated time that takes longest
+    Busiest,
+    /// The scene's own window, the last quarter of most
+    Last,
+}
+
+impl Stretch {
+    /// Its name in a line of JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Whole => "whole",
+            Self::Busiest => "busiest",
+            Self::Last => "last",
+        }
+    }
 }
 
 /// Which scene, with which keys.
@@ -108,11 +134,14 @@ pub struct Run {
     /// Prints one JSON object a line
     #[arg(long)]
     pub json: bool,
-    /// Runs each this many times and prints the one with the smallest median time
+    /// Takes the times of this many runs of each and prints those of the run with the smallest median over all its steps
     #[arg(long, default_value_t = 1, value_parser = at_least_one)]
     pub repeat: usize,
-    /// Runs each with seeds 1 to this and prints the worst of every error, the number of runs that did not hold, the median of
-    /// the median times and the greatest 99th percentile
+    /// Does other work, which takes the caches, for this long (ms) before each step, as a game does
+    #[arg(long, value_name = "MS", value_parser = milliseconds)]
+    pub cold: Option<Duration>,
+    /// Runs each with seeds 1 to this and prints the worst of every error, the number of runs that did not hold, and the times of
+    /// the seed with the greatest median over all its steps
     #[arg(long, value_parser = at_least_one, conflicts_with = "repeat")]
     pub seeds: Option<usize>,
 }
@@ -161,6 +190,11 @@ fn at_least_one(text: &str) -> Result<usize, String> {
     text.parse().ok().filter(|count| (1..=1_000_000).contains(count)).ok_or_else(|| "must be a number from 1 on".to_owned())
 }
 
+fn milliseconds(text: &str) -> Result<Duration, String> {
+    let ms = text.parse::<f64>().ok().filter(|ms| (0.0..=10_000.0).contains(ms));
+    ms.map(|ms| Duration::from_secs_f64(ms * 1e-3)).ok_or_else(|| "must be a time from 0 to 10000 ms".to_owned())
+}
+
 fn key_value(text: &str) -> Result<(String, String), String> {
     let (key, value) = text.split_once('=').ok_or_else(|| "must be KEY=VALUE".to_owned())?;
     Ok((key.to_owned(), value.to_owned()))
@@ -178,11 +212,12 @@ mod tests {
 
     #[test]
     fn a_run_reads_as_the_guide_shows_it() {
-        let line = "longspan-bench run hanging_chain --set n=10 --set ratio=100 --engines longspan --effort default,16 --threads 2 --seconds 1 --json";
+        let line = "longspan-bench run hanging_chain --set n=10 --set ratio=100 --engines longspan --effort default,16 --threads 2 --seconds 1 --cold 10 --json";
         let Command::Run(run) = Options::try_parse_from(line.split(' ')).unwrap().command else { panic!("not a run") };
         let keys = [("n", "10"), ("ratio", "100"), ("seconds", "1")].map(|(key, value)| (key.to_owned(), value.to_owned()));
         assert_eq!(run.chosen.keys(), keys);
         assert_eq!((run.effort, run.threads, run.json), (vec![Effort::Default, Effort::N(16)], 2, true));
+        assert_eq!(run.cold, Some(Duration::from_millis(10)));
     }
 
     #[test]

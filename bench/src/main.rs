@@ -1,6 +1,7 @@
 //! The command line: runs scenes on engines, lists them, plots results, draws pictures, writes snapshots.
 
 mod args;
+mod cold;
 mod derive_table;
 mod draw;
 mod host_table;
@@ -21,7 +22,7 @@ fn main() -> ExitCode {
     let outcome = match Options::parse().command {
         Command::Run(run) => session::run(&run),
         Command::List => session::list(),
-        Command::Plot { file, out_dir, error } => plot::plot(&file, &out_dir, error.as_deref()),
+        Command::Plot { file, out_dir, error, time } => plot::plot(&file, &out_dir, error.as_deref(), time),
         Command::StressTable { seeds } => stress_table::print(seeds as u64),
         Command::DeriveTable => derive_table::print(),
         Command::HostTable { repeats } => host_table::print(repeats),

@@ -9,7 +9,7 @@ use longspan_scenes::LONG_RANGE_KINDS;
 use plotters::prelude::*;
 use serde_json::Value;
 
-use crate::args::OURS;
+use crate::args::{OURS, Stretch};
 
 type Problem = Box<dyn std::error::Error>;
 
@@ -33,19 +33,19 @@ struct Point {
 }
 
 /// Reads JSON lines and writes a picture of the error of this name, or of the first, for each scene.
-pub fn plot(file: &Path, out_dir: &Path, error: Option<&str>) -> Result<(), Problem> {
-    let charts = read(&fs::read_to_string(file)?, error)?;
+pub fn plot(file: &Path, out_dir: &Path, error: Option<&str>, time: Stretch) -> Result<(), Problem> {
+    let charts = read(&fs::read_to_string(file)?, error, time)?;
     fs::create_dir_all(out_dir)?;
     for (title, chart) in &charts {
         let name: String = title.chars().map(|c| if c.is_alphanumeric() || "_=.-".contains(c) { c } else { '_' }).collect();
         let path = out_dir.join(format!("{name}.svg"));
-        draw(title, chart, &path)?;
+        draw(title, chart, time, &path)?;
         println!("{}", path.display());
     }
     Ok(())
 }
 
-fn read(text: &str, wanted: Option<&str>) -> Result<BTreeMap<String, Chart>, Problem> {
+fn read(text: &str, wanted: Option<&str>, time: Stretch) -> Result<BTreeMap<String, Chart>, Problem> {
     let mut charts: BTreeMap<String, Chart> = BTreeMap::new();
     for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
         let refuse = |what: &str| format!("line {}: {what}", number + 1);
@@ -53,7 +53,8 @@ fn read(text: &str, wanted: Option<&str>) -> Result<BTreeMap<String, Chart>, Pro
         let field = |name: &str| run.get(name).ok_or_else(|| refuse(&format!("has no {name}")));
         let object = |name: &str| field(name)?.as_object().ok_or_else(|| refuse(&format!("{name} is not an object")));
         let word = |name: &str| field(name).map(text_of);
-        let ms = field("ms_median")?.as_f64().ok_or_else(|| refuse("ms_median is not a number"))?;
+        let median = field("ms")?.get(time.name()).and_then(|spread| spread.get("median")).and_then(Value::as_f64);
+        let ms = median.ok_or_else(|| refuse(&format!("ms has no {}.median", time.name())))?;
         // A scene without that error has only its time to show.
         let is_wanted = |name: &str| wanted.is_none_or(|wanted| name == wanted);
         let Some((error_name, error)) = object("errors")?.iter().find(|(name, _)| is_wanted(name)) else { continue };
@@ -91,7 +92,7 @@ fn text_of(value: &Value) -> String {
     value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
-fn draw(title: &str, chart: &Chart, path: &Path) -> Result<(), Problem> {
+fn draw(title: &str, chart: &Chart, time: Stretch, path: &Path) -> Result<(), Problem> {
     let points = || chart.engines.values().flatten();
     let shown = |point: &Point| (point.ms.max(1e-6), point.error.clamp(SHOWN.0, SHOWN.1));
     let range = |of: fn((f64, f64)) -> f64| {
@@ -111,7 +112,11 @@ fn draw(title: &str, chart: &Chart, path: &Path) -> Result<(), Problem> {
         |value: &f64| if (1e-2..1e4).contains(value) { three_digits(*value).to_string() } else { format!("{value:.0e}") };
     axes.configure_mesh()
         .light_line_style(BLACK.mix(0.05))
-        .x_desc("time a step (ms)")
+        .x_desc(match time {
+            Stretch::Whole => "time a step, median of the whole run (ms)",
+            Stretch::Busiest => "time a step, median of the busiest second (ms)",
+            Stretch::Last => "time a step, median of the scene's own window (ms)",
+        })
         .y_desc(chart.error.as_str())
         .x_label_formatter(&number)
         .y_label_formatter(&number)
@@ -144,20 +149,23 @@ mod tests {
 
     fn line(engine: &str, effort: &str, ms: f64, stretch: f64) -> String {
         format!(
-            r#"{{"scene":"hanging_chain","params":{{"n":30}},"engine":"{engine}","effort":{effort},"threads":1,"ms_median":{ms},"ms_p99":1,"steps":600,"errors":{{"stretch_pct":{stretch},"joint_gap_m":5}}}}"#
+            r#"{{"scene":"hanging_chain","params":{{"n":30}},"engine":"{engine}","effort":{effort},"threads":1,"ms":{{"whole":{{"median":{ms},"p99":1}},"busiest":{{"median":7,"p99":8}}}},"steps":600,"errors":{{"stretch_pct":{stretch},"joint_gap_m":5}}}}"#
         )
     }
 
     #[test]
     fn lines_become_one_picture_a_scene_with_all_engines_and_efforts() {
         let text = [line("a", "\"default\"", 0.5, 0.0), line("a", "16", 0.1, 1e30), line("b", "4", 2.0, 3.0)].join("\n");
-        let charts = read(&text, None).unwrap();
+        let charts = read(&text, None, Stretch::Whole).unwrap();
         let (title, chart) = charts.first_key_value().unwrap();
         assert_eq!((charts.len(), title.as_str(), chart.error.as_str()), (1, "hanging_chain n=30", "stretch_pct"));
         assert_eq!(chart.engines["a"].iter().map(|point| point.effort.as_str()).collect::<Vec<_>>(), ["16", "default"]);
 
+        let busiest = read(&text, None, Stretch::Busiest).unwrap();
+        assert_eq!(busiest.values().flat_map(|chart| &chart.engines["a"]).map(|point| point.ms).fold(0.0, f64::max), 7.0);
+
         let path = std::env::temp_dir().join(format!("longspan-plot-{}.svg", std::process::id()));
-        draw(title, chart, &path).unwrap();
+        draw(title, chart, Stretch::Whole, &path).unwrap();
         let picture = fs::read_to_string(&path).unwrap();
         fs::remove_file(path).unwrap();
         for shown in ["hanging_chain n=30", "stretch_pct", "default", "<circle"] {
@@ -169,11 +177,11 @@ mod tests {
     fn a_mode_is_a_line_of_its_own_in_the_picture_of_the_scene() {
         let swept = line(OURS, "4", 1.0, 2.0).replace(r#"{"n":30}"#, r#"{"n":30,"solver":"gs"}"#);
         let text = [line(OURS, "4", 1.0, 1.0), swept, line("a", "4", 1.0, 1.0)].join("\n");
-        let charts = read(&text, Some("joint_gap_m")).unwrap();
+        let charts = read(&text, Some("joint_gap_m"), Stretch::Whole).unwrap();
         let chart = &charts["hanging_chain n=30"];
         assert_eq!((charts.len(), chart.error.as_str()), (1, "joint_gap_m"));
         assert_eq!(chart.engines.keys().collect::<Vec<_>>(), ["a", "longspan", "longspan solver=gs"]);
-        assert!(read(&text, Some("no_such_error")).unwrap().is_empty());
+        assert!(read(&text, Some("no_such_error"), Stretch::Whole).unwrap().is_empty());
     }
 
     #[test]
@@ -186,7 +194,8 @@ mod tests {
 
     #[test]
     fn a_line_that_is_no_run_is_refused_by_number() {
-        let problem = read(&format!("{}\n{{}}", line("a", "1", 1.0, 1.0)), None).err().map(|error| error.to_string());
-        assert_eq!(problem.as_deref(), Some("line 2: has no ms_median"));
+        let problem =
+            read(&format!("{}\n{{}}", line("a", "1", 1.0, 1.0)), None, Stretch::Whole).err().map(|error| error.to_string());
+        assert_eq!(problem.as_deref(), Some("line 2: has no ms"));
     }
 }

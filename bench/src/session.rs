@@ -2,11 +2,15 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
+use longspan::WorldDef;
 use longspan_bench::peers;
-use longspan_scenes::{CATALOGUE, Effort, LongspanEngine, Measurement, Scene, build, run as run_scene};
+use longspan_scenes::{
+    CATALOGUE, Effort, Engine, LongspanEngine, Measurement, RunError, Scene, Timing, build, run as run_scene, time,
+};
 
 use crate::args::{OURS, Run};
-use crate::line::{to_json, to_text};
+use crate::cold::OtherWork;
+use crate::line::{Outcome, to_json, to_text};
 
 /// How a peer says that a scene asks for what it does not have: by a panic that begins so.
 const NOT_SUPPORTED: &str = "not supported by";
@@ -28,13 +32,13 @@ pub fn run(options: &Run) -> Result<(), Problem> {
     build(&options.chosen.scene, &options.chosen.keys())?;
     for engine in options.engines() {
         for &effort in &options.effort {
-            let measured = match options.seeds {
+            let outcome = match options.seeds {
                 Some(seeds) => worst(options, &engine, effort, seeds),
                 None => fastest(options, &engine, effort),
             };
-            match measured {
-                Ok(measurement) if options.json => println!("{}", to_json(&measurement)),
-                Ok(measurement) => println!("{}", to_text(&measurement)),
+            match outcome {
+                Ok(outcome) if options.json => println!("{}", to_json(&outcome, options.cold)),
+                Ok(outcome) => println!("{}", to_text(&outcome)),
                 Err(problem) => {
                     eprintln!("longspan-bench: {problem}");
                     failures += u32::from(engine == OURS);
@@ -45,52 +49,70 @@ pub fn run(options: &Run) -> Result<(), Problem> {
     if failures > 0 { Err(format!("{failures} of our own runs failed").into()) } else { Ok(()) }
 }
 
-fn fastest(options: &Run, engine: &str, effort: Effort) -> Result<Measurement, Problem> {
-    let mut best: Option<Measurement> = None;
+fn fastest(options: &Run, engine: &str, effort: Effort) -> Result<Outcome, Problem> {
+    let build = || build(&options.chosen.scene, &options.chosen.keys());
+    let mut best: Option<Timing> = None;
     for _ in 0..options.repeat {
-        let scene = build(&options.chosen.scene, &options.chosen.keys())?;
-        let measurement = run_on(scene, engine, effort, options.threads)?;
-        if best.as_ref().is_none_or(|best| measurement.ms_median < best.ms_median) {
-            best = Some(measurement);
+        let timing = timed(options, &build()?, engine, effort)?;
+        if best.as_ref().is_none_or(|best| timing.whole.median < best.whole.median) {
+            best = Some(timing);
         }
     }
-    best.ok_or_else(|| "nothing was run".into())
+    Ok(Outcome { run: judged(build()?, engine, effort, options.threads)?, timing: best.ok_or("nothing was run")? })
 }
 
-/// Every seed from 1 to `seeds` as one measurement: the worst of each error, and how many did not hold.
-fn worst(options: &Run, engine: &str, effort: Effort, seeds: usize) -> Result<Measurement, Problem> {
+/// Every seed from 1 to `seeds` as one outcome: the worst of each error, how many did not hold, times of the slowest.
+fn worst(options: &Run, engine: &str, effort: Effort, seeds: usize) -> Result<Outcome, Problem> {
     let mut runs = Vec::with_capacity(seeds);
+    let mut timings = Vec::with_capacity(seeds);
     for seed in 1..=seeds {
         let keys = [options.chosen.keys(), vec![("seed".to_owned(), seed.to_string())]].concat();
-        runs.push(run_on(build(&options.chosen.scene, &keys)?, engine, effort, options.threads)?);
+        timings.push(timed(options, &build(&options.chosen.scene, &keys)?, engine, effort)?);
+        runs.push(judged(build(&options.chosen.scene, &keys)?, engine, effort, options.threads)?);
     }
-    let mut medians: Vec<f64> = runs.iter().map(|run| run.ms_median).collect();
-    medians.sort_by(f64::total_cmp);
+    let slowest = timings.into_iter().max_by(|a, b| a.whole.median.total_cmp(&b.whole.median));
     let mut all = runs.first().ok_or("nothing was run")?.clone();
     all.params.retain(|(key, _)| key != "seed");
     all.params.push(("seeds".to_owned(), seeds.to_string()));
-    all.ms_median = medians[medians.len() / 2];
-    all.ms_p99 = runs.iter().map(|run| run.ms_p99).fold(0.0, f64::max);
     for (name, value) in &mut all.errors {
         let found = runs.iter().flat_map(|run| &run.errors).filter(|(found, _)| found == name).map(|(_, found)| *found);
         *value = if *name == "held" { found.fold(1.0, f64::min) } else { found.fold(*value, f64::max) };
     }
     let fell = |run: &&Measurement| run.errors.iter().any(|(name, value)| *name == "held" && *value == 0.0);
     all.errors.push(("failures", runs.iter().filter(fell).count() as f64));
-    Ok(all)
+    Ok(Outcome { run: all, timing: slowest.ok_or("nothing was run")? })
 }
 
-fn run_on(scene: Scene, engine: &str, effort: Effort, threads: usize) -> Result<Measurement, Problem> {
+/// Times of a run of which nothing is measured.
+fn timed(options: &Run, scene: &Scene, engine: &str, effort: Effort) -> Result<Timing, Problem> {
+    let mut other = options.cold.map(|length| (OtherWork::new(), length));
+    let mut between = || {
+        if let Some((work, length)) = &mut other {
+            work.run(*length);
+        }
+    };
+    on_engine(engine, &scene.world, effort, options.threads, |engine| time(scene, engine, options.threads, &mut between))
+}
+
+/// Errors of a run of which no time is taken.
+fn judged(scene: Scene, engine: &str, effort: Effort, threads: usize) -> Result<Measurement, Problem> {
+    let world = scene.world.clone();
+    on_engine(engine, &world, effort, threads, |engine| run_scene(scene, engine, effort, threads))
+}
+
+fn on_engine<T>(
+    engine: &str,
+    world: &WorldDef,
+    effort: Effort,
+    threads: usize,
+    work: impl FnOnce(&mut dyn Engine) -> Result<T, RunError>,
+) -> Result<T, Problem> {
     let outcome = if engine == OURS {
-        catch_unwind(AssertUnwindSafe(|| {
-            let mut ours = LongspanEngine::new(&scene.world, effort, threads)?;
-            Ok(run_scene(scene, &mut ours, effort, threads)?)
-        }))
+        catch_unwind(AssertUnwindSafe(|| Ok(work(&mut LongspanEngine::new(world, effort, threads)?)?)))
     } else {
         in_silence(|| {
-            let mut peer = peers::create(engine, &scene.world, effort, threads)
-                .ok_or_else(|| format!("'{engine}' was left out of this build"))?;
-            Ok(run_scene(scene, &mut *peer, effort, threads)?)
+            let peer = peers::create(engine, world, effort, threads);
+            Ok(work(&mut *peer.ok_or_else(|| format!("'{engine}' was left out of this build"))?)?)
         })
     };
     outcome.unwrap_or_else(|panic| {
@@ -123,11 +145,11 @@ mod tests {
     fn many_seeds_become_one_measurement_of_the_worst() {
         let line = "longspan-bench run violent --set n=10 --set ratio=1 --seconds 0.1 --engines longspan --seeds 3";
         let Command::Run(options) = Options::try_parse_from(line.split(' ')).unwrap().command else { panic!("not a run") };
-        let all = worst(&options, OURS, Effort::Default, 3).unwrap();
+        let all = worst(&options, OURS, Effort::Default, 3).unwrap().run;
         let of = |all: &Measurement, name: &str| all.errors.iter().find(|(found, _)| *found == name).unwrap().1;
         let gap_of_seed = |seed: usize| {
             let keys = [options.chosen.keys(), vec![("seed".to_owned(), seed.to_string())]].concat();
-            let run = run_on(build("violent", &keys).unwrap(), OURS, Effort::Default, 1).unwrap();
+            let run = judged(build("violent", &keys).unwrap(), OURS, Effort::Default, 1).unwrap();
             of(&run, "joint_gap_m")
         };
         let gaps = [1, 2, 3].map(gap_of_seed);

@@ -1,6 +1,6 @@
 //! Every measured scene once: built through the public API, run on any [`Engine`], judged by one piece of code.
 //!
-//! [`build`] makes a scene from its name and keys, [`run`] runs it on an engine and returns times and errors:
+//! [`build`] makes a scene from its name and keys, [`run`] runs it on an engine and returns errors, [`time`] the time of its steps:
 //!
 //! ```
 //! use longspan_scenes::{Effort, LongspanEngine, build, run};
@@ -49,6 +49,7 @@ mod scene;
 mod shifted;
 mod stack;
 pub mod stress;
+mod timing;
 mod toppling;
 mod track;
 mod vase;
@@ -62,3 +63,4 @@ pub use random::Random;
 pub use run::{Measurement, NOT_FINITE, RunError, run, run_watched};
 pub use scene::{Action, DT, GRAVITY, Scene, Scheduled};
 pub use shifted::Shifted;
+pub use timing::{Spread, Timing, time};

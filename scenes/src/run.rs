@@ -1,9 +1,5 @@
-//! Runs a scene on an engine, takes the time of each step, and lets the metrics judge.
+//! Runs a scene on an engine and lets the metrics judge. Times are taken of runs of their own, by [`crate::time`].
 
-use std::ops::Range;
-use std::time::{Duration, Instant};
-
-use cpu_time::ThreadTime;
 use longspan::glam::{DMat3, Vec3};
 use longspan::{BodyDef, MassProperties};
 
@@ -31,10 +27,6 @@ pub struct Measurement {
     pub effort: Effort,
     /// Threads it ran on.
     pub threads: usize,
-    /// Median time of a step in the window (ms): CPU time of the stepping thread for one thread, wall time for more.
-    pub ms_median: f64,
-    /// 99th percentile of it (ms).
-    pub ms_p99: f64,
     /// Steps done.
     pub steps: u32,
     /// Errors by name; what is not finite is [`NOT_FINITE`].
@@ -95,14 +87,13 @@ pub fn run_watched(
     let mut engine = Shifted { engine, origin: scene.origin };
     let mut metrics = std::mem::take(&mut scene.metrics);
     let mut stage = Stage::set(&scene, &mut engine);
-    let mut times = Vec::with_capacity(scene.steps as usize);
     let mut steps = 0;
     let mut script = scene.script.iter().peekable();
     loop {
         if let Some(problem) = engine.refusal() {
             let Some(argument) = scene.expected_refusal else { return Err(RunError::Refused { engine: name, problem }) };
             let errors = vec![("held", f64::from(u8::from(problem.starts_with(argument))))];
-            return Ok(measurement(&scene, name, effort, threads, &times, steps, errors));
+            return Ok(measurement(&scene, name, effort, threads, steps, errors));
         }
         let view = stage.view(&scene, &engine, steps);
         for metric in &mut metrics {
@@ -118,8 +109,7 @@ pub fn run_watched(
         while let Some(scheduled) = script.next_if(|scheduled| scheduled.step <= steps) {
             stage.act(&scheduled.action, &mut engine)?;
         }
-        times.push(timed(threads, || engine.step(stage.dt)));
-        stage.time += f64::from(stage.dt);
+        stage.step(&mut engine);
         steps += 1;
     }
 
@@ -130,12 +120,7 @@ pub fn run_watched(
     for metric in &metrics {
         metric.report(&mut errors);
     }
-    if let Some((window_name, window)) = &scene.second_window
-        && let Some((median, _)) = median_and_p99(&times, window)
-    {
-        errors.push((window_name, median));
-    }
-    Ok(measurement(&scene, name, effort, threads, &times, steps, errors))
+    Ok(measurement(&scene, name, effort, threads, steps, errors))
 }
 
 fn measurement(
@@ -143,7 +128,6 @@ fn measurement(
     engine: &'static str,
     effort: Effort,
     threads: usize,
-    times: &[Duration],
     steps: u32,
     mut errors: Errors,
 ) -> Measurement {
@@ -152,21 +136,21 @@ fn measurement(
             *value = NOT_FINITE;
         }
     }
-    let (ms_median, ms_p99) = median_and_p99(times, &scene.window).unwrap_or_default();
-    Measurement { scene: scene.name, params: scene.params.clone(), engine, effort, threads, ms_median, ms_p99, steps, errors }
+    Measurement { scene: scene.name, params: scene.params.clone(), engine, effort, threads, steps, errors }
 }
 
 /// The bodies that the engine holds and the settings that a script may change.
-struct Stage {
+pub(crate) struct Stage {
     bodies: Vec<BodyDef>,
     alive: Vec<bool>,
     gravity: Vec3,
     dt: f32,
-    time: f64,
+    /// Simulated time so far (s).
+    pub(crate) time: f64,
 }
 
 impl Stage {
-    fn set(scene: &Scene, engine: &mut dyn Engine) -> Self {
+    pub(crate) fn set(scene: &Scene, engine: &mut dyn Engine) -> Self {
         for def in &scene.bodies {
             engine.add_body(def);
         }
@@ -198,7 +182,13 @@ impl Stage {
         }
     }
 
-    fn act(&mut self, action: &Action, engine: &mut dyn Engine) -> Result<(), RunError> {
+    /// Advances the engine by the step size of the moment.
+    pub(crate) fn step(&mut self, engine: &mut dyn Engine) {
+        engine.step(self.dt);
+        self.time += f64::from(self.dt);
+    }
+
+    pub(crate) fn act(&mut self, action: &Action, engine: &mut dyn Engine) -> Result<(), RunError> {
         match action {
             Action::Add(def) => {
                 engine.add_body(def);
@@ -249,27 +239,6 @@ fn same_mass(given: &MassProperties, held: &MassProperties) -> bool {
     inertia_apart < MASS_TOLERANCE && mass_apart < MASS_TOLERANCE
 }
 
-fn timed(threads: usize, step: impl FnOnce()) -> Duration {
-    if threads == 1 {
-        let start = ThreadTime::now();
-        step();
-        start.elapsed()
-    } else {
-        let start = Instant::now();
-        step();
-        start.elapsed()
-    }
-}
-
-/// Median and 99th percentile of the window (ms); `None` if the run ended before it.
-fn median_and_p99(times: &[Duration], window: &Range<u32>) -> Option<(f64, f64)> {
-    let end = (window.end as usize).min(times.len());
-    let mut sorted = times.get(window.start as usize..end)?.to_vec();
-    sorted.sort_unstable();
-    let at = |share: f64| sorted.get((share * (sorted.len() - 1) as f64).round() as usize).map(|time| time.as_secs_f64() * 1e3);
-    if sorted.is_empty() { None } else { Some((at(0.5)?, at(0.99)?)) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -295,7 +264,6 @@ mod tests {
             let run = measure(entry.name, &[("seconds", "0.05")]);
             assert_eq!(run.steps, 3, "steps of {}", entry.name);
             assert!(!run.errors.is_empty(), "{} reports nothing", entry.name);
-            assert!(run.ms_median > 0.0 && run.ms_p99 >= run.ms_median, "{}: {} ms", entry.name, run.ms_median);
         }
     }
 
@@ -316,13 +284,5 @@ mod tests {
         let apart = (error(&far, "mean_speed_end") - error(&near, "mean_speed_end")).abs();
         assert!(apart < 1e-4, "speeds differ by {apart} m/s after a fall of half a second, bound 1e-4 m/s");
         assert_eq!(error(&far, "escaped"), 0.0);
-    }
-
-    #[test]
-    fn percentiles_are_taken_over_the_window_alone() {
-        let times: Vec<Duration> = (1..=101).map(Duration::from_millis).collect();
-        assert_eq!(median_and_p99(&times, &(0..101)), Some((51.0, 100.0)));
-        assert_eq!(median_and_p99(&times, &(99..101)).map(|(median, _)| median), Some(101.0));
-        assert_eq!(median_and_p99(&times, &(200..300)), None);
     }
 }

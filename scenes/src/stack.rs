@@ -88,7 +88,7 @@ pub(crate) fn tower(params: &mut Params) -> Result<Scene, SceneError> {
     let mut random = Random::new(params.seed()?);
     let mut scene = start(params, f64::from(standing) / 60.0 + COLLAPSE)?;
     scene.window = standing.min(scene.steps) / 2..standing.min(scene.steps);
-    scene.second_window = Some(("collapse_ms_median", standing..scene.steps));
+    scene.second_window = Some(("collapse_median", standing..scene.steps));
 
     scene.body(floor(50.0, 0.0, STONE_FRICTION)?);
     let stone = ShapeDef { density: 2000.0, ..with_friction(cuboid(BLOCK.x, BLOCK.y, BLOCK.z)?, STONE_FRICTION) };
