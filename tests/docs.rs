@@ -56,7 +56,7 @@ fn every_stage_of_a_batch_that_is_described_exists() {
     );
 }
 
-/// README.md, and all of docs/ and of the folders' own.
+/// Those of the project's root, and all of docs/ and of the folders' own.
 fn documents() -> Vec<PathBuf> {
     let folders =
         ["", "docs", "docs/guide", "docs/reference", "docs/lab", "examples_c", "include", "setup", "tests", "benches", "bench"];
@@ -79,7 +79,10 @@ fn links_and_sources_named_in_the_documents_exist() {
         let words = text.split(|letter: char| letter.is_whitespace() || "`*,;()".contains(letter));
         let sources =
             words.filter(|word| ["src/", "capi/", "examples_c/", "include/"].iter().any(|start| word.starts_with(start)));
-        let sources = sources.map(|word| repository().join(word.trim_end_matches(['.', ':'])));
+        // Notes of the lab keep the names that files had.
+        let sources = sources
+            .filter(|_| !document.starts_with(repository().join("docs/lab")))
+            .map(|word| repository().join(word.trim_end_matches(['.', ':'])));
         for file in links.chain(sources) {
             seen += 1;
             if !file.exists() {
@@ -89,4 +92,82 @@ fn links_and_sources_named_in_the_documents_exist() {
     }
     assert!(seen > 30, "only {seen} files are named");
     assert!(broken.is_empty(), "{broken:#?}");
+}
+
+/// Documents on one shelf of docs/.
+fn shelf(name: &str) -> Vec<(PathBuf, String)> {
+    let folder = repository().join("docs").join(name);
+    let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.expect("the folder can be listed").path()).collect();
+    files.retain(|file| file.extension().is_some_and(|ending| ending == "md"));
+    files.sort();
+    let read = |file: PathBuf| {
+        let text = std::fs::read_to_string(&file).expect("a document can be read");
+        (file, text)
+    };
+    files.into_iter().map(read).collect()
+}
+
+/// Most words of the reference: an hour of reading. What was tried and measured goes into docs/lab.
+const MOST_WORDS: usize = 12_000;
+
+#[test]
+fn the_reference_can_be_read_in_an_hour() {
+    let mut words = 0;
+    for (_, text) in shelf("reference") {
+        // The tables of bytes are written by a program and looked up, not read.
+        let (text, rest) = text.split_once("<!-- tables begin -->").unwrap_or((&text, ""));
+        let after = rest.split_once("<!-- tables end -->").map_or("", |(_, after)| after);
+        let is_word = |word: &&str| word.chars().any(char::is_alphanumeric);
+        words += text.split_whitespace().chain(after.split_whitespace()).filter(is_word).count();
+    }
+    assert!((5_000..=MOST_WORDS).contains(&words), "docs/reference has {words} words, may have {MOST_WORDS}");
+}
+
+/// Every file of the library's source, as text.
+fn sources(folder: &Path, into: &mut Vec<String>) {
+    for entry in std::fs::read_dir(folder).expect("the source is there") {
+        let path = entry.expect("the source can be listed").path();
+        if path.is_dir() {
+            sources(&path, into);
+        } else {
+            into.push(std::fs::read_to_string(&path).expect("the source is text"));
+        }
+    }
+}
+
+/// A number as it stands in the source or in a document.
+fn number(text: &str) -> Option<f64> {
+    text.replace('_', "").parse().ok()
+}
+
+#[test]
+fn constants_have_the_values_that_the_reference_gives() {
+    let mut source = Vec::new();
+    sources(&repository().join("src"), &mut source);
+    let (mut seen, mut wrong) = (0, Vec::new());
+    for (file, text) in shelf("reference") {
+        // As in (`NAME` = 0.2).
+        for (before, after) in text.match_indices("` = ").map(|(at, mark)| (&text[..at], &text[at + mark.len()..])) {
+            let name = before.rsplit('`').next().unwrap_or_default();
+            if name.is_empty() || !name.chars().all(|letter| letter.is_ascii_uppercase() || letter == '_') {
+                continue;
+            }
+            let end =
+                after.find(|letter: char| !(letter.is_ascii_alphanumeric() || ".-".contains(letter))).unwrap_or(after.len());
+            let value =
+                number(after[..end].trim_end_matches('.')).unwrap_or_else(|| panic!("{name} in {} has no value", file.display()));
+            seen += 1;
+            let definition = format!("const {name}: ");
+            let found: Vec<&str> = (source.iter())
+                .flat_map(|text| text.split(definition.as_str()).skip(1))
+                .filter_map(|rest| rest.split(';').next()?.split(" = ").nth(1))
+                .collect();
+            if !found.iter().any(|text| number(text) == Some(value)) {
+                wrong.push(format!("{}: {name} is said to be {value}, the source has {found:?}", file.display()));
+            }
+        }
+    }
+    assert!(seen > 40, "only {seen} constants are named");
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
