@@ -23,6 +23,19 @@ pub(crate) fn shape_operator(shape: &Shape, at: Vec3, outward: Vec3) -> Option<M
     }
 }
 
+/// Radius that the rim of a cylinder is taken to have, over the cylinder's.
+const SHARP: f32 = 1.0e-6;
+
+/// The same on rims of cylinders too: there the normal turns by any angle over next to no way.
+pub(crate) fn shape_operator_with_rims(shape: &Shape, at: Vec3, outward: Vec3) -> Option<Mat3> {
+    shape_operator(shape, at, outward).or_else(|| {
+        let Geometry::Cylinder { radius, .. } = *shape.geometry() else { return None };
+        let around = Vec3::Y.cross(outward).try_normalize()?;
+        let bend = outward.reject_from_normalized(Vec3::Y).length() / radius;
+        Some(product(around) * bend + product(outward.cross(around)) * (radius * SHARP).recip())
+    })
+}
+
 fn round(outward: Vec3, radius: f32) -> Mat3 {
     (Mat3::IDENTITY - product(outward)) * radius.recip()
 }
@@ -64,6 +77,18 @@ mod tests {
                 assert!((turned - operator * tangent).length() < 2e-3, "{turned} along {tangent}, operator {operator}");
             }
         }
+    }
+
+    /// Along a rim the normal turns as the rim bends, across it by any angle.
+    #[test]
+    fn rims_turn_across_themselves() {
+        let disc = Shape::new(Geometry::Cylinder { half_height: 1.0, radius: 2.0 }).unwrap();
+        let leaning = Vec3::new(1.0, 1.0, 0.0).normalize();
+        let operator = shape_operator_with_rims(&disc, Vec3::new(2.0, 1.0, 0.0), leaning).expect("a rim");
+        let bend = leaning.x / 2.0;
+        assert!((operator * Vec3::Z - Vec3::Z * bend).length() < 1.0e-6, "{operator}, expected {bend} about the rim");
+        assert!((operator * Vec3::new(1.0, -1.0, 0.0)).length() > 1.0e5, "{operator}");
+        assert_eq!(shape_operator_with_rims(&Shape::cuboid(Vec3::ONE).unwrap(), Vec3::new(1.0, 1.0, 0.3), leaning), None);
     }
 
     #[test]

@@ -17,6 +17,7 @@ use super::joint::{BatchJoints, may_be_cut};
 use super::lead::Leads;
 use super::load_pass::LoadPass;
 use super::momentum::FreeIslands;
+use super::newton::Newton;
 use super::passive::PassiveIslands;
 use super::plane::Planes;
 use super::poses::Poses;
@@ -108,6 +109,7 @@ pub(crate) struct Batch {
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
     pub direct: Direct,
+    pub newton: Newton,
     /// Slots of the bodies of each manifold, and how many points it has.
     pub ends: Vec<ContactEnds>,
     /// All manifolds, where an articulation may hold some.
@@ -167,6 +169,7 @@ impl Batch {
         self.dissipative.clear();
         self.leads.clear();
         self.direct.clear();
+        self.newton.clear();
         self.lanes.clear();
         self.tally.clear();
         self.told.clear();
@@ -297,7 +300,7 @@ impl Batch {
     pub(crate) fn contact_impulses(&self, number: usize) -> ContactImpulses {
         let (block, lane) = self.lanes[number];
         if block == HELD {
-            return self.direct.impulses_of(number);
+            return self.newton.impulses_of(number).unwrap_or_else(|| self.direct.impulses_of(number));
         }
         self.contacts.impulses(block as usize, lane as usize)
     }
@@ -327,7 +330,7 @@ impl Batch {
     /// Impulse along the normal of a manifold over the step (N·s), where multipliers are added up.
     pub(crate) fn contact_blow(&self, number: usize) -> f32 {
         if self.lanes[number].0 == HELD {
-            return self.direct.blow_of(number);
+            return self.newton.blow_of(number).unwrap_or_else(|| self.direct.blow_of(number));
         }
         self.tally.get(number).map_or(0.0, |sum| sum.normal.iter().sum())
     }

@@ -27,7 +27,9 @@ pub(crate) mod joint;
 pub(crate) mod lead;
 pub(crate) mod load_pass;
 pub(crate) mod momentum;
+pub(crate) mod newton;
 mod passive;
+pub(crate) mod plan;
 pub(crate) mod plane;
 mod poses;
 mod recovery;
@@ -96,8 +98,8 @@ impl Batch {
                 false => self.prepare_load_pass(threads, settings.gravity, h),
             }
             (0..settings.substeps).for_each(|_| self.add_to_tally());
-            self.penetration = self.direct.penetration() as f32;
-            self.joint_gap = self.direct.joint_gap(joints, &self.motions, threads);
+            self.penetration = self.direct.penetration().max(self.newton.penetration()) as f32;
+            self.joint_gap = self.direct.joint_gap(joints, &self.motions, threads).max(self.newton.joint_gap(joints));
             return;
         }
         self.start_contacts(threads, settings.gravity, h);
@@ -170,7 +172,8 @@ impl Batch {
         self.bounds.store();
         self.taut.store();
         let swept_gap = self.joints.worst_gap(joints, threads, &self.motions);
-        self.joint_gap = self.direct.joint_gap(joints, &self.motions, threads).max(swept_gap);
+        let direct_gap = self.direct.joint_gap(joints, &self.motions, threads);
+        self.joint_gap = direct_gap.max(swept_gap).max(self.newton.joint_gap(joints));
     }
 
     /// Lets points that have hit something in the substep leave again, and adds up its multipliers.

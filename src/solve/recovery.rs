@@ -29,7 +29,7 @@ impl Batch {
         } else {
             contact_kernels::end_step(&mut self.contacts.all(), &self.motions)
         };
-        self.penetration = self.penetration.max(deepest).max(self.direct.penetration() as f32);
+        self.penetration = self.penetration.max(deepest).max(self.direct.penetration().max(self.newton.penetration()) as f32);
         if deepest <= NEGLIGIBLE_OVERLAP {
             return;
         }

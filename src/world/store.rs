@@ -63,6 +63,10 @@ impl World {
                 residuals.joint_angle = residuals.joint_angle.max(report.angle);
                 self.events.articulations.push(report);
             }
+            for island in batch.newton.islands() {
+                let body = self.bodies.handle_of(batch.bodies[island.slots.start as usize]);
+                self.events.articulations.push(island.report(body, &self.joints));
+            }
         }
         self.keep_contact_forces();
         self.report_union_overloads();

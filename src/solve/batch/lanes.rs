@@ -93,7 +93,7 @@ impl Batch {
     /// Finds the group of each manifold.
     fn group_contacts(&mut self) -> Groups {
         let (moving, rounds) = (self.moving().max(1), self.moving().div_ceil(ROUND).max(1));
-        let Self { coloring, groups: group_of, group_lanes: counts, roles, ends, direct, .. } = self;
+        let Self { coloring, groups: group_of, group_lanes: counts, roles, ends, direct, newton, .. } = self;
         counts.clear();
         counts.resize((rounds + 1) * GROUPS, 0);
         coloring.reset(roles.len());
@@ -102,7 +102,7 @@ impl Batch {
         let mut groups = Groups { rounds, colors: 0, are_plain: true };
         for (number, own) in ends.iter().enumerate() {
             let &ContactEnds { a, b, points, is_plain } = own;
-            if direct.holds(number) {
+            if direct.holds(number) || newton.holds(number) {
                 group_of.push(HELD);
                 continue;
             }

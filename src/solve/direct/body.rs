@@ -7,6 +7,7 @@
 use glam::{DMat3, DVec3};
 
 use super::super::joint::Stance;
+use super::super::joint::motor::Answer;
 use super::super::joint::rows::Rate;
 use super::super::rotation::{self, Top, Turn};
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
@@ -59,8 +60,19 @@ impl DirectBody {
         matches!(self.kind, MotionKind::Round | MotionKind::Tumbling)
     }
 
+    /// 1 along and about free axes, 0 along and about locked ones.
+    pub(crate) fn free_axes(&self) -> [f64; 6] {
+        let (along, about) = (self.undamped.to_array(), self.top.free.to_array());
+        std::array::from_fn(|i| if i < 3 { f64::from(u8::from(along[i] > 0.0)) } else { about[i - 3] })
+    }
+
+    /// Whether none of its axes is locked.
+    pub(crate) fn is_free(&self) -> bool {
+        self.free_mass().is_some()
+    }
+
     /// Inertia in world axes (kg·m²).
-    pub(super) fn inertia_at(&self, stance: &Stance) -> DMat3 {
+    pub(crate) fn inertia_at(&self, stance: &Stance) -> DMat3 {
         if self.top.round {
             return DMat3::from_diagonal(self.top.inertia);
         }
@@ -73,18 +85,28 @@ impl DirectBody {
         Symmetric::from_mat3(self.inverse_inertia.as_mat3())
     }
 
+    /// How it answers to what a motor pushes it with.
+    pub(crate) fn answer_at(&self, stance: &Stance) -> Answer {
+        if !self.is_dynamic() {
+            return Answer::NONE;
+        }
+        let inverse_inertia = masked(self.inertia_at(stance).inverse(), self.top.free);
+        let acceleration = Rate { linear: self.acceleration, angular: inverse_inertia * self.torque };
+        Answer { inverse_mass: self.undamped, inverse_inertia, acceleration, center: DVec3::ZERO }
+    }
+
     /// Whether it loses speed by itself.
     pub(super) fn is_damped(&self) -> bool {
         self.linear_damping != 0.0 || self.angular_damping != 0.0
     }
 
     /// By how much heavier it answers along and about its axes in a substep of length `h` (s): 1 + h c.
-    pub(super) fn weights(&self, h: f64) -> [f64; 2] {
+    pub(crate) fn weights(&self, h: f64) -> [f64; 2] {
         [self.linear_damping, self.angular_damping].map(|damping| 1.0 + h * damping)
     }
 
     /// Makes it answer along its axes as in a substep of length `h` (s).
-    pub(super) fn weigh(&mut self, h: f64) {
+    pub(crate) fn weigh(&mut self, h: f64) {
         self.inverse_mass = self.undamped / self.weights(h)[0];
     }
 
@@ -157,6 +179,11 @@ impl DirectBody {
         let turned = stance.1 * start.1.conjugate();
         let turn = 2.0 * turned.w.signum() * DVec3::new(turned.x, turned.y, turned.z);
         excess - self.torque.dot(turn)
+    }
+
+    /// Acceleration by gravity and forces (m/s²).
+    pub(crate) fn pull(&self) -> f64 {
+        self.acceleration.length()
     }
 
     /// Mass of a body that moves freely (kg).

@@ -74,7 +74,7 @@ impl Curved {
     }
 
     /// Where the contact is after the body and the other have moved and turned by `own` and `other` since the start of the step.
-    pub(super) fn follow(&self, spot: &Spot, own: &Stance, other: &Stance) -> Option<Spot> {
+    pub(crate) fn follow(&self, spot: &Spot, own: &Stance, other: &Stance) -> Option<Spot> {
         let back = other.1.conjugate();
         let point = own.0 + own.1 * spot.lever - spot.lever;
         let under = other.0 + other.1 * spot.other_lever - spot.other_lever;
@@ -131,7 +131,7 @@ fn inverse_above(m: DMat2, least: f64) -> DMat2 {
 }
 
 /// How far a body has moved and turned from one stance to another (m).
-pub(super) fn change(now: &Stance, start: &Stance) -> (DVec3, DQuat) {
+pub(crate) fn change(now: &Stance, start: &Stance) -> (DVec3, DQuat) {
     (now.0 - start.0, now.1 * start.1.conjugate())
 }
 

@@ -229,7 +229,7 @@ impl Stored for Past {
 }
 
 /// Rotation vector of a rotation by less than half a turn (rad).
-pub(super) fn rotation_vector(rotation: DQuat) -> DVec3 {
+pub(crate) fn rotation_vector(rotation: DQuat) -> DVec3 {
     let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
     let axis = DVec3::new(rotation.x, rotation.y, rotation.z);
     let sine = axis.length();

@@ -12,22 +12,22 @@ use crate::solve::integrate::{NEGLIGIBLE_SPEED, NEGLIGIBLE_WAY};
 const NEGLIGIBLE: f64 = 1.0e-30;
 
 /// A velocity (m/s, rad/s).
-pub(super) fn speed(v: DVec3) -> Vec3 {
+pub(crate) fn speed(v: DVec3) -> Vec3 {
     settled(v, f64::from(NEGLIGIBLE_SPEED))
 }
 
 /// A displacement (m) or a rotation vector (rad).
-pub(super) fn way(v: DVec3) -> Vec3 {
+pub(crate) fn way(v: DVec3) -> Vec3 {
     settled(v, f64::from(NEGLIGIBLE_WAY))
 }
 
-pub(super) fn rotation(q: DQuat) -> Quat {
+pub(crate) fn rotation(q: DQuat) -> Quat {
     let v = way(DVec3::new(q.x, q.y, q.z));
     Quat::from_xyzw(v.x, v.y, v.z, if q.w.abs() <= f64::from(NEGLIGIBLE_WAY) { 0.0 } else { q.w as f32 })
 }
 
 /// An impulse, or anything else that is not of the state of a body.
-pub(super) fn impulse(v: DVec3) -> Vec3 {
+pub(crate) fn impulse(v: DVec3) -> Vec3 {
     settled(v, NEGLIGIBLE)
 }
 

@@ -1,15 +1,17 @@
 //! Which articulations of a batch are solved directly, and what the solver asks of the world's records for them.
 
-use glam::{DMat3, DVec3, Mat3};
+use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::Records;
-use crate::collide::curvature::shape_operator;
+use crate::collide::curvature::{shape_operator, shape_operator_with_rims};
 use crate::settings::Solver;
+use crate::shape::Shape;
 use crate::solve::StepSettings;
 use crate::solve::batch::Batch;
 use crate::solve::direct::BatchRecords;
 use crate::solve::direct::history::History;
 use crate::solve::joint::{JointEntry, JointLink};
+use crate::solve::newton::{Contents, IslandRecords, Surfaces};
 use crate::solve::state::WORLD_SLOT;
 use crate::workers::Workers;
 use crate::world::stride::is_smooth;
@@ -37,6 +39,36 @@ impl BatchRecords for Within<'_> {
     }
 
     fn curvature(&self, contact: u32, of_b: bool) -> Option<([DMat3; 2], f64)> {
+        let (operators, reaches) = self.surfaces(contact, shape_operator)?;
+        Some((operators, reaches[usize::from(of_b)]))
+    }
+}
+
+impl IslandRecords for Within<'_> {
+    fn joint(&self, link: &JointLink) -> JointEntry {
+        self.world.joint_entry(link, self.scale, self.stride)
+    }
+
+    fn is_smooth(&self, contact: u32) -> bool {
+        let (a, b) = self.world.pairs.get(self.manifolds[contact as usize].0).key.shapes();
+        let is_round = |shape: u32| {
+            use crate::shape::Geometry::{Ball, Capsule, Cylinder, HalfSpace};
+            matches!(
+                self.world.colliders[shape].shape.geometry(),
+                Ball { .. } | Capsule { .. } | Cylinder { .. } | HalfSpace { .. }
+            )
+        };
+        is_round(a) && is_round(b)
+    }
+
+    fn surfaces(&self, contact: u32) -> Option<Surfaces> {
+        Within::surfaces(self, contact, shape_operator_with_rims)
+    }
+}
+
+impl Within<'_> {
+    /// Surfaces of a contact, of which `operator` says how they bend.
+    fn surfaces(&self, contact: u32, operator: impl Fn(&Shape, Vec3, Vec3) -> Option<Mat3>) -> Option<Surfaces> {
         let (slot, manifold) = self.manifolds[contact as usize];
         let pair = self.world.pairs.get(slot);
         let manifold = pair.manifolds.get(manifold as usize);
@@ -44,11 +76,10 @@ impl BatchRecords for Within<'_> {
         let [a, b] = [a, b].map(|shape| &self.world.colliders[shape]);
         let [to_a, to_b] = [a, b].map(|collider| Mat3::from_quat(collider.place.1));
         let (point, along) = (&manifold.points[0], to_a * manifold.normal);
-        let of_a = shape_operator(&a.shape, point.on_a, manifold.normal)?;
-        let other = shape_operator(&b.shape, point.on_b, to_b.transpose() * -along)?;
+        let of_a = operator(&a.shape, point.on_a, manifold.normal)?;
+        let other = operator(&b.shape, point.on_b, to_b.transpose() * -along)?;
         let in_world = |to_world: Mat3, operator: Mat3| (to_world * operator * to_world.transpose()).as_dmat3();
-        let reach = if of_b { b.reach } else { a.reach };
-        Some(([in_world(to_a, of_a), in_world(to_b, other)], f64::from(reach)))
+        Some(([in_world(to_a, of_a), in_world(to_b, other)], [a.reach, b.reach].map(f64::from)))
     }
 }
 
@@ -57,7 +88,8 @@ impl Records<'_> {
     pub(super) fn lay_out(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
         let mut h = settings.dt / settings.substeps as f32;
         let (scale, stride) = (self.scale_for(batch), batch.stride);
-        let Batch { joints, direct, bodies, velocities, motions, roles, inputs, manifolds, .. } = batch;
+        let first_replica = batch.moving() as u32 + 1;
+        let Batch { joints, direct, newton, islands, bodies, velocities, motions, roles, inputs, manifolds, .. } = batch;
         let asks = |link: &JointLink| link.traits.solver == Solver::Direct;
         let is_direct = self.solver != Solver::GaussSeidel || joints.links.iter().any(asks);
         let grouped = if is_direct || self.some_are_fast { &joints.links[..] } else { &[] };
@@ -65,6 +97,7 @@ impl Records<'_> {
         direct.solver = self.solver;
         if !is_direct {
             direct.clear();
+            newton.clear();
         } else {
             let is_swept = |slot: u32| {
                 let body = bodies[slot as usize];
@@ -73,8 +106,10 @@ impl Records<'_> {
             if !self.swept.is_empty() {
                 joints.links.iter_mut().for_each(|link| link.is_withheld = is_swept(link.a) || is_swept(link.b));
             }
-            direct.find_touching(inputs, motions);
             let records = Within { world: self, bodies, manifolds, scale, stride };
+            let contents = Contents { islands, end: first_replica, velocities, motions, contacts: inputs };
+            newton.step(&mut joints.links, contents, &records, (self.joints, settings, threads));
+            direct.find_touching(inputs, motions);
             direct.take(&mut joints.links, (velocities, motions), inputs, &records, threads);
             direct.step(self.joints, velocities, motions, inputs, settings, threads);
             let (direct, floor) = batch.direct_and_floor(threads);

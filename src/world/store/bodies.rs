@@ -236,7 +236,8 @@ fn store_histories(batch: &Batch, bodies: &mut Pool<Body, BodyId>) {
     }
     if batch.direct.sweeps_blocks() {
         let swept_alone = batch.joints.entries.iter().flat_map(|entry| [entry.a, entry.b]);
-        for slot in batch.direct.slots_moved_alone().chain(swept_alone).filter(|&slot| slot != WORLD_SLOT) {
+        let moved_alone = batch.direct.slots_moved_alone().chain(batch.newton.moved_slots());
+        for slot in moved_alone.chain(swept_alone).filter(|&slot| slot != WORLD_SLOT) {
             bodies[batch.bodies[slot as usize]].smooth_for = 0;
         }
     }

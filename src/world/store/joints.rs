@@ -113,5 +113,5 @@ fn each_joint(
     let Some(last) = noted.last_mut() else { return };
     // SAFETY: no other part is in use.
     let mut slots = unsafe { slots.part() };
-    rest.iter().chain(batch.direct.entries()).for_each(|entry| write(entry, &mut slots, last));
+    rest.iter().chain(batch.direct.entries()).chain(batch.newton.entries()).for_each(|entry| write(entry, &mut slots, last));
 }

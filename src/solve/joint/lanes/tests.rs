@@ -6,7 +6,6 @@ use proptest::prelude::*;
 use super::*;
 use crate::id::{BodyId, JointId, Pool, WorldTag};
 use crate::joint::{Joint, JointDef};
-use crate::settings::Solver;
 use crate::solve::color::Coloring;
 use crate::solve::joint::kinds::MotorRows;
 use crate::solve::joint::singles::Singles;
@@ -158,7 +157,7 @@ proptest! {
 
 fn link_of(entry: &JointEntry) -> JointLink {
     let &JointEntry { joint, a, b, most_rows, is_plain, has_friction, gives_by_motors_alone, has_motor, .. } = entry;
-    let traits = JointTraits { most_rows, is_plain, has_friction, gives_by_motors_alone, has_motor, solver: Solver::Auto };
+    let traits = JointTraits { most_rows, is_plain, has_friction, gives_by_motors_alone, has_motor, ..JointTraits::NONE };
     JointLink { joint, a, b, traits, is_withheld: false }
 }
 

@@ -1,0 +1,156 @@
+//! The joints of an island, with what each has in the substep.
+
+use glam::DVec3;
+
+use super::joints::{Asking, JointRows, Place, Sink, Source};
+use super::problem::Problem;
+use crate::id::{JointId, Pool};
+use crate::joint::Joint;
+use crate::joint_rebounds::Rebounds;
+use crate::solve::direct::body::DirectBody;
+use crate::solve::direct::single;
+use crate::solve::joint::motor::Answer;
+use crate::solve::joint::rows::{Rate, ScalarRow};
+use crate::solve::joint::{JointEntry, Stance, driven, gap_of};
+
+/// Joints: see the [module](self).
+#[derive(Debug, Default)]
+pub(super) struct JointSet {
+    pub entries: Vec<JointEntry>,
+    /// Local numbers of each joint's bodies: 0 is the world, then the island's own slots, then kinematic ones.
+    pub ends: Vec<[usize; 2]>,
+    pub rows: Vec<JointRows>,
+    pub sources: Vec<Source>,
+    /// Multipliers' places and arguments of the joints' terms in the last substep of this step, and those of each joint.
+    arguments: Vec<(Place, f64)>,
+    argument_ranges: Vec<(u32, u32)>,
+    asked: Vec<ScalarRow>,
+    errors: Vec<ScalarRow>,
+}
+
+/// Bodies as joints ask for them, by local number.
+#[derive(Clone, Copy)]
+pub(super) struct Ends<'a> {
+    pub bodies: &'a [DirectBody],
+    /// Number of each in the problem.
+    pub moved: &'a [u32],
+    pub rates: &'a [Rate],
+    pub stances: &'a [Stance],
+}
+
+impl JointSet {
+    pub(super) fn clear(&mut self) {
+        self.entries.clear();
+        self.ends.clear();
+        self.arguments.clear();
+        self.argument_ranges.clear();
+    }
+
+    pub(super) fn push(&mut self, entry: JointEntry, ends: [usize; 2]) {
+        self.entries.push(entry);
+        self.ends.push(ends);
+    }
+
+    /// Adds the rows of all to the problem of a substep of length `h` (s), whose start and end are so far from the end of the step (s).
+    pub(super) fn add_rows(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        problem: &mut Problem,
+        of: Ends<'_>,
+        h: f64,
+        left: [f64; 2],
+    ) {
+        let Ends { bodies, moved, rates, stances } = of;
+        let Self { entries, ends, rows, sources, asked, errors, arguments, argument_ranges } = self;
+        rows.clear();
+        sources.clear();
+        let mut sink = Sink { links: &mut problem.links, terms: &mut problem.terms, sources, asked, errors };
+        for (entry, ends) in entries.iter_mut().zip(&*ends) {
+            let asking = Asking {
+                joint: &joints[entry.joint],
+                stances: ends.map(|body| stances[body]),
+                rates: ends.map(|body| rates[body]),
+                answers: ends.map(|body| if entry.has_motor { bodies[body].answer_at(&stances[body]) } else { Answer::NONE }),
+                moved: ends.map(|body| moved[body]),
+                h,
+                left,
+            };
+            rows.push(sink.add(entry, &asking));
+        }
+        for (rows, &(first, last)) in rows.iter().zip(&*argument_ranges) {
+            let known = &arguments[first as usize..last as usize];
+            for number in rows.terms.0 as usize..rows.terms.1 as usize {
+                // Directions of friction about a point are others in every substep.
+                let place = sources[number].place;
+                if let Some((_, argument)) = known.iter().find(|known| known.0 == place && place != Place::Direction) {
+                    let term = &mut problem.terms[number];
+                    (term.is_known, term.argument[0]) = (true, *argument);
+                }
+            }
+        }
+    }
+
+    /// Brings the angles of joints up to the present poses, `left` (s) from the end of the step.
+    pub(super) fn follow_angles(&mut self, joints: &Pool<Joint, JointId>, stances: &[Stance], left: f64) {
+        let Self { entries, ends, .. } = self;
+        for (entry, ends) in entries.iter_mut().zip(&*ends).filter(|(entry, _)| entry.counts_turns) {
+            let (joint, [a, b]) = (&joints[entry.joint], ends.map(|body| stances[body]));
+            let placement = driven::before(entry.placement(a, b), joint.drive(), [&a, &b], left);
+            entry.follow(&joint.def.kind, &placement);
+        }
+    }
+
+    /// Hands the multipliers of a substep back, and adds them to the loads.
+    pub(super) fn keep_impulses(&mut self, problem: &Problem) {
+        let Self { entries, rows, sources, arguments, argument_ranges, .. } = self;
+        for ((entry, rows), link) in entries.iter_mut().zip(&*rows).zip(&problem.links) {
+            let (mut point, mut angular) = (DVec3::ZERO, DVec3::ZERO);
+            let (mut linear_load, mut angular_load) = (DVec3::ZERO, DVec3::ZERO);
+            entry.impulses.scalar.fill(0.0);
+            let held = rows.sources[..link.rows].iter().zip(link.impulse);
+            let terms = rows.terms.0 as usize..rows.terms.1 as usize;
+            let bounded = terms.map(|term| (&sources[term], problem.terms[term].impulse[0]));
+            for (source, impulse) in held.chain(bounded) {
+                match source.place {
+                    Place::Point => point += source.linear * impulse,
+                    Place::Direction => angular += source.angular * impulse,
+                    Place::Scalar(id) => {
+                        entry.impulses.scalar[id as usize] = impulse as f32;
+                        if let Some(axis) = entry.motor_rows.axis(id) {
+                            entry.motors[axis] += impulse as f32;
+                        }
+                        linear_load += source.linear * impulse;
+                        angular_load += (source.angular - rows.levers[1].cross(source.linear)) * impulse;
+                    }
+                }
+            }
+            entry.impulses.point = single::impulse(point);
+            entry.impulses.angular = single::impulse(angular);
+            entry.pressed |= entry.impulses.pressing();
+            entry.rebounds = Rebounds::NONE;
+            entry.acted = [single::impulse(point + linear_load), single::impulse(angular + angular_load)];
+            entry.linear_sum += entry.acted[0];
+            entry.angular_sum += entry.acted[1];
+        }
+        arguments.clear();
+        arguments.extend(sources.iter().zip(&problem.terms).map(|(source, term)| (source.place, term.argument[0])));
+        argument_ranges.clear();
+        argument_ranges.extend(rows.iter().map(|rows| rows.terms));
+    }
+
+    /// Mean distance of joint points from the centres of mass of what moves (m).
+    pub(super) fn mean_lever(&self) -> f64 {
+        let levers = self.entries.iter().flat_map(|entry| entry.local_lever).map(|lever| lever.length());
+        let (count, sum) = levers.filter(|&lever| lever > 0.0).fold((0.0, 0.0), |(count, sum), lever| (count + 1.0, sum + lever));
+        if count > 0.0 { sum / count } else { f64::INFINITY }
+    }
+
+    /// Greatest distance between joint points beyond what their joints allow (m).
+    pub(super) fn gap(&self, joints: &Pool<Joint, JointId>, stances: &[Stance]) -> f64 {
+        let gaps = self.entries.iter().zip(&self.ends).map(|(entry, ends)| {
+            let [a, b] = ends.map(|body| stances[body]);
+            gap_of(&joints[entry.joint].def.kind, &entry.placement(a, b))
+        });
+        gaps.fold(0.0, f64::max)
+    }
+}

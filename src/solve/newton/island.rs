@@ -1,0 +1,483 @@
+//! One island that is solved as a whole: bodies, joints and contacts, moved through all substeps of a step.
+
+use std::ops::Range;
+
+use glam::{DMat3, DVec3};
+
+use super::held::{Ends, JointSet};
+use super::joints::Place;
+use super::newton::Effort;
+use super::patch::Patch;
+use super::problem::{Mass, Problem, Stiff};
+use super::stiffness::positive_part;
+use super::term::FIXED;
+use crate::id::{BodyId, JointId, Pool};
+use crate::joint::Joint;
+use crate::report::ArticulationReport;
+use crate::solve::StepSettings;
+use crate::solve::direct::body::DirectBody;
+use crate::solve::direct::{single, stiffness};
+use crate::solve::joint::Stance;
+use crate::solve::joint::rows::Rate;
+use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
+
+/// Factorisations that a substep may always take, and those after which it ends where it is. With three all scenes tried stay bounded; more
+/// than a dozen are never needed but where there is no solution.
+const FREE_FACTORS: u32 = 3;
+const MOST_FACTORS: u32 = 12;
+
+/// Change of the inertia with which a body answers, over what it was, from which on the substep is solved once more.
+const STIFFER: f64 = 0.5;
+
+/// Height by which taking overlaps out of positions may lift all that an island has in a step (m).
+const LIFT: f64 = 1.0e-3;
+
+/// Greatest speed at which rows that always hold may be left to part (m/s, rad/s). Where they can hold they do to 1e-7 under ten tonnes on
+/// links of a kilogram; the joints of a straight line that is pressed together, which has to bend first, part at 0.03.
+const MOST_STRAIN: f64 = 1.0e-3;
+
+/// Gap of a joint that a step may open, over the mean distance of joint points from centres of mass. A winch under load opens 0.0023, and
+/// mends that; what is flung about opens as much as it may, where direct solves halve their substeps and leave a fifth of this.
+const MOST_GAP: f64 = 5.0e-3;
+
+/// Share of the kinetic energy that is not worth a word.
+const ROUNDING: f64 = 1.0e-3;
+
+/// Length below which a line has no direction (m).
+const LEAST_LENGTH: f64 = 1.0e-6;
+
+/// How a step went.
+#[derive(Debug, Clone, Copy, Default)]
+struct Outcome {
+    effort: Effort,
+    substeps: u32,
+    penetration: f64,
+    /// What motors, springs and moved bodies may have done in the step, and what energy has grown by (J).
+    driven: f64,
+    gain: f64,
+    /// Greatest gap of a joint at the start of the step and at its end (m).
+    gaps: [f64; 2],
+    /// Kinetic energy at the start of the step (J).
+    kinetic: f64,
+    /// Greatest speed at which rows that always hold have been left to part (m/s, rad/s).
+    strain: f64,
+}
+
+/// An island: see the [module](self).
+#[derive(Debug, Default)]
+pub(crate) struct Island {
+    /// Slots of the bodies that it moves.
+    pub slots: Range<u32>,
+    pub(super) held: JointSet,
+    bodies: Vec<DirectBody>,
+    /// Number of each in the problem.
+    moved: Vec<u32>,
+    /// Slots of kinematic bodies, by local number from the first of them.
+    anchors: Vec<u32>,
+    rates: Vec<Rate>,
+    stances: Vec<Stance>,
+    began: Vec<Stance>,
+    pub patches: Vec<Patch>,
+    pairs: Vec<[u32; 2]>,
+    problem: Problem,
+    /// Whether a contact presses on each body.
+    pressed: Vec<bool>,
+    traces: Vec<f64>,
+    torques: Vec<DMat3>,
+    outcome: Outcome,
+    /// Patches that have been handed out by number.
+    handed_out: u32,
+}
+
+impl Island {
+    /// Begins to take in the bodies of these slots.
+    pub(crate) fn begin(&mut self, slots: Range<u32>, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        self.slots = slots.clone();
+        self.held.clear();
+        self.bodies.clear();
+        self.anchors.clear();
+        self.rates.clear();
+        self.stances.clear();
+        self.patches.clear();
+        (self.outcome, self.handed_out) = (Outcome::default(), 0);
+        self.enlist(WORLD_SLOT, velocities, motions);
+        for slot in slots {
+            self.enlist(slot, velocities, motions);
+        }
+    }
+
+    fn enlist(&mut self, slot: u32, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        let (velocity, motion) = (&velocities[slot as usize], &motions[slot as usize]);
+        self.bodies.push(DirectBody::new(slot, velocity, motion));
+        self.rates.push(Rate::of(velocity));
+        self.stances.push(motion.stance());
+    }
+
+    /// Local number of what has this slot.
+    pub(crate) fn local(&mut self, slot: u32, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> usize {
+        if slot == WORLD_SLOT {
+            return 0;
+        }
+        if self.slots.contains(&slot) {
+            return 1 + (slot - self.slots.start) as usize;
+        }
+        let first = 1 + self.slots.len();
+        if let Some(found) = self.anchors.iter().position(|&anchor| anchor == slot) {
+            return first + found;
+        }
+        self.anchors.push(slot);
+        self.enlist(slot, velocities, motions);
+        first + self.anchors.len() - 1
+    }
+
+    /// Moves the bodies through the step.
+    pub(crate) fn step(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
+        let h = f64::from(settings.dt) / f64::from(settings.substeps);
+        self.outcome.substeps = settings.substeps;
+        self.began.clone_from(&self.stances);
+        self.number_bodies();
+        self.outcome.gaps[0] = self.joint_gap(joints);
+        let (before, mut budget) = (self.energy(), None);
+        for substep in 0..settings.substeps {
+            let left = [0, 1].map(|end| h * f64::from(settings.substeps - substep - end));
+            self.build(joints, h, left);
+            let budget = budget.get_or_insert_with(|| self.budget(settings));
+            let kept_back = FREE_FACTORS * (settings.substeps - 1 - substep);
+            let most = budget.saturating_sub(kept_back).clamp(1, MOST_FACTORS);
+            let effort = self.solve(h, most);
+            *budget = budget.saturating_sub(effort.factors);
+            self.outcome.effort.add(effort);
+            self.outcome.driven += self.drive_work();
+            self.outcome.strain = self.outcome.strain.max(self.problem.strain());
+            self.held.keep_impulses(&self.problem);
+            self.patches.iter_mut().for_each(|patch| patch.keep_impulses(&self.problem.terms));
+            self.advance(h);
+            self.held.follow_angles(joints, &self.stances, left[1]);
+        }
+        let overlaps = self.patches.iter().map(|patch| patch.overlap(&self.stances, &self.began));
+        self.outcome.penetration = overlaps.fold(0.0, f64::max);
+        self.outcome.gaps[1] = self.joint_gap(joints);
+        (self.outcome.gain, self.outcome.kinetic) = (self.energy() - before, before);
+    }
+
+    /// Kinetic energy less the work of forces since the start of the step (J).
+    fn energy(&self) -> f64 {
+        let bodies = self.bodies.iter().zip(&self.rates).zip(self.stances.iter().zip(&self.began));
+        bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum()
+    }
+
+    /// Most that motors, springs and bodies which rows do not move may have done in this substep (J).
+    fn drive_work(&self) -> f64 {
+        let Problem { links, terms, velocity, .. } = &self.problem;
+        let is_moved = |ends: &[usize; 2]| {
+            let still = |rate: &Rate| rate.linear == DVec3::ZERO && rate.angular == DVec3::ZERO;
+            ends.iter().any(|&body| !self.bodies[body].is_dynamic() && !still(&self.rates[body]))
+        };
+        let mut work = 0.0;
+        for ((link, rows), ends) in links.iter().zip(&self.held.rows).zip(&self.held.ends) {
+            let moved = is_moved(ends);
+            for row in (0..link.rows).filter(|&row| moved || link.give[row] > 0.0 || link.bias[row] != 0.0) {
+                let jacobian = [&link.jacobian[0][row], &link.jacobian[1][row]];
+                work += (link.impulse[row] * super::problem::rate(link.bodies, jacobian, velocity)).abs();
+            }
+            let terms = &terms[rows.terms.0 as usize..rows.terms.1 as usize];
+            work += terms.iter().map(|term| (term.impulse[0] * super::problem::speed(term, velocity)[0]).abs()).sum::<f64>();
+        }
+        for patch in self.patches.iter().filter(|patch| is_moved(&patch.bodies)) {
+            for term in patch.terms(terms) {
+                let speed = super::problem::speed(term, velocity);
+                work += (term.impulse[0] * speed[0]).abs() + (term.impulse[1] * speed[1]).abs();
+            }
+        }
+        work
+    }
+
+    /// Whether the step has gained energy that nothing has given, has no end, or has rows that contradict one another: it is left to the
+    /// other solvers then, as if it had not been taken. To lift all by [`LIFT`] is what taking overlaps out of positions may do.
+    pub(crate) fn is_rejected(&self) -> bool {
+        let weights = self.bodies.iter().filter_map(|body| Some(body.free_mass()? * body.pull()));
+        let allowed = self.outcome.driven + LIFT * weights.sum::<f64>() + ROUNDING * self.outcome.kinetic;
+        let [gap, opened] = self.outcome.gaps;
+        let is_held = opened <= gap.max(MOST_GAP * self.held.mean_lever());
+        // Written so that what is no number is rejected.
+        !(self.outcome.gain <= allowed && self.outcome.strain <= MOST_STRAIN && is_held)
+    }
+
+    /// Number of the next patch, in the order in which they were taken in.
+    pub(crate) fn next_patch(&mut self) -> u32 {
+        self.handed_out += 1;
+        self.handed_out - 1
+    }
+
+    /// Factorisations that the world's budget of multiplications allows in this step.
+    fn budget(&self, settings: &StepSettings) -> u32 {
+        let allowed = f64::from(settings.articulations.halving_budget) * 1.0e6 / self.problem.structure.work.max(1) as f64;
+        let (least, most) = (FREE_FACTORS * settings.substeps, MOST_FACTORS * settings.substeps);
+        (allowed.min(f64::from(most)) as u32).max(least)
+    }
+
+    fn number_bodies(&mut self) {
+        self.moved.clear();
+        let mut next = 0;
+        for body in &self.bodies {
+            self.moved.push(if body.is_dynamic() { next } else { FIXED });
+            next += u32::from(body.is_dynamic());
+        }
+        self.pairs.clear();
+        let pairs = self.patches.iter().map(|patch| patch.bodies.map(|body| self.moved[body]));
+        self.pairs.extend(pairs);
+    }
+
+    /// Forms the problem of a substep of length `h` (s), whose start and end are so far from the end of the step (s).
+    fn build(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: [f64; 2]) {
+        let Self { problem, bodies, rates, stances, .. } = self;
+        problem.clear();
+        for ((body, rate), stance) in bodies.iter_mut().zip(&*rates).zip(&*stances) {
+            if !body.is_dynamic() {
+                continue;
+            }
+            body.weigh(h);
+            problem.masses.push(mass_of(body, stance, h));
+            problem.before.push(vector(rate));
+            let mut free = *rate;
+            body.apply_forces(stance, &mut free, h);
+            problem.free.push(vector(&free));
+        }
+        let Self { problem, held, bodies, moved, rates, stances, .. } = self;
+        held.add_rows(joints, problem, Ends { bodies, moved, rates, stances }, h, left);
+        let Self { problem, patches, moved, stances, began, .. } = self;
+        for patch in patches {
+            patch.add_terms(patch.bodies.map(|body| moved[body]), stances, began, h, &mut problem.terms);
+        }
+        self.mask();
+        self.find_stiffness(h);
+        let Self { problem, pairs, .. } = self;
+        problem.find_structure(pairs);
+        problem.begin();
+    }
+
+    /// Puts speeds of what is not moved by rows into their biases, and takes locked axes out of them.
+    fn mask(&mut self) {
+        let Self { problem, bodies, rates, held: JointSet { ends, rows, sources, .. }, patches, .. } = self;
+        for (link, ends) in problem.links.iter_mut().zip(&*ends) {
+            for side in 0..2 {
+                let (body, rate) = (&bodies[ends[side]], &rates[ends[side]]);
+                for row in 0..link.rows {
+                    link.bias[row] += settle_row(&mut link.jacobian[side][row], body, rate);
+                }
+            }
+        }
+        let first_of_patches = sources.len();
+        let joint_terms = rows.iter().zip(&*ends).flat_map(|(rows, ends)| (rows.terms.0..rows.terms.1).map(move |_| *ends));
+        for (term, ends) in problem.terms[..first_of_patches].iter_mut().zip(joint_terms) {
+            settle_term(term, ends, bodies, rates);
+        }
+        let mut next = first_of_patches;
+        for patch in patches {
+            for _ in 0..patch.term_count() {
+                settle_term(&mut problem.terms[next], patch.bodies, bodies, rates);
+                next += 1;
+            }
+        }
+    }
+
+    /// Finds the geometric stiffness of all forces as they are expected now.
+    fn find_stiffness(&mut self, h: f64) {
+        let Self {
+            problem, held: JointSet { entries, ends, rows, sources, .. }, moved, torques, patches, stances, began, ..
+        } = self;
+        torques.clear();
+        torques.resize(problem.masses.len(), DMat3::ZERO);
+        problem.stiff.clear();
+        for ((number, rows), ends) in rows.iter().enumerate().zip(&*ends) {
+            let link = &problem.links[number];
+            let mut force = DVec3::ZERO;
+            if rows.holds_points {
+                let own = rows.sources.iter().zip(link.impulse).filter(|(source, _)| source.place == Place::Point);
+                force = own.map(|(source, impulse)| source.linear * impulse).sum();
+            }
+            let length = rows.gap.length();
+            let line = entries[number].is_distance && length > LEAST_LENGTH;
+            if line {
+                let terms = rows.terms.0 as usize..rows.terms.1 as usize;
+                let bounded = terms.map(|term| sources[term].linear * problem.terms[term].impulse_now());
+                let held = rows.sources.iter().zip(link.impulse).map(|(source, impulse)| source.linear * impulse);
+                force = bounded.chain(held).sum();
+            }
+            if force == DVec3::ZERO {
+                continue;
+            }
+            let bodies = ends.map(|body| moved[body]);
+            for (side, sign) in [(0, -1.0), (1, 1.0)] {
+                if bodies[side] != FIXED {
+                    torques[bodies[side] as usize] += stiffness::of_impulse(force * sign, rows.levers[side]) * h;
+                }
+            }
+            let pull = if line { -force.dot(rows.gap) / length } else { 0.0 };
+            if pull > 0.0 {
+                let axis = (rows.gap / length).any_orthonormal_pair();
+                for across in [axis.0, axis.1] {
+                    let jacobian = [0, 1].map(|side| super::patch::row(side, across, rows.levers[side]));
+                    problem.stiff.push(Stiff { bodies, jacobian, gain: h * pull / length });
+                }
+            }
+        }
+        for patch in &*patches {
+            let bodies = patch.bodies.map(|body| moved[body]);
+            let Problem { terms, stiff, .. } = problem;
+            let pressing = |term: u32| terms[term as usize].impulse_now();
+            patch.rolling(stances, began, h, pressing, |jacobian, gain| stiff.push(Stiff { bodies, jacobian, gain }));
+        }
+        for (mass, torque) in problem.masses.iter_mut().zip(&*torques) {
+            mass.stiffness = if *torque == DMat3::ZERO { [[0.0; 3]; 3] } else { positive_part(*torque).to_cols_array_2d() };
+        }
+    }
+
+    /// Solves the substep; once more where what it has found makes bodies much stiffer or softer.
+    fn solve(&mut self, h: f64, budget: u32) -> Effort {
+        let mut effort = self.problem.solve(budget);
+        self.traces.clear();
+        self.traces.extend(self.problem.masses.iter().map(Mass::trace));
+        self.problem.note_impulses();
+        self.find_stiffness(h);
+        let changes = self.problem.masses.iter().zip(&self.traces).map(|(mass, before)| (mass.trace() - before).abs() / before);
+        if changes.fold(0.0, f64::max) > STIFFER && budget > effort.factors {
+            effort.add(self.problem.solve_again(budget - effort.factors));
+        }
+        effort
+    }
+
+    /// Moves the bodies by what has been found.
+    fn advance(&mut self, h: f64) {
+        let Self { problem, bodies, rates, stances, patches, held: JointSet { ends, .. }, pressed, .. } = self;
+        pressed.clear();
+        pressed.resize(bodies.len(), false);
+        ends.iter().flatten().for_each(|&body| pressed[body] = true);
+        patches
+            .iter()
+            .filter(|patch| patch.presses())
+            .for_each(|patch| patch.bodies.iter().for_each(|&body| pressed[body] = true));
+        let is_finite = problem.velocity.iter().flatten().all(|value| value.is_finite());
+        let mut next = 0;
+        for (number, (body, rate)) in bodies.iter().zip(&mut *rates).enumerate() {
+            let stance = &mut stances[number];
+            if body.is_dynamic() {
+                let before = *rate;
+                if is_finite {
+                    *rate = rate_of(&problem.velocity[next]);
+                }
+                next += 1;
+                body.limit_speed(rate, h);
+                // A free path is a parabola.
+                let mean = if pressed[number] { rate.linear } else { (rate.linear + before.linear) * 0.5 };
+                let turn = body.turn(stance, rate, h);
+                *stance = (stance.0 + mean * h, turn.rotation);
+                rate.angular = turn.angular;
+            } else if body.slot != WORLD_SLOT {
+                *stance = (stance.0 + rate.linear * h, body.turn(stance, rate, h).rotation);
+            }
+        }
+        let displacements = problem.find_displacements();
+        if displacements.iter().flatten().any(|value| !value.is_finite()) || displacements.is_empty() {
+            return;
+        }
+        let mut next = 0;
+        for (body, stance) in bodies.iter().zip(stances) {
+            if body.is_dynamic() {
+                body.displace(stance, &rate_of(&displacements[next]), 1.0);
+                next += 1;
+            }
+        }
+    }
+
+    /// Writes the state of the bodies back.
+    pub(crate) fn store(&self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
+        for ((body, rate), stance) in self.bodies.iter().zip(&self.rates).zip(&self.stances) {
+            if body.is_dynamic() {
+                let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
+                velocity.linear = single::speed(rate.linear);
+                velocity.angular = single::speed(rate.angular);
+                motion.displacement = single::way(stance.0);
+                motion.rotation = single::rotation(stance.1);
+                motion.direct = true;
+            }
+        }
+    }
+
+    /// Worst overlap (m).
+    pub(crate) fn penetration(&self) -> f64 {
+        self.outcome.penetration
+    }
+
+    /// Greatest distance between joint points beyond what their joints allow (m).
+    pub(crate) fn joint_gap(&self, joints: &Pool<Joint, JointId>) -> f64 {
+        self.held.gap(joints, &self.stances)
+    }
+
+    /// What is told of it; `body` is one of its bodies.
+    pub(crate) fn report(&self, body: BodyId, joints: &Pool<Joint, JointId>) -> ArticulationReport {
+        ArticulationReport {
+            body,
+            bodies: self.slots.len() as u32,
+            joints: self.held.entries.len() as u32,
+            swept: false,
+            second_order: 0,
+            first_order: 0,
+            safe: self.outcome.substeps,
+            halvings: 0,
+            gap: self.joint_gap(joints) as f32,
+            angle: 0.0,
+            penetration: self.outcome.penetration as f32,
+            energy_change: self.outcome.gain as f32,
+            factor_size: 36 * (self.problem.structure.block_count() + self.problem.structure.node_count()) as u32,
+        }
+    }
+}
+
+/// Takes locked axes of its body out of a row; the rate that it has by a body which rows do not move is returned.
+fn settle_row(row: &mut [f64; 6], body: &DirectBody, rate: &Rate) -> f64 {
+    if !body.is_dynamic() {
+        return super::factor::dot(row, &vector(rate));
+    }
+    if !body.is_free() {
+        row.iter_mut().zip(body.free_axes()).for_each(|(entry, free)| *entry *= free);
+    }
+    0.0
+}
+
+fn settle_term(term: &mut super::term::Term, ends: [usize; 2], bodies: &[DirectBody], rates: &[Rate]) {
+    for side in 0..2 {
+        for row in 0..term.rows {
+            term.bias[row] += settle_row(&mut term.jacobian[side][row], &bodies[ends[side]], &rates[ends[side]]);
+        }
+    }
+}
+
+/// Mass of a body with its damping; locked axes have one that nothing pushes.
+fn mass_of(body: &DirectBody, stance: &Stance, h: f64) -> Mass {
+    let free = body.free_axes();
+    let inverse = body.inverse_mass.to_array();
+    let linear = std::array::from_fn(|i| if free[i] == 0.0 { 1.0 } else { 1.0 / inverse[i] });
+    let inertia = body.inertia_at(stance) * body.weights(h)[1];
+    let turning = DVec3::new(free[3], free[4], free[5]);
+    if turning == DVec3::ONE {
+        return Mass { linear, angular: inertia.to_cols_array_2d(), ..Mass::default() };
+    }
+    let answer = inertia.inverse();
+    let masked = DMat3::from_cols(
+        answer.x_axis * turning * turning.x,
+        answer.y_axis * turning * turning.y,
+        answer.z_axis * turning * turning.z,
+    );
+    let angular = (masked + DMat3::from_diagonal(DVec3::ONE - turning)).inverse();
+    Mass { linear, angular: angular.to_cols_array_2d(), ..Mass::default() }
+}
+
+fn vector(rate: &Rate) -> [f64; 6] {
+    let (v, w) = (rate.linear, rate.angular);
+    [v.x, v.y, v.z, w.x, w.y, w.z]
+}
+
+fn rate_of(v: &[f64; 6]) -> Rate {
+    Rate { linear: DVec3::new(v[0], v[1], v[2]), angular: DVec3::new(v[3], v[4], v[5]) }
+}

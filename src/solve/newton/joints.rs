@@ -1,0 +1,218 @@
+//! Joints of an island as links and terms: rows that always hold, and rows within bounds, from the one language of rows that all solvers
+//! read ([`rows`](crate::solve::joint::rows)).
+
+use glam::DVec3;
+
+use super::patch::{row, turning_row};
+use super::problem::Link;
+use super::term::{Law, Term};
+use crate::joint::{Joint, JointImpulses};
+use crate::joint_rebounds::Rebounds;
+use crate::solve::joint::driven::{self, Driven};
+use crate::solve::joint::geometry::{JointGeometry, Placement};
+use crate::solve::joint::kinds::{self, RowSink};
+use crate::solve::joint::motor::Answer;
+use crate::solve::joint::rows::{self, Held, MAX_RECOVERY_SPEED, Phase, Rate, RowRates};
+use crate::solve::joint::{JointEntry, Stance, friction};
+
+/// Where the multiplier of a row goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Place {
+    Point,
+    Direction,
+    Scalar(u8),
+}
+
+/// Where a row's multiplier goes, and what it does to B.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Source {
+    pub place: Place,
+    pub linear: DVec3,
+    pub angular: DVec3,
+}
+
+impl Source {
+    pub(super) const NONE: Self = Self { place: Place::Direction, linear: DVec3::ZERO, angular: DVec3::ZERO };
+}
+
+/// A joint in this substep: what its link's rows are, and its terms with what those are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct JointRows {
+    pub sources: [Source; 6],
+    pub terms: (u32, u32),
+    /// Whether it holds its points together in all directions.
+    pub holds_points: bool,
+    pub levers: [DVec3; 2],
+    pub gap: DVec3,
+}
+
+/// Lists in which the rows of joints are put.
+pub(super) struct Sink<'a> {
+    pub links: &'a mut Vec<Link>,
+    pub terms: &'a mut Vec<Term>,
+    /// What each of the first terms is.
+    pub sources: &'a mut Vec<Source>,
+    pub asked: &'a mut Vec<rows::ScalarRow>,
+    pub errors: &'a mut Vec<rows::ScalarRow>,
+}
+
+/// A joint that asks for its rows in a substep.
+#[derive(Clone, Copy)]
+pub(super) struct Asking<'a> {
+    pub joint: &'a Joint,
+    /// Where its bodies are, how fast, and how they answer.
+    pub stances: [Stance; 2],
+    pub rates: [Rate; 2],
+    pub answers: [Answer; 2],
+    /// Numbers by which rows know them.
+    pub moved: [u32; 2],
+    /// Length of the substep, and how far its start and its end are from the end of the step (s).
+    pub h: f64,
+    pub left: [f64; 2],
+}
+
+impl Asking<'_> {
+    fn placement(&self, entry: &JointEntry) -> Placement {
+        let [a, b] = &self.stances;
+        driven::before(entry.placement(*a, *b), self.joint.drive(), [a, b], self.left[0])
+    }
+
+    /// Blocks of the joint's rows in one phase; its scalar rows are put in `scalars`.
+    fn blocks(
+        &self,
+        entry: &mut JointEntry,
+        placement: &Placement,
+        phase: Phase,
+        scalars: &mut Vec<rows::ScalarRow>,
+    ) -> [Option<rows::BlockRow>; 2] {
+        let Self { joint, stances: [a, b], rates, answers, left, .. } = self;
+        let in_place = matches!(phase, Phase::Position { .. });
+        let driven =
+            joint.drive().map(|drive| Driven::new(drive, [a, b], placement, if in_place { [left[0]; 2] } else { *left }));
+        scalars.clear();
+        let mut sink = RowSink {
+            rates: RowRates { bodies: *rates, frames: driven.filter(|_| !in_place).map(|driven| driven.rates) },
+            geometry: JointGeometry::at(placement),
+            def: &joint.def,
+            driven,
+            impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
+            rebounds: Rebounds::NONE,
+            share: 1.0,
+            phase,
+            has_stops: true,
+            point: None,
+            direction: None,
+            scalars,
+            angles: entry.angles,
+            answer: &|side| answers[side],
+            left: left[1],
+            closing_share: 1.0,
+            most_speed: f64::INFINITY,
+            applied: 0.0,
+            is_under_way: false,
+            arrives: 0,
+        };
+        kinds::add_rows(&mut sink);
+        let (point, direction, arrives) = (sink.point, sink.direction, sink.arrives);
+        entry.pressed |= if in_place { 0 } else { arrives };
+        [point, direction]
+    }
+}
+
+impl Sink<'_> {
+    /// Adds the rows of a joint.
+    pub(super) fn add(&mut self, entry: &mut JointEntry, asking: &Asking<'_>) -> JointRows {
+        let placement = asking.placement(entry);
+        let (moved, h) = (asking.moved, asking.h);
+        let first = self.terms.len() as u32;
+        let mut rows = JointRows {
+            sources: [Source::NONE; 6],
+            terms: (first, first),
+            holds_points: false,
+            levers: [placement.a.lever, placement.b.lever],
+            gap: placement.gap,
+        };
+        let [point, direction] = asking.blocks(entry, &placement, Phase::Tangent { h }, self.asked);
+        let position = Phase::Position { most: MAX_RECOVERY_SPEED * h };
+        let [point_error, direction_error] = asking.blocks(entry, &placement, position, self.errors);
+        let mut link = Link::new(moved);
+        if let Some(block) = point {
+            rows.holds_points = matches!(block.held, Held::All);
+            let error = point_error.filter(|block| block.acts).map_or(DVec3::ZERO, |block| block.bias);
+            let (axes, count) = axes_of(block.held);
+            for axis in &axes[..count] {
+                let jacobian = [0, 1].map(|side| row(side, *axis, block.levers[side]));
+                let source = Source { place: Place::Point, linear: *axis, angular: block.levers[1].cross(*axis) };
+                add_row(&mut link, &mut rows, source, jacobian, &block, error.dot(*axis), *axis);
+            }
+        }
+        if let Some(block) = direction {
+            let error = direction_error.filter(|block| block.acts).map_or(DVec3::ZERO, |block| block.bias);
+            let (axes, count) = axes_of(block.held);
+            for axis in &axes[..count] {
+                let jacobian = [0, 1].map(|side| turning_row(side, *axis));
+                let source = Source { place: Place::Direction, linear: DVec3::ZERO, angular: *axis };
+                add_row(&mut link, &mut rows, source, jacobian, &block, error.dot(*axis), *axis);
+            }
+        }
+        for scalar in self.asked.iter().filter(|scalar| scalar.acts) {
+            let found = self.errors.iter().find(|error| error.id == scalar.id && error.acts);
+            let error = found.filter(|_| scalar.gamma == 0.0).map_or(0.0, |error| error.bias);
+            let at = &scalar.jacobian;
+            let jacobian = [[-at.linear, -at.angular_a], [at.linear, at.angular_b]].map(|[v, w]| [v.x, v.y, v.z, w.x, w.y, w.z]);
+            let place = if scalar.id == friction::ABOUT_POINT { Place::Direction } else { Place::Scalar(scalar.id) };
+            let source = Source { place, linear: at.linear, angular: at.angular_b };
+            let always = scalar.min == f64::NEG_INFINITY && scalar.max == f64::INFINITY;
+            if always && link.rows < 6 {
+                rows.sources[link.rows] = source;
+                push_row(&mut link, jacobian, scalar.bias, scalar.gamma, f64::from(scalar.impulse), error);
+                continue;
+            }
+            let mut term = Term::new(moved, 1, Law::Between(scalar.min, scalar.max));
+            term.jacobian = jacobian.map(|row| [row, [0.0; 6]]);
+            term.bias[0] = scalar.bias;
+            term.give = scalar.gamma;
+            term.expected[0] = f64::from(scalar.impulse);
+            term.push = if scalar.min == 0.0 { (-error).max(0.0) } else { 0.0 };
+            self.terms.push(term);
+            self.sources.push(source);
+        }
+        rows.terms.1 = self.terms.len() as u32;
+        self.links.push(link);
+        rows
+    }
+}
+
+fn add_row(
+    link: &mut Link,
+    rows: &mut JointRows,
+    source: Source,
+    jacobian: [[f64; 6]; 2],
+    block: &rows::BlockRow,
+    error: f64,
+    axis: DVec3,
+) {
+    if block.acts && link.rows < 6 {
+        rows.sources[link.rows] = source;
+        push_row(link, jacobian, block.bias.dot(axis), block.gamma, block.impulse.as_dvec3().dot(axis), error);
+    }
+}
+
+fn push_row(link: &mut Link, jacobian: [[f64; 6]; 2], bias: f64, give: f64, impulse: f64, error: f64) {
+    let number = link.rows;
+    (link.jacobian[0][number], link.jacobian[1][number]) = (jacobian[0], jacobian[1]);
+    (link.bias[number], link.give[number]) = (bias, give);
+    (link.impulse[number], link.error[number]) = (impulse, error);
+    link.rows += 1;
+}
+
+/// Unit vectors that span what a block holds, and how many.
+fn axes_of(held: Held) -> ([DVec3; 3], usize) {
+    match held {
+        Held::All => (DVec3::AXES, 3),
+        Held::Across(axis) => {
+            let u = axis.any_orthonormal_vector();
+            ([u, axis.cross(u), DVec3::ZERO], 2)
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! Joints and contacts in one solve: islands in which joints meet contacts, moved through the step by themselves.
+//!
+//! Sweeps solve joints and contacts in turn, and each undoes part of what the other did: where a light body is held between heavy ones by
+//! a joint on one side and a contact on the other, as is every link of a rope on a drum, that takes hundreds of sweeps. Here all of an
+//! island is one problem, solved by Newton's method from where the last substep left it: at rest, and wherever nothing changes, by one
+//! factorisation a substep. The derivation is in *docs/reference/coupled.md*.
+//!
+//! `elimination`, `factor`, `term`, `problem`, `newton` and `admm` are numbers on plain arrays and know nothing of the engine;
+//! `positions` is what they do for errors of positions. `joints` (of `held`) and `patch` make joints and manifolds their rows, `stiffness` says how
+//! forces turn, and `island` takes the step. Which islands are solved here is said by [`plan`](crate::solve::plan).
+
+use glam::DMat3;
+
+use super::StepSettings;
+use super::contact::{ContactImpulses, ContactInput};
+use super::joint::{JointEntry, JointLink};
+use super::plan::{Plan, Planner};
+use super::state::{BodyMotion, BodyVelocity};
+use crate::id::{JointId, Pool};
+use crate::joint::Joint;
+use crate::workers::Workers;
+
+mod admm;
+mod elimination;
+mod factor;
+mod held;
+mod island;
+mod joints;
+mod newton;
+mod patch;
+mod positions;
+mod problem;
+mod stiffness;
+mod term;
+#[cfg(test)]
+mod tests;
+
+use island::Island;
+use patch::Patch;
+
+/// The islands of a batch that are solved here.
+#[derive(Debug, Default)]
+pub(crate) struct Newton {
+    islands: Vec<Island>,
+    count: usize,
+    /// Which of those has each manifold, and its number there; none where it is no one's.
+    held: Vec<Option<(u32, u32)>>,
+    planner: Planner,
+}
+
+/// What the world knows of a batch beyond the batch's own arrays.
+pub(crate) trait IslandRecords {
+    /// A joint as it is solved.
+    fn joint(&self, link: &JointLink) -> JointEntry;
+    /// Whether neither shape of the contact of this number has edges but rims.
+    fn is_smooth(&self, contact: u32) -> bool;
+    /// Both surfaces of the contact of this number, where it is known how both bend.
+    fn surfaces(&self, contact: u32) -> Option<Surfaces>;
+}
+
+/// Shape operators of A's and of B's surface where they touch, in world axes (1/m), and how far both bodies reach from their centres of
+/// mass (m).
+pub(crate) type Surfaces = ([DMat3; 2], [f64; 2]);
+
+/// What a batch has before it is solved.
+pub(crate) struct Contents<'a> {
+    /// First slot of each island, and one past the last slot of them all.
+    pub islands: &'a [u32],
+    pub end: u32,
+    pub velocities: &'a mut [BodyVelocity],
+    pub motions: &'a mut [BodyMotion],
+    pub contacts: &'a [ContactInput],
+}
+
+impl Newton {
+    /// Forgets the islands of the last step but for their memory.
+    pub(crate) fn clear(&mut self) {
+        self.count = 0;
+        self.held.clear();
+    }
+
+    pub(crate) fn islands(&self) -> &[Island] {
+        &self.islands[..self.count]
+    }
+
+    /// Joints solved here, as their batch holds them.
+    pub(crate) fn entries(&self) -> impl Iterator<Item = &JointEntry> {
+        self.islands().iter().flat_map(|island| &island.held.entries)
+    }
+
+    /// Slots of the bodies that it moves.
+    pub(crate) fn moved_slots(&self) -> impl Iterator<Item = u32> {
+        self.islands().iter().flat_map(|island| island.slots.clone())
+    }
+
+    fn patch(&self, number: usize) -> Option<&Patch> {
+        let (island, patch) = (*self.held.get(number)?)?;
+        Some(&self.islands[island as usize].patches[patch as usize])
+    }
+
+    /// Whether the manifold of this number needs no other rows.
+    pub(crate) fn holds(&self, number: usize) -> bool {
+        self.held.get(number).is_some_and(Option::is_some)
+    }
+
+    /// Multipliers of a manifold that it holds.
+    pub(crate) fn impulses_of(&self, number: usize) -> Option<ContactImpulses> {
+        self.patch(number).map(Patch::impulses)
+    }
+
+    /// Impulse along the normal of a manifold that it holds, over the step (N·s).
+    pub(crate) fn blow_of(&self, number: usize) -> Option<f32> {
+        self.patch(number).map(Patch::blow)
+    }
+
+    /// Worst overlap of the contacts that it holds (m).
+    pub(crate) fn penetration(&self) -> f64 {
+        self.islands().iter().map(Island::penetration).fold(0.0, f64::max)
+    }
+
+    /// Greatest distance between joint points beyond what their joints allow (m).
+    pub(crate) fn joint_gap(&self, joints: &Pool<Joint, JointId>) -> f32 {
+        self.islands().iter().map(|island| island.joint_gap(joints)).fold(0.0, f64::max) as f32
+    }
+
+    /// Moves the islands through the step that are to be solved here, and takes their joints from `links`.
+    pub(crate) fn step(
+        &mut self,
+        links: &mut Vec<JointLink>,
+        contents: Contents<'_>,
+        records: &impl IslandRecords,
+        (joints, settings, threads): (&Pool<Joint, JointId>, &StepSettings, &Workers),
+    ) {
+        self.clear();
+        let Contents { islands: firsts, end, velocities, motions, contacts } = contents;
+        if links.is_empty() || contacts.is_empty() {
+            return;
+        }
+        let Self { islands, count, held, planner } = self;
+        let is_smooth = |contact: usize| records.is_smooth(contact as u32);
+        let plans = planner.plan(firsts, end, links, (velocities, motions, contacts), is_smooth, settings);
+        for (number, _) in plans.iter().enumerate().filter(|(_, plan)| **plan == Plan::Coupled) {
+            let last = firsts.get(number + 1).copied().unwrap_or(end);
+            if *count == islands.len() {
+                islands.push(Island::default());
+            }
+            islands[*count].begin(firsts[number]..last, velocities, motions);
+            *count += 1;
+        }
+        if *count == 0 {
+            return;
+        }
+        let taken = &mut islands[..*count];
+        for link in links.iter() {
+            let Some(place) = owner([link.a, link.b], taken) else { continue };
+            let ends = [link.a, link.b].map(|slot| taken[place].local(slot, velocities, motions));
+            taken[place].held.push(records.joint(link), ends);
+        }
+        for (number, contact) in contacts.iter().enumerate() {
+            let Some(place) = owner([contact.a, contact.b], taken) else { continue };
+            let ends = [contact.a, contact.b].map(|slot| taken[place].local(slot, velocities, motions));
+            let mut patch = Patch::new(contact, ends);
+            // What no joint holds has been collided as it will stand when it presses.
+            let is_jointed = [contact.a, contact.b].iter().any(|&slot| motions[slot as usize].jointed);
+            if let Some(surfaces) = records.surfaces(number as u32).filter(|_| is_jointed) {
+                patch.curve(surfaces);
+            }
+            taken[place].patches.push(patch);
+        }
+        let piece = threads.piece(taken.len(), 1);
+        threads.share(taken.chunks_mut(piece), |islands| {
+            islands.iter_mut().for_each(|island| island.step(joints, settings));
+        });
+        *count = keep_accepted(taken);
+        let taken = &mut islands[..*count];
+        links.retain(|link| owner([link.a, link.b], taken).is_none());
+        held.resize(contacts.len(), None);
+        for (held, contact) in held.iter_mut().zip(contacts) {
+            *held = owner([contact.a, contact.b], taken).map(|place| (place as u32, taken[place].next_patch()));
+        }
+        for island in taken {
+            island.store(velocities, motions);
+        }
+    }
+}
+
+/// Which of these islands, in the order of their slots, moves any of the two.
+fn owner(slots: [u32; 2], islands: &[Island]) -> Option<usize> {
+    slots.into_iter().find_map(|slot| {
+        let place = islands.partition_point(|island| island.slots.end <= slot);
+        islands.get(place).filter(|island| island.slots.contains(&slot)).map(|_| place)
+    })
+}
+
+/// Puts those first, in their order, that have taken their step without a gain of energy, and says how many they are.
+fn keep_accepted(islands: &mut [Island]) -> usize {
+    let mut kept = 0;
+    for place in 0..islands.len() {
+        if !islands[place].is_rejected() {
+            islands.swap(kept, place);
+            kept += 1;
+        }
+    }
+    kept
+}

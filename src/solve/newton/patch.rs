@@ -1,0 +1,267 @@
+//! One manifold between two bodies of an island, as terms: a normal for each point, friction at the middle of those that press, one about
+//! the normal, and two rows of rolling friction where the material asks for them.
+
+use glam::DVec3;
+
+use super::Surfaces;
+use super::stiffness::Rolling;
+use super::term::{Law, Term};
+use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
+use crate::solve::direct::curved::{Curved, Spot, change};
+use crate::solve::direct::history::rotation_vector;
+use crate::solve::joint::Stance;
+
+/// Overlap that is left (m): what presses goes on to touch.
+const SLOP: f64 = 1.0e-5;
+
+/// Greatest speed at which an overlap is taken out (m/s).
+const MOST_RECOVERY: f64 = 4.8;
+
+/// A manifold as its island has it. Its normal points from A to B.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Patch {
+    /// Local numbers of A and B.
+    pub bodies: [usize; 2],
+    /// Where its points were at the start of the step, as B sees them.
+    spots: [Spot; POINTS],
+    count: usize,
+    curved: Option<Curved>,
+    /// As B and as A rolls.
+    rolling: [Option<(Rolling, f64)>; 2],
+    friction: f64,
+    twist_arm: f64,
+    rolling_arm: f64,
+    /// Multipliers (N·s), friction and rolling in world axes, on B.
+    normal: [f64; POINTS],
+    tangential: DVec3,
+    twist: f64,
+    rolls: DVec3,
+    /// Sum of the normals' multipliers over the step.
+    blow: f64,
+    /// Arguments of its terms in the last substep, as multipliers are, if there was one in this step.
+    normal_arguments: [f64; POINTS],
+    tangential_argument: DVec3,
+    twist_argument: f64,
+    rolls_argument: DVec3,
+    is_known: bool,
+    /// Its first term in this substep, and directions of its friction.
+    first: u32,
+    across: [DVec3; 2],
+}
+
+impl Patch {
+    pub(crate) fn new(input: &ContactInput, bodies: [usize; 2]) -> Self {
+        let spots: [Spot; POINTS] = std::array::from_fn(|i| Spot {
+            normal: input.normal.as_dvec3(),
+            lever: input.lever_b[i].as_dvec3(),
+            other_lever: input.lever_a[i].as_dvec3(),
+            separation: if i < input.count { f64::from(input.separation[i]) } else { f64::INFINITY },
+        });
+        let share = 1.0 / input.count as f64;
+        let center = spots[..input.count].iter().map(|spot| spot.lever).sum::<DVec3>() * share;
+        let spread = spots[..input.count].iter().map(|spot| (spot.lever - center).length()).sum::<f64>() * share;
+        let material = &input.material;
+        Self {
+            bodies,
+            spots,
+            count: input.count,
+            curved: None,
+            rolling: [None; 2],
+            friction: f64::from(material.friction),
+            twist_arm: f64::from(material.friction) * spread + f64::from(material.spinning),
+            rolling_arm: f64::from(material.rolling),
+            normal: input.impulses.normal.map(f64::from),
+            tangential: input.impulses.friction.as_dvec3(),
+            twist: f64::from(input.impulses.twist),
+            rolls: input.impulses.rolling.as_dvec3(),
+            blow: 0.0,
+            normal_arguments: [0.0; POINTS],
+            tangential_argument: DVec3::ZERO,
+            twist_argument: 0.0,
+            rolls_argument: DVec3::ZERO,
+            is_known: false,
+            first: 0,
+            across: [DVec3::ZERO; 2],
+        }
+    }
+
+    /// Lets it follow surfaces that bend.
+    pub(crate) fn curve(&mut self, ([of_a, of_b], [reach_a, reach_b]): Surfaces) {
+        let normal = self.spots[0].normal;
+        self.curved = Curved::new([of_b, of_a], normal, reach_b.min(reach_a));
+        let as_b = Rolling::new([of_b, of_a], normal, reach_b).map(|rolling| (rolling, reach_b));
+        let as_a = Rolling::new([of_a, of_b], -normal, reach_a).map(|rolling| (rolling, reach_a));
+        self.rolling = [as_b, as_a];
+    }
+
+    /// Its points at these stances; `began` are those at the start of the step.
+    fn spots(&self, stances: &[Stance], began: &[Stance]) -> [Spot; POINTS] {
+        let [other, own] = self.bodies.map(|body| change(&stances[body], &began[body]));
+        let turns = [own.1, other.1].map(rotation_vector);
+        let mut spots = self.spots;
+        for spot in &mut spots[..self.count] {
+            let curved = self.curved.and_then(|curved| curved.follow(spot, &own, &other));
+            *spot = curved.unwrap_or_else(|| {
+                let moved = own.0 + turns[0].cross(spot.lever) - other.0 - turns[1].cross(spot.other_lever);
+                Spot { separation: spot.separation + spot.normal.dot(moved), ..*spot }
+            });
+        }
+        spots
+    }
+
+    /// Greatest overlap at these stances, zero where there is none (m).
+    pub(crate) fn overlap(&self, stances: &[Stance], began: &[Stance]) -> f64 {
+        self.spots(stances, began).iter().fold(0.0, |worst, spot| worst.max(-spot.separation))
+    }
+
+    /// Adds its terms for a substep of length `h` (s), between bodies that rows know by these numbers. Jacobians of terms are [−, +].
+    pub(crate) fn add_terms(&mut self, moved: [u32; 2], stances: &[Stance], began: &[Stance], h: f64, terms: &mut Vec<Term>) {
+        let spots = self.spots(stances, began);
+        let spots = &spots[..self.count];
+        let first = terms.len() as u32;
+        self.first = first;
+        for (number, (spot, &pressed)) in spots.iter().zip(&self.normal).enumerate() {
+            let mut term = Term::new(moved, 1, Law::Between(0.0, f64::INFINITY));
+            (term.is_known, term.argument[0]) = (self.is_known, self.normal_arguments[number]);
+            term.jacobian = [0, 1].map(|side| [row(side, spot.normal, [spot.other_lever, spot.lever][side]), [0.0; 6]]);
+            term.bias[0] = spot.separation.max(0.0) / h;
+            term.expected[0] = pressed;
+            term.push = (-spot.separation - SLOP).clamp(0.0, MOST_RECOVERY * h);
+            terms.push(term);
+        }
+        let count = self.count as u32;
+        let share = 1.0 / self.count as f64;
+        let normal = spots[0].normal;
+        let centers = [
+            spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share,
+            spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share,
+        ];
+        let (t1, t2) = tangents(normal.as_vec3());
+        let across = [t1.as_dvec3(), t2.as_dvec3()];
+        self.across = across;
+        if self.friction > 0.0 {
+            let mut term = Term::new(moved, 2, Law::Leaning { first, count, share: self.friction });
+            term.jacobian = [0, 1].map(|side| across.map(|t| row(side, t, centers[side])));
+            term.expected = across.map(|t| t.dot(self.tangential));
+            (term.is_known, term.argument) = (self.is_known, across.map(|t| t.dot(self.tangential_argument)));
+            terms.push(term);
+        }
+        if self.twist_arm > 0.0 {
+            let mut term = Term::new(moved, 1, Law::Leaning { first, count, share: self.twist_arm });
+            term.jacobian = [0, 1].map(|side| [turning_row(side, normal), [0.0; 6]]);
+            term.expected[0] = self.twist;
+            (term.is_known, term.argument[0]) = (self.is_known, self.twist_argument);
+            terms.push(term);
+        }
+        if self.rolling_arm > 0.0 {
+            let mut term = Term::new(moved, 2, Law::Leaning { first, count, share: self.rolling_arm });
+            term.jacobian = [0, 1].map(|side| across.map(|t| turning_row(side, t)));
+            term.expected = across.map(|t| t.dot(self.rolls));
+            (term.is_known, term.argument) = (self.is_known, across.map(|t| t.dot(self.rolls_argument)));
+            terms.push(term);
+        }
+    }
+
+    /// Its terms in this substep.
+    pub(crate) fn terms<'a>(&self, terms: &'a [Term]) -> &'a [Term] {
+        &terms[self.first as usize..self.first as usize + self.term_count()]
+    }
+
+    /// Terms that it has.
+    pub(crate) fn term_count(&self) -> usize {
+        let asks = |arm: f64| usize::from(arm > 0.0);
+        self.count + asks(self.friction) + asks(self.twist_arm) + asks(self.rolling_arm)
+    }
+
+    /// Rows against rolling at these stances, with the sides' Jacobians, and the stiffness of each times `h` (s).
+    pub(crate) fn rolling(
+        &self,
+        stances: &[Stance],
+        began: &[Stance],
+        h: f64,
+        pressing: impl Fn(u32) -> f64,
+        mut take: impl FnMut([[f64; 6]; 2], f64),
+    ) {
+        if self.rolling.iter().all(Option::is_none) {
+            return;
+        }
+        let spots = self.spots(stances, began);
+        for (number, spot) in spots[..self.count].iter().enumerate() {
+            let impulse = pressing(self.first + number as u32);
+            if impulse <= 0.0 {
+                continue;
+            }
+            for (as_a, rolling) in self.rolling.iter().enumerate() {
+                let Some((rolling, reach)) = rolling else { continue };
+                let (normal, lever) = if as_a == 0 { (spot.normal, spot.lever) } else { (-spot.normal, spot.other_lever) };
+                for ([about, along], stiffness) in rolling.rows(normal, -normal.dot(lever), *reach).into_iter().flatten() {
+                    let (own, other) = ([along, about], [-along, DVec3::ZERO]);
+                    let sides = if as_a == 0 { [other, own] } else { [own, other] };
+                    take(sides.map(|[v, w]| [v.x, v.y, v.z, w.x, w.y, w.z]), h * impulse * stiffness);
+                }
+            }
+        }
+    }
+
+    /// Takes its multipliers, and arguments, from the terms.
+    pub(crate) fn keep_impulses(&mut self, terms: &[Term]) {
+        let mut next = self.first as usize;
+        for number in 0..self.count {
+            let term = &terms[next + number];
+            self.normal[number] = term.impulse[0].max(0.0);
+            self.normal_arguments[number] = term.argument[0];
+            self.blow += self.normal[number];
+        }
+        next += self.count;
+        let [u, v] = self.across;
+        let in_world = |[along, aside]: [f64; 2]| u * along + v * aside;
+        if self.friction > 0.0 {
+            self.tangential = in_world(terms[next].impulse);
+            self.tangential_argument = in_world(terms[next].argument);
+            next += 1;
+        }
+        if self.twist_arm > 0.0 {
+            self.twist = terms[next].impulse[0];
+            self.twist_argument = terms[next].argument[0];
+            next += 1;
+        }
+        if self.rolling_arm > 0.0 {
+            self.rolls = in_world(terms[next].impulse);
+            self.rolls_argument = in_world(terms[next].argument);
+        }
+        self.is_known = true;
+    }
+
+    /// Impulse along the normal over the step (N·s).
+    pub(crate) fn blow(&self) -> f32 {
+        self.blow as f32
+    }
+
+    /// Whether any of its points presses.
+    pub(crate) fn presses(&self) -> bool {
+        self.normal.iter().any(|&lambda| lambda > 0.0)
+    }
+
+    /// Multipliers in the manifold's own terms.
+    pub(crate) fn impulses(&self) -> ContactImpulses {
+        ContactImpulses {
+            normal: self.normal.map(|lambda| lambda as f32),
+            friction: self.tangential.as_vec3(),
+            twist: self.twist as f32,
+            rolling: self.rolls.as_vec3(),
+        }
+    }
+}
+
+/// A row along `axis` at `lever` on one side: A has it with the other sign.
+pub(super) fn row(side: usize, axis: DVec3, lever: DVec3) -> [f64; 6] {
+    let (v, w) = (axis, lever.cross(axis));
+    let sign = if side == 1 { 1.0 } else { -1.0 };
+    [v.x * sign, v.y * sign, v.z * sign, w.x * sign, w.y * sign, w.z * sign]
+}
+
+/// A row about `axis` on one side.
+pub(super) fn turning_row(side: usize, axis: DVec3) -> [f64; 6] {
+    let sign = if side == 1 { 1.0 } else { -1.0 };
+    [0.0, 0.0, 0.0, axis.x * sign, axis.y * sign, axis.z * sign]
+}

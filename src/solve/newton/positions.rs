@@ -1,0 +1,31 @@
+//! Errors out of positions, with the factor at hand: displacements that leave no velocity behind.
+
+use super::factor::Vector;
+use super::problem::{Problem, push_term};
+
+/// Share of its error that a joint gives up in a substep.
+const SHARE: f64 = 0.3;
+
+impl Problem {
+    /// Finds the displacements that take errors of joints and overlaps out of positions; empty where there are none.
+    pub(crate) fn find_displacements(&mut self) -> &[Vector] {
+        let bodies = self.masses.len();
+        let has_errors = self.links.iter().any(|link| link.error != [0.0; 6]) || self.terms.iter().any(|term| term.push > 0.0);
+        if !has_errors {
+            return &[];
+        }
+        if self.is_stale {
+            self.factorize();
+        }
+        let Self { unknowns, links, terms, factor, structure, .. } = self;
+        unknowns.clear();
+        unknowns.resize(bodies, [0.0; 6]);
+        for term in terms.iter().filter(|term| term.push > 0.0) {
+            let push = SHARE * term.push / term.compliance;
+            push_term(term, term.gained([push, 0.0]), unknowns);
+        }
+        unknowns.extend(links.iter().map(|link| link.error.map(|error| -SHARE * error)));
+        factor.solve(structure, unknowns);
+        &unknowns[..bodies]
+    }
+}

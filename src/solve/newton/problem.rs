@@ -1,0 +1,367 @@
+//! The problem of one substep on plain arrays: bodies, joint rows, terms.
+//!
+//! ```text
+//! min_v ½ vᵀ M̂ v − vᵀ(M v* + ½ K v₀) + Σ ψ(J_c v)    subject to    J_j v + ε (λ − λ̄) = −b,      M̂ = M + K
+//! ```
+//!
+//! M is the mass of the bodies with their damping, K the positive part of their geometric stiffness times the square of the substep's
+//! length ([`stiffness`](super::stiffness)), v₀ the velocity that they had, v* the one that forces give them. ε of a rigid row is a
+//! billionth of what answers to it: rows that repeat one another share their load.
+
+use super::elimination::Elimination;
+use super::factor::{Factor, Vector, dot};
+use super::term::{FIXED, Term};
+
+/// ε over J M⁻¹ Jᵀ. From 1e-7 to 1e-9 nothing changes; at 1e-5 a scissor lift sinks by 50 mm, at 1e-11 rows that repeat one another make
+/// noise of metres a second.
+const PROXIMITY: f64 = 1.0e-9;
+
+/// Share of K v₀ on the right: 0 is backward Euler, at 1 next to nothing is lost and what swings fast rings on.
+const RIGHT_SHARE: f64 = 0.5;
+
+/// Mass of one body with its damping, and the stiffness of its rotation.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Mass {
+    pub linear: [f64; 3],
+    /// By columns, symmetric.
+    pub angular: [[f64; 3]; 3],
+    pub stiffness: [[f64; 3]; 3],
+}
+
+/// Rows of one joint that always hold.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Link {
+    pub bodies: [u32; 2],
+    pub rows: usize,
+    /// By side and row.
+    pub jacobian: [[Vector; 6]; 2],
+    pub bias: Vector,
+    /// Compliance of each row, zero where it is rigid.
+    pub give: Vector,
+    pub impulse: Vector,
+    /// Error of each rigid row (m or rad).
+    pub error: Vector,
+    /// ε.
+    pub proximity: Vector,
+}
+
+impl Link {
+    pub(crate) fn new(bodies: [u32; 2]) -> Self {
+        Self {
+            bodies,
+            rows: 0,
+            jacobian: [[[0.0; 6]; 6]; 2],
+            bias: [0.0; 6],
+            give: [0.0; 6],
+            impulse: [0.0; 6],
+            error: [0.0; 6],
+            proximity: [0.0; 6],
+        }
+    }
+}
+
+/// A stiffness between two bodies: gain × (J v)².
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stiff {
+    pub bodies: [u32; 2],
+    pub jacobian: [Vector; 2],
+    pub gain: f64,
+}
+
+/// Room for a solve.
+#[derive(Debug, Default)]
+pub(super) struct Room {
+    pub(super) gradient: Vec<Vector>,
+    pub(super) product: Vec<Vector>,
+    pub(super) step_speeds: Vec<[f64; 2]>,
+    pub(super) saved_velocity: Vec<Vector>,
+    pub(super) saved_terms: Vec<Term>,
+    pub(super) saved_links: Vec<Link>,
+    pub(super) warm_terms: Vec<Term>,
+    pub(super) warm_links: Vec<Link>,
+    pub(super) targets: Vec<[f64; 2]>,
+}
+
+/// One substep's problem, and room to solve it.
+#[derive(Debug, Default)]
+pub(crate) struct Problem {
+    pub masses: Vec<Mass>,
+    /// v₀, v* and the velocity that is looked for.
+    pub before: Vec<Vector>,
+    pub free: Vec<Vector>,
+    pub velocity: Vec<Vector>,
+    pub links: Vec<Link>,
+    pub terms: Vec<Term>,
+    pub stiff: Vec<Stiff>,
+    pub structure: Elimination,
+    pub factor: Factor,
+    /// M v* + ½ K v₀.
+    pub(super) drive: Vec<Vector>,
+    pub(super) unknowns: Vec<Vector>,
+    pub(super) room: Room,
+    /// Whether the factor is that of the terms as they are.
+    pub(super) is_stale: bool,
+    sizes: Vec<u8>,
+    edges: Vec<[u32; 2]>,
+}
+
+impl Problem {
+    /// Begins a substep's problem with so many bodies.
+    pub(crate) fn clear(&mut self) {
+        self.masses.clear();
+        self.before.clear();
+        self.free.clear();
+        self.velocity.clear();
+        self.links.clear();
+        self.terms.clear();
+        self.stiff.clear();
+    }
+
+    /// Finds the structure for the joints' rows as they are, and bodies that `pairs` connect.
+    pub(crate) fn find_structure(&mut self, pairs: &[[u32; 2]]) {
+        let Self { sizes, edges, links, masses, structure, .. } = self;
+        let bodies = masses.len();
+        sizes.clear();
+        sizes.resize(bodies, 6);
+        sizes.extend(links.iter().map(|link| link.rows as u8));
+        edges.clear();
+        for (number, link) in links.iter().enumerate() {
+            let moved = link.bodies.into_iter().filter(|&body| body != FIXED);
+            edges.extend(moved.map(|body| [body, (bodies + number) as u32]));
+            // What bounds a joint acts between its bodies.
+            edges.push(link.bodies);
+        }
+        edges.extend_from_slice(pairs);
+        edges.retain_mut(|edge| {
+            edge.sort_unstable();
+            edge[1] != FIXED && edge[0] != edge[1]
+        });
+        edges.sort_unstable();
+        edges.dedup();
+        structure.prepare(bodies, sizes, edges);
+    }
+
+    /// Prepares the first solve: how readily rows answer, and the right-hand side.
+    pub(crate) fn begin(&mut self) {
+        let Self { links, terms, masses, .. } = self;
+        let inverses = Inverses { masses };
+        for link in links.iter_mut() {
+            for row in 0..link.rows {
+                let ease: f64 = (0..2).map(|side| inverses.ease(link.bodies[side], &link.jacobian[side][row])).sum();
+                link.proximity[row] = PROXIMITY * ease.max(f64::MIN_POSITIVE);
+            }
+        }
+        for term in terms.iter_mut() {
+            let rows = term.rows;
+            let own = |side: usize| (0..rows).map(|row| inverses.ease(term.bodies[side], &term.jacobian[side][row])).sum::<f64>();
+            term.ease = ((own(0) + own(1)) / rows as f64).max(f64::MIN_POSITIVE);
+        }
+        self.find_drive();
+    }
+
+    /// Takes the impulses that have been found as those from which stiffness follows.
+    pub(crate) fn note_impulses(&mut self) {
+        for term in &mut self.terms {
+            term.expected = if term.give > 0.0 { [0.0; 2] } else { term.impulse };
+        }
+    }
+
+    /// Forms M v* + ½ K v₀.
+    pub(crate) fn find_drive(&mut self) {
+        let Self { drive, masses, free, before, stiff, .. } = self;
+        drive.clear();
+        drive.extend(masses.iter().zip(free.iter().zip(before.iter())).map(|(mass, (free, before))| {
+            let (own, kept) = (mass.times(free, 0.0), mass.times(before, 1.0));
+            let plain = mass.times(before, 0.0);
+            std::array::from_fn(|i| own[i] + RIGHT_SHARE * (kept[i] - plain[i]))
+        }));
+        for stiff in stiff.iter() {
+            let push = RIGHT_SHARE * stiff.gain * rate(stiff.bodies, [&stiff.jacobian[0], &stiff.jacobian[1]], before);
+            push_along(stiff.bodies, [&stiff.jacobian[0], &stiff.jacobian[1]], push, drive);
+        }
+    }
+
+    /// M̂ v.
+    pub(super) fn times(&self, v: &[Vector], result: &mut Vec<Vector>) {
+        result.clear();
+        result.extend(self.masses.iter().zip(v).map(|(mass, v)| mass.times(v, 1.0)));
+        for stiff in &self.stiff {
+            let jacobian = [&stiff.jacobian[0], &stiff.jacobian[1]];
+            push_along(stiff.bodies, jacobian, stiff.gain * rate(stiff.bodies, jacobian, v), result);
+        }
+    }
+
+    /// Fills and factorises the matrix, with the terms' G where `with_terms`.
+    pub(super) fn factorize(&mut self) {
+        let Self { masses, links, terms, stiff, structure, factor, .. } = self;
+        factor.start(structure);
+        for (number, mass) in masses.iter().enumerate() {
+            let block = factor.diagonal_mut(number as u32);
+            for i in 0..3 {
+                block[i][i] = mass.linear[i];
+                for j in 0..3 {
+                    block[3 + i][3 + j] = mass.angular[i][j] + mass.stiffness[i][j];
+                }
+            }
+        }
+        for (number, link) in links.iter().enumerate() {
+            let node = (masses.len() + number) as u32;
+            let block = factor.diagonal_mut(node);
+            for row in 0..link.rows {
+                block[row][row] -= link.give[row] + link.proximity[row];
+            }
+            for side in (0..2).filter(|&side| link.bodies[side] != FIXED) {
+                factor.add(structure, node, link.bodies[side], |row, column| link.jacobian[side][row][column]);
+            }
+        }
+        for stiff in stiff.iter() {
+            add_row(factor, structure, stiff.bodies, [&stiff.jacobian[0], &stiff.jacobian[1]], stiff.gain);
+        }
+        for term in terms.iter() {
+            if term.rows == 1 {
+                let gain = term.gain[0] / term.compliance;
+                add_row(factor, structure, term.bodies, [&term.jacobian[0][0], &term.jacobian[1][0]], gain);
+                continue;
+            }
+            let [c, s] = term.slide;
+            for (turned, gain) in [([c, s], term.gain[0]), ([-s, c], term.gain[1])] {
+                let [a, b] = term.jacobian.map(|rows| combined(&rows, turned));
+                add_row(factor, structure, term.bodies, [&a, &b], gain / term.compliance);
+            }
+        }
+        factor.factorize(structure);
+        self.is_stale = false;
+    }
+
+    /// Finds u of each term at a velocity.
+    pub(super) fn find_speeds(&mut self) {
+        let Self { terms, velocity, .. } = self;
+        for term in terms.iter_mut() {
+            let speed = speed(term, velocity);
+            term.speed = [speed[0] + term.bias[0], speed[1] + term.bias[1]];
+        }
+    }
+
+    /// −b − J v + ε λ̄ of each joint, for the steps of the solve, into the unknowns after those of bodies.
+    pub(super) fn ask_links(links: &[Link], velocity: Option<&[Vector]>, unknowns: &mut Vec<Vector>) {
+        unknowns.extend(links.iter().map(|link| {
+            let mut asked = [0.0; 6];
+            for row in 0..link.rows {
+                let rate = velocity.map_or(0.0, |v| rate(link.bodies, [&link.jacobian[0][row], &link.jacobian[1][row]], v));
+                asked[row] = link.proximity[row] * link.impulse[row] - link.bias[row] - rate;
+            }
+            asked
+        }));
+    }
+
+    /// Greatest speed at which rigid rows have been left to part (m/s, rad/s).
+    pub(crate) fn strain(&self) -> f64 {
+        let of_link = |link: &Link| {
+            let rates = (0..link.rows).filter(|&row| link.give[row] == 0.0).map(|row| {
+                let jacobian = [&link.jacobian[0][row], &link.jacobian[1][row]];
+                (rate(link.bodies, jacobian, &self.velocity) + link.bias[row]).abs()
+            });
+            rates.fold(0.0, f64::max)
+        };
+        self.links.iter().map(of_link).fold(0.0, f64::max)
+    }
+
+    /// Takes the joints' multipliers from the solution.
+    pub(super) fn keep_links(&mut self) {
+        let bodies = self.masses.len();
+        for (link, found) in self.links.iter_mut().zip(&self.unknowns[bodies..]) {
+            link.impulse = found.map(|value| -value);
+        }
+    }
+}
+
+impl Mass {
+    /// Trace of the inertia with which the body answers.
+    pub(crate) fn trace(&self) -> f64 {
+        (0..3).map(|i| self.angular[i][i] + self.stiffness[i][i]).sum()
+    }
+
+    /// Product with a velocity, with this share of the stiffness.
+    fn times(&self, v: &Vector, share: f64) -> Vector {
+        let mut result = [0.0; 6];
+        for i in 0..3 {
+            result[i] = self.linear[i] * v[i];
+            result[3 + i] = (0..3).map(|j| (self.angular[i][j] + share * self.stiffness[i][j]) * v[3 + j]).sum();
+        }
+        result
+    }
+}
+
+/// Answers of bodies to pushes.
+struct Inverses<'a> {
+    masses: &'a [Mass],
+}
+
+impl Inverses<'_> {
+    /// J M⁻¹ Jᵀ of one side of a row.
+    fn ease(&self, body: u32, row: &Vector) -> f64 {
+        if body == FIXED {
+            return 0.0;
+        }
+        let mass = &self.masses[body as usize];
+        let along: f64 = (0..3).map(|i| row[i] * row[i] / mass.linear[i]).sum();
+        let [x, y, z] = mass.angular.map(glam::DVec3::from_array);
+        let inverse = glam::DMat3::from_cols(x, y, z).inverse();
+        let lever = glam::DVec3::new(row[3], row[4], row[5]);
+        along + lever.dot(inverse * lever)
+    }
+}
+
+/// J v of one row.
+pub(super) fn rate(bodies: [u32; 2], jacobian: [&Vector; 2], v: &[Vector]) -> f64 {
+    let own = |side: usize| if bodies[side] == FIXED { 0.0 } else { dot(jacobian[side], &v[bodies[side] as usize]) };
+    own(0) + own(1)
+}
+
+/// J v of a term.
+pub(super) fn speed(term: &Term, v: &[Vector]) -> [f64; 2] {
+    let own = |row: usize| rate(term.bodies, [&term.jacobian[0][row], &term.jacobian[1][row]], v);
+    [own(0), if term.rows == 2 { own(1) } else { 0.0 }]
+}
+
+/// Adds Jᵀ × push.
+pub(super) fn push_along(bodies: [u32; 2], jacobian: [&Vector; 2], push: f64, result: &mut [Vector]) {
+    if push == 0.0 {
+        return;
+    }
+    for side in (0..2).filter(|&side| bodies[side] != FIXED) {
+        for (entry, row) in result[bodies[side] as usize].iter_mut().zip(jacobian[side]) {
+            *entry += row * push;
+        }
+    }
+}
+
+/// Adds the push of a term with these impulses.
+pub(super) fn push_term(term: &Term, impulse: [f64; 2], result: &mut [Vector]) {
+    for row in 0..term.rows {
+        push_along(term.bodies, [&term.jacobian[0][row], &term.jacobian[1][row]], impulse[row], result);
+    }
+}
+
+fn combined(rows: &[Vector; 2], [c, s]: [f64; 2]) -> Vector {
+    std::array::from_fn(|i| c * rows[0][i] + s * rows[1][i])
+}
+
+/// Adds gain × Jᵀ J.
+fn add_row(factor: &mut Factor, structure: &Elimination, bodies: [u32; 2], jacobian: [&Vector; 2], gain: f64) {
+    if gain == 0.0 {
+        return;
+    }
+    for side in (0..2).filter(|&side| bodies[side] != FIXED) {
+        let row = jacobian[side];
+        for (line, a) in factor.diagonal_mut(bodies[side]).iter_mut().zip(row) {
+            let scaled = gain * a;
+            for (entry, b) in line.iter_mut().zip(row) {
+                *entry += scaled * b;
+            }
+        }
+    }
+    if bodies[0] != FIXED && bodies[1] != FIXED {
+        factor.add(structure, bodies[0], bodies[1], |i, j| gain * jacobian[0][i] * jacobian[1][j]);
+    }
+}

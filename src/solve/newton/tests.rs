@@ -1,0 +1,195 @@
+//! The solver on plain arrays: what closed forms say of small problems.
+
+use super::factor::Vector;
+use super::problem::{Link, Mass, Problem};
+use super::term::{FIXED, Law, Term};
+
+/// Length of a substep (s), and free fall in it (m/s).
+const H: f64 = 1.0 / 240.0;
+const FALL: f64 = 9.81 * H;
+
+const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// A cube of 0.5 m with this mass and velocity, on which `free` acts.
+fn add_cube(problem: &mut Problem, mass: f64, before: Vector, free: Vector) {
+    let moment = mass / 24.0;
+    let angular = AXES.map(|axis| axis.map(|value| value * moment));
+    problem.masses.push(Mass { linear: [mass; 3], angular, ..Mass::default() });
+    problem.before.push(before);
+    problem.free.push(free);
+}
+
+/// Corners of its lower face, from its centre.
+fn corners() -> [[f64; 3]; 4] {
+    [[0.25, -0.25, 0.25], [0.25, -0.25, -0.25], [-0.25, -0.25, 0.25], [-0.25, -0.25, -0.25]]
+}
+
+fn row(axis: [f64; 3], lever: [f64; 3], sign: f64) -> Vector {
+    let [a, r] = [axis, lever];
+    let turn = [r[1] * a[2] - r[2] * a[1], r[2] * a[0] - r[0] * a[2], r[0] * a[1] - r[1] * a[0]];
+    [a[0], a[1], a[2], turn[0], turn[1], turn[2]].map(|value| sign * value)
+}
+
+/// Puts `above` on `below` with its four lower corners, and friction at their middle.
+fn stand(problem: &mut Problem, below: u32, above: u32, friction: f64, pressed: [f64; 4]) {
+    let first = problem.terms.len() as u32;
+    let other = |lever: [f64; 3]| [lever[0], 0.25, lever[2]];
+    for (corner, pressed) in corners().into_iter().zip(pressed) {
+        let mut term = Term::new([below, above], 1, Law::Between(0.0, f64::INFINITY));
+        term.jacobian[0][0] = row(AXES[1], other(corner), -1.0);
+        term.jacobian[1][0] = row(AXES[1], corner, 1.0);
+        term.expected[0] = pressed;
+        problem.terms.push(term);
+    }
+    let mut term = Term::new([below, above], 2, Law::Leaning { first, count: 4, share: friction });
+    for (number, axis) in [AXES[0], AXES[2]].into_iter().enumerate() {
+        term.jacobian[0][number] = row(axis, [0.0, 0.25, 0.0], -1.0);
+        term.jacobian[1][number] = row(axis, [0.0, -0.25, 0.0], 1.0);
+    }
+    problem.terms.push(term);
+}
+
+fn solve(problem: &mut Problem) -> u32 {
+    let pairs: Vec<_> = problem.terms.iter().map(|term| term.bodies).collect();
+    problem.find_structure(&pairs);
+    problem.begin();
+    let effort = problem.solve(12);
+    assert!(!effort.is_capped, "{effort:?}");
+    effort.factors
+}
+
+fn normals(problem: &Problem, first: usize) -> f64 {
+    problem.terms[first..first + 4].iter().map(|term| term.impulse[0]).sum()
+}
+
+#[test]
+fn ten_tonnes_stand_on_a_kilogram_by_one_factorisation() {
+    let fall = [0.0, -FALL, 0.0, 0.0, 0.0, 0.0];
+    let weights = [1.0, 10_000.0].map(|mass| mass * FALL);
+    let mut problem = Problem::default();
+    for (is_warm, most) in [(false, 6), (true, 1)] {
+        problem.clear();
+        add_cube(&mut problem, 1.0, [0.0; 6], fall);
+        add_cube(&mut problem, 10_000.0, [0.0; 6], fall);
+        let share = if is_warm { 0.25 } else { 0.0 };
+        stand(&mut problem, FIXED, 0, 0.5, [share * (weights[0] + weights[1]); 4]);
+        stand(&mut problem, 0, 1, 0.5, [share * weights[1]; 4]);
+        let factors = solve(&mut problem);
+        assert!(factors <= most, "{factors} factorisations, warm: {is_warm}");
+        let fastest = problem.velocity.iter().flatten().fold(0.0_f64, |most, value| most.max(value.abs()));
+        // A bristle of a thousandth of a metre a second bears the whole load the first time.
+        let slowest = if is_warm { 1.0e-9 } else { 2.0e-3 };
+        assert!(fastest < slowest, "{fastest} m/s, warm: {is_warm}");
+        let found = normals(&problem, 5);
+        assert!((found / weights[1] - 1.0).abs() < 1.0e-3, "{found} N s bear {}", weights[1]);
+    }
+}
+
+#[test]
+fn a_block_slides_down_a_slope_as_coulomb_says_and_stays_on_one_less_steep() {
+    for tangent in [0.3, 0.49, 0.6, 1.0_f64] {
+        let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+        let (down, into) = (FALL * tangent * cosine, FALL * cosine);
+        let (mut speed, mut problem) = (0.0, Problem::default());
+        let (mut pressed, mut rubbed, mut substeps) = ([0.0; 4], [0.0; 2], 0);
+        for _ in 0..240 {
+            problem.clear();
+            add_cube(&mut problem, 10.0, [speed, 0.0, 0.0, 0.0, 0.0, 0.0], [speed + down, -into, 0.0, 0.0, 0.0, 0.0]);
+            stand(&mut problem, FIXED, 0, 0.5, pressed);
+            problem.terms[4].expected = rubbed;
+            solve(&mut problem);
+            pressed = std::array::from_fn(|i| problem.terms[i].impulse[0]);
+            rubbed = problem.terms[4].impulse;
+            speed = problem.velocity[0][0];
+            substeps += 1;
+        }
+        let expected = f64::max(0.0, down - 0.5 * into) * f64::from(substeps);
+        assert!((speed - expected).abs() < 2.0e-3 + 1.0e-3 * expected, "tan {tangent}: {speed} m/s, expected {expected}");
+    }
+}
+
+#[test]
+fn a_motor_pushes_no_harder_than_it_may_and_holds_its_speed_where_it_can() {
+    for (most, expected) in [(0.01, 0.001), (1.0e3, 2.0)] {
+        let mut problem = Problem::default();
+        add_cube(&mut problem, 10.0, [0.0; 6], [0.0; 6]);
+        let mut motor = Term::new([FIXED, 0], 1, Law::Between(-most, most));
+        motor.jacobian[1][0] = row(AXES[0], [0.0; 3], 1.0);
+        motor.bias[0] = -2.0;
+        problem.terms.push(motor);
+        solve(&mut problem);
+        let found = problem.velocity[0][0];
+        assert!((found - expected).abs() < 1.0e-3 * expected, "{found} m/s with {most} N s, expected {expected}");
+    }
+}
+
+/// Links of 1 kg under a tonne, straight down from a fixed point: every joint bears what hangs on it.
+#[test]
+fn joints_bear_what_hangs_on_them() {
+    let mut problem = Problem::default();
+    let masses = [1.0, 1.0, 1.0, 1.0, 1000.0];
+    for (number, mass) in masses.into_iter().enumerate() {
+        add_cube(&mut problem, mass, [0.0; 6], [0.0, -FALL, 0.0, 0.0, 0.0, 0.0]);
+        let above = if number == 0 { FIXED } else { number as u32 - 1 };
+        let mut link = Link::new([above, number as u32]);
+        link.rows = 3;
+        for (axis, unit) in AXES.into_iter().enumerate() {
+            link.jacobian[0][axis] = row(unit, [0.0, -0.25, 0.0], -1.0);
+            link.jacobian[1][axis] = row(unit, [0.0, 0.25, 0.0], 1.0);
+        }
+        problem.links.push(link);
+    }
+    let factors = solve(&mut problem);
+    assert_eq!(factors, 1, "without terms one factorisation is enough");
+    for (number, link) in problem.links.iter().enumerate() {
+        let expected = masses[number..].iter().sum::<f64>() * FALL;
+        let found = link.impulse[1];
+        assert!((found / expected - 1.0).abs() < 1.0e-6, "joint {number} bears {found} N s of {expected}");
+    }
+}
+
+/// A square of four bodies whose joints close a loop, with more rows than they need: the matrix has no inverse but for ε.
+#[test]
+fn rows_that_repeat_one_another_share_their_load() {
+    let mut problem = Problem::default();
+    add_cube(&mut problem, 10.0, [0.0; 6], [0.0, -FALL, 0.0, 0.0, 0.0, 0.0]);
+    for _ in 0..3 {
+        let mut link = Link::new([FIXED, 0]);
+        link.rows = 6;
+        for (axis, unit) in AXES.into_iter().enumerate() {
+            link.jacobian[1][axis] = row(unit, [0.0; 3], 1.0);
+            link.jacobian[1][3 + axis] = [0.0, 0.0, 0.0, unit[0], unit[1], unit[2]];
+        }
+        problem.links.push(link);
+    }
+    solve(&mut problem);
+    let (weight, speed) = (10.0 * FALL, problem.velocity[0][1]);
+    assert!(speed.abs() < 1.0e-8, "it falls at {speed} m/s");
+    for link in &problem.links {
+        assert!((link.impulse[1] / weight - 1.0 / 3.0).abs() < 1.0e-3, "{} N s of {weight}", link.impulse[1]);
+    }
+}
+
+/// Pressed between two walls by more than they can both give way: no solution, and nothing flies off.
+#[test]
+fn out_of_budget_the_state_stays_bounded() {
+    for budget in [1, 2, 3] {
+        let mut problem = Problem::default();
+        let fall = [3.0, -FALL, 0.0, 0.0, 0.0, 0.0];
+        for mass in [1.0, 1000.0, 0.1, 10_000.0] {
+            add_cube(&mut problem, mass, fall, fall);
+        }
+        for (below, above) in [(FIXED, 0), (0, 1), (1, 2), (2, 3)] {
+            stand(&mut problem, below, above, 0.5, [0.0; 4]);
+        }
+        let pairs: Vec<_> = problem.terms.iter().map(|term| term.bodies).collect();
+        problem.find_structure(&pairs);
+        problem.begin();
+        problem.solve(budget);
+        let energy = |v: &[Vector]| -> f64 {
+            v.iter().zip([1.0, 1000.0, 0.1, 10_000.0]).map(|(v, m)| 0.5 * m * (v[0] * v[0] + v[1] * v[1])).sum()
+        };
+        let (before, after) = (energy(&problem.before), energy(&problem.velocity));
+        assert!(after < 1.2 * before, "{after} J of {before} J with {budget} factorisations");
+    }
+}

@@ -1,0 +1,202 @@
+//! Which solver an island has, and why.
+
+use super::StepSettings;
+use super::contact::ContactInput;
+use super::joint::JointLink;
+use super::state::{BodyMotion, BodyVelocity};
+use crate::settings::Solver;
+
+/// What becomes of an island in a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Plan {
+    /// Joints meet contacts: all of it is one problem.
+    Coupled,
+    /// No joint is in it: contacts are swept.
+    #[default]
+    Loose,
+    /// Nothing that joints hold touches anything: articulations take the step by themselves.
+    Apart,
+    /// The host asks for sweeps.
+    Swept,
+    /// Something in it is about to rebound.
+    Rebounds,
+    /// Joints close a loop, through what does not move or without it: an error of one is slack or strain of all, and positions must be
+    /// held to a higher order than the coupled solve does.
+    Looped,
+    /// A joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host.
+    Jointed,
+    /// Something that joints hold touches without friction: normals as old as their manifold let it swing, and the other solvers do well.
+    Slippery,
+    /// Something that joints hold touches, by less than a face, a shape that has edges: at those the normal jumps within a substep.
+    Edged,
+    /// Articulations touch one another: a heap.
+    Heaped,
+    /// It is so large that a factor would cost more than sweeps.
+    Large,
+}
+
+/// Bodies, and manifolds between two that move, of an island up to which it may be one problem.
+const MOST_BODIES: u32 = 200;
+const MOST_MEETINGS: u32 = 400;
+
+/// Points from which on a manifold is between faces.
+const FACE_POINTS: usize = 3;
+
+/// What is known of an island.
+#[derive(Debug, Clone, Copy, Default)]
+struct Look {
+    bodies: u32,
+    joints: u32,
+    /// Groups of two bodies and more that joints connect.
+    articulations: u32,
+    meetings: u32,
+    is_swept: bool,
+    is_looped: bool,
+    is_jointed: bool,
+    touches: bool,
+    is_slippery: bool,
+    is_edged: bool,
+    rebounds: bool,
+}
+
+/// Finds the plan of each island of a batch.
+#[derive(Debug, Default)]
+pub(crate) struct Planner {
+    looks: Vec<Look>,
+    plans: Vec<Plan>,
+    /// Lowest slot that joints connect to each, as a forest: what does not move is slot 0.
+    tied: Vec<u32>,
+    /// The same where joints with what does not move count for nothing, and how many bodies each has.
+    grouped: Vec<u32>,
+    sizes: Vec<u32>,
+}
+
+impl Planner {
+    /// Plans of islands that begin with these slots and end before `end`; `is_smooth` says of a contact by its number whether
+    /// neither shape has edges but rims.
+    pub(crate) fn plan(
+        &mut self,
+        firsts: &[u32],
+        end: u32,
+        links: &[JointLink],
+        (velocities, motions, contacts): (&[BodyVelocity], &[BodyMotion], &[ContactInput]),
+        is_smooth: impl Fn(usize) -> bool,
+        settings: &StepSettings,
+    ) -> &[Plan] {
+        let Self { looks, plans, tied, grouped, sizes } = self;
+        looks.clear();
+        looks.extend(firsts.iter().enumerate().map(|(number, &first)| {
+            let last = firsts.get(number + 1).copied().unwrap_or(end);
+            Look { bodies: last - first, ..Look::default() }
+        }));
+        for forest in [&mut *tied, &mut *grouped] {
+            forest.clear();
+            forest.extend(0..motions.len() as u32);
+        }
+        let island_of = |slots: [u32; 2]| {
+            let slot = slots.into_iter().find(|&slot| motions[slot as usize].is_dynamic())?;
+            firsts.partition_point(|&first| first <= slot).checked_sub(1)
+        };
+        for link in links {
+            let slots = [link.a, link.b];
+            let Some(look) = island_of(slots).map(|number| &mut looks[number]) else { continue };
+            look.joints += 1;
+            look.is_swept |= link.is_withheld || link.traits.solver == Solver::GaussSeidel;
+            look.is_jointed |= !link.traits.is_steady;
+            let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
+            look.is_looped |= !join(tied, ends);
+            if ends[0] != 0 && ends[1] != 0 {
+                join(grouped, ends);
+            }
+        }
+        for number in 0..looks.len() {
+            let first = firsts[number];
+            looks[number].articulations = count_groups(grouped, first..first + looks[number].bodies, sizes);
+        }
+        for (number, contact) in contacts.iter().enumerate() {
+            let Some(look) = island_of([contact.a, contact.b]).map(|number| &mut looks[number]) else { continue };
+            let ends = [contact.a, contact.b].map(|slot| &motions[slot as usize]);
+            look.meetings += u32::from(ends.iter().all(|motion| motion.is_dynamic()));
+            if !contact.presses() && !may_meet(contact, velocities, settings) {
+                continue;
+            }
+            let is_jointed = ends.iter().any(|motion| motion.jointed);
+            look.touches |= is_jointed;
+            look.is_slippery |= is_jointed && contact.material.friction <= 0.0;
+            look.is_edged |= is_jointed && contact.count < FACE_POINTS && !is_smooth(number);
+            look.rebounds |= rebounds(contact, velocities, settings);
+        }
+        plans.clear();
+        plans.extend(looks.iter().map(Look::plan));
+        plans
+    }
+}
+
+impl Look {
+    fn plan(&self) -> Plan {
+        match self {
+            Self { joints: 0, .. } => Plan::Loose,
+            Self { is_swept: true, .. } => Plan::Swept,
+            Self { touches: false, .. } => Plan::Apart,
+            Self { rebounds: true, .. } => Plan::Rebounds,
+            Self { is_looped: true, .. } => Plan::Looped,
+            Self { is_jointed: true, .. } => Plan::Jointed,
+            Self { is_slippery: true, .. } => Plan::Slippery,
+            Self { is_edged: true, .. } => Plan::Edged,
+            Self { articulations: 2.., .. } => Plan::Heaped,
+            Self { bodies, meetings, .. } if *bodies > MOST_BODIES || *meetings > MOST_MEETINGS => Plan::Large,
+            _ => Plan::Coupled,
+        }
+    }
+}
+
+/// Root of a slot's tree; ways there are shortened.
+fn root(forest: &mut [u32], mut slot: u32) -> u32 {
+    while forest[slot as usize] != slot {
+        forest[slot as usize] = forest[forest[slot as usize] as usize];
+        slot = forest[slot as usize];
+    }
+    slot
+}
+
+/// Joins the trees of two slots; whether they were two.
+fn join(forest: &mut [u32], slots: [u32; 2]) -> bool {
+    let [a, b] = slots.map(|slot| root(forest, slot));
+    forest[a.max(b) as usize] = a.min(b);
+    a != b
+}
+
+/// Trees of two slots and more among these.
+fn count_groups(forest: &mut [u32], slots: std::ops::Range<u32>, sizes: &mut Vec<u32>) -> u32 {
+    sizes.clear();
+    sizes.resize(slots.len(), 0);
+    let first = slots.start;
+    let mut groups = 0;
+    for slot in slots {
+        let size = &mut sizes[(root(forest, slot) - first) as usize];
+        *size += 1;
+        groups += u32::from(*size == 2);
+    }
+    groups
+}
+
+/// Speed at which a point of a contact opens (m/s).
+fn opening(contact: &ContactInput, point: usize, velocities: &[BodyVelocity]) -> f32 {
+    let [a, b] = [contact.a, contact.b].map(|slot| &velocities[slot as usize]);
+    let of_a = a.linear + a.angular.cross(contact.lever_a[point]);
+    let of_b = b.linear + b.angular.cross(contact.lever_b[point]);
+    contact.normal.dot(of_b - of_a)
+}
+
+/// Whether a contact may close within the step, at the speeds of now and what gravity adds.
+fn may_meet(contact: &ContactInput, velocities: &[BodyVelocity], settings: &StepSettings) -> bool {
+    let dt = settings.dt;
+    let fall = settings.gravity.length() * dt * dt;
+    (0..contact.count).any(|point| contact.separation[point] <= fall - opening(contact, point, velocities).min(0.0) * dt)
+}
+
+/// Whether a contact is to rebound in the step.
+fn rebounds(contact: &ContactInput, velocities: &[BodyVelocity], settings: &StepSettings) -> bool {
+    contact.material.restitution > 0.0
+        && (0..contact.count).any(|point| -opening(contact, point, velocities) > settings.restitution_threshold)
+}
