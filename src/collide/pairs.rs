@@ -9,7 +9,7 @@ use super::carried::{Carried, CarriedManifold, Manifolds, near, pressed, touchin
 use super::coarse::{CoarsePose, coarse, pose_unit};
 use super::collider::{Collider, relative};
 use super::narrow::{Manifold, Scratch};
-use super::predict::{Approach, Follow, Found, Step};
+use super::predict::{self, Follow, Found, Reach, Step};
 use super::stance::Stance;
 use crate::body::Body;
 use crate::solve::contact::ContactImpulses;
@@ -177,9 +177,9 @@ impl Pair {
                 return self.part();
             }
             let moving = moving();
-            let approach = Approach::new(a, b, &moving, step);
+            let reach = Reach { motion, margin, is_pressed: self.pressed };
             let mut found = Found { scratch: &mut scratch.narrow, manifolds: &mut scratch.manifolds };
-            approach.collide(moving.map(|of| of.shape), relative, margin, self.pressed, &mut found);
+            predict::collide((a, b), &moving, step, relative, reach, &mut found);
             self.take(&scratch.manifolds, &mut scratch.carried);
             (self.pose, self.margin) = (CoarsePose::of(&coarse(&relative, pose_unit(extent))), margin);
         } else {

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! At constant velocity a row then acts only where its features overlap at t. Pairs of flat faces, and of bodies in joints, are taken as they
-//! stand: towers of loose blocks, and blows on swept joints, come out otherwise there, and it is not known which is right.
+//! stand: towers of loose blocks, and blows on swept joints, come out otherwise there, and it is not known which is right. Nor is a pair
+//! followed that the planes found at the start keep apart through the step.
 //!
 //! * A pair that is not pressed is followed until it overlaps, or else to the end of the step.
 //! * A pair that carries load presses all through the step. With n substeps the constraint acts on positions after h, 2h, … nh, in the
@@ -22,7 +23,7 @@ use parry3d::math::Pose3;
 
 use super::narrow::{self, Manifold, Scratch};
 use super::stance::Stance;
-use crate::shape::Shape;
+use crate::shape::{Geometry, Shape};
 use crate::solve::integrate::rotated_far;
 
 /// Way ahead below which the pose at the step's start is as good, over the lesser least extent of the two: less than manifolds are kept for.
@@ -55,14 +56,23 @@ const SAGITTA: f32 = 2.0e-3;
 const MAX_TURN: f32 = 6.0;
 
 /// Two shapes in a step.
-pub(super) struct Approach<'a> {
+struct Approach<'a> {
     a: &'a Stance,
     b: &'a Stance,
     /// Angular velocities of their bodies in the frames of the shapes (rad/s).
     spins: [Vec3; 2],
-    /// Whether joints hold either body: these do not go on as they move, and articulations follow bent surfaces by themselves.
-    is_jointed: bool,
     step: Step,
+}
+
+/// How far apart two shapes are looked at.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    /// How far they can move against each other in the step (m).
+    pub motion: f32,
+    /// Separation up to which points are wanted (m).
+    pub margin: f32,
+    /// Whether the pair carries load.
+    pub is_pressed: bool,
 }
 
 /// What is asked of a shape whose manifolds are made anew.
@@ -71,7 +81,7 @@ pub(crate) struct Follow<'a> {
     pub shape: &'a Shape,
     /// Angular velocity of its body (rad/s).
     pub angular: Vec3,
-    /// Whether joints hold the body.
+    /// Whether joints hold the body: it does not go on as it moves, and articulations follow bent surfaces by themselves.
     pub is_jointed: bool,
 }
 
@@ -80,6 +90,8 @@ pub(crate) struct Follow<'a> {
 pub(crate) struct Step {
     pub dt: f32,
     pub substeps: u32,
+    /// Acceleration of free fall (m/s²).
+    pub gravity: Vec3,
 }
 
 /// Buffers and results of the narrow phase.
@@ -89,6 +101,10 @@ pub(super) struct Found<'a> {
 }
 
 impl Found<'_> {
+    fn collide(&mut self, [shape_a, shape_b]: [&Shape; 2], pose: Pose3, margin: f32) {
+        narrow::collide(shape_a, shape_b, pose, margin, self.scratch, self.manifolds);
+    }
+
     /// Normal of the nearest point, in A's frame.
     fn nearest_normal(&self) -> Option<Vec3> {
         let points = self
@@ -99,58 +115,114 @@ impl Found<'_> {
     }
 
     fn nearest(&self) -> f32 {
-        let points = self.manifolds.iter().flat_map(|manifold| manifold.contacts());
-        points.fold(f32::INFINITY, |least, point| least.min(point.separation))
+        self.manifolds.iter().map(nearest_of).fold(f32::INFINITY, f32::min)
     }
 }
 
-impl<'a> Approach<'a> {
-    pub fn new(a: &'a Stance, b: &'a Stance, [of_a, of_b]: &[Follow; 2], step: Step) -> Self {
-        let spins = [a.rotation.conjugate() * of_a.angular, b.rotation.conjugate() * of_b.angular];
-        Self { a, b, spins, is_jointed: of_a.is_jointed || of_b.is_jointed, step }
-    }
+/// Least separation of a manifold's points (m).
+fn nearest_of(manifold: &Manifold) -> f32 {
+    manifold.contacts().iter().fold(f32::INFINITY, |least, point| least.min(point.separation))
+}
 
-    /// Makes the manifolds of points nearer than `margin`; `start` is the pose of B in A's frame now.
-    pub fn collide(&self, shapes: [&Shape; 2], start: Pose3, margin: f32, is_pressed: bool, found: &mut Found) {
-        let [shape_a, shape_b] = shapes;
+/// Makes the manifolds of two shapes; `start` is the pose of B in A's frame now.
+pub(super) fn collide(
+    (a, b): (&Stance, &Stance),
+    [of_a, of_b]: &[Follow; 2],
+    step: Step,
+    start: Pose3,
+    reach: Reach,
+    found: &mut Found,
+) {
+    let shapes = [of_a.shape, of_b.shape];
+    let is_jointed = of_a.is_jointed || of_b.is_jointed;
+    let is_round = a.is_round || b.is_round;
+    if is_jointed || !is_round || !reach.is_pressed {
+        found.collide(shapes, start, reach.margin);
+        let nearest = found.nearest();
+        // What cannot meet in this step has no row.
+        if is_jointed || !is_round || nearest > reach.motion {
+            return;
+        }
+    }
+    let spin_of = |stance: &Stance, of: &Follow, other: &Shape| match stance.turns_in_itself(of.shape, other) {
+        true => Vec3::ZERO,
+        false => stance.rotation.conjugate() * of.angular,
+    };
+    let approach = Approach { a, b, spins: [spin_of(a, of_a, of_b.shape), spin_of(b, of_b, of_a.shape)], step };
+    if reach.is_pressed || approach.may_meet(found) {
+        approach.collide(shapes, start, reach, found);
+    }
+}
+
+impl Approach<'_> {
+    /// Collides the two as they will stand; of a pair that carries no load, what there is at the start has been found.
+    fn collide(&self, shapes: [&Shape; 2], start: Pose3, reach: Reach, found: &mut Found) {
+        let Reach { margin, is_pressed, .. } = reach;
         // A surface has no thickness that could be passed.
         let thickness =
             |shape: &Shape, stance: &Stance| if shape.geometry().is_solid() { stance.least_extent } else { f32::INFINITY };
-        let extent = thickness(shape_a, self.a).min(thickness(shape_b, self.b));
+        let extent = thickness(shapes[0], self.a).min(thickness(shapes[1], self.b));
         let path = self.path();
         let n = self.step.substeps as f32;
         let ahead = if is_pressed { 0.5 * (n - 1.0) / n } else { 1.0 };
         // Written so that what has no extent or no end is taken as it is.
-        let is_followed = !self.is_jointed && (shape_a.is_round() || shape_b.is_round());
-        let moves = is_followed && ahead * path > NO_MOTION * extent;
+        let moves = ahead * path > NO_MOTION * extent;
         if !moves {
-            return narrow::collide(shape_a, shape_b, start, margin, found.scratch, found.manifolds);
+            if is_pressed {
+                found.collide(shapes, start, margin);
+            }
+            return;
         }
         let (share, turns) = if is_pressed {
-            self.look_ahead(shapes, ahead, extent / path, margin, found)
+            self.look_ahead(shapes, start, (ahead, extent / path), margin, found)
         } else {
             self.follow(shapes, extent, path, margin, found)
         };
         found.manifolds.iter_mut().for_each(|manifold| self.put_back(manifold, share * self.step.dt, turns));
     }
 
+    /// Whether the planes that keep apart what has been found at the start may be passed in the step.
+    fn may_meet(&self, found: &Found) -> bool {
+        let turning = self.turning();
+        let before = self.a.velocity - self.b.velocity;
+        let after = before - self.b.falls_against(self.a, self.step.gravity, self.step.dt);
+        found.manifolds.iter().any(|manifold| {
+            let normal = self.a.rotation * manifold.normal;
+            let speed = normal.dot(before).max(normal.dot(after)) + turning;
+            nearest_of(manifold) < speed * self.step.dt
+        })
+    }
+
     /// How far the two move against each other at most (m), forces of the step left out.
     fn path(&self) -> f32 {
-        let turning = self.a.sweep_speed(self.spins[0]) + self.b.sweep_speed(self.spins[1]);
+        let turning = self.turning();
         ((self.b.velocity - self.a.velocity).length() + turning) * self.step.dt
+    }
+
+    /// Speed at which their surfaces go where they were not, by turning (m/s).
+    fn turning(&self) -> f32 {
+        let speed = |stance: &Stance, spin: Vec3| if spin == Vec3::ZERO { 0.0 } else { stance.sweep_speed(spin) };
+        speed(self.a, self.spins[0]) + speed(self.b, self.spins[1])
     }
 
     /// Looks at a loaded pair so far ahead, or less far if its surfaces bend; `short` is the share of the step in which it moves by the
     /// lesser least extent. Share of the step, and how both are turned then.
-    fn look_ahead(&self, shapes: [&Shape; 2], ahead: f32, short: f32, margin: f32, found: &mut Found) -> (f32, [Quat; 2]) {
+    fn look_ahead(
+        &self,
+        shapes: [&Shape; 2],
+        start: Pose3,
+        (ahead, short): (f32, f32),
+        margin: f32,
+        found: &mut Found,
+    ) -> (f32, [Quat; 2]) {
         let near = ahead.min(PRESSED_STRIDE * short);
         let far = ahead.min(STRIDE * short);
         if far > near {
-            let normals = [0.0, far].map(|share| {
-                let turns = self.look(shapes, share, margin, found);
-                (turns, found.nearest_normal().map(|normal| self.a.rotation * (turns[0] * normal)))
-            });
-            if let [(_, Some(now)), (turns, Some(then))] = normals
+            found.collide(shapes, start, margin);
+            let now = found.nearest_normal().map(|normal| self.a.rotation * normal);
+            let turns = self.look(shapes, far, margin, found);
+            let then = found.nearest_normal().map(|normal| self.a.rotation * applied(turns[0], normal));
+            if let (Some(now), Some(then)) = (now, then)
                 && 0.5 * (then - now).length() * far <= SAGITTA * short
             {
                 return (far, turns);
@@ -160,14 +232,14 @@ impl<'a> Approach<'a> {
     }
 
     /// Collides the two after a share of the step; how both are turned then, in their own frames.
-    fn look(&self, [shape_a, shape_b]: [&Shape; 2], share: f32, margin: f32, found: &mut Found) -> [Quat; 2] {
+    fn look(&self, shapes: [&Shape; 2], share: f32, margin: f32, found: &mut Found) -> [Quat; 2] {
         let t = share * self.step.dt;
         let turns = self.spins.map(|spin| turned(spin, t));
         let ((shift_a, turn_a), (shift_b, turn_b)) = (self.a.after(turns[0], t), self.b.after(turns[1], t));
         let inverse = turn_a.conjugate();
         let between = (self.b.position - self.a.position).as_vec3() + (shift_b - shift_a);
         let pose = Pose3::from_parts(inverse * between, inverse * turn_b);
-        narrow::collide(shape_a, shape_b, pose, margin, found.scratch, found.manifolds);
+        found.collide(shapes, pose, margin);
         turns
     }
 
@@ -203,31 +275,39 @@ impl<'a> Approach<'a> {
 
     /// Share of the step for which points of a manifold found after a share of it stay apart.
     fn clear_for(&self, manifold: &Manifold, gone: f32) -> f32 {
-        let normal = self.a.rotation * (turned(self.spins[0], gone * self.step.dt) * manifold.normal);
-        let turning = self.a.sweep_speed(self.spins[0]) + self.b.sweep_speed(self.spins[1]);
+        let normal = self.a.rotation * applied(turned(self.spins[0], gone * self.step.dt), manifold.normal);
+        let turning = self.turning();
         let speed = normal.dot(self.a.velocity - self.b.velocity) + turning;
-        let nearest = manifold.contacts().iter().fold(f32::INFINITY, |least, point| least.min(point.separation));
+        let nearest = nearest_of(manifold);
         if speed > 0.0 { nearest / (speed * self.step.dt) } else { f32::INFINITY }
     }
 
     /// Puts a manifold of the pose after `t` (s), in which both are turned like this in their own frames, back to the start.
     fn put_back(&self, manifold: &mut Manifold, t: f32, turns: [Quat; 2]) {
         let [inverse_a, inverse_b] = [self.a, self.b].map(|stance| stance.rotation.conjugate());
-        let normal_a = turns[0] * manifold.normal;
+        let normal_a = applied(turns[0], manifold.normal);
         let normal = self.a.rotation * normal_a;
-        let normal_b = inverse_b * normal;
         let closing = normal.dot(self.b.velocity - self.a.velocity);
-        let offsets = [inverse_a * self.a.offset, inverse_b * self.b.offset];
+        // Of the axis that a shape turns about, at which turning moves its surface along the normal.
+        let swing = [normal_a.cross(self.spins[0]), (inverse_b * normal).cross(self.spins[1])];
+        let offsets = [
+            if self.a.offset == Vec3::ZERO { Vec3::ZERO } else { inverse_a * self.a.offset },
+            if self.b.offset == Vec3::ZERO { Vec3::ZERO } else { inverse_b * self.b.offset },
+        ];
         manifold.normal = normal_a;
         let count = usize::from(manifold.count);
         for point in &mut manifold.points[..count] {
-            let lever_a = turns[0] * (offsets[0] + point.on_a);
-            let lever_b = turns[1] * (offsets[1] + point.on_b);
-            let turning = normal_b.dot(self.spins[1].cross(lever_b)) - normal_a.dot(self.spins[0].cross(lever_a));
+            let lever_a = applied(turns[0], offsets[0] + point.on_a);
+            let lever_b = applied(turns[1], offsets[1] + point.on_b);
             (point.on_a, point.on_b) = (lever_a - offsets[0], lever_b - offsets[1]);
-            point.separation -= t * (closing + turning);
+            point.separation -= t * (closing + swing[1].dot(lever_b) - swing[0].dot(lever_a));
         }
     }
+}
+
+/// A vector turned by a rotation, which often is none.
+fn applied(turn: Quat, vector: Vec3) -> Vec3 {
+    if turn == Quat::IDENTITY { vector } else { turn * vector }
 }
 
 /// How a body is turned after `t` (s).
@@ -245,6 +325,12 @@ fn turned(angular: Vec3, t: f32) -> Quat {
 }
 
 impl Stance {
+    /// Whether turning changes nothing of what the shape does to another: that of a ball about its centre of mass, where normals go through
+    /// the centre. Those of the triangles of a surface may not.
+    fn turns_in_itself(&self, shape: &Shape, other: &Shape) -> bool {
+        self.offset == Vec3::ZERO && matches!(shape.geometry(), Geometry::Ball { .. }) && other.geometry().is_solid()
+    }
+
     /// Speed at which the surface goes where the shape was not, by turning (m/s). A shape that holds a ball of radius ρ about the centre and
     /// reaches as far as R has a support function whose slope is at most √(R² − ρ²): nothing of a ball.
     fn sweep_speed(&self, angular: Vec3) -> f32 {
@@ -254,7 +340,7 @@ impl Stance {
 
     /// How far the shape's origin has moved after `t` (s, m), and how the shape is turned then, if it is turned by `turn` in its own frame.
     fn after(&self, turn: Quat, t: f32) -> (Vec3, Quat) {
-        let rotation = self.rotation * turn;
+        let rotation = if turn == Quat::IDENTITY { self.rotation } else { self.rotation * turn };
         if self.offset == Vec3::ZERO {
             return (self.velocity * t, rotation);
         }

@@ -30,6 +30,8 @@ pub(crate) struct Stance {
     pub material: Material,
     /// Whether nothing has moved the body since its contacts were made, or can.
     pub still: bool,
+    /// Whether it is a ball or a shape of circles.
+    pub is_round: bool,
 }
 
 /// Way in a step from which on a body glides, over the lesser least extent: what goes less far loses nothing to speak of at a seam.
@@ -54,6 +56,7 @@ impl Stance {
         offset: Vec3::ZERO,
         material: Material::PLAIN,
         still: true,
+        is_round: false,
     };
 
     pub(crate) fn of(shape: &Collider, body: &Body) -> Self {
@@ -70,13 +73,19 @@ impl Stance {
             offset: shape.offset_on(body),
             material: shape.material,
             still: body.held || !is_mover,
+            is_round: shape.shape.is_round(),
         }
     }
 
     /// How far two shapes can move against each other in a step (m).
     pub(crate) fn motion_against(&self, other: &Self, gravity: Vec3, dt: f32) -> f32 {
-        let closing = other.velocity - self.velocity + gravity * ((other.fall - self.fall) * dt);
+        let closing = other.velocity - self.velocity + other.falls_against(self, gravity, dt);
         (closing.length() + self.turning + other.turning) * dt
+    }
+
+    /// What gravity changes of the velocity against another in a step (m/s).
+    pub(crate) fn falls_against(&self, other: &Self, gravity: Vec3, dt: f32) -> Vec3 {
+        gravity * ((self.fall - other.fall) * dt)
     }
 
     /// Speed of its farthest point at most (m/s).

@@ -176,7 +176,7 @@ impl World {
             let body = &bodies[collider.body];
             Follow { shape: &collider.shape, angular: body.angular_velocity, is_jointed: !body.joints.is_empty() }
         };
-        let step = Step { dt, substeps: def.substeps };
+        let step = Step { dt, substeps: def.substeps, gravity: def.gravity };
         let update = |pair: &mut Pair, scratch: &mut PairScratch| {
             let (a, b) = pair.key.shapes();
             let stances = (index.stance(a), index.stance(b));

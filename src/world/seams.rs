@@ -44,20 +44,17 @@ pub(super) struct Glide {
 }
 
 impl Glide {
-    /// What there is to note of a pair that has been brought up to date.
+    /// What there is to note of a pair that has been brought up to date: whether a round shape of it moves over the other.
     pub(super) fn of(key: PairKey, slot: u32, pair: &Pair, (a, b): (&Stance, &Stance), dt: f32) -> Option<Self> {
-        if !pair.may_touch || a.body == b.body {
+        if !pair.may_touch || !(a.is_round || b.is_round) || a.body == b.body {
             return None;
         }
         let is_second = a.is_slower_than(b);
         let (still, mover) = if is_second { (a, b) } else { (b, a) };
+        if !mover.is_round {
+            return None;
+        }
         mover.glides_over(still, dt).then_some(Self { body: mover.body, key, slot, is_second })
-    }
-
-    /// Shape that moves.
-    fn mover(&self) -> u32 {
-        let (a, b) = self.key.shapes();
-        if self.is_second { b } else { a }
     }
 
     /// Shape that does not move.
@@ -99,7 +96,6 @@ impl World {
         let Seams { glides, points } = &mut scratch.seams;
         glides.clear();
         scratch.glides.iter_mut().for_each(|found| glides.append(found));
-        glides.retain(|glide| colliders[glide.mover()].shape.is_round());
         glides.sort_unstable();
         for glides in glides.chunk_by(|a, b| a.body == b.body) {
             let is_at_seam = glides.len() > 1 || colliders[glides[0].still()].shape.is_compound();
