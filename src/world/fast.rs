@@ -88,6 +88,8 @@ pub(super) struct Sweeps {
     /// Swept shapes that have left the box in which others look for them, with the box of their way.
     strays: Vec<(u32, Aabb)>,
     around: Vec<u32>,
+    /// Swept shapes of a group, with the boxes of their ways.
+    boxes: Vec<(u32, Aabb)>,
     touches: BinaryHeap<Reverse<Touch>>,
     parts: Buffer,
 }
@@ -183,7 +185,7 @@ impl World {
     fn find_near_paths(&self, sweeps: &mut Sweeps) {
         let mut near = std::mem::take(&mut sweeps.near);
         let mut strays = std::mem::take(&mut sweeps.strays);
-        let mut around = std::mem::take(&mut sweeps.around);
+        let (mut around, mut boxes) = (std::mem::take(&mut sweeps.around), std::mem::take(&mut sweeps.boxes));
         near.clear();
         strays.clear();
         let is_swept = |body: u32| sweeps.group_of(body) != NO_GROUP && self.bodies[body].fast;
@@ -194,8 +196,10 @@ impl World {
         };
         for group in &sweeps.groups {
             let members = &sweeps.paths[group.first..group.end];
-            let few = self.find_around(sweeps, members, &mut around).then_some(&around[..]);
-            for (shape, bounds) in self.swept_shapes(sweeps, members) {
+            boxes.clear();
+            self.list_swept_shapes(sweeps, members, &mut boxes);
+            let few = self.find_around(sweeps, members, &boxes, &mut around).then_some(&around[..]);
+            for &(shape, bounds) in &boxes {
                 match few {
                     Some(few) => {
                         let meets = |other: u32| self.colliders[other].fat_box.is_some_and(|kept| kept.intersects(&bounds));
@@ -222,29 +226,28 @@ impl World {
             sweeps.near_group.extend(swept_groups.map(|group| (group, place as u32)));
         }
         sweeps.near_group.sort_unstable();
-        (sweeps.near, sweeps.strays, sweeps.around) = (near, strays, around);
+        (sweeps.near, sweeps.strays, sweeps.around, sweeps.boxes) = (near, strays, around, boxes);
     }
 
-    /// Shapes of a group that are swept, with the boxes of their ways.
-    fn swept_shapes<'a>(&'a self, sweeps: &'a Sweeps, members: &'a [Path]) -> impl Iterator<Item = (u32, Aabb)> + 'a {
-        let fast = members.iter().map(|path| path.body).filter(|&body| self.bodies[body].fast);
-        fast.flat_map(move |index| {
+    /// Lists the shapes of a group that are swept, with the boxes of their ways.
+    fn list_swept_shapes(&self, sweeps: &Sweeps, members: &[Path], boxes: &mut Vec<(u32, Aabb)>) {
+        for index in members.iter().map(|path| path.body) {
             let (body, start) = (&self.bodies[index], &sweeps.movers[index as usize].start);
-            let shapes = body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok());
-            shapes.map(move |shape| (shape, sweep::path_box(&self.colliders[shape], body, start)))
-        })
+            if body.fast {
+                let shapes = body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok());
+                boxes.extend(shapes.map(|shape| (shape, sweep::path_box(&self.colliders[shape], body, start))));
+            }
+        }
     }
 
     /// Finds the shapes that may be in the way of a large group; false if it is small, or there are many.
-    fn find_around(&self, sweeps: &Sweeps, members: &[Path], around: &mut Vec<u32>) -> bool {
+    fn find_around(&self, sweeps: &Sweeps, members: &[Path], boxes: &[(u32, Aabb)], around: &mut Vec<u32>) -> bool {
         around.clear();
         if members.len() < LARGE_GROUP {
             return false;
         }
         let own = sweeps.group_of(members[0].body);
-        if let Some(whole) =
-            self.swept_shapes(sweeps, members).map(|(_, bounds)| bounds).reduce(|whole, more| whole.merged(&more))
-        {
+        if let Some(whole) = boxes.iter().map(|&(_, bounds)| bounds).reduce(|whole, more| whole.merged(&more)) {
             let is_other = |&shape: &u32| sweeps.group_of(self.colliders[shape].body) != own;
             around.extend(self.broad.overlapping(&whole).filter(is_other).take(FEW_SHAPES + 1));
         }
