@@ -90,6 +90,11 @@ impl PairMaterial {
         self.restitution == 0.0 && self.rolling == 0.0 && self.spinning == 0.0
     }
 
+    /// Whether contacts of it may turn a ball.
+    pub(crate) fn may_turn(&self) -> bool {
+        self.friction > 0.0 || self.rolling > 0.0 || self.spinning > 0.0
+    }
+
     pub(crate) fn combine(a: &Material, b: &Material) -> Self {
         let friction = |x, y| CombineRule::combine(a.friction_rule, b.friction_rule, x, y);
         Self {

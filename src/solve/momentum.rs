@@ -10,6 +10,10 @@
 //! ```
 //!
 //! No joint and no contact inside feels it: J v = 0 for every rigid motion.
+//!
+//! Bodies that neither a joint nor friction connects are no such whole. What they do to each other goes along normals, and never turns a
+//! ball. A blow of them is right where they are when they touch, and L is amiss only as poses of the substep are of another moment; a
+//! rotation of all would give them spin that nothing could.
 
 use glam::{DMat3, DVec3};
 
@@ -127,6 +131,8 @@ pub(crate) struct FreeIslands {
     /// Number of the island of each slot, and whether each island is held.
     owner: Vec<u32>,
     held: Vec<bool>,
+    /// Whether a joint or friction acts in each.
+    turns: Vec<bool>,
 }
 
 /// What is in no island: the world, and bodies that move by themselves.
@@ -137,14 +143,15 @@ impl FreeIslands {
         self.islands.clear();
     }
 
-    /// Finds what is free: `firsts` are the first slots of the islands, `links` the ends of joints and contacts; `origin` is where
-    /// the displacement of a slot counts from.
+    /// Finds what is free: `firsts` are the first slots of the islands, `links` the ends of joints and contacts, of these with their number;
+    /// `rubs` says whether friction may turn what a contact acts on, and `origin` where the displacement of a slot counts from.
     pub(crate) fn find(
         &mut self,
         firsts: &[u32],
         roles: &[Role],
         motions: &[BodyMotion],
-        links: impl Iterator<Item = (u32, u32)>,
+        links: impl Iterator<Item = ([u32; 2], Option<usize>)> + Clone,
+        rubs: impl Fn(usize) -> bool,
         origin: impl Fn(u32) -> DVec3,
     ) {
         self.islands.clear();
@@ -166,12 +173,13 @@ impl FreeIslands {
         if self.held.iter().all(|&held| held) {
             return;
         }
-        for (a, b) in links {
-            let owners = [a, b].map(|slot| self.owner[slot as usize]);
+        for (ends, _) in links.clone() {
+            let owners = ends.map(|slot| self.owner[slot as usize]);
             for owner in owners.into_iter().filter(|&owner| owner != NOBODY && owners.contains(&NOBODY)) {
                 self.held[owner as usize] = true;
             }
         }
+        self.leave_out_what_only_presses(links, rubs);
         for (number, &first) in firsts.iter().enumerate().filter(|&(number, _)| !self.held[number]) {
             let next = firsts.get(number + 1).map_or(motions.len(), |&next| next as usize);
             let start = self.members.len();
@@ -183,6 +191,24 @@ impl FreeIslands {
                 self.islands.push((start, self.members.len(), DVec3::ZERO));
             }
         }
+    }
+
+    /// Leaves out islands in which nothing can turn what it acts on: no joint, and no contact with friction.
+    fn leave_out_what_only_presses(
+        &mut self,
+        links: impl Iterator<Item = ([u32; 2], Option<usize>)>,
+        rubs: impl Fn(usize) -> bool,
+    ) {
+        let Self { owner, held, turns, .. } = self;
+        turns.clear();
+        turns.resize(held.len(), false);
+        for ([slot, _], contact) in links {
+            let number = owner[slot as usize];
+            if number != NOBODY && !held[number as usize] && !turns[number as usize] {
+                turns[number as usize] = contact.is_none_or(&rubs);
+            }
+        }
+        held.iter_mut().zip(turns).for_each(|(held, turns)| *held |= !*turns);
     }
 
     /// Whether there are none.

@@ -455,10 +455,14 @@ impl Records<'_> {
     }
 
     fn find_free_islands(&self, batch: &mut Batch) {
-        let Batch { islands, roles, motions, ends, joints, free, bodies, .. } = batch;
-        let contacts = ends.iter().map(|ends| (ends.a, ends.b));
-        let joined = joints.links.iter().map(|link| (link.a, link.b));
-        free.find(islands, roles, motions, contacts.chain(joined), |slot| self.center(bodies[slot as usize]));
+        let Batch { islands, roles, motions, ends, manifolds, joints, free, bodies, .. } = batch;
+        let contacts = ends.iter().enumerate().map(|(number, ends)| ([ends.a, ends.b], Some(number)));
+        let links = contacts.chain(joints.links.iter().map(|link| ([link.a, link.b], None)));
+        let rubs = |number: usize| {
+            let (a, b) = self.pairs.get(manifolds[number].0).key.shapes();
+            PairMaterial::combine(&self.index.stance(a).material, &self.index.stance(b).material).may_turn()
+        };
+        free.find(islands, roles, motions, links, rubs, |slot| self.center(bodies[slot as usize]));
     }
 
     /// Centre of mass of what is moved as one with this body (m).
