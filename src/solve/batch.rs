@@ -6,6 +6,7 @@ use super::birth::Birth;
 use super::bound::BatchBounds;
 use super::buckets::Buckets;
 use super::carry::Carry;
+use super::closing::Closing;
 use super::color::Coloring;
 use super::contact::{ContactImpulses, ContactInput, LANES};
 use super::contact_block::ContactBlocks;
@@ -129,6 +130,7 @@ pub(crate) struct Batch {
     pub load_pass: LoadPass,
     pub exact: ExactIslands,
     pub impacts: Impacts,
+    pub closing: Closing,
     pub carry: Carry,
     pub coloring: Coloring,
     /// Colour of each manifold, twice, plus one if it has a single point; and [`lanes::GROUPS`] more for each round before its own.

@@ -11,6 +11,7 @@ mod birth;
 pub(crate) mod bound;
 mod buckets;
 mod carry;
+mod closing;
 mod color;
 pub(crate) mod contact;
 mod contact_block;
@@ -48,17 +49,13 @@ pub(crate) mod wrap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use batch::Batch;
+use closing::Ajar;
 use direct::{Direct, Floor};
 use joint::Moving;
 
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::workers::Workers;
-
-/// Gaps of joints, as shares of their levers, for which position rows are swept on at the end of a step, and how often at most.
-/// Chains keep their length to the lesser share; where joints are torn open further than the greater, a few sweeps close nothing.
-const AJAR: std::ops::Range<f64> = 1.0e-4..1.0e-2;
-const CLOSING_SWEEPS: u32 = 3;
 
 /// Sweeps in a substep from which rows of bounds are built anew before the last one, as rows of joints always are. A substep of few
 /// sweeps is short: a bound changes little in it, and building its row costs as much as sweeping it twice.
@@ -304,6 +301,17 @@ impl Batch {
         }
     }
 
+    /// Sweeps position rows on where joints are left ajar.
+    fn close_joints(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32) {
+        let end = self.moving() + 1;
+        let Self { joints: own, planes, poses, velocities, motions, roles, islands, closing, .. } = self;
+        closing.close(
+            &mut Ajar { joints: own, all: joints, planes, poses, velocities, motions, roles, islands, end },
+            threads,
+            h,
+        );
+    }
+
     /// Puts hinge chains back into their planes.
     fn flatten(&mut self) {
         if !self.planes.entries.is_empty() {
@@ -398,22 +406,5 @@ impl Batch {
         self.each_alone(threads, |velocity, motion| integrate::advance(velocity, motion, h));
         let moving = self.moving();
         self.poses.advance(threads, (&mut self.velocities, &mut self.motions, moving), h);
-    }
-
-    /// Sweeps position rows on where joints are left ajar and a sweep at least halves that: what bends has no taut bound, and one
-    /// sweep a substep leaves it gaps.
-    fn close_joints(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32) {
-        let mut opening = self.joints.opening(joints, &self.motions);
-        for _ in 0..CLOSING_SWEEPS {
-            if !AJAR.contains(&opening) {
-                break;
-            }
-            self.joints.project(joints, threads, &mut self.velocities, &mut self.motions, h);
-            self.flatten();
-            let before = std::mem::replace(&mut opening, self.joints.opening(joints, &self.motions));
-            if opening > 0.5 * before {
-                break;
-            }
-        }
     }
 }

@@ -376,19 +376,28 @@ impl BatchJoints {
 
     /// Greatest distance of points that a joint holds together without give, as a share of its levers.
     pub(crate) fn opening(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion]) -> f64 {
-        let opening = |entry: &JointEntry| {
-            let def = &joints[entry.joint].def;
-            let holds_points = matches!(def.kind, JointKind::Fixed | JointKind::Hinge { .. } | JointKind::Spherical { .. });
-            if !holds_points || def.linear.compliance > 0.0 {
-                return 0.0;
-            }
-            let levers = entry.local_lever[0].length() + entry.local_lever[1].length();
-            let points = entry.points(&motions[entry.a as usize].stance(), &motions[entry.b as usize].stance());
-            points.gap.length() / levers.max(f64::MIN_POSITIVE)
-        };
-        let singles = self.singles.entries().map(|number| opening(&self.entries[number])).fold(0.0, f64::max);
+        let singles = self.singles.entries().map(|number| self.entries[number].opening(joints, motions)).fold(0.0, f64::max);
         let of_strips = self.strips.all().iter().map(|strip| strip.lanes.opening(&motions[strip.slots.clone()]));
         singles.max(f64::from(of_strips.fold(self.lanes.opening(motions), f32::max)))
+    }
+
+    /// Tells the same of each joint, with the slots of its bodies.
+    pub(crate) fn each_opening(
+        &self,
+        joints: &Pool<Joint, JointId>,
+        motions: &[BodyMotion],
+        mut tell: impl FnMut([u32; 2], f64),
+    ) {
+        for entry in self.singles.entries().map(|number| &self.entries[number]) {
+            tell([entry.a, entry.b], entry.opening(joints, motions));
+        }
+        for strip in self.strips.all() {
+            let first = strip.slots.start as u32;
+            strip.lanes.each_opening(&motions[strip.slots.clone()], &mut |slots, share| {
+                tell(slots.map(|slot| first + slot), f64::from(share))
+            });
+        }
+        self.lanes.each_opening(motions, &mut |slots, share| tell(slots, f64::from(share)));
     }
 
     /// Worst distance between joint points beyond what the joints allow (m).
@@ -422,6 +431,18 @@ impl BodyMotion {
 }
 
 impl JointEntry {
+    /// Distance of its points, as a share of its levers, if it holds them together without give; else zero.
+    fn opening(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion]) -> f64 {
+        let def = &joints[self.joint].def;
+        let holds_points = matches!(def.kind, JointKind::Fixed | JointKind::Hinge { .. } | JointKind::Spherical { .. });
+        if !holds_points || def.linear.compliance > 0.0 {
+            return 0.0;
+        }
+        let levers = self.local_lever[0].length() + self.local_lever[1].length();
+        let points = self.points(&motions[self.a as usize].stance(), &motions[self.b as usize].stance());
+        points.gap.length() / levers.max(f64::MIN_POSITIVE)
+    }
+
     pub(crate) fn placement(&self, a: Stance, b: Stance) -> Placement {
         let side =
             |rotation: DQuat, i: usize| Side { lever: rotation * self.local_lever[i], frame: rotation * self.local_frame[i] };

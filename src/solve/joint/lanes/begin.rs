@@ -4,7 +4,7 @@ use super::{DirectionBlock, Holds, JointLanes, PointBlock};
 use crate::solve::contact::{LANES, Lane};
 use crate::solve::side::Stand;
 use crate::solve::state::BodyMotion;
-use crate::solve::wide::{Wide, Wide3};
+use crate::solve::wide::{Plain, Wide, Wide3};
 use crate::solve::wide_matrix::{WideQuat, arc_over_sine};
 
 /// Sine below which two opposite axes have no common normal.
@@ -55,6 +55,18 @@ pub(super) fn opening<W: Wide>(lanes: &JointLanes, motions: &[BodyMotion], wides
     let mut lanes = [0.0; LANES];
     shares.sqrt().store(&mut lanes);
     *widest = lanes.iter().fold(*widest, |widest, &share| widest.max(share));
+}
+
+pub(super) fn each_opening(lanes: &JointLanes, motions: &[BodyMotion], tell: &mut impl FnMut([u32; 2], f32)) {
+    for block in &lanes.points {
+        let (a, b) = (Stand::<Plain>::gather(&block.a, motions), Stand::<Plain>::gather(&block.b, motions));
+        let gap = Points::of(block, &a, &b).gap * Plain::load(&block.shortness);
+        let mut shares = [0.0; LANES];
+        gap.dot(gap).sqrt().store(&mut shares);
+        for l in 0..block.count as usize {
+            tell([block.a[l], block.b[l]], shares[l]);
+        }
+    }
 }
 
 /// Levers of the joint points, and the gap between them (m).

@@ -359,6 +359,11 @@ impl JointLanes {
         opening_of(self, motions, &mut widest);
         widest
     }
+
+    /// Tells the same of each joint, with the slots of its bodies.
+    pub(super) fn each_opening(&self, motions: &[BodyMotion], tell: &mut impl FnMut([u32; 2], f32)) {
+        begin::each_opening(self, motions, tell);
+    }
 }
 
 in_lanes!(opening_of, begin::opening, (lanes: &JointLanes, motions: &[BodyMotion], widest: &mut f32));
