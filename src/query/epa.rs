@@ -55,32 +55,38 @@ pub(super) fn depth(a: &Part, b: &Part, simplex: &Simplex) -> Depth {
         push(&mut faces, &corners, if outward { triangle } else { [triangle[0], triangle[2], triangle[1]] });
     }
     // The way out along any direction is no shorter than the least; the polytope is no deeper. Between the two lies the answer.
-    let mut best: Option<(f64, DVec3)> = None;
+    // Its points are taken at once: a later step may fold the surface at a needle.
+    let mut best: Option<Depth> = None;
     for _ in 0..MAX_STEPS {
         let nearest = nearest(&faces);
         let (normal, distance) = (faces[nearest].normal, faces[nearest].distance);
-        if best.is_some_and(|(depth, _)| depth - distance <= TOLERANCE.0 * depth + TOLERANCE.1 * size) {
+        if best.as_ref().is_some_and(|best| best.depth - distance <= TOLERANCE.0 * best.depth + TOLERANCE.1 * size) {
             break;
         }
         let next = Vertex::support(a, b, normal);
         let way_out = normal.dot(next.offset);
-        if best.is_none_or(|(depth, _)| way_out < depth) {
-            best = Some((way_out, normal));
+        if best.as_ref().is_none_or(|best| way_out < best.depth) {
+            best = Some(way_through(&faces, &corners, nearest, way_out));
         }
         if !take_in(&mut faces, &mut corners, next, TOLERANCE.1 * size) {
             break;
         }
     }
-    let last = &faces[nearest(&faces)];
-    let (depth, normal) = best.unwrap_or((last.distance, last.normal));
+    let found = best.unwrap_or_else(|| way_through(&faces, &corners, 0, faces[0].distance));
+    Depth { depth: found.depth.max(0.0), ..found }
+}
+
+/// The way out of a given length across a face: the points on A and B that it leads from and to.
+fn way_through(faces: &[Face], corners: &[Vertex], number: usize, depth: f64) -> Depth {
+    let normal = faces[number].normal;
     // Of the faces across the way out, the one that it passes through.
     let across = faces.iter().filter(|face| face.normal.dot(normal) > 1.0 - ALIGNED);
-    let inner = |face: &Face| shares(face, &corners).into_iter().fold(f64::INFINITY, f64::min);
-    let face = across.max_by(|a, b| inner(a).total_cmp(&inner(b))).unwrap_or(last);
-    let (on_a, on_b) = points(face, &corners);
+    let inner = |face: &Face| shares(face, corners).into_iter().fold(f64::INFINITY, f64::min);
+    let face = across.max_by(|a, b| inner(a).total_cmp(&inner(b))).unwrap_or(&faces[number]);
+    let (on_a, on_b) = points(face, corners);
     // On B's side of the way out both points are where its plane is.
     let off = (on_b - on_a).dot(normal) - depth;
-    Depth { depth: depth.max(0.0), normal: -normal, on_a, on_b: on_b - normal * off }
+    Depth { depth, normal: -normal, on_a, on_b: on_b - normal * off }
 }
 
 fn nearest(faces: &[Face]) -> usize {
@@ -203,4 +209,41 @@ fn points(face: &Face, corners: &[Vertex]) -> (DVec3, DVec3) {
     let total: f64 = shares.iter().sum();
     let of = |part: fn(&Vertex) -> DVec3| (0..3).map(|i| part(&corners[face.corners[i]]) * (shares[i] / total)).sum::<DVec3>();
     (of(|corner| corner.on_a), of(|corner| corner.on_b))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DMat3;
+
+    use super::super::gap;
+    use super::super::part::{Form, Place};
+    use super::*;
+
+    fn part(form: Form<'static>, origin: DVec3, [x, y, z]: [DVec3; 3]) -> Part<'static> {
+        Part { form, place: Place { origin, axes: DMat3::from_cols(x, y, z) }, rounding: 0.0, part: None, triangle: None }
+    }
+
+    /// A random pair whose search folded its surface at a needle in its last steps.
+    #[test]
+    fn the_deepest_points_are_on_both_parts() {
+        let cone = part(
+            Form::Cone { half_height: 0.3725338578224182, radius: 0.920171856880188 },
+            DVec3::new(-1.487628280579088, -0.13918377121973435, -0.9416581810330626),
+            [DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, 0.0, 1.0)],
+        );
+        let bar = part(
+            Form::Box { half_extents: DVec3::new(0.7881396412849426, 0.7148962020874023, 0.23745213449001312) },
+            DVec3::new(0.0, 0.0, 0.0),
+            [
+                DVec3::new(0.07506759773152027, -0.844797409988346, -0.5297944807638155),
+                DVec3::new(-0.6990966782280703, 0.3342731204695597, -0.6320801495237933),
+                DVec3::new(0.7110757275152177, 0.41782630004408006, -0.5655019829586609),
+            ],
+        );
+        let found = gap::gap(&cone, &bar).unwrap();
+        let outside = [cone.outside(found.on_a), bar.outside(found.on_b)];
+        assert!(outside.iter().all(|&outside| outside < 1.0e-9), "{outside:?} m outside");
+        assert!((gap::along(&cone, &bar, found.normal) - found.distance).abs() < 1.0e-9, "{found:?}");
+        assert!(((found.on_b - found.on_a).dot(found.normal) - found.distance).abs() < 1.0e-9, "{found:?}");
+    }
 }

@@ -11,6 +11,9 @@ use super::part::Part;
 /// measure: rounding.
 const FACE_SLACK: (f64, f64, f64) = (1.0e-9, 1.0e-10, 1.0e-14);
 
+/// How far off a part the foot on the plane of its face may be, over the reach of the part: rounding.
+const ON_FACE: f64 = 1.0e-9;
+
 /// Parts nearer than this to each other touch, over the reach of the smaller part, and over the greatest coordinate (rounding).
 const TOUCH: (f64, f64) = (1.0e-9, 1.0e-14);
 
@@ -90,18 +93,31 @@ fn with_half_space(a: &Part, b: &Part) -> Option<Option<Gap>> {
     }
 }
 
-/// A face along which the parts are as far apart gives the normal.
+/// A face along which the parts are as far apart gives the normal, if the point nearest to the other part lies on it. Far
+/// from a face that leans by little, its plane is as far as the edge beside it, and the foot on that plane is off the part.
 fn prefer_faces(a: &Part, b: &Part, found: Gap) -> Gap {
     let slack = FACE_SLACK.0 * found.distance.abs() + FACE_SLACK.1 * a.reach().min(b.reach()) + FACE_SLACK.2 * greatest(a, b);
-    let (of_a, of_b) = (a.face_toward(found.normal), b.face_toward(-found.normal).map(|normal| -normal));
-    for normal in [of_a, of_b].into_iter().flatten() {
+    if let Some(normal) = a.face_toward(found.normal) {
         let distance = normal.dot(b.support(-normal) - a.support(normal));
-        if distance >= found.distance - slack {
-            let on_a = found.on_b - normal * distance;
+        let on_a = found.on_b - normal * distance;
+        if distance >= found.distance - slack && is_on(a, on_a, found.on_a) {
             return Gap { distance, normal, on_a, on_b: found.on_b };
         }
     }
+    if let Some(normal) = b.face_toward(-found.normal).map(|normal| -normal) {
+        let distance = normal.dot(b.support(-normal) - a.support(normal));
+        let on_b = found.on_a + normal * distance;
+        if distance >= found.distance - slack && is_on(b, on_b, found.on_b) {
+            return Gap { distance, normal, on_a: found.on_a, on_b };
+        }
+    }
     found
+}
+
+/// Whether a point is on a part, near one that is.
+fn is_on(part: &Part, point: DVec3, near: DVec3) -> bool {
+    let slack = ON_FACE * part.reach();
+    point.distance(near) <= slack || part.outside(point) <= slack
 }
 
 fn rounded(core: Gap, a: &Part, b: &Part) -> Gap {

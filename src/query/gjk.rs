@@ -68,16 +68,21 @@ pub(super) fn closest(a: &Part, b: &Part) -> Closest {
         let next = Vertex::support(a, b, -offset);
         size = size.max(extent(&next));
         let slack = offset.dot(offset - next.offset);
-        if slack <= RELATIVE * distance * distance + ROUNDING * size * distance
-            || simplex.corners[..simplex.count].iter().any(|corner| corner.offset == next.offset)
-        {
-            break;
-        }
+        let is_found = slack <= RELATIVE * distance * distance + ROUNDING * size * distance
+            || simplex.corners[..simplex.count].iter().any(|corner| corner.offset == next.offset);
         let mut grown = simplex;
-        grown.corners[grown.count] = next;
-        grown.count += 1;
-        let Some(nearer) = grown.reduce() else { return Closest::Overlap(grown) };
+        let mut nearer = offset;
+        if !is_found {
+            grown.corners[grown.count] = next;
+            grown.count += 1;
+            let Some(point) = grown.reduce() else { return Closest::Overlap(grown) };
+            nearer = point;
+        }
         if nearer.length_squared() >= distance * distance {
+            // If no plane parts them they are as near as rounding can tell, and the offset may lead the wrong way.
+            if offset.dot(next.offset) <= 0.0 {
+                return Closest::Overlap(simplex);
+            }
             break;
         }
         (simplex, offset) = (grown, nearer);

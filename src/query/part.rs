@@ -206,6 +206,30 @@ impl<'a> Part<'a> {
         Some(self.place.axes * normal)
     }
 
+    /// How far a point is outside the form, less its rounding: past one of its faces, or round it (m). Negative inside; of a
+    /// triangle, how far past its edges as its normal sees them.
+    pub(super) fn outside(&self, point: DVec3) -> f64 {
+        if let Form::Triangle([a, b, c]) = self.form {
+            let normal = (b - a).cross(c - a);
+            let past = |from: DVec3, to: DVec3| (point - from).dot((to - from).cross(normal).normalize_or_zero());
+            return past(a, b).max(past(b, c)).max(past(c, a));
+        }
+        let p = self.place.to_local(point);
+        let across = p.x.hypot(p.z);
+        match self.form {
+            Form::Point | Form::Triangle(_) => p.length(),
+            Form::Segment { half_height } => (p - DVec3::Y * p.y.clamp(-half_height, half_height)).length(),
+            Form::Box { half_extents } => (p.abs() - half_extents).max_element(),
+            Form::Cylinder { half_height, radius } => (p.y.abs() - half_height).max(across - radius),
+            Form::Cone { half_height, radius } => {
+                let steepness = radius / (2.0 * half_height);
+                (-half_height - p.y).max((across - steepness * (half_height - p.y)) / 1.0_f64.hypot(steepness))
+            }
+            Form::Hull(hull) => hull.planes().iter().map(|(normal, offset)| normal.dot(p) - offset).fold(f64::MIN, f64::max),
+            Form::HalfSpace { normal } => normal.dot(p),
+        }
+    }
+
     /// Outward normal of a half-space in the frame of the query; none of any other form.
     pub(super) fn half_space(&self) -> Option<DVec3> {
         match self.form {
