@@ -3,14 +3,14 @@
 use std::ptr;
 
 use ls_core::glam::{DVec3, Vec3};
-use ls_core::{Cast, RayHit};
+use ls_core::{Cast, RayHit, Shape};
 
-use crate::access::read;
 use crate::boundary::call;
 use crate::handle::{LsBody, LsShape, LsWorld};
 use crate::math::LsPose;
 use crate::pointer::{Buffer, Out, host};
-use crate::query_def::{LsQueryFilter, filtered};
+use crate::query::solid_of;
+use crate::query_def::{LsQueryFilter, ask};
 use crate::result::{LsResult, Outcome};
 use crate::shape_def::LsShapeDef;
 use crate::sized::{self, Definition, SizedOut, Versioned};
@@ -58,6 +58,27 @@ impl Default for LsCastDef {
             path: [0.0; 3],
             turn: [0.0; 3],
             reserved: 0,
+        }
+    }
+}
+
+impl LsCastDef {
+    /// The solid that is cast, if it is one.
+    ///
+    /// # Safety
+    /// Its pointer is null, or valid as that of a shape definition.
+    unsafe fn shape(&self) -> Outcome<Option<Shape>> {
+        // SAFETY: as promised to this function.
+        if self.shape.is_null() { Ok(None) } else { unsafe { solid_of(self.shape) }.map(Some) }
+    }
+
+    fn cast<'a>(&self, shape: Option<&'a Shape>) -> Cast<'a> {
+        Cast {
+            shape,
+            pose: self.pose.into(),
+            path: DVec3::from_array(self.path),
+            turn: Vec3::from_array(self.turn),
+            ignore_overlapped: self.ignore_overlapped != 0,
         }
     }
 }
@@ -151,15 +172,11 @@ pub unsafe extern "C" fn ls_world_cast(
 ) -> LsResult {
     call("ls_world_cast", || {
         let (def, out) = (host!(sized::read, def), host!(Out::new, out));
-        // SAFETY: the header asks the host for a valid shape or NULL, and a valid filter or NULL.
-        unsafe {
-            with_cast(&def, |cast| {
-                read(world, |world| {
-                    let hit = filtered(filter, |filter| Ok(world.cast(cast, filter)?))?;
-                    out.write(hit.map_or(LsCastHit::NONE, LsCastHit::from))
-                })
-            })
-        }
+        // SAFETY: the header asks the host for a valid shape or NULL.
+        let shape = unsafe { def.shape() }?;
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        let hit = unsafe { ask(world, filter, |world, filter| world.cast(&def.cast(shape.as_ref()), filter)) }?;
+        out.write(hit.map_or(LsCastHit::NONE, LsCastHit::from))
     })
 }
 
@@ -185,33 +202,11 @@ pub unsafe extern "C" fn ls_world_cast_all(
 ) -> LsResult {
     call("ls_world_cast_all", || {
         let (def, buffer) = (host!(sized::read, def), host!(Buffer::new, out, capacity, count));
-        // SAFETY: the header asks the host for a valid shape or NULL, and a valid filter or NULL.
-        unsafe {
-            with_cast(&def, |cast| {
-                read(world, |world| {
-                    let mut hits = Vec::new();
-                    filtered(filter, |filter| Ok(world.cast_all(cast, filter, &mut hits)?))?;
-                    buffer.fill(|| hits.iter().map(|&hit| hit.into()))
-                })
-            })
-        }
-    })
-}
-
-/// # Safety
-/// The shape of `def` is null, or valid as a shape definition.
-unsafe fn with_cast<R>(def: &LsCastDef, work: impl FnOnce(&Cast) -> Outcome<R>) -> Outcome<R> {
-    let shape = if def.shape.is_null() {
-        None
-    } else {
-        // SAFETY: as promised to this function.
-        Some(unsafe { sized::read(def.shape, "shape")?.to_core() }?.shape)
-    };
-    work(&Cast {
-        shape: shape.as_ref(),
-        pose: def.pose.into(),
-        path: DVec3::from_array(def.path),
-        turn: Vec3::from_array(def.turn),
-        ignore_overlapped: def.ignore_overlapped != 0,
+        // SAFETY: the header asks the host for a valid shape or NULL.
+        let shape = unsafe { def.shape() }?;
+        let mut hits = Vec::new();
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        unsafe { ask(world, filter, |world, filter| world.cast_all(&def.cast(shape.as_ref()), filter, &mut hits)) }?;
+        buffer.fill(|| hits.iter().map(|&hit| hit.into()))
     })
 }

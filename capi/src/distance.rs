@@ -9,7 +9,7 @@ use crate::handle::{LsShape, LsWorld};
 use crate::math::LsPose;
 use crate::pointer::{Out, host};
 use crate::query::solid;
-use crate::query_def::{LsQueryFilter, filtered};
+use crate::query_def::{LsQueryFilter, ask};
 use crate::result::LsResult;
 use crate::shape_def::LsShapeDef;
 
@@ -118,13 +118,11 @@ pub unsafe extern "C" fn ls_world_nearest_shape(
         let out = host!(Out::new, out);
         // SAFETY: the header asks the host for valid pointers.
         let (shape, pose) = unsafe { solid(shape, pose) }?;
-        read(world, |world| {
-            // SAFETY: the header asks the host for a valid filter or NULL.
-            let found = unsafe { filtered(filter, |filter| Ok(world.nearest_shape(&shape, pose, max_distance, filter)?)) }?;
-            let none = LsShape { id: 0 };
-            out.write(
-                found.map_or(LsShapeDistance::NONE, |found| LsShapeDistance::between(found.shape.into(), none, &found.distance)),
-            )
-        })
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        let found = unsafe { ask(world, filter, |world, filter| world.nearest_shape(&shape, pose, max_distance, filter)) }?;
+        let none = LsShape { id: 0 };
+        out.write(
+            found.map_or(LsShapeDistance::NONE, |found| LsShapeDistance::between(found.shape.into(), none, &found.distance)),
+        )
     })
 }

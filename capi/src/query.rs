@@ -2,12 +2,11 @@
 
 use ls_core::{Pose, RayHit, Shape, ShapeId};
 
-use crate::access::read;
 use crate::boundary::call;
 use crate::handle::{LsShape, LsWorld};
 use crate::math::LsPose;
 use crate::pointer::{self, Buffer, Out, OutArray, host, slice, vector};
-use crate::query_def::{LsNearestPoint, LsQueryFilter, LsRay, LsRayHit, filtered};
+use crate::query_def::{LsNearestPoint, LsQueryFilter, LsRay, LsRayHit, ask};
 use crate::result::{LsResult, Outcome};
 use crate::shape_def::LsShapeDef;
 use crate::sized;
@@ -30,11 +29,9 @@ pub unsafe extern "C" fn ls_world_cast_ray(
 ) -> LsResult {
     call("ls_world_cast_ray", || {
         let (ray, out) = (host!(pointer::read, ray), host!(Out::new, out));
-        read(world, |world| {
-            // SAFETY: the header asks the host for a valid filter or NULL.
-            let hit = unsafe { filtered(filter, |filter| Ok(world.cast_ray(&ray.into(), filter)?)) }?;
-            out.write(hit.map_or(LsRayHit::NONE, LsRayHit::from))
-        })
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        let hit = unsafe { ask(world, filter, |world, filter| world.cast_ray(&ray.into(), filter)) }?;
+        out.write(hit.map_or(LsRayHit::NONE, LsRayHit::from))
     })
 }
 
@@ -60,12 +57,10 @@ pub unsafe extern "C" fn ls_world_cast_ray_all(
 ) -> LsResult {
     call("ls_world_cast_ray_all", || {
         let (ray, buffer) = (host!(pointer::read, ray), host!(Buffer::new, out, capacity, count));
-        read(world, |world| {
-            let mut hits = Vec::new();
-            // SAFETY: the header asks the host for a valid filter or NULL.
-            unsafe { filtered(filter, |filter| Ok(world.cast_ray_all(&ray.into(), filter, &mut hits)?)) }?;
-            fill_hits(&buffer, &hits)
-        })
+        let mut hits = Vec::new();
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        unsafe { ask(world, filter, |world, filter| world.cast_ray_all(&ray.into(), filter, &mut hits)) }?;
+        fill_hits(&buffer, &hits)
     })
 }
 
@@ -89,14 +84,12 @@ pub unsafe extern "C" fn ls_world_cast_rays(
 ) -> LsResult {
     call("ls_world_cast_rays", || {
         let (rays, out) = (host!(slice, rays, count), host!(OutArray::new, out, count));
-        read(world, |world| {
-            let rays: Vec<_> = rays.iter().map(|&ray| ray.into()).collect();
-            let mut hits = vec![None; rays.len()];
-            // SAFETY: the header asks the host for a valid filter or NULL.
-            unsafe { filtered(filter, |filter| Ok(world.cast_rays(&rays, filter, &mut hits)?)) }?;
-            out.write(hits.into_iter().map(|hit| hit.map_or(LsRayHit::NONE, LsRayHit::from)));
-            Ok(())
-        })
+        let rays: Vec<_> = rays.iter().map(|&ray| ray.into()).collect();
+        let mut hits = vec![None; rays.len()];
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        unsafe { ask(world, filter, |world, filter| world.cast_rays(&rays, filter, &mut hits)) }?;
+        out.write(hits.into_iter().map(|hit| hit.map_or(LsRayHit::NONE, LsRayHit::from)));
+        Ok(())
     })
 }
 
@@ -126,11 +119,9 @@ pub unsafe extern "C" fn ls_world_cast_shape(
         let (path, out) = (host!(vector, path), host!(Out::new, out));
         // SAFETY: the header asks the host for valid pointers.
         let (shape, pose) = unsafe { solid(shape, pose) }?;
-        read(world, |world| {
-            // SAFETY: the header asks the host for a valid filter or NULL.
-            let hit = unsafe { filtered(filter, |filter| Ok(world.cast_shape(&shape, pose, path, filter)?)) }?;
-            out.write(hit.map_or(LsRayHit::NONE, LsRayHit::from))
-        })
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        let hit = unsafe { ask(world, filter, |world, filter| world.cast_shape(&shape, pose, path, filter)) }?;
+        out.write(hit.map_or(LsRayHit::NONE, LsRayHit::from))
     })
 }
 
@@ -163,12 +154,10 @@ pub unsafe extern "C" fn ls_world_cast_shape_all(
         let (path, buffer) = (host!(vector, path), host!(Buffer::new, out, capacity, count));
         // SAFETY: the header asks the host for valid pointers.
         let (shape, pose) = unsafe { solid(shape, pose) }?;
-        read(world, |world| {
-            let mut hits = Vec::new();
-            // SAFETY: the header asks the host for a valid filter or NULL.
-            unsafe { filtered(filter, |filter| Ok(world.cast_shape_all(&shape, pose, path, filter, &mut hits)?)) }?;
-            fill_hits(&buffer, &hits)
-        })
+        let mut hits = Vec::new();
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        unsafe { ask(world, filter, |world, filter| world.cast_shape_all(&shape, pose, path, filter, &mut hits)) }?;
+        fill_hits(&buffer, &hits)
     })
 }
 
@@ -198,12 +187,10 @@ pub unsafe extern "C" fn ls_world_overlap_shape(
         let buffer = host!(Buffer::new, out, capacity, count);
         // SAFETY: the header asks the host for valid pointers.
         let (shape, pose) = unsafe { solid(shape, pose) }?;
-        read(world, |world| {
-            let mut shapes = Vec::new();
-            // SAFETY: the header asks the host for a valid filter or NULL.
-            unsafe { filtered(filter, |filter| Ok(world.overlap_shape(&shape, pose, filter, &mut shapes)?)) }?;
-            fill_shapes(&buffer, &shapes)
-        })
+        let mut shapes = Vec::new();
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        unsafe { ask(world, filter, |world, filter| world.overlap_shape(&shape, pose, filter, &mut shapes)) }?;
+        fill_shapes(&buffer, &shapes)
     })
 }
 
@@ -233,12 +220,10 @@ pub unsafe extern "C" fn ls_world_overlap_box(
     call("ls_world_overlap_box", || {
         let (min, max) = (host!(pointer::point, min), host!(pointer::point, max));
         let buffer = host!(Buffer::new, out, capacity, count);
-        read(world, |world| {
-            let mut shapes = Vec::new();
-            // SAFETY: the header asks the host for a valid filter or NULL.
-            unsafe { filtered(filter, |filter| Ok(world.overlap_box(min, max, filter, &mut shapes)?)) }?;
-            fill_shapes(&buffer, &shapes)
-        })
+        let mut shapes = Vec::new();
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        unsafe { ask(world, filter, |world, filter| world.overlap_box(min, max, filter, &mut shapes)) }?;
+        fill_shapes(&buffer, &shapes)
     })
 }
 
@@ -263,11 +248,9 @@ pub unsafe extern "C" fn ls_world_nearest_point(
 ) -> LsResult {
     call("ls_world_nearest_point", || {
         let (point, out) = (host!(pointer::point, point), host!(Out::new, out));
-        read(world, |world| {
-            // SAFETY: the header asks the host for a valid filter or NULL.
-            let nearest = unsafe { filtered(filter, |filter| Ok(world.nearest_point(point, max_distance, filter)?)) }?;
-            out.write(nearest.map_or(LsNearestPoint::NONE, LsNearestPoint::from))
-        })
+        // SAFETY: the header asks the host for a valid filter or NULL.
+        let nearest = unsafe { ask(world, filter, |world, filter| world.nearest_point(point, max_distance, filter)) }?;
+        out.write(nearest.map_or(LsNearestPoint::NONE, LsNearestPoint::from))
     })
 }
 
@@ -275,8 +258,15 @@ pub unsafe extern "C" fn ls_world_nearest_point(
 /// The pointers are null or valid, as those of a shape definition.
 pub(crate) unsafe fn solid(shape: *const LsShapeDef, pose: *const LsPose) -> Outcome<(Shape, Pose)> {
     // SAFETY: as promised to this function.
-    let (shape, pose) = unsafe { (sized::read(shape, "shape")?.to_core()?, pointer::read(pose, "pose")?) };
-    Ok((shape.shape, pose.into()))
+    let (shape, pose) = unsafe { (solid_of(shape)?, pointer::read(pose, "pose")?) };
+    Ok((shape, pose.into()))
+}
+
+/// # Safety
+/// The pointer is null or valid, as that of a shape definition.
+pub(crate) unsafe fn solid_of(shape: *const LsShapeDef) -> Outcome<Shape> {
+    // SAFETY: as promised to this function.
+    Ok(unsafe { sized::read(shape, "shape")?.to_core() }?.shape)
 }
 
 fn fill_hits(buffer: &Buffer<LsRayHit>, hits: &[RayHit]) -> Outcome<()> {

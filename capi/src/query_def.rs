@@ -4,12 +4,13 @@ use std::ffi::c_void;
 use std::ptr;
 
 use ls_core::glam::{DVec3, Vec3};
-use ls_core::{BodyId, CollisionFilter, NearestPoint, QueryFilter, Ray, RayHit, ShapeId};
+use ls_core::{BodyId, CollisionFilter, NearestPoint, QueryFilter, Ray, RayHit, ShapeId, World};
 
+use crate::access::read;
 use crate::boundary::call;
 use crate::enums;
 use crate::float_environment::as_host;
-use crate::handle::{LsBody, LsShape};
+use crate::handle::{LsBody, LsShape, LsWorld};
 use crate::pointer::{host, slice};
 use crate::result::{LsResult, Outcome};
 use crate::sized::{Definition, SizedOut, Versioned};
@@ -191,11 +192,24 @@ impl Accept {
     }
 }
 
+/// Asks a world a question under a filter of the host.
+///
+/// # Safety
+/// `filter` is null, or valid for reading as many bytes as its `struct_size` says, with a valid array of ignored bodies.
+pub(crate) unsafe fn ask<R>(
+    world: LsWorld,
+    filter: *const LsQueryFilter,
+    question: impl FnOnce(&World, &QueryFilter) -> ls_core::Result<R>,
+) -> Outcome<R> {
+    // SAFETY: as promised to this function.
+    read(world, |world| unsafe { filtered(filter, |filter| Ok(question(world, filter)?)) })
+}
+
 /// Runs a query under a filter of the host.
 ///
 /// # Safety
 /// `filter` is null, or valid for reading as many bytes as its `struct_size` says, with a valid array of ignored bodies.
-pub(crate) unsafe fn filtered<R>(filter: *const LsQueryFilter, work: impl FnOnce(&QueryFilter) -> Outcome<R>) -> Outcome<R> {
+unsafe fn filtered<R>(filter: *const LsQueryFilter, work: impl FnOnce(&QueryFilter) -> Outcome<R>) -> Outcome<R> {
     if filter.is_null() {
         return work(&QueryFilter::default());
     }
