@@ -25,11 +25,10 @@ use super::row::{Origin, State};
 use super::single;
 use super::system::PASSES;
 use crate::id::{JointId, Pool};
-use crate::joint::{Joint, JointImpulses};
+use crate::joint::Joint;
 use crate::joint_rebounds::Rebounds;
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
-use crate::solve::joint::motor::Answer;
 use crate::solve::joint::rows::{Phase, Rate, RowRates};
 use crate::solve::joint::{Stance, rebound};
 use crate::solve::rotation;
@@ -188,29 +187,9 @@ impl Articulation {
     ) -> Vec<(u8, f64, f64)> {
         let entry = &self.entries[number];
         let placement = entry.placement(stances[0], stances[1]);
-        self.asked.clear();
-        let mut sink = RowSink {
-            rates: RowRates { bodies: rates, frames: None },
-            geometry: JointGeometry::at(&placement),
-            def: &joints[entry.joint].def,
-            driven: None,
-            impulses: &JointImpulses::ZERO,
-            rebounds: Rebounds::NONE,
-            share: 1.0,
-            phase: Phase::Position { most: f64::INFINITY },
-            has_stops: true,
-            point: None,
-            direction: None,
-            scalars: &mut self.asked,
-            angles: entry.angles,
-            answer: &|_| Answer::NONE,
-            left: 0.0,
-            closing_share: 1.0,
-            most_speed: f64::INFINITY,
-            applied: 0.0,
-            is_under_way: false,
-            arrives: 0,
-        };
+        let all = (Phase::Position { most: f64::INFINITY }, RowRates { bodies: rates, frames: None });
+        let geometry = JointGeometry::at(&placement);
+        let mut sink = RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked);
         kinds::add_rows(&mut sink);
         self.asked.iter().filter(|row| row.is_stop()).map(|row| (row.id, row.bias, row.jacobian.rate(&rates))).collect()
     }

@@ -195,31 +195,20 @@ impl Articulation {
             }
             let is_free = may_leave_out
                 && stops[number].are_out_of_reach((&entry.impulses, entry.angles[0]), &start, [&rates[a], &rates[b]], *rest);
-            asked.clear();
+            let frames = driven.filter(|_| !in_place).map(|driven| driven.rates);
+            let both = (phase, RowRates { bodies: [rates[a], rates[b]], frames });
             let mut sink = RowSink {
-                rates: RowRates { bodies: [rates[a], rates[b]], frames: driven.filter(|_| !in_place).map(|driven| driven.rates) },
-                geometry,
-                def: &joint.def,
                 driven,
                 impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
                 rebounds: if in_place { Rebounds::NONE } else { entry.rebounds },
                 share: phase.h() / *h,
-                phase,
                 has_stops: !is_free,
-                point: None,
-                direction: None,
-                scalars: asked,
-                angles: entry.angles,
                 answer: &|side| {
                     let parts = parts.answers.get(number).copied().flatten();
                     parts.map_or_else(|| answer_of(&bodies[link.bodies[side] as usize]), |parts| parts[side])
                 },
                 left: ends[1],
-                closing_share: 1.0,
-                most_speed: f64::INFINITY,
-                applied: 0.0,
-                is_under_way: false,
-                arrives: 0,
+                ..RowSink::new(geometry, &joint.def, both, entry.angles, asked)
             };
             if link.is_plain {
                 sink.hold_points(Held::All);
@@ -291,27 +280,12 @@ impl Articulation {
         let placement = driven::before(entry.placement(a, b), joint.drive(), [&a, &b], self.left);
         let driven = joint.drive().map(|drive| Driven::new(drive, [&a, &b], &placement, [self.left; 2]));
         let stops = self.stops.get(number).filter(|_| self.coupled);
+        let rates = RowRates { bodies: link.bodies.map(|body| self.rates[body as usize]), frames: None };
+        let all = (Phase::Position { most: f64::INFINITY }, rates);
         let mut sink = RowSink {
-            rates: RowRates { bodies: link.bodies.map(|body| self.rates[body as usize]), frames: None },
-            geometry: JointGeometry::at(&placement),
-            def: &joint.def,
             driven,
-            impulses: &JointImpulses::ZERO,
-            rebounds: Rebounds::NONE,
-            share: 1.0,
-            phase: Phase::Position { most: f64::INFINITY },
             has_stops: !stops.is_some_and(|stops| stops.still_hold(&placement)),
-            point: None,
-            direction: None,
-            scalars: &mut self.asked,
-            angles: entry.angles,
-            answer: &|_| Answer::NONE,
-            left: 0.0,
-            closing_share: 1.0,
-            most_speed: f64::INFINITY,
-            applied: 0.0,
-            is_under_way: false,
-            arrives: 0,
+            ..RowSink::new(JointGeometry::at(&placement), &joint.def, all, entry.angles, &mut self.asked)
         };
         kinds::add_rows(&mut sink);
         [sink.point, sink.direction].map(|row| row.filter(|row| row.acts).map_or(DVec3::ZERO, |row| row.bias))

@@ -46,6 +46,41 @@ pub(crate) struct RowSink<'a> {
     pub arrives: u32,
 }
 
+impl<'a> RowSink<'a> {
+    /// A sink without rows yet, for a joint on which nothing is carried and nothing drives, whose motors have nothing to know.
+    pub(crate) fn new(
+        geometry: JointGeometry<'a>,
+        def: &'a JointDef,
+        (phase, rates): (Phase, RowRates),
+        angles: [f64; 3],
+        scalars: &'a mut Vec<ScalarRow>,
+    ) -> Self {
+        scalars.clear();
+        Self {
+            rates,
+            geometry,
+            def,
+            driven: None,
+            impulses: &JointImpulses::ZERO,
+            rebounds: Rebounds::NONE,
+            share: 1.0,
+            phase,
+            has_stops: true,
+            point: None,
+            direction: None,
+            scalars,
+            angles,
+            answer: &|_| Answer::NONE,
+            left: 0.0,
+            closing_share: 1.0,
+            most_speed: f64::INFINITY,
+            applied: 0.0,
+            is_under_way: false,
+            arrives: 0,
+        }
+    }
+}
+
 /// Adds the rows of the joint's kind.
 pub(crate) fn add_rows(sink: &mut RowSink) {
     match sink.def.kind {

@@ -162,29 +162,20 @@ impl Singles {
             let bodies = [&velocities[entry.a as usize], &velocities[entry.b as usize]];
             let driven = entry.driven(joint, motions, &gradient, left);
             let answer = |side: usize| answer_of(bodies[side], &motions[[entry.a, entry.b][side] as usize]);
-            self.asked.clear();
+            let geometry = JointGeometry { start: &start, predicted: &predicted, gradient: &gradient, is_still: false };
+            let rates = RowRates { bodies: bodies.map(Rate::of), frames: driven.map(|driven| driven.rates) };
+            let velocity = (Phase::Velocity { h: f64::from(h) }, rates);
             let mut sink = RowSink {
-                rates: RowRates { bodies: bodies.map(Rate::of), frames: driven.map(|driven| driven.rates) },
-                geometry: JointGeometry { start: &start, predicted: &predicted, gradient: &gradient, is_still: false },
-                def: &joint.def,
                 driven,
                 impulses: &entry.impulses,
                 rebounds: entry.rebounds,
-                share: 1.0,
-                phase: Phase::Velocity { h: f64::from(h) },
-                has_stops: true,
-                point: None,
-                direction: None,
-                scalars: &mut self.asked,
-                angles: entry.angles,
                 answer: &answer,
                 left: left[1],
                 closing_share: rows::DRIVE_SHARE,
                 // What hangs on other joints is not known here: a motor does not set it going faster than sweeps stop it.
                 most_speed: if entry.is_chained { rows::MAX_RECOVERY_SPEED } else { f64::INFINITY },
                 applied: f64::from(u8::from(again)),
-                is_under_way: false,
-                arrives: 0,
+                ..RowSink::new(geometry, &joint.def, velocity, entry.angles, &mut self.asked)
             };
             kinds::add_rows(&mut sink);
             let (rates, point, direction) = (sink.rates, sink.point, sink.direction);
@@ -337,28 +328,11 @@ impl Singles {
             let placement = entry.placement(stance_a, stance_b);
             let placement = driven::before(placement, joint.drive(), [&stance_a, &stance_b], f64::from(left));
             let [mut a, mut b] = [entry.a, entry.b].map(|slot| velocities[slot as usize].at_rest());
-            self.asked.clear();
+            let rates = RowRates { bodies: [Rate::of(&a), Rate::of(&b)], frames: None };
+            let position = (Phase::Position { most: rows::MAX_RECOVERY_SPEED * f64::from(h) }, rates);
             let mut sink = RowSink {
-                rates: RowRates { bodies: [Rate::of(&a), Rate::of(&b)], frames: None },
-                geometry: JointGeometry::at(&placement),
-                def: &joint.def,
                 driven: entry.driven(joint, motions, &placement, [f64::from(left); 2]),
-                impulses: &JointImpulses::ZERO,
-                rebounds: Rebounds::NONE,
-                share: 1.0,
-                phase: Phase::Position { most: rows::MAX_RECOVERY_SPEED * f64::from(h) },
-                has_stops: true,
-                point: None,
-                direction: None,
-                scalars: &mut self.asked,
-                angles: entry.angles,
-                answer: &|_| Answer::NONE,
-                left: 0.0,
-                closing_share: 0.0,
-                most_speed: 0.0,
-                applied: 0.0,
-                is_under_way: false,
-                arrives: 0,
+                ..RowSink::new(JointGeometry::at(&placement), &joint.def, position, entry.angles, &mut self.asked)
             };
             kinds::add_rows(&mut sink);
             let (point, direction) = (sink.point, sink.direction);
