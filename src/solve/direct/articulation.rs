@@ -20,7 +20,6 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::body::DirectBody;
-use super::buckle;
 use super::composite::Parts;
 use super::contacts::Touch;
 use super::history::{History, SecondOrder, Surprise};
@@ -44,13 +43,10 @@ use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 /// Error that a substep may leave, over the mean distance of joint points from centres of mass.
 pub(super) const TOLERANCE: f64 = 2.0e-3;
 
-/// How often a substep may be halved.
-const MOST_HALVINGS: u32 = 4;
-
 /// The least and the greatest number of halvings that a step's budget of multiplications allows, and how many further solves one costs.
 const LEAST_HALVINGS: f64 = 4.0;
 const MOST_HALVINGS_OF_STEP: f64 = 60.0;
-const SOLVES_PER_HALVING: u32 = 4;
+pub(super) const SOLVES_PER_HALVING: u32 = 4;
 
 /// The least and the greatest number of further passes of active sets that a step's budget of multiplications allows.
 const LEAST_PASSES: f64 = 8.0;
@@ -68,9 +64,6 @@ const MOST_MANIFOLDS: usize = 6;
 
 /// Greatest mass over the least up to which they would: cables sink into their drums within ten seconds at 90, not at 50.
 const ALIKE_MASSES: f64 = 20.0;
-
-/// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
-const MUST_FALL: f64 = 0.5;
 
 /// How a substep treats the path of its bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -153,7 +146,7 @@ pub(crate) struct Articulation {
     pub(super) hangs: bool,
     pub(super) order: SecondOrder,
     /// Length of the last substep, if it was one of this step that the histories hold (s).
-    continues: Option<f64>,
+    pub(super) continues: Option<f64>,
     /// Whether the last substep of this step was of first order.
     after_first_order: bool,
     /// Of the last substep, where that was of second order.
@@ -221,21 +214,21 @@ pub(crate) struct Outcome {
 pub(super) struct Began {
     pub rates: Vec<Rate>,
     pub stances: Vec<Stance>,
-    left: f64,
+    pub(super) left: f64,
     pub(super) joints: Vec<SavedJoint>,
-    touches: Vec<Touch>,
+    pub(super) touches: Vec<Touch>,
 }
 
 /// What a substep changes of a joint.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SavedJoint {
     pub(super) impulses: JointImpulses,
-    angles: [f64; 3],
-    sums: [Vec3; 2],
-    acted: [Vec3; 2],
-    rebounds: Rebounds,
-    pressed: u32,
-    motors: [f32; 6],
+    pub(super) angles: [f64; 3],
+    pub(super) sums: [Vec3; 2],
+    pub(super) acted: [Vec3; 2],
+    pub(super) rebounds: Rebounds,
+    pub(super) pressed: u32,
+    pub(super) motors: [f32; 6],
     /// Rows that pressed then, as bits: what is guessed of impulses says nothing of that.
     pub(super) pressing: u32,
 }
@@ -439,100 +432,8 @@ impl Articulation {
         }
     }
 
-    /// One substep, in halves where it must be; takes the worst error where it is known, and returns it (m).
-    pub(super) fn advance(&mut self, joints: &Pool<Joint, JointId>, h: f64, depth: u32, before: Option<f64>) -> f64 {
-        self.begin();
-        if self.mode == Mode::Smooth {
-            let order = match self.continues {
-                Some(last) => SecondOrder::new(h, last),
-                None => self.second_order(h),
-            };
-            let mut second_order = order.is_some();
-            self.order = order.unwrap_or(SecondOrder::EULER);
-            if !second_order && self.entries.iter().all(|entry| entry.impulses.is_zero()) {
-                self.guess_impulses(joints, h);
-            }
-            let energy = self.energy_to_keep();
-            let mut momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
-            let mut meets_stop = self.meets_stop(joints);
-            let knows_past = second_order;
-            if meets_stop && second_order {
-                // The rates before a blow say nothing of those after it: extrapolated across it, they would throw the bodies back.
-                self.restore();
-                // What moved smoothly took few substeps, too long for one of first order.
-                let parts = (h / self.world_substep).round() as u32;
-                if parts > 1 {
-                    self.histories.fill(History::NONE);
-                    self.continues = None;
-                    return self.advance_in_parts(joints, h, parts, depth, before);
-                }
-                (self.order, second_order) = (SecondOrder::EULER, false);
-                momentum = self.substep(joints, h, Mode::Smooth);
-                meets_stop = self.meets_stop(joints);
-            }
-            self.follow_angles(joints, h);
-            let errors = self.find_errors(joints);
-            if errors.worst <= (TOLERANCE * self.size).max(before.unwrap_or_default())
-                && !self.touches.iter().any(Touch::presses)
-                && !energy.is_some_and(|energy| self.has_gained(energy))
-            {
-                let approaches =
-                    if meets_stop && self.rebounds { self.approaches_at_start(joints, knows_past) } else { Vec::new() };
-                let error = self.project(joints, errors);
-                self.keep_momentum(momentum);
-                self.note_smooth(h, second_order);
-                if meets_stop {
-                    self.resolve_impact(joints, &approaches);
-                }
-                if self.is_under_way || meets_stop {
-                    // Neither a blow is what the bodies go on with, nor a motor that may brake in the next substep.
-                    self.histories.fill(History::NONE);
-                    self.continues = None;
-                }
-                return error;
-            }
-            self.mode = Mode::Safe;
-            self.order = SecondOrder::EULER;
-            self.histories.fill(History::NONE);
-            self.continues = None;
-            self.restore();
-            // What moved smoothly took few substeps, and what it has met has had no say in how many.
-            let parts = (h / self.world_substep).round() as u32;
-            if parts > 1 {
-                return self.advance_in_parts(joints, h, parts, depth, before);
-            }
-        }
-        let before = before.unwrap_or_else(|| self.find_errors(joints).worst);
-        let mut momentum = self.substep(joints, h, Mode::Safe);
-        if self.is_jammed(h) && self.pay(buckle::SOLVES) {
-            self.restore();
-            self.bend_ahead(joints, h);
-            momentum = self.substep(joints, h, Mode::Safe);
-        }
-        self.follow_angles(joints, h);
-        self.note_rebounds();
-        let settled = self.system.settled || self.touches.is_empty();
-        let errors = self.find_errors(joints);
-        let error = self.project(joints, errors);
-        self.keep_momentum(momentum);
-        let good = error <= (TOLERANCE * self.size).max(MUST_FALL * before);
-        let gives_up = !settled && self.passes_left == 0;
-        if good || gives_up || depth >= MOST_HALVINGS || !self.pay(SOLVES_PER_HALVING) {
-            if !error.is_finite() {
-                self.restore();
-                return before;
-            }
-            self.outcome.safe += 1;
-            self.outcome.unsettled |= !settled;
-            return error;
-        }
-        self.outcome.halvings += 1;
-        self.restore();
-        self.advance_in_parts(joints, h, 2, depth + 1, Some(before))
-    }
-
     /// Notes a smooth substep of length `h` (s) for those that follow it.
-    fn note_smooth(&mut self, h: f64, second_order: bool) {
+    pub(super) fn note_smooth(&mut self, h: f64, second_order: bool) {
         // What a substep of first order got wrong says nothing of the one after it.
         if second_order && !self.after_first_order {
             self.surprise = self.surprise();
@@ -547,70 +448,11 @@ impl Articulation {
         *order += 1;
     }
 
-    /// Finds multipliers for a first substep that carries none: those of one taken on trial.
-    ///
-    /// Without them bodies have no geometric stiffness, and the substep leaves what is pulled hard trembling.
-    fn guess_impulses(&mut self, joints: &Pool<Joint, JointId>, h: f64) {
-        self.substep(joints, h, Mode::Smooth);
-        for (entry, saved) in self.entries.iter().zip(&mut self.began.joints) {
-            saved.impulses = entry.impulses;
-        }
-        self.restore();
-    }
-
-    /// As [`advance`](Self::advance), in parts of equal length.
-    fn advance_in_parts(&mut self, joints: &Pool<Joint, JointId>, h: f64, parts: u32, depth: u32, before: Option<f64>) -> f64 {
-        self.scale_impulses(1.0 / parts as f32);
-        let mut error = before;
-        for _ in 0..parts {
-            error = Some(self.advance(joints, h / f64::from(parts), depth, error));
-        }
-        self.scale_impulses(parts as f32);
-        error.expect("there are parts")
-    }
-
     /// Takes further solves out of the step's budget; false where there are not as many left.
     pub(super) fn pay(&mut self, solves: u32) -> bool {
         let left = self.solves_left.checked_sub(solves);
         self.solves_left = left.unwrap_or(self.solves_left);
         left.is_some()
-    }
-
-    fn begin(&mut self) {
-        let saved = &mut self.began;
-        saved.rates.clone_from(&self.rates);
-        saved.stances.clone_from(&self.stances);
-        saved.left = self.left;
-        saved.joints.clear();
-        saved.joints.extend(self.entries.iter().map(|entry| SavedJoint {
-            impulses: entry.impulses,
-            angles: entry.angles,
-            sums: [entry.linear_sum, entry.angular_sum],
-            acted: entry.acted,
-            rebounds: entry.rebounds,
-            pressed: entry.pressed,
-            motors: entry.motors,
-            pressing: entry.impulses.pressing(),
-        }));
-        saved.touches.clone_from(&self.touches);
-    }
-
-    fn restore(&mut self) {
-        let saved = &self.began;
-        self.rates.clone_from(&saved.rates);
-        self.stances.clone_from(&saved.stances);
-        self.left = saved.left;
-        self.points.is_known = false;
-        for (entry, saved) in self.entries.iter_mut().zip(&saved.joints) {
-            entry.impulses = saved.impulses;
-            entry.angles = saved.angles;
-            [entry.linear_sum, entry.angular_sum] = saved.sums;
-            entry.acted = saved.acted;
-            entry.rebounds = saved.rebounds;
-            entry.pressed = saved.pressed;
-            entry.motors = saved.motors;
-        }
-        self.touches.clone_from(&saved.touches);
     }
 
     pub(super) fn scale_impulses(&mut self, factor: f32) {

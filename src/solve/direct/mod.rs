@@ -28,6 +28,7 @@ use crate::workers::Workers;
 
 mod abreast;
 mod active_set;
+mod advance;
 mod articulation;
 mod block;
 pub(crate) mod body;
