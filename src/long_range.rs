@@ -4,8 +4,19 @@ use glam::{DVec3, Vec3};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId};
-use crate::joint::Softness;
-pub use crate::span::BoundKind;
+use crate::motor::Softness;
+
+/// Why a bound is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum BoundKind {
+    /// From a static or kinematic attachment to what hangs on it.
+    Attachment,
+    /// Between two bodies that are free.
+    Hierarchy,
+    /// Asked for by the host between two joints, with give.
+    Soft,
+}
 
 /// Most levels of the hierarchy of bounds.
 pub const MAX_LEVELS: u32 = 16;

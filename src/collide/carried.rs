@@ -8,8 +8,8 @@ use parry3d::math::Pose3;
 
 use super::narrow::{Manifold, ManifoldPoint};
 use crate::balance::{LoadedPoint, balance};
+use crate::contact::{ContactImpulses, tangents};
 use crate::prefetch::prefetch;
-use crate::solve::contact::{ContactImpulses, tangents};
 
 /// A manifold with the multipliers it had at the end of the last step.
 #[derive(Debug, Clone, Copy, Default)]

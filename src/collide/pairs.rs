@@ -12,8 +12,8 @@ use super::narrow::{Manifold, Scratch};
 use super::predict::{self, Follow, Found, Reach, Step};
 use super::stance::Stance;
 use crate::body::Body;
-use crate::solve::contact::ContactImpulses;
-use crate::solve::told::Told;
+use crate::contact::ContactImpulses;
+use crate::contact::told::Told;
 
 /// Two shapes' slots, the lower first. Beside a pair's slot in a list it takes twelve bytes, where a number of eight would take sixteen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -41,7 +41,6 @@ mod sheet;
 mod side;
 pub(crate) mod state;
 pub(crate) mod taut;
-pub(crate) mod told;
 mod wide;
 mod wide_matrix;
 pub(crate) mod wrap;
@@ -53,6 +52,7 @@ use closing::Ajar;
 use direct::{Direct, Floor};
 use joint::Moving;
 
+pub(crate) use crate::contact::told;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::workers::Workers;

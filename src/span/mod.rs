@@ -38,19 +38,9 @@ pub(crate) mod union;
 pub(crate) mod weight;
 
 use load::NodeId;
-pub(crate) use part::{Derived, Input, PartBounds};
 
-/// Why a bound is there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[non_exhaustive]
-pub enum BoundKind {
-    /// From a static or kinematic attachment to what hangs on it.
-    Attachment,
-    /// Between two bodies that are free.
-    Hierarchy,
-    /// Asked for by the host between two joints, with give.
-    Soft,
-}
+use crate::long_range::BoundKind;
+pub(crate) use part::{Derived, Input, PartBounds};
 
 /// One side of a joint, by the joint's place in the graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -15,7 +15,7 @@ const RESTING_SPEED: f32 = 0.05;
 
 use glam::Vec3;
 
-use crate::solve::told::{Limits, Told};
+use crate::contact::told::{Limits, Told};
 
 /// The solver's word on a manifold.
 #[derive(Debug, Clone, Copy)]

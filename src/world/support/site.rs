@@ -8,7 +8,7 @@ use crate::collide::collider::Collider;
 use crate::collide::pairs::{Pair, WorldManifold};
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::solve::contact::tangents;
-use crate::solve::told::Limits;
+use crate::contact::told::Limits;
 use crate::span::support::Link;
 use crate::span::support::slip::Slip;
 
