@@ -56,6 +56,7 @@ mod snapshot;
 mod solve;
 mod span;
 mod surface;
+mod tuning;
 mod workers;
 mod world;
 

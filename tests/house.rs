@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 /// Modules of `src/` by floor, the lowest first. A module may use those of its own floor and of lower ones.
 const FLOORS: &[&[&str]] = &[
     // Ground: no physics.
-    &["balance", "check", "error", "id", "island", "pose", "prefetch", "room", "workers"],
+    &["balance", "check", "error", "id", "island", "pose", "prefetch", "room", "tuning", "workers"],
     // What a user defines, and what a step reports.
     &[
         "body",
+        "contact",
         "debug",
         "fracture",
         "hull",
@@ -22,6 +23,7 @@ const FLOORS: &[&[&str]] = &[
         "long_range",
         "mass",
         "material",
+        "motor",
         "report",
         "settings",
         "shape",
@@ -303,6 +305,29 @@ fn structs_have_20_fields_at_most() {
     }
     assert!(seen > 200, "only {seen} structs were found");
     compare(&format!("these have more than {MOST_FIELDS} fields"), "structs.txt", &large);
+}
+
+#[test]
+fn thresholds_say_what_they_are_why_and_what_holds_them() {
+    let source = read(&repository().join("src/tuning.rs"));
+    let (mut about, mut seen) = (Vec::new(), 0);
+    for line in source.lines().map(str::trim) {
+        if let Some(text) = line.strip_prefix("///") {
+            about.push(text.trim());
+        } else if line.starts_with("pub(crate) const ") {
+            let says = |start: &str| about.iter().find_map(|line| line.strip_prefix(start)).map(str::trim);
+            let test = says("Test:").unwrap_or_else(|| panic!("{line} names no test"));
+            assert!(repository().join(test).is_file(), "{line}: there is no {test}");
+            for start in ["Why:", "Scenes:"] {
+                assert!(says(start).is_some_and(|text| text.len() > 8), "{line} has nothing after {start}");
+            }
+            seen += 1;
+        }
+        if !line.starts_with("///") {
+            about.clear();
+        }
+    }
+    assert!(seen > 50, "only {seen} thresholds were found");
 }
 
 #[test]

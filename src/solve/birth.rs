@@ -16,16 +16,12 @@ use super::contact::LANES;
 use super::contact_block::ContactBlock;
 use crate::balance::{LoadedPoint, balance};
 use crate::room::{extend_tightly, make_room};
+use crate::tuning::stacks::MAX_REST_SPEED;
+use crate::tuning::support::MIN_RISE;
 use crate::workers::Workers;
 use ground::Ground;
 
 mod ground;
-
-/// Least cosine between a contact's normal and the vertical for it to support.
-const MIN_SUPPORT_COSINE: f32 = 0.3;
-
-/// Relative normal speed above which a contact is an impact (m/s).
-const MAX_REST_SPEED: f32 = 0.05;
 
 /// Blocks that are worth another thread's while: some 5 µs.
 const LEAST_BLOCKS: usize = 64;
@@ -253,7 +249,7 @@ impl Support {
     fn of(batch: &Batch, block: &ContactBlock, lane: usize, up: Vec3, closable_speed: f32) -> Option<Self> {
         let normal = block.normal_of(lane);
         let rise = normal.dot(up);
-        if !block.is_movable(lane) || rise.abs() < MIN_SUPPORT_COSINE {
+        if !block.is_movable(lane) || rise.abs() < MIN_RISE {
             return None;
         }
         let (a, b) = (block.a[lane], block.b[lane]);

@@ -38,26 +38,12 @@ use super::contact_pieces::Run;
 use super::crew;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::room::resize;
+use crate::tuning::stacks::{MIN_LEVELS, SIDEWAYS_TIME, WORTHWHILE_SHARE};
+pub(crate) use crate::tuning::stacks::{STEADY_STEPS, YOUNG_STEPS};
 use crate::workers::Workers;
 use changes::LaneChanges;
 use order::Order;
 use stack::{NO_PLACE, Stacks};
-
-/// Least number of storeys for which the pass is worth its time.
-const MIN_STOREYS: u32 = 3;
-
-/// Speed across gravity above which an island is left to the sweeps, as the time in which gravity would give it (s).
-const SIDEWAYS_TIME: f32 = 0.05;
-
-/// Age up to which a body is being put where it is (steps).
-pub(crate) const YOUNG_STEPS: u8 = 240;
-
-/// Steps for which nothing in an island may have moved so fast: no less than what is thrown is young.
-pub(crate) const STEADY_STEPS: u8 = 240;
-
-/// Least energy that the pass must take out of an island, as a share of what gravity puts into it in a substep: the sweeps do as well
-/// with less, and leave a stack that is loaded already as it is.
-const WORTHWHILE_SHARE: f64 = 1.0e-6;
 
 /// The stacks of a batch, and buffers.
 #[derive(Debug, Default)]
@@ -128,7 +114,7 @@ impl Island {
     }
 
     fn is_useful(&self) -> bool {
-        self.may_be_useful() && self.storeys >= MIN_STOREYS
+        self.may_be_useful() && self.storeys >= MIN_LEVELS
     }
 
     /// Share of the changes at which the energy is least; written so that what is not a number changes nothing.

@@ -28,13 +28,11 @@ use super::momentum::FreeIslands;
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::room::resize;
+use crate::tuning::energy::TORN;
 use crate::workers::Workers;
 
 /// Growth of kinetic energy by the sweeps of a substep that is let be, as a share of it: rounding of `f32`.
 const LET_BE: f64 = 1.0e-6;
-
-/// Growth of kinetic energy by the sweeps of a substep beyond which their multipliers are worth nothing.
-const TORN: f64 = 1.0e3;
 
 /// An island whose joints and bounds give no energy but by motors: a range of slots.
 #[derive(Debug, Clone, Copy)]

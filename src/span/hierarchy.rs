@@ -22,6 +22,7 @@ use super::load::{LoadPaths, NodeId};
 use super::part::Part;
 use super::weight::Weight;
 use super::{Bound, BoundKind, InnerJoint, JointSide};
+use crate::tuning::bounds::{LEAST_SPAN, LEAST_SPAN_OF_BENT, LONG_EDGE, LONG_LINE};
 
 /// Heavy bodies to which an end of a joint has edges of level 0, the nearest.
 const MAX_NEIGHBOURS: usize = 3;
@@ -46,19 +47,6 @@ struct Edge {
     /// Joints on it, from the first end to the second, each on the side that lies beyond; as a range.
     crossed: (u32, u32),
 }
-
-/// Joints that a bound must span in a long run or loop of heavy bodies alone, and from how many bodies on it is long: over fewer joints
-/// sweeps do as much, and bounds that are nearly taut pull at a loop whose joints gape.
-const LEAST_SPAN: u32 = 16;
-const LONG_LINE: usize = 64;
-
-/// Joints that a bound must span in a chain that hangs bent. Below four nothing is gained, and from sixteen on it stretches by more
-/// than a hundredth of a per cent (0.02 % of 100 links, picked up at an end).
-const LEAST_SPAN_OF_BENT: u32 = 8;
-
-/// Joints on an edge past light bodies beyond which these get a hierarchy of their own: what is strung over an obstacle is bounded
-/// by no straight line from end to end.
-const LONG_EDGE: u32 = 8;
 
 /// Adds the bounds of all levels, the coarsest first.
 pub(super) fn derive(part: &mut Part, weights: &[Weight], levels: Option<u32>) {

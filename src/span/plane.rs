@@ -14,16 +14,8 @@
 //!
 //! Paths end at what is fixed. One such end gives the plane; without any, the plane is free.
 
+use crate::tuning::planes::{LEAST_HINGES, LEVEL, PARALLEL};
 use glam::Vec3;
-
-/// Greatest angle between axes that count as parallel (rad): 0.02°, far above the rounding of joint frames.
-const PARALLEL: f32 = 3.5e-4;
-
-/// Greatest difference of heights around a loop, over its longest lever.
-const LEVEL: f32 = 1.0e-4;
-
-/// Fewest hinges of a chain: sweeps bring fewer into line by themselves.
-const LEAST_HINGES: usize = 3;
 
 /// One side of a hinge: its body, and axis and point there, from the centre of mass and in the body's axes.
 #[derive(Debug, Clone, Copy)]

@@ -5,13 +5,8 @@
 //! times the time of the sweeps they were to help (482 ms against 34 ms a step) and left gaps of 53 mm after a second, where sweeps
 //! alone with 64 substeps leave 16 mm in 189 ms. So a sheet has sweeps of its own instead (*solve/sheet.rs*).
 
-/// Joints for each moving body from which on a graph is a sheet: 1 in a chain or loop, 1.33 in a ladder, 1.43 in a rope bridge of 112
-/// planks, 1.5 in a truss of bars in triangles, 2 in a square net; but 2 as well in a narrow footbridge whose planks are tied to both
-/// pieces of each rope.
-const SHEET: f32 = 1.75;
-
-/// Bodies below which a sheet is like any other graph: its bounds are few, and it may be a footbridge.
-pub(crate) const LEAST_BODIES: usize = 400;
+pub(crate) use crate::tuning::sheets::LEAST_BODIES;
+use crate::tuning::sheets::SHEET;
 
 /// Whether a part of so many joints and moving bodies is a sheet.
 pub(crate) fn is_sheet(joints: usize, bodies: usize) -> bool {

@@ -1,13 +1,7 @@
 //! Which bodies bounds are for: those whose weight stretches a structure.
 
 use super::graph::Graph;
-
-/// Share of the greatest mass of connected bodies from which on a body is heavy.
-const HEAVY_SHARE: f32 = 0.1;
-
-/// Share of the mass of all connected bodies from which on one of them keeps a chain straight that it hangs on, even where it swings:
-/// 270 kg on 30 links of 1 kg.
-const STRAIGHTENING_SHARE: f32 = 0.9;
+use crate::tuning::bounds::{HEAVY_SHARE, STRAIGHTENING_SHARE};
 
 /// Connected bodies, by how they are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

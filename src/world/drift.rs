@@ -23,37 +23,10 @@ use crate::body::{Body, Drift, SleepState};
 use crate::joint::{Axis, Joint, JointKind, Motor, Softness, SphericalMotor};
 use crate::settings::SleepSettings;
 use crate::solve::joint::{gap_of, placement_of};
-
-/// Time over which a drift is averaged (s): some steps at 30 Hz, and a fifth of the time for which bodies must be quiet, after which a
-/// motion that has ended has left no trace in it.
-const DRIFT_TIME: f32 = 0.1;
-
-/// Drift of a body that goes somewhere, over the speed below which it is quiet. One that hangs freely turns back at most 4 mrad askew: gravity
-/// would take it past this drift within an eighth of a second.
-const CREEP_SHARE: f32 = 0.1;
-
-/// The same of a body that touches something: friction holds it where it lies. Of heaps of boxes at 30, 60 and 240 Hz all but one sleep as
-/// soon with a fifth; that one slips on for 5 s more at a fifth, and 0.7 s at this, of the 5 s that it takes by speeds alone.
-const TOUCHING_CREEP_SHARE: f32 = 0.5;
-
-/// Share of the time for which bodies must be quiet that counts where something creeps, or a joint is at work: the rest of it has to pass
-/// without either.
-pub(super) const WATCHED_AGAIN: f32 = 0.5;
-
-/// Rate of a joint that follows its velocity motor, over its target.
-const FOLLOWED_SHARE: f32 = 0.1;
-
-/// What may be left between a joint and the balance of its motor or spring (m, rad).
-const ARRIVED: [f32; 2] = [1.0e-4, 1.0e-3];
-
-/// Time that a rigid position motor may take for what is left at its present rate (s): it has none of its own.
-const RIGID_TIME: f32 = 1.0;
-
-/// Longest time that is reckoned with (s): beyond it the rate is lost in rounding.
-const MOST_TIME: f32 = 30.0;
-
-/// Longest time for which a spring is watched (s). Softer ones bear so little that whatever they touch holds them.
-const MOST_WATCHED: f32 = 10.0;
+pub(super) use crate::tuning::drift::WATCHED_AGAIN;
+use crate::tuning::drift::{
+    ARRIVED, CREEP_SHARE, DRIFT_TIME, FOLLOWED_SHARE, MOST_TIME, MOST_WATCHED, RIGID_TIME, TOUCHING_CREEP_SHARE,
+};
 
 impl Drift {
     /// Follows a body that moves from one pose to another in a step of `dt` (s); from nothing, if it has just become quiet.

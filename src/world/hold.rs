@@ -21,24 +21,9 @@ use super::census::Known;
 use super::support::{Frame, Site, kind_of};
 use crate::body::BodyKind;
 use crate::span::support::{Graph, hull};
+use crate::tuning::hold::{CALM_SHARE, CALM_STEPS, MARGIN_SHARE, OVERLAP_SHARE, STILL_STEPS};
 pub(crate) use units::{HeldBody, HeldUnit};
 use units::{UNIT_CALM_SHARE, Units};
-
-/// Steps for which all bodies of an island must be calm where every one of them is supported.
-const CALM_STEPS: u8 = 30;
-
-/// Steps after which it is enough that every contact below them holds: stones of an arch, a ball in a dent. What is out of balance
-/// would have left by then: a box on its edge doubles its lean every tenth of a second.
-const STILL_STEPS: u8 = 150;
-
-/// Speed below which a body is calm, as a share of what gravity adds in a step.
-const CALM_SHARE: f32 = 1.0e-2;
-
-/// Share of its hull's reach by which a body's centre of mass must lie inside it.
-const MARGIN_SHARE: f32 = 1.0e-2;
-
-/// Overlap of two shapes, over the smaller one's least extent, with which neither is held: it must be recovered first.
-const OVERLAP_SHARE: f32 = 1.0e-3;
 
 /// Buffers of the stage.
 #[derive(Debug, Default)]

@@ -18,22 +18,11 @@ use glam::Vec3;
 
 use super::World;
 use crate::body::Body;
+use crate::tuning::stride::{SMOOTH_OVERLAP, SMOOTH_SHARE, SMOOTH_STEPS, SMOOTH_TURN};
 
 /// Substeps that a smooth island takes at once, and the least that a world must have for that.
 const STRIDE: u32 = 2;
 const LEAST_SUBSTEPS: u32 = 4;
-
-/// Steps for which an island must have been smooth.
-const SMOOTH_STEPS: u8 = 10;
-
-/// Change of velocity in a step, over what gravity adds.
-const SMOOTH_SHARE: f32 = 0.05;
-
-/// Rotation in a step (rad).
-const SMOOTH_TURN: f32 = 0.02;
-
-/// Overlap (m).
-const SMOOTH_OVERLAP: f32 = 2.0e-4;
 
 /// What a smooth body may do in a step.
 #[derive(Debug, Clone, Copy)]

@@ -21,13 +21,11 @@ use crate::collide::pairs::Word;
 use crate::joint::{Axis, Joint, JointKind, Motor};
 use crate::span::support::verdict::SupportChange;
 use crate::span::support::{Graph, Node, NodeKind};
+use crate::tuning::support::GAIN_STEPS;
 use look::TURNED;
 use record::{Record, Seen};
 pub(super) use site::{Frame, Site, told_by};
 use thrust::Thrust;
-
-/// Steps for which a body must be supported before that is an event: contacts come and go while something settles.
-const GAIN_STEPS: u8 = 6;
 
 /// The analysis of a world, and what it was made from.
 #[derive(Debug, Default)]

@@ -34,17 +34,12 @@ use super::contact::LANES;
 use super::passive::PassiveIslands;
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
+use crate::tuning::energy::{AFRESH, TORN};
 use crate::workers::Workers;
 use afresh::Afresh;
 
 /// Growth of kinetic energy by the sweeps of a substep that is let be, as a share of it: rounding of `f32`.
 const LET_BE: f64 = 1.0e-4;
-
-/// Kinetic energy after the sweeps of a substep, over that before, from which they are done once more without what was carried.
-const AFRESH: f64 = 1.1;
-
-/// The same, from which sweeps joint by joint have torn an island, and what they have done is given up.
-const TORN: f64 = 1.0e3;
 
 /// What is in no island that is watched.
 const NOBODY: u32 = u32::MAX;

@@ -25,13 +25,11 @@ mod level;
 pub(crate) mod slip;
 pub(crate) mod verdict;
 
+use crate::tuning::support::EDGE_SHARE;
 use glam::Vec2;
 
 /// Points of a link.
 pub(crate) const POINTS: usize = 4;
-
-/// Share of a hull's reach that the centre of mass must lie inside it: a body balanced on an edge is not supported.
-const EDGE_SHARE: f32 = 1.0e-3;
 
 /// What a body is to the graph.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -3,19 +3,10 @@
 //! The paper asks for |f_t| < μ f_n. A multiplier at its limit is not enough to tell: internal stress saturates contacts that do
 //! not move at all. So a contact slides if its friction is at the limit *and* it slips; it holds again when the slip is gone.
 
-/// Slip above which a contact at its limit slides (m/s): what one per cent more than friction holds gives in one step of 1/60 s.
-const SLIDING_SPEED: f32 = 5.0e-4;
-
-/// Slip below which a contact that slid holds again (m/s).
-const HOLDING_SPEED: f32 = 1.0e-4;
-
-/// Relative speed above which two bodies do not rest on each other, whatever friction does (m/s), and below which they may again.
-const LEAVING_SPEED: f32 = 0.1;
-const RESTING_SPEED: f32 = 0.05;
-
 use glam::Vec3;
 
 use crate::contact::told::{Limits, Told};
+use crate::tuning::support::{HOLDING_SPEED, LEAVING_SPEED, RESTING_SPEED, SLIDING_SPEED};
 
 /// The solver's word on a manifold.
 #[derive(Debug, Clone, Copy)]

@@ -24,32 +24,18 @@ use crate::collide::pairs::WorldManifold;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::settings::Solver;
+pub(super) use crate::tuning::units::UNIT_CALM_SHARE;
+use crate::tuning::units::{AGAIN_STEPS, BLOW_SHARE, CALM_STEPS, LOAD_SHARE, OVERLAP_SHARE};
 use crate::world::World;
 use crate::world::group::{JointHead, NO_BODY};
 use crate::world::index::Marks;
 use crate::world::touches::Touch;
-
-/// Speed below which a body with joints is calm, as a share of what gravity adds in a step.
-pub(super) const UNIT_CALM_SHARE: f32 = 3.0e-2;
-
-/// Steps for which bodies must be calm: at first, and where another load has ended a hold.
-const CALM_STEPS: u8 = 10;
-const AGAIN_STEPS: u8 = 3;
 
 /// Steps between two looks for units that are calm.
 const LOOK_STEPS: u64 = 4;
 
 /// Bodies that a unit may have.
 const MOST_BODIES: usize = 64;
-
-/// Change of the load of a body, over what it bears and weighs.
-const LOAD_SHARE: f32 = 0.15;
-
-/// Momentum of a body beside it, over what gravity gives the unit in a step.
-const BLOW_SHARE: f32 = 0.2;
-
-/// Overlap of two shapes, over the smaller one's least extent, with which neither is held.
-const OVERLAP_SHARE: f32 = 0.01;
 
 /// A body of a unit that is held.
 #[derive(Debug, Clone, Copy, PartialEq)]

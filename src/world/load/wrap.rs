@@ -3,19 +3,14 @@
 use super::Records;
 use crate::solve::batch::{Batch, JointEnd};
 use crate::solve::wrap::{Waypoint, WrapEntry};
-
-/// Joints on the path of a bound from which on it may be wrapped.
-const LEAST_JOINTS: u32 = 8;
-
-/// Share of its length from which on a bound is taken as straight: rows along and across the line do more then.
-const STRAIGHT_SHARE: f32 = 0.99;
+use crate::tuning::bounds::{LEAST_WRAPPED, STRAIGHT_SHARE};
 
 impl Records<'_> {
     /// Notes what of the batch touches something fixed, or is no farther from it than gravity closes within the step, if any bound may
     /// be wrapped.
     pub(super) fn find_touches(&self, batch: &mut Batch) {
         let inner = |&slot: &u32| self.bounds[slot as usize].bound.inner;
-        if batch.bound_slots.iter().map(inner).any(|(first, end)| end - first >= LEAST_JOINTS) {
+        if batch.bound_slots.iter().map(inner).any(|(first, end)| end - first >= LEAST_WRAPPED) {
             let reach = self.gravity.length() * self.dt * self.dt;
             batch.wraps.find_touches(&batch.contacts, &batch.motions, reach);
         }
@@ -26,7 +21,7 @@ impl Records<'_> {
         let record = &self.bounds[slot as usize];
         let (first, end) = record.bound.inner;
         let gives = || super::World::bound_give(self.long_range, record)[0].compliance > 0.0;
-        if !batch.wraps.has_touches() || end - first < LEAST_JOINTS || gives() {
+        if !batch.wraps.has_touches() || end - first < LEAST_WRAPPED || gives() {
             return false;
         }
         let [a, b] = [near, far].map(|end| end.origin + (batch.motions[end.slot as usize].rotation * end.lever).as_dvec3());

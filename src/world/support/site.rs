@@ -6,20 +6,16 @@ use crate::body::Body;
 use crate::collide::carried::{Carried, touching};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::{Pair, WorldManifold};
+use crate::contact::told::Limits;
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::solve::contact::tangents;
-use crate::contact::told::Limits;
 use crate::span::support::Link;
 use crate::span::support::slip::Slip;
+use crate::tuning::support::EXHAUSTED_SHARE;
+pub(super) use crate::tuning::support::MIN_RISE;
 
 /// Rotation of a body after which its links are made anew (rad), and shift of a link's points that counts, over the lesser extent.
 pub(super) const TURN: f32 = 1.0e-3;
-
-/// Share of its limit at which friction counts as exhausted.
-const EXHAUSTED_SHARE: f32 = 0.99;
-
-/// Least cosine between a contact's normal and the vertical for one body to stand on the other.
-pub(super) const MIN_RISE: f32 = 0.3;
 
 /// Up, and two axes across it.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -31,16 +31,8 @@ use crate::collide::pairs::{PairKey, WorldManifold};
 use crate::solve::contact::ContactImpulses;
 use crate::span::support::cone::{Carriers, Touch, carriers};
 use crate::span::support::{Graph, Node, NodeKind};
+use crate::tuning::thrust::{QUIET_TIME, SPREAD_SHARE, UNBALANCED_SHARE};
 use crate::world::World;
-
-/// Share of its weight that the pushes on a braced unit may leave unbalanced.
-const UNBALANCED_SHARE: f32 = 0.05;
-
-/// A body is quiet if it is slower than what gravity gives it in this time (s): what has just been put together still settles.
-const QUIET_TIME: f32 = 0.01;
-
-/// Least spread of the points that push a unit, across the line along which they spread most, over its reach: about a line it tips.
-const SPREAD_SHARE: f32 = 1.0e-2;
 
 /// Bodies that stand by thrust, and what it takes to tell.
 #[derive(Debug, Default)]
