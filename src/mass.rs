@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3, Quat, Vec3};
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::hull::weight::{Weight, principal_axes};
-use crate::shape::{LocalPose, ShapeDef};
+use crate::shape::geometry::LocalPose;
 
 /// Least and greatest mass of a dynamic body (kg).
 pub const MASS_RANGE: (f32, f32) = (1.0e-9, 1.0e12);
@@ -92,47 +92,12 @@ impl MassProperties {
     }
 }
 
-fn checked_mass(argument: &'static str, mass: f32) -> Result<f32> {
+pub(crate) fn checked_mass(argument: &'static str, mass: f32) -> Result<f32> {
     let mass = check::positive(argument, mass)?;
     if mass < MASS_RANGE.0 || mass > MASS_RANGE.1 {
         return Err(Error::new(ErrorKind::OutOfRange, argument, "must be between 1e-9 and 1e12 kg"));
     }
     Ok(mass)
-}
-
-/// Mass properties of a dynamic body with these shapes.
-pub(crate) fn resolve(mass: Mass, shapes: &[ShapeDef]) -> Result<MassProperties> {
-    match mass {
-        Mass::Properties(properties) => properties.checked(),
-        Mass::FromShapes => {
-            let combined = of_shapes(shapes)?;
-            checked_mass("density", combined.mass)?;
-            combined.checked().map_err(too_thin)
-        }
-        Mass::Total(total) => {
-            checked_mass("mass", total)?;
-            let combined = of_shapes(shapes)?;
-            combined.scaled(total / combined.mass).checked().map_err(too_thin)
-        }
-    }
-}
-
-/// The host gave shapes, not moments of inertia: what is wrong with those is wrong with the shapes.
-fn too_thin(error: Error) -> Error {
-    Error::new(error.kind, "shapes", "are too small or too thin: a moment of inertia cannot be inverted")
-}
-
-fn of_shapes(shapes: &[ShapeDef]) -> Result<MassProperties> {
-    let parts: Vec<MassProperties> = shapes
-        .iter()
-        .filter(|shape| shape.density > 0.0 && !shape.sensor)
-        .filter_map(|shape| Some(shape.shape.mass_properties(shape.density)?.placed(shape.local_pose)))
-        .collect();
-    combined(&parts).ok_or(Error::new(
-        ErrorKind::OutOfRange,
-        "mass",
-        "a dynamic body needs a shape with density, or mass and inertia of its own",
-    ))
 }
 
 /// Sum of the mass properties of some parts of a body (parallel axis theorem), diagonalised; none without mass.

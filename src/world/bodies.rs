@@ -8,9 +8,9 @@ use crate::body::{Anchored, Body, BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPE
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::BodyId;
-use crate::mass::{self, Mass};
+use crate::mass::Mass;
 use crate::pose::Pose;
-use crate::shape::ShapeDef;
+use crate::shape::{self, ShapeDef};
 
 impl World {
     /// Makes a body with its shapes.
@@ -19,7 +19,7 @@ impl World {
     /// Names the field of `def` at fault; the world is unchanged then.
     pub fn create_body(&mut self, def: &BodyDef) -> Result<BodyId> {
         let def = def.clone().checked()?;
-        let mass = if def.kind == BodyKind::Dynamic { Some(mass::resolve(def.mass, &def.shapes)?) } else { None };
+        let mass = if def.kind == BodyKind::Dynamic { Some(shape::resolve_mass(def.mass, &def.shapes)?) } else { None };
         if self.colliders.len() + def.shapes.len() > crate::id::MAX_OBJECTS {
             return Err(Error::new(ErrorKind::CapacityExceeded, "shapes", "the world holds no more shapes"));
         }
@@ -142,7 +142,7 @@ impl World {
         if !self.bodies[index].is_dynamic() {
             return Err(Error::new(ErrorKind::NotApplicable, "body", "only dynamic bodies have mass"));
         }
-        let resolved = mass::resolve(mass, &self.shape_defs(index))?;
+        let resolved = shape::resolve_mass(mass, &self.shape_defs(index))?;
         self.bodies[index].mass_source = mass;
         self.apply_mass(index, Some(resolved));
         Ok(())

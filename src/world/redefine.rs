@@ -8,10 +8,9 @@ use crate::body::BodyKind;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId, ShapeId};
 use crate::joint::JointDef;
-use crate::mass;
 use crate::pose::Pose;
 use crate::settings::{ArticulationSettings, SleepSettings, WorldDef};
-use crate::shape::ShapeDef;
+use crate::shape::{self, ShapeDef};
 
 impl World {
     /// The shape's definition as it is now.
@@ -38,7 +37,7 @@ impl World {
             if let Some(place) = self.bodies[index].shapes.iter().position(|&id| id == shape) {
                 defs[place] = def.clone();
             }
-            Some(mass::resolve(self.bodies[index].mass_source, &defs)?)
+            Some(shape::resolve_mass(self.bodies[index].mass_source, &defs)?)
         } else {
             None
         };
@@ -67,7 +66,7 @@ impl World {
         let mass = if kind == BodyKind::Dynamic {
             let defs = self.shape_defs(index);
             let defs = defs.into_iter().map(|def| def.checked(true)).collect::<Result<Vec<_>>>()?;
-            Some(mass::resolve(self.bodies[index].mass_source, &defs)?)
+            Some(shape::resolve_mass(self.bodies[index].mass_source, &defs)?)
         } else {
             self.check_joints_without(index)?;
             None

@@ -11,9 +11,8 @@ use crate::collide::collider::{Collider, own_margin};
 use crate::collide::pairs::PairKey;
 use crate::error::Result;
 use crate::id::{BodyId, ShapeId};
-use crate::mass;
 use crate::material::Material;
-use crate::shape::{CollisionFilter, ShapeDef};
+use crate::shape::{self, CollisionFilter, ShapeDef};
 
 impl World {
     /// Adds a shape to a body; the body's mass follows unless it was set outright.
@@ -27,7 +26,7 @@ impl World {
         let mass = if dynamic {
             let mut defs = self.shape_defs(index);
             defs.push(def.clone());
-            Some(mass::resolve(self.bodies[index].mass_source, &defs)?)
+            Some(shape::resolve_mass(self.bodies[index].mass_source, &defs)?)
         } else {
             None
         };
@@ -48,7 +47,7 @@ impl World {
         let mass = if self.bodies[index].is_dynamic() {
             let mut defs = self.shape_defs(index);
             defs.remove(self.bodies[index].shapes.iter().position(|&id| id == shape).unwrap_or(0));
-            Some(mass::resolve(self.bodies[index].mass_source, &defs)?)
+            Some(shape::resolve_mass(self.bodies[index].mass_source, &defs)?)
         } else {
             None
         };

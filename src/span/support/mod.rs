@@ -25,8 +25,9 @@ mod level;
 pub(crate) mod slip;
 pub(crate) mod verdict;
 
-use crate::tuning::support::EDGE_SHARE;
 use glam::Vec2;
+
+use crate::tuning::support::EDGE_SHARE;
 
 /// Points of a link.
 pub(crate) const POINTS: usize = 4;
