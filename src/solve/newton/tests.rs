@@ -80,8 +80,9 @@ fn ten_tonnes_stand_on_a_kilogram_by_one_factorisation() {
         // A bristle of a thousandth of a metre a second bears the whole load the first time.
         let slowest = if is_warm { 1.0e-9 } else { 2.0e-3 };
         assert!(fastest < slowest, "{fastest} m/s, warm: {is_warm}");
-        let found = normals(&problem, 5);
-        assert!((found / weights[1] - 1.0).abs() < 1.0e-3, "{found} N s bear {}", weights[1]);
+        // What is left to the next substep is a thousandth of a metre a second of what a substep falls by.
+        let (found, most) = (normals(&problem, 5), if is_warm { 1.0e-6 } else { 1.0e-3 / FALL });
+        assert!((found / weights[1] - 1.0).abs() < most, "{found} N s bear {}, warm: {is_warm}", weights[1]);
     }
 }
 
@@ -144,7 +145,8 @@ fn joints_bear_what_hangs_on_them() {
     for (number, link) in problem.links.iter().enumerate() {
         let expected = masses[number..].iter().sum::<f64>() * FALL;
         let found = link.impulse[1];
-        assert!((found / expected - 1.0).abs() < 1.0e-6, "joint {number} bears {found} N s of {expected}");
+        // ε of a row is a billionth of what answers of it with its own two bodies; of the row it is 1e3 times that, here five times over.
+        assert!((found / expected - 1.0).abs() < 2.0e-5, "joint {number} bears {found} N s of {expected}");
     }
 }
 
