@@ -5,7 +5,6 @@
 
 use std::ffi::CStr;
 use std::sync::Arc;
-use std::time::Instant;
 
 use crate::body::Body;
 use crate::check;
@@ -17,6 +16,7 @@ use crate::error::Result;
 use crate::id::{BodyId, JointId, Pool, ShapeId, WorldTag};
 use crate::island::{SleepingIslands, UnionFind};
 use crate::joint::Joint;
+use crate::platform::Moment;
 use crate::report::{Events, StepReport};
 use crate::settings::WorldDef;
 use crate::solve::batch::Batch;
@@ -340,8 +340,8 @@ pub trait Profiler: Send + Sync {
 
 /// Wall time of the stages of a step, and their zones.
 struct Clock {
-    start: Instant,
-    last: Instant,
+    start: Moment,
+    last: Moment,
     profiler: Option<Arc<dyn Profiler>>,
     inner: Option<&'static CStr>,
 }
@@ -353,7 +353,7 @@ impl Clock {
         if let Some(profiler) = &profiler {
             profiler.begin(Self::STEP);
         }
-        let now = Instant::now();
+        let now = Moment::now();
         Self { start: now, last: now, profiler, inner: None }
     }
 
@@ -373,14 +373,14 @@ impl Clock {
     }
 
     fn lap(&mut self) -> f32 {
-        let now = Instant::now();
-        let lap = now - self.last;
+        let now = Moment::now();
+        let lap = now.since(self.last);
         self.last = now;
         lap.as_secs_f32()
     }
 
     fn total(&self) -> f32 {
-        (self.last - self.start).as_secs_f32()
+        self.last.since(self.start).as_secs_f32()
     }
 }
 

@@ -31,7 +31,7 @@ pub(crate) struct Hosted {
     pub fracture_handlers: FractureHandlers,
     pub callbacks: LsCallbacks,
     /// Who publishes its steps to other processes.
-    #[cfg(feature = "stream")]
+    #[cfg(streams)]
     pub streams: crate::stream_host::Streams,
 }
 
@@ -50,7 +50,7 @@ impl WorldCell {
             overload_handler: None,
             fracture_handlers: FractureHandlers::default(),
             callbacks: LsCallbacks::default(),
-            #[cfg(feature = "stream")]
+            #[cfg(streams)]
             streams: Default::default(),
         };
         Self { hosted: RwLock::new(Some(hosted)), callbacks: CallbackThread::default(), poisoned: AtomicBool::new(false) }

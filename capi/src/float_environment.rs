@@ -7,59 +7,7 @@
 use std::cell::Cell;
 use std::marker::PhantomData;
 
-#[cfg(target_arch = "x86_64")]
-mod control {
-    use std::arch::asm;
-
-    pub(super) type Word = u32;
-
-    /// MXCSR after reset: round to nearest, all exceptions masked, no flags, denormals kept.
-    pub(super) const DEFAULT: Word = 0x1F80;
-
-    pub(super) fn get() -> Word {
-        let mut word: Word = 0;
-        // SAFETY: stores MXCSR in `word`, which is large enough and aligned.
-        unsafe { asm!("stmxcsr [{}]", in(reg) &raw mut word, options(nostack, preserves_flags)) };
-        word
-    }
-
-    pub(super) fn set(word: Word) {
-        // SAFETY: `word` is the default or was read from MXCSR, so it sets no reserved bit. Settings other than the default
-        // are in force only while host code runs, or while nothing is computed.
-        unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const word, options(nostack, preserves_flags)) };
-    }
-}
-
-#[cfg(target_arch = "aarch64")]
-mod control {
-    use std::arch::asm;
-
-    pub(super) type Word = u64;
-
-    /// FPCR: round to nearest, no traps, denormals kept.
-    pub(super) const DEFAULT: Word = 0;
-
-    pub(super) fn get() -> Word {
-        let word: Word;
-        // SAFETY: reads a register that any program may read.
-        unsafe { asm!("mrs {}, fpcr", out(reg) word, options(nomem, nostack, preserves_flags)) };
-        word
-    }
-
-    pub(super) fn set(word: Word) {
-        // SAFETY: `word` is the default or was read from FPCR. Settings other than the default are in force only while host
-        // code runs, or while nothing is computed.
-        unsafe { asm!("msr fpcr, {}", in(reg) word, options(nostack, preserves_flags)) };
-    }
-}
-
-#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
-mod control {
-    pub(super) type Word = ();
-    pub(super) const DEFAULT: Word = ();
-    pub(super) fn get() -> Word {}
-    pub(super) fn set(_: Word) {}
-}
+use crate::platform::control;
 
 thread_local! {
     /// Settings of the host code that the library was entered from last.

@@ -79,13 +79,14 @@ mod boundary;
 mod callback;
 mod enums;
 mod float_environment;
+mod platform;
 mod pointer;
 mod published;
 mod registry;
 mod sized;
-#[cfg(feature = "stream")]
+#[cfg(streams)]
 mod stream_host;
-#[cfg(feature = "stream")]
+#[cfg(streams)]
 mod stream_reading;
 
 #[cfg(test)]

@@ -17,9 +17,9 @@ pub(crate) fn unsupported() -> Failure {
 /// The body of an export that is there only with the feature.
 macro_rules! streaming {
     ($name:literal, [$($argument:ident),*], $work:expr) => {{
-        #[cfg(feature = "stream")]
+        #[cfg(streams)]
         let result = call($name, || $work);
-        #[cfg(not(feature = "stream"))]
+        #[cfg(not(streams))]
         let result = {
             let _ = ($($argument),*);
             call($name, || Err($crate::stream::unsupported()))
@@ -29,7 +29,7 @@ macro_rules! streaming {
 }
 pub(crate) use streaming;
 
-#[cfg(feature = "stream")]
+#[cfg(streams)]
 use crate::{
     pointer::{Buffer, Out, host},
     sized::{self, SizedOut},

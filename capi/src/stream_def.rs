@@ -1,6 +1,6 @@
 //! What a stream and a reader of one start with, and what they say of themselves.
 
-#![cfg_attr(not(feature = "stream"), allow(dead_code, reason = "hosts read these; the library does with the feature alone"))]
+#![cfg_attr(not(streams), allow(dead_code, reason = "hosts read these; the library does with the feature alone"))]
 
 use std::ffi::c_char;
 use std::ptr;

@@ -12,7 +12,7 @@ use crate::result::LsResult;
 use crate::stream::streaming;
 use crate::stream_def::{LsStreamPoll, LsStreamReader, LsStreamReaderDef, LsStreamRecording};
 
-#[cfg(feature = "stream")]
+#[cfg(streams)]
 use crate::{
     pointer::{Out, host},
     sized::{self, SizedOut},

@@ -44,7 +44,7 @@ pub extern "C" fn ls_world_step(world: LsWorld, dt: f32) -> LsResult {
         let step = |hosted: &mut Hosted| {
             hosted.world.step(dt)?;
             hosted.published.expire();
-            #[cfg(feature = "stream")]
+            #[cfg(streams)]
             hosted.streams.publish(&hosted.world);
             Ok(())
         };

@@ -91,7 +91,7 @@ pub(crate) fn add_mobile(scene: &mut Scene, levels: usize, weight: f32) -> Resul
             let tips = [middle + along * reach, middle - along * reach];
             let bar = scene.body(filtered(rod(tips[0], tips[1], RADIUS, LIGHT)?, INTANGIBLE));
             let joint = scene.tie(rod_below.body, bar, rod_below.tip);
-            let length = PIVOT.hypot(reach);
+            let length = libm::hypot(PIVOT, reach);
             next.extend(tips.map(|tip| Held { body: bar, tip, path: rod_below.longer(joint, length) }));
         }
         ends = next;

@@ -54,8 +54,8 @@ impl HalfPath {
     fn new(height: f64) -> Self {
         let middle = DVec2::new(0.0, height);
         let to_middle = middle - DVec2::new(DRUM_X, 0.0);
-        let seen_at = to_middle.y.atan2(to_middle.x).rem_euclid(std::f64::consts::TAU);
-        Self { middle, touch: seen_at - (PATH_RADIUS / to_middle.length()).acos() }
+        let seen_at = libm::atan2(to_middle.y, to_middle.x).rem_euclid(std::f64::consts::TAU);
+        Self { middle, touch: seen_at - libm::acos(PATH_RADIUS / to_middle.length()) }
     }
 
     fn on_arc(angle: f64) -> DVec2 {

@@ -32,7 +32,7 @@ fn lengths(params: &mut Params, n: usize) -> Result<Vec<f32>, SceneError> {
     let is_mixed = params.word("links", &["even", "mixed"])? == "mixed";
     // Multiples of the golden ratio fill the unit interval evenly.
     let share = |index: usize| (index as f64 * 0.618_034).fract();
-    let length = |index: usize| if is_mixed { PITCH * 10.0_f64.powf(share(index) - 0.5) as f32 } else { PITCH };
+    let length = |index: usize| if is_mixed { PITCH * libm::pow(10.0, share(index) - 0.5) as f32 } else { PITCH };
     Ok((0..n).map(length).collect())
 }
 

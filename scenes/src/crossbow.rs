@@ -80,8 +80,8 @@ fn add_limb(scene: &mut Scene, riser: usize, side: f64, is_sprung: bool) -> Resu
     let kind = JointKind::Hinge { limits: Limits::new(0.0, straight), motor };
     for index in 0..LIMB_LINKS {
         let bend = (BEND_DEG * (index + 1) as f64).to_radians();
-        let along = DVec3::new(-bend.sin(), 0.0, side * bend.cos());
-        let turn = DQuat::from_rotation_y((-along.z).atan2(along.x)).as_quat();
+        let along = DVec3::new(-libm::sin(bend), 0.0, side * libm::cos(bend));
+        let turn = DQuat::from_rotation_y(libm::atan2(-along.z, along.x)).as_quat();
         let pose = Pose::at(foot + 0.5 * LINK * along).rotated(turn);
         let link = scene.body(filtered(solid(pose, cuboid(0.05, 0.015, 0.01)?, 0.3), INTANGIBLE));
         scene.hinge(held, link, kind, foot, DVec3::Y * side);

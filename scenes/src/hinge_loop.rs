@@ -25,7 +25,7 @@ pub(crate) fn hinge_loop(params: &mut Params) -> Result<Scene, SceneError> {
     let raise = if params.switch("offset", true)? { RAISE } else { 0.0 };
     let mut scene = start_in(weightless(), params, 2.0)?;
 
-    let corner_radius = 0.5 * LENGTH / (0.5 * TAU / count as f64).sin();
+    let corner_radius = 0.5 * LENGTH / libm::sin(0.5 * TAU / count as f64);
     let corner = |index: usize| corner_radius * DVec2::from_angle(TAU * index as f64 / count as f64);
     let is_between = |link: usize| link == count / 3 || link == 2 * count / 3;
     let height = |link: usize| match link {

@@ -41,7 +41,7 @@ fn no_static(params: &mut Params) -> Result<Scene, SceneError> {
     let n = params.count("n", 1000, 1..=1_000_000)?;
     let mut random = Random::new(params.seed()?);
     let mut scene = start_in(weightless(), params, 4.0)?;
-    let row = (n as f64).cbrt().ceil() as usize;
+    let row = libm::cbrt(n as f64).ceil() as usize;
     let solid = cuboid(0.25, 0.25, 0.25)?;
     for index in 0..n {
         let place = |part: usize| (part % row) as f64 * 0.8;

@@ -15,6 +15,7 @@
 mod against;
 mod arm;
 mod assemble;
+pub mod bits;
 mod branching;
 mod bridge;
 mod cable_car;
@@ -41,6 +42,7 @@ mod outcome;
 mod params;
 pub mod picture;
 mod pile;
+mod platform;
 mod ragdoll;
 mod random;
 pub mod reference;

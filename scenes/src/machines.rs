@@ -88,7 +88,7 @@ pub(crate) fn excavator(params: &mut Params) -> Result<Scene, SceneError> {
     let base = BodyDef::fixed(Pose::at(0.5 * root)).with_shape(cuboid(0.5, 0.5, 0.5)?);
     let base = scene.body(filtered(base, MACHINE));
     let rates = [6.0, 2.0, -8.0].map(f64::to_radians);
-    let along = |degrees: f64| DVec3::new(degrees.to_radians().cos(), degrees.to_radians().sin(), 0.0);
+    let along = |degrees: f64| DVec3::new(libm::cos(degrees.to_radians()), libm::sin(degrees.to_radians()), 0.0);
 
     let (elbow, wrist) = (root + 3.0 * along(BOOM_DEG), root + 3.0 * along(BOOM_DEG) + 2.0 * along(STICK_DEG));
     let beam = |from: DVec3, to: DVec3, mass: f32| -> Result<BodyDef, SceneError> {

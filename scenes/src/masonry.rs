@@ -29,7 +29,7 @@ pub(crate) fn arch(params: &mut Params) -> Result<Scene, SceneError> {
 
 /// The wedge between two angles from the x axis; its frame lies at mid-thickness.
 fn voussoir(from: f32, to: f32, friction: f32) -> Result<BodyDef, SceneError> {
-    let radial = |angle: f32, radius: f32| radius * Vec3::new(angle.cos(), angle.sin(), 0.0);
+    let radial = |angle: f32, radius: f32| radius * Vec3::new(libm::cosf(angle), libm::sinf(angle), 0.0);
     let middle = radial(0.5 * (from + to), 0.5 * (ARCH_INNER + ARCH_OUTER));
     let mut points = Vec::new();
     for angle in [from, to] {
@@ -59,7 +59,7 @@ pub(crate) fn card_house(params: &mut Params) -> Result<Scene, SceneError> {
     let mut scene = start(params, 20.0)?;
     scene.body(floor(20.0, 0.0, friction)?);
 
-    let (sin, cos) = LEAN.sin_cos();
+    let (sin, cos) = libm::sincosf(LEAN);
     let half_width = CARD.x * cos + CARD.y * sin;
     let half_height = CARD.x * sin + CARD.y * cos;
     let pitch = 4.0 * half_width + FOOT_GAP;
@@ -111,7 +111,7 @@ pub(crate) fn wedge(params: &mut Params) -> Result<Scene, SceneError> {
         let points = corners.into_iter().flat_map(|(x, y)| [Vec3::new(x, y, -0.3), Vec3::new(x, y, 0.3)]).collect();
         Ok(ShapeDef { density: 2000.0, ..with_friction(shape(Geometry::ConvexHull { points })?, friction) })
     };
-    let face = |y: f32| 0.35 + (y - 0.3) * lean.tan();
+    let face = |y: f32| 0.35 + (y - 0.3) * libm::tanf(lean);
     for side in [-1.0, 1.0] {
         let flank = prism([(side * face(0.0), 0.0), (side * face(1.0), 1.0), (side * 1.8, 1.0), (side * 1.8, 0.0)])?;
         let block = if free { BodyDef::dynamic(Pose::default()) } else { BodyDef::fixed(Pose::default()) };

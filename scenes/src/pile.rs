@@ -21,7 +21,7 @@ pub(crate) fn pile(params: &mut Params) -> Result<Scene, SceneError> {
     let mut scene = start(params, 8.0)?;
     scene.window = scene.steps.saturating_sub(120)..scene.steps;
 
-    let half_width = 3.2 * (n as f64 / 1000.0).cbrt();
+    let half_width = 3.2 * libm::cbrt(n as f64 / 1000.0);
     let row = ((2.0 * half_width / PITCH) as usize).max(1);
     let layers = n.div_ceil(row * row);
     let height = PITCH * layers as f64 + 4.0;

@@ -30,7 +30,7 @@ impl Random {
 
     /// Uniform in the logarithm.
     pub fn log_between(&mut self, min: f32, max: f32) -> f32 {
-        (f64::from(min) * (f64::from(max) / f64::from(min)).powf(self.unit())) as f32
+        (f64::from(min) * libm::pow(f64::from(max) / f64::from(min), self.unit())) as f32
     }
 
     /// Below `count`.
@@ -47,6 +47,7 @@ impl Random {
     pub fn rotation(&mut self) -> Quat {
         let (u, v, w) = (self.unit(), self.unit() * std::f64::consts::TAU, self.unit() * std::f64::consts::TAU);
         let (a, b) = ((1.0 - u).sqrt(), u.sqrt());
-        Quat::from_xyzw((a * v.sin()) as f32, (a * v.cos()) as f32, (b * w.sin()) as f32, (b * w.cos()) as f32).normalize()
+        let ((sin_v, cos_v), (sin_w, cos_w)) = (libm::sincos(v), libm::sincos(w));
+        Quat::from_xyzw((a * sin_v) as f32, (a * cos_v) as f32, (b * sin_w) as f32, (b * cos_w) as f32).normalize()
     }
 }

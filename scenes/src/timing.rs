@@ -1,11 +1,10 @@
 //! How long each step of a run takes, and what is told of it.
 
 use std::ops::Range;
-use std::time::{Duration, Instant};
-
-use cpu_time::ThreadTime;
+use std::time::Duration;
 
 use crate::engine::Engine;
+use crate::platform;
 use crate::run::{RunError, Stage};
 use crate::scene::Scene;
 use crate::shifted::Shifted;
@@ -71,15 +70,7 @@ pub fn time(scene: &Scene, engine: &mut dyn Engine, threads: usize, between: &mu
 }
 
 fn timed(threads: usize, step: impl FnOnce()) -> Duration {
-    if threads == 1 {
-        let start = ThreadTime::now();
-        step();
-        start.elapsed()
-    } else {
-        let start = Instant::now();
-        step();
-        start.elapsed()
-    }
+    if threads == 1 { platform::thread_time_of(step) } else { platform::time_of(step) }
 }
 
 fn summary(scene: &Scene, bounds: &[f64], times: &[Duration]) -> Timing {

@@ -36,7 +36,7 @@ const WHEEL: CollisionFilter = CollisionFilter { member_of: 4, collides_with: 2 
 
 /// The hinges' path: the corners of two half polygons of 20 corners, joined by straights; clockwise as seen from +z.
 fn hinge_points(count: usize) -> Vec<DVec2> {
-    let radius = 0.5 * PITCH / (PI / TEETH as f64).sin();
+    let radius = 0.5 * PITCH / libm::sin(PI / TEETH as f64);
     let mut points = Vec::with_capacity(count);
     for index in 0..STRAIGHT {
         points.push(DVec2::new(-HALF_AXLES + PITCH * index as f64, radius));
@@ -56,7 +56,7 @@ pub(crate) fn track(params: &mut Params) -> Result<Scene, SceneError> {
     let step = params.number("step", STEP_HEIGHT, 0.0..=1.0)?;
     let mut scene = start(params, 20.0)?;
     let count = 2 * STRAIGHT + TEETH;
-    let height = 0.5 * PITCH / (PI / TEETH as f64).sin() + f64::from(PLATE_HALF.y) + 0.001;
+    let height = 0.5 * PITCH / libm::sin(PI / TEETH as f64) + f64::from(PLATE_HALF.y) + 0.001;
     let lift = DVec3::Y * height;
 
     let ground = with_friction(cuboid(60.0, 0.5, 5.0)?, 0.8);

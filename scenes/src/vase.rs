@@ -53,7 +53,7 @@ pub(crate) fn vase(params: &mut Params) -> Result<Scene, SceneError> {
     let mut pieces: Vec<(Pose, DVec3)> = Vec::new();
     for ring in 0..rings {
         let share = (ring as f64 + 0.5) / rings as f64;
-        let half = FILL * DVec3::new(HALF_WALL / FILL, 0.5 * ring_height, radius(share) * half_angle.tan());
+        let half = FILL * DVec3::new(HALF_WALL / FILL, 0.5 * ring_height, radius(share) * libm::tan(half_angle));
         for place in 0..around {
             let turn = tilt * DQuat::from_rotation_y(2.0 * half_angle * place as f64);
             let position = turn * (radius(share) * DVec3::X) + tilt * (share * HEIGHT * DVec3::Y);

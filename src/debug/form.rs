@@ -132,7 +132,7 @@ pub(crate) fn arc_from(
 ) {
     let count = ((to - from).abs() / std::f32::consts::TAU * CIRCLE as f32).ceil().max(1.0);
     let point = |i: f32| {
-        let (sin, cos) = (from + (to - from) * i / count).sin_cos();
+        let (sin, cos) = libm::sincosf(from + (to - from) * i / count);
         center + (u * cos + v * sin) * radius
     };
     (0..count as u32).for_each(|i| line(point(i as f32), point(i as f32 + 1.0)));

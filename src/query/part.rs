@@ -152,7 +152,7 @@ impl<'a> Part<'a> {
             Form::Point => 0.0,
             Form::Segment { half_height } => half_height,
             Form::Box { half_extents } => half_extents.length(),
-            Form::Cylinder { half_height, radius } | Form::Cone { half_height, radius } => half_height.hypot(radius),
+            Form::Cylinder { half_height, radius } | Form::Cone { half_height, radius } => libm::hypot(half_height, radius),
             Form::Hull(hull) => hull.reach(),
             Form::Triangle(corners) => corners.iter().map(|corner| corner.distance(self.place.origin)).fold(0.0, f64::max),
             Form::HalfSpace { .. } => f64::INFINITY,

@@ -12,20 +12,13 @@
 
 use glam::Vec3;
 
-use super::wide::{Wide, Wide3};
 pub(crate) use crate::contact::{ContactImpulses, POINTS, TOUCHED, tangents};
+pub(crate) use crate::lanes::wide::{LANES, Lane, Lane3};
+use crate::lanes::wide::{Wide, Wide3};
 use crate::material::PairMaterial;
-
-/// Manifolds in a block.
-pub(crate) const LANES: usize = 8;
 
 /// Share of its limit below which a friction multiplier is dropped before it becomes denormal.
 pub(crate) const NEGLIGIBLE_FRICTION: f32 = 1.0e-9;
-
-/// One number for each manifold of a block.
-pub(crate) type Lane = [f32; LANES];
-/// One vector for each manifold of a block: x, y, z.
-pub(crate) type Lane3 = [Lane; 3];
 
 /// A manifold as the solver takes it: world axes, levers from the centres of mass.
 #[derive(Debug, Clone, Copy, Default)]

@@ -4,9 +4,9 @@ use glam::{Mat3, Quat, Vec3, Vec4};
 
 use super::rotation::{self, MAX_TURN};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
-use super::wide::{Wide, Wide3};
 use super::wide_matrix::WideQuat;
 use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
+use crate::lanes::wide::{Wide, Wide3};
 
 /// Rotation since the last refresh, times the ratio of greatest to least inertia, after which the world inertia of an unjointed
 /// body is formed anew (rad). A needle's response along its axis leaks across it as it turns; left alone it gains energy.

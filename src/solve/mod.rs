@@ -19,7 +19,6 @@ mod contact_kernels;
 mod contact_pieces;
 mod crew;
 pub(crate) mod direct;
-mod dispatch;
 mod dissipative;
 mod exact;
 mod impact;
@@ -41,7 +40,6 @@ mod sheet;
 mod side;
 pub(crate) mod state;
 pub(crate) mod taut;
-mod wide;
 mod wide_matrix;
 pub(crate) mod wrap;
 

@@ -4,8 +4,8 @@ use super::contact::LANES;
 use super::integrate::Outlook;
 use super::shared::Slots;
 use super::state::{BodyMotion, BodyVelocity};
-use super::wide::{Wide, Wide3};
 use super::wide_matrix::{Wide6, WideQuat};
+use crate::lanes::wide::{Wide, Wide3};
 
 /// Velocities and inverse masses of one side of a block.
 pub(crate) struct Side<W> {

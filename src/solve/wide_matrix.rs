@@ -5,7 +5,7 @@ use std::ops::Add;
 use glam::Mat3;
 
 use super::contact::Lane;
-use super::wide::{Wide, Wide3};
+use crate::lanes::wide::{Wide, Wide3};
 
 /// Share of the product of its diagonal below which a determinant is that of a matrix without inverse.
 const SINGULAR: f32 = 1.0e-7;
@@ -295,8 +295,8 @@ pub(crate) fn arc_over_sine<W: Wide>(s: W) -> W {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lanes::wide::Plain;
     use crate::solve::contact::LANES;
-    use crate::solve::wide::Plain;
 
     #[test]
     fn a_matrix_too_small_to_invert_has_no_inverse_across_instead_of_an_infinite_one() {

@@ -41,7 +41,7 @@ impl AngleRange {
     pub(crate) const FREE: Self = Self { min: 0.0, max: PI };
 
     fn chord(a: f64, b: f64, angle: f64) -> f64 {
-        (a * a + b * b - 2.0 * a * b * angle.cos()).max(0.0).sqrt()
+        (a * a + b * b - 2.0 * a * b * libm::cos(angle)).max(0.0).sqrt()
     }
 }
 
@@ -94,7 +94,7 @@ impl Reach {
             return None;
         }
         let cosine = (length * length + distance * distance - self.lower * self.lower) / (2.0 * length * distance);
-        let next_tip = cosine.clamp(-1.0, 1.0).acos();
+        let next_tip = libm::acos(cosine.clamp(-1.0, 1.0));
         let next_turned = turned + (PI - open - next_tip);
         (next_turned <= PI).then_some((distance, (next_tip, next_turned)))
     }

@@ -159,7 +159,7 @@ impl Graph {
             }
             Turn::Swing { frames, limit } => {
                 let (u, w) = local(&frames);
-                let from_axis = |v: glam::DVec3| v.y.hypot(v.z).atan2(v.x);
+                let from_axis = |v: glam::DVec3| libm::atan2(libm::hypot(v.y, v.z), v.x);
                 swing_range(from_axis(u), from_axis(w), f64::from(limit))
             }
         };
@@ -168,16 +168,16 @@ impl Graph {
 }
 
 fn hinge_range(u: glam::DVec3, w: glam::DVec3, low: f64, high: f64) -> AngleRange {
-    let across = u.y.hypot(u.z) * w.y.hypot(w.z);
-    let aligned = u.z.atan2(u.y) - w.z.atan2(w.y);
-    let cosine = |turned: f64| (u.x * w.x + across * (turned - aligned).cos()).clamp(-1.0, 1.0);
+    let across = libm::hypot(u.y, u.z) * libm::hypot(w.y, w.z);
+    let aligned = libm::atan2(u.z, u.y) - libm::atan2(w.z, w.y);
+    let cosine = |turned: f64| (u.x * w.x + across * libm::cos(turned - aligned)).clamp(-1.0, 1.0);
     // Angles count turns: limits a turn apart, or only one of them, leave every direction.
     let is_whole = (high - low).partial_cmp(&TAU) != Some(std::cmp::Ordering::Less);
     let contains = |angle: f64| is_whole || (angle - low).rem_euclid(TAU) <= high - low;
     let (at_low, at_high) = if is_whole { (0.0, 0.0) } else { (cosine(low), cosine(high)) };
     let greatest = if contains(aligned) { u.x * w.x + across } else { at_low.max(at_high) };
     let least = if contains(aligned + PI) { u.x * w.x - across } else { at_low.min(at_high) };
-    AngleRange { min: greatest.clamp(-1.0, 1.0).acos(), max: least.clamp(-1.0, 1.0).acos() }
+    AngleRange { min: libm::acos(greatest.clamp(-1.0, 1.0)), max: libm::acos(least.clamp(-1.0, 1.0)) }
 }
 
 fn swing_range(from_a: f64, from_b: f64, limit: f64) -> AngleRange {

@@ -8,9 +8,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, TryLockError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::lock;
+use crate::platform::Moment;
 
 /// Looks at what is waited for before the processor is offered to others between any two: some 3 µs. Where threads share a processor, the
 /// one that is waited for is not at work meanwhile.
@@ -188,12 +189,12 @@ impl Post {
 
     /// Looks for another region than the one of this number, within a step and for a while.
     fn look_out(&self, seen: u64) {
-        let mut until = None;
+        let mut from = None;
         let mut looks = 0;
         while self.last.load(Ordering::Relaxed) == seen && self.is_watched.load(Ordering::Relaxed) {
             looks += 1;
             pause(looks);
-            if looks % LOOKS == 0 && Instant::now() > *until.get_or_insert_with(|| Instant::now() + PATIENCE) {
+            if looks % LOOKS == 0 && Moment::now().since(*from.get_or_insert_with(Moment::now)) > PATIENCE {
                 return;
             }
         }

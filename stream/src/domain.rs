@@ -4,7 +4,6 @@
 //! open it, and nobody else's leftovers are in the way. A domain is a room of its own inside that folder.
 
 use std::fs;
-use std::os::unix::fs::{DirBuilderExt, MetadataExt, PermissionsExt};
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
@@ -16,6 +15,7 @@ use iceoryx2::prelude::{
 use longspan_stream_schema::{LS_STREAM_ABI, LS_STREAM_SCHEMA};
 
 use crate::channel::{self, Carrier};
+use crate::platform::{DirBuilderExt, MetadataExt, PermissionsExt};
 use crate::problem::{Problem, Result};
 
 /// Most letters of a stream's or a domain's name.

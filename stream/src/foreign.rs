@@ -5,7 +5,8 @@
 //! it could not; what is then looked at is our own copy.
 
 use std::fs::File;
-use std::os::unix::fs::FileExt;
+
+use crate::platform::FileExt;
 
 /// The memory of this process, as the kernel sees it.
 #[derive(Debug)]

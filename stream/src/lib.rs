@@ -24,6 +24,7 @@ mod domain;
 mod foreign;
 mod live;
 mod message;
+mod platform;
 mod problem;
 mod publisher;
 mod reader;

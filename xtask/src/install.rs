@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::library::Library;
+use crate::platform::link;
 use crate::{Outcome, repository};
 
 /// Major, minor and patch version.
@@ -64,19 +65,5 @@ fn copy_stripped(from: &Path, to: &Path) -> Outcome<()> {
     if !stripped.is_ok_and(|status| status.success()) {
         fs::copy(from, to)?;
     }
-    Ok(())
-}
-
-#[cfg(unix)]
-fn link(target: &str, at: &Path) -> Outcome<()> {
-    if at.symlink_metadata().is_ok() {
-        fs::remove_file(at)?;
-    }
-    Ok(std::os::unix::fs::symlink(target, at)?)
-}
-
-#[cfg(not(unix))]
-fn link(target: &str, at: &Path) -> Outcome<()> {
-    fs::copy(at.with_file_name(target), at)?;
     Ok(())
 }

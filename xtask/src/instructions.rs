@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use crate::library::{cargo, release_folder};
-use crate::{Outcome, printed, repository, succeed};
+use crate::{Outcome, platform, printed, repository, succeed};
 
 /// The table, from the repository's folder.
 const TABLE: &str = "benches/instructions.toml";
@@ -68,7 +68,7 @@ pub fn run(bless: bool) -> Outcome<()> {
     let table = Table::read(&std::fs::read_to_string(&path)?)?;
     let worse = compare(&table, &found);
     explained(&table)?;
-    if table.compiler != found.compiler || !has_avx2() {
+    if table.compiler != found.compiler || !platform::has_avx2() {
         println!("not judged: the table is of {} with AVX2, this is {}", table.compiler, found.compiler);
         return Ok(());
     }
@@ -140,13 +140,6 @@ pub fn build() -> Outcome<PathBuf> {
 
 fn compiler() -> Outcome<String> {
     Ok(printed(Command::new("rustc").arg("--version").current_dir(repository()))?.trim().to_owned())
-}
-
-fn has_avx2() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return std::arch::is_x86_feature_detected!("avx2");
-    #[cfg(not(target_arch = "x86_64"))]
-    return false;
 }
 
 /// Counts all rows, as many at a time as there are processors.

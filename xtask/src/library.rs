@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use tinyjson::{InnerAsRef, JsonValue};
 
-use crate::{Outcome, printed, repository};
+use crate::{Outcome, platform, printed, repository};
 
 /// A build of `longspan-capi`.
 pub struct Library {
@@ -55,17 +55,13 @@ impl Library {
     }
 
     /// Programs look for the shared library by its SONAME; cargo does not write a file of that name.
-    #[cfg(unix)]
     fn link_soname(&self) -> Outcome<()> {
-        match std::os::unix::fs::symlink("liblongspan.so", self.folder.join("liblongspan.so.0")) {
-            Err(error) if error.kind() != std::io::ErrorKind::AlreadyExists => Err(error.into()),
-            _ => Ok(()),
+        let soname = self.folder.join("liblongspan.so.0");
+        if soname.exists() || !self.folder.join("liblongspan.so").exists() {
+            Ok(())
+        } else {
+            platform::link("liblongspan.so", &soname)
         }
-    }
-
-    #[cfg(not(unix))]
-    fn link_soname(&self) -> Outcome<()> {
-        Ok(())
     }
 }
 

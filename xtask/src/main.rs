@@ -11,6 +11,8 @@ mod hosts;
 mod install;
 mod instructions;
 mod library;
+mod platform;
+mod platforms;
 mod profile;
 mod readme;
 mod samples;
@@ -35,6 +37,7 @@ const USAGE: &str = "cargo xtask COMMAND
     install PREFIX   installs shared and static library, header, pkg-config file and CMake package (DESTDIR is honoured)
     consumers builds and runs a program for each way to take the installed library
     hosts     builds the hosts with a window, runs them under a virtual display, and looks at their pictures
+    platforms [TARGET ...]   the table of state hashes and the C samples on aarch64, Windows and WebAssembly; gets what it needs
     instructions [bless]   counts the instructions of steps of some scenes, and compares with benches/instructions.toml, or writes it
     profile SCENE FIRST COUNT [KEY=VALUE ...]   where the instructions of these steps go
     readme    compiles and runs the C example of README.md by the compiler lines given there";
@@ -61,6 +64,7 @@ fn main() -> ExitCode {
         ["instructions"] => instructions::run(false),
         ["instructions", "bless"] => instructions::run(true),
         ["profile", ref words @ ..] => profile::run(words),
+        ["platforms", ref names @ ..] => platforms::run(names),
         ["consumers"] => consumers::run(),
         _ => Err(USAGE.into()),
     };

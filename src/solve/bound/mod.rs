@@ -18,10 +18,10 @@
 use glam::{Quat, Vec3};
 
 use super::contact::{LANES, Lane, Lane3};
-use super::dispatch::in_lanes;
 use super::integrate::Outlook;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::joint::Softness;
+use crate::platform::in_lanes;
 
 mod project;
 mod rows;

@@ -2,9 +2,9 @@
 
 use super::rows::Span;
 use super::{BoundBlock, Rows};
+use crate::lanes::wide::Wide;
 use crate::solve::side::{Side, Stand};
 use crate::solve::state::{BodyMotion, BodyVelocity, MAX_PUSH_TURN};
-use crate::solve::wide::Wide;
 
 /// Greatest displacement of a point by one position row in one substep, as a speed (m/s).
 pub(super) const MAX_RECOVERY_SPEED: f32 = 10.0;

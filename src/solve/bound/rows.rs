@@ -1,12 +1,12 @@
 //! Which bounds of a block are taut, and their rows.
 
 use super::{BoundBlock, Rows};
+use crate::lanes::wide::{Wide, Wide3};
 use crate::solve::contact::Lane;
 use crate::solve::integrate::Outlook;
 use crate::solve::joint::{implicit_share, turning_ease_in_lanes};
 use crate::solve::side::{Place, Side};
 use crate::solve::state::{BodyMotion, BodyVelocity};
-use crate::solve::wide::{Wide, Wide3};
 
 /// Levers of the two points in world axes, and the gap from near to far (m).
 pub(super) struct Span<W> {

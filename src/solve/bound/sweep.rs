@@ -2,9 +2,9 @@
 
 use super::rows::Gradient;
 use super::{BoundBlock, Rows};
+use crate::lanes::wide::{Wide, Wide3};
 use crate::solve::side::Side;
 use crate::solve::state::BodyVelocity;
-use crate::solve::wide::{Wide, Wide3};
 
 #[inline(always)]
 fn gradient_of<W: Wide>(block: &BoundBlock) -> Gradient<W> {

@@ -6,8 +6,8 @@ use super::super::contact::{LANES, Lane, POINTS, tangents_in_lanes};
 use super::super::contact_block::{ContactBlock, Extra, Face, WholeBlock};
 use super::super::side::Side;
 use super::super::state::BodyVelocity;
-use super::super::wide::{Wide, Wide3};
 use super::rows::{Faced, Manifolds, Single, load_all};
+use crate::lanes::wide::{Wide, Wide3};
 
 /// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
 const REGULARISATION: f32 = 1.0e-3;

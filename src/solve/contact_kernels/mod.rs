@@ -15,10 +15,10 @@ mod warm_start;
 use super::contact::LANES;
 use super::contact_block::{ContactBlocks, WholeBlock};
 use super::contact_pieces::BlockPart;
-use super::dispatch::in_lanes;
 use super::shared::Hand;
 use super::state::{BodyMotion, BodyVelocity};
 use super::told::{Limits, Told};
+use crate::platform::in_lanes;
 
 pub(crate) use recover::RECOVERY_SWEEPS;
 

@@ -9,8 +9,8 @@ use super::super::recovery::NEGLIGIBLE_OVERLAP;
 use super::super::shared::Hand;
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
-use super::super::wide::Wide;
 use super::rows::{Faced, Manifolds, Single, lambdas, normal_rates, of_block, push_apart, separations, store_lambdas};
+use crate::lanes::wide::Wide;
 
 /// Share of an overlap that is taken out in one step.
 const RECOVERY_SHARE: f32 = 0.2;

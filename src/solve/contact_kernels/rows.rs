@@ -6,7 +6,7 @@ use super::super::contact::{Lane, POINTS};
 use super::super::contact_block::{ContactBlock, Extra, Face, PointRows, TwistRow};
 use super::super::side::{Side, moved};
 use super::super::state::BodyMotion;
-use super::super::wide::{Wide, Wide3};
+use crate::lanes::wide::{Wide, Wide3};
 
 /// Sweeps over the 4×4 matrix of a manifold within one visit.
 const INNER_SWEEPS: usize = 4;

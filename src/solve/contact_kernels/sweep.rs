@@ -8,9 +8,9 @@ use super::super::contact_pieces::BlockPart;
 use super::super::shared::Hand;
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
-use super::super::wide::{Wide, Wide3};
 use super::rows::{Faced, Manifolds, Single, lambdas, load_all, normal_rates, of_block, push_apart, store_lambdas};
 use super::warm_start::close_in;
+use crate::lanes::wide::{Wide, Wide3};
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(

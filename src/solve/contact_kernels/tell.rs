@@ -5,8 +5,8 @@ use super::super::contact_block::ContactBlocks;
 use super::super::side::gather_velocities;
 use super::super::state::BodyVelocity;
 use super::super::told::{Limits, Told};
-use super::super::wide::{Wide, Wide3};
 use super::rows::{Faced, Manifolds, Single, of_block};
+use crate::lanes::wide::{Wide, Wide3};
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(

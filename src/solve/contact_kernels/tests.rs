@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use super::super::contact::{ContactImpulses, ContactInput, LANES};
 use super::super::state::{MotionKind, Symmetric};
 use super::*;
+use crate::lanes::wide::{Plain, Wide};
 use crate::material::PairMaterial;
-use crate::solve::wide::{Plain, Wide};
 
 /// Everything that a kernel reads or writes.
 #[derive(Debug, Clone)]
@@ -126,18 +126,12 @@ fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
     lanes.chain(bodies).map(|x| x.to_bits()).chain(told).collect()
 }
 
-#[cfg(target_arch = "x86_64")]
+in_lanes!(run_in_registers, run, (scene: &Scene) -> Vec<u32>);
+
 proptest! {
     #[test]
     fn registers_and_arrays_give_the_same_bits(scene in scene()) {
-        prop_assume!(std::arch::is_x86_feature_detected!("avx2"));
-        #[target_feature(enable = "avx2")]
-        fn run_in_registers(scene: &Scene) -> Vec<u32> {
-            run::<super::super::wide::avx2::Avx2>(scene)
-        }
-        // SAFETY: the processor has AVX2, as has just been found.
-        let registers = unsafe { run_in_registers(&scene) };
-        prop_assert_eq!(registers, run::<Plain>(&scene));
+        prop_assert_eq!(run_in_registers(&scene), run::<Plain>(&scene));
     }
 }
 

@@ -8,8 +8,8 @@ use super::super::contact_pieces::BlockPart;
 use super::super::shared::{Hand, Slots};
 use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
-use super::super::wide::{Plain, Wide, Wide3};
 use super::rows::{Faced, Manifolds, Single, of_block, separations};
+use crate::lanes::wide::{Plain, Wide, Wide3};
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(

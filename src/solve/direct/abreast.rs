@@ -9,9 +9,9 @@
 use super::block::{Lanes, MAX_ROWS, ZERO};
 use super::factor::Plan;
 use super::guard::Guard;
-use super::registers::{Four, Plain};
 use super::system::{Node, Topology};
-use crate::solve::dispatch::in_registers;
+use crate::lanes::four::Four;
+use crate::platform::in_fours;
 
 /// Numbers of a row over its two bodies: linear x, y, z, angular x, y, z of each.
 pub(super) const PARTS: usize = 12;
@@ -73,33 +73,33 @@ impl Abreast {
     }
 }
 
-in_registers!(
+in_fours!(
     /// Forms M̃⁻¹ Jᵀ.
-    pub(super) respond, self::respond_body, (super::registers::avx2::Avx2, Plain), (abreast: &mut Abreast, nodes: &[Node])
+    pub(super) respond, self::respond_body, (abreast: &mut Abreast, nodes: &[Node])
 );
 
-in_registers!(
+in_fours!(
     /// Forms J M̃⁻¹ Jᵀ + γ, slightly regularised, and factorises it.
-    pub(super) factorize, self::factorize_body, (super::registers::avx2::Avx2, Plain),
+    pub(super) factorize, self::factorize_body,
     (abreast: &mut Abreast, nodes: &[Node], topology: &Topology)
 );
 
-in_registers!(
+in_fours!(
     /// Adds the push of the multipliers of these lanes to the rates.
-    pub(super) push, self::push_body, (super::registers::avx2::Avx2, Plain),
+    pub(super) push, self::push_body,
     (abreast: &mut Abreast, nodes: &[Node], lanes: &[bool; 4])
 );
 
-in_registers!(
+in_fours!(
     /// Adds to the multipliers of these lanes what the rows lack, and its push to the rates; returns what they lacked, the greatest of
     /// each.
-    pub(super) solve, self::solve_body, (super::registers::avx2::Avx2, Plain),
+    pub(super) solve, self::solve_body,
     (abreast: &mut Abreast, nodes: &[Node], plan: &Plan, lanes: &[bool; 4]) -> Lanes
 );
 
-in_registers!(
+in_fours!(
     /// Writes what the rows of these lanes lack, −(J v + b + γ p), as the unknowns; returns the greatest of each.
-    pub(super) find_errors, self::find_errors_body, (super::registers::avx2::Avx2, Plain),
+    pub(super) find_errors, self::find_errors_body,
     (abreast: &mut Abreast, nodes: &[Node], lanes: &[bool; 4]) -> Lanes
 );
 

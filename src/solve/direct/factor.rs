@@ -12,7 +12,7 @@ use std::ops::Range;
 
 use super::block::{self, Lanes, MAX_ROWS, ZERO, width};
 use super::order::{Elimination, minimum_degree};
-use crate::solve::dispatch::dispatched;
+use crate::platform::dispatched;
 
 /// Where the blocks of a matrix of one structure are stored, in the order of elimination.
 #[derive(Debug, Clone, Default)]

@@ -5,7 +5,7 @@ use std::ops::{Add, Div, Mul, Sub};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use super::block::Lanes;
-use super::registers::{Four, Plain};
+use crate::lanes::four::{Four, Plain};
 use crate::solve::rotation::{FEW_TERMS, FEW_TERMS_BELOW, SERIES};
 
 /// Square of the sine of half an angle below which a rotation is small.

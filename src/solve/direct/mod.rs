@@ -57,7 +57,6 @@ mod project;
 mod quads;
 mod refine;
 mod refused;
-mod registers;
 mod riders;
 mod ropes;
 mod row;

@@ -15,7 +15,7 @@ use super::body::DirectBody;
 use super::factor::Factor;
 use super::row::{Row, State};
 use super::system::{Node, Topology};
-use crate::solve::dispatch::dispatched;
+use crate::platform::dispatched;
 use crate::solve::joint::rows::Rate;
 
 /// Rows that take part, by node; lanes of a node are those of its vectors in the [`Factor`].

@@ -21,7 +21,7 @@ use super::guard::Repeats;
 use super::refine::{Equations, refine};
 use super::single;
 use super::system::{MOST_IMPULSE, Topology};
-use crate::solve::dispatch::dispatched;
+use crate::platform::dispatched;
 use crate::solve::joint::JointEntry;
 use crate::solve::joint::Stance;
 use crate::solve::joint::rows::{Phase, Rate};

@@ -6,10 +6,10 @@ use super::articulation::Began;
 use super::body::DirectBody;
 use super::fours::{Four3, FourSymmetric, FourTurns};
 use super::history::{History, SecondOrder, rotation_vector};
-use super::registers::{Four, Plain};
 use super::single;
 use super::stiffness;
-use crate::solve::dispatch::in_registers;
+use crate::lanes::four::{Four, Plain};
+use crate::platform::in_fours;
 use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;
 use crate::solve::rotation::MAX_TURN;
@@ -129,30 +129,30 @@ pub(super) struct Start<'a> {
     pub predicted: &'a mut [Stance],
 }
 
-in_registers!(
+in_fours!(
     /// Puts bodies where their second-order substep starts, whose Euler part is `h` long (s), and finds where that ends without
     /// joints.
-    pub(super) predict, self::predict_body, (super::registers::avx2::Avx2, Plain),
+    pub(super) predict, self::predict_body,
     (quads: &[Quad], order: &SecondOrder, h: f64, histories: &[History], start: &mut Start)
 );
 
-in_registers!(
+in_fours!(
     /// Moves bodies from the extrapolated start of a second-order substep to its end, at rates found with the inertia of where they
     /// respond.
-    pub(super) advance, self::advance_body, (super::registers::avx2::Avx2, Plain),
+    pub(super) advance, self::advance_body,
     (quads: &[Quad], h: f64, bodies: &[DirectBody], stances: &mut [Stance], rates: &mut [Rate])
 );
 
-in_registers!(
+in_fours!(
     /// Adds the stiffness of forces, h·Σ [`stiffness::of_impulse`], and the damping of a substep of length `h` (s) to the inertia that
     /// answers to impulses at these poses.
-    pub(super) respond, self::respond_body, (super::registers::avx2::Avx2, Plain),
+    pub(super) respond, self::respond_body,
     (quads: &[Quad], h: f64, stances: &[Stance], stiffness: &[DMat3], bodies: &mut [DirectBody])
 );
 
-in_registers!(
+in_fours!(
     /// Notes a substep of length `h` (s) that ends in these stances and rates, for the next one.
-    pub(super) note, self::note_body, (super::registers::avx2::Avx2, Plain),
+    pub(super) note, self::note_body,
     (quads: &[Quad], h: f64, order: &SecondOrder, began: &Began, ended: (&[Stance], &[Rate]), histories: &mut [History])
 );
 

@@ -16,7 +16,7 @@
 use glam::{DMat3, DVec3};
 
 use super::fours::FourSymmetric;
-use super::registers::Four;
+use crate::lanes::four::Four;
 
 /// Newton steps towards the lowest eigenvalue.
 const EIGENVALUE_STEPS: usize = 6;
@@ -57,7 +57,7 @@ pub(super) fn without_negative<F: Four>(g: FourSymmetric<F>) -> FourSymmetric<F>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solve::direct::registers::Plain;
+    use crate::lanes::four::Plain;
 
     #[test]
     fn tension_along_the_lever_stiffens_only_across_it() {

@@ -1,13 +1,13 @@
 //! The velocities of all bodies in lanes as one point, moved along two lines at once: what sheets are solved with (*sheet.rs*).
 
 use super::{PoseBlock, Poses};
+use crate::lanes::wide::{Wide, Wide3};
+use crate::platform::in_lanes;
 use crate::solve::contact::{Lane, Lane3};
-use crate::solve::dispatch::in_lanes;
 use crate::solve::integrate::{NEGLIGIBLE_PUSH, rotated_in_lanes};
 use crate::solve::shared::{Hand, Shared};
 use crate::solve::side::{Side, Stand, gather_rotations};
 use crate::solve::state::{BodyMotion, BodyVelocity, MAX_PUSH_TURN};
-use crate::solve::wide::{Wide, Wide3};
 use crate::solve::wide_matrix::{Wide6, WideQuat};
 use crate::workers::Workers;
 

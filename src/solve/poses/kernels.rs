@@ -3,13 +3,13 @@
 use super::PoseBlock;
 use super::turn::turn;
 use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
+use crate::lanes::wide::{Wide, Wide3};
 use crate::solve::contact::{LANES, Lane};
 use crate::solve::integrate::{NEGLIGIBLE_SPEED, NEGLIGIBLE_WAY, Outlook, SAFE_TUMBLE, SPLIT_TUMBLE};
 use crate::solve::rotation::{self, MAX_TURN};
 use crate::solve::shared::{Hand, Slots};
 use crate::solve::side::{Side, Stand, gather_rotations, scatter_outlooks};
 use crate::solve::state::{BodyMotion, BodyVelocity};
-use crate::solve::wide::{Wide, Wide3};
 use crate::solve::wide_matrix::{Wide6, WideQuat};
 
 #[inline(always)]

@@ -18,11 +18,11 @@ use std::sync::{Mutex, PoisonError};
 use glam::{DMat3, Vec3};
 
 use super::contact::{LANES, Lane, Lane3};
-use super::dispatch::in_lanes;
 use super::integrate::{self, Outlook};
 use super::role::Role;
 use super::shared::{Hand, Shared};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
+use crate::platform::in_lanes;
 use crate::room::{make_room_behind, resize};
 use crate::workers::Workers;
 

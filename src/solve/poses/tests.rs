@@ -4,8 +4,8 @@ use glam::{DVec3, Quat, Vec3};
 use proptest::prelude::*;
 
 use super::*;
+use crate::lanes::wide::{Plain, Wide};
 use crate::solve::state::Symmetric;
-use crate::solve::wide::{Plain, Wide};
 
 const H: f32 = 1.0 / 240.0;
 
@@ -72,18 +72,16 @@ fn bits(((velocities, motions), outlooks, refused): (Bodies, Vec<Outlook>, Vec<u
     bodies.chain(outlooks.iter().flat_map(Outlook::halves)).flatten().map(|x| x.to_bits()).chain(refused).collect()
 }
 
-#[cfg(target_arch = "x86_64")]
+fn bits_of<W: Wide>(bodies: &Bodies) -> Vec<u32> {
+    bits(run::<W>(bodies))
+}
+
+in_lanes!(run_in_registers, bits_of, (bodies: &Bodies) -> Vec<u32>);
+
 proptest! {
     #[test]
     fn registers_and_arrays_give_the_same_bits(bodies in any_bodies()) {
-        prop_assume!(std::arch::is_x86_feature_detected!("avx2"));
-        #[target_feature(enable = "avx2")]
-        fn run_in_registers(bodies: &Bodies) -> Vec<u32> {
-            bits(run::<crate::solve::wide::avx2::Avx2>(bodies))
-        }
-        // SAFETY: the processor has AVX2, as has just been found.
-        let registers = unsafe { run_in_registers(&bodies) };
-        prop_assert_eq!(registers, bits(run::<Plain>(&bodies)));
+        prop_assert_eq!(run_in_registers(&bodies), bits_of::<Plain>(&bodies));
     }
 }
 

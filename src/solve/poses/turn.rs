@@ -1,9 +1,9 @@
 //! Rotation of eight bodies through a substep without torque.
 
 use super::PoseBlock;
+use crate::lanes::wide::{Wide, Wide3};
 use crate::solve::integrate::NEGLIGIBLE_TUMBLE;
 use crate::solve::rotation::MAX_ENERGY_GAIN;
-use crate::solve::wide::{Wide, Wide3};
 use crate::solve::wide_matrix::WideQuat;
 
 /// What a substep does to the rotation of eight bodies, in world axes.

@@ -28,9 +28,9 @@ use glam::{Mat3, Vec3};
 
 use super::bound::{BatchBounds, BoundEntry, Whereabouts, now, then};
 use super::contact::{LANES, Lane, Lane3};
-use super::dispatch::in_lanes;
 use super::integrate::{Outlook, skew};
 use super::state::{BodyMotion, BodyVelocity};
+use crate::platform::in_lanes;
 
 mod rows;
 mod sweep;

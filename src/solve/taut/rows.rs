@@ -3,10 +3,10 @@
 use glam::Vec3;
 
 use super::{LANES, Lane, Line, MAX_LENS, NEARLY_STRAIGHT, TautBlock, response_at};
+use crate::lanes::wide::{Wide, Wide3};
 use crate::solve::integrate::Outlook;
 use crate::solve::side::{Place, Side};
 use crate::solve::state::{BodyMotion, BodyVelocity};
-use crate::solve::wide::{Wide, Wide3};
 use crate::solve::wide_matrix::Wide6;
 
 /// Where the joints are, seen from the line.

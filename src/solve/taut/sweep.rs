@@ -4,9 +4,9 @@ use glam::Vec3;
 
 use super::rows::{Sight, masses, positive, velocity_at};
 use super::{LANES, Lane3, Line, TautBlock};
+use crate::lanes::wide::{Wide, Wide3};
 use crate::solve::side::{Side, Stand};
 use crate::solve::state::{BodyMotion, BodyVelocity};
-use crate::solve::wide::{Wide, Wide3};
 use crate::solve::wide_matrix::Wide6;
 
 /// What the near and the far end get of the impulses on the joints' bodies.

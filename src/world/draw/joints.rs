@@ -67,7 +67,7 @@ fn draw_limits(pen: &mut Pen, kind: &JointKind, sides: &Sides, position: f32) {
     match *kind {
         JointKind::Hinge { limits, .. } => {
             draw_angle(pen, &world, limits, size);
-            let (sin, cos) = position.sin_cos();
+            let (sin, cos) = libm::sincosf(position);
             pen.line(at, world(Vec3::new(0.0, cos, sin) * size), Color::YELLOW);
         }
         JointKind::Spherical { swing_limit, twist_limits, .. } => {
@@ -107,15 +107,15 @@ fn draw_angle(pen: &mut Pen, world: &dyn Fn(Vec3) -> DVec3, limits: Limits, size
     let (min, max) = if limits.max - limits.min < 2.0 * PI { (limits.min, limits.max) } else { (-PI, PI) };
     arc_from(Vec3::ZERO, (Vec3::Y, Vec3::Z), size, (min, max), &mut |from, to| pen.line(world(from), world(to), Color::MAGENTA));
     for stop in [limits.min, limits.max].into_iter().filter(|stop| stop.is_finite()) {
-        let (sin, cos) = stop.sin_cos();
+        let (sin, cos) = libm::sincosf(stop);
         pen.line(world(Vec3::ZERO), world(Vec3::new(0.0, cos, sin) * size), Color::MAGENTA);
     }
 }
 
 fn draw_cone(pen: &mut Pen, world: &dyn Fn(Vec3) -> DVec3, half_angle: f32, size: f32) {
-    let (sin, cos) = half_angle.sin_cos();
+    let (sin, cos) = libm::sincosf(half_angle);
     let rim = |i: u32| {
-        let (y, z) = (i as f32 / CONE_LINES as f32 * 2.0 * PI).sin_cos();
+        let (y, z) = libm::sincosf(i as f32 / CONE_LINES as f32 * 2.0 * PI);
         Vec3::new(cos, sin * y, sin * z) * size
     };
     for i in 0..CONE_LINES {

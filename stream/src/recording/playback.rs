@@ -1,13 +1,13 @@
 //! Reading a recording.
 
 use std::fs::File;
-use std::os::unix::fs::FileExt;
 use std::path::Path;
 
 use longspan_stream_schema::{LS_STREAM_CHANNEL_HOT, LsStreamHeader};
 
 use super::format::{CHUNK_HEADER, CHUNK_START, ChunkHeader, FILE_HEADER, FileHeader, MAX_CHUNK, STORED_LZ4, STORED_PLAIN};
 use crate::message::{HEADER, Message};
+use crate::platform::FileExt;
 use crate::problem::{Problem, Result};
 use crate::scene::Scene;
 

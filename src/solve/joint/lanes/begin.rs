@@ -1,10 +1,10 @@
 //! Where the joints of a block are now: levers, gaps, and errors of directions.
 
 use super::{DirectionBlock, Holds, JointLanes, PointBlock};
+use crate::lanes::wide::{Plain, Wide, Wide3};
 use crate::solve::contact::{LANES, Lane};
 use crate::solve::side::Stand;
 use crate::solve::state::BodyMotion;
-use crate::solve::wide::{Plain, Wide, Wide3};
 use crate::solve::wide_matrix::{WideQuat, arc_over_sine};
 
 /// Sine below which two opposite axes have no common normal.

@@ -3,11 +3,11 @@
 use glam::Vec3;
 
 use super::{Holds, JointEntry, JointLanes, ZERO3, get, put, sweep};
+use crate::lanes::wide::{Wide, Wide3};
+use crate::platform::in_lanes;
 use crate::solve::contact::{LANES, Lane3};
-use crate::solve::dispatch::in_lanes;
 use crate::solve::shared::Slots;
 use crate::solve::state::BodyVelocity;
-use crate::solve::wide::{Wide, Wide3};
 
 /// Multipliers of a block before the last sweeps, and what the last move changed them by.
 #[derive(Debug, Clone, Copy)]

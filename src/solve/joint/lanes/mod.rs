@@ -20,8 +20,8 @@ use glam::Vec3;
 
 use super::JointEntry;
 use crate::joint::{JointImpulses, JointKind, Limits, Motor, Softness};
+use crate::platform::in_lanes;
 use crate::solve::contact::{LANES, Lane, Lane3};
-use crate::solve::dispatch::in_lanes;
 use crate::solve::integrate::Outlook;
 use crate::solve::shared::Slots;
 use crate::solve::state::{BodyMotion, BodyVelocity};

@@ -2,10 +2,10 @@
 
 use super::begin::{Points, Tilt};
 use super::{DirectionBlock, Holds, JointLanes};
+use crate::lanes::wide::{Wide, Wide3};
 use crate::solve::joint::MOMENTUM_RETURN_LIMIT;
 use crate::solve::side::{Side, Stand};
 use crate::solve::state::{BodyMotion, BodyVelocity, MAX_PUSH_TURN};
-use crate::solve::wide::{Wide, Wide3};
 
 #[inline(always)]
 pub(super) fn project<W: Wide>(

@@ -2,11 +2,11 @@
 
 use super::begin::{arc_between, full_arc};
 use super::{DirectionBlock, Holds, JointLanes, PointBlock};
+use crate::lanes::wide::{Wide, Wide3};
 use crate::solve::integrate::Outlook;
 use crate::solve::joint::IMPLICIT_RANGE;
 use crate::solve::side::{Side, gather_turns};
 use crate::solve::state::BodyVelocity;
-use crate::solve::wide::{Wide, Wide3};
 use crate::solve::wide_matrix::WideQuat;
 
 #[inline(always)]

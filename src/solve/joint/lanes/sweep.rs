@@ -1,10 +1,10 @@
 //! Sweeps over blocks: directions, then points; backwards, points, then directions.
 
 use super::{DirectionBlock, JointLanes, PointBlock};
+use crate::lanes::wide::{Wide, Wide3};
 use crate::solve::contact::Lane3;
 use crate::solve::side::Side;
 use crate::solve::state::BodyVelocity;
-use crate::solve::wide::{Wide, Wide3};
 use crate::solve::wide_matrix::Wide6;
 
 #[inline(always)]

@@ -6,13 +6,13 @@ use proptest::prelude::*;
 use super::*;
 use crate::id::{BodyId, JointId, Pool, WorldTag};
 use crate::joint::{Joint, JointDef};
+use crate::lanes::wide::{Plain, Wide};
 use crate::solve::color::Coloring;
 use crate::solve::joint::kinds::MotorRows;
 use crate::solve::joint::singles::Singles;
 use crate::solve::joint::{BatchJoints, JointLink, JointTraits, Moving};
 use crate::solve::role::Role;
 use crate::solve::state::{MotionKind, Symmetric};
-use crate::solve::wide::{Plain, Wide};
 use crate::workers::Workers;
 
 const H: f32 = 1.0 / 240.0;
@@ -138,20 +138,14 @@ fn run<W: Wide>(holds: Holds, scene: &Scene) -> Vec<u32> {
     bodies.flatten().chain(rows.chain(turns).flatten()).chain([&worst]).map(|x| x.to_bits()).collect()
 }
 
-#[cfg(target_arch = "x86_64")]
+in_lanes!(run_in_registers, run, (holds: Holds, scene: &Scene) -> Vec<u32>);
+
 proptest! {
     #[test]
     fn registers_and_arrays_give_the_same_bits(
         (holds, scene) in holds().prop_flat_map(|holds| (Just(holds), joints(holds))),
     ) {
-        prop_assume!(std::arch::is_x86_feature_detected!("avx2"));
-        #[target_feature(enable = "avx2")]
-        fn run_in_registers(holds: Holds, scene: &Scene) -> Vec<u32> {
-            run::<crate::solve::wide::avx2::Avx2>(holds, scene)
-        }
-        // SAFETY: the processor has AVX2, as has just been found.
-        let registers = unsafe { run_in_registers(holds, &scene) };
-        prop_assert_eq!(registers, run::<Plain>(holds, &scene));
+        prop_assert_eq!(run_in_registers(holds, &scene), run::<Plain>(holds, &scene));
     }
 }
 

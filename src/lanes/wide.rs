@@ -1,13 +1,19 @@
 //! Eight numbers side by side: the arithmetic of the contact kernels.
 //!
-//! [`Wide`] is implemented twice, by AVX2 registers and by plain arrays. Each operation is one rounded operation of IEEE 754 on
-//! every lane, never fused and never estimated, so both give the same bits. A kernel is written once, generic over it, and runs
-//! with registers where the processor has them (see `in_lanes` in `dispatch`). Kernels pass no `Wide` value to a closure: a
+//! [`Wide`] is implemented by plain arrays here, and by the registers of each processor in [`platform`](crate::platform). Each
+//! operation is one rounded operation of IEEE 754 on every lane, never fused and never estimated, so all give the same bits. A
+//! kernel is written once, generic over it, and runs with registers where the processor has them (see `in_lanes`). Kernels pass no `Wide` value to a closure: a
 //! closure is compiled without the registers and is not inlined where they are.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::contact::{LANES, Lane, Lane3};
+/// Numbers side by side.
+pub(crate) const LANES: usize = 8;
+
+/// One number for each lane.
+pub(crate) type Lane = [f32; LANES];
+/// One vector for each lane: x, y, z.
+pub(crate) type Lane3 = [Lane; 3];
 
 /// One number for each of eight lanes.
 pub(crate) trait Wide:
@@ -258,145 +264,5 @@ impl Wide for Plain {
     #[inline(always)]
     fn transpose(rows: [Self; LANES]) -> [Self; LANES] {
         std::array::from_fn(|k| Self(std::array::from_fn(|l| rows[l].0[k])))
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-pub(crate) mod avx2 {
-    //! Eight numbers in an AVX2 register.
-
-    use std::arch::x86_64::*;
-    use std::ops::{Add, Div, Mul, Neg, Sub};
-
-    use super::{LANES, Lane, Wide};
-
-    /// A register. Only code that has found AVX2 on the processor may make one: `in_lanes` does, before it enters a kernel.
-    #[derive(Clone, Copy)]
-    pub(crate) struct Avx2(__m256);
-
-    macro_rules! avx2_operator {
-        ($($trait:ident $name:ident $intrinsic:ident),*) => {
-            $(impl $trait for Avx2 {
-                type Output = Self;
-                #[inline(always)]
-                fn $name(self, other: Self) -> Self {
-                    // SAFETY: values of this type exist only where AVX2 does.
-                    Self(unsafe { $intrinsic(self.0, other.0) })
-                }
-            })*
-        };
-    }
-    avx2_operator!(Add add _mm256_add_ps, Sub sub _mm256_sub_ps, Mul mul _mm256_mul_ps, Div div _mm256_div_ps);
-
-    impl Neg for Avx2 {
-        type Output = Self;
-        #[inline(always)]
-        fn neg(self) -> Self {
-            // SAFETY: values of this type exist only where AVX2 does.
-            Self(unsafe { _mm256_xor_ps(self.0, _mm256_set1_ps(-0.0)) })
-        }
-    }
-
-    impl Wide for Avx2 {
-        type Mask = __m256;
-
-        #[inline(always)]
-        fn splat(x: f32) -> Self {
-            // SAFETY: kernels are entered with this type only where AVX2 has been found.
-            Self(unsafe { _mm256_set1_ps(x) })
-        }
-
-        #[inline(always)]
-        fn load(lane: &Lane) -> Self {
-            // SAFETY: the array has eight numbers; the load needs no alignment. Kernels are entered with this type only where
-            // AVX2 has been found.
-            Self(unsafe { _mm256_loadu_ps(lane.as_ptr()) })
-        }
-
-        #[inline(always)]
-        fn store(self, lane: &mut Lane) {
-            // SAFETY: the array has room for eight numbers; the store needs no alignment. Values of this type exist only where
-            // AVX2 does.
-            unsafe { _mm256_storeu_ps(lane.as_mut_ptr(), self.0) }
-        }
-
-        #[inline(always)]
-        fn max(self, other: Self) -> Self {
-            // SAFETY: values of this type exist only where AVX2 does.
-            Self(unsafe { _mm256_max_ps(self.0, other.0) })
-        }
-
-        #[inline(always)]
-        fn min(self, other: Self) -> Self {
-            // SAFETY: values of this type exist only where AVX2 does.
-            Self(unsafe { _mm256_min_ps(self.0, other.0) })
-        }
-
-        #[inline(always)]
-        fn sqrt(self) -> Self {
-            // SAFETY: values of this type exist only where AVX2 does.
-            Self(unsafe { _mm256_sqrt_ps(self.0) })
-        }
-
-        #[inline(always)]
-        fn abs(self) -> Self {
-            // SAFETY: values of this type exist only where AVX2 does.
-            Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
-        }
-
-        #[inline(always)]
-        fn with_sign_of(self, other: Self) -> Self {
-            // SAFETY: values of this type exist only where AVX2 does.
-            Self(unsafe {
-                let sign = _mm256_set1_ps(-0.0);
-                _mm256_or_ps(_mm256_andnot_ps(sign, self.0), _mm256_and_ps(sign, other.0))
-            })
-        }
-
-        #[inline(always)]
-        fn above(self, other: Self) -> __m256 {
-            // SAFETY: values of this type exist only where AVX2 does.
-            unsafe { _mm256_cmp_ps::<_CMP_GT_OQ>(self.0, other.0) }
-        }
-
-        #[inline(always)]
-        fn any(mask: __m256) -> bool {
-            // SAFETY: values of this type exist only where AVX2 does.
-            unsafe { _mm256_movemask_ps(mask) != 0 }
-        }
-
-        #[inline(always)]
-        fn select(mask: __m256, then: Self, other: Self) -> Self {
-            // SAFETY: values of this type exist only where AVX2 does.
-            Self(unsafe { _mm256_blendv_ps(other.0, then.0, mask) })
-        }
-
-        #[inline(always)]
-        fn transpose(rows: [Self; LANES]) -> [Self; LANES] {
-            // SAFETY: values of this type exist only where AVX2 does.
-            unsafe {
-                let [r0, r1, r2, r3, r4, r5, r6, r7] = rows;
-                let (r0, r1, r2, r3, r4, r5, r6, r7) = (r0.0, r1.0, r2.0, r3.0, r4.0, r5.0, r6.0, r7.0);
-                // Pairs of rows interleaved, then fours, each within its half of the register; then the halves exchanged.
-                let (a0, a1) = (_mm256_unpacklo_ps(r0, r1), _mm256_unpackhi_ps(r0, r1));
-                let (a2, a3) = (_mm256_unpacklo_ps(r2, r3), _mm256_unpackhi_ps(r2, r3));
-                let (a4, a5) = (_mm256_unpacklo_ps(r4, r5), _mm256_unpackhi_ps(r4, r5));
-                let (a6, a7) = (_mm256_unpacklo_ps(r6, r7), _mm256_unpackhi_ps(r6, r7));
-                let (b0, b1) = (_mm256_shuffle_ps::<0x44>(a0, a2), _mm256_shuffle_ps::<0xee>(a0, a2));
-                let (b2, b3) = (_mm256_shuffle_ps::<0x44>(a1, a3), _mm256_shuffle_ps::<0xee>(a1, a3));
-                let (b4, b5) = (_mm256_shuffle_ps::<0x44>(a4, a6), _mm256_shuffle_ps::<0xee>(a4, a6));
-                let (b6, b7) = (_mm256_shuffle_ps::<0x44>(a5, a7), _mm256_shuffle_ps::<0xee>(a5, a7));
-                [
-                    Self(_mm256_permute2f128_ps::<0x20>(b0, b4)),
-                    Self(_mm256_permute2f128_ps::<0x20>(b1, b5)),
-                    Self(_mm256_permute2f128_ps::<0x20>(b2, b6)),
-                    Self(_mm256_permute2f128_ps::<0x20>(b3, b7)),
-                    Self(_mm256_permute2f128_ps::<0x31>(b0, b4)),
-                    Self(_mm256_permute2f128_ps::<0x31>(b1, b5)),
-                    Self(_mm256_permute2f128_ps::<0x31>(b2, b6)),
-                    Self(_mm256_permute2f128_ps::<0x31>(b3, b7)),
-                ]
-            }
-        }
     }
 }

@@ -1,0 +1,28 @@
+//! How kernels are entered where every processor of the target has the registers, or none has: there is nothing to choose.
+
+/// Makes a function that runs its body.
+macro_rules! dispatched {
+    ($(#[$doc:meta])* $name:ident, $body:ident, ($($arg:ident: $type:ty),*) $(-> $result:ty)?) => {
+        $(#[$doc])*
+        pub(crate) fn $name($($arg: $type),*) $(-> $result)? {
+            $body($($arg),*)
+        }
+    };
+}
+
+pub(crate) use dispatched;
+
+/// Makes a function that runs a kernel with the first of two kinds of registers.
+macro_rules! in_registers {
+    (
+        $(#[$doc:meta])* $vis:vis $name:ident, $body:path, ($own:ty, $plain:ty), ($($arg:ident: $type:ty),*) $(-> $result:ty)?
+    ) => {
+        $(#[$doc])*
+        $vis fn $name($($arg: $type),*) $(-> $result)? {
+            use $body as body;
+            body::<$own>($($arg),*)
+        }
+    };
+}
+
+pub(crate) use in_registers;

@@ -1,0 +1,8 @@
+//! A processor of which nothing is known: plain arrays, of which the compiler makes what it can.
+
+pub(crate) use crate::lanes::four::Plain as F64x4;
+pub(crate) use crate::lanes::wide::Plain as F32x8;
+
+/// Memory cannot be asked for.
+#[inline(always)]
+pub(crate) fn prefetch<T: ?Sized>(_: &T) {}
