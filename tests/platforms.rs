@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use longspan_scenes::CATALOGUE;
 use longspan_scenes::bits::{blessed, rows};
 
-const TABLE: &str = "docs/bits.md";
+const TABLE: &str = "docs/reference/platforms.md";
 
 /// Files that may ask: one for each crate, and a build script that asks of the machine it runs on.
 const MAY_ASK: [&str; 5] =

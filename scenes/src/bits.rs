@@ -1,6 +1,6 @@
 //! State hashes of every scene: a table that holds on every platform, on any number of threads.
 //!
-//! The table is `docs/bits.md`, rows of Markdown. A row names a scene with its keys and a number of steps; [`Row::world`] takes
+//! The table is `docs/reference/platforms.md`, rows of Markdown. A row names a scene with its keys and a number of steps; [`Row::world`] takes
 //! these steps, and the hash of the world's state is then the row's, or the platform computes otherwise.
 
 use std::sync::{Arc, Mutex, PoisonError};

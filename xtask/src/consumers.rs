@@ -12,7 +12,7 @@ pub fn run() -> Outcome<()> {
     let folder = output_folder("consumers")?;
     fs::remove_dir_all(&folder)?;
     let prefix = folder.join("prefix");
-    install::install(&library, &prefix, &prefix)?;
+    install::install(&library, &install::Wish::default(), &prefix, &prefix)?;
     let consumers = repository().join("tests/consumers");
 
     let build = clean(folder.join("pkg_config"))?;

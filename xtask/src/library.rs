@@ -6,7 +6,9 @@ use std::process::{Command, Stdio};
 
 use tinyjson::{InnerAsRef, JsonValue};
 
-use crate::{Outcome, platform, printed, repository};
+use crate::install::Wish;
+use crate::platforms::Toolchain;
+use crate::{Outcome, platform, printed, repository, succeed};
 
 /// A build of `longspan-capi`.
 pub struct Library {
@@ -25,6 +27,21 @@ impl Library {
     /// Builds the library, and asks cargo where it went: the folder depends on settings that are the user's.
     pub fn build() -> Outcome<Self> {
         Self::build_by(&["--release", "--package", "longspan-capi"])
+    }
+
+    /// The library as somebody wants it installed.
+    pub fn build_for(wish: &Wish) -> Outcome<Self> {
+        let mut words = vec!["--release", "--package", "longspan-capi"];
+        words.extend(wish.features.iter().flat_map(|features| ["--features", features]));
+        match &wish.target {
+            None => Self::build_by(&words),
+            Some(target) => {
+                let toolchain = Toolchain::get(target)?;
+                println!("building the library for {target}");
+                succeed(toolchain.build()?.args(words))?;
+                Ok(Self { folder: toolchain.folder("release")? })
+            }
+        }
     }
 
     /// The same with streams.
@@ -94,7 +111,7 @@ fn folder_of_static_library(messages: &str) -> Option<PathBuf> {
 }
 
 /// A field of a JSON object, if it is there and of this type.
-fn field<'a, T: InnerAsRef>(object: &'a JsonValue, name: &str) -> Option<&'a T> {
+pub fn field<'a, T: InnerAsRef>(object: &'a JsonValue, name: &str) -> Option<&'a T> {
     object.get::<HashMap<String, JsonValue>>()?.get(name)?.get()
 }
 

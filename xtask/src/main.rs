@@ -11,6 +11,7 @@ mod hosts;
 mod install;
 mod instructions;
 mod library;
+mod notices;
 mod platform;
 mod platforms;
 mod profile;
@@ -34,7 +35,8 @@ const USAGE: &str = "cargo xtask COMMAND
     tunnel    carries a stream between two network namespaces by iceoryx2's tunnel, which must be installed; as root
     viewer [FOLDER [FIGURE]]   publishes each scene of the paper from a host in C; watches, records and plays it; looks at the pictures
     window [FOLDER] presses every key and button that the viewer's window answers to, and looks at what they do
-    install PREFIX   installs shared and static library, header, pkg-config file and CMake package (DESTDIR is honoured)
+    install PREFIX [--target TRIPLE] [--features stream]
+              installs shared and static library, header, pkg-config files, CMake package and licences (DESTDIR is honoured)
     consumers builds and runs a program for each way to take the installed library
     hosts     builds the hosts with a window, runs them under a virtual display, and looks at their pictures
     platforms [TARGET ...]   the table of state hashes and the C samples on aarch64, Windows and WebAssembly; gets what it needs
@@ -60,7 +62,7 @@ fn main() -> ExitCode {
         ["window", folder] => window::run(Some(folder)),
         ["streams", lives] => streams::endure(lives),
         ["readme"] => readme::run(),
-        ["install", prefix] => install::run(prefix),
+        ["install", ref words @ ..] => install::run(words),
         ["instructions"] => instructions::run(false),
         ["instructions", "bless"] => instructions::run(true),
         ["profile", ref words @ ..] => profile::run(words),

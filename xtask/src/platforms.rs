@@ -13,7 +13,8 @@ use std::process::Command;
 
 use crate::library::{cargo, output_folder};
 use crate::{Outcome, printed, repository, succeed};
-use toolchain::{Toolchain, need};
+pub use toolchain::Toolchain;
+use toolchain::need;
 
 /// A platform, and who can run its programs.
 struct Target {
@@ -116,7 +117,7 @@ impl Host {
 }
 
 /// The table as programs find it from the repository's folder.
-const TABLE: &str = "docs/bits.md";
+const TABLE: &str = "docs/reference/platforms.md";
 
 fn in_repository(program: impl AsRef<OsStr>) -> Command {
     let mut command = Command::new(program);
@@ -146,7 +147,7 @@ fn compare(name: &str, run: &dyn Fn() -> Command, threads: &[&str], host: &Host)
 fn aarch64(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
     const EMULATOR: &str = "qemu-aarch64 -L /usr/aarch64-linux-gnu";
     succeed(toolchain.build()?.args(["--package", "longspan-bits", "--package", "longspan-capi"]))?;
-    let folder = toolchain.folder()?;
+    let folder = toolchain.folder("debug")?;
     let emulated = |program: &Path| {
         let mut words = EMULATOR.split(' ');
         let mut command = in_repository(words.next().unwrap_or_default());
@@ -161,7 +162,7 @@ fn aarch64(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
 
 fn windows(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
     succeed(toolchain.build()?.args(["--package", "longspan-bits", "--package", "longspan-capi"]))?;
-    let folder = toolchain.folder()?;
+    let folder = toolchain.folder("debug")?;
     let source = repository().join("xtask/src/platforms/random.c");
     let mut compiler = Command::new("x86_64-w64-mingw32-gcc");
     succeed(compiler.arg("-shared").arg(source).args(["-ladvapi32", "-o"]).arg(folder.join("bcryptprimitives.dll")))?;
@@ -179,7 +180,7 @@ fn windows(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
 
 fn wasi(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
     succeed(toolchain.build()?.args(["--package", "longspan-bits"]))?;
-    let (program, script) = (toolchain.folder()?.join("bits.wasm"), repository().join("xtask/src/platforms/wasi.mjs"));
+    let (program, script) = (toolchain.folder("debug")?.join("bits.wasm"), repository().join("xtask/src/platforms/wasi.mjs"));
     let run = || {
         let mut command = in_repository("node");
         command.args(["--no-warnings"]).arg(&script).arg(&program);
@@ -194,7 +195,7 @@ fn wasi(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
 fn web(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
     succeed(toolchain.build()?.args(["--package", "longspan-capi"]))?;
     let script = repository().join("xtask/src/platforms/replay.mjs");
-    say(in_repository("node").arg(script).arg(toolchain.folder()?.join("longspan.wasm")).args(host.recordings()))?;
+    say(in_repository("node").arg(script).arg(toolchain.folder("debug")?.join("longspan.wasm")).args(host.recordings()))?;
     Ok(vec![format!("recordings of {} rows, played by the C interface", host.rows)])
 }
 

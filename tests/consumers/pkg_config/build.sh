@@ -7,5 +7,6 @@ flags="-std=c99 -Wall -Wextra -pedantic -Werror $(pkg-config --cflags longspan)"
 lib="$(pkg-config --variable=libdir longspan)"
 cc $flags "$source" $(pkg-config --libs longspan) "-Wl,-rpath,$lib" -o shared
 ./shared
-cc $flags "$source" "$(pkg-config --variable=archive longspan)" $(pkg-config --static --libs-only-l longspan | sed 's/-llongspan//') -o static
+cc $flags "$source" $(pkg-config --libs longspan-static) -o static
+if ldd static | grep longspan; then echo "longspan-static links the shared library"; exit 1; fi
 ./static

@@ -15,26 +15,26 @@ const PACKAGES: [&str; 4] = ["rustc-web", "libstd-rust-web-dev", "libstd-rust-we
 
 /// What can build for a target.
 pub struct Toolchain {
-    triple: &'static str,
+    triple: String,
     /// Debian's compiler, if it is that.
     debian: Option<PathBuf>,
 }
 
 impl Toolchain {
     /// Finds or gets a compiler.
-    pub fn get(triple: &'static str) -> Outcome<Self> {
+    pub fn get(triple: &str) -> Outcome<Self> {
         let has_it = || {
             let listed = printed(Command::new("rustup").args(["target", "list", "--installed"]));
             listed.is_ok_and(|listed| listed.lines().any(|line| line == triple))
         };
         if has_it() || (printed(Command::new("rustup").args(["target", "add", triple])).is_ok() && has_it()) {
-            return Ok(Self { triple, debian: None });
+            return Ok(Self { triple: triple.to_owned(), debian: None });
         }
         let folder = output_folder("platforms/debian")?;
         if !folder.join("usr/bin/rustc").exists() {
             unpack(&folder).map_err(|problem| format!("neither rustup nor Debian has a compiler for {triple}: {problem}"))?;
         }
-        Ok(Self { triple, debian: Some(folder) })
+        Ok(Self { triple: triple.to_owned(), debian: Some(folder) })
     }
 
     /// `cargo build` for the target, without debugging information.
@@ -54,8 +54,8 @@ impl Toolchain {
     }
 
     fn prepare(&self, command: &mut Command) -> Outcome<()> {
-        command.args(["--target", self.triple]).env("CARGO_PROFILE_DEV_DEBUG", "none");
-        let linker = match self.triple {
+        command.args(["--target", &self.triple]).env("CARGO_PROFILE_DEV_DEBUG", "none");
+        let linker = match self.triple.as_str() {
             "aarch64-unknown-linux-gnu" => Some("aarch64-linux-gnu-gcc"),
             "x86_64-pc-windows-gnu" => Some("x86_64-w64-mingw32-gcc"),
             _ => None,
@@ -72,7 +72,7 @@ impl Toolchain {
             .env("RUSTC", wrapper(folder)?)
             .env("RUSTC_BOOTSTRAP", "1")
             .env("CARGO_TARGET_DIR", output_folder("platforms/cargo")?);
-        if !folder.join("usr/lib/rustlib").join(self.triple).exists() {
+        if !folder.join("usr/lib/rustlib").join(&self.triple).exists() {
             let crates = if self.triple.starts_with("wasm32") { "std,panic_abort" } else { "std,panic_unwind" };
             command.arg(format!("-Zbuild-std={crates}"));
         }
@@ -86,13 +86,13 @@ impl Toolchain {
         format!("CARGO_TARGET_{}_{name}", self.triple.replace('-', "_").to_uppercase())
     }
 
-    /// Where cargo puts what it builds so.
-    pub fn folder(&self) -> Outcome<PathBuf> {
+    /// Where cargo puts what it builds so, in this profile's folder.
+    pub fn folder(&self, profile: &str) -> Outcome<PathBuf> {
         let target = match &self.debian {
             Some(_) => output_folder("platforms/cargo")?,
             None => output_folder(".")?,
         };
-        Ok(target.join(self.triple).join("debug"))
+        Ok(target.join(&self.triple).join(profile))
     }
 }
 
