@@ -166,11 +166,14 @@ fn windows(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
     let source = repository().join("xtask/src/platforms/random.c");
     let mut compiler = Command::new("x86_64-w64-mingw32-gcc");
     succeed(compiler.arg("-shared").arg(source).args(["-ladvapi32", "-o"]).arg(folder.join("bcryptprimitives.dll")))?;
+    // A program finds the DLLs that lie beside it.
+    for dll in ["longspan.dll", "bcryptprimitives.dll"] {
+        fs::copy(folder.join(dll), output_folder("platforms/samples")?.join(dll))?;
+    }
     let prefix = output_folder("platforms/wine")?;
     let emulated = |program: &Path| {
         let mut command = in_repository("wine");
-        // A DLL is looked for beside the program and then in this path.
-        command.env("WINEPREFIX", &prefix).env("WINEDEBUG", "-all").env("WINEPATH", &folder).arg(program);
+        command.env("WINEPREFIX", &prefix).env("WINEDEBUG", "-all").arg(program);
         command
     };
     let mut looked = compare("windows", &|| emulated(&folder.join("bits.exe")), &["1", "3"], host)?;
