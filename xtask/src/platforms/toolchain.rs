@@ -77,7 +77,7 @@ impl Toolchain {
             command.arg(format!("-Zbuild-std={crates}"));
         }
         if self.triple == "wasm32-wasip1" {
-            command.env(self.variable("RUSTFLAGS"), wasi_flags(folder)?);
+            command.env(self.variable("RUSTFLAGS"), WASI_FLAGS);
         }
         Ok(())
     }
@@ -109,11 +109,10 @@ fn wrapper(folder: &Path) -> Outcome<PathBuf> {
     Ok(path)
 }
 
-/// How a program for WASI is linked with Debian's C library, which is of 2022: it has no threads, and the standard library, which
-/// starts none there, asks for their names all the same.
-fn wasi_flags(folder: &Path) -> Outcome<String> {
-    Ok(String::from("-C target-feature=+simd128"))
-}
+/// How a program for WASI is linked with Debian's C library. That is of 2022 and has none of the functions of threads that the
+/// standard library names but never calls there: `wasi.mjs` stands in for them.
+const WASI_FLAGS: &str = "-C target-feature=+simd128 -C linker=wasm-ld -C link-self-contained=no -L native=/usr/lib/wasm32-wasi \
+    -C link-arg=/usr/lib/wasm32-wasi/crt1-command.o -C link-arg=--allow-undefined";
 
 fn unpack(folder: &Path) -> Outcome<()> {
     println!("getting Debian's compiler, 190 MB");
