@@ -91,7 +91,15 @@ impl Workers {
     }
 
     /// Works on all pieces, side by side.
-    pub(crate) fn share<T: Send>(&self, mut pieces: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
+    #[inline]
+    pub(crate) fn share<T: Send>(&self, pieces: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
+        if self.is_alone() { pieces.for_each(work) } else { self.share_out(pieces, work) }
+    }
+
+    /// Works on all pieces with other threads. Never inlined: its arrays of pieces would lie on the stack of a thread that is alone,
+    /// too, where several of them side by side are a hundred kilobytes that a cold step fetches for nothing.
+    #[inline(never)]
+    fn share_out<T: Send>(&self, mut pieces: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
         let Some(host) = &self.host else {
             let Some(team) = &self.own else { return pieces.for_each(work) };
             return while share_some::<T, MOST_PIECES>(team, &mut pieces.by_ref().map(|piece| (0, None, piece)), &work) {};
@@ -126,15 +134,25 @@ impl Workers {
 
     /// Works on all pieces, each with the number of its phase and that of the thread that it is meant for: those of one phase side by side,
     /// and none before those of earlier ones are done. Who has done what was meant for it does what others have not begun.
+    #[inline]
     pub(crate) fn share_in_phases<T: Send>(&self, pieces: impl Iterator<Item = (u32, usize, T)>, work: impl Fn(T) + Sync) {
-        let Some(team) = self.own.as_ref().filter(|_| self.has_team()) else { return pieces.for_each(|(.., piece)| work(piece)) };
-        let mut pieces = pieces.map(|(phase, owner, piece)| (phase, Some(owner), piece));
-        while share_some::<T, MOST_IN_PHASES>(team, &mut pieces, &work) {}
+        match self.own.as_ref().filter(|_| self.has_team()) {
+            Some(team) => share_out_in_phases(team, pieces, work),
+            None => pieces.for_each(|(.., piece)| work(piece)),
+        }
     }
+}
+
+/// Works on the pieces of phases with a team; not inlined for the reason given at [`Workers::share_out`].
+#[inline(never)]
+fn share_out_in_phases<T: Send>(team: &Team, pieces: impl Iterator<Item = (u32, usize, T)>, work: impl Fn(T) + Sync) {
+    let mut pieces = pieces.map(|(phase, owner, piece)| (phase, Some(owner), piece));
+    while share_some::<T, MOST_IN_PHASES>(team, &mut pieces, &work) {}
 }
 
 /// Works on the next pieces, each with its phase and whose it is first of all, and says whether there may be more: a number of threads after
 /// one another have those of a phase that are nobody's.
+#[inline(never)]
 fn share_some<T: Send, const MOST: usize>(
     team: &Team,
     pieces: &mut impl Iterator<Item = (u32, Option<usize>, T)>,

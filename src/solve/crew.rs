@@ -37,9 +37,25 @@ pub(super) fn in_colors(
     backwards: bool,
     work: impl Fn(&mut BlockPart<'_>, &mut Hand<'_, BodyVelocity>) + Sync,
 ) {
+    if range.is_empty() {
+        return;
+    }
     if range.len() < SHARED_BLOCKS || !threads.has_team() {
         return work(&mut contacts.part(range), &mut Hand::alone(velocities, moving));
     }
+    in_colors_shared(contacts, range, threads, (velocities, moving), backwards, work);
+}
+
+/// [`in_colors`] by several threads, out of the way of one that is alone.
+#[inline(never)]
+fn in_colors_shared(
+    contacts: &mut ContactBlocks,
+    range: Range<usize>,
+    threads: &Workers,
+    (velocities, moving): (&mut [BodyVelocity], usize),
+    backwards: bool,
+    work: impl Fn(&mut BlockPart<'_>, &mut Hand<'_, BodyVelocity>) + Sync,
+) {
     debug_assert!(contacts.are_apart(moving), "blocks of one colour share a moving body");
     let shared = Shared::new(velocities, moving);
     let pieces = contacts.colored_pieces(&range, threads.places());
