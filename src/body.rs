@@ -142,6 +142,13 @@ pub(crate) fn checked_velocity(argument: &'static str, velocity: Vec3, limit: f3
     Ok(velocity)
 }
 
+/// A velocity no greater than `limit`, as the solver leaves it: rows and position rows of the last substep may ask for more.
+pub(crate) fn within_limit(velocity: Vec3, limit: f32) -> Vec3 {
+    let length = velocity.length();
+    // Rounding must not leave it above.
+    if length > limit { velocity * (limit / length * (1.0 - 2.0 * f32::EPSILON)) } else { velocity }
+}
+
 /// The world's record of a body. The centre of mass is what the solver moves; the user's frame follows from it.
 #[derive(Debug, Clone)]
 pub(crate) struct Body {

@@ -73,7 +73,7 @@ impl Batch {
         let begin = |velocity: &mut BodyVelocity, motion: &mut BodyMotion, change: &mut Twist| {
             let before = velocity.inverse_inertia;
             integrate::apply_forces(velocity, motion, h);
-            integrate::limit_speeds(velocity, motion, h);
+            integrate::limit_speeds(velocity, motion);
             let [linear, angular] = std::mem::replace(change, [velocity.linear, velocity.angular]);
             if motion.refreshed {
                 refreshes.store(true, Ordering::Relaxed);

@@ -15,10 +15,10 @@ const INERTIA_REFRESH: f32 = 1.0e-2;
 /// Rotation of one substep below which the gyroscopic term is left out (rad): it would change ω by less than its square.
 pub(crate) const NEGLIGIBLE_TUMBLE: f32 = 1.0e-4;
 
-/// Rotation of one substep above which a prediction takes two halves, and above which it is left to [`rotation`] (rad). One half is
-/// off by the cube of it over 24: here by 5e-6 rad.
+/// Rotation of one substep above which a prediction takes two halves, and above which a body that tumbles is left to [`rotation`] (rad).
+/// One half is off by the cube of it over 24: here by 5e-6 rad.
 pub(crate) const SPLIT_TUMBLE: f32 = 5.0e-2;
-pub(crate) const SAFE_TUMBLE: f32 = 1.0;
+pub(crate) const SAFE_TUMBLE: f32 = 1.0e-1;
 
 /// Speeds below this are taken as zero (m/s, rad/s), so that neither they nor their squares
 /// become denormal numbers, which cost ten times as much.
@@ -63,7 +63,7 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
         return;
     }
     // Rows on bodies of tiny inertia can ask for any speed.
-    limit_speeds(velocity, motion, h);
+    limit_speeds(velocity, motion);
     motion.displacement += velocity.linear * h;
     if motion.is_dynamic() && !motion.constrained {
         // The velocity has gained the whole substep's acceleration; a free path is a parabola.
@@ -132,7 +132,10 @@ fn predicted_turn(angular: Vec3, motion: &BodyMotion, h: f32) -> Quat {
     }
     let squared = angular.length_squared();
     if motion.kind != MotionKind::Tumbling || squared <= NEGLIGIBLE_TUMBLE * NEGLIGIBLE_TUMBLE / (h * h) {
-        return quaternion_of((angular * h).clamp_length_max(MAX_TURN));
+        return match squared * h * h > MAX_TURN * MAX_TURN {
+            true => rotation::quaternion_of(angular.as_dvec3() * f64::from(h)).as_quat(),
+            false => quaternion_of(angular * h),
+        };
     }
     let frame = motion.rotation * motion.inertia_frame;
     let start = frame.conjugate() * angular;
@@ -175,7 +178,11 @@ fn turn(velocity: &BodyVelocity, motion: &BodyMotion, h: f32) -> Turn {
         let turn = rotation::tumble(motion.rotation.as_dquat().normalize(), angular.as_dvec3(), &motion.top(), f64::from(h));
         return Turn { rotation: turn.rotation.as_quat(), mean: turn.mean.as_vec3(), angular: turn.angular.as_vec3() };
     }
-    Turn { rotation: rotated(motion.rotation, (angular * h).clamp_length_max(MAX_TURN)), mean: angular, angular }
+    if angular.length_squared() > MAX_TURN * MAX_TURN / (h * h) {
+        let turned = rotation::rotated(motion.rotation.as_dquat().normalize(), angular.as_dvec3() * f64::from(h));
+        return Turn { rotation: turned.as_quat(), mean: angular, angular };
+    }
+    Turn { rotation: rotated(motion.rotation, angular * h), mean: angular, angular }
 }
 
 pub(crate) fn skew(v: Vec3) -> Mat3 {
@@ -188,8 +195,7 @@ const COSINE_TERMS: [f32; 5] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1
 
 /// `rotation` turned by a rotation vector in world axes (rad).
 ///
-/// Sine and cosine of the half angle are power series: exact to rounding below the largest turn of a substep, and the same
-/// bits on every platform.
+/// Sine and cosine of the half angle are power series: exact to rounding up to [`MAX_TURN`], and the same bits on every platform.
 pub(crate) fn rotated(rotation: Quat, vector: Vec3) -> Quat {
     let rotation = Vec4::from(quaternion_of(vector) * rotation);
     Quat::from_vec4(Vec4::select(rotation.abs().cmpgt(Vec4::splat(NEGLIGIBLE_WAY)), rotation, Vec4::ZERO)).normalize()
@@ -246,13 +252,13 @@ fn refresh_inertia(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32)
     motion.turn_at_refresh = motion.turn;
 }
 
-/// Keeps speeds such that a substep stays within half a turn and the world.
-pub(crate) fn limit_speeds(velocity: &mut BodyVelocity, motion: &BodyMotion, h: f32) {
+/// Keeps speeds within what the world allows.
+pub(crate) fn limit_speeds(velocity: &mut BodyVelocity, motion: &BodyMotion) {
     if !motion.is_dynamic() || motion.direct {
         return;
     }
     velocity.linear = settle(velocity.linear, MAX_LINEAR_SPEED);
-    velocity.angular = settle(velocity.angular, MAX_ANGULAR_SPEED.min(MAX_TURN / h));
+    velocity.angular = settle(velocity.angular, MAX_ANGULAR_SPEED);
 }
 
 fn settle(velocity: Vec3, limit: f32) -> Vec3 {

@@ -346,16 +346,16 @@ impl Batch {
                 refreshes.store(true, Ordering::Relaxed);
             }
             if !is_noted {
-                integrate::limit_speeds(velocity, motion, h);
+                integrate::limit_speeds(velocity, motion);
             }
         });
         self.poses.apply_forces(threads, &mut self.velocities, &self.motions, h);
         self.find_inertia();
         if is_noted {
             self.free.note(&self.velocities, &self.motions, &self.poses, |_| true);
-            self.each_single(threads, |velocity, motion| integrate::limit_speeds(velocity, motion, h));
+            self.each_single(threads, |velocity, motion| integrate::limit_speeds(velocity, motion));
         }
-        self.poses.limit_speeds(threads, &mut self.velocities, h);
+        self.poses.limit_speeds(threads, &mut self.velocities);
         self.dissipative.note_energy(&self.velocities, &self.motions, &self.poses);
         let (direct, floor) = self.direct_and_floor(threads);
         direct.couple(joints, floor, h, h * (substeps - substep) as f32);

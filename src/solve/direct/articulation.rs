@@ -27,6 +27,7 @@ use super::lasting::Lasting;
 use super::layout::Link;
 use super::points::Points;
 use super::quads::{self, Quad};
+use super::rotor::Rotor;
 use super::single;
 use super::system::{System, Topology};
 use crate::id::{BodyId, JointId, Pool};
@@ -113,6 +114,9 @@ pub(crate) struct Articulation {
     pub(super) is_points: bool,
     pub(super) points: Points,
     pub(super) asked: Vec<rows::ScalarRow>,
+    /// Bodies that spin fast, and room for velocities before joints act.
+    pub(super) rotors: Vec<Rotor>,
+    pub(super) rotor_base: Vec<Rate>,
     /// Of each joint, where it is swept: whether its stops are out of reach.
     pub(super) stops: Vec<FarStops>,
     pub(super) stiffness: Vec<DMat3>,
@@ -346,6 +350,7 @@ impl Articulation {
         self.left = self.dt;
         self.world_substep = self.dt / f64::from(settings.substeps);
         self.step_start.clone_from(&self.stances);
+        self.find_rotors();
         if !self.watched.is_empty() || !self.touches.is_empty() {
             self.untouched.clone_from(&self.entries);
         }
@@ -442,6 +447,7 @@ impl Articulation {
         // A mended position is no way that the bodies have gone: extrapolated, it would have to be taken back by a blow.
         let reached = if self.reached.is_empty() { &self.stances } else { &self.reached };
         quads::note(&self.quads, h, &self.order, &self.began, (reached, &self.rates), &mut self.histories);
+        self.note_ways_of_rotors();
         // As the histories hold it.
         self.continues = Some(f64::from(h as f32));
         let order = if second_order { &mut self.outcome.second_order } else { &mut self.outcome.first_order };

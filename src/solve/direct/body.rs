@@ -140,14 +140,13 @@ impl DirectBody {
         let free = self.undamped.cmpgt(DVec3::ZERO);
         rate.linear += DVec3::select(free, self.acceleration * h, DVec3::ZERO);
         rate.linear /= 1.0 + h * self.linear_damping;
-        self.limit_speed(rate, h);
+        self.limit_speed(rate);
     }
 
     /// No speed is beyond what the world allows.
-    pub(crate) fn limit_speed(&self, rate: &mut Rate, h: f64) {
-        let most_turn = f64::from(crate::body::MAX_ANGULAR_SPEED).min(f64::from(rotation::MAX_TURN) / h);
+    pub(crate) fn limit_speed(&self, rate: &mut Rate) {
         rate.linear = rate.linear.clamp_length_max(f64::from(crate::body::MAX_LINEAR_SPEED));
-        rate.angular = rate.angular.clamp_length_max(most_turn);
+        rate.angular = rate.angular.clamp_length_max(f64::from(crate::body::MAX_ANGULAR_SPEED));
     }
 
     /// Rotation through a substep at this rate.

@@ -42,6 +42,10 @@ impl Articulation {
         // Carried multipliers are those of the world's substep.
         let unknown = if has_target { most } else { substeps };
         let (mut rest, mut left, mut needed) = (self.wanted_substeps(unknown, dt), dt, 0.0_f64);
+        if !self.rotors.is_empty() {
+            let least = self.substeps_of_rotors().min(most);
+            (rest, needed) = (rest.max(least), f64::from(least));
+        }
         let mut h = dt / f64::from(rest);
         self.scale_impulses((h / self.world_substep) as f32);
         let mut error = None;

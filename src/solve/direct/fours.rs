@@ -6,7 +6,7 @@ use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use super::block::Lanes;
 use crate::lanes::four::{Four, Plain};
-use crate::solve::rotation::{FEW_TERMS, FEW_TERMS_BELOW, SERIES};
+use crate::solve::rotation::{FEW_TERMS, FEW_TERMS_BELOW, SERIES, SERIES_BELOW, rotated};
 
 /// Square of the sine of half an angle below which a rotation is small.
 const SMALL_SQUARE: f64 = 1.0e-3;
@@ -172,6 +172,10 @@ impl<F: Four> FourTurns<F> {
     pub(super) fn turned(self, vector: Four3<F>) -> Self {
         let half = vector * F::splat(0.5);
         let x = half.dot(half);
+        if F::any(F::splat(SERIES_BELOW).below(x)) {
+            let (turns, vectors) = (self.each(), vector.each());
+            return Self::of([0, 1, 2, 3].map(|j| rotated(turns[j], vectors[j])));
+        }
         let few = !F::any(F::splat(FEW_TERMS_BELOW).below(x));
         let terms = if few { FEW_TERMS } else { SERIES.len() };
         let one = F::splat(1.0);

@@ -29,6 +29,8 @@
 //! as keep |δ| below a bound: one where it hangs still, more where it whips. Without an error target |δ| is the mean over the mass,
 //! with one that of the body whose is greatest.
 
+use std::f64::consts::TAU;
+
 use glam::{DQuat, DVec3, Vec3};
 
 use super::single;
@@ -100,6 +102,8 @@ pub(crate) struct History {
     /// Displacement (m) and rotation vector (rad).
     pub(super) displacement: Vec3,
     pub(super) turn: Vec3,
+    /// Of a fast rotor the angle about its axis (rad), which is no part of the rotation vector then; else zero.
+    pub(super) spin_turn: f32,
     /// Velocity and angular momentum at its start (m/s, N·m·s); or a lead of the velocities (m/s, rad/s).
     pub(super) linear_before: Vec3,
     pub(super) momentum_before: Vec3,
@@ -119,6 +123,7 @@ crate::snapshot::stored::stored!(History {
     swept_steps,
     displacement,
     turn,
+    spin_turn,
     linear_before,
     momentum_before,
     acceleration,
@@ -135,6 +140,7 @@ impl History {
         swept_steps: 0,
         displacement: Vec3::ZERO,
         turn: Vec3::ZERO,
+        spin_turn: 0.0,
         linear_before: Vec3::ZERO,
         momentum_before: Vec3::ZERO,
         acceleration: Vec3::ZERO,
@@ -226,6 +232,17 @@ impl Stored for Past {
         let is_known = before[..before.len() - input.words.len()].iter().any(|&word| word != 0);
         Some(Self(is_known.then(|| Box::new(history))))
     }
+}
+
+/// Rotation vector of a rotation by about `way` (rad): of all that mean the same, the nearest.
+pub(super) fn rotation_vector_near(rotation: DQuat, way: DVec3) -> DVec3 {
+    let vector = rotation_vector(rotation);
+    let length = vector.length();
+    if length == 0.0 {
+        return vector;
+    }
+    let turns = ((way.dot(vector) / length - length) / TAU).round();
+    vector + vector * (turns * TAU / length)
 }
 
 /// Rotation vector of a rotation by less than half a turn (rad).

@@ -59,6 +59,8 @@ mod refine;
 mod refused;
 mod riders;
 mod ropes;
+mod rotor;
+mod rotors;
 mod row;
 pub(crate) mod single;
 pub(crate) mod stiffness;

@@ -5,14 +5,13 @@ use glam::{DMat3, DVec3, Vec3};
 use super::articulation::Began;
 use super::body::DirectBody;
 use super::fours::{Four3, FourSymmetric, FourTurns};
-use super::history::{History, SecondOrder, rotation_vector};
+use super::history::{History, SecondOrder, rotation_vector_near};
 use super::single;
 use super::stiffness;
 use crate::lanes::four::{Four, Plain};
 use crate::platform::in_fours;
 use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;
-use crate::solve::rotation::MAX_TURN;
 
 /// Passes in which the angular velocity at the end of a substep is found from an angular momentum.
 const MOMENTUM_PASSES: usize = 2;
@@ -25,7 +24,6 @@ const MOST_GAIN: f64 = 1.0e-6;
 
 const MOST_SPEED: f64 = crate::body::MAX_LINEAR_SPEED as f64;
 const MOST_SPIN: f64 = crate::body::MAX_ANGULAR_SPEED as f64;
-const MOST_TURN: f64 = MAX_TURN as f64;
 
 /// Four bodies that move, and what stays as it is for a step; where there are fewer, the first takes the places of the others.
 #[derive(Debug, Clone, Copy)]
@@ -176,7 +174,7 @@ fn predict_body<F: Four>(quads: &[Quad], order: &SecondOrder, h: f64, histories:
         let (mut end, mut angular) = (start.1, angular);
         for _ in 0..MOMENTUM_PASSES {
             let guess = angular;
-            end = start.1.turned((guess * length).clamp_length(MOST_TURN));
+            end = start.1.turned(guess * length);
             angular = quad.spin_of(quad.axes(end), momentum) * (one / slowed);
             let change = (angular - guess) * length;
             if !F::any(F::splat(NEGLIGIBLE_TURN * NEGLIGIBLE_TURN).below(change.dot(change))) {
@@ -188,7 +186,7 @@ fn predict_body<F: Four>(quads: &[Quad], order: &SecondOrder, h: f64, histories:
             + acceleration * steady
             + Four3::load(&quad.acceleration) * Four3::load(&quad.free_along) * length;
         let linear = (linear * (one / (one + length * F::load(&quad.linear_damping.0)))).clamp_length(MOST_SPEED);
-        let angular = angular.clamp_length(MOST_SPIN.min(MOST_TURN / h));
+        let angular = angular.clamp_length(MOST_SPIN);
         let reached = start.0 + linear * length;
         let (place, rotation, linear, angular) = (start.0.each(), start.1.each(), linear.each(), angular.each());
         let (reached, end) = (reached.each(), end.each());
@@ -207,9 +205,9 @@ fn advance_body<F: Four>(quads: &[Quad], h: f64, bodies: &[DirectBody], stances:
     for quad in quads {
         let (place, rotation) = quad.places::<F>(stances);
         let (linear, angular) = quad.velocities::<F>(rates);
-        let (linear, angular) = (linear.clamp_length(MOST_SPEED), angular.clamp_length(MOST_SPIN.min(MOST_TURN / h)));
+        let (linear, angular) = (linear.clamp_length(MOST_SPEED), angular.clamp_length(MOST_SPIN));
         let place = place + linear * length;
-        let rotation = rotation.turned((angular * length).clamp_length(MOST_TURN));
+        let rotation = rotation.turned(angular * length);
         let inertia =
             [&bodies[quad.at(0)].inertia, &bodies[quad.at(1)].inertia, &bodies[quad.at(2)].inertia, &bodies[quad.at(3)].inertia];
         // The momentum is what the joints left; on a thin rod it can be a far higher speed in another pose, which is refused.
@@ -279,13 +277,14 @@ fn note_body<F: Four>(
         let (acceleration, torque) = (acceleration.each(), torque.each());
         let (linear_before, linear, angular) = (linear_before.each(), linear.each(), angular.each());
         for j in 0..quad.count {
-            let turn = if is_small[j] { turn[j] } else { rotation_vector(change[j]) };
+            let turn = if is_small[j] { turn[j] } else { rotation_vector_near(change[j], angular[j] * h) };
             histories[quad.at(j)] = History {
                 h: h as f32,
                 substeps: 0,
                 swept_steps: 0,
                 displacement: single::way(displacement[j]),
                 turn: single::way(turn),
+                spin_turn: 0.0,
                 linear_before: single::speed(linear_before[j]),
                 momentum_before: single::impulse(momentum[j]),
                 acceleration: single::impulse(acceleration[j]),

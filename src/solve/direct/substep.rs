@@ -34,14 +34,25 @@ impl Articulation {
         let h = full * self.order.euler_share;
         self.weigh(h);
         self.predict(full, h, mode);
+        let has_rotors = !self.rotors.is_empty();
+        if has_rotors {
+            self.place_rotors(full, h, mode);
+        }
         if self.is_points {
             self.find_ends(mode != Mode::Safe);
         }
         self.find_stiffness(h, mode, h / full);
         let turns = self.turning.iter().any(|turning| *turning != DVec3::ZERO);
         let before = if turns { self.kinetic_energy() } else { 0.0 };
+        let holds_axes = has_rotors && mode == Mode::SecondOrder;
+        if holds_axes {
+            self.swap_held_rotors();
+        }
         let stances = if mode == Mode::SecondOrder { &self.predicted } else { &self.stances };
         quads::respond(&self.quads, h, stances, &self.stiffness, &mut self.bodies);
+        if holds_axes {
+            self.swap_held_rotors();
+        }
         if mode == Mode::Safe {
             for (i, body) in self.bodies.iter().enumerate() {
                 self.rates[i].angular = body.damped(&self.stiffness[i], &self.rates[i], h);
@@ -55,24 +66,30 @@ impl Articulation {
             self.changes.clone_from(&self.rates);
             self.turn_along();
         }
-        self.solve_rates();
+        if has_rotors && !turns {
+            self.solve_with_rotors(h, mode);
+        } else {
+            self.solve_rates();
+        }
         if turns && self.kinetic_energy() > before {
             self.rates.clone_from(&self.changes);
             self.solve_rates();
         }
         self.keep_impulses(full / h);
+        self.note_rotors();
         if mode == Mode::SecondOrder {
             quads::advance(&self.quads, h, &self.bodies, &mut self.stances, &mut self.rates);
         }
         for (i, body) in self.bodies.iter().enumerate().filter(|(_, body)| mode != Mode::SecondOrder || !body.is_dynamic()) {
             let (stance, rate) = (&mut self.stances[i], &mut self.rates[i]);
-            body.limit_speed(rate, h);
+            body.limit_speed(rate);
             let turn = body.turn(stance, rate, h);
             stance.0 += rate.linear * h;
             stance.1 = turn.rotation;
             rate.angular = turn.angular;
         }
         self.left -= full;
+        self.advance_rotors(h);
         momentum
     }
 
@@ -84,7 +101,7 @@ impl Articulation {
     }
 
     /// Solves all rows for the velocities, within the step's budget of passes.
-    fn solve_rates(&mut self) {
+    pub(super) fn solve_rates(&mut self) {
         if self.is_points {
             self.points.solve(&self.topology, &self.bodies, &mut self.rates);
             return;

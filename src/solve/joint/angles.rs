@@ -1,8 +1,7 @@
 //! Angles of joints as coordinates: which angles a joint has, and how they count turns.
 //!
-//! A rotation tells an angle up to whole turns. The angle that a joint had last tells which turn it is in: of all values that the
-//! rotation allows, the nearest to that one is taken. No body turns by more than [`MAX_TURN`](crate::solve::rotation::MAX_TURN) in a
-//! substep, so that two of them turn by less than half a turn against each other, and nothing is missed at any speed.
+//! A rotation tells an angle up to whole turns. The angle that a joint had last, and what its bodies have turned by since, tell which
+//! turn it is in: of all values that the rotation allows, the nearest to their sum is taken, so that nothing is missed at any speed.
 //!
 //! **Six-axis joints** turn by R = R_x(φ) R_y(θ) R_z(ψ) from A's frame to B's. What is locked decides how that is read:
 //!

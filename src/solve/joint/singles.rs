@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec3, Mat3, Vec3};
 
+use super::angles;
 use super::driven::{self, Driven};
 use super::geometry::{JointGeometry, Placement};
 use super::kinds::{self, RowSink};
@@ -95,10 +96,15 @@ impl JointEntry {
     }
 }
 
+/// Turn of a substep up to which the nearest of all angles that a rotation allows is the right one, whatever it was before (rad).
+const SURE_TURN: f64 = 1.0;
+
 /// The joints of a batch that are swept one by one, by their places among its entries.
 #[derive(Debug, Default)]
 pub(super) struct Singles {
     numbers: Vec<usize>,
+    /// By what the second body of each has turned against the first in the step, as its angles were last followed (rad).
+    turned: Vec<Vec3>,
     rows: Vec<JointRows>,
     scalars: Vec<ScalarRow>,
     /// What the joint at hand asks in scalar rows.
@@ -110,12 +116,14 @@ pub(super) struct Singles {
 impl Singles {
     pub(super) fn clear(&mut self) {
         self.numbers.clear();
+        self.turned.clear();
         self.rows.clear();
         self.scalars.clear();
     }
 
     pub(super) fn add(&mut self, numbers: &[u32]) {
         self.numbers.extend(numbers.iter().map(|&number| number as usize));
+        self.turned.resize(self.numbers.len(), Vec3::ZERO);
     }
 
     pub(super) fn len(&self) -> usize {
@@ -127,14 +135,27 @@ impl Singles {
     }
 
     /// Brings angles that count turns up to where the bodies are now, `left` (s) from the end of the step.
-    pub(super) fn follow(&self, entries: &mut [JointEntry], joints: &Pool<Joint, JointId>, motions: &[BodyMotion], left: f32) {
-        for &number in &self.numbers {
+    pub(super) fn follow(
+        &mut self,
+        entries: &mut [JointEntry],
+        joints: &Pool<Joint, JointId>,
+        motions: &[BodyMotion],
+        left: f32,
+    ) {
+        for (&number, before) in self.numbers.iter().zip(&mut self.turned) {
             let entry = &mut entries[number];
             if entry.counts_turns {
                 let joint = &joints[entry.joint];
                 let [a, b] = [entry.a, entry.b].map(|slot| motions[slot as usize].stance());
                 let placement = driven::before(entry.placement(a, b), joint.drive(), [&a, &b], f64::from(left));
-                entry.follow(&joint.def.kind, &placement);
+                let kind = &joint.def.kind;
+                let turned = motions[entry.b as usize].turn - motions[entry.a as usize].turn;
+                let way = (turned - std::mem::replace(before, turned)).as_dvec3();
+                if way.length_squared() > SURE_TURN * SURE_TURN {
+                    let moved = angles::rates(kind, &placement, entry.angles, way);
+                    entry.angles.iter_mut().zip(moved).for_each(|(angle, moved)| *angle += moved);
+                }
+                entry.follow(kind, &placement);
             }
         }
     }

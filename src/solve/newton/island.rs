@@ -367,7 +367,7 @@ impl Island {
                     *rate = rate_of(&problem.velocity[next]);
                 }
                 next += 1;
-                body.limit_speed(rate, h);
+                body.limit_speed(rate);
                 // A free path is a parabola.
                 let mean = if pressed[number] { rate.linear } else { (rate.linear + before.linear) * 0.5 };
                 let turn = body.turn(stance, rate, h);

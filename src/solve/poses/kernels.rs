@@ -85,18 +85,18 @@ fn store_energies<W: Wide>(block: &PoseBlock, side: &Side<W>, axes: &[Wide3<W>; 
 }
 
 #[inline(always)]
-pub(super) fn limit<W: Wide>(blocks: &[PoseBlock], velocities: &mut (impl Slots<BodyVelocity> + ?Sized), h: f32) {
+pub(super) fn limit<W: Wide>(blocks: &[PoseBlock], velocities: &mut (impl Slots<BodyVelocity> + ?Sized)) {
     for block in blocks {
         let mut side = Side::<W>::gather(&block.slots, velocities);
-        limit_speeds(&mut side, h);
+        limit_speeds(&mut side);
         side.scatter(&block.slots, velocities);
     }
 }
 
 #[inline(always)]
-fn limit_speeds<W: Wide>(side: &mut Side<W>, h: f32) {
+fn limit_speeds<W: Wide>(side: &mut Side<W>) {
     side.linear = side.linear.shortened(W::splat(MAX_LINEAR_SPEED)).settled(NEGLIGIBLE_SPEED);
-    side.angular = side.angular.shortened(W::splat(MAX_ANGULAR_SPEED.min(MAX_TURN / h))).settled(NEGLIGIBLE_SPEED);
+    side.angular = side.angular.shortened(W::splat(MAX_ANGULAR_SPEED)).settled(NEGLIGIBLE_SPEED);
 }
 
 #[inline(always)]
@@ -115,7 +115,7 @@ pub(super) fn predict<W: Wide>(
         let displacement = stand.displacement + side.linear * W::splat(h);
         let rotation = turned.turn.after(&stand.rotation).normalized();
         scatter_outlooks(&block.slots, &turned.turn, displacement, &rotation, outlooks);
-        let far = W::select((side.angular.length() * W::splat(h)).above(W::splat(SAFE_TUMBLE)), W::splat(1.0), W::zero());
+        let far = is_far(block, side.angular * W::splat(h));
         note_refused(block, turned.gains.max(far), refused);
     }
 }
@@ -131,10 +131,10 @@ pub(super) fn advance<W: Wide>(
     for block in blocks {
         let mut side = Side::<W>::gather(&block.slots, velocities);
         let mut stand = Stand::<W>::gather(&block.slots, motions);
-        limit_speeds(&mut side, h);
+        limit_speeds(&mut side);
         let turned = turn(block, &stand.rotation, side.angular, h, rotation::SPLIT_TUMBLE as f32);
         let mean = side.angular + turned.mean_change;
-        let far = W::select((mean.length() * W::splat(h)).above(W::splat(MAX_TURN)), W::splat(1.0), W::zero());
+        let far = is_far(block, mean * W::splat(h));
         let refuses = turned.gains.max(far);
         let moves = W::zero().above(refuses - W::splat(0.5));
         let rotation = turned.turn.after(&stand.rotation).settled(NEGLIGIBLE_WAY).normalized();
@@ -147,6 +147,13 @@ pub(super) fn advance<W: Wide>(
         side.scatter(&block.slots, velocities);
         note_refused(block, refuses, refused);
     }
+}
+
+/// 1 where a body turns by more than the rules for lanes are good for.
+#[inline(always)]
+fn is_far<W: Wide>(block: &PoseBlock, way: Wide3<W>) -> W {
+    let most = W::select(W::load(&block.tumbles).above(W::zero()), W::splat(SAFE_TUMBLE), W::splat(MAX_TURN));
+    W::select(way.length().above(most), W::splat(1.0), W::zero())
 }
 
 /// Lists the bodies of lanes above zero.

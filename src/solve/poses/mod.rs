@@ -258,11 +258,11 @@ impl Poses {
     }
 
     /// As [`integrate::limit_speeds`].
-    pub(crate) fn limit_speeds(&mut self, threads: &Workers, velocities: &mut [BodyVelocity], h: f32) {
+    pub(crate) fn limit_speeds(&mut self, threads: &Workers, velocities: &mut [BodyVelocity]) {
         let velocities = Shared::new(velocities, self.last);
         each_piece(&self.blocks, threads, |blocks| {
             // SAFETY: each slot is in one block, which one thread goes through.
-            limit_all(blocks, &mut unsafe { velocities.hand() }, h);
+            limit_all(blocks, &mut unsafe { velocities.hand() });
         });
     }
 
@@ -376,7 +376,7 @@ in_lanes!(
     find_energies_all, kernels::find_energies,
     (blocks: &[PoseBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], energies: &mut Hand<'_, f32>)
 );
-in_lanes!(limit_all, kernels::limit, (blocks: &[PoseBlock], velocities: &mut Hand<'_, BodyVelocity>, h: f32));
+in_lanes!(limit_all, kernels::limit, (blocks: &[PoseBlock], velocities: &mut Hand<'_, BodyVelocity>));
 in_lanes!(
     predict_all, kernels::predict,
     (

@@ -59,7 +59,7 @@ fn run<W: Wide>((velocities, motions): &Bodies) -> (Bodies, Vec<Outlook>, Vec<u3
     let (mut velocities, mut motions, mut poses) = (velocities.clone(), motions.clone(), Poses::default());
     poses.lay_out(&Workers::default(), (&velocities, &mut motions), &[], H);
     kernels::apply_forces::<W>(&poses.blocks, &mut velocities[..], &motions, &mut poses.energies[..], H);
-    kernels::limit::<W>(&poses.blocks, &mut velocities[..], H);
+    kernels::limit::<W>(&poses.blocks, &mut velocities[..]);
     kernels::predict::<W>(&poses.blocks, &velocities, &motions, &mut poses.outlooks[..], &mut poses.refused, H);
     let moving = motions.len() - 1;
     let mut hands = (Hand::alone(&mut velocities, moving), Hand::alone(&mut motions, moving));
@@ -97,7 +97,7 @@ proptest! {
         let mut outlooks = Vec::new();
         for (velocity, motion) in velocities.iter_mut().zip(&mut motions) {
             integrate::apply_forces(velocity, motion, H);
-            integrate::limit_speeds(velocity, motion, H);
+            integrate::limit_speeds(velocity, motion);
             outlooks.push(Outlook::of(velocity, motion, H));
             integrate::advance(velocity, motion, H);
         }
@@ -105,23 +105,30 @@ proptest! {
         let mut poses = Poses::default();
         poses.lay_out(&Workers::default(), (&own, &mut own_places), &[], H);
         poses.apply_forces(&Workers::default(), &mut own, &own_places, H);
-        poses.limit_speeds(&Workers::default(), &mut own, H);
+        poses.limit_speeds(&Workers::default(), &mut own);
         poses.predict(&Workers::default(), &own, &own_places, H);
         let moving = own.len() - 1;
         poses.advance(&Workers::default(), (&mut own, &mut own_places, moving), H);
-        for (own, other) in own.iter().zip(&velocities) {
+        // Lanes take the midpoint rule as far as they go, off by the cube of the turn; one by one, the same turn is exact. What turns
+        // further is moved one by one in both.
+        let apart = |i: usize| {
+            let turn = velocities[i].angular.length() * H;
+            if turn > 1.1 * integrate::SAFE_TUMBLE { 0.0 } else { turn.powi(3) / 4.0 }
+        };
+        for (i, (own, other)) in own.iter().zip(&velocities).enumerate() {
             let worst = share(own.linear, other.linear, 1.0).max(share(own.angular, other.angular, 1.0));
             // Rounding, times the ratio of the inertias.
-            prop_assert!(worst < 1.0e-5, "velocities differ by {worst} of themselves");
+            prop_assert!(worst < 1.0e-5 + apart(i), "velocities differ by {worst} of themselves");
             for (own, other) in own.inverse_inertia.entries().iter().zip(other.inverse_inertia.entries()) {
                 let scale = 1.0e-5 * velocities_scale(&velocities);
                 prop_assert!((own - other).abs() < scale, "inverse inertias {own} and {other} kg⁻¹m⁻²");
             }
         }
-        for (own, other) in own_places.iter().zip(&motions) {
+        for (i, (own, other)) in own_places.iter().zip(&motions).enumerate() {
             let (way, turn) = ((own.displacement - other.displacement).length(), 2.0 * (own.rotation - other.rotation).length());
-            prop_assert!(way < 1.0e-6 && turn < 2.0e-6, "poses differ by {way} m and {turn} rad");
-            prop_assert!((own.turn - other.turn).length() < 2.0e-6, "turns {} and {}", own.turn, other.turn);
+            let most = 2.0e-6 + apart(i);
+            prop_assert!(way < 1.0e-6 && turn < most, "poses differ by {way} m and {turn} rad");
+            prop_assert!((own.turn - other.turn).length() < most, "turns {} and {}", own.turn, other.turn);
         }
         for (own, other) in poses.outlooks.iter().zip(&outlooks) {
             let (way, turn) = ((own.displacement - other.displacement).length(), 2.0 * (own.rotation - other.rotation).length());

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use crate::body::{Body, SleepState};
+use crate::body::{Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, SleepState, within_limit};
 use crate::collide::collider::Collider;
 use crate::id::{BodyId, Pool, ShapeId, Slot};
 use crate::prefetch::{AHEAD, prefetch};
@@ -194,7 +194,8 @@ impl Moves<'_> {
             let before = may_be_smooth.then_some([body.linear_velocity, body.angular_velocity]);
             self.note_drift(body, &own);
             (body.center, body.rotation) = (own.center, own.rotation);
-            (body.linear_velocity, body.angular_velocity) = (own.linear, own.angular);
+            body.linear_velocity = within_limit(own.linear, MAX_LINEAR_SPEED);
+            body.angular_velocity = within_limit(own.angular, MAX_ANGULAR_SPEED);
             body.history.forget();
             body.age = body.age.saturating_add(1);
             body.steady_for = if steady { body.steady_for.saturating_add(1) } else { 0 };

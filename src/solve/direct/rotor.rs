@@ -1,0 +1,202 @@
+//! Fast rotors: bodies that spin about an axis of symmetry by a good part of a turn in a step, or by many.
+//!
+//! Of such a body everything but its angle is slow. With a the axis, σ the spin and Ω = ω − σ a the rest of its angular velocity, A and
+//! C the moments across the axis and along it,
+//!
+//! ```text
+//! L = A Ω + C σ a,        a' = exp(h Ω) a,        φ' = φ + h σ:
+//! ```
+//!
+//! a substep turns the axis by Ω alone and adds the spin as an angle about it, so that σ h may be as long as it likes. What is
+//! extrapolated from the last substep are two ways, of the axis and of the angle, not one rotation vector, which would be ambiguous from
+//! half a turn on.
+//!
+//! **Gyroscopic torque.** L is what forces change; the axis carries C σ a along as it turns. With a₀ the axis for which the system is
+//! written down, the velocity before joints act is therefore not A⁻¹ L̂ but
+//!
+//! ```text
+//! A Ω̂ = L̂ − C σ a' = (L̂ − C σ a₀) − C σ (a' − a₀),        a' = exp(h Ω) a
+//! ```
+//!
+//! with Ω that which joints leave it: an antisymmetric term, which a symmetric factor cannot hold. So it is found by passes of the same
+//! factor, each with the a' of the one before. An error of a' falls by C σ h/A* in each, with A* the moment that joints give the axis.
+//!
+//! What is as fast and not symmetric turns by one rotation vector, as all other bodies do, but finds I at the end of the substep by the
+//! same passes: with I where it would be without joints, and ω carried over only where that gains no energy, as for bodies that turn
+//! slowly, gyroscopic torques are off by 2 σ h of themselves, always to the side that loses energy.
+
+use glam::{DQuat, DVec3};
+
+use super::history::History;
+use crate::solve::joint::Stance;
+use crate::solve::joint::rows::Rate;
+use crate::solve::rotation;
+
+/// Spin in a step from which a body is taken as a rotor (rad), and below which it no longer is: 3 and 1.8 rad/s at 60 steps a second. A
+/// gyroscope that the spin holds up against gravity falls by 2 cm in a second at 30 rad/s and 240 steps a second, 0.12 rad, if it is not.
+const LEAST_SPIN: f64 = 5.0e-2;
+const LEAST_SPIN_OF_ROTOR: f64 = 3.0e-2;
+
+/// Spin over the rest of the angular velocity from which a body is taken as a rotor; it stays one as long as the spin is the greater. A
+/// link that swings as fast as it spins is none.
+const LEAST_SHARE: f64 = 2.0;
+
+/// Difference of the two moments across the axis, over their sum, up to which a body counts as symmetric: what that leaves out of the
+/// momentum goes round with the spin, and comes to nothing over a turn.
+const ALIKE: f64 = 1.0e-3;
+
+/// Greatest over least moment of inertia up to which passes find where a rotor that is not symmetric ends a substep. A small tilt of a
+/// blade's momentum is a large spin about its length: with 76 they went astray, and a gyroscope lost all its spin in a second.
+const MOST_SHEAR: f64 = 4.0;
+
+/// Most that the axis of a rotor turns by in a substep of the world (rad): what is extrapolated of it is slow.
+const MOST_AXIS_TURN: f64 = 0.5;
+
+/// Spin in a substep of the world (rad) from which the joints of a body feel the mean of its moments across the axis, however unlike.
+const BLURRED_SPIN: f64 = 1.0;
+
+/// A body that spins fast about an axis of symmetry.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rotor {
+    pub body: usize,
+    /// Whether it counts as symmetric about its axis, and whether only because of its spin.
+    pub is_symmetric: bool,
+    pub is_blurred: bool,
+    /// Its axis in the body's frame, and the moments along it and across it (kg·m²).
+    pub axis: DVec3,
+    pub along: f64,
+    pub across: f64,
+    /// Principal moments (kg·m²) and rotation of the principal axes in the body.
+    pub moments: DVec3,
+    pub frame: DQuat,
+    /// Rotation where the Euler part of the substep starts, and the axis there.
+    pub start: DQuat,
+    pub first: DVec3,
+    /// Axis for which the system is written down, and rotation with it.
+    pub held: DVec3,
+    pub pose: DQuat,
+    /// Change of angular velocity by what the axis carries along (rad/s).
+    pub kick: DVec3,
+    /// Whether it moves as any other body in this substep, since its kick would give energy.
+    pub is_left: bool,
+    /// Angular velocity that joints leave it (rad/s).
+    pub found: DVec3,
+    /// Angle by which it has spun before the Euler part, and in the whole substep (rad).
+    pub spun_before: f64,
+    pub spun: f64,
+}
+
+impl Rotor {
+    /// Of the body with this number, if it is one in steps of `dt` (s) with substeps of `h` (s).
+    pub fn of(
+        body: usize,
+        own: &super::body::DirectBody,
+        (stance, rate): (&Stance, &Rate),
+        known: bool,
+        dt: f64,
+        h: f64,
+    ) -> Option<Self> {
+        let least = if known { LEAST_SPIN_OF_ROTOR } else { LEAST_SPIN } / dt;
+        if rate.angular.length_squared() <= least * least || own.free_mass().is_none() || own.top.round {
+            return None;
+        }
+        let top = &own.top;
+        let unlike = |k: usize| {
+            let (i, j) = (top.inertia[(k + 1) % 3], top.inertia[(k + 2) % 3]);
+            (i - j).abs() / (i + j)
+        };
+        let local = (stance.1 * top.frame).conjugate() * rate.angular;
+        let fastest = if local.x.abs() >= local.y.abs().max(local.z.abs()) {
+            0
+        } else if local.y.abs() >= local.z.abs() {
+            1
+        } else {
+            2
+        };
+        let spin = local[fastest].abs();
+        let rest = (local.length_squared() - spin * spin).max(0.0);
+        let share = if known { 1.0 } else { LEAST_SHARE };
+        if spin <= least || spin * spin < share * share * rest || rest * h * h > MOST_AXIS_TURN * MOST_AXIS_TURN {
+            return None;
+        }
+        let mut axis = DVec3::ZERO;
+        axis[fastest] = 1.0;
+        let across = 0.5 * (top.inertia[(fastest + 1) % 3] + top.inertia[(fastest + 2) % 3]);
+        let is_blurred = unlike(fastest) > ALIKE && spin * h > BLURRED_SPIN;
+        let is_symmetric = is_blurred || unlike(fastest) <= ALIKE;
+        if !is_symmetric && top.inertia.max_element() > MOST_SHEAR * top.inertia.min_element() {
+            return None;
+        }
+        Some(Self {
+            body,
+            is_symmetric,
+            is_blurred,
+            moments: top.inertia,
+            frame: top.frame,
+            axis: top.frame * axis,
+            along: top.inertia[fastest],
+            across,
+            start: stance.1,
+            first: DVec3::ZERO,
+            held: DVec3::ZERO,
+            pose: stance.1,
+            found: DVec3::ZERO,
+            kick: DVec3::ZERO,
+            is_left: false,
+            spun_before: 0.0,
+            spun: 0.0,
+        })
+    }
+
+    /// Spin (rad/s), and the rest of an angular velocity.
+    pub fn split(&self, angular: DVec3) -> (f64, DVec3) {
+        let spin = angular.dot(self.held);
+        (spin, angular - self.held * spin)
+    }
+
+    /// Rotation a time of `h` (s) after the start, at an angular velocity.
+    pub fn turned(&self, angular: DVec3, h: f64) -> DQuat {
+        if !self.is_symmetric {
+            return rotation::rotated(self.start, angular * h);
+        }
+        let (spin, rest) = self.split(angular);
+        (rotation::rotated(self.start, rest * h) * rotation::quaternion_of(self.axis * (spin * h))).normalize()
+    }
+
+    /// Angular velocity of an angular momentum, the axis being that which is held.
+    pub fn angular_of(&self, momentum: DVec3) -> DVec3 {
+        if !self.is_symmetric {
+            return self.angular_at(self.pose, momentum);
+        }
+        let spin = momentum.dot(self.held);
+        (momentum - self.held * spin) / self.across + self.held * (spin / self.along)
+    }
+
+    /// Angular velocity of an angular momentum where the body is turned so.
+    fn angular_at(&self, rotation: DQuat, momentum: DVec3) -> DVec3 {
+        let axes = rotation * self.frame;
+        axes * ((axes.conjugate() * momentum) / self.moments)
+    }
+
+    /// What the axis that this angular velocity leads to carries along, as a change of angular velocity (rad/s).
+    pub fn kick_of(&self, angular: DVec3, h: f64) -> DVec3 {
+        if !self.is_symmetric {
+            let (own, axes) = (angular - self.kick, self.pose * self.frame);
+            let momentum = axes * ((axes.conjugate() * own) * self.moments);
+            return self.angular_at(self.turned(angular, h), momentum) - own;
+        }
+        let (spin, rest) = self.split(angular);
+        let change = rotation::quaternion_of(rest * h) * self.first - self.held;
+        (change - self.held * change.dot(self.held)) * (-self.along * spin / self.across)
+    }
+
+    /// Way of the axis (rad) and angle spun (rad) in the last substep.
+    pub fn ways(&self, history: &History) -> (DVec3, f64) {
+        let turn = history.turn.as_dvec3();
+        if history.spin_turn != 0.0 {
+            return (turn, f64::from(history.spin_turn));
+        }
+        let spun = turn.dot(self.held);
+        (turn - self.held * spun, spun)
+    }
+}

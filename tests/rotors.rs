@@ -1,0 +1,244 @@
+//! What spins fast goes on spinning: wheels, gyroscopes and free bodies of every shape, at any rate of steps.
+
+use longspan::glam::{DQuat, DVec3, Quat, Vec3};
+use longspan::{
+    ArticulationSettings, BodyDef, BodyId, JointDef, JointKind, Limits, Mass, MassProperties, Motor, Pose, SleepSettings, Solver,
+    World, WorldDef,
+};
+
+const GRAVITY: f32 = 9.81;
+
+fn world(gravity: f32, solver: Solver) -> World {
+    let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+    World::new(&WorldDef { gravity: Vec3::NEG_Y * gravity, solver, sleep, ..WorldDef::default() }).expect("a valid world")
+}
+
+/// A body without shapes, whose principal axes are its own.
+fn body(world: &mut World, x: f64, mass: f32, moments: Vec3, velocity: [Vec3; 2]) -> BodyId {
+    let def = BodyDef {
+        linear_velocity: velocity[0],
+        angular_velocity: velocity[1],
+        ..BodyDef::dynamic(Pose::at_xyz(x, 0.0, 0.0)).with_mass(Mass::Properties(MassProperties::new(mass, moments)))
+    };
+    world.create_body(&def).expect("a valid body")
+}
+
+fn hinge(motor: Motor, a: BodyId, b: BodyId) -> JointDef {
+    JointDef::new(JointKind::Hinge { limits: Limits::NONE, motor }, a, b)
+}
+
+fn steps(world: &mut World, rate: f32, seconds: f32) {
+    for _ in 0..(rate * seconds).round() as usize {
+        world.step(1.0 / rate).expect("a valid step");
+    }
+}
+
+/// Angular momentum about the centre of mass (N·m·s) and energy of rotation (J).
+fn spin(world: &World, body: BodyId) -> (DVec3, f64) {
+    let mass = world.mass_properties(body).expect("the body stays").expect("it is dynamic");
+    let angular = world.angular_velocity(body).expect("the body stays").as_dvec3();
+    let rotation = world.pose(body).expect("the body stays").rotation.as_dquat() * mass.inertia_frame.as_dquat();
+    let axes: DQuat = rotation.normalize();
+    let momentum = axes * (mass.principal_inertia.as_dvec3() * (axes.conjugate() * angular));
+    (momentum, 0.5 * momentum.dot(angular))
+}
+
+#[test]
+fn a_motor_speeds_a_rotor_up_and_angular_momentum_is_kept() {
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        for rate in [30.0, 60.0, 240.0] {
+            for target in [140.0, 300.0, 1000.0] {
+                let mut world = world(0.0, solver);
+                let (own, frame) = (1.0e-3_f32, 0.133_f32);
+                let rotor = body(&mut world, 0.0, 0.2, Vec3::new(own, 0.5e-3, 0.5e-3), [Vec3::ZERO; 2]);
+                let base = body(&mut world, 0.0, 5.0, Vec3::splat(frame), [Vec3::ZERO; 2]);
+                let motor = Motor::Velocity { target, max_force: 4.0 };
+                let joint = world.create_joint(&hinge(motor, base, rotor)).expect("a valid joint");
+                steps(&mut world, rate, 1.0);
+                let angle = |world: &World| world.joint_state(joint).expect("it stays").position;
+                let before = angle(&world);
+                world.step(1.0 / rate).expect("a valid step");
+                let counted = (angle(&world) - before) * rate / target;
+                assert!((counted - 1.0).abs() < 1e-3, "{solver:?}, {rate}/s, {target} rad/s: angles count {counted} of it");
+                let [fast, slow] = [rotor, base].map(|body| world.angular_velocity(body).expect("it stays").x);
+                let what = format!("{solver:?}, {rate}/s, {target} rad/s");
+                let reached = (fast - slow) / target;
+                assert!((reached - 1.0).abs() < 1e-3, "{what}: reaches {reached} of its target, bound 0.1 %");
+                let left = (own * fast + frame * slow) / (own * target);
+                assert!(left.abs() < 1e-3, "{what}: angular momentum is {left} of the rotor's, bound 0.1 %");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_rotor_coasts_on_a_hinge_at_any_speed() {
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        for rate in [30.0, 60.0, 120.0] {
+            for speed in [50.0_f32, 155.0, 300.0, 1000.0] {
+                for across in [0.5e-3, 0.9e-3] {
+                    let mut world = world(GRAVITY, solver);
+                    let moments = Vec3::new(1.0e-3, 0.5e-3, across);
+                    let rotor = body(&mut world, 0.0, 0.2, moments, [Vec3::ZERO, Vec3::X * speed]);
+                    world.create_joint(&hinge(Motor::Off, BodyId::NULL, rotor)).expect("a valid joint");
+                    steps(&mut world, rate, 2.0);
+                    let kept = world.angular_velocity(rotor).expect("it stays").x / speed;
+                    assert!((kept - 1.0).abs() < 1e-3, "{solver:?}, {rate}/s, {speed} rad/s: keeps {kept}, bound 0.1 %");
+                }
+            }
+        }
+    }
+}
+
+/// A disc of 2 kg on a hinge at the end of an arm of 0.5 m on a ball joint, in level precession; the rotor is returned.
+fn gyroscope(world: &mut World, spin: f32, arm: f32) -> BodyId {
+    let (along, reach, mass) = (0.09, 0.5_f32, 2.0);
+    let turning = GRAVITY * reach * (mass + 0.5 * arm) / (along * spin);
+    let way = |x: f32| Vec3::NEG_Z * (turning * x);
+    let moments = Vec3::new(1.0e-4, arm * reach * reach / 12.0, arm * reach * reach / 12.0);
+    let held = body(world, f64::from(0.5 * reach), arm, moments, [way(0.5 * reach), Vec3::Y * turning]);
+    let moments = Vec3::new(along, 0.0456, 0.0456);
+    let rotor = body(world, f64::from(reach), mass, moments, [way(reach), Vec3::new(spin, turning, 0.0)]);
+    let mut joint = JointDef::new(JointKind::SPHERICAL, BodyId::NULL, held);
+    joint.frame_b = Pose::at_xyz(-0.25, 0.0, 0.0);
+    world.create_joint(&joint).expect("a valid joint");
+    let mut joint = hinge(Motor::Off, held, rotor);
+    joint.frame_a = Pose::at_xyz(0.25, 0.0, 0.0);
+    world.create_joint(&joint).expect("a valid joint");
+    rotor
+}
+
+/// Greatest height that a gyroscope has gained or lost at the end of each second (m).
+fn way_off_level(rate: f32, spin: f32, arm: f32, error_target: f32, seconds: usize) -> f64 {
+    let mut world = world(GRAVITY, Solver::Auto);
+    let settings = ArticulationSettings { error_target, ..ArticulationSettings::default() };
+    world.set_articulation_settings(settings).expect("valid settings");
+    let rotor = gyroscope(&mut world, spin, arm);
+    let height = |world: &World| world.pose(rotor).expect("it stays").position.y.abs();
+    (0..seconds).map(|_| (steps(&mut world, rate, 1.0), height(&world)).1).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_gyroscope_keeps_its_height() {
+    for (rate, seconds) in [(30.0, 10), (60.0, 10), (240.0, 2)] {
+        for spin in [30.0, 50.0, 100.0, 200.0, 1000.0] {
+            for arm in [0.05, 1.0] {
+                let off = way_off_level(rate, spin, arm, 0.0, seconds);
+                assert!(off < 5e-3, "{spin} rad/s, {rate}/s, arm of {arm} kg: off by {off} m, bound 5 mm");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_error_target_holds_of_gyroscopes() {
+    for rate in [30.0, 60.0] {
+        for spin in [30.0, 100.0, 200.0] {
+            let off = way_off_level(rate, spin, 0.05, 1e-3, 2);
+            assert!(off < 1e-3, "{spin} rad/s, {rate}/s: off by {off} m, target 1 mm");
+        }
+    }
+}
+
+#[test]
+fn a_gyroscope_goes_on_from_a_snapshot_to_the_same_bits() {
+    let mut world = world(GRAVITY, Solver::Auto);
+    gyroscope(&mut world, 100.0, 0.05);
+    steps(&mut world, 60.0, 0.5);
+    let mut saved = Vec::new();
+    world.save(&mut saved);
+    let mut twin = World::new(&WorldDef::default()).expect("a valid world");
+    twin.restore(&saved).expect("it can be restored");
+    for which in [&mut world, &mut twin] {
+        steps(which, 60.0, 0.5);
+    }
+    let [mut bytes, mut twins] = [Vec::new(), Vec::new()];
+    world.save(&mut bytes);
+    twin.save(&mut twins);
+    assert!(bytes == twins, "the restored world has moved otherwise");
+}
+
+/// Boxes with these half extents; an edge of none makes a needle.
+const FREE: [[f32; 3]; 12] = [
+    [0.5, 0.5, 0.5],
+    [0.1, 0.5, 0.1],
+    [0.02, 0.5, 0.02],
+    [0.005, 0.5, 0.005],
+    [0.001, 0.5, 0.001],
+    [0.0035, 0.09, 0.0035],
+    [0.5, 0.02, 0.5],
+    [0.5, 0.001, 0.5],
+    [0.1, 0.2, 0.3],
+    [0.02, 0.1, 0.5],
+    [0.1, 0.1001, 0.3],
+    [0.3, 0.3, 0.31],
+];
+
+#[test]
+fn a_free_body_keeps_its_energy_and_angular_momentum() {
+    for rate in [30.0, 60.0, 240.0] {
+        for turn in [Vec3::new(10.0, 100.0, 0.0), Vec3::new(60.0, 60.0, 50.0), Vec3::new(0.1, 0.1, 100.0)] {
+            let mut world = world(0.0, Solver::Auto);
+            let bodies: Vec<BodyId> = (FREE.iter().enumerate())
+                .map(|(i, half)| {
+                    let [x, y, z] = half.map(|half| half * half / 3.0);
+                    body(&mut world, 5.0 * i as f64, 1.0, Vec3::new(y + z, x + z, x + y), [Vec3::ZERO, turn])
+                })
+                .collect();
+            let before: Vec<_> = bodies.iter().map(|&body| spin(&world, body)).collect();
+            let mut worst = [0.0_f64; 2];
+            for second in 0..60 {
+                steps(&mut world, rate, 1.0);
+                for (i, &body) in bodies.iter().enumerate() {
+                    let ((momentum, energy), (first, first_energy)) = (spin(&world, body), before[i]);
+                    let lost = (momentum - first).length() / first.length();
+                    let gained = (energy / first_energy - 1.0).abs();
+                    worst = [worst[0].max(lost), worst[1].max(gained)];
+                    let what = format!("half extents {:?} at {turn} rad/s, {rate}/s, after {second} s", FREE[i]);
+                    assert!(lost < 1e-3, "{what}: angular momentum off by {lost} of itself, bound 0.1 %");
+                    assert!(gained < 1e-3, "{what}: energy off by {gained} of itself, bound 0.1 %");
+                }
+            }
+            println!("{rate}/s, {turn} rad/s: momentum {:.1e}, energy {:.1e}", worst[0], worst[1]);
+        }
+    }
+}
+
+#[test]
+fn a_body_turns_by_what_it_spins() {
+    // A whole number of turns brings a body back; 100 turns in ten seconds.
+    for rate in [30.0, 60.0] {
+        for moments in [Vec3::splat(1.0), Vec3::new(1.0, 2.0, 2.0), Vec3::new(1.0, 2.0, 2.5)] {
+            let mut world = world(0.0, Solver::Auto);
+            let speed = std::f32::consts::TAU * 100.0;
+            let free = body(&mut world, 0.0, 1.0, moments, [Vec3::ZERO, Vec3::X * speed]);
+            steps(&mut world, rate, 1.0);
+            let angle = world.pose(free).expect("it stays").rotation.angle_between(Quat::IDENTITY);
+            assert!(angle < 1e-3, "{rate}/s, {moments}: off by {angle} rad after 100 turns, bound 1 mrad");
+        }
+    }
+}
+
+#[test]
+fn no_speed_is_above_its_limit_at_the_end_of_a_step() {
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        let mut world = world(0.0, solver);
+        // A thin body on the end of a heavy one: turned by the other it would be far faster than is allowed.
+        let heavy = body(&mut world, 0.0, 1e4, Vec3::splat(1e4), [Vec3::ZERO, Vec3::Z * 9e3]);
+        let light = body(&mut world, 20.0, 1.0, Vec3::splat(1e-3), [Vec3::Y * 9e3, Vec3::ZERO]);
+        let mut joint = JointDef::new(JointKind::SPHERICAL, heavy, light);
+        (joint.frame_a, joint.frame_b) = (Pose::at_xyz(10.0, 0.0, 0.0), Pose::at_xyz(-10.0, 0.0, 0.0));
+        world.create_joint(&joint).expect("a valid joint");
+        let free = body(&mut world, 0.0, 1.0, Vec3::ONE, [Vec3::Y * 9.9e3, Vec3::Y * 9.9e3]);
+        for _ in 0..10 {
+            world.add_force(free, Vec3::Y * 1e5).expect("a valid force");
+            world.add_torque(free, Vec3::Y * 1e5).expect("a valid torque");
+            world.step(1.0 / 60.0).expect("a valid step");
+            for body in [heavy, light, free] {
+                let linear = world.linear_velocity(body).expect("it stays").length();
+                let angular = world.angular_velocity(body).expect("it stays").length();
+                assert!(linear <= 1e4 && angular <= 1e4, "{solver:?}: {linear} m/s, {angular} rad/s, bounds 1e4");
+            }
+        }
+    }
+}
