@@ -38,6 +38,9 @@ const FLAT: f64 = 3.0e-4;
 /// Angle from the normal below which nothing is done (rad).
 const ALIGNED: f64 = 3.0e-4;
 
+/// Share of either by which fitted velocities must move a member otherwise in a substep for it to get them.
+const NOTICED_SHARE: f64 = 0.1;
+
 /// Most that a member turns at once (rad).
 const MOST_TURN: f64 = 0.5;
 
@@ -287,8 +290,8 @@ impl Planes {
             }
             let change = |(state, old): (&State, &(DVec3, DVec3))| {
                 let across = (state.angular - old.1) - normal * normal.dot(state.angular - old.1);
-                (normal.dot(state.linear - old.0).abs() * f64::from(h) > 0.1 * FLAT * f64::from(entry.size))
-                    || across.length() * f64::from(h) > 0.1 * ALIGNED
+                (normal.dot(state.linear - old.0).abs() * f64::from(h) > NOTICED_SHARE * FLAT * f64::from(entry.size))
+                    || across.length() * f64::from(h) > NOTICED_SHARE * ALIGNED
             };
             if states.iter().zip(&*old).any(change) {
                 store_velocities(states, members, velocities);

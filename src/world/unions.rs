@@ -13,20 +13,20 @@
 
 use std::sync::OnceLock;
 
-use glam::{DQuat, Quat, Vec3};
+use glam::{Quat, Vec3};
 
 use super::World;
-use super::union_loads::wants_load;
 use super::wake::Edited;
-use crate::body::{Anchored, Body, BodyKind};
+use crate::body::{Anchored, Body};
 use crate::collide::collider::Collider;
 use crate::id::{Pool, ShapeId};
 use crate::joint::JointKind;
 use crate::mass::MassProperties;
 use crate::span::union::loads::{BondStiffness, Wrench};
 use crate::span::union::matching::{Covariances, Loose};
-use crate::span::union::{Compound, Frame, RestState, UnionMotion, Weld};
+use crate::span::union::{Frame, UnionMotion};
 
+mod flood;
 mod motion;
 
 /// No union.
@@ -122,16 +122,6 @@ pub(super) struct Unions {
 struct Scratch {
     loose: Vec<Loose>,
     places: Vec<(Vec3, Quat)>,
-}
-
-/// Dynamic members, anchors and fixed joints reached from one body.
-#[derive(Debug, Default)]
-struct Component {
-    members: Vec<u32>,
-    anchors: Vec<u32>,
-    welds: Vec<u32>,
-    /// Whether a joint holds it to the world itself.
-    to_world: bool,
 }
 
 impl Unions {
@@ -365,144 +355,6 @@ impl World {
         open.clear();
         self.unions.stale = open;
         self.long_range.graph_changed();
-    }
-
-    /// What fixed joints connect to a body, not through anchors.
-    fn component(&self, start: u32) -> Component {
-        let mut component = Component::default();
-        let mut seen = std::collections::BTreeSet::from([start]);
-        let mut next = vec![start];
-        while let Some(index) = next.pop() {
-            component.members.push(index);
-            for slot in self.bodies[index].joints.iter().filter_map(|&id| self.joints.find(id).ok()) {
-                let joint = &self.joints[slot];
-                if !self.is_weld(slot) {
-                    continue;
-                }
-                let other = if joint.bodies[0] == Some(index) { joint.bodies[1] } else { joint.bodies[0] };
-                match other {
-                    None => component.to_world = true,
-                    Some(other) if can_join(&self.bodies[other]) => {
-                        if seen.insert(other) {
-                            next.push(other);
-                        }
-                    }
-                    Some(other) if !self.bodies[other].is_dynamic() => component.anchors.push(other),
-                    Some(_) => continue,
-                }
-                component.welds.push(slot);
-            }
-        }
-        for list in [&mut component.members, &mut component.anchors, &mut component.welds] {
-            list.sort_unstable();
-            list.dedup();
-        }
-        component
-    }
-
-    /// Makes a union of a component, where it is one; `carried` is the motion that it is known to have.
-    fn form(&mut self, component: Component, carried: Option<&CarriedUnion>) {
-        let Component { members, anchors, welds, to_world } = component;
-        let driven = anchors.iter().any(|&index| self.bodies[index].kind == BodyKind::Kinematic);
-        let anchor = match (&anchors[..], to_world) {
-            ([], false) => Anchor::Free,
-            ([only], false) if driven => Anchor::Driven(*only),
-            _ if !driven => Anchor::Still,
-            // Two things hold it that may move against each other: joints between bodies say what comes of it.
-            _ => return,
-        };
-        if members.len() < 2 && anchor == Anchor::Free {
-            return;
-        }
-        let rest = self.rest_state(&members, &anchors, &welds, anchor);
-        let frames = if anchor == Anchor::Free { &rest.frames[..] } else { &rest.frames[1..] };
-        let masses: Vec<MassProperties> = members.iter().filter_map(|&index| self.bodies[index].mass).collect();
-        let compound = Compound::new(frames, &masses);
-        let wanted = welds.iter().any(|&slot| wants_load(&self.joints[slot].def));
-        let union = Union {
-            lead: members[0],
-            anchor,
-            covariances: Covariances::new(&masses, &compound.places),
-            held: Frame { position: compound.center, rotation: DQuat::IDENTITY },
-            outer: self.outer_joints(&members, &welds),
-            mass: compound.mass,
-            residual: (rest.residual.0 as f32, rest.residual.1 as f32),
-            motion: carried.map_or(UnionMotion::ORIGIN, |carried| carried.motion),
-            before: carried.and_then(|carried| carried.before),
-            members,
-            anchors,
-            welds,
-            wanted,
-            pushes: Vec::new(),
-            jolts: Vec::new(),
-            stiffness: OnceLock::new(),
-            loads: OnceLock::new(),
-        };
-        let members = union.members.clone();
-        self.unions.insert(union, &compound.places);
-        if carried.is_some() {
-            return;
-        }
-        if anchor == Anchor::Free {
-            self.begin_free(members[0]);
-            return;
-        }
-        for &index in &members {
-            self.set_anchored(index, if anchor == Anchor::Still { Anchored::Still } else { Anchored::Driven });
-        }
-        self.put_anchored(members[0]);
-    }
-
-    /// Poses that satisfy all welds: of the anchor first, where there is one, then of the members, from centres of mass; further
-    /// anchors follow.
-    fn rest_state(&self, members: &[u32], anchors: &[u32], welds: &[u32], anchor: Anchor) -> RestState {
-        let base = self.frame_of_anchor(anchors);
-        let shift = u32::from(anchor != Anchor::Free);
-        let number = |index: u32| members.binary_search(&index).ok().map(|place| place as u32 + shift);
-        let mut list = Vec::with_capacity(welds.len());
-        for &slot in welds {
-            let joint = &self.joints[slot];
-            let end = |side: usize| {
-                let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
-                let own = Frame { position: frame.position, rotation: frame.rotation.as_dquat().normalize() };
-                match joint.bodies[side] {
-                    Some(index) if self.bodies[index].is_dynamic() => {
-                        let center = self.bodies[index].local_center.as_dvec3();
-                        (number(index), Frame { position: own.position - center, ..own })
-                    }
-                    // In the frame of the first anchor, without a detour through the world: a moving one would leave other bits of it
-                    // wherever the union is formed, and a restored world would part from the one that was saved.
-                    Some(index) if anchors.first() == Some(&index) => (Some(0), own),
-                    // All that is static has that frame.
-                    Some(index) => (Some(0), base.inverse().then(&frame_of(&self.bodies[index]).then(&own))),
-                    None => (Some(0), base.inverse().then(&own)),
-                }
-            };
-            let ((a, frame_a), (b, frame_b)) = (end(0), end(1));
-            if let (Some(a), Some(b)) = (a, b) {
-                list.push(Weld { members: [a, b], frames: [frame_a, frame_b] });
-            }
-        }
-        RestState::conform(members.len() + shift as usize, &list)
-    }
-
-    fn frame_of_anchor(&self, anchors: &[u32]) -> Frame {
-        anchors.first().map_or(Frame::IDENTITY, |&index| frame_of(&self.bodies[index]))
-    }
-
-    /// Joints of members whose other end is elsewhere, but for those that hold the union to its anchor.
-    fn outer_joints(&self, members: &[u32], welds: &[u32]) -> Vec<u32> {
-        let mut outer = Vec::new();
-        for slot in members.iter().flat_map(|&index| &self.bodies[index].joints).filter_map(|&id| self.joints.find(id).ok()) {
-            let joint = &self.joints[slot];
-            let inside = |body: &Option<u32>| body.is_some_and(|index| members.binary_search(&index).is_ok());
-            if !joint.bodies.iter().all(inside) && welds.binary_search(&slot).is_err() {
-                outer.push(slot);
-            }
-        }
-        outer.sort_unstable();
-        outer.dedup();
-        outer
     }
 
     /// What unions carry from step to step, and the bodies to flood from.

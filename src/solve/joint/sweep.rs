@@ -35,10 +35,13 @@ fn inverse_on(held: Held, k: Mat3) -> Mat3 {
     }
 }
 
+/// Determinant of a matrix without inverse, over the product of its diagonal: rounding of `f32` leaves as much of zero.
+const SINGULAR: f32 = 1.0e-7;
+
 fn inverse_or_zero(k: Mat3) -> Mat3 {
     let determinant = k.determinant();
     let scale = k.x_axis.x * k.y_axis.y * k.z_axis.z;
-    if determinant > 1.0e-7 * scale { k.inverse() } else { Mat3::ZERO }
+    if determinant > SINGULAR * scale { k.inverse() } else { Mat3::ZERO }
 }
 
 impl BlockRow {

@@ -19,20 +19,21 @@
 //! one before, in rounds and sums whose order is that of bodies and shapes: what fell asleep or came to be held between the two is
 //! judged once more, at rest, and keeps its word, since nothing of what it hangs on changes until it wakes.
 
-use std::ops::Range;
-
-use glam::{DVec3, Mat3, Vec3};
+use glam::{DVec3, Vec3};
 
 use super::SupportState;
 use super::record::Record;
 use super::site::{Frame, MIN_RISE};
 use crate::body::Body;
-use crate::collide::pairs::{PairKey, WorldManifold};
-use crate::solve::contact::ContactImpulses;
+use crate::collide::pairs::WorldManifold;
 use crate::span::support::cone::{Carriers, Touch, carriers};
 use crate::span::support::{Graph, Node, NodeKind};
-use crate::tuning::thrust::{QUIET_TIME, SPREAD_SHARE, UNBALANCED_SHARE};
+use crate::tuning::thrust::{QUIET_TIME, UNBALANCED_SHARE};
 use crate::world::World;
+
+mod balance;
+
+use balance::{Face, Push, Pusher, Sum, Unit};
 
 /// Bodies that stand by thrust, and what it takes to tell.
 #[derive(Debug, Default)]
@@ -51,70 +52,6 @@ pub(in crate::world) struct Thrust {
     pushes: Vec<Push>,
     found: Vec<Push>,
     touches: Vec<Touch>,
-}
-
-/// Bodies that joints tie together, or a single one, about the centre of mass of the lowest; impulses are those of a substep.
-#[derive(Debug)]
-struct Unit {
-    root: u32,
-    center: DVec3,
-    reach: f32,
-    /// Of its weight (N·s, N·m·s).
-    weight: Vec3,
-    moment: Vec3,
-    stands: bool,
-    lost_a_push: bool,
-    /// Its pushes.
-    pushes: Range<u32>,
-    /// Pushes that can carry it by themselves, once they had to be looked for.
-    carriers: Option<Carriers>,
-}
-
-/// A manifold that pushes a unit.
-#[derive(Debug, Clone, Copy)]
-struct Push {
-    unit: u32,
-    key: PairKey,
-    manifold: u32,
-    face: u32,
-    from: Pusher,
-    /// Whether projection knows nothing of it.
-    leans: bool,
-    is_on_b: bool,
-    is_lost: bool,
-}
-
-/// What pushes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Pusher {
-    /// Ground, or supported.
-    Firm,
-    Unit(u32),
-    /// Not held up, as far as is known.
-    Loose,
-}
-
-/// A manifold that pushes two bodies.
-#[derive(Debug)]
-struct Face {
-    world: WorldManifold,
-    count: usize,
-    impulses: ContactImpulses,
-    friction: f32,
-    bodies: [u32; 2],
-}
-
-/// What pushes a unit, summed up.
-#[derive(Debug, Default)]
-struct Sum {
-    force: Vec3,
-    moment: Vec3,
-    /// Over points: normal impulse, times place, times place twice.
-    pressed: f32,
-    middle: Vec3,
-    spread: Mat3,
-    /// Whether anything pushes it that projection knows nothing of.
-    leans: bool,
 }
 
 impl Thrust {
@@ -213,52 +150,6 @@ impl Thrust {
     /// Pushes on a unit that are not lost.
     fn pushes_on(&self, unit: &Unit) -> impl Iterator<Item = (u32, &Push)> {
         unit.pushes.clone().map(|name| (name, &self.pushes[name as usize])).filter(|(_, push)| !push.is_lost)
-    }
-}
-
-impl Unit {
-    fn new(root: u32, center: DVec3) -> Self {
-        Self {
-            root,
-            center,
-            reach: 0.0,
-            weight: Vec3::ZERO,
-            moment: Vec3::ZERO,
-            stands: true,
-            lost_a_push: false,
-            pushes: 0..0,
-            carriers: None,
-        }
-    }
-}
-
-impl Sum {
-    fn add(&mut self, force: Vec3, moment: Vec3, points: impl Iterator<Item = (Vec3, f32)>) {
-        self.force += force;
-        self.moment += moment;
-        for (place, impulse) in points {
-            self.pressed += impulse;
-            self.middle += place * impulse;
-            self.spread += Mat3::from_cols(place * place.x, place * place.y, place * place.z) * impulse;
-        }
-    }
-
-    /// Whether it and the weight of a unit are an equilibrium.
-    fn balances(&self, unit: &Unit) -> bool {
-        let limit = UNBALANCED_SHARE * unit.weight.length();
-        let (force, moment) = (self.force + unit.weight, self.moment + unit.moment);
-        limit > 0.0 && force.length() <= limit && moment.length() <= limit * unit.reach
-    }
-
-    /// Whether the points reach out in two directions. Of the spread's eigenvalues a ≥ b ≥ c this takes
-    /// (ab + ac + bc) / (a + b + c), which is b where c is zero, and at least b/2.
-    fn is_spread(&self, reach: f32) -> bool {
-        let middle = self.middle / self.pressed;
-        let about = |i: usize, j: usize| self.spread.col(j)[i] / self.pressed - middle[i] * middle[j];
-        let trace = about(0, 0) + about(1, 1) + about(2, 2);
-        let minor = |i: usize, j: usize| about(i, i) * about(j, j) - about(i, j) * about(i, j);
-        let least = SPREAD_SHARE * reach;
-        minor(0, 1) + minor(0, 2) + minor(1, 2) > least * least * trace
     }
 }
 
@@ -520,11 +411,5 @@ impl World {
     /// From the centre of a unit to that of its body which a push is on (m).
     fn shift(&self, face: &Face, push: &Push, unit: &Unit) -> Vec3 {
         (self.bodies[face.bodies[usize::from(push.is_on_b)]].center - unit.center).as_vec3()
-    }
-}
-
-impl Face {
-    fn levers(&self, on_b: bool) -> &[Vec3] {
-        &(if on_b { &self.world.lever_b } else { &self.world.lever_a })[..self.count]
     }
 }
