@@ -41,6 +41,7 @@ mod joint;
 mod joint_drive;
 mod joint_rebounds;
 mod lanes;
+mod linalg;
 mod long_range;
 mod mass;
 mod material;

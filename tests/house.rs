@@ -9,7 +9,10 @@ use std::path::{Path, PathBuf};
 /// Modules of `src/` by floor, the lowest first. A module may use those of its own floor and of lower ones.
 const FLOORS: &[&[&str]] = &[
     // Ground: no physics.
-    &["balance", "check", "error", "id", "island", "lanes", "platform", "pose", "prefetch", "room", "tuning", "workers"],
+    &[
+        "balance", "check", "error", "id", "island", "lanes", "linalg", "platform", "pose", "prefetch", "room", "tuning",
+        "workers",
+    ],
     // What a user defines, and what a step reports.
     &[
         "body",

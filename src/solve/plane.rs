@@ -30,7 +30,7 @@ use super::integrate;
 use super::momentum::{Inertia, Moments, Whole, times};
 use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
-use crate::span::eigen::symmetric_eigen;
+use crate::linalg::eigen::symmetric_eigen;
 
 /// Distance from the plane below which nothing is done, over the chain's mean lever.
 const FLAT: f64 = 3.0e-4;

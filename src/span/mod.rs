@@ -21,11 +21,9 @@
 //! | `sheet.rs` | graphs that are left without bounds |
 //! | `union/` | what fixed joints make one body (§3.5) |
 //! | `support.rs` | which bodies stand on the ground (§3.6) |
-//! | `eigen.rs` | principal axes |
 
 pub(crate) mod attachment;
 pub(crate) mod bounds;
-pub(crate) mod eigen;
 pub(crate) mod graph;
 pub(crate) mod hierarchy;
 pub(crate) mod load;

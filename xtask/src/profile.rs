@@ -25,7 +25,7 @@ const STAGES: &[(&str, &[&str])] = &[
         &["src/solve/integrate", "src/solve/rotation", "src/solve/poses", "src/solve/state", "src/solve/mod", "src/body"],
     ),
     ("joints in sweeps", &["src/solve/joint", "src/joint", "src/world/joints"]),
-    ("direct solve", &["src/solve/direct"]),
+    ("direct solve", &["src/solve/direct", "src/linalg/"]),
     ("bounds and taut lines", &["src/solve/bound", "src/solve/taut"]),
     ("planes and momentum", &["src/solve/plane", "src/solve/momentum", "src/world/planes"]),
     ("derivation of bounds", &["src/span/", "src/world/long_range", "src/world/chain"]),

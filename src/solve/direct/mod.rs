@@ -3,8 +3,8 @@
 //! A sweep passes a force on by one joint at a time and forgets most of it where a light body meets a heavy one; the factor knows
 //! the whole articulation. A chain of n joints costs n, a bridge little more, at any ratio of masses.
 //!
-//! `take` sorts a batch's joints into articulations and decides which of them are solved here; `order` and `factor` are linear
-//! algebra and know no physics; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
+//! `take` sorts a batch's joints into articulations and decides which of them are solved here; the sparse factor is that of
+//! `linalg`; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
 //! `system` holds the rows, `active_set` says which of them count, `points` is the same without rows where all joints hold points; `layout` says where in its matrix they
 //! are, `composite` is what a motor moves, `guard` what is done about those that repeat others, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours` and `registers`; `articulation` takes a step, in as many substeps as `effort` says, `substep` and `project` one part of it each; `ropes` is what distance joints that pull ask for across their lines; `buckle` is the way out of positions that no small displacement mends; `impact` is the blow when a stop is met; `lift` keeps mended positions from making energy; `contacts` are those with what it cannot move, along
 //! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
@@ -23,6 +23,9 @@ use super::role::Role;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
+#[cfg(test)]
+use crate::linalg::noise;
+use crate::linalg::{block, factor};
 use crate::settings::Solver;
 use crate::workers::Workers;
 
@@ -30,7 +33,6 @@ mod abreast;
 mod active_set;
 mod advance;
 mod articulation;
-mod block;
 pub(crate) mod body;
 mod buckle;
 mod composite;
@@ -38,7 +40,6 @@ mod contacts;
 mod coupled;
 pub(crate) mod curved;
 mod effort;
-pub(crate) mod factor;
 mod fours;
 mod grip;
 mod guard;
@@ -48,9 +49,6 @@ mod lasting;
 mod layout;
 mod lift;
 mod lockstep;
-#[cfg(test)]
-mod noise;
-mod order;
 mod packed;
 mod points;
 mod project;

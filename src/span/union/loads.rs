@@ -18,7 +18,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::solve::direct::factor::{Factor, Plan, factorize, substitute};
+use crate::linalg::factor::{Factor, Plan, factorize, substitute};
 
 /// Rows of a member: displacement and rotation.
 const ROWS: usize = 6;

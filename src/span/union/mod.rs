@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
-use super::eigen::symmetric_eigen;
+use crate::linalg::eigen::symmetric_eigen;
 use crate::mass::MassProperties;
 
 pub(crate) mod loads;

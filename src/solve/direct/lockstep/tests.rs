@@ -2,7 +2,7 @@ use glam::{DMat3, DVec3};
 
 use super::*;
 use crate::id::WorldTag;
-use crate::solve::direct::factor::Plan;
+use crate::linalg::factor::Plan;
 use crate::solve::direct::guard::Guard;
 use crate::solve::direct::noise::Noise;
 use crate::solve::direct::project::Errors;

@@ -86,17 +86,17 @@ impl Plan {
     }
 
     /// Nodes in the order of elimination.
-    pub(super) fn order(&self) -> &[u32] {
+    pub(crate) fn order(&self) -> &[u32] {
         &self.order
     }
 
     /// Starts of the blocks that each column's elimination changes: one for each two couplings of it, in their order.
-    pub(super) fn targets(&self) -> &[u32] {
+    pub(crate) fn targets(&self) -> &[u32] {
         &self.targets
     }
 
     /// Nodes coupled to that at a place and eliminated later, and the starts of their blocks.
-    pub(super) fn column(&self, place: usize) -> &[(u32, u32)] {
+    pub(crate) fn column(&self, place: usize) -> &[(u32, u32)] {
         &self.couplings[self.first[place] as usize..self.first[place + 1] as usize]
     }
 
@@ -200,7 +200,7 @@ dispatched!(
 );
 
 /// Rows of every node where all have as many: joints that hold points, as in chains, trees and bridges.
-pub(super) const POINT: usize = 3;
+pub(crate) const POINT: usize = 3;
 
 #[inline(always)]
 fn factorize_body(factor: &mut Factor, plan: &Plan) {
@@ -350,7 +350,7 @@ fn disjoint(values: &mut [Lanes], a: usize, a_len: usize, b: usize, b_len: usize
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solve::direct::noise::Noise;
+    use crate::linalg::noise::Noise;
 
     #[test]
     fn a_random_block_system_is_solved_to_rounding() {

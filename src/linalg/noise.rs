@@ -1,11 +1,11 @@
 //! Numbers for tests that want any.
 
 /// A linear congruential generator (Knuth's MMIX).
-pub(super) struct Noise(pub u64);
+pub(crate) struct Noise(pub u64);
 
 impl Noise {
     /// The next number, between −½ and ½.
-    pub(super) fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
     }

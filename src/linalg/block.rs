@@ -6,19 +6,19 @@
 //! Plain loops over arrays, since what is not inlined is compiled without the wide registers of its caller.
 
 /// Four numbers side by side.
-pub(super) type Lanes = [f64; 4];
+pub(crate) type Lanes = [f64; 4];
 
-pub(super) const ZERO: Lanes = [0.0; 4];
+pub(crate) const ZERO: Lanes = [0.0; 4];
 
 /// Lanes that hold this many numbers.
 #[inline(always)]
-pub(super) const fn width(count: usize) -> usize {
+pub(crate) const fn width(count: usize) -> usize {
     count.div_ceil(4)
 }
 
 /// into = from. Few lanes are moved as such, without a call.
 #[inline(always)]
-pub(super) fn copy(into: &mut [Lanes], from: &[Lanes]) {
+pub(crate) fn copy(into: &mut [Lanes], from: &[Lanes]) {
     match from {
         [only] => into[0] = *only,
         [first, second] => [into[0], into[1]] = [*first, *second],
@@ -28,14 +28,14 @@ pub(super) fn copy(into: &mut [Lanes], from: &[Lanes]) {
 
 /// row += share · other.
 #[inline(always)]
-pub(super) fn add_scaled(row: &mut Lanes, share: f64, other: &Lanes) {
+pub(crate) fn add_scaled(row: &mut Lanes, share: f64, other: &Lanes) {
     for j in 0..4 {
         row[j] += share * other[j];
     }
 }
 
 #[inline(always)]
-pub(super) fn sum(lanes: &Lanes) -> f64 {
+pub(crate) fn sum(lanes: &Lanes) -> f64 {
     (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 }
 
@@ -53,7 +53,7 @@ fn columns_of(rows: &[Lanes; 4]) -> [Lanes; 4] {
 
 /// The sums of four lanes each, side by side.
 #[inline(always)]
-pub(super) fn sums(rows: &[Lanes; 4]) -> Lanes {
+pub(crate) fn sums(rows: &[Lanes; 4]) -> Lanes {
     let columns = columns_of(rows);
     let mut sums = ZERO;
     for i in 0..4 {
@@ -98,22 +98,22 @@ fn products_of_rows<const W: usize>(found: &mut [Lanes], rows: &[[Lanes; W]], y:
 }
 
 /// A block of 3 × 3: that of two joints which hold points.
-pub(super) type Block3 = [Lanes; 3];
+pub(crate) type Block3 = [Lanes; 3];
 
 /// The block of 3 × 3 that begins here.
 #[inline(always)]
-pub(super) fn block3(values: &[Lanes]) -> &Block3 {
+pub(crate) fn block3(values: &[Lanes]) -> &Block3 {
     values.first_chunk().expect("blocks lie within what their plan has counted")
 }
 
 #[inline(always)]
-pub(super) fn block3_mut(values: &mut [Lanes]) -> &mut Block3 {
+pub(crate) fn block3_mut(values: &mut [Lanes]) -> &mut Block3 {
     values.first_chunk_mut().expect("blocks lie within what their plan has counted")
 }
 
 /// A B.
 #[inline(always)]
-pub(super) fn product3(a: &Block3, b: &Block3) -> Block3 {
+pub(crate) fn product3(a: &Block3, b: &Block3) -> Block3 {
     let mut product = [ZERO; 3];
     for i in 0..3 {
         for j in 0..4 {
@@ -125,7 +125,7 @@ pub(super) fn product3(a: &Block3, b: &Block3) -> Block3 {
 
 /// C − A B.
 #[inline(always)]
-pub(super) fn minus_product3(c: &Block3, a: &Block3, b: &Block3) -> Block3 {
+pub(crate) fn minus_product3(c: &Block3, a: &Block3, b: &Block3) -> Block3 {
     let mut difference = *c;
     for i in 0..3 {
         for j in 0..4 {
@@ -136,13 +136,13 @@ pub(super) fn minus_product3(c: &Block3, a: &Block3, b: &Block3) -> Block3 {
 }
 
 #[inline(always)]
-pub(super) fn transposed3(a: &Block3) -> Block3 {
+pub(crate) fn transposed3(a: &Block3) -> Block3 {
     [[a[0][0], a[1][0], a[2][0], 0.0], [a[0][1], a[1][1], a[2][1], 0.0], [a[0][2], a[1][2], a[2][2], 0.0]]
 }
 
 /// x − L y.
 #[inline(always)]
-pub(super) fn minus_rows3(x: &Lanes, l: &Block3, y: &Lanes) -> Lanes {
+pub(crate) fn minus_rows3(x: &Lanes, l: &Block3, y: &Lanes) -> Lanes {
     let mut difference = *x;
     for i in 0..3 {
         difference[i] -= l[i][0] * y[0] + l[i][1] * y[1] + l[i][2] * y[2];
@@ -152,7 +152,7 @@ pub(super) fn minus_rows3(x: &Lanes, l: &Block3, y: &Lanes) -> Lanes {
 
 /// Lᵀ x.
 #[inline(always)]
-pub(super) fn columns3(l: &Block3, x: &Lanes) -> Lanes {
+pub(crate) fn columns3(l: &Block3, x: &Lanes) -> Lanes {
     let mut product = ZERO;
     for j in 0..4 {
         product[j] = l[0][j] * x[0] + l[1][j] * x[1] + l[2][j] * x[2];
@@ -162,7 +162,7 @@ pub(super) fn columns3(l: &Block3, x: &Lanes) -> Lanes {
 
 /// U x.
 #[inline(always)]
-pub(super) fn rows3(u: &Block3, x: &Lanes) -> Lanes {
+pub(crate) fn rows3(u: &Block3, x: &Lanes) -> Lanes {
     let mut product = ZERO;
     for i in 0..3 {
         product[i] = u[i][0] * x[0] + u[i][1] * x[1] + u[i][2] * x[2];
@@ -172,7 +172,7 @@ pub(super) fn rows3(u: &Block3, x: &Lanes) -> Lanes {
 
 /// y − z.
 #[inline(always)]
-pub(super) fn minus(y: &Lanes, z: &Lanes) -> Lanes {
+pub(crate) fn minus(y: &Lanes, z: &Lanes) -> Lanes {
     let mut difference = *y;
     for j in 0..4 {
         difference[j] -= z[j];
@@ -182,7 +182,7 @@ pub(super) fn minus(y: &Lanes, z: &Lanes) -> Lanes {
 
 /// C −= A B, with A of m × k, B of k × n.
 #[inline(always)]
-pub(super) fn subtract_product(c: &mut [Lanes], a: &[Lanes], b: &[Lanes], m: usize, k: usize, n: usize) {
+pub(crate) fn subtract_product(c: &mut [Lanes], a: &[Lanes], b: &[Lanes], m: usize, k: usize, n: usize) {
     match (k, width(n)) {
         (3, 1) => product_of::<3, 1, 1, true>(c, a, b, m),
         (3, 2) => product_of::<3, 1, 2, true>(c, a, b, m),
@@ -198,7 +198,7 @@ pub(super) fn subtract_product(c: &mut [Lanes], a: &[Lanes], b: &[Lanes], m: usi
 
 /// C = A B, with A of m × k, B of k × k.
 #[inline(always)]
-pub(super) fn set_product(c: &mut [Lanes], a: &[Lanes], b: &[Lanes], m: usize, k: usize) {
+pub(crate) fn set_product(c: &mut [Lanes], a: &[Lanes], b: &[Lanes], m: usize, k: usize) {
     match k {
         3 => product_of::<3, 1, 1, false>(c, a, b, m),
         4 => product_of::<4, 1, 1, false>(c, a, b, m),
@@ -250,7 +250,7 @@ fn product_of_any<const SUBTRACT: bool>(c: &mut [Lanes], a: &[Lanes], b: &[Lanes
 
 /// x −= L y, with L of m × k.
 #[inline(always)]
-pub(super) fn subtract_rows(x: &mut [Lanes], l: &[Lanes], y: &[Lanes], m: usize) {
+pub(crate) fn subtract_rows(x: &mut [Lanes], l: &[Lanes], y: &[Lanes], m: usize) {
     match y.len() {
         0 => {}
         1 => subtract_rows_of::<1>(x, l, y, m),
@@ -276,7 +276,7 @@ fn subtract_rows_of<const W: usize>(x: &mut [Lanes], l: &[Lanes], y: &[Lanes], m
 }
 
 #[inline(always)]
-pub(super) fn add_product(into: &mut Lanes, a: &Lanes, b: &Lanes) {
+pub(crate) fn add_product(into: &mut Lanes, a: &Lanes, b: &Lanes) {
     for j in 0..4 {
         into[j] += a[j] * b[j];
     }
@@ -284,7 +284,7 @@ pub(super) fn add_product(into: &mut Lanes, a: &Lanes, b: &Lanes) {
 
 /// x = U y, with U of m × m.
 #[inline(always)]
-pub(super) fn set_rows(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usize) {
+pub(crate) fn set_rows(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usize) {
     match y.len() {
         1 => set_rows_of::<1>(x, u, y, m),
         2 => set_rows_of::<2>(x, u, y, m),
@@ -310,7 +310,7 @@ fn set_rows_of<const W: usize>(x: &mut [Lanes], u: &[Lanes], y: &[Lanes], m: usi
 
 /// y += sign · Lᵀ x, with L of m × k.
 #[inline(always)]
-pub(super) fn add_columns(y: &mut [Lanes], l: &[Lanes], x: &[Lanes], m: usize, sign: f64) {
+pub(crate) fn add_columns(y: &mut [Lanes], l: &[Lanes], x: &[Lanes], m: usize, sign: f64) {
     match y.len() {
         0 => {}
         1 => add_columns_of::<1>(y, l, x, m, sign),
@@ -341,7 +341,7 @@ fn add_columns_of<const W: usize>(y: &mut [Lanes], l: &[Lanes], x: &[Lanes], m: 
 
 /// The transpose of a block of m × k.
 #[inline(always)]
-pub(super) fn transpose(into: &mut [Lanes], from: &[Lanes], m: usize, k: usize) {
+pub(crate) fn transpose(into: &mut [Lanes], from: &[Lanes], m: usize, k: usize) {
     match width(k) {
         1 => transpose_of::<1>(into, from, m, k),
         2 => transpose_of::<2>(into, from, m, k),
@@ -373,7 +373,7 @@ fn transpose_tiles(into: &mut [Lanes], from: &[Lanes], m: usize, k: usize, wk: u
 }
 
 /// Most rows of a block.
-pub(super) const MAX_ROWS: usize = 24;
+pub(crate) const MAX_ROWS: usize = 24;
 
 /// Turns a symmetric positive definite matrix A of n × n, lower triangle, into U = L⁻ᵀ, with A = L Lᵀ: so A⁻¹ = U Uᵀ.
 ///
@@ -381,7 +381,7 @@ pub(super) const MAX_ROWS: usize = 24;
 /// itself would not do: rows that repeat others leave blocks of condition 1e7 and more, whose inverse is off by as much of rounding, and
 /// later pivots with it; that of the root is off by its square root.
 #[inline(always)]
-pub(super) fn invert_root(a: &mut [Lanes], n: usize, least: &[Lanes]) {
+pub(crate) fn invert_root(a: &mut [Lanes], n: usize, least: &[Lanes]) {
     match n {
         3 => invert_root_of::<3, 1>(a, least),
         4 => invert_root_of::<4, 1>(a, least),
