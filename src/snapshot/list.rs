@@ -109,7 +109,7 @@ stored!(WorldRow {
     free_joints,
     free_islands,
 });
-stored!(HeldUnit { bodies });
+stored!(HeldUnit { bodies, gap });
 stored!(HeldBody { body, load });
 stored!(WorldDef {
     gravity,
