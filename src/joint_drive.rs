@@ -1,4 +1,4 @@
-//! Stops, frames and motor targets of a joint that the host moves: how fast, as the solver sees it.
+//! Stops and frames of a joint that the host moves: how fast, as the solver sees it.
 //!
 //! A host that lowers a rope's limit by 1 cm in every step reels it in at 0.6 m/s, and what hangs on it has to be drawn in at that speed:
 //! a limit that only changed its place would shorten the rope and do no work. So the difference between two steps over the step's
@@ -14,16 +14,13 @@
 //! A single edit, however far, carries nothing: its error is taken out of positions, and leaves no velocity. A motion that goes on is
 //! carried from its second step on, at any speed, scale and rate of steps, without a threshold. A motion that grows faster is carried
 //! as it was a step ago, and what is missing is taken out of positions.
-//!
-//! **Targets of motors** are carried alike, as the speed of the motor's reference, where the host does not tell that itself: damping acts
-//! on the difference to it, and a servo follows without a lag. A motor's bounded force makes no blow of a sudden change.
 
-use glam::{DVec3, Quat, Vec3};
+use glam::{DVec3, Vec3};
 
-use crate::joint::{Joint, JointDef, JointKind, Limits, Motor, SphericalMotor};
+use crate::joint::{Joint, JointDef, JointKind, Limits};
 use crate::pose::Pose;
 
-/// Numbers of the rows of stops and motors: the lower stop of a coordinate, the upper one after it, then the motor.
+/// Numbers of the rows of stops; the lower one of a coordinate, the upper one after it.
 pub(crate) const STOP_ROWS: usize = 18;
 
 /// Change of a rate below which it makes no difference (m/s, rad/s): a second-order substep may be off by as much anyhow, and it is
@@ -33,23 +30,20 @@ const NOTICEABLE: f32 = 1.0e-4;
 /// Share of the greater of two rates by which they must differ for the change to be a blow and no smooth motion.
 const SUDDEN: f32 = 0.5;
 
-/// How fast stops, motor targets and frames of a joint move.
+/// How fast stops and frames of a joint move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DriveRates {
-    /// Of stops and motor targets, by the number of their row (m/s, rad/s).
+    /// Of stops, by the number of their row (m/s, rad/s).
     pub stops: [f32; STOP_ROWS],
-    /// Of the rotation that a spherical joint's motor aims at, in A's joint frame (rad/s).
-    pub aim: Vec3,
     /// Velocity of each joint point and angular velocity of each frame, in the axes of its body, or of the world (m/s, rad/s).
     pub frames: [[Vec3; 2]; 2],
 }
 
 impl DriveRates {
-    pub(crate) const NONE: Self = Self { stops: [0.0; STOP_ROWS], aim: Vec3::ZERO, frames: [[Vec3::ZERO; 2]; 2] };
+    pub(crate) const NONE: Self = Self { stops: [0.0; STOP_ROWS], frames: [[Vec3::ZERO; 2]; 2] };
 
     pub(crate) fn is_finite(&self) -> bool {
-        let frames_are = self.frames.iter().flatten().all(|rate| rate.is_finite());
-        frames_are && self.aim.is_finite() && self.stops.iter().all(|rate| rate.is_finite())
+        self.stops.iter().all(|rate| rate.is_finite()) && self.frames.iter().flatten().all(|rate| rate.is_finite())
     }
 }
 
@@ -58,7 +52,6 @@ impl DriveRates {
 pub(crate) struct JointDrive {
     /// Where they were at the end of the last step.
     pub(crate) stops: [f32; STOP_ROWS],
-    pub(crate) aim: Option<Quat>,
     pub(crate) frames: [Pose; 2],
     /// How fast they moved in it.
     pub(crate) found: DriveRates,
@@ -84,7 +77,6 @@ impl JointDrive {
     pub(crate) fn from(def: &JointDef) -> Self {
         Self {
             stops: stops_of(&def.kind),
-            aim: aim_of(&def.kind),
             frames: [def.frame_a, def.frame_b],
             found: DriveRates::NONE,
             carried: DriveRates::NONE,
@@ -92,10 +84,9 @@ impl JointDrive {
         }
     }
 
-    /// Whether an edit from `before` to `after` moves a stop, a motor's target or a frame.
+    /// Whether an edit from `before` to `after` moves a stop or a frame.
     pub(crate) fn is_moved(before: &JointDef, after: &JointDef) -> bool {
-        let frames_are = before.frame_a != after.frame_a || before.frame_b != after.frame_b;
-        frames_are || stops_of(&before.kind) != stops_of(&after.kind) || aim_of(&before.kind) != aim_of(&after.kind)
+        before.frame_a != after.frame_a || before.frame_b != after.frame_b || stops_of(&before.kind) != stops_of(&after.kind)
     }
 
     /// Whether a snapshot can have it.
@@ -103,19 +94,15 @@ impl JointDrive {
         let rates = [&self.found, &self.carried, &self.solved];
         let stops_are_numbers = self.stops.iter().all(|stop| !stop.is_nan());
         let frames = |pose: &Pose| pose.checked("frame", "frame").is_ok();
-        let aims = self.aim.is_none_or(|aim| aim.is_finite());
-        stops_are_numbers && aims && self.frames.iter().all(frames) && rates.iter().all(|rates| rates.is_finite())
+        stops_are_numbers && self.frames.iter().all(frames) && rates.iter().all(|rates| rates.is_finite())
     }
 
     /// Begins a step of length `dt` (s), at whose end stops and frames are as `def` has them.
     pub(crate) fn begin_step(&mut self, def: &JointDef, dt: f32) -> DriveChange {
-        let (stops, aim, frames) = (stops_of(&def.kind), aim_of(&def.kind), [def.frame_a, def.frame_b]);
+        let (stops, frames) = (stops_of(&def.kind), [def.frame_a, def.frame_b]);
         let mut now = DriveRates::NONE;
         for ((rate, &after), &before) in now.stops.iter_mut().zip(&stops).zip(&self.stops) {
             *rate = if after.is_finite() && before.is_finite() { (after - before) / dt } else { 0.0 };
-        }
-        if let (Some(before), Some(after)) = (self.aim, aim) {
-            now.aim = turning(before, after, dt);
         }
         now.frames = [0, 1].map(|side| rate_of(&self.frames[side], &frames[side], dt));
         let (found, before) = (self.found, self.carried);
@@ -129,19 +116,16 @@ impl JointDrive {
             change.is_put |= (now - carried).length() > (SUDDEN * now.length()).max(NOTICEABLE);
             change.is_sudden |= is_sudden(carried - before, carried, before);
         }
-        for (row, (&carried, &before)) in carried.stops.iter().zip(&before.stops).enumerate() {
-            if is_motor(&def.kind, row) {
-                continue;
-            }
+        for (&carried, &before) in carried.stops.iter().zip(&before.stops) {
             change.is_sudden |= is_sudden(Vec3::X * (carried - before), Vec3::X * carried, Vec3::X * before);
         }
-        *self = Self { stops, aim, frames, found: now, carried, solved: carried };
+        *self = Self { stops, frames, found: now, carried, solved: carried };
         change
     }
 }
 
 impl Joint {
-    /// How fast its stops, motor targets and frames move in this step, if at all.
+    /// How fast its stops and frames move in this step, if at all.
     pub(crate) fn drive(&self) -> Option<&DriveRates> {
         self.drive.as_ref().map(|drive| &drive.solved)
     }
@@ -157,79 +141,46 @@ fn sustained(now: &DriveRates, before: &DriveRates) -> DriveRates {
     for ((carried, &now), &before) in carried.stops.iter_mut().zip(&now.stops).zip(&before.stops) {
         *carried = if now == 0.0 { 0.0 } else { now * (before / now).clamp(0.0, 1.0) };
     }
-    let lasting = |now: Vec3, before: Vec3| {
-        let square = now.length_squared();
-        if square == 0.0 { Vec3::ZERO } else { now * (now.dot(before) / square).clamp(0.0, 1.0) }
-    };
-    carried.aim = lasting(now.aim, before.aim);
-    carried.frames = [0, 1].map(|side| [0, 1].map(|part| lasting(now.frames[side][part], before.frames[side][part])));
+    carried.frames = [0, 1].map(|side| {
+        [0, 1].map(|part| {
+            let (now, before) = (now.frames[side][part], before.frames[side][part]);
+            let square = now.length_squared();
+            if square == 0.0 { Vec3::ZERO } else { now * (now.dot(before) / square).clamp(0.0, 1.0) }
+        })
+    });
     carried
 }
 
 /// Velocity and angular velocity of a frame that goes from one pose to another in `dt` (s).
 fn rate_of(before: &Pose, after: &Pose, dt: f32) -> [Vec3; 2] {
-    let moved = (after.position - before.position) / f64::from(dt);
-    [moved.as_vec3(), turning(before.rotation, after.rotation, dt)]
-}
-
-/// Angular velocity of what turns from one rotation to another in `dt` (s), the shorter way.
-fn turning(before: Quat, after: Quat, dt: f32) -> Vec3 {
-    if before == after {
-        return Vec3::ZERO;
-    }
-    let turn = after.as_dquat() * before.as_dquat().conjugate();
+    let turn = after.rotation.as_dquat() * before.rotation.as_dquat().conjugate();
     let turn = if turn.w < 0.0 { -turn } else { turn };
     let axis = DVec3::new(turn.x, turn.y, turn.z);
     let sine = axis.length();
     let angle_over_sine = if sine < 1.0e-9 { 2.0 } else { 2.0 * libm::atan2(sine, turn.w) / sine };
-    (axis * (angle_over_sine / f64::from(dt))).as_vec3()
+    let turn = if before.rotation == after.rotation { DVec3::ZERO } else { axis * angle_over_sine };
+    let dt = f64::from(dt);
+    [((after.position - before.position) / dt).as_vec3(), (turn / dt).as_vec3()]
 }
 
-/// Where the stops and motor targets of a joint are, by the number of their row; infinite where it has none.
+/// Where the stops of a joint are, by the number of their row; infinite where it has none.
 fn stops_of(kind: &JointKind) -> [f32; STOP_ROWS] {
     let mut stops = [f32::INFINITY; STOP_ROWS];
-    let mut put = |row: usize, limits: &Limits, motor: &Motor| {
-        (stops[row], stops[row + 1], stops[row + 2]) = (limits.min, limits.max, target_of(motor));
-    };
+    let mut put = |row: usize, limits: &Limits| (stops[row], stops[row + 1]) = (limits.min, limits.max);
     match kind {
         JointKind::Fixed => {}
-        JointKind::Hinge { limits, motor } | JointKind::Prismatic { limits, motor } => put(0, limits, motor),
-        JointKind::Distance { limits, spring_length, motor } => {
-            put(0, limits, motor);
-            stops[3] = spring_length.unwrap_or(f32::INFINITY);
+        JointKind::Hinge { limits, .. } | JointKind::Prismatic { limits, .. } | JointKind::Distance { limits, .. } => {
+            put(0, limits);
         }
         JointKind::Spherical { swing_limit, twist_limits, .. } => {
-            put(1, twist_limits, &Motor::Off);
+            put(1, twist_limits);
             stops[0] = *swing_limit;
         }
         JointKind::Generic { linear, angular } => {
-            linear.iter().chain(angular).enumerate().for_each(|(axis, def)| put(3 * axis, &def.limits, &def.motor));
+            linear.iter().chain(angular).enumerate().for_each(|(axis, def)| put(3 * axis, &def.limits));
         }
     }
     stops
-}
-
-/// Whether this row is that of a motor.
-fn is_motor(kind: &JointKind, row: usize) -> bool {
-    match kind {
-        JointKind::Fixed | JointKind::Spherical { .. } => false,
-        JointKind::Hinge { .. } | JointKind::Prismatic { .. } | JointKind::Distance { .. } => row == 2,
-        JointKind::Generic { .. } => row % 3 == 2,
-    }
-}
-
-/// Where a motor goes to; infinite where it goes nowhere, or where the host tells the speed of its target.
-fn target_of(motor: &Motor) -> f32 {
-    let drive = motor.drive().filter(|drive| drive.velocity == 0.0);
-    drive.and_then(|drive| drive.target).unwrap_or(f32::INFINITY)
-}
-
-/// The rotation that a spherical joint's motor aims at.
-fn aim_of(kind: &JointKind) -> Option<Quat> {
-    match *kind {
-        JointKind::Spherical { motor: SphericalMotor::Position { target, .. }, .. } => Some(target),
-        _ => None,
-    }
 }
 
 #[cfg(test)]

@@ -84,8 +84,7 @@ pub struct Drive {
     /// Value to reach (m or rad); `None` for a motor that holds `velocity` alone.
     pub target: Option<f32>,
     /// Speed to hold (m/s or rad/s). Beside a target: the speed at which that moves. Damping acts on the difference to it, and the
-    /// target is where `target` says at the end of the step; set both before each step. Zero is found from how `target` moves from step
-    /// to step; a single edit has no speed.
+    /// target is where `target` says at the end of the step; set both before each step.
     pub velocity: f32,
     /// Spring and damper towards `target`; rigid goes there as fast as force and speed allow.
     pub softness: Softness,

@@ -79,7 +79,7 @@ pub struct StepCounts {
 /// Errors left at the end of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Residuals {
-    /// Worst distance between joint points beyond what the joint allows (m), of bodies asleep or held too.
+    /// Worst distance between joint points beyond what the joint allows (m), of bodies asleep too.
     pub joint_gap: f32,
     /// Worst overlap of two shapes before it was recovered (m).
     pub penetration: f32,

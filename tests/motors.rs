@@ -4,7 +4,7 @@
 use longspan::glam::{Quat, Vec3};
 use longspan::{
     Axis, BodyDef, BodyId, Drive, ForceSide, JointAxisState, JointDef, JointId, JointKind, Limits, Mass, MassProperties, Motor,
-    Pose, SleepSettings, Softness, Solver, SphericalMotor, World, WorldDef,
+    Pose, SleepSettings, Softness, Solver, World, WorldDef,
 };
 
 const SOLVERS: [Solver; 2] = [Solver::Auto, Solver::GaussSeidel];
@@ -180,11 +180,10 @@ fn a_position_motor_keeps_its_speed_limit() {
 #[test]
 fn a_motor_follows_a_target_that_moves() {
     let soft = Softness { compliance: 1.0 / 400.0, damping: 60.0 };
-    let speed = 0.6;
     for (kind, rate) in KINDS.into_iter().flat_map(|kind| RATES.map(|rate| (kind, rate))) {
-        // The host tells the speed of the target, or leaves it to be found.
-        for (softness, velocity) in [(Softness::RIGID, speed), (soft, speed), (Softness::RIGID, 0.0), (soft, 0.0)] {
-            let told = Drive { softness, velocity, ..Drive::to(0.0, 1000.0) };
+        for softness in [Softness::RIGID, soft] {
+            let speed = 0.6;
+            let told = Drive { softness, velocity: speed, ..Drive::to(0.0, 1000.0) };
             let mut rig = rig(kind, drive(kind, 0.0, told), Limits::NONE, 0.0, Solver::Auto, 4);
             for step in 1..=(2.0 * rate) as u32 {
                 let target = speed * step as f32 / rate;
@@ -204,66 +203,12 @@ fn a_motor_follows_a_target_that_moves() {
                 rig.world.set_joint_kind(rig.joint, kind_now).expect("the same kind");
                 let state = rig.step(1.0 / rate);
                 let (off, time) = ((state.position - target).abs(), step as f32 / rate);
-                let what = format!("{kind:?} at {rate} Hz, {softness:?}, told {velocity} m/s, after {time} s");
+                let what = format!("{kind:?} at {rate} Hz, {softness:?}, after {time} s");
                 if time > 1.0 {
                     assert!(off < 2.0e-3, "{what}: {off} behind its target");
                     assert!((state.velocity - speed).abs() < 0.02, "{what}: at {} of {speed} m/s", state.velocity);
                 }
             }
-        }
-    }
-}
-
-#[test]
-fn a_spherical_motor_follows_a_rotation_that_turns() {
-    let soft = Softness { compliance: 1.0 / 400.0, damping: 60.0 };
-    for (solver, rate) in SOLVERS.into_iter().flat_map(|solver| RATES.map(|rate| (solver, rate))) {
-        for softness in [Softness::RIGID, soft] {
-            let mut rig = rig(Kind::Hinge, Motor::Off, Limits::NONE, 0.0, solver, 4);
-            rig.world.destroy_joint(rig.joint).expect("the joint stays");
-            let kind = |target| JointKind::Spherical {
-                swing_limit: std::f32::consts::PI,
-                twist_limits: Limits::NONE,
-                motor: SphericalMotor::Position { target, softness, max_torque: 1000.0 },
-            };
-            let mut def = JointDef::new(kind(Quat::IDENTITY), BodyId::NULL, rig.body);
-            def.frame_b = Pose::at_xyz(-f64::from(LEVER), 0.0, 0.0);
-            let joint = rig.world.create_joint(&def).expect("a valid joint");
-            let (axis, speed) = (Vec3::new(0.3, -0.5, 0.8).normalize(), 0.6);
-            for step in 1..=(2.0 * rate) as u32 {
-                let time = step as f32 / rate;
-                let target = Quat::from_axis_angle(axis, speed * time);
-                rig.world.set_joint_kind(joint, kind(target)).expect("the same kind");
-                rig.world.step(1.0 / rate).expect("a valid step");
-                let turned = rig.world.pose(rig.body).expect("it stays").rotation;
-                let (off, spin) = (turned.angle_between(target), rig.world.angular_velocity(rig.body).expect("it stays"));
-                let what = format!("{solver:?} at {rate} Hz, {softness:?}, after {time} s");
-                if time > 1.0 {
-                    // A spring that lagged by its damping would be 60/400 s · 0.6 rad/s = 0.09 rad behind.
-                    assert!(off < 5.0e-3, "{what}: {off} rad behind its target, bound 5 mrad");
-                    assert!((spin - axis * speed).length() < 0.03, "{what}: at {spin} rad/s, bound 5 % off");
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn a_spring_whose_rest_length_moves_goes_along() {
-    for (solver, rate) in SOLVERS.into_iter().flat_map(|solver| RATES.map(|rate| (solver, rate))) {
-        let mut rig = rig(Kind::Distance, Motor::Off, Limits::NONE, 0.0, solver, 4);
-        rig.world.destroy_joint(rig.joint).expect("the joint stays");
-        let kind = |length| JointKind::Distance { limits: Limits::NONE, spring_length: Some(length), motor: Motor::Off };
-        let mut def = JointDef::new(kind(0.5), BodyId::NULL, rig.body).at(Vec3::NEG_Y * 0.5, Vec3::ZERO);
-        def.linear = Softness { compliance: 1.0 / 400.0, damping: 60.0 };
-        let joint = rig.world.create_joint(&def).expect("a valid joint");
-        for step in 1..=(2.0 * rate) as u32 {
-            let length = 0.5 + 0.6 * step as f32 / rate;
-            rig.world.set_joint_kind(joint, kind(length)).expect("the same kind");
-            rig.world.step(1.0 / rate).expect("a valid step");
-            let behind = f64::from(length) - 0.5 - rig.world.pose(rig.body).expect("it stays").position.y;
-            // 60/400 s · 0.6 m/s = 9 cm if its damping held it back.
-            assert!((step as f32) < rate || behind.abs() < 5.0e-3, "{solver:?} at {rate} Hz: {behind} m behind, bound 5 mm");
         }
     }
 }

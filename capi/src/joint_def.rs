@@ -82,7 +82,7 @@ pub struct LsMotor {
 #[repr(C)]
 pub struct LsDrive {
     /// LS_MOTOR_POSITION: speed at which its target moves (m/s or rad/s); default 0. Damping acts on the difference to it, and the target
-    /// is where target says at the end of the step: set both before each step. 0: found from how the target moves from step to step.
+    /// is where target says at the end of the step: set both before each step.
     pub target_velocity: f32,
     /// LS_MOTOR_POSITION: greatest speed on the way to the target (m/s or rad/s), >= 0; default INFINITY. A spring is held back to it,
     /// but does not brake what others drive faster.

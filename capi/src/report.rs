@@ -36,7 +36,7 @@ pub struct LsStepReport {
     pub colors: u32,
     /// Bodies that moved.
     pub moved: u32,
-    /// Worst distance between joint points beyond what the joint allows (m), of bodies asleep or held too.
+    /// Worst distance between joint points beyond what the joint allows (m).
     pub joint_gap: f32,
     /// Worst overlap of two shapes before it was recovered (m).
     pub penetration: f32,

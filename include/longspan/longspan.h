@@ -821,7 +821,7 @@ typedef struct LsStrength {
 typedef struct LsDrive {
     /**
      * LS_MOTOR_POSITION: speed at which its target moves (m/s or rad/s); default 0. Damping acts on the difference to it, and the target
-     * is where target says at the end of the step: set both before each step. 0: found from how the target moves from step to step.
+     * is where target says at the end of the step: set both before each step.
      */
     float target_velocity;
     /**
@@ -1147,7 +1147,7 @@ typedef struct LsStepReport {
     uint32_t colors;
     /** Bodies that moved. */
     uint32_t moved;
-    /** Worst distance between joint points beyond what the joint allows (m), of bodies asleep or held too. */
+    /** Worst distance between joint points beyond what the joint allows (m). */
     float joint_gap;
     /** Worst overlap of two shapes before it was recovered (m). */
     float penetration;

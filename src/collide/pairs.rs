@@ -179,7 +179,8 @@ impl Pair {
             }
             let moving = moving();
             let reach = Reach { motion, margin, is_pressed: self.pressed };
-            let mut found = Found { scratch: &mut scratch.narrow, manifolds: &mut scratch.manifolds };
+            let PairScratch { narrow, manifolds, spare, .. } = scratch;
+            let mut found = Found { scratch: narrow, manifolds, spare };
             predict::collide((a, b), &moving, step, relative, reach, &mut found);
             self.take(&scratch.manifolds, &mut scratch.carried);
             (self.pose, self.margin) = (CoarsePose::of(&coarse(&relative, pose_unit(extent))), margin);
@@ -342,6 +343,7 @@ fn rounded_up(margin: f32) -> f32 {
 pub(crate) struct PairScratch {
     narrow: Scratch,
     manifolds: Vec<Manifold>,
+    spare: Vec<Manifold>,
     carried: Vec<CarriedManifold>,
 }
 

@@ -9,9 +9,12 @@
 //! s₀ = s − t n·(v_B + ω_B×r_B − v_A − ω_A×r_A).
 //! ```
 //!
-//! At constant velocity a row then acts only where its features overlap at t. Pairs of flat faces, and of bodies in joints, are taken as they
-//! stand: towers of loose blocks, and blows on swept joints, come out otherwise there, and it is not known which is right. Nor is a pair
-//! followed that the planes found at the start keep apart through the step.
+//! At constant velocity a row then acts only where its features overlap at t. Bodies in joints are taken as they stand: blows on swept joints
+//! come out otherwise there. Nor is a pair followed that the planes found at the start keep apart through the step.
+//!
+//! Flat faces that touch or press are taken as they lie: their normal is the same all along, and stacks stand on points that stay. Those that
+//! are apart are followed to see whether they meet at all, and along which normal: a block that flies past an edge does not, and one that
+//! slides onto the next tile meets its top, not its side.
 //!
 //! * A pair that is not pressed is followed until it overlaps, or else to the end of the step.
 //! * A pair that carries load presses all through the step. With n substeps the constraint acts on positions after h, 2h, … nh, in the
@@ -28,6 +31,9 @@ use crate::solve::integrate::rotated_far;
 
 /// Way ahead below which the pose at the step's start is as good, over the lesser least extent of the two: less than manifolds are kept for.
 const NO_MOTION: f32 = 5.0e-4;
+
+/// Cosine between two normals of flat faces below which they are not those of one face.
+const ANOTHER_NORMAL: f32 = 0.9;
 
 /// Square of half a turn (rad²) below which sine and cosine are the first terms of their series, right to rounding.
 const SMALL_TURN: f32 = 1.0e-4;
@@ -98,6 +104,8 @@ pub(crate) struct Step {
 pub(super) struct Found<'a> {
     pub scratch: &'a mut Scratch,
     pub manifolds: &'a mut Vec<Manifold>,
+    /// Room for others.
+    pub spare: &'a mut Vec<Manifold>,
 }
 
 impl Found<'_> {
@@ -140,7 +148,9 @@ pub(super) fn collide(
         found.collide(shapes, start, reach.margin);
         let nearest = found.nearest();
         // What cannot meet in this step has no row.
-        if is_jointed || !is_round || nearest > reach.motion {
+        // Flat faces that touch are taken as they lie.
+        let is_settled = !is_round && (reach.is_pressed || nearest <= 0.0);
+        if is_jointed || is_settled || nearest > reach.motion {
             return;
         }
     }
@@ -149,7 +159,11 @@ pub(super) fn collide(
         false => stance.rotation.conjugate() * of.angular,
     };
     let approach = Approach { a, b, spins: [spin_of(a, of_a, of_b.shape), spin_of(b, of_b, of_a.shape)], step };
-    if reach.is_pressed || approach.may_meet(found) {
+    let is_followed = match is_round {
+        true => reach.is_pressed || approach.may_meet(found),
+        false => approach.would_press(found),
+    };
+    if is_followed {
         approach.collide(shapes, start, reach, found);
     }
 }
@@ -173,12 +187,31 @@ impl Approach<'_> {
             }
             return;
         }
-        let (share, turns) = if is_pressed {
-            self.look_ahead(shapes, start, (ahead, extent / path), margin, found)
-        } else {
-            self.follow(shapes, extent, path, margin, found)
+        let put_back = |found: &mut Found, share: f32, turns: [Quat; 2]| {
+            found.manifolds.iter_mut().for_each(|manifold| self.put_back(manifold, share * self.step.dt, turns));
         };
-        found.manifolds.iter_mut().for_each(|manifold| self.put_back(manifold, share * self.step.dt, turns));
+        if is_pressed {
+            let (share, turns) = self.look_ahead(shapes, start, (ahead, extent / path), margin, found);
+            put_back(found, share, turns);
+        } else if self.a.is_round || self.b.is_round {
+            let (share, turns) = self.follow(shapes, extent, (path, 1.0), margin, found);
+            put_back(found, share, turns);
+        } else {
+            let now = found.nearest_normal();
+            std::mem::swap(found.manifolds, found.spare);
+            // What only just meets at the end of the step is followed on until it can be seen along which normal.
+            let end = 1.0 + NO_MOTION * extent / path;
+            let (share, turns) = self.follow(shapes, extent, (path, end), margin, found);
+            let (then, is_met) = (found.nearest_normal(), found.nearest() < 0.0);
+            put_back(found, share, turns);
+            // Faces that meet are taken as they stand, with the points that they have in the steps to come, unless that is along another
+            // normal, along which they do not overlap yet: then they slide onto each other.
+            let slides = found.nearest() >= -NO_MOTION * extent
+                && now.zip(then).is_some_and(|(now, then)| now.dot(turns[0] * then) < ANOTHER_NORMAL);
+            if is_met && !slides {
+                std::mem::swap(found.manifolds, found.spare);
+            }
+        }
     }
 
     /// Whether the planes that keep apart what has been found at the start may be passed in the step.
@@ -190,6 +223,15 @@ impl Approach<'_> {
             let normal = self.a.rotation * manifold.normal;
             let speed = normal.dot(before).max(normal.dot(after)) + turning;
             nearest_of(manifold) < speed * self.step.dt
+        })
+    }
+
+    /// Whether a point that has been found at the start would overlap by the end of the step.
+    fn would_press(&self, found: &Found) -> bool {
+        found.manifolds.iter().any(|manifold| {
+            let mut then = *manifold;
+            self.put_back(&mut then, -self.step.dt, [Quat::IDENTITY; 2]);
+            nearest_of(&then) < 0.0
         })
     }
 
@@ -243,13 +285,20 @@ impl Approach<'_> {
         turns
     }
 
-    /// Share of the step after which the two overlap, or all of it, and how both are turned then; leaves the manifolds of that pose.
-    fn follow(&self, shapes: [&Shape; 2], extent: f32, path: f32, margin: f32, found: &mut Found) -> (f32, [Quat; 2]) {
+    /// Share of the step after which the two overlap, or all of it, up to `end` where their way is short, and how both are turned then; leaves the manifolds of that pose.
+    fn follow(
+        &self,
+        shapes: [&Shape; 2],
+        extent: f32,
+        (path, end): (f32, f32),
+        margin: f32,
+        found: &mut Found,
+    ) -> (f32, [Quat; 2]) {
         if path <= FEW_STRIDES * STRIDE * extent {
             let strides = (path / (STRIDE * extent)).ceil().max(1.0);
             let mut stride = 1.0;
             loop {
-                let share = stride / strides;
+                let share = end * stride / strides;
                 let turns = self.look(shapes, share, margin, found);
                 if stride >= strides || found.nearest() < 0.0 {
                     return (share, turns);

@@ -109,7 +109,7 @@ stored!(WorldRow {
     free_joints,
     free_islands,
 });
-stored!(HeldUnit { bodies, gap });
+stored!(HeldUnit { bodies });
 stored!(HeldBody { body, load });
 stored!(WorldDef {
     gravity,
@@ -209,8 +209,8 @@ stored!(CollisionFilter { member_of, collides_with });
 
 stored!(Joint { def, bodies, impulses, angles, force, torque, acted, strain, pressed, drive, motors, rebounds });
 stored!(Rebounds { rows, speeds });
-stored!(JointDrive { stops, aim, frames, found, carried, solved });
-stored!(DriveRates { stops, aim, frames });
+stored!(JointDrive { stops, frames, found, carried, solved });
+stored!(DriveRates { stops, frames });
 stored!(Strain { spans, damage, condemned });
 stored!(Span { time, linear, angular });
 stored!(Strength { tension, compression, shear, bending, torsion, window, damage });

@@ -198,9 +198,9 @@ impl World {
             }
     }
 
-    /// Worst distance between joint points of these bodies beyond what their joints allow (m).
-    pub(super) fn worst_gap_of(&self, members: impl Iterator<Item = u32>) -> f32 {
-        let joints = members.flat_map(|index| &self.bodies[index].joints).filter_map(|&id| self.joints.find(id).ok());
+    /// Worst distance between joint points of an island beyond what their joints allow (m).
+    pub(super) fn gap_of_island(&self, members: &[u32]) -> f32 {
+        let joints = members.iter().flat_map(|&index| &self.bodies[index].joints).filter_map(|&id| self.joints.find(id).ok());
         joints.map(|slot| self.joint_gap(&self.joints[slot])).fold(0.0, f32::max)
     }
 

@@ -1,4 +1,4 @@
-//! Joints whose stops, motor targets or frames the host moves: see [`crate::joint_drive`].
+//! Joints whose stops or frames the host moves: see [`crate::joint_drive`].
 
 use glam::Quat;
 
@@ -8,7 +8,7 @@ use crate::joint::JointDef;
 use crate::joint_drive::JointDrive;
 
 impl World {
-    /// Notes that an edit of a joint, which was `before`, may have moved a stop, a motor's target or a frame.
+    /// Notes that an edit of a joint, which was `before`, may have moved a stop or a frame.
     pub(super) fn note_drive(&mut self, slot: u32, before: &JointDef) {
         let joint = &mut self.joints[slot];
         if joint.drive.is_none() && JointDrive::is_moved(before, &joint.def) {

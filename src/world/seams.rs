@@ -46,12 +46,13 @@ pub(super) struct Glide {
 impl Glide {
     /// What there is to note of a pair that has been brought up to date: whether a round shape of it moves over the other.
     pub(super) fn of(key: PairKey, slot: u32, pair: &Pair, (a, b): (&Stance, &Stance), dt: f32) -> Option<Self> {
-        if !pair.may_touch || !(a.is_round || b.is_round) || a.body == b.body {
+        if !pair.may_touch || a.body == b.body {
             return None;
         }
         let is_second = a.is_slower_than(b);
         let (still, mover) = if is_second { (a, b) } else { (b, a) };
-        if !mover.is_round {
+        // Blocks of a heap lie on each other's faces, and one by one they are no floor.
+        if !(mover.is_round || still.still) {
             return None;
         }
         mover.glides_over(still, dt).then_some(Self { body: mover.body, key, slot, is_second })

@@ -150,7 +150,7 @@ impl World {
                 body.angular_velocity = glam::Vec3::ZERO;
                 body.history.forget_lead();
             }
-            let gap = self.worst_gap_of(members.iter().copied());
+            let gap = self.gap_of_island(&members);
             let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new(), gap });
             for &index in &members {
                 self.bodies[index].sleep = SleepState::Asleep { island: number };

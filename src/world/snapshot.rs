@@ -208,7 +208,7 @@ impl World {
         self.index = Index::of(self.colliders.slot_count(), self.colliders.iter().map(|(slot, collider)| (slot, collider.body)));
         self.add_up_contact_forces();
         let mut sleeping = std::mem::take(&mut self.sleeping);
-        sleeping.set_gaps(|members| self.worst_gap_of(members.iter().copied()));
+        sleeping.set_gaps(|members| self.gap_of_island(members));
         self.sleeping = sleeping;
         self.hold.units.held = row.held_units;
         self.broken.clear();

@@ -77,9 +77,7 @@ impl World {
         self.finish_kinematic_bodies(dt);
         self.carry_anchored();
         self.report.counts.bodies_asleep = self.sleeping.body_count() as u32;
-        let gap_of_held = self.hold.units.held.iter().map(|unit| unit.gap).fold(0.0, f32::max);
-        let gap = &mut self.report.residuals.joint_gap;
-        *gap = gap.max(self.sleeping.worst_gap()).max(gap_of_held);
+        self.report.residuals.joint_gap = self.report.residuals.joint_gap.max(self.sleeping.worst_gap());
     }
 
     fn store_contacts(&mut self, number: usize, dt: f32) {

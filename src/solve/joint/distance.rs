@@ -23,10 +23,9 @@ pub(crate) fn rows(sink: &mut RowSink, limits: Limits, spring_length: Option<f32
         sink.limit_and_drive(&distance, limits, motor, 0);
     }
     if let Some(rest) = spring_length.map(f64::from) {
-        let ([first, last], rate) = sink.stop_at(rest, 3);
         let error =
-            Error1 { start: sink.geometry.start.gap.length() - first, predicted: sink.geometry.predicted.gap.length() - last };
+            Error1 { start: sink.geometry.start.gap.length() - rest, predicted: sink.geometry.predicted.gap.length() - rest };
         let give = Give::new(sink.def.linear, sink.phase);
-        sink.driven_scalar(jacobian, -rate, Demand::Equal(error), give, 3);
+        sink.scalar(jacobian, Demand::Equal(error), give, 3);
     }
 }

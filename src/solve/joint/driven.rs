@@ -1,9 +1,7 @@
-//! A joint whose stops, motor targets or frames the host moves, within a substep: see [`crate::joint_drive`].
+//! A joint whose stops or frames the host moves, within a substep: see [`crate::joint_drive`].
 //!
 //! At the end of the step stops and frames are where the host has put them; `left` (s) before, where they came from at their rates. With
 //! u what that motion alone does to a coordinate, Ċ = J v + u, and rows ask of J v + u what they would ask of J v.
-
-use glam::DVec3;
 
 use super::Stance;
 use super::geometry::Placement;
@@ -17,8 +15,6 @@ pub(crate) struct Driven<'a> {
     /// Velocities of the two bodies that would move the frames as they move.
     pub rates: [Rate; 2],
     stops: &'a [f32; STOP_ROWS],
-    /// Angular velocity of what a spherical joint's motor aims at, in A's joint frame (rad/s).
-    pub aim: DVec3,
     /// How far the start and the end of the substep are from the end of the step (s).
     left: [f64; 2],
 }
@@ -31,17 +27,12 @@ impl<'a> Driven<'a> {
             let [linear, angular] = drive.frames[side].map(|rate| stances[side].1 * rate.as_dvec3());
             Rate { linear: linear - angular.cross(levers[side]), angular }
         });
-        Self { rates, stops: &drive.stops, aim: drive.aim.as_dvec3(), left }
-    }
-
-    /// How fast the stop, or the motor's target, of this row moves (m/s, rad/s).
-    pub(crate) fn rate(&self, row: u8) -> f64 {
-        f64::from(self.stops[row as usize])
+        Self { rates, stops: &drive.stops, left }
     }
 
     /// Where the stop of this row is at the start and at the end of the substep, which is at `value` at the end of the step, and its rate.
     pub(crate) fn stop(&self, value: f64, row: u8) -> ([f64; 2], f64) {
-        let rate = self.rate(row);
+        let rate = f64::from(self.stops[row as usize]);
         (self.left.map(|left| value - rate * left), rate)
     }
 }

@@ -18,15 +18,13 @@
 //! orthogonalising J against the joint's other rows in the metric of M⁻¹. An articulation
 //! gives what hangs on other joints too (*../direct/composite.rs*); of a for what is not known [`BRAKING_SHARE`] is left.
 //!
-//! A *reference* that moves at u, as the host says or as it moves the target from step to step ([`crate::joint_drive`]), has r(t) = target − u (T − t), T the end of the step: all of this is then about x − r and v − u.
+//! A *reference* that moves at u has r(t) = target − u (T − t), T the end of the step: all of this is then about x − r and v − u.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DMat3, DVec3};
 
-use super::geometry::Placement;
 use super::kinds::{Coordinate, RowSink};
 use super::rows::{Demand, Error1, Give, Held, Jacobian, Phase, Rate};
 use crate::joint::{Drive, ForceSide, Limits, Motor, Softness};
-use crate::solve::rotation;
 
 /// Share of the deceleration found for a rigid position motor by which it brakes: a tenth is left for loads that are not known.
 /// A motion between two points takes 2.7 % longer by it.
@@ -201,7 +199,7 @@ impl RowSink<'_> {
         if matches!(self.phase, Phase::Position { .. }) {
             return;
         }
-        let speed = f64::from(drive.velocity) + self.driven.as_ref().map_or(0.0, |driven| driven.rate(id));
+        let speed = f64::from(drive.velocity);
         let target = f64::from(target.clamp(limits.min, limits.max)) - speed * (self.left + h / self.share);
         let error = Error1 { start: (start - target) * factor, predicted: (coordinate.predicted - target) * factor };
         let speed = speed * factor;
@@ -249,21 +247,15 @@ impl RowSink<'_> {
         self.scalar(*jacobian, demand, Give::rigid(self.phase), id);
     }
 
-    /// Drives the rotation of B's frame in A's to `target`, the shortest way, with up to `max_torque` about each of A's axes.
-    pub(super) fn turn_to(&mut self, target: DQuat, softness: Softness, max_torque: f32) {
+    /// Drives the rotation to the rotation vector `error` (A's frame, rad) away from its target: along it, with up to `max_torque` about
+    /// each of A's axes.
+    pub(super) fn turn_to(&mut self, error: impl Fn(&super::geometry::Placement) -> DVec3, softness: Softness, max_torque: f32) {
         if matches!(self.phase, Phase::Position { .. }) {
             return;
         }
         let axes = self.geometry.gradient.axes_a();
-        let (h, full) = (self.phase.h(), self.phase.h() / self.share);
-        let aim = self.driven.as_ref().map_or(DVec3::ZERO, |driven| driven.aim);
-        let target = rotation::rotated(target, aim * -(self.left + full));
-        let error = |placement: &Placement| {
-            let mut turned = *placement;
-            turned.a.frame = placement.a.frame * target;
-            target * turned.rotation_vector()
-        };
         let (start, predicted) = self.geometry.read(error);
+        let (h, full) = (self.phase.h(), self.phase.h() / self.share);
         let most = f64::from(max_torque) * h;
         let bounds = [-most, most];
         let mut closing = DVec3::ZERO;
@@ -283,11 +275,10 @@ impl RowSink<'_> {
             let error = Error1 { start: start[i], predicted: predicted[i] };
             let (jacobian, id) = (Jacobian::angular(axes.col(i)), 4 + i as u8);
             if softness.compliance > 0.0 {
-                let demand = Demand::Drive { error, speed: [aim[i] / self.share, aim[i]], bounds };
+                let demand = Demand::Drive { error, speed: [0.0; 2], bounds };
                 self.scalar(jacobian, demand, Give::new(softness, self.phase), id);
             } else {
-                let [closing, speed] = [closing[i], aim[i]].map(|speed| speed / self.share);
-                let demand = Demand::Approach { error, closing, speed, bounds };
+                let demand = Demand::Approach { error, closing: closing[i] / self.share, speed: 0.0, bounds };
                 self.scalar(jacobian, demand, Give::rigid(self.phase), id);
             }
         }

@@ -63,7 +63,13 @@ fn drive(sink: &mut RowSink, motor: SphericalMotor) {
             }
         }
         SphericalMotor::Position { target, softness, max_torque } => {
-            sink.turn_to(target.as_dquat().normalize(), softness, max_torque);
+            let target = target.as_dquat().normalize();
+            let error = |placement: &Placement| {
+                let mut turned = *placement;
+                turned.a.frame = placement.a.frame * target;
+                target * turned.rotation_vector()
+            };
+            sink.turn_to(error, softness, max_torque);
         }
     }
 }

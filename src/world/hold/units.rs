@@ -49,8 +49,6 @@ pub(crate) struct HeldBody {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct HeldUnit {
     pub bodies: Vec<HeldBody>,
-    /// Worst distance between joint points of its bodies beyond what the joints allow, as it was engaged (m).
-    pub gap: f32,
 }
 
 /// The units of a world that are held, and buffers.
@@ -104,9 +102,6 @@ impl World {
         let may_hold = self.def.hold && is_exact && !self.def.support_by_thrust;
         if may_hold && self.report.step.is_multiple_of(LOOK_STEPS) {
             self.find_units(units);
-            for unit in &mut units.held[kept..] {
-                unit.gap = self.worst_gap_of(unit.bodies.iter().map(|held| held.body));
-            }
         }
         if units.held.is_empty() {
             return;
@@ -221,7 +216,7 @@ impl World {
                 component.retain(|body| !ends.contains(body));
                 component.sort_unstable();
                 let bodies = component.iter().map(|&body| HeldBody { body, load: [Vec3::ZERO; 2] });
-                held.push(HeldUnit { bodies: bodies.collect(), gap: 0.0 });
+                held.push(HeldUnit { bodies: bodies.collect() });
             }
         }
     }
