@@ -6,16 +6,10 @@ pub(crate) use super::halves::{F32x8, F64x4};
 pub(super) mod singles {
     use std::arch::wasm32::*;
 
-    pub(crate) use f32x4_abs as abs;
-    pub(crate) use f32x4_add as add;
-    pub(crate) use f32x4_div as div;
-    pub(crate) use f32x4_gt as above;
-    pub(crate) use f32x4_mul as mul;
-    pub(crate) use f32x4_neg as neg;
-    pub(crate) use f32x4_sqrt as sqrt;
-    pub(crate) use f32x4_sub as sub;
-    pub(crate) use v128_any_true as any;
-    pub(crate) use v128_or as either;
+    pub(crate) use std::arch::wasm32::{
+        f32x4_abs as abs, f32x4_add as add, f32x4_div as div, f32x4_gt as above, f32x4_mul as mul, f32x4_neg as neg,
+        f32x4_sqrt as sqrt, f32x4_sub as sub, v128_any_true as any, v128_or as either,
+    };
 
     pub(crate) type Register = v128;
     pub(crate) type Mask = v128;
@@ -60,16 +54,10 @@ pub(super) mod singles {
 pub(super) mod doubles {
     use std::arch::wasm32::*;
 
-    pub(crate) use f64x2_abs as abs;
-    pub(crate) use f64x2_add as add;
-    pub(crate) use f64x2_div as div;
-    pub(crate) use f64x2_le as at_most;
-    pub(crate) use f64x2_lt as below;
-    pub(crate) use f64x2_mul as mul;
-    pub(crate) use f64x2_neg as neg;
-    pub(crate) use f64x2_sqrt as sqrt;
-    pub(crate) use f64x2_sub as sub;
-    pub(crate) use v128_and as both;
+    pub(crate) use std::arch::wasm32::{
+        f64x2_abs as abs, f64x2_add as add, f64x2_div as div, f64x2_le as at_most, f64x2_lt as below, f64x2_mul as mul,
+        f64x2_neg as neg, f64x2_sqrt as sqrt, f64x2_sub as sub, v128_and as both,
+    };
 
     pub(crate) use super::singles::{Mask, Register, select};
 
