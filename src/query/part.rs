@@ -215,7 +215,7 @@ impl<'a> Part<'a> {
             return past(a, b).max(past(b, c)).max(past(c, a));
         }
         let p = self.place.to_local(point);
-        let across = p.x.hypot(p.z);
+        let across = libm::hypot(p.x, p.z);
         match self.form {
             Form::Point | Form::Triangle(_) => p.length(),
             Form::Segment { half_height } => (p - DVec3::Y * p.y.clamp(-half_height, half_height)).length(),
@@ -223,7 +223,7 @@ impl<'a> Part<'a> {
             Form::Cylinder { half_height, radius } => (p.y.abs() - half_height).max(across - radius),
             Form::Cone { half_height, radius } => {
                 let steepness = radius / (2.0 * half_height);
-                (-half_height - p.y).max((across - steepness * (half_height - p.y)) / 1.0_f64.hypot(steepness))
+                (-half_height - p.y).max((across - steepness * (half_height - p.y)) / libm::hypot(1.0, steepness))
             }
             Form::Hull(hull) => hull.planes().iter().map(|(normal, offset)| normal.dot(p) - offset).fold(f64::MIN, f64::max),
             Form::HalfSpace { normal } => normal.dot(p),
