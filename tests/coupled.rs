@@ -113,6 +113,39 @@ fn a_rope_on_a_post_rests_without_sinking_in_or_gaining_energy() {
     }
 }
 
+/// A rope is tied at one end and laid over a post with a little slack: as it goes taut, a blow of tonnes goes through links of a kilogram.
+#[test]
+fn a_rope_that_is_tied_and_goes_taut_on_its_post_comes_to_rest() {
+    for (mass, rate) in [(5.0e3_f32, 60.0_f32), (10.0e3, 120.0), (10.0e3, 30.0)] {
+        let mut world = world();
+        let upright = Quat::from_rotation_x(-0.5 * PI as f32);
+        let post = Geometry::Cylinder { half_height: 0.5, radius: POST as f32 };
+        add(&mut world, &BodyDef::fixed(Pose { position: DVec3::ZERO, rotation: upright }), post, 0.5);
+        let (along, radius) = (1.5, (POST + 0.02) / (0.075_f64 / (POST + 0.02)).cos());
+        let (arc, links) = (PI * radius, 27);
+        let point = |i: usize| {
+            let way = (2.0 * along + arc) * i as f64 / links as f64;
+            let angle = PI - (way - along) / radius;
+            match way {
+                way if way < along => DVec3::new(-radius, way - along, 0.0),
+                way if way < along + arc => DVec3::new(radius * angle.cos(), radius * angle.sin(), 0.0),
+                way => DVec3::new(radius, along + arc - way, 0.0),
+            }
+        };
+        let points: Vec<DVec3> = (0..=links).map(point).collect();
+        let (bodies, _) = rope(&mut world, &points, 0.5, Some((BodyId::NULL, points[0].as_vec3())));
+        let half = 0.5 * (points[links] - points[links - 1]).length() as f32;
+        let (load, _) = hang(&mut world, mass, bodies[links - 1], Vec3::Y * half, points[links]);
+        let before = height(&world, load);
+        run(&mut world, 1.5, rate);
+        let (moved, speed) = (height(&world, load) - before, world.linear_velocity(load).unwrap().length());
+        let deep = world.report().residuals.penetration;
+        let what = format!("{mass} kg at {rate} Hz");
+        assert!(moved.abs() < 1.0e-2, "{what}: the load has moved by {moved} m");
+        assert!(speed < 0.02 && deep < 1.0e-4, "{what}: {speed} m/s, {deep} m deep");
+    }
+}
+
 /// Euler's e^(μ φ) around half a post is 2.57 at μ = 0.3; a polygon of links of 18° holds 4 % less.
 #[test]
 fn a_rope_on_a_post_holds_up_to_the_ratio_that_friction_allows() {

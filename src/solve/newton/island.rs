@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use super::held::{Ends, JointSet};
 use super::joints::Place;
-use super::newton::Effort;
+use super::newton::{Effort, MOST_FACTORS};
 use super::patch::Patch;
 use super::problem::{Mass, Problem, Stiff};
 use super::stiffness::positive_part;
@@ -21,10 +21,8 @@ use crate::solve::joint::Stance;
 use crate::solve::joint::rows::Rate;
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 
-/// Factorisations that a substep may always take, and those after which it ends where it is. With three all scenes tried stay bounded; more
-/// than a dozen are never needed but where there is no solution.
+/// Factorisations that a substep may always take: with three all scenes tried stay bounded.
 const FREE_FACTORS: u32 = 3;
-const MOST_FACTORS: u32 = 12;
 
 /// Change of the inertia with which a body answers, over what it was, from which on the substep is solved once more.
 const STIFFER: f64 = 0.5;
