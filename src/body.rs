@@ -302,6 +302,11 @@ impl Body {
         }
     }
 
+    /// Whether it has arrived where it was told to move to, and stands from the next step on.
+    pub(crate) fn stops(&self) -> bool {
+        self.kind == BodyKind::Kinematic && self.driven && self.target.is_none()
+    }
+
     /// Whether this step solves for its motion: free, awake and not held.
     pub(crate) fn is_solved(&self) -> bool {
         self.is_free() && self.is_mover() && !self.held

@@ -222,7 +222,7 @@ fn far_above_an_edge_and_a_little_beside_it_the_nearest_point_is_on_the_shape() 
     ];
     let upright = forms.into_iter().map(|form| (form, Quat::IDENTITY, 0.5));
     // A cone stands on its tip here, its flat end above.
-    let cone = (Geometry::Cone { half_height: half, radius: half }, Quat::from_rotation_z(std::f32::consts::PI), 0.5);
+    let cone = (Geometry::Cone { half_height: half, radius: half }, Quat::from_xyzw(0.0, 0.0, 1.0, 0.0), 0.5);
     for (form, rotation, top) in upright.chain([cone, (sheet(half, half), Quat::IDENTITY, 0.0)]) {
         let mut world = world();
         add(&mut world, form.clone(), Pose { position: DVec3::ZERO, rotation });

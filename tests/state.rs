@@ -193,6 +193,52 @@ fn a_kinematic_body_stops_at_the_edge_of_space() {
 }
 
 #[test]
+fn what_has_just_arrived_where_it_was_moved_to_is_restored_to_the_same_work() {
+    // The step in which it stops still looks at it with the room for its last motion.
+    for is_welded in [false, true] {
+        let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, ..WorldDef::default() }).unwrap();
+        let cart = boxed(&mut world, BodyKind::Kinematic, 0.0, 0.0);
+        if is_welded {
+            let load = boxed(&mut world, BodyKind::Dynamic, 1.0, 0.0);
+            weld(&mut world, cart, load, Strength::UNBREAKABLE);
+        }
+        let beside = boxed(&mut world, BodyKind::Dynamic, 0.0, 2.0);
+        world.set_can_sleep(beside, false).unwrap();
+        steps(&mut world, 2);
+        world.move_to(cart, Pose::at_xyz(3.0, 0.0, 0.0)).unwrap();
+        world.step(DT).unwrap();
+        let mut saved = Vec::new();
+        world.save(&mut saved);
+        let first = world.step(DT).unwrap().counts;
+        world.restore(&saved).unwrap();
+        let second = world.step(DT).unwrap().counts;
+        assert_eq!(first, second, "welded: {is_welded}");
+    }
+}
+
+#[test]
+fn no_speed_is_above_the_limit_at_the_end_of_a_step() {
+    // A light ball, struck by a heavy one as fast as a body may be, would leave at nearly twice that speed.
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, solver, substeps: 1, ..WorldDef::default() }).unwrap();
+        let ball = |x: f64, density: f32, speed: f32| {
+            let mut shape = ShapeDef { density, ..ShapeDef::new(Shape::ball(0.5).unwrap()) };
+            shape.material.restitution = 1.0;
+            BodyDef { linear_velocity: Vec3::X * speed, ..BodyDef::dynamic(Pose::at_xyz(x, 0.0, 0.0)).with_shape(shape) }
+        };
+        let light = world.create_body(&ball(0.0, 100.0, 0.0)).unwrap();
+        world.create_body(&ball(-1.0, 10_000.0, longspan::MAX_LINEAR_SPEED)).unwrap();
+        let mut fastest: f32 = 0.0;
+        for _ in 0..3 {
+            world.step(DT).unwrap();
+            fastest = fastest.max(world.linear_velocity(light).unwrap().length());
+        }
+        assert!(fastest > 0.5 * longspan::MAX_LINEAR_SPEED, "it is struck: {fastest} m/s");
+        assert!(fastest <= longspan::MAX_LINEAR_SPEED * (1.0 + 1.0e-6), "{solver:?}: {fastest} m/s");
+    }
+}
+
+#[test]
 fn a_joint_of_a_union_that_breaks_after_its_step_takes_no_velocity_back() {
     // Two pairs of welded boxes in weightless space, pulled apart at once. One weld may break in a step: the other one breaks as the next
     // step begins, when both of its boxes have long had the velocity that they share.

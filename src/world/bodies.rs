@@ -286,7 +286,7 @@ impl World {
                     body.angular_velocity = (turn.to_scaled_axis() / dt).clamp_length_max(MAX_ANGULAR_SPEED);
                     body.driven = true;
                 }
-                None if body.driven => {
+                None if body.stops() => {
                     body.linear_velocity = Vec3::ZERO;
                     body.angular_velocity = Vec3::ZERO;
                     body.driven = false;

@@ -7,6 +7,7 @@ use super::fracture::Fracture;
 use super::index::Index;
 use super::sense::Sensing;
 use super::sleep::is_whole;
+use super::unions::Anchor;
 use super::{CarriedBound, CarriedUnion, World};
 use crate::body::{Anchored, Body, SleepState};
 use crate::collide::cache::PairCache;
@@ -137,6 +138,12 @@ impl World {
         tables.table(bodies.slots().iter());
         tables.table(colliders.slots().iter());
         tables.table(joints.slots().iter());
+        // What has arrived where a host told it to move to stands in the next step, and so does what it holds.
+        let stands = |index: u32| match unions.of(index).map(|union| union.anchor) {
+            Some(Anchor::Driven(driver)) => bodies[driver].stops(),
+            _ => bodies[index].stops(),
+        };
+        let is_followed = |index: u32| is_followed(&bodies[index]) && !stands(index);
         let displaced: Vec<Displaced> = colliders
             .iter()
             .filter(|(_, collider)| !same_place(collider.place, collider.world_pose(&bodies[collider.body])))
@@ -145,13 +152,13 @@ impl World {
         tables.table(displaced.iter());
         let last_boxes: Vec<LastBox> = colliders
             .iter()
-            .filter(|(_, shape)| !is_followed(&bodies[shape.body]) && !same_box(&shape.tight_box, &box_at_rest(shape)))
+            .filter(|(_, shape)| !is_followed(shape.body) && !same_box(&shape.tight_box, &box_at_rest(shape)))
             .map(|(slot, shape)| LastBox { shape: slot, tight_box: shape.tight_box })
             .collect();
         tables.table(last_boxes.iter());
         let rests = |pair: &Pair| {
             let (a, b) = pair.key.shapes();
-            [a, b].into_iter().all(|shape| !is_followed(&bodies[colliders[shape].body]))
+            [a, b].into_iter().all(|shape| !is_followed(colliders[shape].body))
         };
         contacts::write(&mut tables, (pairs, pairs.listed().iter().map(|&(_, slot)| slot)), colliders, rests);
         // What a sleeping island kept of a shape that has gone since is not there any more.
