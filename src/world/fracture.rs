@@ -16,7 +16,7 @@ use super::World;
 use super::union_loads::halfway;
 use super::unions::Anchor;
 use super::wake::Edited;
-use crate::body::SleepState;
+use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, SleepState, within_limit};
 use crate::fracture::strain::Judgement;
 use crate::fracture::{BreakCause, JointBreak, JointLoad, Piece, Split, Strength};
 use crate::id::JointId;
@@ -273,8 +273,11 @@ impl World {
         }
         let lever = (point - body.center).as_vec3();
         let free = crate::body::free_axes(body.locked_axes.translation);
-        body.linear_velocity += linear * body.inverse_mass() * free;
-        body.angular_velocity += body.world_inverse_inertia() * (lever.cross(linear) + angular);
+        let linear_velocity = body.linear_velocity + linear * body.inverse_mass() * free;
+        let angular_velocity = body.angular_velocity + body.world_inverse_inertia() * (lever.cross(linear) + angular);
+        // What a joint of enormous strength has borne may be more than a light body can take up.
+        body.linear_velocity = within_limit(linear_velocity, MAX_LINEAR_SPEED);
+        body.angular_velocity = within_limit(angular_velocity, MAX_ANGULAR_SPEED);
     }
 
     /// The stages up to the solve once more, from the state that the step began with.
