@@ -96,7 +96,7 @@ fn timed(options: &Run, scene: &Scene, engine: &str, effort: Effort) -> Result<T
 
 /// Errors of a run of which no time is taken.
 fn judged(scene: Scene, engine: &str, effort: Effort, threads: usize) -> Result<Measurement, Problem> {
-    let world = scene.world.clone();
+    let world = scene.world;
     on_engine(engine, &world, effort, threads, |engine| run_scene(scene, engine, effort, threads))
 }
 

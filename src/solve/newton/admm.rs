@@ -58,7 +58,7 @@ impl Problem {
                 self.terms[number].radius = share * self.normals(first, count).map(|term| term.impulse[0]).sum::<f64>();
             }
             let (term, target) = (&mut self.terms[number], &mut targets[number]);
-            let found = super::newton::with_bias(term, speed(term, &self.velocity));
+            let found = super::passes::with_bias(term, speed(term, &self.velocity));
             term.speed = found;
             if term.gain[0] == 0.0 {
                 term.argument = [0.0; 2];

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 
 use super::held::{Ends, JointSet};
 use super::joints::Place;
-use super::newton::{Effort, MOST_FACTORS};
+use super::passes::{Effort, MOST_FACTORS};
 use super::patch::Patch;
 use super::problem::{Mass, Problem, Stiff};
 use super::stiffness::positive_part;

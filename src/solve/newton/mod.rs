@@ -5,9 +5,11 @@
 //! island is one problem, solved by Newton's method from where the last substep left it: at rest, and wherever nothing changes, by one
 //! factorisation a substep. The derivation is in *docs/reference/coupled.md*.
 //!
-//! `elimination`, `factor`, `term`, `problem`, `newton` and `admm` are numbers on plain arrays and know nothing of the engine;
+//! `elimination`, `factor`, `term`, `problem`, `passes` and `admm` are numbers on plain arrays and know nothing of the engine;
 //! `positions` is what they do for errors of positions. `joints` (of `held`) and `patch` make joints and manifolds their rows, `stiffness` says how
 //! forces turn, and `island` takes the step. Which islands are solved here is said by [`plan`](crate::solve::plan).
+
+#![expect(clippy::needless_range_loop, reason = "an index names a row or a column of several arrays alike")]
 
 use glam::DMat3;
 
@@ -26,7 +28,7 @@ mod factor;
 mod held;
 mod island;
 mod joints;
-mod newton;
+mod passes;
 mod patch;
 mod positions;
 mod problem;

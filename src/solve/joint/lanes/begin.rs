@@ -63,8 +63,8 @@ pub(super) fn each_opening(lanes: &JointLanes, motions: &[BodyMotion], tell: &mu
         let gap = Points::of(block, &a, &b).gap * Plain::load(&block.shortness);
         let mut shares = [0.0; LANES];
         gap.dot(gap).sqrt().store(&mut shares);
-        for l in 0..block.count as usize {
-            tell([block.a[l], block.b[l]], shares[l]);
+        for (l, &share) in shares.iter().enumerate().take(block.count as usize) {
+            tell([block.a[l], block.b[l]], share);
         }
     }
 }
