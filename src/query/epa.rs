@@ -54,25 +54,26 @@ pub(super) fn depth(a: &Part, b: &Part, simplex: &Simplex) -> Depth {
         let outward = (q - p).cross(r - p).dot(p - middle) > 0.0;
         push(&mut faces, &corners, if outward { triangle } else { [triangle[0], triangle[2], triangle[1]] });
     }
-    // The way out along any direction is no shorter than the least; the polytope is no deeper. Between the two lies the answer.
-    // Its points are taken at once: a later step may fold the surface at a needle.
-    let mut best: Option<Depth> = None;
+    // The way out along any direction is no shorter than the least; the polytope is no deeper. Between the two lies the answer, and
+    // where they are nearest to each other the points are surest: a later step may fold the surface at a needle.
+    let mut least = f64::INFINITY;
+    let (mut doubt, mut found) = (f64::INFINITY, None);
     for _ in 0..MAX_STEPS {
         let nearest = nearest(&faces);
         let (normal, distance) = (faces[nearest].normal, faces[nearest].distance);
-        if best.as_ref().is_some_and(|best| best.depth - distance <= TOLERANCE.0 * best.depth + TOLERANCE.1 * size) {
-            break;
-        }
         let next = Vertex::support(a, b, normal);
         let way_out = normal.dot(next.offset);
-        if best.as_ref().is_none_or(|best| way_out < best.depth) {
-            best = Some(way_through(&faces, &corners, nearest, way_out));
+        least = least.min(way_out);
+        if found.is_none() || way_out - distance < doubt {
+            (doubt, found) = (way_out - distance, Some(way_through(&faces, &corners, nearest, way_out)));
         }
-        if !take_in(&mut faces, &mut corners, next, TOLERANCE.1 * size) {
+        if least - distance <= TOLERANCE.0 * least + TOLERANCE.1 * size
+            || !take_in(&mut faces, &mut corners, next, TOLERANCE.1 * size)
+        {
             break;
         }
     }
-    let found = best.unwrap_or_else(|| way_through(&faces, &corners, 0, faces[0].distance));
+    let found = found.unwrap_or_else(|| way_through(&faces, &corners, 0, faces[0].distance));
     Depth { depth: found.depth.max(0.0), ..found }
 }
 

@@ -79,13 +79,13 @@ pub(super) fn closest(a: &Part, b: &Part) -> Closest {
             nearer = point;
         }
         if nearer.length_squared() >= distance * distance {
-            // If no plane parts them they are as near as rounding can tell, and the offset may lead the wrong way.
-            if offset.dot(next.offset) <= 0.0 {
-                return Closest::Overlap(simplex);
-            }
             break;
         }
         (simplex, offset) = (grown, nearer);
+    }
+    // If no plane parts them they are as near as rounding can tell, and the offset may lead the wrong way.
+    if offset.dot(Vertex::support(a, b, -offset).offset) <= 0.0 {
+        return Closest::Overlap(simplex);
     }
     let (on_a, on_b) = simplex.points();
     Closest::Apart { offset, on_a, on_b }
