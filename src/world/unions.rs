@@ -17,7 +17,7 @@ use glam::{Quat, Vec3};
 
 use super::World;
 use super::wake::Edited;
-use crate::body::{Anchored, Body};
+use crate::body::{Anchored, Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, within_limit};
 use crate::collide::collider::Collider;
 use crate::id::{Pool, ShapeId};
 use crate::joint::JointKind;
@@ -328,8 +328,10 @@ impl World {
         let Some(union) = unions.of_mut(index) else { return };
         for (&member, jolt) in union.members.iter().zip(&union.jolts) {
             let body = &mut bodies[member];
-            body.linear_velocity -= jolt.force.as_vec3() * body.inverse_mass();
-            body.angular_velocity -= body.world_inverse_inertia() * jolt.torque.as_vec3();
+            let (linear, angular) =
+                (jolt.force.as_vec3() * body.inverse_mass(), body.world_inverse_inertia() * jolt.torque.as_vec3());
+            body.linear_velocity = within_limit(body.linear_velocity - linear, MAX_LINEAR_SPEED);
+            body.angular_velocity = within_limit(body.angular_velocity - angular, MAX_ANGULAR_SPEED);
         }
         union.jolts.clear();
     }

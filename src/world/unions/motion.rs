@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{Anchor, Place, Unions, shapes_follow};
-use crate::body::{Anchored, Body};
+use crate::body::{Anchored, Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, within_limit};
 use crate::span::union::loads::Wrench;
 use crate::span::union::matching::{Loose, fit_velocity};
 use crate::span::union::{UnionMotion, inertia_of};
@@ -250,5 +250,6 @@ impl World {
 fn follow(body: &mut Body, union: &UnionMotion, place: &Place) {
     let motion = union.at(place.offset, place.rotation);
     (body.center, body.rotation) = (motion.center, motion.rotation);
-    (body.linear_velocity, body.angular_velocity) = (motion.linear, motion.angular);
+    body.linear_velocity = within_limit(motion.linear, MAX_LINEAR_SPEED);
+    body.angular_velocity = within_limit(motion.angular, MAX_ANGULAR_SPEED);
 }
