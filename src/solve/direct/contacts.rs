@@ -9,9 +9,9 @@
 
 use glam::{DMat3, DVec3};
 
-use super::curved::{Curved, Spot, change};
+use super::curved::Spot;
 use super::grip::{FRICTION_ROWS, Grip};
-use super::history::rotation_vector;
+use super::spots::{Spots, overlap};
 use super::system::System;
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
 use crate::solve::joint::Stance;
@@ -39,11 +39,8 @@ pub(crate) struct Touch {
     pub other_moves: bool,
     /// Sign of an impulse on the body in the manifold's own terms: 1 where the body is its B.
     sign: f64,
-    /// Where its points were at the start of the step.
-    spots: [Spot; POINTS],
-    count: usize,
-    /// How the surfaces curve, where that is known and they are not flat on each other.
-    curved: Option<Curved>,
+    /// Its points, as the body sees them.
+    spots: Spots,
     friction: f64,
     twist_arm: f64,
     /// Multipliers: along the normal, and on the body in world axes.
@@ -58,16 +55,8 @@ impl Touch {
     /// The manifold `input` with B (or else A) the articulation's body; the node is chosen later.
     pub(crate) fn new(number: u32, input: &ContactInput, body_is_b: bool, body: u32, other: u32, other_moves: bool) -> Self {
         let sign = if body_is_b { 1.0 } else { -1.0 };
-        let (own, others) = if body_is_b { (&input.lever_b, &input.lever_a) } else { (&input.lever_a, &input.lever_b) };
-        let spots: [Spot; POINTS] = std::array::from_fn(|i| Spot {
-            normal: input.normal.as_dvec3() * sign,
-            lever: own[i].as_dvec3(),
-            other_lever: others[i].as_dvec3(),
-            separation: if i < input.count { f64::from(input.separation[i]) } else { f64::INFINITY },
-        });
-        let share = 1.0 / input.count as f64;
-        let center = spots[..input.count].iter().map(|spot| spot.lever).sum::<DVec3>() * share;
-        let spread = spots[..input.count].iter().map(|spot| (spot.lever - center).length()).sum::<f64>() * share;
+        let spots = Spots::of(input, body_is_b);
+        let spread = spots.spread();
         let material = &input.material;
         Self {
             number,
@@ -78,8 +67,6 @@ impl Touch {
             other_moves,
             sign,
             spots,
-            count: input.count,
-            curved: None,
             friction: f64::from(material.friction),
             twist_arm: f64::from(material.friction) * spread + f64::from(material.spinning),
             lambda: input.impulses.normal.map(f64::from),
@@ -92,7 +79,7 @@ impl Touch {
 
     /// Rows that it needs.
     pub(crate) fn rows(&self) -> u32 {
-        self.count as u32 + FRICTION_ROWS
+        self.spots.count as u32 + FRICTION_ROWS
     }
 
     /// Whether any of its points presses.
@@ -103,38 +90,26 @@ impl Touch {
     /// Lets it follow surfaces with these shape operators in world axes, of the body and of the other (1/m); `reach` is that of the
     /// body from its centre of mass (m).
     pub(crate) fn curve(&mut self, operators: [DMat3; 2], reach: f64) {
-        self.curved = Curved::new(operators, self.spots[0].normal, reach);
+        self.spots.curve(operators, reach);
     }
 
     /// Its points at these stances; `began` are those at the start of the step.
-    ///
-    /// Separations follow displacements and rotation vectors linearly where curvature is not known, as the rows do: a point that
-    /// turned with its body would leave the ground under a wheel that rolls and a link that spins.
     pub(crate) fn spots(&self, stances: &[Stance], began: &[Stance]) -> [Spot; POINTS] {
-        let [own, other] = [self.body, self.other].map(|body| change(&stances[body as usize], &began[body as usize]));
-        let turns = [own.1, other.1].map(rotation_vector);
-        let mut spots = self.spots;
-        for spot in &mut spots[..self.count] {
-            let curved = self.curved.and_then(|curved| curved.follow(spot, &own, &other));
-            *spot = curved.unwrap_or_else(|| {
-                let moved = own.0 + turns[0].cross(spot.lever) - other.0 - turns[1].cross(spot.other_lever);
-                Spot { separation: spot.separation + spot.normal.dot(moved), ..*spot }
-            });
-        }
-        spots
+        let [own, other] = [self.body, self.other].map(|body| [&stances[body as usize], &began[body as usize]]);
+        self.spots.at(own, other)
     }
 
     /// Greatest overlap at these stances, zero where there is none (m).
     pub(crate) fn overlap(&self, stances: &[Stance], began: &[Stance]) -> f64 {
-        self.spots(stances, began).iter().fold(0.0, |worst, spot| worst.max(-spot.separation))
+        overlap(&self.spots(stances, began))
     }
 
     /// Stiffness of its forces against rocking (N·m·s), and the rate at which the body turns as it slides along the other (rad/s).
     pub(crate) fn stiffness(&self, stances: &[Stance], began: &[Stance], rates: &[Rate]) -> Option<(DMat3, DVec3)> {
-        let curved = self.curved.filter(|_| self.presses())?;
+        let curved = self.spots.curved().filter(|_| self.presses())?;
         let (own, other) = (&rates[self.body as usize], &rates[self.other as usize]);
         let (mut total, mut turning) = (DMat3::ZERO, DVec3::ZERO);
-        for (spot, &lambda) in self.spots(stances, began)[..self.count].iter().zip(&self.lambda) {
+        for (spot, &lambda) in self.spots(stances, began)[..self.spots.count].iter().zip(&self.lambda) {
             let height = -spot.normal.dot(spot.lever);
             let beside = other.linear + other.angular.cross(spot.other_lever - spot.lever);
             let (stiffness, turn) = curved.rocking(spot.normal, height, own.linear - beside);
@@ -154,13 +129,13 @@ impl Touch {
         // What is moved too has its speed in the rows.
         let other = if self.other_moves { Rate { linear: DVec3::ZERO, angular: DVec3::ZERO } } else { *other };
         system.begin_contact(self.friction, self.twist_arm);
-        let spots = &spots[..self.count];
+        let spots = &spots[..self.spots.count];
         for (spot, &lambda) in spots.iter().zip(&self.lambda) {
             let passing = spot.normal.dot(other.linear + other.angular.cross(spot.other_lever));
             let bias = spot.separation.max(0.0) / h - passing;
             system.add_normal(&self.grip(spot.lever, spot.other_lever), spot.normal, bias, lambda);
         }
-        let share = 1.0 / self.count as f64;
+        let share = 1.0 / self.spots.count as f64;
         let center = spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share;
         let other_center = spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share;
         let passing = other.linear + other.angular.cross(other_center);
@@ -175,7 +150,7 @@ impl Touch {
     pub(crate) fn add_position_rows(&self, system: &mut System, spots: &[Spot; POINTS], h: f64) {
         let share = (RECOVERY * h).min(MOST_RECOVERY_SHARE);
         system.begin_contact(0.0, 0.0);
-        for spot in &spots[..self.count] {
+        for spot in &spots[..self.spots.count] {
             let overlaps = spot.separation < 0.0;
             let bias = if overlaps { (spot.separation * share).max(-MOST_RECOVERY * h) } else { spot.separation };
             // An overlap starts as a row that pushes.
@@ -188,12 +163,12 @@ impl Touch {
     pub(crate) fn keep_impulses(&mut self, system: &System, index: usize) {
         let contact = &system.contacts[index];
         let first = contact.first as usize;
-        for (lambda, row) in self.lambda.iter_mut().zip(&system.rows[first..first + self.count]) {
+        for (lambda, row) in self.lambda.iter_mut().zip(&system.rows[first..first + self.spots.count]) {
             *lambda = row.impulse.max(0.0);
         }
-        self.blow += self.lambda[..self.count].iter().sum::<f64>();
+        self.blow += self.lambda[..self.spots.count].iter().sum::<f64>();
         let side = self.side as usize;
-        if let [u, v, w] = &system.rows[first + self.count..first + self.count + 3] {
+        if let [u, v, w] = &system.rows[first + self.spots.count..first + self.spots.count + 3] {
             self.tangential = u.linear[side] * u.impulse + v.linear[side] * v.impulse;
             self.twist = w.impulse;
         }

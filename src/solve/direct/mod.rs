@@ -61,6 +61,7 @@ mod rotor;
 mod rotors;
 mod row;
 pub(crate) mod single;
+pub(crate) mod spots;
 pub(crate) mod stiffness;
 mod substep;
 mod swept;

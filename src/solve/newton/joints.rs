@@ -7,7 +7,6 @@ use super::patch::{row, turning_row};
 use super::problem::Link;
 use super::term::{Law, Term};
 use crate::joint::{Joint, JointImpulses};
-use crate::joint_rebounds::Rebounds;
 use crate::solve::joint::driven::{self, Driven};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
 use crate::solve::joint::kinds::{self, RowSink};
@@ -89,28 +88,13 @@ impl Asking<'_> {
         let in_place = matches!(phase, Phase::Position { .. });
         let driven =
             joint.drive().map(|drive| Driven::new(drive, [a, b], placement, if in_place { [left[0]; 2] } else { *left }));
-        scalars.clear();
+        let rates = RowRates { bodies: *rates, frames: driven.filter(|_| !in_place).map(|driven| driven.rates) };
         let mut sink = RowSink {
-            rates: RowRates { bodies: *rates, frames: driven.filter(|_| !in_place).map(|driven| driven.rates) },
-            geometry: JointGeometry::at(placement),
-            def: &joint.def,
             driven,
             impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
-            rebounds: Rebounds::NONE,
-            share: 1.0,
-            phase,
-            has_stops: true,
-            point: None,
-            direction: None,
-            scalars,
-            angles: entry.angles,
             answer: &|side| answers[side],
             left: left[1],
-            closing_share: 1.0,
-            most_speed: f64::INFINITY,
-            applied: 0.0,
-            is_under_way: false,
-            arrives: 0,
+            ..RowSink::new(JointGeometry::at(placement), &joint.def, (phase, rates), entry.angles, scalars)
         };
         kinds::add_rows(&mut sink);
         let (point, direction, arrives) = (sink.point, sink.direction, sink.arrives);

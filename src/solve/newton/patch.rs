@@ -7,8 +7,8 @@ use super::Surfaces;
 use super::stiffness::Rolling;
 use super::term::{Law, Term};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
-use crate::solve::direct::curved::{Curved, Spot, change};
-use crate::solve::direct::history::rotation_vector;
+use crate::solve::direct::curved::Spot;
+use crate::solve::direct::spots::{Spots, overlap};
 use crate::solve::joint::Stance;
 
 /// Overlap that is left (m): what presses goes on to touch.
@@ -22,10 +22,8 @@ const MOST_RECOVERY: f64 = 4.8;
 pub(crate) struct Patch {
     /// Local numbers of A and B.
     pub bodies: [usize; 2],
-    /// Where its points were at the start of the step, as B sees them.
-    spots: [Spot; POINTS],
-    count: usize,
-    curved: Option<Curved>,
+    /// Its points, as B sees them.
+    spots: Spots,
     /// As B and as A rolls.
     rolling: [Option<(Rolling, f64)>; 2],
     friction: f64,
@@ -51,21 +49,12 @@ pub(crate) struct Patch {
 
 impl Patch {
     pub(crate) fn new(input: &ContactInput, bodies: [usize; 2]) -> Self {
-        let spots: [Spot; POINTS] = std::array::from_fn(|i| Spot {
-            normal: input.normal.as_dvec3(),
-            lever: input.lever_b[i].as_dvec3(),
-            other_lever: input.lever_a[i].as_dvec3(),
-            separation: if i < input.count { f64::from(input.separation[i]) } else { f64::INFINITY },
-        });
-        let share = 1.0 / input.count as f64;
-        let center = spots[..input.count].iter().map(|spot| spot.lever).sum::<DVec3>() * share;
-        let spread = spots[..input.count].iter().map(|spot| (spot.lever - center).length()).sum::<f64>() * share;
+        let spots = Spots::of(input, true);
+        let spread = spots.spread();
         let material = &input.material;
         Self {
             bodies,
             spots,
-            count: input.count,
-            curved: None,
             rolling: [None; 2],
             friction: f64::from(material.friction),
             twist_arm: f64::from(material.friction) * spread + f64::from(material.spinning),
@@ -87,8 +76,8 @@ impl Patch {
 
     /// Lets it follow surfaces that bend.
     pub(crate) fn curve(&mut self, ([of_a, of_b], [reach_a, reach_b]): Surfaces) {
-        let normal = self.spots[0].normal;
-        self.curved = Curved::new([of_b, of_a], normal, reach_b.min(reach_a));
+        let normal = self.spots.normal();
+        self.spots.curve([of_b, of_a], reach_b.min(reach_a));
         let as_b = Rolling::new([of_b, of_a], normal, reach_b).map(|rolling| (rolling, reach_b));
         let as_a = Rolling::new([of_a, of_b], -normal, reach_a).map(|rolling| (rolling, reach_a));
         self.rolling = [as_b, as_a];
@@ -96,28 +85,19 @@ impl Patch {
 
     /// Its points at these stances; `began` are those at the start of the step.
     fn spots(&self, stances: &[Stance], began: &[Stance]) -> [Spot; POINTS] {
-        let [other, own] = self.bodies.map(|body| change(&stances[body], &began[body]));
-        let turns = [own.1, other.1].map(rotation_vector);
-        let mut spots = self.spots;
-        for spot in &mut spots[..self.count] {
-            let curved = self.curved.and_then(|curved| curved.follow(spot, &own, &other));
-            *spot = curved.unwrap_or_else(|| {
-                let moved = own.0 + turns[0].cross(spot.lever) - other.0 - turns[1].cross(spot.other_lever);
-                Spot { separation: spot.separation + spot.normal.dot(moved), ..*spot }
-            });
-        }
-        spots
+        let [a, b] = self.bodies.map(|body| [&stances[body], &began[body]]);
+        self.spots.at(b, a)
     }
 
     /// Greatest overlap at these stances, zero where there is none (m).
     pub(crate) fn overlap(&self, stances: &[Stance], began: &[Stance]) -> f64 {
-        self.spots(stances, began).iter().fold(0.0, |worst, spot| worst.max(-spot.separation))
+        overlap(&self.spots(stances, began))
     }
 
     /// Adds its terms for a substep of length `h` (s), between bodies that rows know by these numbers. Jacobians of terms are [−, +].
     pub(crate) fn add_terms(&mut self, moved: [u32; 2], stances: &[Stance], began: &[Stance], h: f64, terms: &mut Vec<Term>) {
         let spots = self.spots(stances, began);
-        let spots = &spots[..self.count];
+        let spots = &spots[..self.spots.count];
         let first = terms.len() as u32;
         self.first = first;
         for (number, (spot, &pressed)) in spots.iter().zip(&self.normal).enumerate() {
@@ -129,8 +109,8 @@ impl Patch {
             term.push = (-spot.separation - SLOP).clamp(0.0, MOST_RECOVERY * h);
             terms.push(term);
         }
-        let count = self.count as u32;
-        let share = 1.0 / self.count as f64;
+        let count = self.spots.count as u32;
+        let share = 1.0 / self.spots.count as f64;
         let normal = spots[0].normal;
         let centers = [
             spots.iter().map(|spot| spot.other_lever).sum::<DVec3>() * share,
@@ -170,7 +150,7 @@ impl Patch {
     /// Terms that it has.
     pub(crate) fn term_count(&self) -> usize {
         let asks = |arm: f64| usize::from(arm > 0.0);
-        self.count + asks(self.friction) + asks(self.twist_arm) + asks(self.rolling_arm)
+        self.spots.count + asks(self.friction) + asks(self.twist_arm) + asks(self.rolling_arm)
     }
 
     /// Rows against rolling at these stances, with the sides' Jacobians, and the stiffness of each times `h` (s).
@@ -186,7 +166,7 @@ impl Patch {
             return;
         }
         let spots = self.spots(stances, began);
-        for (number, spot) in spots[..self.count].iter().enumerate() {
+        for (number, spot) in spots[..self.spots.count].iter().enumerate() {
             let impulse = pressing(self.first + number as u32);
             if impulse <= 0.0 {
                 continue;
@@ -206,13 +186,13 @@ impl Patch {
     /// Takes its multipliers, and arguments, from the terms.
     pub(crate) fn keep_impulses(&mut self, terms: &[Term]) {
         let mut next = self.first as usize;
-        for number in 0..self.count {
+        for number in 0..self.spots.count {
             let term = &terms[next + number];
             self.normal[number] = term.impulse[0].max(0.0);
             self.normal_arguments[number] = term.argument[0];
             self.blow += self.normal[number];
         }
-        next += self.count;
+        next += self.spots.count;
         let [u, v] = self.across;
         let in_world = |[along, aside]: [f64; 2]| u * along + v * aside;
         if self.friction > 0.0 {

@@ -103,6 +103,8 @@ pub(crate) struct Problem {
     pub(super) is_stale: bool,
     sizes: Vec<u8>,
     edges: Vec<[u32; 2]>,
+    /// Inverse inertia of each body, with its damping.
+    inverses: Vec<glam::DMat3>,
 }
 
 impl Problem {
@@ -143,8 +145,10 @@ impl Problem {
 
     /// Prepares the first solve: how readily rows answer, and the right-hand side.
     pub(crate) fn begin(&mut self) {
-        let Self { links, terms, masses, .. } = self;
-        let inverses = Inverses { masses };
+        let Self { links, terms, masses, inverses, .. } = self;
+        inverses.clear();
+        inverses.extend(masses.iter().map(|mass| glam::DMat3::from_cols_array_2d(&mass.angular).inverse()));
+        let inverses = Inverses { masses, angular: inverses };
         for link in links.iter_mut() {
             for row in 0..link.rows {
                 let ease: f64 = (0..2).map(|side| inverses.ease(link.bodies[side], &link.jacobian[side][row])).sum();
@@ -254,8 +258,11 @@ impl Problem {
         }));
     }
 
-    /// Greatest speed at which rigid rows have been left to part (m/s, rad/s).
+    /// Greatest speed at which rigid rows have been left to part (m/s, rad/s); infinite where the velocity is no number.
     pub(crate) fn strain(&self) -> f64 {
+        if !self.velocity.iter().flatten().all(|value| value.is_finite()) {
+            return f64::INFINITY;
+        }
         let of_link = |link: &Link| {
             let rates = (0..link.rows).filter(|&row| link.give[row] == 0.0).map(|row| {
                 let jacobian = [&link.jacobian[0][row], &link.jacobian[1][row]];
@@ -295,6 +302,8 @@ impl Mass {
 /// Answers of bodies to pushes.
 struct Inverses<'a> {
     masses: &'a [Mass],
+    /// Inverse of each one's inertia.
+    angular: &'a [glam::DMat3],
 }
 
 impl Inverses<'_> {
@@ -305,10 +314,8 @@ impl Inverses<'_> {
         }
         let mass = &self.masses[body as usize];
         let along: f64 = (0..3).map(|i| row[i] * row[i] / mass.linear[i]).sum();
-        let [x, y, z] = mass.angular.map(glam::DVec3::from_array);
-        let inverse = glam::DMat3::from_cols(x, y, z).inverse();
         let lever = glam::DVec3::new(row[3], row[4], row[5]);
-        along + lever.dot(inverse * lever)
+        along + lever.dot(self.angular[body as usize] * lever)
     }
 }
 
