@@ -178,7 +178,7 @@ impl Pair {
                 return self.part();
             }
             let moving = moving();
-            let reach = Reach { motion, margin, is_pressed: self.pressed };
+            let reach = Reach { motion, margin, is_pressed: self.pressed, before: &self.manifolds };
             let PairScratch { narrow, manifolds, spare, .. } = scratch;
             let mut found = Found { scratch: narrow, manifolds, spare };
             predict::collide((a, b), &moving, step, relative, reach, &mut found);

@@ -12,8 +12,8 @@
 //! At constant velocity a row then acts only where its features overlap at t. Bodies in joints are taken as they stand: blows on swept joints
 //! come out otherwise there. Nor is a pair followed that the planes found at the start keep apart through the step.
 //!
-//! Flat faces that touch or press are taken as they lie: their normal is the same all along, and stacks stand on points that stay. Those that
-//! are apart are followed to see whether they meet at all, and along which normal: a block that flies past an edge does not, and one that
+//! Flat faces that press are taken as they lie: their normal is the same all along, and stacks stand on points that stay. Those that do not
+//! press are followed to see whether they meet at all, and along which normal: a block that flies past an edge does not, and one that
 //! slides onto the next tile meets its top, not its side.
 //!
 //! * A pair that is not pressed is followed until it overlaps, or else to the end of the step.
@@ -24,6 +24,7 @@
 use glam::{Quat, Vec3};
 use parry3d::math::Pose3;
 
+use super::carried::Manifolds;
 use super::narrow::{self, Manifold, Scratch};
 use super::stance::Stance;
 use crate::shape::{Geometry, Shape};
@@ -72,13 +73,23 @@ struct Approach<'a> {
 
 /// How far apart two shapes are looked at.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reach {
+pub(super) struct Reach<'a> {
     /// How far they can move against each other in the step (m).
     pub motion: f32,
     /// Separation up to which points are wanted (m).
     pub margin: f32,
     /// Whether the pair carries load.
     pub is_pressed: bool,
+    /// Manifolds of the last step.
+    pub before: &'a Manifolds,
+}
+
+impl Reach<'_> {
+    /// Whether the pair carries load along a normal: where a face has just come over an edge, the least overlap may be that of its side.
+    fn is_pressed_along(&self, normal: Option<Vec3>) -> bool {
+        let is_known = |normal: Vec3| self.before.iter().any(|manifold| manifold.normal.dot(normal) >= ANOTHER_NORMAL);
+        self.is_pressed && normal.is_none_or(is_known)
+    }
 }
 
 /// What is asked of a shape whose manifolds are made anew.
@@ -138,7 +149,7 @@ pub(super) fn collide(
     [of_a, of_b]: &[Follow; 2],
     step: Step,
     start: Pose3,
-    reach: Reach,
+    mut reach: Reach,
     found: &mut Found,
 ) {
     let shapes = [of_a.shape, of_b.shape];
@@ -147,20 +158,23 @@ pub(super) fn collide(
     if is_jointed || !is_round || !reach.is_pressed {
         found.collide(shapes, start, reach.margin);
         let nearest = found.nearest();
-        // What cannot meet in this step has no row.
-        // Flat faces that touch are taken as they lie.
-        let is_settled = !is_round && (reach.is_pressed || nearest <= 0.0);
-        if is_jointed || is_settled || nearest > reach.motion {
+        // What cannot meet in this step has no row, but the rim of a surface says nothing of what is not over it yet.
+        let is_open = is_round && found.manifolds.is_empty() && shapes.iter().any(|shape| !shape.geometry().is_solid());
+        // Flat faces that press are taken as they lie.
+        let is_settled = !is_round && reach.is_pressed_along(found.nearest_normal());
+        if is_jointed || is_settled || (nearest > reach.motion && !is_open) {
             return;
         }
     }
+    // Of what presses, flat faces come here only where they meet anew.
+    reach.is_pressed &= is_round;
     let spin_of = |stance: &Stance, of: &Follow, other: &Shape| match stance.turns_in_itself(of.shape, other) {
         true => Vec3::ZERO,
         false => stance.rotation.conjugate() * of.angular,
     };
     let approach = Approach { a, b, spins: [spin_of(a, of_a, of_b.shape), spin_of(b, of_b, of_a.shape)], step };
     let is_followed = match is_round {
-        true => reach.is_pressed || approach.may_meet(found),
+        true => reach.is_pressed || found.manifolds.is_empty() || approach.may_meet(found),
         false => approach.would_press(found),
     };
     if is_followed {
@@ -199,9 +213,7 @@ impl Approach<'_> {
         } else {
             let now = found.nearest_normal();
             std::mem::swap(found.manifolds, found.spare);
-            // What only just meets at the end of the step is followed on until it can be seen along which normal.
-            let end = 1.0 + NO_MOTION * extent / path;
-            let (share, turns) = self.follow(shapes, extent, (path, end), margin, found);
+            let (share, turns) = self.follow_faces(shapes, extent, path, margin, found);
             let (then, is_met) = (found.nearest_normal(), found.nearest() < 0.0);
             put_back(found, share, turns);
             // Faces that meet are taken as they stand, with the points that they have in the steps to come, unless that is along another
@@ -226,12 +238,13 @@ impl Approach<'_> {
         })
     }
 
-    /// Whether a point that has been found at the start would overlap by the end of the step.
+    /// Whether a point that has been found at the start would overlap by the end of the step, or nearly.
     fn would_press(&self, found: &Found) -> bool {
+        let nearly = NO_MOTION * self.a.least_extent.min(self.b.least_extent);
         found.manifolds.iter().any(|manifold| {
             let mut then = *manifold;
             self.put_back(&mut then, -self.step.dt, [Quat::IDENTITY; 2]);
-            nearest_of(&then) < 0.0
+            nearest_of(&then) < nearly
         })
     }
 
@@ -285,7 +298,20 @@ impl Approach<'_> {
         turns
     }
 
-    /// Share of the step after which the two overlap, or all of it, up to `end` where their way is short, and how both are turned then; leaves the manifolds of that pose.
+    /// Share of the step after which two flat shapes overlap so far that it can be seen along which normal, or all of it where they do not.
+    fn follow_faces(&self, shapes: [&Shape; 2], extent: f32, path: f32, margin: f32, found: &mut Found) -> (f32, [Quat; 2]) {
+        // What only just meets at the end of the step is followed on, too.
+        let end = 1.0 + NO_MOTION * extent / path;
+        let (share, turns) = self.follow(shapes, extent, (path, end), margin, found);
+        if found.nearest() >= 0.0 {
+            return (share, turns);
+        }
+        let share = share + LEAST_STRIDE * extent / path;
+        (share, self.look(shapes, share, margin, found))
+    }
+
+    /// Share of the step after which the two overlap, or all of it, up to `end` where their way is short, and how both are turned then;
+    /// leaves the manifolds of that pose.
     fn follow(
         &self,
         shapes: [&Shape; 2],

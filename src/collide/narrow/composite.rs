@@ -4,7 +4,7 @@
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose3;
-use parry3d::shape::Triangle;
+use parry3d::shape::{HeightField, Triangle, TrianglePseudoNormals};
 
 use super::part::{self, Part};
 use super::{Manifold, Scratch};
@@ -92,10 +92,30 @@ pub(super) fn part_at(shape: &Shape, id: u32) -> Option<(Part<'_>, Pose3)> {
         return Some(about_centroid(mesh.triangle(id), |triangle| Part::Triangle { triangle, constraints }));
     }
     if let Some(field) = parry.as_heightfield() {
-        let constraints = field.triangle_normal_constraints(id);
+        let constraints = allowed_normals(field, id);
         return Some(about_centroid(field.triangle_at_id(id)?, |triangle| Part::Triangle { triangle, constraints }));
     }
     Some((Part::whole(shape)?, Pose3::IDENTITY))
+}
+
+/// Directions in which a triangle of a height field may push.
+///
+/// parry3d lets the outermost triangles push sideways, as if the field were a slab, and what goes from one field onto the next would meet
+/// that side. The rim of a field pushes as that of an open mesh does: along the faces there.
+fn allowed_normals(field: &HeightField, id: u32) -> Option<TrianglePseudoNormals> {
+    let mut allowed = field.triangle_normal_constraints(id)?;
+    let (rows, columns) = (field.nrows() as u32, field.ncols() as u32);
+    let (cell, is_left) = (id % (rows * columns), id < rows * columns);
+    let (row, column) = (cell % rows, cell / rows);
+    let (is_at_row_rim, is_at_column_rim) =
+        if is_left { (row == 0, column == 0) } else { (row + 1 == rows, column + 1 == columns) };
+    if is_at_row_rim {
+        allowed.edges[usize::from(!is_left)] = allowed.face;
+    }
+    if is_at_column_rim {
+        allowed.edges[2] = allowed.face;
+    }
+    Some(allowed)
 }
 
 fn about_centroid<'a>(triangle: Triangle, part: impl FnOnce(Triangle) -> Part<'a>) -> (Part<'a>, Pose3) {
