@@ -92,12 +92,16 @@ fn a_rotor_coasts_on_a_hinge_at_any_speed() {
 
 /// A disc of 2 kg on a hinge at the end of an arm of 0.5 m on a ball joint, in level precession; the rotor is returned.
 fn gyroscope(world: &mut World, spin: f32, arm: f32) -> BodyId {
-    let (along, reach, mass) = (0.09, 0.5_f32, 2.0);
+    let across = arm * 0.25 / 12.0;
+    gyroscope_of(world, spin, arm, Vec3::new(1.0e-4, across, across), Vec3::new(0.09, 0.0456, 0.0456))
+}
+
+/// The same with these moments of the arm and of the rotor (kg·m²), the first about their length.
+fn gyroscope_of(world: &mut World, spin: f32, arm: f32, held: Vec3, moments: Vec3) -> BodyId {
+    let (along, reach, mass) = (moments.x, 0.5_f32, 2.0);
     let turning = GRAVITY * reach * (mass + 0.5 * arm) / (along * spin);
     let way = |x: f32| Vec3::NEG_Z * (turning * x);
-    let moments = Vec3::new(1.0e-4, arm * reach * reach / 12.0, arm * reach * reach / 12.0);
-    let held = body(world, f64::from(0.5 * reach), arm, moments, [way(0.5 * reach), Vec3::Y * turning]);
-    let moments = Vec3::new(along, 0.0456, 0.0456);
+    let held = body(world, f64::from(0.5 * reach), arm, held, [way(0.5 * reach), Vec3::Y * turning]);
     let rotor = body(world, f64::from(reach), mass, moments, [way(reach), Vec3::new(spin, turning, 0.0)]);
     let mut joint = JointDef::new(JointKind::SPHERICAL, BodyId::NULL, held);
     joint.frame_b = Pose::at_xyz(-0.25, 0.0, 0.0);
@@ -110,10 +114,14 @@ fn gyroscope(world: &mut World, spin: f32, arm: f32) -> BodyId {
 
 /// Greatest height that a gyroscope has gained or lost at the end of each second (m).
 fn way_off_level(rate: f32, spin: f32, arm: f32, error_target: f32, seconds: usize) -> f64 {
+    way_off_level_of(rate, error_target, seconds, |world| gyroscope(world, spin, arm))
+}
+
+fn way_off_level_of(rate: f32, error_target: f32, seconds: usize, gyroscope: impl FnOnce(&mut World) -> BodyId) -> f64 {
     let mut world = world(GRAVITY, Solver::Auto);
     let settings = ArticulationSettings { error_target, ..ArticulationSettings::default() };
     world.set_articulation_settings(settings).expect("valid settings");
-    let rotor = gyroscope(&mut world, spin, arm);
+    let rotor = gyroscope(&mut world);
     let height = |world: &World| world.pose(rotor).expect("it stays").position.y.abs();
     (0..seconds).map(|_| (steps(&mut world, rate, 1.0), height(&world)).1).fold(0.0, f64::max)
 }
@@ -136,6 +144,43 @@ fn an_error_target_holds_of_gyroscopes() {
         for spin in [30.0, 100.0, 200.0] {
             let off = way_off_level(rate, spin, 0.05, 1e-3, 2);
             assert!(off < 1e-3, "{spin} rad/s, {rate}/s: off by {off} m, target 1 mm");
+        }
+    }
+}
+
+/// Moments of shafts: 4.5, 76 and 3000 to one, and of unequal sides.
+const SHAFTS: [Vec3; 5] = [
+    Vec3::new(2.2e-4, 1.0e-3, 1.0e-3),
+    Vec3::new(1.3e-5, 1.0e-3, 1.0e-3),
+    Vec3::new(3.3e-7, 1.0e-3, 1.0e-3),
+    Vec3::new(1.3e-5, 1.0e-3, 1.004e-3),
+    Vec3::new(2.0e-5, 1.0e-3, 1.02e-3),
+];
+
+#[test]
+fn a_gyroscope_keeps_its_height_on_a_shaft_of_any_slenderness() {
+    let disc = Vec3::new(0.09, 0.0456, 0.0456);
+    for (rate, error_target) in [(30.0, 0.0), (60.0, 0.0), (60.0, 1e-3)] {
+        for shaft in SHAFTS {
+            for spin in [30.0, 100.0] {
+                let off = way_off_level_of(rate, error_target, 10, |world| gyroscope_of(world, spin, 0.05, shaft, disc));
+                // The error target, and at the default effort a thousandth of the arm twice over.
+                assert!(off < 1e-3, "{spin} rad/s, {rate}/s, target {error_target} m, shaft {shaft}: off by {off} m, bound 1 mm");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_gyroscope_whose_rotor_is_a_long_shaft_keeps_its_height() {
+    // So fast that most of their momentum is about their length.
+    for (moments, spin) in
+        [([0.1, 0.1], 100.0), ([0.1, 0.1], 200.0), ([0.4, 0.4], 200.0), ([0.1, 0.101], 100.0), ([0.1, 0.101], 200.0)]
+    {
+        let rotor = Vec3::new(0.02, moments[0], moments[1]);
+        for rate in [30.0, 60.0] {
+            let off = way_off_level_of(rate, 0.0, 10, |world| gyroscope_of(world, spin, 0.05, SHAFTS[1], rotor));
+            assert!(off < 1e-3, "{spin} rad/s, {rate}/s, rotor {rotor}: off by {off} m, bound 1 mm");
         }
     }
 }

@@ -21,6 +21,10 @@
 //! with Ω that which joints leave it: an antisymmetric term, which a symmetric factor cannot hold. So it is found by passes of the same
 //! factor, each with the a' of the one before. An error of a' falls by C σ h/A* in each, with A* the moment that joints give the axis.
 //!
+//! **Shafts.** Of a slender body in joints with a rotor, however slowly it spins, A/C is large, and L taken about an axis that is off by ε
+//! would be a spin of A/C ε Ω. So the momentum about its length is extrapolated by itself: (C σ)' = τ·a + (I₂ − I₃) ω₂ ω₃, the last of
+//! which is found by the passes.
+//!
 //! What is as fast and not symmetric turns by one rotation vector, as all other bodies do, but finds I at the end of the substep by the
 //! same passes: with I where it would be without joints, and ω carried over only where that gains no energy, as for bodies that turn
 //! slowly, gyroscopic torques are off by 2 σ h of themselves, always to the side that loses energy.
@@ -45,9 +49,9 @@ const LEAST_SHARE: f64 = 2.0;
 /// momentum goes round with the spin, and comes to nothing over a turn.
 const ALIKE: f64 = 1.0e-3;
 
-/// Greatest over least moment of inertia up to which passes find where a rotor ends a substep, symmetric or not. A small tilt of the
-/// momentum of a blade or a rod is a large spin about its length: with 76 passes went astray, and a gyroscope lost all its spin in a
-/// second; with 400, rods of a loop of four hinges that roll at 6 rad/s, the loop lost 18 % of its energy in six seconds.
+/// Greatest over least moment of inertia beyond which a body counts as slender: a rod, a shaft, a blade. A small tilt of its momentum is a
+/// large spin about its length, so its axis is always its length, and the momentum about that is extrapolated by itself. Taken as others
+/// are, with 76 a gyroscope lost all its spin in a second.
 const MOST_SHEAR: f64 = 4.0;
 
 /// Most that the axis of a rotor turns by in a substep of the world (rad): what is extrapolated of it is slow.
@@ -56,17 +60,36 @@ const MOST_AXIS_TURN: f64 = 0.5;
 /// Spin in a substep of the world (rad) from which the joints of a body feel the mean of its moments across the axis, however unlike.
 const BLURRED_SPIN: f64 = 1.0;
 
+/// Difference of the moments across a principal axis, over their sum.
+fn unlike(moments: &DVec3, axis: usize) -> f64 {
+    let (i, j) = (moments[(axis + 1) % 3], moments[(axis + 2) % 3]);
+    (i - j).abs() / (i + j)
+}
+
+/// Number of the principal axis about which a slender body has the least moment: its length.
+pub(super) fn thinnest(moments: &DVec3) -> usize {
+    (0..3).fold(0, |least, axis| if moments[axis] < moments[least] { axis } else { least })
+}
+
+pub(super) fn is_slender(moments: &DVec3) -> bool {
+    moments.max_element() > MOST_SHEAR * moments.min_element()
+}
+
 /// A body that spins fast about an axis of symmetry.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Rotor {
     pub body: usize,
-    /// Whether it counts as symmetric about its axis, and whether only because of its spin.
-    pub is_symmetric: bool,
+    /// Whether its axis and its angle about it move apart: it counts as symmetric, be it only because of its spin, or is slender.
+    pub by_axis: bool,
     pub is_blurred: bool,
     /// Its axis in the body's frame, and the moments along it and across it (kg·m²).
     pub axis: DVec3,
     pub along: f64,
     pub across: f64,
+    /// Number of the axis among the principal ones, and difference of the moments across it, in their order (kg·m²): zero where it
+    /// counts as symmetric.
+    number: usize,
+    uneven: f64,
     /// Principal moments (kg·m²) and rotation of the principal axes in the body.
     pub moments: DVec3,
     pub frame: DQuat,
@@ -82,6 +105,8 @@ pub(super) struct Rotor {
     pub is_left: bool,
     /// Angular velocity that joints leave it (rad/s).
     pub found: DVec3,
+    /// What an extrapolation of its momentum about the axis adds to it (N·m·s).
+    pub carried: f64,
     /// Angle by which it has spun before the Euler part, and in the whole substep (rad).
     pub spun_before: f64,
     pub spun: f64,
@@ -102,10 +127,6 @@ impl Rotor {
             return None;
         }
         let top = &own.top;
-        let unlike = |k: usize| {
-            let (i, j) = (top.inertia[(k + 1) % 3], top.inertia[(k + 2) % 3]);
-            (i - j).abs() / (i + j)
-        };
         let local = (stance.1 * top.frame).conjugate() * rate.angular;
         let fastest = if local.x.abs() >= local.y.abs().max(local.z.abs()) {
             0
@@ -120,23 +141,50 @@ impl Rotor {
         if spin <= least || spin * spin < share * share * rest || rest * h * h > MOST_AXIS_TURN * MOST_AXIS_TURN {
             return None;
         }
-        let mut axis = DVec3::ZERO;
-        axis[fastest] = 1.0;
-        let across = 0.5 * (top.inertia[(fastest + 1) % 3] + top.inertia[(fastest + 2) % 3]);
-        let is_blurred = unlike(fastest) > ALIKE && spin * h > BLURRED_SPIN;
-        let is_symmetric = is_blurred || unlike(fastest) <= ALIKE;
-        if spin * h <= BLURRED_SPIN && top.inertia.max_element() > MOST_SHEAR * top.inertia.min_element() {
+        let is_blurred = unlike(&top.inertia, fastest) > ALIKE && spin * h > BLURRED_SPIN;
+        if is_slender(&top.inertia) && !is_blurred {
+            // What turns end over end only swings.
+            let (along, across) = (top.inertia[fastest] * spin, top.inertia.max_element() * rest.sqrt());
+            let is_spun = spin * h > BLURRED_SPIN || along >= share * across;
+            let is_spun = is_spun && fastest == thinnest(&top.inertia);
+            return if is_spun { Self::of_shaft(body, own, (stance, rate), h) } else { None };
+        }
+        Some(Self::about(fastest, body, own, stance, is_blurred))
+    }
+
+    /// Of a slender body about its length, at whatever rate it spins.
+    pub fn of_shaft(body: usize, own: &super::body::DirectBody, (stance, rate): (&Stance, &Rate), h: f64) -> Option<Self> {
+        let moments = &own.top.inertia;
+        if own.free_mass().is_none() || own.top.round || !is_slender(moments) {
             return None;
         }
-        Some(Self {
+        let thin = thinnest(moments);
+        let mut across = (stance.1 * own.top.frame).conjugate() * rate.angular;
+        across[thin] = 0.0;
+        if across.length_squared() * h * h > MOST_AXIS_TURN * MOST_AXIS_TURN {
+            return None;
+        }
+        Some(Self { by_axis: true, ..Self::about(thin, body, own, stance, false) })
+    }
+
+    /// About this principal axis.
+    fn about(number: usize, body: usize, own: &super::body::DirectBody, stance: &Stance, is_blurred: bool) -> Self {
+        let top = &own.top;
+        let mut axis = DVec3::ZERO;
+        axis[number] = 1.0;
+        let (i, j) = (top.inertia[(number + 1) % 3], top.inertia[(number + 2) % 3]);
+        let is_symmetric = is_blurred || unlike(&top.inertia, number) <= ALIKE;
+        Self {
             body,
-            is_symmetric,
+            by_axis: is_symmetric,
             is_blurred,
             moments: top.inertia,
             frame: top.frame,
             axis: top.frame * axis,
-            along: top.inertia[fastest],
-            across,
+            along: top.inertia[number],
+            across: 0.5 * (i + j),
+            number,
+            uneven: if is_symmetric { 0.0 } else { i - j },
             start: stance.1,
             first: DVec3::ZERO,
             held: DVec3::ZERO,
@@ -144,9 +192,15 @@ impl Rotor {
             found: DVec3::ZERO,
             kick: DVec3::ZERO,
             is_left: false,
+            carried: 0.0,
             spun_before: 0.0,
             spun: 0.0,
-        })
+        }
+    }
+
+    /// Whether it matters how its moments across the axis are turned.
+    pub fn is_uneven(&self) -> bool {
+        !self.by_axis || self.uneven != 0.0
     }
 
     /// Spin (rad/s), and the rest of an angular velocity.
@@ -157,38 +211,47 @@ impl Rotor {
 
     /// Rotation a time of `h` (s) after the start, at an angular velocity.
     pub fn turned(&self, angular: DVec3, h: f64) -> DQuat {
-        if !self.is_symmetric {
+        if !self.by_axis {
             return rotation::rotated(self.start, angular * h);
         }
         let (spin, rest) = self.split(angular);
         (rotation::rotated(self.start, rest * h) * rotation::quaternion_of(self.axis * (spin * h))).normalize()
     }
 
-    /// Angular velocity of an angular momentum, the axis being that which is held.
-    pub fn angular_of(&self, momentum: DVec3) -> DVec3 {
-        if !self.is_symmetric {
-            return self.angular_at(self.pose, momentum);
+    /// Angular velocity of an angular momentum (N·m·s) of which so much is about the axis that is held, the rest across it.
+    pub fn angular_of(&self, momentum: DVec3, about: f64) -> DVec3 {
+        let across = momentum - self.held * momentum.dot(self.held);
+        let turning = if self.uneven == 0.0 { across / self.across } else { self.angular_at(self.pose, across) };
+        turning + self.held * (about / self.along)
+    }
+
+    /// What the rest of an angular velocity, across the axis, changes of the spin in a time of `h` (s) where the moments across differ
+    /// (rad/s): (I₂ − I₃) ω₂ ω₃ h / C.
+    fn coupling(&self, rotation: DQuat, rest: DVec3, h: f64) -> f64 {
+        if self.uneven == 0.0 {
+            return 0.0;
         }
-        let spin = momentum.dot(self.held);
-        (momentum - self.held * spin) / self.across + self.held * (spin / self.along)
+        let local = (rotation * self.frame).conjugate() * rest;
+        self.uneven * local[(self.number + 1) % 3] * local[(self.number + 2) % 3] * (h / self.along)
     }
 
     /// Angular velocity of an angular momentum where the body is turned so.
-    fn angular_at(&self, rotation: DQuat, momentum: DVec3) -> DVec3 {
+    pub fn angular_at(&self, rotation: DQuat, momentum: DVec3) -> DVec3 {
         let axes = rotation * self.frame;
         axes * ((axes.conjugate() * momentum) / self.moments)
     }
 
     /// What the axis that this angular velocity leads to carries along, as a change of angular velocity (rad/s).
     pub fn kick_of(&self, angular: DVec3, h: f64) -> DVec3 {
-        if !self.is_symmetric {
+        if !self.by_axis {
             let (own, axes) = (angular - self.kick, self.pose * self.frame);
             let momentum = axes * ((axes.conjugate() * own) * self.moments);
             return self.angular_at(self.turned(angular, h), momentum) - own;
         }
         let (spin, rest) = self.split(angular);
         let change = rotation::quaternion_of(rest * h) * self.first - self.held;
-        (change - self.held * change.dot(self.held)) * (-self.along * spin / self.across)
+        let across = (change - self.held * change.dot(self.held)) * (-self.along * spin / self.across);
+        across + self.held * self.coupling(self.turned(angular, h), rest, h)
     }
 
     /// Way of the axis (rad) and angle spun (rad) in the last substep.

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::articulation::{Articulation, Mode};
 use super::history::rotation_vector;
 use super::quads;
-use super::rotor::Rotor;
+use super::rotor::{self, Rotor};
 use super::single;
 use crate::solve::rotation;
 
@@ -28,31 +28,49 @@ impl Articulation {
     /// Finds the rotors among the bodies for a step; what spins so fast that joints feel the mean of its moments gets that.
     pub(super) fn find_rotors(&mut self) {
         self.rotors.clear();
-        let mut is_blurred = false;
         for number in 0..self.bodies.len() {
             let state = (&self.stances[number], &self.rates[number]);
-            let history = &mut self.histories[number];
-            let known = history.spin_turn != 0.0;
-            let found = Rotor::of(number, &self.bodies[number], state, known, self.dt, self.world_substep);
-            if let Some(rotor) = found {
-                let top = &mut self.bodies[number].top;
-                if rotor.is_blurred {
-                    let is_axis = (top.frame.conjugate() * rotor.axis).abs().cmpgt(DVec3::splat(0.5));
-                    top.inertia = DVec3::select(is_axis, top.inertia, DVec3::splat(rotor.across));
-                }
-                is_blurred |= rotor.is_blurred;
-                self.rotors.push(rotor);
-            }
-            if known && found.is_none_or(|rotor| !rotor.is_symmetric) {
+            let known = self.histories[number].spin_turn != 0.0;
+            self.rotors.extend(Rotor::of(number, &self.bodies[number], state, known, self.dt, self.world_substep));
+        }
+        if !self.rotors.is_empty() {
+            self.find_shafts();
+        }
+        for rotor in self.rotors.iter().filter(|rotor| rotor.is_blurred) {
+            let top = &mut self.bodies[rotor.body].top;
+            let is_axis = (top.frame.conjugate() * rotor.axis).abs().cmpgt(DVec3::splat(0.5));
+            top.inertia = DVec3::select(is_axis, top.inertia, DVec3::splat(rotor.across));
+        }
+        for (number, history) in self.histories.iter_mut().enumerate().filter(|(_, history)| history.spin_turn != 0.0) {
+            let found = self.rotors.binary_search_by_key(&number, |rotor| rotor.body);
+            if !found.is_ok_and(|at| self.rotors[at].by_axis) {
                 // It spins no faster than others: both ways in one vector again.
-                let axis = state.1.angular.normalize_or_zero();
-                history.turn = single::way(history.turn.as_dvec3() + axis * f64::from(history.spin_turn.abs()));
+                let (top, rotation) = (&self.bodies[number].top, self.stances[number].1);
+                let spun = f64::from(history.spin_turn);
+                let spun = if rotor::is_slender(&top.inertia) {
+                    rotation * top.frame * DVec3::AXES[rotor::thinnest(&top.inertia)] * spun
+                } else {
+                    self.rates[number].angular.normalize_or_zero() * spun.abs()
+                };
+                history.turn = single::way(history.turn.as_dvec3() + spun);
                 history.spin_turn = 0.0;
             }
         }
-        if is_blurred {
+        if self.rotors.iter().any(|rotor| rotor.is_blurred) {
             quads::gather(&mut self.quads, &self.bodies);
         }
+    }
+
+    /// Takes slender bodies that are no rotors along with those that are, all in the order of their bodies.
+    fn find_shafts(&mut self) {
+        let spinning = self.rotors.len();
+        for number in 0..self.bodies.len() {
+            if self.rotors[..spinning].binary_search_by_key(&number, |rotor| rotor.body).is_err() {
+                let state = (&self.stances[number], &self.rates[number]);
+                self.rotors.extend(Rotor::of_shaft(number, &self.bodies[number], state, self.world_substep));
+            }
+        }
+        self.rotors.sort_unstable_by_key(|rotor| rotor.body);
     }
 
     /// Puts rotors where the Euler part, `h` long, of a substep starts, and finds where it leads to without joints.
@@ -64,15 +82,20 @@ impl Articulation {
             let (from, before) = (&began.stances[number], &began.rates[number]);
             (rotor.held, rotor.pose, rotor.kick, rotor.is_left) = (from.1 * rotor.axis, from.1, DVec3::ZERO, false);
             let (spin, rest) = rotor.split(before.angular);
-            (rotor.start, rotor.first, rotor.spun_before) = (from.1, rotor.held, 0.0);
+            (rotor.start, rotor.first, rotor.spun_before, rotor.carried) = (from.1, rotor.held, 0.0, 0.0);
             if mode == Mode::SecondOrder {
                 let (share, steady) = (order.extrapolation, order.steady_share * full);
-                if rotor.is_symmetric {
+                let about = rotor.along * spin;
+                let axis_before = rotation::quaternion_of(-history.turn.as_dvec3()) * rotor.held;
+                let torque = history.torque.as_dvec3().dot(rotor.held);
+                rotor.carried = (about - history.momentum_before.as_dvec3().dot(axis_before)) * share + torque * steady;
+                let about = about + rotor.carried;
+                if rotor.by_axis {
                     let (way, spun) = rotor.ways(history);
                     rotor.spun_before = spun * share + spin * steady;
                     let spun = rotation::quaternion_of(rotor.axis * rotor.spun_before);
                     rotor.start = (rotation::rotated(from.1, way * share + rest * steady) * spun).normalize();
-                    rotor.pose = rotation::rotated(rotor.start, rest * h);
+                    rotor.pose = rotor.turned(before.angular, h);
                 } else {
                     rotor.start = rotation::rotated(from.1, history.turn.as_dvec3() * share + before.angular * steady);
                     rotor.pose = rotation::rotated(rotor.start, before.angular * h);
@@ -84,7 +107,12 @@ impl Articulation {
                     + (momentum - history.momentum_before.as_dvec3()) * share
                     + history.torque.as_dvec3() * steady
                     + body.torque * h;
-                rates[number].angular = rotor.angular_of(momentum) / body.weights(h)[1];
+                let angular = if rotor.by_axis {
+                    rotor.angular_of(momentum, about + body.torque.dot(rotor.held) * h)
+                } else {
+                    rotor.angular_at(rotor.pose, momentum)
+                };
+                rates[number].angular = angular / body.weights(h)[1];
                 stances[number].1 = rotor.start;
             } else {
                 rotor.kick = rotor.kick_of(before.angular, h);
@@ -131,7 +159,7 @@ impl Articulation {
             }
             self.rates.clone_from(&base);
             if worst > MUST_FALL * before {
-                self.rotors.iter_mut().filter(|rotor| !rotor.is_symmetric).for_each(|rotor| rotor.kick = DVec3::ZERO);
+                self.rotors.iter_mut().filter(|rotor| !rotor.by_axis).for_each(|rotor| rotor.kick = DVec3::ZERO);
             }
             before = worst;
         }
@@ -158,7 +186,7 @@ impl Articulation {
                 rotor.spun = rotor.split(angular).0 * h;
                 continue;
             }
-            if !rotor.is_symmetric {
+            if !rotor.by_axis {
                 (self.stances[rotor.body].1, self.rates[rotor.body].angular) = (rotor.turned(angular, h), angular);
                 continue;
             }
@@ -173,20 +201,29 @@ impl Articulation {
 
     /// Notes the two ways of rotors in the substep.
     pub(super) fn note_ways_of_rotors(&mut self) {
-        let Self { rotors, stances, reached, began, histories, .. } = self;
+        let Self { rotors, stances, rates, reached, began, histories, order, h, .. } = self;
         let ended = if reached.is_empty() { stances } else { reached };
-        for rotor in rotors.iter().filter(|rotor| rotor.is_symmetric) {
+        for rotor in rotors.iter().filter(|rotor| rotor.by_axis) {
             let without = ended[rotor.body].1 * rotation::quaternion_of(rotor.axis * -rotor.spun);
             let way = rotation_vector(without * began.stances[rotor.body].1.conjugate());
             let history = &mut histories[rotor.body];
             (history.turn, history.spin_turn) = (single::way(way), rotor.spun as f32);
+            let (axis, from) = (ended[rotor.body].1 * rotor.axis, began.stances[rotor.body].1 * rotor.axis);
+            let gained = rotor.along * (rates[rotor.body].angular.dot(axis) - began.rates[rotor.body].angular.dot(from));
+            let torque = history.torque.as_dvec3();
+            let about = (gained - rotor.carried) / (order.euler_share * *h);
+            history.torque = single::impulse(torque + axis * (about - torque.dot(axis)));
         }
     }
 
     /// Substeps of a step in which no rotor that is not symmetric turns too far.
     pub(super) fn substeps_of_rotors(&self) -> u32 {
-        let uneven = self.rotors.iter().filter(|rotor| !rotor.is_symmetric);
-        let fastest = uneven.map(|rotor| self.rates[rotor.body].angular.length()).fold(0.0, f64::max);
+        let turning = |rotor: &Rotor| {
+            let (angular, axis) = (self.rates[rotor.body].angular, self.stances[rotor.body].1 * rotor.axis);
+            if rotor.by_axis { (angular - axis * angular.dot(axis)).length() } else { angular.length() }
+        };
+        let uneven = self.rotors.iter().filter(|rotor| rotor.is_uneven());
+        let fastest = uneven.map(turning).fold(0.0, f64::max);
         (fastest * self.dt / MOST_TURN).ceil() as u32
     }
 }
