@@ -110,6 +110,45 @@ fn fast_balls_never_swap_places() {
     }
 }
 
+/// A ball that rolls into another takes it along where neither rebounds, and its spin lifts it by friction, with μ v/2: it may fly over.
+#[test]
+fn what_flies_over_another_does_not_pass_through_it() {
+    const FRICTION: f32 = 0.1;
+    for (radius, speed, rate) in [0.008_f32, 0.02]
+        .into_iter()
+        .flat_map(|radius| [(5.0_f32, 60.0_f32), (12.0, 60.0), (20.0, 60.0), (20.0, 240.0)].map(|(v, rate)| (radius, v, rate)))
+    {
+        for phase in 0..6 {
+            let mut world = world(9.81);
+            let floor = ShapeDef::new(Shape::new(Geometry::HalfSpace { normal: Vec3::Y }).unwrap());
+            world.create_body(&BodyDef::fixed(Pose::IDENTITY).with_shape(floor)).unwrap();
+            let mut ball = |x: f64, v: f32| {
+                let mut shape = smooth(Shape::ball(radius).unwrap(), 0.0);
+                shape.material.friction = FRICTION;
+                let pose = Pose::at(DVec3::new(x, f64::from(radius), 0.0));
+                let motion = BodyDef { fast: true, linear_velocity: Vec3::X * v, ..BodyDef::dynamic(pose) };
+                let motion = BodyDef { angular_velocity: Vec3::NEG_Z * (v / radius), ..motion };
+                world.create_body(&motion.with_shape(shape)).unwrap()
+            };
+            let (first, second) = (ball(-0.3 - f64::from(speed / rate) * 0.17 * f64::from(phase), speed), ball(0.0, 0.0));
+            let (mut nearest, mut highest) = (f64::INFINITY, 0.0_f64);
+            for _ in 0..rate as usize {
+                world.step(1.0 / rate).unwrap();
+                let [a, b] = [first, second].map(|body| position(&world, body));
+                nearest = nearest.min((a - b).length() / f64::from(2.0 * radius));
+                highest = highest.max((a.y - b.y) / f64::from(2.0 * radius));
+            }
+            let [a, b] = [first, second].map(|body| position(&world, body).x);
+            let what = format!("radius {radius} m, {speed} m/s, {rate} Hz, phase {phase}");
+            println!("{what}: nearest {nearest:.3} highest {highest:.3} swapped {}", a > b);
+            assert!(nearest > 0.9, "{what}: centres come as near as {nearest} diameters");
+            // (μ v / 2)² / (2 g), and what the friction of two steps adds.
+            let lift = f64::from((0.5 * FRICTION * speed).powi(2) / (2.0 * 9.81) / (2.0 * radius));
+            assert!(a < b || highest > 0.9, "{what}: it went past at a height of {highest} diameters, with {lift} to fly up");
+        }
+    }
+}
+
 #[test]
 fn nothing_fast_passes_a_bat() {
     for (bat_speed, rate) in [(0.0, 60.0), (5.0, 60.0), (20.0, 60.0), (30.0, 30.0), (30.0, 240.0), (100.0, 60.0)] {

@@ -1,6 +1,6 @@
 //! Friction has no preferred direction: what slides goes straight, and what a support carries stays where it is on it.
 
-use longspan::glam::{DVec3, Vec3};
+use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, BodyId, Material, Pose, Shape, ShapeDef, Solver, World, WorldDef};
 
 const GRAVITY: f64 = 9.81;
@@ -180,5 +180,48 @@ fn a_floor_that_the_host_tilts_keeps_its_load_up_to_the_friction_angle() {
         }
         let shed = shed.unwrap_or_else(|| panic!("{rate} Hz: nothing has slid at {angle} rad"));
         assert!(shed > limit - 0.005, "{rate} Hz: slides at {shed} rad, friction holds it up to {limit}");
+    }
+}
+
+#[test]
+fn a_static_floor_that_is_put_elsewhere_in_each_step_keeps_its_load() {
+    let friction = 0.5_f32;
+    let tilt = 0.85 * friction.atan();
+    for rate in [30.0_f32, 60.0, 120.0, 240.0] {
+        for solver in [Solver::Auto, Solver::GaussSeidel] {
+            let mut world = world(4, solver);
+            let floor = BodyDef::fixed(Pose::at_xyz(0.0, -0.25, 0.0)).with_shape(cuboid(Vec3::new(5.0, 0.25, 5.0), friction));
+            let floor = world.create_body(&floor).unwrap();
+            let mut load = |y: f64, half: Vec3| {
+                world.create_body(&BodyDef::dynamic(Pose::at_xyz(0.0, y, 0.0)).with_shape(cuboid(half, friction))).unwrap()
+            };
+            let loads = [load(0.1, Vec3::new(0.4, 0.1, 0.3)), load(0.3, Vec3::new(0.2, 0.1, 0.2))];
+            let mut reached = [Vec3::ZERO; 2];
+            let (turning, holding) = ((2.0 * rate) as u32, (3.0 * rate) as u32);
+            for step in 1..=turning + holding {
+                let angle = tilt * step.min(turning) as f32 / turning as f32;
+                world.set_pose(floor, Pose::at_xyz(0.0, -0.25, 0.0).rotated(Quat::from_rotation_z(angle))).unwrap();
+                world.step(1.0 / rate).unwrap();
+                let pose = world.pose(floor).unwrap();
+                let at = |body| pose.rotation.inverse() * (world.pose(body).unwrap().position - pose.position).as_vec3();
+                if step == turning {
+                    reached = loads.map(at);
+                }
+                if step == turning + holding {
+                    for (number, (body, before)) in loads.into_iter().zip(reached).enumerate() {
+                        let crept = (at(body) - before).x.abs();
+                        println!("{rate} Hz, {solver:?}, load {number}: {} m off when tilted, crept by {crept} m", before.x);
+                        // What the floor, whose velocity is zero, turns away under it, and no more.
+                        let turned_away = (0.35 + 0.2 * number as f32) * tilt;
+                        assert!(
+                            before.x.abs() < 1.05 * turned_away,
+                            "{rate} Hz, {solver:?}: load {number} is {} m off",
+                            before.x
+                        );
+                        assert!(crept < 1.0e-3, "{rate} Hz, {solver:?}: load {number} creeps by {crept} m in 3 s");
+                    }
+                }
+            }
+        }
     }
 }

@@ -78,10 +78,15 @@ impl World {
         if (returned || follows) && !self.bodies[index].joints.is_empty() {
             self.welds_changed(index);
         }
-        self.forget_contacts_of(index);
+        if follows {
+            // What lies on it may still do so, with the same load: friction without one would let it creep.
+            self.take_boxes_along(index);
+        } else {
+            self.forget_contacts_of(index);
+            self.refresh_boxes(index);
+        }
         self.forget_joints_of(index);
         self.bodies[index].history.forget();
-        self.refresh_boxes(index);
         self.wake_for(Edited::Place(index));
         self.note_mover(index);
         Ok(())
