@@ -335,6 +335,51 @@ fn a_world_that_is_saved_amid_edits_goes_on_the_same() {
     println!("{} bodies, {} joints at the end", play.world.body_count(), play.world.joints().count());
 }
 
+/// An edit that stops what was moving.
+type Stop = fn(&mut World, BodyId);
+
+/// A body that an edit stops is looked at no more in the next step: how far it had come in the last one must make no difference, as a
+/// restored world does not know it.
+#[test]
+fn what_an_edit_stops_after_a_restore_goes_on_the_same() {
+    let stops: [(&str, BodyKind, Stop); 4] = [
+        ("put to sleep", BodyKind::Dynamic, |world, body| world.put_to_sleep(body).unwrap()),
+        ("stopped", BodyKind::Kinematic, |world, body| world.set_linear_velocity(body, Vec3::ZERO).unwrap()),
+        ("fixed to the world", BodyKind::Dynamic, |world, body| {
+            let frame_a = world.pose(body).unwrap();
+            world.create_joint(&JointDef { frame_a, ..JointDef::new(JointKind::Fixed, BodyId::NULL, body) }).map(drop).unwrap();
+        }),
+        ("made static", BodyKind::Dynamic, |world, body| world.set_body_kind(body, BodyKind::Static).unwrap()),
+    ];
+    for (what, kind, stop) in stops {
+        let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, ..WorldDef::default() }).unwrap();
+        let mut random = Random::new(7);
+        let bodies: Vec<BodyId> = (0..60)
+            .map(|i| {
+                let pose = Pose::at(random.vector(3.0).as_dvec3());
+                let shape = ShapeDef::new(Shape::cuboid(Vec3::splat(0.3)).unwrap());
+                let linear_velocity = random.vector(60.0);
+                let kind = if i % 3 == 0 { kind } else { BodyKind::Dynamic };
+                world.create_body(&BodyDef { kind, linear_velocity, ..BodyDef::dynamic(pose).with_shape(shape) }).unwrap()
+            })
+            .collect();
+        for step in 0..10 {
+            world.step(1.0 / 60.0).unwrap();
+            let saved = bytes_of(&world);
+            let [first, twin] = [0, 1].map(|run| {
+                if run == 1 {
+                    world.restore(&saved).unwrap();
+                }
+                stop(&mut world, bodies[3 * step]);
+                world.step(1.0 / 60.0).unwrap();
+                (world.state_hash(), world.contacts().map(|contact| format!("{contact:?}")).collect::<Vec<_>>())
+            });
+            assert_eq!(first.0, twin.0, "a body {what} in step {step}: the twin moves otherwise");
+            assert_eq!(first.1, twin.1, "a body {what} in step {step}: the twin has other contacts");
+        }
+    }
+}
+
 #[test]
 fn handles_live_and_die_with_the_state_that_they_belong_to() {
     let mut play = Play::new(common::scene("pile", &[("n", "300")]), 1, true);

@@ -2,8 +2,8 @@
 
 use longspan::glam::{DQuat, DVec3, Quat, Vec3};
 use longspan::{
-    BodyDef, BodyId, BodyKind, JointDef, JointId, JointKind, LongRangeDef, Mass, Pose, Shape, ShapeDef, SleepSettings, Solver,
-    World, WorldDef,
+    BodyDef, BodyId, BodyKind, JointDef, JointId, JointKind, LongRangeDef, MAX_LINEAR_SPEED, Mass, Pose, Shape, ShapeDef,
+    SleepSettings, Solver, World, WorldDef,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -247,6 +247,22 @@ fn a_kinematic_anchor_carries_the_union_along() {
     }
     let (top, rider_pose) = (world.pose(bodies[3]).unwrap().position, world.pose(rider).unwrap().position);
     assert!((rider_pose - top - DVec3::Y * 0.5).length() < 0.15, "who stands on it is carried along: {}", rider_pose - top);
+}
+
+/// What a spinning hub holds at arm's length would go faster than bodies may: it is told no more than that.
+#[test]
+fn what_a_fast_hub_holds_keeps_the_speed_limit() {
+    let mut world = world(Vec3::ZERO);
+    let hub = world.create_body(&BodyDef { kind: BodyKind::Kinematic, ..BodyDef::dynamic(Pose::IDENTITY) }).unwrap();
+    let held = body_at(&mut world, DVec3::X * 20.0);
+    weld(&mut world, hub, held);
+    world.set_angular_velocity(hub, Vec3::Z * 1000.0).unwrap();
+    for step in 0..10 {
+        world.step(DT).unwrap();
+        let speed = world.linear_velocity(held).unwrap().length();
+        assert!(speed <= MAX_LINEAR_SPEED * 1.000_001, "{speed} m/s after {step} steps, limit {MAX_LINEAR_SPEED}");
+        assert!(speed > 0.999 * MAX_LINEAR_SPEED, "{speed} m/s after {step} steps: it goes as fast as it may");
+    }
 }
 
 #[test]

@@ -43,8 +43,12 @@ pub(crate) struct PairCache {
 
 impl PairCache {
     /// A cache of active pairs, sorted by key, and of pairs that sleep, which take the slots after them, each with the hit under way;
-    /// `None` if not sorted.
-    pub(crate) fn from_parts((active, hits): (Vec<Pair>, Vec<Blow>), (asleep, later): (Vec<Pair>, Vec<Blow>)) -> Option<Self> {
+    /// `None` if not sorted. `extent` is told the lesser least extent of two shapes (m).
+    pub(crate) fn from_parts(
+        (active, hits): (Vec<Pair>, Vec<Blow>),
+        (asleep, later): (Vec<Pair>, Vec<Blow>),
+        extent: impl Fn(PairKey) -> f32,
+    ) -> Option<Self> {
         if !active.windows(2).all(|two| two[0].key < two[1].key) {
             return None;
         }
@@ -52,7 +56,7 @@ impl PairCache {
         let mut pairs = active;
         pairs.iter_mut().for_each(|pair| pair.active = true);
         pairs.extend(asleep);
-        pairs.iter_mut().for_each(Pair::note_pressed);
+        pairs.iter_mut().for_each(|pair| pair.note_pressed(extent(pair.key)));
         let mut blows = Blows::default();
         (0..).zip(hits.into_iter().chain(later)).for_each(|(slot, blow)| blows.set(slot, blow));
         Some(Self { pairs, active: keys, blows, ..Self::default() })
@@ -397,7 +401,7 @@ mod tests {
             geometry.points[0].feature = shape;
             pairs[shape as usize].manifolds = Manifolds::of(&[CarriedManifold { geometry, impulses: Default::default() }]);
         }
-        PairCache::from_parts((pairs, Vec::new()), Default::default()).expect("sorted")
+        PairCache::from_parts((pairs, Vec::new()), Default::default(), |_| 0.3).expect("sorted")
     }
 
     #[test]

@@ -313,12 +313,11 @@ impl Pair {
         }
     }
 
-    /// Brings up to date what is known of the multipliers without looking at them.
-    pub(super) fn note_pressed(&mut self) {
+    /// Brings up to date what is known of the multipliers without looking at them; `extent` is the lesser least extent of the two shapes (m).
+    pub(super) fn note_pressed(&mut self, extent: f32) {
         self.pressed = self.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
-        // Points that do not overlap are told to be near by the next step, which knows the shapes.
-        self.touches = pack_touching(self.manifolds.iter().map(|manifold| touching(&manifold, 0.0)));
-        self.note_near(0.0);
+        self.touches = pack_touching(self.manifolds.iter().map(|manifold| touching(&manifold, extent)));
+        self.note_near(extent);
     }
 }
 
@@ -371,5 +370,28 @@ impl WorldManifold {
             world.lever_b[i] = offset_b + rotation_b * point.on_b;
         }
         world
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_of_a_restored_pair_are_near_by_the_size_of_its_shapes() {
+        let mut manifold = Manifold { normal: Vec3::Y, count: 3, ..Manifold::default() };
+        for (point, separation) in manifold.points.iter_mut().zip([0.0, 2.0e-4, 2.0e-2]) {
+            point.separation = separation;
+        }
+        let mut pair = Pair::new(PairKey::new(0, 1));
+        pair.take(&[manifold], &mut Vec::new());
+        let impulses = ContactImpulses { normal: [5.0, 0.0, 0.0, 0.0], ..ContactImpulses::default() };
+        pair.manifolds.set_impulses(0, impulses);
+        // A thousandth of 0.3 m is between the second and the third.
+        pair.note_pressed(0.3);
+        assert_eq!((pair.touches, pair.near), (0b11, 0b11), "points that touch, and that are near");
+        // A step that wakes the pair and has not looked at it tells the same.
+        pair.store_told(0, impulses, Told::of(Told::KNOWN), || 0.3);
+        assert_eq!(pair.touches, 0b11, "points that touch as the solver tells");
     }
 }

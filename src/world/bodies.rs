@@ -246,6 +246,7 @@ impl World {
         }
         self.keep_anchored(index);
         self.note_mover(index);
+        self.rest_boxes(index);
         Ok(())
     }
 

@@ -189,6 +189,20 @@ impl World {
         }
     }
 
+    /// Gives the shapes of a body that an edit has stopped the boxes of what is at rest: no step gives it boxes for its motion any more,
+    /// and those of the last one are not stored.
+    pub(super) fn rest_boxes(&mut self, index: u32) {
+        let Self { bodies, colliders, index: known, .. } = self;
+        if bodies[index].is_mover() {
+            return;
+        }
+        for slot in bodies[index].shapes.iter().filter_map(|&id| colliders.find(id).ok()).collect::<Vec<_>>() {
+            let collider = &mut colliders[slot];
+            collider.tight_box = collider.world_box(own_margin(collider));
+            known.reboxed.set(slot);
+        }
+    }
+
     fn refresh_box(&mut self, slot: u32) {
         let collider = &mut self.colliders[slot];
         collider.follow(&self.bodies[collider.body]);

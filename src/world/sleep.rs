@@ -50,7 +50,8 @@ impl World {
             self.group_islands();
             let island = self.groups.island[index as usize];
             let members = self.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();
-            self.put_islands_to_sleep(vec![members]);
+            self.put_islands_to_sleep(vec![members.clone()]);
+            members.into_iter().for_each(|member| self.rest_boxes(member));
             self.settle_movers();
         }
         Ok(())

@@ -291,7 +291,8 @@ impl Image {
             return None;
         }
         let sleeping = SleepingIslands::from_parts(islands, row.free_islands.0.clone())?;
-        let pairs = PairCache::from_parts(active, asleep)?;
+        let least_extent = |shape: u32| colliders.get(shape).map_or(0.0, |collider: &Collider| collider.least_extent);
+        let pairs = PairCache::from_parts(active, asleep, |key| least_extent(key.shapes().0).min(least_extent(key.shapes().1)))?;
         let image = Self { row, bodies, colliders, joints, pairs, sleeping, bounds, unions };
         image.makes_sense().then_some(image)
     }

@@ -302,6 +302,7 @@ impl World {
         }
         self.movers_sorted = false;
         self.wake_for(Edited::Place(index));
+        self.rest_boxes(index);
         self.note_mover(index);
         self.topology_changed();
     }

@@ -84,10 +84,10 @@ impl<'a> Site<'a> {
         (points, holds)
     }
 
-    /// The same of one that the solver has just told of. It does not tell of what is at rest.
+    /// The same of one that the solver has just told of. It does not tell of what is at rest, nor of what it no longer moves.
     pub(super) fn told_state(&self, manifold: &Carried, held: bool) -> (u8, bool) {
         let (a, b) = self.bodies;
-        if !self.pair.is_told() || a.held || b.held {
+        if !self.pair.is_told() || a.held || b.held || !(a.is_solved() || b.is_solved()) {
             return self.state(manifold, held);
         }
         let points = self.pair.touches as u8;

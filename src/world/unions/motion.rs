@@ -180,15 +180,18 @@ impl World {
                     Some(_) => Some(old),
                 };
             }
-            let Some(union) = self.unions.of(lead) else { continue };
-            for number in 0..union.members.len() {
-                let index = union.members[number];
+            let count = self.unions.of(lead).map_or(0, |union| union.members.len());
+            for number in 0..count {
+                let Some(&index) = self.unions.of(lead).and_then(|union| union.members.get(number)) else { continue };
                 let body = &mut self.bodies[index];
                 let was_mover = body.is_mover();
-                body.linear_velocity = linear + angular.cross((body.center - center).as_vec3());
+                let linear = linear + angular.cross((body.center - center).as_vec3());
+                body.linear_velocity = within_limit(linear, MAX_LINEAR_SPEED);
                 body.angular_velocity = angular;
-                if body.is_mover() && !was_mover {
-                    self.movers.push(index);
+                match (was_mover, body.is_mover()) {
+                    (false, true) => self.movers.push(index),
+                    (true, false) => self.rest_boxes(index),
+                    _ => {}
                 }
             }
             self.movers_sorted = false;
