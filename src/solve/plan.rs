@@ -2,6 +2,7 @@
 
 use super::StepSettings;
 use super::contact::ContactInput;
+use super::direct::stiffness::IMPLICIT_RANGE;
 use super::joint::JointLink;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::settings::Solver;
@@ -9,7 +10,7 @@ use crate::settings::Solver;
 /// What becomes of an island in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) enum Plan {
-    /// Joints meet contacts: all of it is one problem.
+    /// Joints meet contacts, or close a loop and bear more than a substep resolves: all of it is one problem.
     Coupled,
     /// No joint is in it: contacts are swept.
     #[default]
@@ -20,9 +21,6 @@ pub(crate) enum Plan {
     Swept,
     /// Something in it is about to rebound.
     Rebounds,
-    /// Joints close a loop, through what does not move or without it: an error of one is slack or strain of all, and positions must be
-    /// held to a higher order than the coupled solve does.
-    Looped,
     /// A joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host.
     Jointed,
     /// Joints do more than hold points together, and masses are alike: sweeps carry loads between such bodies as well, for less.
@@ -57,7 +55,12 @@ struct Look {
     articulations: u32,
     meetings: u32,
     is_swept: bool,
+    /// Whether joints close a loop, through what does not move or without it.
     is_looped: bool,
+    /// Whether any of its joints is known to bear anything, and whether the force of one turns a body faster than a substep of second
+    /// order resolves.
+    is_loaded: bool,
+    is_stiff: bool,
     is_jointed: bool,
     /// Whether all joints hold points together and do nothing else.
     is_plain: bool,
@@ -83,16 +86,16 @@ pub(crate) struct Planner {
 
 impl Planner {
     /// Plans of islands that begin with these slots and end before `end`; `is_smooth` says of a contact by its number whether
-    /// neither shape has edges but rims.
+    /// neither shape has edges but rims, and `stiffness` how stiffly the force of a joint turns its bodies in a substep.
     pub(crate) fn plan(
         &mut self,
         firsts: &[u32],
         end: u32,
         links: &[JointLink],
         (velocities, motions, contacts): (&[BodyVelocity], &[BodyMotion], &[ContactInput]),
-        is_smooth: impl Fn(usize) -> bool,
+        (is_smooth, stiffness): (impl Fn(usize) -> bool, impl Fn(&JointLink) -> f64),
         settings: &StepSettings,
-    ) -> &[Plan] {
+    ) {
         let Self { looks, plans, tied, grouped, sizes } = self;
         looks.clear();
         looks.extend(firsts.iter().enumerate().map(|(number, &first)| {
@@ -123,6 +126,15 @@ impl Planner {
                 join(grouped, ends);
             }
         }
+        // Only of loops that may be solved as one is it asked for: it takes a joint's whole record.
+        for link in links {
+            let Some(number) = island_of([link.a, link.b]) else { continue };
+            let look = &mut looks[number];
+            if look.is_looped && !look.is_stiff && look.bodies <= MOST_BODIES {
+                let stiffness = stiffness(link);
+                (look.is_loaded, look.is_stiff) = (look.is_loaded | (stiffness > 0.0), stiffness > IMPLICIT_RANGE.0);
+            }
+        }
         for number in 0..looks.len() {
             let first = firsts[number];
             looks[number].articulations = count_groups(grouped, first..first + looks[number].bodies, sizes);
@@ -142,18 +154,27 @@ impl Planner {
         }
         plans.clear();
         plans.extend(looks.iter().map(Look::plan));
-        plans
+    }
+
+    /// The islands that are to be solved as one problem, by number, and whether joints of each close a loop.
+    pub(crate) fn coupled(&self) -> impl Iterator<Item = (usize, bool)> {
+        let islands = self.plans.iter().zip(&self.looks).enumerate();
+        islands.filter(|(_, (plan, _))| **plan == Plan::Coupled).map(|(number, (_, look))| (number, look.is_looped))
     }
 }
 
 impl Look {
+    /// Whether joints close a loop and bear more than a substep resolves, or nobody knows what, as in the first step.
+    fn is_stiff_loop(&self) -> bool {
+        self.is_looped && (self.is_stiff || !self.is_loaded)
+    }
+
     fn plan(&self) -> Plan {
         match self {
             Self { joints: 0, .. } => Plan::Loose,
             Self { is_swept: true, .. } => Plan::Swept,
-            Self { touches: false, .. } => Plan::Apart,
+            Self { touches: false, .. } if !self.is_stiff_loop() => Plan::Apart,
             Self { rebounds: true, .. } => Plan::Rebounds,
-            Self { is_looped: true, .. } => Plan::Looped,
             Self { is_jointed: true, .. } => Plan::Jointed,
             Self { is_plain: false, inverse_masses: [least, most], .. } if *most <= ALIKE * *least => Plan::Alike,
             Self { is_slippery: true, .. } => Plan::Slippery,

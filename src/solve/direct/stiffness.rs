@@ -18,6 +18,10 @@ use glam::{DMat3, DVec3};
 use super::fours::FourSymmetric;
 use crate::lanes::four::Four;
 
+/// Transverse stiffness κ of a joint below which a smooth substep takes its Jacobian at the start, and above which at the predicted
+/// pose, with the geometric stiffness of its force.
+pub(crate) const IMPLICIT_RANGE: (f64, f64) = (0.5, 2.0);
+
 /// Newton steps towards the lowest eigenvalue.
 const EIGENVALUE_STEPS: usize = 6;
 

@@ -8,7 +8,7 @@ use super::quads::{self, Start};
 use super::ropes::Line;
 use super::row::Origin;
 use super::single;
-use super::stiffness;
+use super::stiffness::{self, IMPLICIT_RANGE};
 use super::system::{CONTACT_PASSES, PASSES};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
@@ -18,10 +18,6 @@ use crate::solve::rotation;
 
 /// Passes of the active set in a substep that the step's budget does not count: nearly all take no more.
 const FREE_PASSES: usize = 4;
-
-/// Transverse stiffness κ of a joint below which a smooth substep takes its Jacobian at the start, and above which at the predicted
-/// pose, with the geometric stiffness of its force.
-const IMPLICIT_RANGE: (f64, f64) = (0.5, 2.0);
 
 impl Articulation {
     /// Moves the bodies; returns the angular momentum that they should have, where joints alone act on them.

@@ -145,12 +145,20 @@ impl JointSet {
         if count > 0.0 { sum / count } else { f64::INFINITY }
     }
 
+    /// Sum of the squares of these distances for joints as gaps (m²).
+    pub(super) fn square_of_gaps(&self, joints: &Pool<Joint, JointId>, stances: &[Stance]) -> f64 {
+        self.gaps(joints, stances).map(|gap| gap * gap).sum()
+    }
+
     /// Greatest distance between joint points beyond what their joints allow (m).
     pub(super) fn gap(&self, joints: &Pool<Joint, JointId>, stances: &[Stance]) -> f64 {
-        let gaps = self.entries.iter().zip(&self.ends).map(|(entry, ends)| {
+        self.gaps(joints, stances).fold(0.0, f64::max)
+    }
+
+    fn gaps<'a>(&'a self, joints: &'a Pool<Joint, JointId>, stances: &'a [Stance]) -> impl Iterator<Item = f64> + 'a {
+        self.entries.iter().zip(&self.ends).map(|(entry, ends)| {
             let [a, b] = ends.map(|body| stances[body]);
             gap_of(&joints[entry.joint].def.kind, &entry.placement(a, b))
-        });
-        gaps.fold(0.0, f64::max)
+        })
     }
 }

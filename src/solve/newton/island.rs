@@ -66,18 +66,22 @@ struct Outcome {
 pub(crate) struct Island {
     /// Slots of the bodies that it moves.
     pub slots: Range<u32>,
+    /// Whether its joints close a loop.
+    pub(super) is_looped: bool,
     pub(super) held: JointSet,
-    bodies: Vec<DirectBody>,
+    pub(super) bodies: Vec<DirectBody>,
     /// Number of each in the problem.
     moved: Vec<u32>,
     /// Slots of kinematic bodies, by local number from the first of them.
     anchors: Vec<u32>,
     rates: Vec<Rate>,
-    stances: Vec<Stance>,
+    pub(super) stances: Vec<Stance>,
     began: Vec<Stance>,
+    /// Where bodies may be moved to as errors of positions are taken out.
+    pub(super) moved_to: Vec<Stance>,
     pub patches: Vec<Patch>,
     pairs: Vec<[u32; 2]>,
-    problem: Problem,
+    pub(super) problem: Problem,
     /// Whether a contact presses on each body.
     pressed: Vec<bool>,
     traces: Vec<f64>,
@@ -89,8 +93,8 @@ pub(crate) struct Island {
 
 impl Island {
     /// Begins to take in the bodies of these slots.
-    pub(crate) fn begin(&mut self, slots: Range<u32>, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
-        self.slots = slots.clone();
+    pub(crate) fn begin(&mut self, slots: Range<u32>, is_looped: bool, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        (self.slots, self.is_looped) = (slots.clone(), is_looped);
         self.held.clear();
         self.bodies.clear();
         self.anchors.clear();
@@ -150,6 +154,7 @@ impl Island {
             self.held.keep_impulses(&self.problem);
             self.patches.iter_mut().for_each(|patch| patch.keep_impulses(&self.problem.terms));
             self.advance(h);
+            self.close_gaps(joints);
             self.held.follow_angles(joints, &self.stances, left[1]);
         }
         let overlaps = self.patches.iter().map(|patch| patch.overlap(&self.stances, &self.began));
@@ -375,17 +380,6 @@ impl Island {
                 *stance = (stance.0 + rate.linear * h, body.turn(stance, rate, h).rotation);
             }
         }
-        let displacements = problem.find_displacements();
-        if displacements.iter().flatten().any(|value| !value.is_finite()) || displacements.is_empty() {
-            return;
-        }
-        let mut next = 0;
-        for (body, stance) in bodies.iter().zip(stances) {
-            if body.is_dynamic() {
-                body.displace(stance, &rate_of(&displacements[next]), 1.0);
-                next += 1;
-            }
-        }
     }
 
     /// Writes the state of the bodies back.
@@ -476,6 +470,6 @@ fn vector(rate: &Rate) -> [f64; 6] {
     [v.x, v.y, v.z, w.x, w.y, w.z]
 }
 
-fn rate_of(v: &[f64; 6]) -> Rate {
+pub(super) fn rate_of(v: &[f64; 6]) -> Rate {
     Rate { linear: DVec3::new(v[0], v[1], v[2]), angular: DVec3::new(v[3], v[4], v[5]) }
 }

@@ -5,9 +5,9 @@
 //! island is one problem, solved by Newton's method from where the last substep left it: at rest, and wherever nothing changes, by one
 //! factorisation a substep. The derivation is in *docs/reference/coupled.md*.
 //!
-//! `elimination`, `factor`, `term`, `problem`, `passes` and `admm` are numbers on plain arrays and know nothing of the engine;
+//! `elimination`, `factor`, `refine`, `term`, `problem`, `passes` and `admm` are numbers on plain arrays and know nothing of the engine;
 //! `positions` is what they do for errors of positions. `joints` (of `held`) and `patch` make joints and manifolds their rows, `stiffness` says how
-//! forces turn, and `island` takes the step. Which islands are solved here is said by [`plan`](crate::solve::plan).
+//! forces turn, `island` takes the step, and `gaps` closes what it leaves open. Which islands are solved here is said by [`plan`](crate::solve::plan).
 
 #![expect(clippy::needless_range_loop, reason = "an index names a row or a column of several arrays alike")]
 
@@ -15,8 +15,9 @@ use glam::DMat3;
 
 use super::StepSettings;
 use super::contact::{ContactImpulses, ContactInput};
+use super::direct::body::DirectBody;
 use super::joint::{JointEntry, JointLink};
-use super::plan::{Plan, Planner};
+use super::plan::Planner;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
@@ -25,6 +26,7 @@ use crate::workers::Workers;
 mod admm;
 mod elimination;
 mod factor;
+mod gaps;
 mod held;
 mod island;
 mod joints;
@@ -32,6 +34,7 @@ mod passes;
 mod patch;
 mod positions;
 mod problem;
+mod refine;
 mod stiffness;
 mod term;
 #[cfg(test)]
@@ -135,18 +138,28 @@ impl Newton {
     ) {
         self.clear();
         let Contents { islands: firsts, end, velocities, motions, contacts } = contents;
-        if links.is_empty() || contacts.is_empty() {
+        if links.is_empty() {
             return;
         }
         let Self { islands, count, held, planner } = self;
         let is_smooth = |contact: usize| records.is_smooth(contact as u32);
-        let plans = planner.plan(firsts, end, links, (velocities, motions, contacts), is_smooth, settings);
-        for (number, _) in plans.iter().enumerate().filter(|(_, plan)| **plan == Plan::Coupled) {
+        let (rates, moving): (&[BodyVelocity], &[BodyMotion]) = (velocities, motions);
+        let h = f64::from(settings.dt) / f64::from(settings.substeps);
+        let stiffness = |link: &JointLink| {
+            let (entry, slots) = (records.joint(link), [link.a, link.b].map(|slot| slot as usize));
+            let ease = |side: usize| {
+                let slot = slots[side];
+                DirectBody::new(slot as u32, &rates[slot], &moving[slot]).turning_ease(entry.local_lever[side])
+            };
+            h * f64::from(entry.impulses.point.length()) * (ease(0) + ease(1))
+        };
+        planner.plan(firsts, end, links, (rates, moving, contacts), (is_smooth, stiffness), settings);
+        for (number, is_looped) in planner.coupled() {
             let last = firsts.get(number + 1).copied().unwrap_or(end);
             if *count == islands.len() {
                 islands.push(Island::default());
             }
-            islands[*count].begin(firsts[number]..last, velocities, motions);
+            islands[*count].begin(firsts[number]..last, is_looped, velocities, motions);
             *count += 1;
         }
         if *count == 0 {

@@ -229,7 +229,7 @@ impl Problem {
         unknowns.extend_from_slice(&gradient);
         Self::ask_links(links, Some(velocity), unknowns);
         self.room.gradient = gradient;
-        self.factor.solve(&self.structure, &mut self.unknowns);
+        self.solve_unknowns();
         self.keep_links();
     }
 
@@ -382,7 +382,7 @@ fn zero_of(slope: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 }
 
 /// Copies a list into another, which gets room for all that the first has room for: what grows by one now and then takes no memory.
-fn copy<T: Copy>(from: &Vec<T>, to: &mut Vec<T>) {
+pub(super) fn copy<T: Copy>(from: &Vec<T>, to: &mut Vec<T>) {
     to.clear();
     to.reserve(from.capacity());
     to.extend_from_slice(from);

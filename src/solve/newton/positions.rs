@@ -7,12 +7,18 @@ use super::problem::{Problem, push_term};
 const SHARE: f64 = 0.3;
 
 impl Problem {
-    /// Finds the displacements that take errors of joints and overlaps out of positions; empty where there are none.
-    pub(crate) fn find_displacements(&mut self) -> &[Vector] {
+    /// The displacements that have been found; empty where there are no errors.
+    pub(crate) fn displacements(&self) -> &[Vector] {
+        &self.unknowns[..self.masses.len().min(self.unknowns.len())]
+    }
+
+    /// Finds the displacements that take errors of joints and overlaps out of positions.
+    pub(crate) fn find_displacements(&mut self) {
         let bodies = self.masses.len();
         let has_errors = self.links.iter().any(|link| link.error != [0.0; 6]) || self.terms.iter().any(|term| term.push > 0.0);
         if !has_errors {
-            return &[];
+            self.unknowns.clear();
+            return;
         }
         if self.is_stale {
             self.factorize();
@@ -26,6 +32,5 @@ impl Problem {
         }
         unknowns.extend(links.iter().map(|link| link.error.map(|error| -SHARE * error)));
         factor.solve(structure, unknowns);
-        &unknowns[..bodies]
     }
 }

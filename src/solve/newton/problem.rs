@@ -80,6 +80,8 @@ pub(super) struct Room {
     pub(super) warm_terms: Vec<Term>,
     pub(super) warm_links: Vec<Link>,
     pub(super) targets: Vec<[f64; 2]>,
+    pub(super) asked: Vec<Vector>,
+    pub(super) residual: Vec<Vector>,
 }
 
 /// One substep's problem, and room to solve it.
