@@ -7,7 +7,7 @@ use std::cell::Cell;
 
 use common::Run;
 use longspan::glam::Vec3;
-use longspan::{BodyDef, BodyId, JointDef, JointKind, Pose, Shape, ShapeDef, Solver, World, WorldDef};
+use longspan::{BodyDef, BodyId, Geometry, JointDef, JointKind, Mass, Pose, Shape, ShapeDef, Solver, World, WorldDef};
 use longspan_scenes::DT;
 
 /// The system's allocator, counting what this thread takes.
@@ -104,6 +104,51 @@ fn a_bridge_under_its_load_takes_no_memory() {
 #[test]
 fn a_standing_tower_takes_no_memory() {
     takes_no_memory("tower", &[("bodies", "200"), ("ball", "off"), ("seconds", "2")]);
+}
+
+/// A rope that is tied, lies over a drum and bears a load: joints and contacts solved as one.
+#[test]
+fn a_rope_that_rests_on_a_drum_takes_no_memory() {
+    use longspan::glam::{DVec3, Quat};
+    let mut world = World::new(&WorldDef::default()).expect("the definition is valid");
+    let shaped = |def: BodyDef, geometry| def.with_shape(ShapeDef::new(Shape::new(geometry).expect("the size is valid")));
+    let upright = Pose { position: DVec3::ZERO, rotation: Quat::from_rotation_x(std::f32::consts::FRAC_PI_2) };
+    let drum = Geometry::Cylinder { half_height: 0.5, radius: 0.3 };
+    world.create_body(&shaped(BodyDef::fixed(upright), drum)).expect("the definition is valid");
+    let point = |i: u8| {
+        let angle = std::f64::consts::PI * (1.0 - f64::from(i) / 10.0);
+        DVec3::new(angle.cos(), angle.sin(), 0.0) * 0.325
+    };
+    let (mut last, mut anchor) = (BodyId::NULL, point(0).as_vec3());
+    for i in 0..14 {
+        let down = |links: u8| point(10) - DVec3::Y * (0.1 * f64::from(links));
+        let ends = match i {
+            0..10 => [point(i), point(i + 1)],
+            10..13 => [down(i - 10), down(i - 9)],
+            _ => [down(3), down(7)],
+        };
+        let (way, position) = (ends[1] - ends[0], 0.5 * (ends[0] + ends[1]));
+        let half = 0.5 * way.length() as f32;
+        let pose = Pose { position, rotation: Quat::from_rotation_arc(Vec3::Y, way.normalize().as_vec3()) };
+        let (geometry, mass) = match i {
+            13 => (Geometry::Box { half_extents: Vec3::splat(0.2) }, 100.0),
+            _ => (Geometry::Capsule { half_height: half - 0.02, radius: 0.02 }, 0.2),
+        };
+        let link = BodyDef { mass: Mass::Total(mass), can_sleep: false, ..BodyDef::dynamic(pose) };
+        let link = world.create_body(&shaped(link, geometry)).expect("the definition is valid");
+        let joint = JointDef::new(JointKind::SPHERICAL, last, link).at(anchor, Vec3::Y * -half);
+        world.create_joint(&joint).expect("the definition is valid");
+        (last, anchor) = (link, Vec3::Y * half);
+    }
+    let counts: Vec<u64> = (0..300)
+        .map(|_| {
+            let before = TAKEN.get();
+            world.step(DT).expect("the step length is valid");
+            TAKEN.get() - before
+        })
+        .collect();
+    assert!(world.awake_body_count() > 10, "only {} bodies are awake", world.awake_body_count());
+    assert_eq!(counts[200..].iter().sum::<u64>(), 0, "allocations in 100 steps at rest, bound 0; by step {:?}", &counts[200..]);
 }
 
 #[test]

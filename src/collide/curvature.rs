@@ -36,6 +36,20 @@ pub(crate) fn shape_operator_with_rims(shape: &Shape, at: Vec3, outward: Vec3) -
     })
 }
 
+/// The outward unit normal of the surface at the point `at` (m), in the shape's frame; `outward` is near it, and is it at edges, on rims and
+/// on shapes of which it is not known.
+pub(crate) fn normal_at(shape: &Shape, at: Vec3, outward: Vec3) -> Vec3 {
+    let from = match *shape.geometry() {
+        Geometry::Ball { .. } => at,
+        Geometry::Capsule { half_height, .. } => at - Vec3::Y * at.y.clamp(-half_height, half_height),
+        Geometry::Cylinder { .. } if outward.y * outward.y < LEAN => Vec3::new(at.x, 0.0, at.z),
+        Geometry::Cylinder { .. } if outward.x * outward.x + outward.z * outward.z < LEAN => Vec3::new(0.0, outward.y, 0.0),
+        Geometry::Box { .. } if 1.0 - outward.abs().max_element().powi(2) < LEAN => outward.round(),
+        _ => outward,
+    };
+    from.normalize()
+}
+
 fn round(outward: Vec3, radius: f32) -> Mat3 {
     (Mat3::IDENTITY - product(outward)) * radius.recip()
 }

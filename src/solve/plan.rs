@@ -23,10 +23,9 @@ pub(crate) enum Plan {
     Rebounds,
     /// A joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host.
     Jointed,
-    /// Joints do more than hold points together, and masses are alike: sweeps carry loads between such bodies as well, for less.
+    /// Joints do more than hold points together, nothing that is moved holds them, and masses are alike: sweeps carry loads between such
+    /// bodies as well, for less.
     Alike,
-    /// Something that joints hold touches without friction: normals as old as their manifold let it swing, and the other solvers do well.
-    Slippery,
     /// Something that joints hold touches, by less than a face, a shape that has edges: at those the normal jumps within a substep.
     Edged,
     /// Articulations touch one another: a heap.
@@ -39,8 +38,9 @@ pub(crate) enum Plan {
 const MOST_BODIES: u32 = 200;
 const MOST_MEETINGS: u32 = 400;
 
-/// Greatest mass over the least up to which sweeps carry a machine's loads. An excavator with a stack on its fork has 2.5, and sweeps hold it
-/// in half the substeps; a platform under ten times its mass falls behind its motor by 0.7 %.
+/// Greatest mass over the least up to which sweeps carry the loads of a machine that nothing fixed holds. Sweeps take a body that is pushed
+/// for as heavy as it is alone. What joints hold to the world is as heavy as the world in all directions but those it may move in: fingers
+/// of a kilogram on a moved palm drop two kilograms by 25 mm at any ratio. What is free is no heavier than all of it.
 const ALIKE: f32 = 5.0;
 
 /// Points from which on a manifold is between faces.
@@ -62,12 +62,13 @@ struct Look {
     is_loaded: bool,
     is_stiff: bool,
     is_jointed: bool,
+    /// Whether a joint is with something that rows do not move.
+    is_anchored: bool,
     /// Whether all joints hold points together and do nothing else.
     is_plain: bool,
     /// Least and greatest inverse mass of what moves (1/kg).
     inverse_masses: [f32; 2],
     touches: bool,
-    is_slippery: bool,
     is_edged: bool,
     rebounds: bool,
 }
@@ -121,6 +122,7 @@ impl Planner {
             look.is_plain &= link.traits.is_plain;
             look.is_jointed |= !link.traits.is_steady;
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
+            look.is_anchored |= ends.contains(&0);
             look.is_looped |= !join(tied, ends);
             if ends[0] != 0 && ends[1] != 0 {
                 join(grouped, ends);
@@ -148,7 +150,6 @@ impl Planner {
             }
             let is_jointed = ends.iter().any(|motion| motion.jointed);
             look.touches |= is_jointed;
-            look.is_slippery |= is_jointed && contact.material.friction <= 0.0;
             look.is_edged |= is_jointed && contact.count < FACE_POINTS && !is_smooth(number);
             look.rebounds |= rebounds(contact, velocities, settings);
         }
@@ -176,8 +177,9 @@ impl Look {
             Self { touches: false, .. } if !self.is_stiff_loop() => Plan::Apart,
             Self { rebounds: true, .. } => Plan::Rebounds,
             Self { is_jointed: true, .. } => Plan::Jointed,
-            Self { is_plain: false, inverse_masses: [least, most], .. } if *most <= ALIKE * *least => Plan::Alike,
-            Self { is_slippery: true, .. } => Plan::Slippery,
+            Self { is_plain: false, is_anchored: false, inverse_masses: [least, most], .. } if *most <= ALIKE * *least => {
+                Plan::Alike
+            }
             Self { is_edged: true, .. } => Plan::Edged,
             Self { articulations: 2.., .. } => Plan::Heaped,
             Self { bodies, meetings, .. } if *bodies > MOST_BODIES || *meetings > MOST_MEETINGS => Plan::Large,

@@ -99,6 +99,23 @@ impl Curved {
         })
     }
 
+    /// Where the surfaces are tangent, from a point at which they are not: their outward normals there, and the way to the body's point from
+    /// the other's (m).
+    pub(super) fn settle(&self, spot: &Spot, [of_own, of_other]: [DVec3; 2], offset: DVec3) -> Option<Spot> {
+        let (lean, aside) = (self.flatten(-of_own - of_other), self.flatten(offset));
+        let on_own = (self.yielding * (lean - self.other * aside)).clamp_length_max(self.reach);
+        let on_other = aside + on_own;
+        let turn = self.other * on_other;
+        let is_small = lean.length_squared() < MOST_TURN * MOST_TURN && turn.length_squared() < MOST_TURN * MOST_TURN;
+        is_small.then(|| Spot {
+            normal: (of_other + self.raise(turn)).normalize(),
+            lever: spot.lever + self.raise(on_own),
+            other_lever: spot.other_lever + self.raise(on_other),
+            separation: of_other.dot(offset) - on_own.dot(lean)
+                + 0.5 * (on_own.dot(self.own * on_own) + on_other.dot(self.other * on_other)),
+        })
+    }
+
     /// Stiffness against rocking of a unit force at a height below the centre of mass (m), as a matrix on rotation vectors, and the
     /// rate at which the orientation that it wants turns while the centre of mass moves at `speed` past the other surface (rad/s).
     pub(super) fn rocking(&self, normal: DVec3, height: f64, speed: DVec3) -> (DMat3, DVec3) {

@@ -36,6 +36,15 @@ impl Spots {
         self.curved = Curved::new(operators, self.normal(), reach);
     }
 
+    /// Brings points that are older than the poses to where the surfaces are tangent now, as B sees them: outward normals of A and of B at
+    /// each, and the way from A's point to B's (m).
+    pub(crate) fn settle(&mut self, at: &[(DVec3, DVec3, DVec3); POINTS]) {
+        let Some(curved) = self.curved else { return };
+        for (spot, &(of_a, of_b, offset)) in self.began[..self.count].iter_mut().zip(at) {
+            *spot = curved.settle(spot, [of_b, of_a], offset).unwrap_or(*spot);
+        }
+    }
+
     /// The manifold's normal at the start of the step, towards the body.
     pub(crate) fn normal(&self) -> DVec3 {
         self.began[0].normal

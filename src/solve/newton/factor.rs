@@ -83,7 +83,9 @@ impl Factor {
                     Some(node) => &mut self.diagonal[node],
                     None => &mut self.blocks[update.target as usize],
                 };
-                for (line, x) in target.iter_mut().zip(&x) {
+                // Rows beyond a joint's own are empty.
+                let rows = usize::from(structure.sizes[structure.below[update.rows as usize] as usize]);
+                for (line, x) in target.iter_mut().zip(&x).take(rows) {
                     for (value, column) in x[..size].iter().zip(&columns) {
                         for (entry, other) in line.iter_mut().zip(column) {
                             *entry -= value * other;

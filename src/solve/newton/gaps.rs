@@ -1,5 +1,6 @@
 //! Gaps of an island's joints, and overlaps of its contacts, taken out of its positions.
 
+use super::held::Ends;
 use super::island::{Island, rate_of};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
@@ -8,24 +9,27 @@ use crate::joint::Joint;
 const SHARES: [f64; 3] = [1.0, 0.3, 0.09];
 
 impl Island {
-    /// Takes errors of joints and overlaps out of positions: of joints that close a loop no more than makes their gaps less, as a loop that
-    /// stands all but straight folds its light links where it should straighten.
-    pub(super) fn close_gaps(&mut self, joints: &Pool<Joint, JointId>) {
+    /// Takes errors of joints and overlaps out of the positions that bodies have moved to in a substep of length `h` (s), `left` (s) from the end
+    /// of the step: all of them, or as much as leaves no more than half of what it takes by turning bodies too far. A line of links that is
+    /// all but straight gives way to its sides only, and that by more the straighter it is. Of joints that close a loop no more is taken
+    /// than makes their gaps less: a loop that stands all but straight folds its light links where it should straighten.
+    pub(super) fn close_gaps(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: f64) {
+        let lever = self.held.mean_lever();
         let before = if self.is_looped { self.held.square_of_gaps(joints, &self.stances) } else { f64::INFINITY };
-        self.problem.find_displacements();
-        let Self { problem, bodies, stances, held, moved_to, is_looped, .. } = self;
+        let Self { problem, bodies, moved, rates, stances, held, moved_to, is_looped, .. } = self;
+        let worst = held.find_errors(joints, problem, Ends { bodies, moved, rates, stances }, h, left);
+        problem.find_displacements();
         let displacements = problem.displacements();
         if displacements.iter().flatten().any(|value| !value.is_finite()) || displacements.is_empty() {
             return;
         }
+        let turn = displacements.iter().map(|way| rate_of(way).angular.length_squared()).fold(0.0, f64::max);
+        let most = if worst < lever * turn { worst / (lever * turn) } else { 1.0 };
         for share in SHARES {
             moved_to.clone_from(stances);
-            let mut next = 0;
-            for (body, stance) in bodies.iter().zip(&mut *moved_to) {
-                if body.is_dynamic() {
-                    body.displace(stance, &rate_of(&displacements[next]), share);
-                    next += 1;
-                }
+            let moving = bodies.iter().zip(&mut *moved_to).filter(|(body, _)| body.is_dynamic());
+            for ((body, stance), way) in moving.zip(displacements) {
+                body.displace(stance, &rate_of(way), share * most);
             }
             if !*is_looped || held.square_of_gaps(joints, moved_to) <= before {
                 std::mem::swap(stances, moved_to);

@@ -25,7 +25,6 @@ pub(super) struct JointSet {
     arguments: Vec<(Place, f64)>,
     argument_ranges: Vec<(u32, u32)>,
     asked: Vec<ScalarRow>,
-    errors: Vec<ScalarRow>,
 }
 
 /// Bodies as joints ask for them, by local number.
@@ -36,6 +35,29 @@ pub(super) struct Ends<'a> {
     pub moved: &'a [u32],
     pub rates: &'a [Rate],
     pub stances: &'a [Stance],
+}
+
+impl<'a> Ends<'a> {
+    /// A joint between these that asks for rows of a substep of length `h` (s), whose start and end are so far from the end of the step (s).
+    fn asking(
+        self,
+        joints: &'a Pool<Joint, JointId>,
+        entry: &JointEntry,
+        ends: &[usize; 2],
+        h: f64,
+        left: [f64; 2],
+    ) -> Asking<'a> {
+        let Self { bodies, moved, rates, stances } = self;
+        Asking {
+            joint: &joints[entry.joint],
+            stances: ends.map(|body| stances[body]),
+            rates: ends.map(|body| rates[body]),
+            answers: ends.map(|body| if entry.has_motor { bodies[body].answer_at(&stances[body]) } else { Answer::NONE }),
+            moved: ends.map(|body| moved[body]),
+            h,
+            left,
+        }
+    }
 }
 
 impl JointSet {
@@ -60,21 +82,12 @@ impl JointSet {
         h: f64,
         left: [f64; 2],
     ) {
-        let Ends { bodies, moved, rates, stances } = of;
-        let Self { entries, ends, rows, sources, asked, errors, arguments, argument_ranges } = self;
+        let Self { entries, ends, rows, sources, asked, arguments, argument_ranges } = self;
         rows.clear();
         sources.clear();
-        let mut sink = Sink { links: &mut problem.links, terms: &mut problem.terms, sources, asked, errors };
+        let mut sink = Sink { links: &mut problem.links, terms: &mut problem.terms, sources, asked };
         for (entry, ends) in entries.iter_mut().zip(&*ends) {
-            let asking = Asking {
-                joint: &joints[entry.joint],
-                stances: ends.map(|body| stances[body]),
-                rates: ends.map(|body| rates[body]),
-                answers: ends.map(|body| if entry.has_motor { bodies[body].answer_at(&stances[body]) } else { Answer::NONE }),
-                moved: ends.map(|body| moved[body]),
-                h,
-                left,
-            };
+            let asking = of.asking(joints, entry, ends, h, left);
             rows.push(sink.add(entry, &asking));
         }
         for (rows, &(first, last)) in rows.iter().zip(&*argument_ranges) {
@@ -88,6 +101,27 @@ impl JointSet {
                 }
             }
         }
+    }
+
+    /// Finds how far rows are off where the bodies have moved to in a substep of length `h` (s), `left` (s) from the end of the step; returns
+    /// the greatest error of those that always hold (m, rad).
+    pub(super) fn find_errors(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        problem: &mut Problem,
+        of: Ends<'_>,
+        h: f64,
+        left: f64,
+    ) -> f64 {
+        let Self { entries, ends, rows, sources, asked, .. } = self;
+        let mut worst = 0.0_f64;
+        for (((entry, ends), rows), link) in entries.iter_mut().zip(&*ends).zip(&*rows).zip(&mut problem.links) {
+            let asking = of.asking(joints, entry, ends, h, [left; 2]);
+            let own = rows.terms.0 as usize..rows.terms.1 as usize;
+            asking.find_errors(entry, rows, (link, &mut problem.terms[own.clone()]), (&sources[own], asked));
+            worst = link.error.iter().fold(worst, |worst, error| worst.max(error.abs()));
+        }
+        worst
     }
 
     /// Brings the angles of joints up to the present poses, `left` (s) from the end of the step.

@@ -34,9 +34,9 @@ const LIFT: f64 = 1.0e-3;
 /// links of a kilogram; the joints of a straight line that is pressed together, which has to bend first, part at 0.03.
 const MOST_STRAIN: f64 = 1.0e-3;
 
-/// Gap of a joint that a step may open, over the mean distance of joint points from centres of mass. A winch under load opens 0.0023, and
-/// mends that; what is flung about opens as much as it may, where direct solves halve their substeps and leave a fifth of this.
-const MOST_GAP: f64 = 5.0e-3;
+/// Gap of a joint that a step may open, over the mean distance of joint points from centres of mass. A winch under load opens 0.0002; what
+/// is flung about opens as much as it may, where direct solves halve their substeps and leave a fifth of this.
+const MOST_GAP: f64 = 3.0e-3;
 
 /// Share of the kinetic energy that is not worth a word.
 const ROUNDING: f64 = 1.0e-3;
@@ -71,10 +71,10 @@ pub(crate) struct Island {
     pub(super) held: JointSet,
     pub(super) bodies: Vec<DirectBody>,
     /// Number of each in the problem.
-    moved: Vec<u32>,
+    pub(super) moved: Vec<u32>,
     /// Slots of kinematic bodies, by local number from the first of them.
     anchors: Vec<u32>,
-    rates: Vec<Rate>,
+    pub(super) rates: Vec<Rate>,
     pub(super) stances: Vec<Stance>,
     began: Vec<Stance>,
     /// Where bodies may be moved to as errors of positions are taken out.
@@ -86,6 +86,8 @@ pub(crate) struct Island {
     pressed: Vec<bool>,
     traces: Vec<f64>,
     torques: Vec<DMat3>,
+    /// Sums of the rates at which bodies turn as they go round others, by the impulses that press them, and of those.
+    steady: Vec<(DVec3, f64)>,
     outcome: Outcome,
     /// Patches that have been handed out by number.
     handed_out: u32,
@@ -154,7 +156,7 @@ impl Island {
             self.held.keep_impulses(&self.problem);
             self.patches.iter_mut().for_each(|patch| patch.keep_impulses(&self.problem.terms));
             self.advance(h);
-            self.close_gaps(joints);
+            self.close_gaps(joints, h, left[1]);
             self.held.follow_angles(joints, &self.stances, left[1]);
         }
         let overlaps = self.patches.iter().map(|patch| patch.overlap(&self.stances, &self.began));
@@ -287,7 +289,16 @@ impl Island {
     /// Finds the geometric stiffness of all forces as they are expected now.
     fn find_stiffness(&mut self, h: f64) {
         let Self {
-            problem, held: JointSet { entries, ends, rows, sources, .. }, moved, torques, patches, stances, began, ..
+            problem,
+            held: JointSet { entries, ends, rows, sources, .. },
+            moved,
+            torques,
+            steady,
+            patches,
+            stances,
+            began,
+            rates,
+            ..
         } = self;
         torques.clear();
         torques.resize(problem.masses.len(), DMat3::ZERO);
@@ -321,15 +332,26 @@ impl Island {
                 let axis = (rows.gap / length).any_orthonormal_pair();
                 for across in [axis.0, axis.1] {
                     let jacobian = [0, 1].map(|side| super::patch::row(side, across, rows.levers[side]));
-                    problem.stiff.push(Stiff { bodies, jacobian, gain: h * pull / length });
+                    problem.stiff.push(Stiff { bodies, jacobian, gain: h * pull / length, steady: 0.0 });
                 }
             }
         }
+        steady.clear();
+        steady.resize(problem.masses.len(), (DVec3::ZERO, 0.0));
         for patch in &*patches {
             let bodies = patch.bodies.map(|body| moved[body]);
             let Problem { terms, stiff, .. } = problem;
             let pressing = |term: u32| terms[term as usize].impulse_now();
-            patch.rolling(stances, began, h, pressing, |jacobian, gain| stiff.push(Stiff { bodies, jacobian, gain }));
+            let take = |jacobian, gain, steady| stiff.push(Stiff { bodies, jacobian, gain, steady });
+            patch.rolling((stances, began, rates), h, pressing, take, |side, turns, impulse| {
+                if bodies[side] != FIXED {
+                    let sums = &mut steady[bodies[side] as usize];
+                    *sums = (sums.0 + turns * impulse, sums.1 + impulse);
+                }
+            });
+        }
+        for (mass, (turns, pressed)) in problem.masses.iter_mut().zip(&*steady) {
+            mass.steady = if *pressed > 0.0 { (*turns / *pressed).to_array() } else { [0.0; 3] };
         }
         for (mass, torque) in problem.masses.iter_mut().zip(&*torques) {
             mass.stiffness = if *torque == DMat3::ZERO { [[0.0; 3]; 3] } else { positive_part(*torque).to_cols_array_2d() };

@@ -52,7 +52,6 @@ pub(super) struct Sink<'a> {
     /// What each of the first terms is.
     pub sources: &'a mut Vec<Source>,
     pub asked: &'a mut Vec<rows::ScalarRow>,
-    pub errors: &'a mut Vec<rows::ScalarRow>,
 }
 
 /// A joint that asks for its rows in a substep.
@@ -101,6 +100,39 @@ impl Asking<'_> {
         entry.pressed |= if in_place { 0 } else { arrives };
         [point, direction]
     }
+
+    /// Finds the errors of its rows where its bodies have moved to, along the axes that the rows have.
+    pub(super) fn find_errors(
+        &self,
+        entry: &mut JointEntry,
+        rows: &JointRows,
+        (link, terms): (&mut Link, &mut [Term]),
+        (sources, scalars): (&[Source], &mut Vec<rows::ScalarRow>),
+    ) {
+        let placement = self.placement(entry);
+        let blocks = self.blocks(entry, &placement, Phase::Position { most: MAX_RECOVERY_SPEED * self.h }, scalars);
+        // A free axis has turned with its body, and how far B is along it is no error.
+        let [point, direction] = blocks.map(|block| {
+            block.filter(|block| block.acts).map_or(DVec3::ZERO, |block| match block.held {
+                Held::All => block.bias,
+                Held::Across(axis) => block.bias.reject_from_normalized(axis),
+            })
+        });
+        let of = |source: &Source, give: f64| match source.place {
+            Place::Point => point.dot(source.linear),
+            Place::Direction => direction.dot(source.angular),
+            Place::Scalar(id) => {
+                let found = scalars.iter().find(|scalar| scalar.id == id && scalar.acts && give == 0.0);
+                found.map_or(0.0, |scalar| scalar.bias)
+            }
+        };
+        for row in 0..link.rows {
+            link.error[row] = of(&rows.sources[row], link.give[row]);
+        }
+        for (term, source) in terms.iter_mut().zip(sources).filter(|(term, _)| matches!(term.law, Law::Between(0.0, _))) {
+            term.push = (-of(source, term.give)).max(0.0);
+        }
+    }
 }
 
 impl Sink<'_> {
@@ -117,31 +149,25 @@ impl Sink<'_> {
             gap: placement.gap,
         };
         let [point, direction] = asking.blocks(entry, &placement, Phase::Tangent { h }, self.asked);
-        let position = Phase::Position { most: MAX_RECOVERY_SPEED * h };
-        let [point_error, direction_error] = asking.blocks(entry, &placement, position, self.errors);
         let mut link = Link::new(moved);
         if let Some(block) = point {
             rows.holds_points = matches!(block.held, Held::All);
-            let error = point_error.filter(|block| block.acts).map_or(DVec3::ZERO, |block| block.bias);
             let (axes, count) = axes_of(block.held);
             for axis in &axes[..count] {
                 let jacobian = [0, 1].map(|side| row(side, *axis, block.levers[side]));
                 let source = Source { place: Place::Point, linear: *axis, angular: block.levers[1].cross(*axis) };
-                add_row(&mut link, &mut rows, source, jacobian, &block, error.dot(*axis), *axis);
+                add_row(&mut link, &mut rows, source, jacobian, &block, *axis);
             }
         }
         if let Some(block) = direction {
-            let error = direction_error.filter(|block| block.acts).map_or(DVec3::ZERO, |block| block.bias);
             let (axes, count) = axes_of(block.held);
             for axis in &axes[..count] {
                 let jacobian = [0, 1].map(|side| turning_row(side, *axis));
                 let source = Source { place: Place::Direction, linear: DVec3::ZERO, angular: *axis };
-                add_row(&mut link, &mut rows, source, jacobian, &block, error.dot(*axis), *axis);
+                add_row(&mut link, &mut rows, source, jacobian, &block, *axis);
             }
         }
         for scalar in self.asked.iter().filter(|scalar| scalar.acts) {
-            let found = self.errors.iter().find(|error| error.id == scalar.id && error.acts);
-            let error = found.filter(|_| scalar.gamma == 0.0).map_or(0.0, |error| error.bias);
             let at = &scalar.jacobian;
             let jacobian = [[-at.linear, -at.angular_a], [at.linear, at.angular_b]].map(|[v, w]| [v.x, v.y, v.z, w.x, w.y, w.z]);
             let place = if scalar.id == friction::ABOUT_POINT { Place::Direction } else { Place::Scalar(scalar.id) };
@@ -149,7 +175,7 @@ impl Sink<'_> {
             let always = scalar.min == f64::NEG_INFINITY && scalar.max == f64::INFINITY;
             if always && link.rows < 6 {
                 rows.sources[link.rows] = source;
-                push_row(&mut link, jacobian, scalar.bias, scalar.gamma, f64::from(scalar.impulse), error);
+                push_row(&mut link, jacobian, scalar.bias, scalar.gamma, f64::from(scalar.impulse));
                 continue;
             }
             let mut term = Term::new(moved, 1, Law::Between(scalar.min, scalar.max));
@@ -157,7 +183,6 @@ impl Sink<'_> {
             term.bias[0] = scalar.bias;
             term.give = scalar.gamma;
             term.expected[0] = f64::from(scalar.impulse);
-            term.push = if scalar.min == 0.0 { (-error).max(0.0) } else { 0.0 };
             self.terms.push(term);
             self.sources.push(source);
         }
@@ -167,26 +192,18 @@ impl Sink<'_> {
     }
 }
 
-fn add_row(
-    link: &mut Link,
-    rows: &mut JointRows,
-    source: Source,
-    jacobian: [[f64; 6]; 2],
-    block: &rows::BlockRow,
-    error: f64,
-    axis: DVec3,
-) {
+fn add_row(link: &mut Link, rows: &mut JointRows, source: Source, jacobian: [[f64; 6]; 2], block: &rows::BlockRow, axis: DVec3) {
     if block.acts && link.rows < 6 {
         rows.sources[link.rows] = source;
-        push_row(link, jacobian, block.bias.dot(axis), block.gamma, block.impulse.as_dvec3().dot(axis), error);
+        push_row(link, jacobian, block.bias.dot(axis), block.gamma, block.impulse.as_dvec3().dot(axis));
     }
 }
 
-fn push_row(link: &mut Link, jacobian: [[f64; 6]; 2], bias: f64, give: f64, impulse: f64, error: f64) {
+fn push_row(link: &mut Link, jacobian: [[f64; 6]; 2], bias: f64, give: f64, impulse: f64) {
     let number = link.rows;
     (link.jacobian[0][number], link.jacobian[1][number]) = (jacobian[0], jacobian[1]);
     (link.bias[number], link.give[number]) = (bias, give);
-    (link.impulse[number], link.error[number]) = (impulse, error);
+    link.impulse[number] = impulse;
     link.rows += 1;
 }
 

@@ -11,7 +11,7 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index names a row or a column of several arrays alike")]
 
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 
 use super::StepSettings;
 use super::contact::{ContactImpulses, ContactInput};
@@ -61,7 +61,12 @@ pub(crate) trait IslandRecords {
     fn is_smooth(&self, contact: u32) -> bool;
     /// Both surfaces of the contact of this number, where it is known how both bend.
     fn surfaces(&self, contact: u32) -> Option<Surfaces>;
+    /// Where both surfaces are at the points of the contact of this number.
+    fn tangency(&self, contact: u32) -> Tangency;
 }
+
+/// Outward normals of A's and of B's surface at each point of a manifold, and how far the point on B is from that on A (m), in world axes.
+pub(crate) type Tangency = [(DVec3, DVec3, DVec3); super::contact::POINTS];
 
 /// Shape operators of A's and of B's surface where they touch, in world axes (1/m), and how far both bodies reach from their centres of
 /// mass (m).
@@ -179,6 +184,7 @@ impl Newton {
             let is_jointed = [contact.a, contact.b].iter().any(|&slot| motions[slot as usize].jointed);
             if let Some(surfaces) = records.surfaces(number as u32).filter(|_| is_jointed) {
                 patch.curve(surfaces);
+                patch.settle(&records.tangency(number as u32));
             }
             taken[place].patches.push(patch);
         }

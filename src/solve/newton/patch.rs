@@ -10,6 +10,7 @@ use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
 use crate::solve::direct::curved::Spot;
 use crate::solve::direct::spots::{Spots, overlap};
 use crate::solve::joint::Stance;
+use crate::solve::joint::rows::Rate;
 
 /// Overlap that is left (m): what presses goes on to touch.
 const SLOP: f64 = 1.0e-5;
@@ -83,6 +84,11 @@ impl Patch {
         self.rolling = [as_b, as_a];
     }
 
+    /// Brings points that are older than the poses to where the surfaces are tangent now.
+    pub(crate) fn settle(&mut self, at: &super::Tangency) {
+        self.spots.settle(at);
+    }
+
     /// Its points at these stances; `began` are those at the start of the step.
     fn spots(&self, stances: &[Stance], began: &[Stance]) -> [Spot; POINTS] {
         let [a, b] = self.bodies.map(|body| [&stances[body], &began[body]]);
@@ -153,14 +159,15 @@ impl Patch {
         self.spots.count + asks(self.friction) + asks(self.twist_arm) + asks(self.rolling_arm)
     }
 
-    /// Rows against rolling at these stances, with the sides' Jacobians, and the stiffness of each times `h` (s).
+    /// Rows against rolling at these stances, with the sides' Jacobians, the stiffness of each times `h` (s), and the rate that it has where
+    /// a body goes steadily round the other. `steady` is told at what rate a side turns then, and the impulse that presses it (N·s).
     pub(crate) fn rolling(
         &self,
-        stances: &[Stance],
-        began: &[Stance],
+        (stances, began, rates): (&[Stance], &[Stance], &[Rate]),
         h: f64,
         pressing: impl Fn(u32) -> f64,
-        mut take: impl FnMut([[f64; 6]; 2], f64),
+        mut take: impl FnMut([[f64; 6]; 2], f64, f64),
+        mut steady: impl FnMut(usize, DVec3, f64),
     ) {
         if self.rolling.iter().all(Option::is_none) {
             return;
@@ -173,11 +180,18 @@ impl Patch {
             }
             for (as_a, rolling) in self.rolling.iter().enumerate() {
                 let Some((rolling, reach)) = rolling else { continue };
-                let (normal, lever) = if as_a == 0 { (spot.normal, spot.lever) } else { (-spot.normal, spot.other_lever) };
-                for ([about, along], stiffness) in rolling.rows(normal, -normal.dot(lever), *reach).into_iter().flatten() {
+                let (side, normal, lever) =
+                    if as_a == 0 { (1, spot.normal, spot.lever) } else { (0, -spot.normal, spot.other_lever) };
+                let (height, [own, other]) = (-normal.dot(lever), [side, 1 - side].map(|side| rates[self.bodies[side]].linear));
+                let turning = rolling.turning(own - other, height);
+                let axes = rolling.directions.map(|t| normal.cross(t));
+                let turns = axes[0] * turning[0] + axes[1] * turning[1];
+                steady(side, turns, impulse);
+                for ([about, along], stiffness) in rolling.rows(normal, height, *reach).into_iter().flatten() {
+                    let rate = about.dot(turns) + along.dot(own - other);
                     let (own, other) = ([along, about], [-along, DVec3::ZERO]);
                     let sides = if as_a == 0 { [other, own] } else { [own, other] };
-                    take(sides.map(|[v, w]| [v.x, v.y, v.z, w.x, w.y, w.z]), h * impulse * stiffness);
+                    take(sides.map(|[v, w]| [v.x, v.y, v.z, w.x, w.y, w.z]), h * impulse * stiffness, rate);
                 }
             }
         }

@@ -1,11 +1,12 @@
 //! The problem of one substep on plain arrays: bodies, joint rows, terms.
 //!
 //! ```text
-//! min_v ½ vᵀ M̂ v − vᵀ(M v* + ½ K v₀) + Σ ψ(J_c v)    subject to    J_j v + ε (λ − λ̄) = −b,      M̂ = M + K
+//! min_v ½ vᵀ M̂ v − vᵀ(M v* + ½ K (v₀ + v̄)) + Σ ψ(J_c v)    subject to    J_j v + ε (λ − λ̄) = −b,      M̂ = M + K
 //! ```
 //!
 //! M is the mass of the bodies with their damping, K the positive part of their geometric stiffness times the square of the substep's
-//! length ([`stiffness`](super::stiffness)), v₀ the velocity that they had, v* the one that forces give them. ε of a rigid row is a
+//! length ([`stiffness`](super::stiffness)), v₀ the velocity that they had, v̄ that of what goes steadily round a drum, v* the one that forces
+//! give them. ε of a rigid row is a
 //! billionth of what answers to it: rows that repeat one another share their load.
 
 use super::elimination::Elimination;
@@ -16,7 +17,8 @@ use super::term::{FIXED, Term};
 /// noise of metres a second.
 const PROXIMITY: f64 = 1.0e-9;
 
-/// Share of K v₀ on the right: 0 is backward Euler, at 1 next to nothing is lost and what swings fast rings on.
+/// Share of K v₀ on the right: 0 is backward Euler, at 1 next to nothing is lost and what swings fast rings on. The rest is K times the
+/// steady velocity of what goes round a drum: a rope that runs is not held back by what keeps its links from swinging.
 const RIGHT_SHARE: f64 = 0.5;
 
 /// Mass of one body with its damping, and the stiffness of its rotation.
@@ -26,6 +28,8 @@ pub(crate) struct Mass {
     /// By columns, symmetric.
     pub angular: [[f64; 3]; 3],
     pub stiffness: [[f64; 3]; 3],
+    /// How fast it turns where it goes steadily round what it presses on (rad/s).
+    pub steady: [f64; 3],
 }
 
 /// Rows of one joint that always hold.
@@ -66,6 +70,8 @@ pub(crate) struct Stiff {
     pub bodies: [u32; 2],
     pub jacobian: [Vector; 2],
     pub gain: f64,
+    /// J v where its body goes steadily round another.
+    pub steady: f64,
 }
 
 /// Room for a solve.
@@ -97,7 +103,7 @@ pub(crate) struct Problem {
     pub stiff: Vec<Stiff>,
     pub structure: Elimination,
     pub factor: Factor,
-    /// M v* + ½ K v₀.
+    /// M v* + ½ K (v₀ + v̄).
     pub(super) drive: Vec<Vector>,
     pub(super) unknowns: Vec<Vector>,
     pub(super) room: Room,
@@ -172,17 +178,22 @@ impl Problem {
         }
     }
 
-    /// Forms M v* + ½ K v₀.
+    /// Forms M v* + ½ K (v₀ + v̄).
     pub(crate) fn find_drive(&mut self) {
         let Self { drive, masses, free, before, stiff, .. } = self;
         drive.clear();
         drive.extend(masses.iter().zip(free.iter().zip(before.iter())).map(|(mass, (free, before))| {
             let (own, kept) = (mass.times(free, 0.0), mass.times(before, 1.0));
             let plain = mass.times(before, 0.0);
-            std::array::from_fn(|i| own[i] + RIGHT_SHARE * (kept[i] - plain[i]))
+            let mut drive: Vector = std::array::from_fn(|i| own[i] + RIGHT_SHARE * (kept[i] - plain[i]));
+            for (entry, row) in drive[3..].iter_mut().zip(&mass.stiffness) {
+                *entry += (1.0 - RIGHT_SHARE) * (0..3).map(|i| row[i] * mass.steady[i]).sum::<f64>();
+            }
+            drive
         }));
         for stiff in stiff.iter() {
-            let push = RIGHT_SHARE * stiff.gain * rate(stiff.bodies, [&stiff.jacobian[0], &stiff.jacobian[1]], before);
+            let had = rate(stiff.bodies, [&stiff.jacobian[0], &stiff.jacobian[1]], before);
+            let push = stiff.gain * (RIGHT_SHARE * had + (1.0 - RIGHT_SHARE) * stiff.steady);
             push_along(stiff.bodies, [&stiff.jacobian[0], &stiff.jacobian[1]], push, drive);
         }
     }

@@ -90,6 +90,12 @@ impl Rolling {
         Some(rolling)
     }
 
+    /// Rate at which a body turns about `normal` × each direction as it goes round the other surface at this speed, its centre of mass at
+    /// this height (rad/s).
+    pub(crate) fn turning(&self, speed: DVec3, height: f64) -> [f64; 2] {
+        [0, 1].map(|k| self.other[k] / (1.0 + self.other[k] * height) * self.directions[k].dot(speed))
+    }
+
     /// Rows against rolling, of the body's rotation about an axis and of its way along a direction past the other, and the stiffness of each
     /// for a unit force at this height below the centre of mass (m).
     pub(crate) fn rows(&self, normal: DVec3, height: f64, reach: f64) -> [Option<([DVec3; 2], f64)>; 2] {

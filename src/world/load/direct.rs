@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::Records;
-use crate::collide::curvature::{shape_operator, shape_operator_with_rims};
+use crate::collide::curvature::{normal_at, shape_operator, shape_operator_with_rims};
 use crate::settings::Solver;
 use crate::shape::Shape;
 use crate::solve::StepSettings;
@@ -11,7 +11,7 @@ use crate::solve::batch::Batch;
 use crate::solve::direct::BatchRecords;
 use crate::solve::direct::history::History;
 use crate::solve::joint::{JointEntry, JointLink};
-use crate::solve::newton::{Contents, IslandRecords, Surfaces};
+use crate::solve::newton::{Contents, IslandRecords, Surfaces, Tangency};
 use crate::solve::state::WORLD_SLOT;
 use crate::workers::Workers;
 use crate::world::stride::is_smooth;
@@ -64,6 +64,24 @@ impl IslandRecords for Within<'_> {
     fn surfaces(&self, contact: u32) -> Option<Surfaces> {
         Within::surfaces(self, contact, shape_operator_with_rims)
     }
+
+    fn tangency(&self, contact: u32) -> Tangency {
+        let (slot, manifold) = self.manifolds[contact as usize];
+        let pair = self.world.pairs.get(slot);
+        let manifold = pair.manifolds.get(manifold as usize);
+        let (a, b) = pair.key.shapes();
+        let [a, b] = [a, b].map(|shape| &self.world.colliders[shape]);
+        let [to_a, to_b] = [a, b].map(|collider| collider.place.1.as_dquat().normalize());
+        let along = to_a * manifold.normal.as_dvec3();
+        let seen_from_b = (to_b.conjugate() * -along).as_vec3();
+        std::array::from_fn(|i| {
+            let Some(point) = manifold.points.get(i) else { return (along, -along, DVec3::ZERO) };
+            let of_a = to_a * normal_at(&a.shape, point.on_a, manifold.normal).as_dvec3();
+            let of_b = to_b * normal_at(&b.shape, point.on_b, seen_from_b).as_dvec3();
+            let offset = b.place.0 - a.place.0 + to_b * point.on_b.as_dvec3() - to_a * point.on_a.as_dvec3();
+            (of_a, of_b, offset)
+        })
+    }
 }
 
 impl Within<'_> {
@@ -78,7 +96,11 @@ impl Within<'_> {
         let (point, along) = (&manifold.points[0], to_a * manifold.normal);
         let of_a = operator(&a.shape, point.on_a, manifold.normal)?;
         let other = operator(&b.shape, point.on_b, to_b.transpose() * -along)?;
-        let in_world = |to_world: Mat3, operator: Mat3| (to_world * operator * to_world.transpose()).as_dmat3();
+        let in_world = |to_world: Mat3, operator: Mat3| {
+            // In `f64`: what an edge bends by is a million times what other surfaces do.
+            let to_world = to_world.as_dmat3();
+            to_world * operator.as_dmat3() * to_world.transpose()
+        };
         Some(([in_world(to_a, of_a), in_world(to_b, other)], [a.reach, b.reach].map(f64::from)))
     }
 }
