@@ -359,16 +359,17 @@ impl Approach<'_> {
 
     /// Puts a manifold of the pose after `t` (s), in which both are turned like this in their own frames, back to the start.
     fn put_back(&self, manifold: &mut Manifold, t: f32, turns: [Quat; 2]) {
-        let [inverse_a, inverse_b] = [self.a, self.b].map(|stance| stance.rotation.conjugate());
         let normal_a = applied(turns[0], manifold.normal);
         let normal = self.a.rotation * normal_a;
         let closing = normal.dot(self.b.velocity - self.a.velocity);
+        let in_frame = |stance: &Stance, vector: Vec3| stance.rotation.conjugate() * vector;
         // Of the axis that a shape turns about, at which turning moves its surface along the normal.
-        let swing = [normal_a.cross(self.spins[0]), (inverse_b * normal).cross(self.spins[1])];
-        let offsets = [
-            if self.a.offset == Vec3::ZERO { Vec3::ZERO } else { inverse_a * self.a.offset },
-            if self.b.offset == Vec3::ZERO { Vec3::ZERO } else { inverse_b * self.b.offset },
-        ];
+        let [spin_a, spin_b] = self.spins;
+        let swing_a = if spin_a == Vec3::ZERO { Vec3::ZERO } else { normal_a.cross(spin_a) };
+        let swing_b = if spin_b == Vec3::ZERO { Vec3::ZERO } else { in_frame(self.b, normal).cross(spin_b) };
+        let swing = [swing_a, swing_b];
+        let offsets =
+            [self.a, self.b].map(|stance| if stance.offset == Vec3::ZERO { Vec3::ZERO } else { in_frame(stance, stance.offset) });
         manifold.normal = normal_a;
         let count = usize::from(manifold.count);
         for point in &mut manifold.points[..count] {

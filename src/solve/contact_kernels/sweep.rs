@@ -101,8 +101,10 @@ fn visit<W: Wide, M: Manifolds>(
 fn in_disc<W: Wide>(mass: [W; 3], old: [W; 2], slip: [W; 2], limit: W) -> [W; 2] {
     let [m11, m12, m22] = mass;
     let (negligible, zero) = (W::splat(NEGLIGIBLE_FRICTION) * limit, W::zero());
-    let settled = |x: W| W::select(x.abs().above(negligible), x, zero);
-    let mut new = [old[0] - (m11 * slip[0] + m12 * slip[1]), old[1] - (m12 * slip[0] + m22 * slip[1])].map(settled);
+    let mut new = [
+        settled(old[0] - (m11 * slip[0] + m12 * slip[1]), negligible),
+        settled(old[1] - (m12 * slip[0] + m22 * slip[1]), negligible),
+    ];
     let slides = (new[0] * new[0] + new[1] * new[1]).sqrt().above(limit);
     if W::any(slides) {
         let (half, one) = (W::splat(0.5), W::splat(1.0));
@@ -110,13 +112,19 @@ fn in_disc<W: Wide>(mass: [W; 3], old: [W; 2], slip: [W; 2], limit: W) -> [W; 2]
         let greatest = mean + (apart * apart + m12 * m12).sqrt();
         // As a quotient: the difference of two numbers that are almost equal would be rounding.
         let least = W::select(greatest.above(zero), (m11 * m22 - m12 * m12).max(zero) / greatest, zero);
-        let stepped = [old[0] - least * slip[0], old[1] - least * slip[1]].map(settled);
+        let stepped = [settled(old[0] - least * slip[0], negligible), settled(old[1] - least * slip[1], negligible)];
         let size = (stepped[0] * stepped[0] + stepped[1] * stepped[1]).sqrt();
         let scale = W::select(size.above(limit), limit / size, one);
         // What sticks keeps its bits, whatever else is in the block.
         new = [W::select(slides, stepped[0] * scale, new[0]), W::select(slides, stepped[1] * scale, new[1])];
     }
     new
+}
+
+/// A multiplier, or zero where it is negligible. A function, as `map` over an array is not compiled for the processor that the kernel is for.
+#[inline(always)]
+fn settled<W: Wide>(multiplier: W, negligible: W) -> W {
+    W::select(multiplier.abs().above(negligible), multiplier, W::zero())
 }
 
 /// Tangential and twist rows of every lane.
