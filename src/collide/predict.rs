@@ -36,6 +36,10 @@ const NO_MOTION: f32 = 5.0e-4;
 /// Cosine between two normals of flat faces below which they are not those of one face.
 const ANOTHER_NORMAL: f32 = 0.9;
 
+/// How far surfaces may lie apart and still be flush, over the lesser least extent of what moves and what it moves over: eight times the
+/// overlap at which bodies rest, and a step that nobody sees.
+pub(crate) const FLUSH: f32 = 2.0e-3;
+
 /// Square of half a turn (rad²) below which sine and cosine are the first terms of their series, right to rounding.
 const SMALL_TURN: f32 = 1.0e-4;
 
@@ -217,8 +221,8 @@ impl Approach<'_> {
             let (then, is_met) = (found.nearest_normal(), found.nearest() < 0.0);
             put_back(found, share, turns);
             // Faces that meet are taken as they stand, with the points that they have in the steps to come, unless that is along another
-            // normal, along which they do not overlap yet: then they slide onto each other.
-            let slides = found.nearest() >= -NO_MOTION * extent
+            // normal, along which they are flush: then they slide onto each other.
+            let slides = found.nearest() >= -FLUSH * extent
                 && now.zip(then).is_some_and(|(now, then)| now.dot(turns[0] * then) < ANOTHER_NORMAL);
             if is_met && !slides {
                 std::mem::swap(found.manifolds, found.spare);

@@ -15,12 +15,9 @@ use super::index::Index;
 use crate::collide::collider::Collider;
 use crate::collide::narrow;
 use crate::collide::pairs::{Pair, PairKey};
+use crate::collide::predict::FLUSH;
 use crate::collide::stance::Stance;
 use crate::id::{Pool, ShapeId};
-
-/// How far surfaces may lie apart and still be flush, over the lesser least extent of what moves and what it moves over: eight times the
-/// overlap at which bodies rest, and a step that nobody sees.
-const FLUSH: f32 = 2.0e-3;
 
 /// How far behind a point, in distances of which surfaces are flush, K is looked for above J's plane.
 const BEHIND: f32 = 10.0;
