@@ -23,8 +23,8 @@ pub(crate) enum Plan {
     Rebounds,
     /// A joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host.
     Jointed,
-    /// Joints do more than hold points together, nothing that is moved holds them, and masses are alike: sweeps carry loads between such
-    /// bodies as well, for less.
+    /// Joints do more than hold points together, masses are alike, and nothing touches or nothing that is moved is held: sweeps and direct
+    /// solves carry loads between such bodies as well, for less.
     Alike,
     /// Something that joints hold touches, by less than a face, a shape that has edges: at those the normal jumps within a substep.
     Edged,
@@ -177,7 +177,9 @@ impl Look {
             Self { touches: false, .. } if !self.is_stiff_loop() => Plan::Apart,
             Self { rebounds: true, .. } => Plan::Rebounds,
             Self { is_jointed: true, .. } => Plan::Jointed,
-            Self { is_plain: false, is_anchored: false, inverse_masses: [least, most], .. } if *most <= ALIKE * *least => {
+            Self { is_plain: false, inverse_masses: [least, most], .. }
+                if *most <= ALIKE * *least && !(self.is_anchored && self.touches) =>
+            {
                 Plan::Alike
             }
             Self { is_edged: true, .. } => Plan::Edged,

@@ -3,9 +3,8 @@
 use super::factor::Vector;
 use super::problem::{Problem, push_term};
 
-/// Share of its depth that an overlap gives up in a substep. Joints give up all of their error, which
-/// is what a rotation leaves that was taken as a straight way: at a share of 0.3 those of several substeps add up to rejected steps (winches
-/// at one substep of 1/30 s).
+/// Share of its depth that an overlap gives up in a substep. Joints give up all of their error, which is what a rotation leaves that was
+/// taken as a straight way: at a share of 0.3 those of several substeps add up to rejected steps (winches at one substep of 1/30 s).
 const SHARE: f64 = 0.3;
 
 impl Problem {
