@@ -100,6 +100,37 @@ fn a_scale_under_a_stack_reads_its_weight() {
 }
 
 #[test]
+fn what_is_asked_after_a_body_is_destroyed_names_nothing_that_is_gone() {
+    for gone in 0..3 {
+        let (mut world, floor) = with_floor();
+        let stack: Vec<BodyId> = (0..3).map(|level| add_box(&mut world, 0.0, 0.5 + f64::from(level))).collect();
+        run(&mut world, 20);
+        world.destroy_body(stack[gone]).unwrap();
+        for asks_after_a_new_body in [false, true] {
+            if asks_after_a_new_body {
+                add_box(&mut world, 5.0, 3.0);
+            }
+            let bodies: Vec<BodyId> = world.bodies().collect();
+            for &body in &bodies {
+                let load = world.load_on(body).unwrap();
+                assert!((0.0..=3.0 * 9.81 * 100.0 * 1.01).contains(&load), "{load} N on a body of the stack");
+                let named = [world.supporters(body), world.supported_by(body), world.path_to_ground(body)];
+                for other in named.into_iter().flat_map(|named| named.unwrap()) {
+                    assert!(bodies.contains(&other), "box {gone} is gone, and {other:?} is named");
+                }
+                assert!(world.support_hull(body).is_ok() && world.would_lose_support(&[body]).is_ok());
+                for &other in &bodies {
+                    assert!(world.load_between(body, other).unwrap() >= 0.0);
+                }
+            }
+        }
+        run(&mut world, 60);
+        let left = world.load_on(floor).unwrap() / (9.81 * 100.0);
+        assert!((left - 3.0).abs() < 0.1 || gone == 0, "the floor bears {left} boxes of three");
+    }
+}
+
+#[test]
 fn what_would_lose_support_does_when_the_keystone_goes() {
     let (mut world, _) = with_floor();
     let posts = [add_box(&mut world, -1.0, 0.5), add_box(&mut world, 1.0, 0.5)];

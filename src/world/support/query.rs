@@ -77,7 +77,8 @@ impl World {
         let Ok(state) = self.analysis() else { return Vec::new() };
         let Some(node) = state.graph.node(index) else { return Vec::new() };
         let links = node.below.iter().filter(|&&link| state.graph.is_supporting(link));
-        let mut pairs: Vec<u32> = links.map(|&link| state.graph.link(link).pair).collect();
+        let mut pairs: Vec<u32> =
+            links.map(|&link| state.graph.link(link).pair).filter(|&slot| self.has_pair(state, slot)).collect();
         pairs.sort_unstable_by_key(|&slot| self.pairs.get(slot).key);
         pairs.dedup();
         let contacts = pairs.iter().flat_map(|&slot| self.contacts_of_pair(self.pairs.get(slot).key, slot));
@@ -320,10 +321,17 @@ impl World {
         Vec::new()
     }
 
+    /// Whether the pair of a link is still there: the graph is of the last step, and edits since may have given the pair up.
+    fn has_pair(&self, state: &SupportState, slot: u32) -> bool {
+        let key = state.records.get(slot as usize).and_then(|record| record.key);
+        key.is_some_and(|key| self.pairs.holds(slot, key))
+    }
+
     /// Weight that links pass on from above to below (N).
     fn load_of(&self, state: &SupportState, frame: &Frame, links: impl Iterator<Item = u32>) -> f32 {
         let per_substep = if self.last_substep > 0.0 { 1.0 / self.last_substep } else { 0.0 };
-        let mut pairs: Vec<(u32, u32)> = links.map(|link| (state.graph.link(link).pair, state.graph.link(link).lower)).collect();
+        let links = links.map(|link| (state.graph.link(link).pair, state.graph.link(link).lower));
+        let mut pairs: Vec<(u32, u32)> = links.filter(|&(slot, _)| self.has_pair(state, slot)).collect();
         pairs.sort_unstable_by_key(|&(slot, lower)| (self.pairs.get(slot).key, lower));
         pairs.dedup();
         let load = |&(slot, lower): &(u32, u32)| {
