@@ -132,6 +132,7 @@ impl Lockstep {
         for member in self.chosen(lanes) {
             let own = articulations.get_mut(member);
             own.system.note_pushed(&own.bodies, &mut own.rates);
+            own.is_warm = !own.overshoots(velocities);
             own.give_rates(velocities);
         }
     }
