@@ -19,8 +19,6 @@ pub(crate) enum Plan {
     Apart,
     /// The host asks for sweeps.
     Swept,
-    /// Something in it is about to rebound.
-    Rebounds,
     /// A joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host.
     Jointed,
     /// Joints do more than hold points together, masses are alike, and nothing touches or nothing that is moved is held: sweeps and direct
@@ -170,12 +168,17 @@ impl Look {
         self.is_looped && (self.is_stiff || !self.is_loaded)
     }
 
+    fn is_large(&self) -> bool {
+        self.bodies > MOST_BODIES || self.meetings > MOST_MEETINGS
+    }
+
     fn plan(&self) -> Plan {
         match self {
             Self { joints: 0, .. } => Plan::Loose,
             Self { is_swept: true, .. } => Plan::Swept,
             Self { touches: false, .. } if !self.is_stiff_loop() => Plan::Apart,
-            Self { rebounds: true, .. } => Plan::Rebounds,
+            // The blow goes through the joints, whatever else is better left to others.
+            Self { rebounds: true, .. } if !self.is_large() => Plan::Coupled,
             Self { is_jointed: true, .. } => Plan::Jointed,
             Self { is_plain: false, inverse_masses: [least, most], .. }
                 if *most <= ALIKE * *least && !(self.is_anchored && self.touches) =>
@@ -184,7 +187,7 @@ impl Look {
             }
             Self { is_edged: true, .. } => Plan::Edged,
             Self { articulations: 2.., .. } => Plan::Heaped,
-            Self { bodies, meetings, .. } if *bodies > MOST_BODIES || *meetings > MOST_MEETINGS => Plan::Large,
+            _ if self.is_large() => Plan::Large,
             _ => Plan::Coupled,
         }
     }

@@ -55,7 +55,8 @@ impl Problem {
         for number in 0..self.terms.len() {
             if let Law::Leaning { first, count, share } = self.terms[number].law {
                 // Those it leans on come before it.
-                self.terms[number].radius = share * self.normals(first, count).map(|term| term.impulse[0]).sum::<f64>();
+                self.terms[number].radius =
+                    share * self.normals(first, count).map(|term| term.hit + term.impulse[0]).sum::<f64>();
             }
             let (term, target) = (&mut self.terms[number], &mut targets[number]);
             let found = super::passes::with_bias(term, speed(term, &self.velocity));

@@ -145,6 +145,7 @@ impl Island {
         for substep in 0..settings.substeps {
             let left = [0, 1].map(|end| h * f64::from(settings.substeps - substep - end));
             self.build(joints, h, left);
+            self.rebound(joints, settings, h, left);
             let budget = budget.get_or_insert_with(|| self.budget(settings));
             let kept_back = FREE_FACTORS * (settings.substeps - 1 - substep);
             let most = budget.saturating_sub(kept_back).clamp(1, MOST_FACTORS);
@@ -234,7 +235,7 @@ impl Island {
     }
 
     /// Forms the problem of a substep of length `h` (s), whose start and end are so far from the end of the step (s).
-    fn build(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: [f64; 2]) {
+    pub(super) fn build(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: [f64; 2]) {
         let Self { problem, bodies, rates, stances, .. } = self;
         problem.clear();
         for ((body, rate), stance) in bodies.iter_mut().zip(&*rates).zip(&*stances) {

@@ -5,9 +5,9 @@
 //! island is one problem, solved by Newton's method from where the last substep left it: at rest, and wherever nothing changes, by one
 //! factorisation a substep. The derivation is in *docs/reference/coupled.md*.
 //!
-//! `elimination`, `factor`, `refine`, `term`, `problem`, `passes` and `admm` are numbers on plain arrays and know nothing of the engine;
+//! `elimination`, `factor`, `refine`, `term`, `problem`, `passes`, `admm` and `impact` are numbers on plain arrays and know nothing of the engine;
 //! `positions` is what they do for errors of positions. `joints` (of `held`) and `patch` make joints and manifolds their rows, `stiffness` says how
-//! forces turn, `island` takes the step, and `gaps` closes what it leaves open. Which islands are solved here is said by [`plan`](crate::solve::plan).
+//! forces turn, `island` takes the step, `rebound` what hits in it, and `gaps` closes what it leaves open. Which islands are solved here is said by [`plan`](crate::solve::plan).
 
 #![expect(clippy::needless_range_loop, reason = "an index names a row or a column of several arrays alike")]
 
@@ -28,12 +28,14 @@ mod elimination;
 mod factor;
 mod gaps;
 mod held;
+mod impact;
 mod island;
 mod joints;
 mod passes;
 mod patch;
 mod positions;
 mod problem;
+mod rebound;
 mod refine;
 mod stiffness;
 mod term;

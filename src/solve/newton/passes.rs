@@ -111,7 +111,7 @@ impl Problem {
     pub(super) fn find_radii(&mut self) {
         for number in 0..self.terms.len() {
             if let Law::Leaning { first, count, share } = self.terms[number].law {
-                let pressing: f64 = self.normals(first, count).map(|term| term.expected[0].max(0.0)).sum();
+                let pressing: f64 = self.normals(first, count).map(|term| term.hit + term.expected[0].max(0.0)).sum();
                 self.terms[number].radius = share * pressing;
             }
         }
@@ -296,7 +296,7 @@ impl Problem {
         let mut is_settled = true;
         for number in 0..self.terms.len() {
             if let Law::Leaning { first, count, share } = self.terms[number].law {
-                let pressing: f64 = self.normals(first, count).map(|term| term.impulse[0]).sum();
+                let pressing: f64 = self.normals(first, count).map(|term| term.hit + term.impulse[0]).sum();
                 let (term, radius) = (&mut self.terms[number], share * pressing);
                 let matters = length(term.argument) > 0.999 * term.radius || length(term.impulse) > radius;
                 let greater = radius.max(term.radius);

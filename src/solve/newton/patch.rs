@@ -28,6 +28,7 @@ pub(crate) struct Patch {
     /// As B and as A rolls.
     rolling: [Option<(Rolling, f64)>; 2],
     friction: f64,
+    restitution: f64,
     twist_arm: f64,
     rolling_arm: f64,
     /// Multipliers (N·s), friction and rolling in world axes, on B.
@@ -58,6 +59,7 @@ impl Patch {
             spots,
             rolling: [None; 2],
             friction: f64::from(material.friction),
+            restitution: f64::from(material.restitution),
             twist_arm: f64::from(material.friction) * spread + f64::from(material.spinning),
             rolling_arm: f64::from(material.rolling),
             normal: input.impulses.normal.map(f64::from),
@@ -111,6 +113,7 @@ impl Patch {
             (term.is_known, term.argument[0]) = (self.is_known, self.normal_arguments[number]);
             term.jacobian = [0, 1].map(|side| [row(side, spot.normal, [spot.other_lever, spot.lever][side]), [0.0; 6]]);
             term.bias[0] = spot.separation.max(0.0) / h;
+            (term.ahead, term.restitution) = (term.bias[0], self.restitution);
             term.expected[0] = pressed;
             term.push = (-spot.separation - SLOP).clamp(0.0, MOST_RECOVERY * h);
             terms.push(term);
@@ -195,6 +198,11 @@ impl Patch {
                 }
             }
         }
+    }
+
+    /// Adds what its points have been hit with in an impact to what they bear in the step.
+    pub(crate) fn add_blow(&mut self, terms: &[Term]) {
+        self.blow += self.terms(terms)[..self.spots.count].iter().map(|term| term.impulse[0]).sum::<f64>();
     }
 
     /// Takes its multipliers, and arguments, from the terms.

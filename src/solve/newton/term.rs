@@ -51,6 +51,11 @@ pub(crate) struct Term {
     pub slide: [f64; 2],
     /// Greatest length of a term that leans on others, as of the last outer pass.
     pub radius: f64,
+    /// Of a contact's normal: what of its bias is the way to go before it touches (m/s), its restitution, and what it has been hit with in an
+    /// impact (N·s).
+    pub ahead: f64,
+    pub restitution: f64,
+    pub hit: f64,
     /// By how much positions are to be pushed along its first row (m).
     pub push: f64,
     /// Whether the argument is that of the last substep.
@@ -75,6 +80,9 @@ impl Term {
             gain: [0.0; 2],
             slide: [1.0, 0.0],
             radius: 0.0,
+            ahead: 0.0,
+            restitution: 0.0,
+            hit: 0.0,
             push: 0.0,
             is_known: false,
         }
