@@ -59,6 +59,9 @@ struct Look {
     /// order resolves.
     is_loaded: bool,
     is_stiff: bool,
+    /// What gravity and the host pull its bodies with, all together (N), and the most that any joint is stiff by for each newton (1/N).
+    pull: f64,
+    stiffness: f64,
     is_jointed: bool,
     /// Whether a joint is with something that rows do not move.
     is_anchored: bool,
@@ -85,14 +88,15 @@ pub(crate) struct Planner {
 
 impl Planner {
     /// Plans of islands that begin with these slots and end before `end`; `is_smooth` says of a contact by its number whether
-    /// neither shape has edges but rims, and `stiffness` how stiffly the force of a joint turns its bodies in a substep.
+    /// neither shape has edges but rims, and `stiffness` how stiffly a force of 1 N in a joint turns its bodies in a substep (1/N), and
+    /// what force the joint bore last (N).
     pub(crate) fn plan(
         &mut self,
         firsts: &[u32],
         end: u32,
         links: &[JointLink],
         (velocities, motions, contacts): (&[BodyVelocity], &[BodyMotion], &[ContactInput]),
-        (is_smooth, stiffness): (impl Fn(usize) -> bool, impl Fn(&JointLink) -> f64),
+        (is_smooth, stiffness): (impl Fn(usize) -> bool, impl Fn(&JointLink) -> [f64; 2]),
         settings: &StepSettings,
     ) {
         let Self { looks, plans, tied, grouped, sizes } = self;
@@ -102,7 +106,8 @@ impl Planner {
             let masses =
                 (first..last).map(|slot| velocities[slot as usize].inverse_mass.max_element()).filter(|&mass| mass > 0.0);
             let inverse_masses = masses.fold([f32::INFINITY, 0.0_f32], |[least, most], mass| [least.min(mass), most.max(mass)]);
-            Look { bodies: last - first, is_plain: true, inverse_masses, ..Look::default() }
+            let pulls = (first..last).map(|slot| pull(&velocities[slot as usize], &motions[slot as usize]));
+            Look { bodies: last - first, is_plain: true, inverse_masses, pull: pulls.sum(), ..Look::default() }
         }));
         for forest in [&mut *tied, &mut *grouped] {
             forest.clear();
@@ -131,8 +136,9 @@ impl Planner {
             let Some(number) = island_of([link.a, link.b]) else { continue };
             let look = &mut looks[number];
             if look.is_looped && !look.is_stiff && look.bodies <= MOST_BODIES {
-                let stiffness = stiffness(link);
-                (look.is_loaded, look.is_stiff) = (look.is_loaded | (stiffness > 0.0), stiffness > IMPLICIT_RANGE.0);
+                let [stiffness, force] = stiffness(link);
+                (look.is_loaded, look.is_stiff) = (look.is_loaded | (force > 0.0), stiffness * force > IMPLICIT_RANGE.0);
+                look.stiffness = look.stiffness.max(stiffness);
             }
         }
         for number in 0..looks.len() {
@@ -163,9 +169,11 @@ impl Planner {
 }
 
 impl Look {
-    /// Whether joints close a loop and bear more than a substep resolves, or nobody knows what, as in the first step.
+    /// Whether joints close a loop and bear more than a substep resolves. In the first step nobody knows what they bear: it is taken for
+    /// all that the bodies are pulled with.
     fn is_stiff_loop(&self) -> bool {
-        self.is_looped && (self.is_stiff || !self.is_loaded)
+        let is_stiff = if self.is_loaded { self.is_stiff } else { self.stiffness * self.pull > IMPLICIT_RANGE.0 };
+        self.is_looped && is_stiff
     }
 
     fn is_large(&self) -> bool {
@@ -191,6 +199,12 @@ impl Look {
             _ => Plan::Coupled,
         }
     }
+}
+
+/// Force of gravity and of the host on a body that joints may hold (N).
+fn pull(velocity: &BodyVelocity, motion: &BodyMotion) -> f64 {
+    let inverse_mass = f64::from(velocity.inverse_mass.max_element());
+    if motion.is_dynamic() && inverse_mass > 0.0 { f64::from(motion.acceleration.length()) / inverse_mass } else { 0.0 }
 }
 
 /// Root of a slot's tree; ways there are shortened.

@@ -158,7 +158,7 @@ impl Newton {
                 let slot = slots[side];
                 DirectBody::new(slot as u32, &rates[slot], &moving[slot]).turning_ease(entry.local_lever[side])
             };
-            h * f64::from(entry.impulses.point.length()) * (ease(0) + ease(1))
+            [h * h * (ease(0) + ease(1)), f64::from(entry.impulses.point.length()) / h]
         };
         planner.plan(firsts, end, links, (rates, moving, contacts), (is_smooth, stiffness), settings);
         for (number, is_looped) in planner.coupled() {
