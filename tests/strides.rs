@@ -4,17 +4,28 @@ mod common;
 
 use common::{Run, scene};
 use longspan::glam::{DVec3, Vec3};
-use longspan::{ArticulationSettings, World};
-use longspan_scenes::{Effort, Engine, LongspanEngine};
+use longspan::{ArticulationSettings, JointKind, Limits, World};
+use longspan_scenes::{Effort, Engine, LongspanEngine, Scene};
 
 /// Substeps in which each swept articulation was solved in the last step.
 fn substeps_of(world: &World) -> Vec<u32> {
     world.articulations().iter().filter(|report| report.swept).map(|report| report.safe).collect()
 }
 
-/// An excavator that has lifted its stack for a second.
+/// An excavator whose hinges have stops, wide of where it goes: with what it lifts, it is swept.
+fn excavator(keys: &[(&str, &str)]) -> Scene {
+    let mut scene = scene("excavator", keys);
+    for joint in &mut scene.joints {
+        if let JointKind::Hinge { limits, .. } = &mut joint.def.kind {
+            *limits = Limits { min: -3.0, max: 3.0 };
+        }
+    }
+    scene
+}
+
+/// That machine when it has lifted its stack for a second.
 fn lifting() -> (LongspanEngine, usize, f32) {
-    let scene = scene("excavator", &[]);
+    let scene = excavator(&[]);
     let mut engine = LongspanEngine::start(&scene).unwrap_or_else(|error| panic!("{error}"));
     (0..60).for_each(|_| engine.step(scene.dt));
     (engine, scene.bodies.len() - 1, scene.dt)
@@ -62,7 +73,7 @@ fn an_error_target_or_few_substeps_leave_an_island_all_of_them() {
 
 /// Loads of the machine's joints (N) while it lifts at this effort.
 fn loads(substeps: u32) -> Vec<f32> {
-    let scene = scene("excavator", &[]);
+    let scene = excavator(&[]);
     let mut engine = LongspanEngine::new(&scene.world, Effort::N(substeps), 1).unwrap();
     for body in &scene.bodies {
         engine.add_body(body);
@@ -86,7 +97,7 @@ fn forces_are_those_of_all_substeps() {
 
 /// Positions of an excavator's bodies after three seconds, with so many boxes dropped in heaps 200 m away, created first.
 fn positions_beside(strangers: usize) -> Vec<DVec3> {
-    let mut scene = scene("excavator", &[("seconds", "3")]);
+    let mut scene = excavator(&[("seconds", "3")]);
     let mut others = common::scene("pile", &[("n", "100")]).bodies;
     others.truncate(strangers);
     others.iter_mut().for_each(|def| def.pose.position.x += 200.0);
