@@ -8,7 +8,7 @@
 #include <math.h>
 
 #define DT (1.0f / 60.0f)
-#define MOST_STEPS 4 /* more time than that is dropped: a host that cannot keep up must not fall behind for ever */
+#define MAX_STEPS 4 /* more time than that is dropped: a host that cannot keep up must not fall behind for ever */
 
 /* Between two poses: positions linearly, rotations along the shorter arc, near enough for the turn of one step. */
 static LsPose between(const LsPose *from, const LsPose *to, float share)
@@ -63,7 +63,7 @@ int main(void)
         rest += seconds;
         clock += seconds;
         for (due = 0; rest >= DT; rest -= DT) {
-            if (++due > MOST_STEPS) {
+            if (++due > MAX_STEPS) {
                 continue;
             }
             previous = now;

@@ -8,7 +8,7 @@ use crate::id::{JointId, ShapeId};
 use crate::mass::{Mass, MassProperties};
 use crate::pose::Pose;
 use crate::shape::ShapeDef;
-use crate::solve::direct::history::Past;
+use crate::solve::direct::history::StepHistory;
 
 /// Greatest linear speed of a body (m/s); faster input is refused, faster motion is clamped.
 pub const MAX_LINEAR_SPEED: f32 = 1.0e4;
@@ -193,7 +193,7 @@ pub(crate) struct Body {
     /// Whether fixed joints make it part of something that does not move, or that the host moves.
     pub anchored: Anchored,
     /// Last substep, for stepping to second order.
-    pub history: Past,
+    pub history: StepHistory,
     /// Taken out of the simulation because a step gave it a non-finite state.
     pub quarantined: bool,
 }
@@ -264,7 +264,7 @@ impl Body {
             woke: false,
             held: false,
             anchored: Anchored::No,
-            history: Past::default(),
+            history: StepHistory::default(),
             quarantined: false,
         }
     }

@@ -1,4 +1,4 @@
-//! What a host draws to see what the library sees: lines, triangles and short texts, in layers.
+//! Debug drawing: lines, triangles and short texts, in layers.
 //!
 //! [`World::draw`](crate::World::draw) walks through the layers that were asked for and hands each primitive to a [`DebugDraw`];
 //! nothing is kept, nothing is changed. Positions are in world coordinates (m).

@@ -1,4 +1,4 @@
-//! What can go wrong, as values: which rule was broken, by which argument.
+//! Errors as values: the rule that was broken, and the argument that broke it.
 //!
 //! A call that returns an [`Error`] has changed nothing.
 

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, ErrorKind, Result};
 use crate::prefetch::prefetch;
-use crate::room::extend_tightly;
+use crate::tight_vec::extend_tightly;
 
 const INDEX_BITS: u32 = 28;
 const GENERATION_BITS: u32 = 24;

@@ -1,4 +1,4 @@
-//! Stops and frames of a joint that the host moves: how fast, as the solver sees it.
+//! Velocity of stops and joint frames that the host moves.
 //!
 //! A host that lowers a rope's limit by 1 cm in every step reels it in at 0.6 m/s, and what hangs on it has to be drawn in at that speed:
 //! a limit that only changed its place would shorten the rope and do no work. So the difference between two steps over the step's

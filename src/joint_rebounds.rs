@@ -1,4 +1,4 @@
-//! Stops of a joint that are to be left again: see [`crate::solve::joint::rebound`].
+//! Stops of a joint with restitution: see [`crate::solve::joint::rebound`].
 
 /// Stops that were met in the last substep and give back part of that, where sweeps solve them: the fastest two.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -26,7 +26,6 @@
 
 #![forbid(unsafe_op_in_unsafe_fn)]
 
-mod balance;
 mod body;
 mod check;
 mod collide;
@@ -39,9 +38,11 @@ mod id;
 mod island;
 mod joint;
 mod joint_drive;
+mod joint_graph;
 mod joint_rebounds;
 mod lanes;
 mod linalg;
+mod load_distribution;
 mod long_range;
 mod mass;
 mod material;
@@ -52,13 +53,12 @@ mod prefetch;
 mod query;
 mod record;
 mod report;
-mod room;
 mod settings;
 mod shape;
 mod snapshot;
 mod solve;
-mod span;
 mod surface;
+mod tight_vec;
 mod tuning;
 mod workers;
 mod world;
@@ -76,6 +76,7 @@ pub use id::{BodyId, Handle, JointId, MAX_OBJECTS, ShapeId};
 pub use joint::{
     Axis, Drive, ForceSide, JointAxisState, JointDef, JointKind, JointState, Limits, Motor, Softness, SphericalMotor,
 };
+pub use joint_graph::support::verdict::{BodySupport, SupportChange, Verdict};
 pub use long_range::{
     BoundKind, BoundKindDef, BoundState, ChainLink, ChainState, LongRangeDef, MAX_LEVELS, PlaneState, SoftBound,
 };
@@ -90,6 +91,5 @@ pub use report::{
 };
 pub use settings::{ArticulationSettings, MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};
-pub use span::support::verdict::{BodySupport, SupportChange, Verdict};
 pub use workers::ParallelFor;
 pub use world::{Profiler, UnionInfo, World};

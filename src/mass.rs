@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3, Quat, Vec3};
 
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
-use crate::hull::weight::{Weight, principal_axes};
+use crate::hull::weight::{SolidIntegrals, principal_axes};
 use crate::shape::geometry::LocalPose;
 
 /// Least and greatest mass of a dynamic body (kg).
@@ -51,7 +51,7 @@ impl MassProperties {
     }
 
     /// Those of a solid of density 1.
-    pub(crate) fn from_weight(weight: &Weight) -> Self {
+    pub(crate) fn from_weight(weight: &SolidIntegrals) -> Self {
         Self::from_tensor(weight.volume, weight.center, weight.inertia)
     }
 

@@ -1,5 +1,5 @@
-//! Memory asked for before it is used: of a large world each record that a walk comes to is far away, and a processor waits for one
-//! at a time where there is much to do about each.
+//! Prefetching. In a large world every record that a loop reaches is a cache miss; asking for it some elements ahead hides the
+//! wait.
 
 pub(crate) use crate::platform::prefetch;
 

@@ -1,4 +1,4 @@
-//! Every call that changes a world, written down as it is made, and played again.
+//! Records every call that changes a world, and replays it.
 //!
 //! ```text
 //! header     magic, format, form, flags

@@ -1,4 +1,4 @@
-//! What a step tells its caller: counts, residuals, timings, events.
+//! Report of a step: counts, residuals, timings, events.
 
 use glam::{DVec3, Vec3};
 

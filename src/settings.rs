@@ -1,4 +1,4 @@
-//! What a world is made with.
+//! Settings of a world.
 
 use glam::Vec3;
 
@@ -70,10 +70,10 @@ impl ArticulationSettings {
 }
 
 /// Most substeps of an articulation over those of the world.
-const MOST_SUBSTEPS_RANGE: u32 = 64;
+const MAX_SUBSTEPS_RANGE: u32 = 64;
 
 /// Most millions of multiplications for halved substeps.
-const MOST_HALVING_BUDGET: f32 = 1.0e6;
+const MAX_HALVING_BUDGET: f32 = 1.0e6;
 
 /// Most substeps of a step and iterations of a substep.
 pub const MAX_EFFORT: u32 = 256;
@@ -159,12 +159,12 @@ impl WorldDef {
         within("substeps", self.substeps, MAX_EFFORT)?;
         within("iterations", self.iterations, MAX_EFFORT)?;
         within("threads", self.threads, MAX_THREADS)?;
-        if self.articulations.most_substeps > MOST_SUBSTEPS_RANGE {
+        if self.articulations.most_substeps > MAX_SUBSTEPS_RANGE {
             return Err(Error::new(ErrorKind::OutOfRange, "articulations.most_substeps", "is above 64"));
         }
         check::not_negative("articulations.error_target", self.articulations.error_target)?;
         check::not_negative("articulations.halving_budget", self.articulations.halving_budget)?;
-        if self.articulations.halving_budget > MOST_HALVING_BUDGET {
+        if self.articulations.halving_budget > MAX_HALVING_BUDGET {
             return Err(Error::new(ErrorKind::OutOfRange, "articulations.halving_budget", "is above 1e6"));
         }
         if self.body_capacity > MAX_CAPACITY_HINT || self.joint_capacity > MAX_CAPACITY_HINT {

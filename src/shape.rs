@@ -1,4 +1,4 @@
-//! What a body is made of: geometry, checked once, shared by every body that uses it.
+//! Shapes: geometry that is checked once and shared by every body that uses it.
 //!
 //! Geometry is plain data; [`Shape::new`] refuses what cannot be a solid and builds what collision needs from it. Capsules,
 //! cylinders and cones stand along the local y axis. parry3d holds the collision form; nothing outside `collide/` uses it.

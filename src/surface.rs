@@ -1,4 +1,4 @@
-//! Forms with corners as triangles, for whoever draws them.
+//! Triangles of shapes, for drawing.
 
 use glam::Vec3;
 

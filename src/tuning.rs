@@ -1,4 +1,4 @@
-//! Thresholds of behaviour: numbers that decide what the library does, not how exactly it computes.
+//! Behaviour thresholds: numbers that decide what the library does, not how exactly it computes.
 //!
 //! Each says what it is and in which unit, why it has this value, on which scenes it was tried and which test holds it; `tests/house.rs`
 //! checks that none of these lines is missing. What is a tolerance of an algorithm, a size of a buffer or a number of pieces of work
@@ -67,7 +67,7 @@ pub(crate) mod units {
     pub(crate) const OVERLAP_SHARE: f32 = 0.01;
 }
 
-/// Substeps that a smooth island takes at once: see `world/stride.rs`.
+/// Substeps that a smooth island takes at once: see `world/substep_multiplier.rs`.
 pub(crate) mod stride {
     /// Steps for which an island must have been smooth.
     /// Why: carried multipliers are exact only where forces have stayed what they were.
@@ -134,15 +134,15 @@ pub(crate) mod drift {
     /// Why: beyond it the rate is lost in rounding.
     /// Scenes: slow motors.
     /// Test: tests/sleeping.rs
-    pub(crate) const MOST_TIME: f32 = 30.0;
+    pub(crate) const MAX_TIME: f32 = 30.0;
     /// Longest time for which a spring is watched (s).
     /// Why: softer ones bear so little that whatever they touch holds them.
     /// Scenes: soft springs.
     /// Test: tests/sleeping.rs
-    pub(crate) const MOST_WATCHED: f32 = 10.0;
+    pub(crate) const MAX_WATCHED: f32 = 10.0;
 }
 
-/// What stands on what: see `span/support/` and `world/support/`.
+/// What stands on what: see `joint_graph/support/` and `world/support/`.
 pub(crate) mod support {
     /// Least cosine between a contact's normal and the vertical for one body to stand on the other.
     /// Why: 72° of slope; friction of more than 3 would be needed beyond.
@@ -186,7 +186,7 @@ pub(crate) mod support {
     pub(crate) const GAIN_STEPS: u8 = 6;
 }
 
-/// What stands by thrust: see `world/support/thrust.rs`.
+/// What stands by thrust: see `world/support/arch_stability.rs`.
 pub(crate) mod thrust {
     /// Share of its weight that the pushes on a braced unit may leave unbalanced.
     /// Why: stones of a falling arch balance to as much; less calls those that settle loose.
@@ -205,7 +205,7 @@ pub(crate) mod thrust {
     pub(crate) const SPREAD_SHARE: f32 = 1.0e-2;
 }
 
-/// Graphs in which every body hangs on many paths: see `span/sheet.rs`.
+/// Graphs in which every body hangs on many paths: see `joint_graph/mesh.rs`.
 pub(crate) mod sheets {
     /// Joints for each moving body from which on a graph is a sheet.
     /// Why: 1 in a chain or loop, 1.33 in a ladder, 1.43 in a rope bridge of 112 planks, 1.5 in a truss of bars in triangles, 2 in a square
@@ -217,10 +217,10 @@ pub(crate) mod sheets {
     /// Why: its bounds are few, and it may be a footbridge.
     /// Scenes: joint_grid, rope_bridge.
     /// Test: tests/stability.rs
-    pub(crate) const LEAST_BODIES: usize = 400;
+    pub(crate) const MIN_BODIES: usize = 400;
 }
 
-/// Which bounds are derived: see `span/hierarchy.rs`, `span/weight.rs` and `world/load/wrap.rs`.
+/// Which bounds are derived: see `joint_graph/hierarchy.rs`, `joint_graph/load_class.rs` and `world/solve_batches/wrap.rs`.
 pub(crate) mod bounds {
     /// Mass from which on a body is heavy: share of the greatest mass of connected bodies.
     /// Why: lighter ones stretch a structure little; pairs of joints would never meet heavy bodies where light pieces alternate.
@@ -236,7 +236,7 @@ pub(crate) mod bounds {
     /// Why: over fewer joints sweeps do as much, and bounds that are nearly taut pull at a loop whose joints gape.
     /// Scenes: hinge_loop, track.
     /// Test: tests/long_range.rs
-    pub(crate) const LEAST_SPAN: u32 = 16;
+    pub(crate) const MIN_SPAN: u32 = 16;
     /// Bodies from which on such a run is long.
     /// Why: a random tree without short bounds gapes twice as far.
     /// Scenes: hinge_loop, branched_tree.
@@ -246,7 +246,7 @@ pub(crate) mod bounds {
     /// Why: below four nothing is gained, and from sixteen on it stretches by more than a hundredth of a per cent.
     /// Scenes: lifted_chain of 100 links.
     /// Test: tests/long_range.rs
-    pub(crate) const LEAST_SPAN_OF_BENT: u32 = 8;
+    pub(crate) const MIN_SPAN_OF_BENT: u32 = 8;
     /// Joints on an edge past light bodies beyond which these get a hierarchy of their own.
     /// Why: what is strung over an obstacle is bounded by no straight line from end to end.
     /// Scenes: cable_car.
@@ -256,7 +256,7 @@ pub(crate) mod bounds {
     /// Why: a chain takes several links to go around a drum.
     /// Scenes: cable_car with 2 and 3 cars, round and of 32 sides.
     /// Test: tests/long_range.rs
-    pub(crate) const LEAST_WRAPPED: u32 = 8;
+    pub(crate) const MIN_WRAPPED: u32 = 8;
     /// Share of its length from which on a bound is taken as straight.
     /// Why: rows along and across the line do more then.
     /// Scenes: cable_car, hanging_chain.
@@ -264,7 +264,7 @@ pub(crate) mod bounds {
     pub(crate) const STRAIGHT_SHARE: f32 = 0.99;
 }
 
-/// Chains of parallel hinges: see `span/plane.rs`.
+/// Chains of parallel hinges: see `joint_graph/plane.rs`.
 pub(crate) mod planes {
     /// Greatest angle between axes that count as parallel (rad).
     /// Why: 0.02°, far above the rounding of joint frames.
@@ -280,10 +280,10 @@ pub(crate) mod planes {
     /// Why: sweeps bring fewer into line by themselves.
     /// Scenes: hinge_loop, arm.
     /// Test: tests/hinge_planes.rs
-    pub(crate) const LEAST_HINGES: usize = 3;
+    pub(crate) const MIN_HINGES: usize = 3;
 }
 
-/// Stacks that are being put together: see `solve/load_pass.rs` and `solve/birth.rs`.
+/// Stacks that are being put together: see `solve/momentum_pass.rs` and `solve/initial_impulses.rs`.
 pub(crate) mod stacks {
     /// Least number of levels for which the pass is worth its time.
     /// Why: two sweeps carry load through two.
@@ -317,7 +317,7 @@ pub(crate) mod stacks {
     pub(crate) const MAX_REST_SPEED: f32 = 0.05;
 }
 
-/// Energy that sweeps may leave behind: see `solve/passive.rs` and `solve/dissipative/`.
+/// Energy that sweeps may leave behind: see `solve/joint_energy.rs` and `solve/contact_energy/`.
 pub(crate) mod energy {
     /// Kinetic energy after a substep's sweeps, over that before, beyond which their multipliers are worth nothing.
     /// Why: multipliers have grown from substep to substep then. Given up from 2 on, a mobile at a ratio of 1 stretches by 67 %; never given

@@ -1,4 +1,4 @@
-//! Who does the independent parts of a step: the calling thread, threads of the world's own, or the host's job system.
+//! Runs the independent parts of a step: on the calling thread, on threads of the world, or on the host's job system.
 //!
 //! Parts share nothing and are the same whoever does them, so the bits of a step do not depend on it.
 
@@ -18,13 +18,13 @@ pub trait ParallelFor: Send + Sync {
 }
 
 /// Pieces into which work is cut at most.
-pub(crate) const MOST_PIECES: usize = 64;
+pub(crate) const MAX_PIECES: usize = 64;
 
 /// Pieces for each thread: one may come late.
 const PIECES_EACH: usize = 8;
 
 /// Pieces of phases that are handed out together: a step's sweep has a dozen phases.
-const MOST_IN_PHASES: usize = 128;
+const MAX_IN_PHASES: usize = 128;
 
 /// The threads of a world.
 #[derive(Default)]
@@ -72,7 +72,7 @@ impl Workers {
 
     /// Places that pieces of phases may be meant for: as many as there are threads, some at least where the host does the work.
     pub(crate) fn places(&self) -> usize {
-        if self.has_host() { PIECES_EACH } else { self.count().min(MOST_PIECES) }
+        if self.has_host() { PIECES_EACH } else { self.count().min(MAX_PIECES) }
     }
 
     /// Has threads of its own stay awake for a step, until the watch is dropped.
@@ -83,8 +83,8 @@ impl Workers {
     /// Length of the pieces into which `count` things are cut, of which `least` are worth another thread's while.
     pub(crate) fn piece(&self, count: usize, least: usize) -> usize {
         let pieces = match (&self.host, &self.own) {
-            (Some(_), _) => MOST_PIECES,
-            (None, Some(_)) => MOST_PIECES.min(PIECES_EACH * self.count()),
+            (Some(_), _) => MAX_PIECES,
+            (None, Some(_)) => MAX_PIECES.min(PIECES_EACH * self.count()),
             (None, None) => 1,
         };
         count.div_ceil(pieces).max(least)
@@ -102,10 +102,10 @@ impl Workers {
     fn share_out<T: Send>(&self, mut pieces: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
         let Some(host) = &self.host else {
             let Some(team) = &self.own else { return pieces.for_each(work) };
-            return while share_some::<T, MOST_PIECES>(team, &mut pieces.by_ref().map(|piece| (0, None, piece)), &work) {};
+            return while share_some::<T, MAX_PIECES>(team, &mut pieces.by_ref().map(|piece| (0, None, piece)), &work) {};
         };
         loop {
-            let waiting = [const { Mutex::new(None) }; MOST_PIECES];
+            let waiting = [const { Mutex::new(None) }; MAX_PIECES];
             let count = waiting.iter().zip(&mut pieces).map(|(place, piece)| *lock(place) = Some(piece)).count();
             let part = |number: usize| {
                 let piece = waiting.get(number).and_then(|place| lock(place).take());
@@ -117,7 +117,7 @@ impl Workers {
                 host.run(count, &part);
             }
             (0..count).for_each(part);
-            if count < MOST_PIECES {
+            if count < MAX_PIECES {
                 return;
             }
         }
@@ -147,7 +147,7 @@ impl Workers {
 #[inline(never)]
 fn share_out_in_phases<T: Send>(team: &Team, pieces: impl Iterator<Item = (u32, usize, T)>, work: impl Fn(T) + Sync) {
     let mut pieces = pieces.map(|(phase, owner, piece)| (phase, Some(owner), piece));
-    while share_some::<T, MOST_IN_PHASES>(team, &mut pieces, &work) {}
+    while share_some::<T, MAX_IN_PHASES>(team, &mut pieces, &work) {}
 }
 
 /// Works on the next pieces, each with its phase and whose it is first of all, and says whether there may be more: a number of threads after

@@ -22,11 +22,11 @@ use crate::settings::WorldDef;
 use crate::solve::batch::Batch;
 use crate::workers::{ParallelFor, Workers};
 
+mod assign_constraints;
 mod bodies;
-#[cfg(test)]
-mod carried;
+mod body_shape_table;
+mod body_summary;
 mod cells;
-mod census;
 mod chain;
 mod contacts;
 mod draw;
@@ -35,32 +35,32 @@ mod drives;
 mod fast;
 mod forces;
 mod fracture;
-mod group;
-mod hand_out;
+mod getters;
 mod hold;
-mod index;
+mod islands;
 mod joints;
-mod load;
 mod long_range;
 mod pairs;
 mod planes;
 mod query;
-mod read;
-mod redefine;
-mod rest;
 mod seams;
-mod sense;
+mod sensors;
+mod setters;
 mod shapes;
 mod sleep;
 mod snapshot;
-mod store;
-mod stride;
+mod solve_batches;
+mod step_skip;
+mod substep_multiplier;
 mod support;
-mod touches;
+mod touching_pairs;
 mod union_loads;
 mod union_query;
 mod unions;
 mod wake;
+#[cfg(test)]
+mod warm_start_tests;
+mod write_back;
 
 pub(crate) use hold::{HeldBody, HeldUnit};
 pub(crate) use long_range::{AskedBound, CarriedBound};
@@ -75,7 +75,7 @@ pub struct World {
     joints: Pool<Joint, JointId>,
 
     broad: BroadPhase,
-    escaped: query::Escaped,
+    escaped: query::OutOfBoxBodies,
     pairs: PairCache,
     /// Bodies that a step may move, sorted by slot.
     movers: Vec<u32>,
@@ -88,17 +88,17 @@ pub struct World {
 
     unions: unions::Unions,
     long_range: long_range::LongRange,
-    groups: group::Groups,
-    touches: touches::Touches,
-    census: census::Census,
-    index: index::Index,
+    groups: islands::IslandGroups,
+    touches: touching_pairs::TouchingPairs,
+    summaries: body_summary::BodySummaries,
+    index: body_shape_table::BodyShapeTable,
     hold: hold::Hold,
-    rest: rest::Rest,
+    rest: step_skip::StepSkip,
     fracture: fracture::Fracture,
     batches: Vec<Batch>,
     batch_count: usize,
     events: Events,
-    sensing: sense::Sensing,
+    sensing: sensors::Sensors,
     /// Bodies that this step gave a non-finite state.
     broken: Vec<u32>,
     /// The support analysis, where the host wants it.
@@ -109,7 +109,7 @@ pub struct World {
     /// Length of the last substep (s), for rescaling multipliers.
     last_substep: f32,
     last_dt: f32,
-    scratch: Scratch,
+    scratch: StepScratch,
     threads: Workers,
     profiler: Option<Arc<dyn Profiler>>,
     /// Last, so that the world's number is free again only when everything else is gone.
@@ -118,7 +118,7 @@ pub struct World {
 
 /// Buffers that steps reuse.
 #[derive(Default)]
-struct Scratch {
+struct StepScratch {
     candidates: Vec<PairKey>,
     /// For each piece of the pairs.
     pairs: Vec<PairScratch>,
@@ -129,14 +129,14 @@ struct Scratch {
     glides: Vec<Vec<seams::Glide>>,
     seams: seams::Seams,
     /// What is noted of bodies, and of joints, for each piece of a batch.
-    noted: Vec<store::bodies::Noted>,
-    noted_joints: Vec<store::joints::Noted>,
+    noted: Vec<write_back::bodies::BodyNotes>,
+    noted_joints: Vec<write_back::joints::JointNotes>,
     /// Pairs whose contact may have begun or ended.
     changed: Vec<u32>,
     /// What of each part of the pairs that touch is of other batches than the largest.
     others: Vec<Vec<u32>>,
     /// Forces of the manifolds of a batch.
-    pulls: Vec<store::Pull>,
+    pulls: Vec<write_back::Pull>,
     slots: Vec<u32>,
     islands: UnionFind,
 }
@@ -156,7 +156,7 @@ impl World {
             colliders: Pool::new(&tag),
             joints: Pool::new(&tag),
             broad: BroadPhase::default(),
-            escaped: query::Escaped::default(),
+            escaped: query::OutOfBoxBodies::default(),
             pairs: PairCache::default(),
             movers: Vec::new(),
             movers_sorted: true,
@@ -165,24 +165,24 @@ impl World {
             sleeping: SleepingIslands::default(),
             unions: unions::Unions::default(),
             long_range: long_range::LongRange::default(),
-            groups: group::Groups::default(),
-            touches: touches::Touches::default(),
-            census: census::Census::default(),
-            index: index::Index::default(),
+            groups: islands::IslandGroups::default(),
+            touches: touching_pairs::TouchingPairs::default(),
+            summaries: body_summary::BodySummaries::default(),
+            index: body_shape_table::BodyShapeTable::default(),
             hold: hold::Hold::default(),
-            rest: rest::Rest::default(),
+            rest: step_skip::StepSkip::default(),
             fracture: fracture::Fracture::default(),
             batches: Vec::new(),
             batch_count: 0,
             events: Events::default(),
-            sensing: sense::Sensing::default(),
+            sensing: sensors::Sensors::default(),
             broken: Vec::new(),
             support: None,
             report: StepReport::default(),
             has_smooth_bodies: false,
             last_substep: 0.0,
             last_dt: 0.0,
-            scratch: Scratch::default(),
+            scratch: StepScratch::default(),
             threads,
             profiler: None,
             _tag: tag,

@@ -1,5 +1,5 @@
 //! Joints and contacts in one solve, at numbers that nothing was tuned for: arches, bollards, winches, drums and lifts of other counts,
-//! masses, radii and rates than those of *coupled.rs*.
+//! masses, radii and rates than those of *block_constraint.rs*.
 //!
 //! `cargo test --release --test coupled_holdouts -- --ignored --nocapture` prints the table of *docs/lab/coupled.md*.
 

@@ -18,7 +18,7 @@ const SEEDS: std::ops::Range<u64> = 0..6;
 const CALLS: u32 = 700;
 
 /// Most bodies of a world: more make calls slow, not more different.
-const MOST_BODIES: usize = 40;
+const MAX_BODIES: usize = 40;
 
 /// What rounding may put speeds above the limit that they are kept to.
 const ROUNDED: f32 = 1.0 + 1.0e-6;
@@ -194,7 +194,7 @@ impl Fuzz {
     }
 
     fn create_body(&mut self) {
-        if self.world.body_count() >= MOST_BODIES {
+        if self.world.body_count() >= MAX_BODIES {
             return;
         }
         let (kind, pose, shape) = (self.make.kind(), self.make.pose(), self.make.shape_def());

@@ -1,4 +1,4 @@
-//! Broad phase: which shapes may touch, from enlarged [`boxes`](super::boxes).
+//! Broad phase: which shapes may touch, from enlarged [`aabb_set`](super::aabb_set).
 //!
 //! A shape's kept box changes only when the shape leaves it; only then are new neighbours looked for. The form of a tree of boxes
 //! depends on history, but what it reports does not: it only ever adds candidates, and those too far apart are dropped exactly.
@@ -6,9 +6,9 @@
 use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
-use super::boxes::Boxes;
+use super::aabb_set::AabbSet;
 use super::pairs::PairKey;
-use crate::room::give_back_room;
+use crate::tight_vec::give_back_room;
 use crate::workers::Workers;
 
 /// Shapes of one group from which on what is near all of them is asked for at once, and up to how many others are then looked at one
@@ -17,23 +17,23 @@ pub(crate) const LARGE_GROUP: usize = 8;
 pub(crate) const FEW_SHAPES: usize = 16;
 
 /// Changed shapes that are worth another thread's while: some 20 µs.
-const LEAST_SHAPES: usize = 32;
+const MIN_SHAPES: usize = 32;
 
 /// Boxes of all shapes, by slot.
 #[derive(Default)]
 pub(crate) struct BroadPhase {
-    boxes: Boxes,
+    boxes: AabbSet,
     /// Shapes whose neighbours are to be looked for at the next [`refresh`](Self::refresh), as their kept box changed or may meet others.
     changed: Vec<u32>,
     /// Whether each shape is one of them.
     is_changed: Vec<bool>,
     /// What was found of each piece of them.
-    found: Vec<Found>,
+    found: Vec<FoundPairs>,
 }
 
 /// What was found of a piece of the changed shapes.
 #[derive(Default)]
-struct Found {
+struct FoundPairs {
     pairs: Vec<PairKey>,
     /// What is near a group.
     near: Vec<(u32, Aabb)>,
@@ -103,9 +103,9 @@ impl BroadPhase {
         changed.sort_unstable_by_key(|&shape| (group_of(shape), shape));
         boxes.set_all(changed.len(), changed.iter().filter_map(|&shape| Some((shape, box_of(shape)?))));
         let (boxes, all_changed) = (&*boxes, &*is_changed);
-        let piece = threads.piece(changed.len(), LEAST_SHAPES);
+        let piece = threads.piece(changed.len(), MIN_SHAPES);
         let pieces = changed.len().div_ceil(piece);
-        found.resize_with(found.len().max(pieces), Found::default);
+        found.resize_with(found.len().max(pieces), FoundPairs::default);
         std::mem::swap(candidates, &mut found[0].pairs);
         threads.share(changed.chunks(piece).zip(&mut *found), |(shapes, found)| {
             found.look((boxes, shapes, all_changed), &box_of, &group_of, &is_new);
@@ -129,11 +129,11 @@ impl BroadPhase {
     }
 }
 
-impl Found {
+impl FoundPairs {
     /// Lists the new pairs of these shapes with their neighbours. A group that is cut into two pieces is looked for as two.
     fn look(
         &mut self,
-        (boxes, shapes, is_changed): (&Boxes, &[u32], &[bool]),
+        (boxes, shapes, is_changed): (&AabbSet, &[u32], &[bool]),
         box_of: &impl Fn(u32) -> Option<Aabb>,
         group_of: &impl Fn(u32) -> Option<u32>,
         is_new: &impl Fn(&PairKey) -> bool,

@@ -2,22 +2,22 @@
 //!
 //! A pair is *active* while one of its bodies can move by itself; the pairs of a sleeping island are kept by the island.
 
-mod tidy;
+mod defragment;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use super::blows::{Blow, Blows};
-use super::carried::Manifolds;
+use super::active_hits::{ActiveHit, ActiveHits};
 use super::pairs::{Pair, PairKey};
-use crate::room::{make_room, make_room_behind};
+use super::persistent_manifold::Manifolds;
+use crate::tight_vec::{make_room, make_room_behind};
 use crate::workers::Workers;
 
-use tidy::LEAST_TIDIED;
-pub(crate) use tidy::put_in_places;
+use defragment::MIN_TIDIED;
+pub(crate) use defragment::put_in_places;
 
 /// Pairs of which it is worth another thread's while to ask whether they have gone: some 5 µs.
-const LEAST_ASKED: usize = 2048;
+const MIN_ASKED: usize = 2048;
 
 /// All pairs of a world.
 #[derive(Debug, Default)]
@@ -38,15 +38,15 @@ pub(crate) struct PairCache {
     /// Steps until manifolds are looked at.
     until_tidied: u32,
     /// Hits under way.
-    pub(crate) blows: Blows,
+    pub(crate) blows: ActiveHits,
 }
 
 impl PairCache {
     /// A cache of active pairs, sorted by key, and of pairs that sleep, which take the slots after them, each with the hit under way;
     /// `None` if not sorted. `extent` is told the lesser least extent of two shapes (m).
     pub(crate) fn from_parts(
-        (active, hits): (Vec<Pair>, Vec<Blow>),
-        (asleep, later): (Vec<Pair>, Vec<Blow>),
+        (active, hits): (Vec<Pair>, Vec<ActiveHit>),
+        (asleep, later): (Vec<Pair>, Vec<ActiveHit>),
         extent: impl Fn(PairKey) -> f32,
     ) -> Option<Self> {
         if !active.windows(2).all(|two| two[0].key < two[1].key) {
@@ -57,13 +57,13 @@ impl PairCache {
         pairs.iter_mut().for_each(|pair| pair.active = true);
         pairs.extend(asleep);
         pairs.iter_mut().for_each(|pair| pair.note_pressed(extent(pair.key)));
-        let mut blows = Blows::default();
+        let mut blows = ActiveHits::default();
         (0..).zip(hits.into_iter().chain(later)).for_each(|(slot, blow)| blows.set(slot, blow));
         Some(Self { pairs, active: keys, blows, ..Self::default() })
     }
 
     /// The hit under way of a pair; nothing if there is none.
-    pub(crate) fn blow_of(&self, slot: u32) -> Blow {
+    pub(crate) fn blow_of(&self, slot: u32) -> ActiveHit {
         self.blows.get(slot).copied().unwrap_or_default()
     }
 
@@ -118,7 +118,7 @@ impl PairCache {
 
     /// Whether there are so many active pairs that where their records lie in memory matters.
     pub(crate) fn is_large(&self) -> bool {
-        self.active.len() >= LEAST_TIDIED
+        self.active.len() >= MIN_TIDIED
     }
 
     fn is_settled(&self) -> bool {
@@ -237,7 +237,7 @@ impl PairCache {
             return;
         }
         let (mut active, mut gone) = (std::mem::take(&mut self.active), std::mem::take(&mut self.gone_at));
-        let piece = if threads.has_team() { threads.piece(active.len(), LEAST_ASKED) } else { active.len().max(1) };
+        let piece = if threads.has_team() { threads.piece(active.len(), MIN_ASKED) } else { active.len().max(1) };
         let pieces = active.len().div_ceil(piece);
         gone.resize_with(pieces.max(gone.len()), Vec::new);
         threads.share(active.chunks(piece).zip(&mut gone).zip((0..).step_by(piece)), |((pairs, gone), first)| {
@@ -386,10 +386,10 @@ pub(crate) enum Fate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collide::carried::{CarriedManifold, Kind};
     use crate::collide::narrow::Manifold;
+    use crate::collide::persistent_manifold::{CarriedManifold, Kind};
 
-    const COUNT: u32 = 2 * LEAST_TIDIED as u32;
+    const COUNT: u32 = 2 * MIN_TIDIED as u32;
 
     /// Pairs of neighbours, every other one with a manifold of one point, the others of two: each manifold says whose it is.
     fn large() -> PairCache {

@@ -1,19 +1,24 @@
-//! Which shapes touch, and where. parry3d stays behind this door.
+//! Collision detection: finds which shapes touch, and where. Only this module and the queries use parry3d.
 //!
-//! `broad` finds candidates among kept `boxes`, `cache` keeps `pairs` of them with what was `carried` over of the contacts they had,
-//! `narrow` makes manifolds from geometry alone where shapes have left their `stance`, `curvature` says how
-//! surfaces bend where they touch, `sweep` stops fast bodies at what they would pass through.
+//! | file | what |
+//! |---|---|
+//! | `collider`, `collider_state` | a shape on a body, and its state in this step |
+//! | `broad`, `aabb_set` | which boxes overlap |
+//! | `cache`, `pairs`, `persistent_manifold` | pairs of shapes, with the contacts that they keep from step to step |
+//! | `narrow` | manifolds from two shapes and their relative pose |
+//! | `predict`, `curvature` | manifolds at the poses in which shapes will press; how surfaces bend there |
+//! | `sweep` | continuous detection of fast bodies |
 
-pub(crate) mod blows;
-mod boxes;
+mod aabb_set;
+pub(crate) mod active_hits;
 pub(crate) mod broad;
 pub(crate) mod cache;
-pub(crate) mod carried;
-pub(crate) mod coarse;
 pub(crate) mod collider;
+pub(crate) mod collider_state;
 pub(crate) mod curvature;
 pub(crate) mod narrow;
 pub(crate) mod pairs;
+pub(crate) mod persistent_manifold;
 pub(crate) mod predict;
-pub(crate) mod stance;
+pub(crate) mod quantized_pose;
 pub(crate) mod sweep;

@@ -5,15 +5,15 @@ use std::cmp::Ordering;
 use glam::{Mat3, Quat, Vec3};
 use parry3d::math::Pose3;
 
-use super::carried::{Carried, CarriedManifold, Manifolds, near, pressed, touching};
-use super::coarse::{CoarsePose, coarse, pose_unit};
 use super::collider::{Collider, relative};
-use super::narrow::{Manifold, Scratch};
-use super::predict::{self, Follow, Found, Reach, Step};
-use super::stance::Stance;
+use super::collider_state::ColliderState;
+use super::narrow::{Manifold, NarrowScratch};
+use super::persistent_manifold::{Carried, CarriedManifold, Manifolds, near, pressed, touching};
+use super::predict::{self, Follow, FoundContacts, Reach, Step};
+use super::quantized_pose::{QuantizedPose, coarse, pose_unit};
 use crate::body::Body;
 use crate::contact::ContactImpulses;
-use crate::contact::told::Told;
+use crate::contact::status::ContactStatus;
 
 /// Two shapes' slots, the lower first. Beside a pair's slot in a list it takes twelve bytes, where a number of eight would take sixteen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -95,7 +95,7 @@ pub(crate) struct Pair {
     /// Of a pair with one manifold: its points that are near enough to touch, as bits, and what the solver told of it last. Of others
     /// nothing is told.
     pub near: u8,
-    pub told: Told,
+    pub told: ContactStatus,
     /// What the support analysis has made of it.
     pub word: Word,
     /// Whether the narrow phase made new manifolds in the last step.
@@ -110,7 +110,7 @@ pub(crate) struct Pair {
     pub in_contact: bool,
     pub active: bool,
     /// Pose of B's shape in A's that the manifolds were made for.
-    pub pose: CoarsePose,
+    pub pose: QuantizedPose,
 }
 
 // Less where addresses are short.
@@ -143,7 +143,7 @@ impl Pair {
             touching: 0,
             touches: 0,
             near: 0,
-            told: Told::NOTHING,
+            told: ContactStatus::NOTHING,
             word: Word::Nothing,
             updated: false,
             still: false,
@@ -151,7 +151,7 @@ impl Pair {
             may_touch: false,
             in_contact: false,
             active: false,
-            pose: CoarsePose::IDENTITY,
+            pose: QuantizedPose::IDENTITY,
         }
     }
 
@@ -159,7 +159,7 @@ impl Pair {
     /// anew.
     pub(crate) fn update<'a>(
         &mut self,
-        (a, b): (&Stance, &Stance),
+        (a, b): (&ColliderState, &ColliderState),
         motion: f32,
         step: Step,
         moving: impl FnOnce() -> [Follow<'a>; 2],
@@ -180,10 +180,10 @@ impl Pair {
             let moving = moving();
             let reach = Reach { motion, margin, is_pressed: self.pressed, before: &self.manifolds };
             let PairScratch { narrow, manifolds, spare, .. } = scratch;
-            let mut found = Found { scratch: narrow, manifolds, spare };
+            let mut found = FoundContacts { scratch: narrow, manifolds, spare };
             predict::collide((a, b), &moving, step, relative, reach, &mut found);
             self.take(&scratch.manifolds, &mut scratch.carried);
-            (self.pose, self.margin) = (CoarsePose::of(&coarse(&relative, pose_unit(extent))), margin);
+            (self.pose, self.margin) = (QuantizedPose::of(&coarse(&relative, pose_unit(extent))), margin);
         } else {
             self.manifolds.follow(&relative);
         }
@@ -229,7 +229,7 @@ impl Pair {
         self.margin = NOT_MADE;
         self.may_touch = false;
         self.updated = false;
-        (self.pressed, self.touches, self.told) = (false, 0, Told::NOTHING);
+        (self.pressed, self.touches, self.told) = (false, 0, ContactStatus::NOTHING);
     }
 
     /// Pose and margin that the manifolds were made for, if for any.
@@ -239,7 +239,7 @@ impl Pair {
 
     /// Says what the manifolds were made for: a pose in steps, as [`coarse`] gives it, and a margin.
     pub(crate) fn set_made_for(&mut self, pose: &Pose3, margin: f32) {
-        (self.pose, self.margin) = (CoarsePose::of(pose), margin);
+        (self.pose, self.margin) = (QuantizedPose::of(pose), margin);
     }
 
     /// Whether there are contact points at all.
@@ -274,7 +274,7 @@ impl Pair {
     fn take(&mut self, fresh: &[Manifold], carried: &mut Vec<CarriedManifold>) {
         self.manifolds.take(fresh, carried);
         if fresh.len() != 1 {
-            self.told = Told::NOTHING;
+            self.told = ContactStatus::NOTHING;
         }
         if fresh.is_empty() {
             (self.pressed, self.touches) = (false, 0);
@@ -296,14 +296,20 @@ impl Pair {
     pub(crate) fn store(&mut self, number: usize, impulses: ContactImpulses) {
         self.manifolds.set_impulses(number, impulses);
         if number == 0 {
-            (self.pressed, self.touches, self.told) = (false, 0, Told::NOTHING);
+            (self.pressed, self.touches, self.told) = (false, 0, ContactStatus::NOTHING);
         }
         self.pressed |= impulses.normal.iter().any(|&lambda| lambda > 0.0);
     }
 
     /// The same where somebody wants to know which points touch, with what the solver tells of it; `extent` is the lesser least extent of
     /// the two shapes (m).
-    pub(crate) fn store_told(&mut self, number: usize, impulses: ContactImpulses, told: Told, extent: impl FnOnce() -> f32) {
+    pub(crate) fn store_told(
+        &mut self,
+        number: usize,
+        impulses: ContactImpulses,
+        told: ContactStatus,
+        extent: impl FnOnce() -> f32,
+    ) {
         self.store(number, impulses);
         if self.manifolds.len() == 1 {
             let pressed = pressed(&impulses);
@@ -340,7 +346,7 @@ fn rounded_up(margin: f32) -> f32 {
 /// Buffers that one thread of the narrow phase reuses.
 #[derive(Default)]
 pub(crate) struct PairScratch {
-    narrow: Scratch,
+    narrow: NarrowScratch,
     manifolds: Vec<Manifold>,
     spare: Vec<Manifold>,
     carried: Vec<CarriedManifold>,
@@ -391,7 +397,7 @@ mod tests {
         pair.note_pressed(0.3);
         assert_eq!((pair.touches, pair.near), (0b11, 0b11), "points that touch, and that are near");
         // A step that wakes the pair and has not looked at it tells the same.
-        pair.store_told(0, impulses, Told::of(Told::KNOWN), || 0.3);
+        pair.store_told(0, impulses, ContactStatus::of(ContactStatus::KNOWN), || 0.3);
         assert_eq!(pair.touches, 0b11, "points that touch as the solver tells");
     }
 }

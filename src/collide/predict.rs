@@ -1,4 +1,4 @@
-//! Manifolds of two shapes as they will stand when they press, not as they stand when the step begins.
+//! Contact manifolds at the poses in which two shapes will press, not at those in which the step begins.
 //!
 //! The solver has one normal and one lever for each point and step. Those of the step's start are of a pose in which a moving pair will
 //! never touch: what passes by a corner is pushed off by a face, and what rolls through a bowl is pushed by the slope that it leaves. So a
@@ -24,9 +24,9 @@
 use glam::{Quat, Vec3};
 use parry3d::math::Pose3;
 
-use super::carried::Manifolds;
-use super::narrow::{self, Manifold, Scratch};
-use super::stance::Stance;
+use super::collider_state::ColliderState;
+use super::narrow::{self, Manifold, NarrowScratch};
+use super::persistent_manifold::Manifolds;
 use crate::shape::{Geometry, Shape};
 use crate::solve::integrate::rotated_far;
 
@@ -51,7 +51,7 @@ const STRIDE: f32 = 0.25;
 const FEW_STRIDES: f32 = 2.0;
 
 /// Least way walked on at once, and so the deepest overlap that a pair is stopped in, over the lesser least extent.
-const LEAST_STRIDE: f32 = 0.05;
+const MIN_STRIDE: f32 = 0.05;
 
 /// Looks at a pair in a step after which it is taken as it is.
 const MAX_LOOKS: u32 = 64;
@@ -67,9 +67,9 @@ const SAGITTA: f32 = 2.0e-3;
 const MAX_TURN: f32 = 6.0;
 
 /// Two shapes in a step.
-struct Approach<'a> {
-    a: &'a Stance,
-    b: &'a Stance,
+struct PairApproach<'a> {
+    a: &'a ColliderState,
+    b: &'a ColliderState,
     /// Angular velocities of their bodies in the frames of the shapes (rad/s).
     spins: [Vec3; 2],
     step: Step,
@@ -116,14 +116,14 @@ pub(crate) struct Step {
 }
 
 /// Buffers and results of the narrow phase.
-pub(super) struct Found<'a> {
-    pub scratch: &'a mut Scratch,
+pub(super) struct FoundContacts<'a> {
+    pub scratch: &'a mut NarrowScratch,
     pub manifolds: &'a mut Vec<Manifold>,
     /// Room for others.
     pub spare: &'a mut Vec<Manifold>,
 }
 
-impl Found<'_> {
+impl FoundContacts<'_> {
     fn collide(&mut self, [shape_a, shape_b]: [&Shape; 2], pose: Pose3, margin: f32) {
         narrow::collide(shape_a, shape_b, pose, margin, self.scratch, self.manifolds);
     }
@@ -149,12 +149,12 @@ fn nearest_of(manifold: &Manifold) -> f32 {
 
 /// Makes the manifolds of two shapes; `start` is the pose of B in A's frame now.
 pub(super) fn collide(
-    (a, b): (&Stance, &Stance),
+    (a, b): (&ColliderState, &ColliderState),
     [of_a, of_b]: &[Follow; 2],
     step: Step,
     start: Pose3,
     mut reach: Reach,
-    found: &mut Found,
+    found: &mut FoundContacts,
 ) {
     let shapes = [of_a.shape, of_b.shape];
     let is_jointed = of_a.is_jointed || of_b.is_jointed;
@@ -172,11 +172,12 @@ pub(super) fn collide(
     }
     // Of what presses, flat faces come here only where they meet anew.
     reach.is_pressed &= is_round;
-    let spin_of = |stance: &Stance, of: &Follow, other: &Shape| match stance.turns_in_itself(of.shape, other) {
-        true => Vec3::ZERO,
-        false => stance.rotation.conjugate() * of.angular,
-    };
-    let approach = Approach { a, b, spins: [spin_of(a, of_a, of_b.shape), spin_of(b, of_b, of_a.shape)], step };
+    let spin_of =
+        |collider_state: &ColliderState, of: &Follow, other: &Shape| match collider_state.turns_in_itself(of.shape, other) {
+            true => Vec3::ZERO,
+            false => collider_state.rotation.conjugate() * of.angular,
+        };
+    let approach = PairApproach { a, b, spins: [spin_of(a, of_a, of_b.shape), spin_of(b, of_b, of_a.shape)], step };
     let is_followed = match is_round {
         true => reach.is_pressed || found.manifolds.is_empty() || approach.may_meet(found),
         false => approach.would_press(found),
@@ -186,13 +187,14 @@ pub(super) fn collide(
     }
 }
 
-impl Approach<'_> {
+impl PairApproach<'_> {
     /// Collides the two as they will stand; of a pair that carries no load, what there is at the start has been found.
-    fn collide(&self, shapes: [&Shape; 2], start: Pose3, reach: Reach, found: &mut Found) {
+    fn collide(&self, shapes: [&Shape; 2], start: Pose3, reach: Reach, found: &mut FoundContacts) {
         let Reach { margin, is_pressed, .. } = reach;
         // A surface has no thickness that could be passed.
-        let thickness =
-            |shape: &Shape, stance: &Stance| if shape.geometry().is_solid() { stance.least_extent } else { f32::INFINITY };
+        let thickness = |shape: &Shape, collider_state: &ColliderState| {
+            if shape.geometry().is_solid() { collider_state.least_extent } else { f32::INFINITY }
+        };
         let extent = thickness(shapes[0], self.a).min(thickness(shapes[1], self.b));
         let path = self.path();
         let n = self.step.substeps as f32;
@@ -205,7 +207,7 @@ impl Approach<'_> {
             }
             return;
         }
-        let put_back = |found: &mut Found, share: f32, turns: [Quat; 2]| {
+        let put_back = |found: &mut FoundContacts, share: f32, turns: [Quat; 2]| {
             found.manifolds.iter_mut().for_each(|manifold| self.put_back(manifold, share * self.step.dt, turns));
         };
         if is_pressed {
@@ -231,7 +233,7 @@ impl Approach<'_> {
     }
 
     /// Whether the planes that keep apart what has been found at the start may be passed in the step.
-    fn may_meet(&self, found: &Found) -> bool {
+    fn may_meet(&self, found: &FoundContacts) -> bool {
         let turning = self.turning();
         let before = self.a.velocity - self.b.velocity;
         let after = before - self.b.falls_against(self.a, self.step.gravity, self.step.dt);
@@ -243,7 +245,7 @@ impl Approach<'_> {
     }
 
     /// Whether a point that has been found at the start would overlap by the end of the step, or nearly.
-    fn would_press(&self, found: &Found) -> bool {
+    fn would_press(&self, found: &FoundContacts) -> bool {
         let nearly = NO_MOTION * self.a.least_extent.min(self.b.least_extent);
         found.manifolds.iter().any(|manifold| {
             let mut then = *manifold;
@@ -260,7 +262,8 @@ impl Approach<'_> {
 
     /// Speed at which their surfaces go where they were not, by turning (m/s).
     fn turning(&self) -> f32 {
-        let speed = |stance: &Stance, spin: Vec3| if spin == Vec3::ZERO { 0.0 } else { stance.sweep_speed(spin) };
+        let speed =
+            |collider_state: &ColliderState, spin: Vec3| if spin == Vec3::ZERO { 0.0 } else { collider_state.sweep_speed(spin) };
         speed(self.a, self.spins[0]) + speed(self.b, self.spins[1])
     }
 
@@ -272,7 +275,7 @@ impl Approach<'_> {
         start: Pose3,
         (ahead, short): (f32, f32),
         margin: f32,
-        found: &mut Found,
+        found: &mut FoundContacts,
     ) -> (f32, [Quat; 2]) {
         let near = ahead.min(PRESSED_STRIDE * short);
         let far = ahead.min(STRIDE * short);
@@ -291,7 +294,7 @@ impl Approach<'_> {
     }
 
     /// Collides the two after a share of the step; how both are turned then, in their own frames.
-    fn look(&self, shapes: [&Shape; 2], share: f32, margin: f32, found: &mut Found) -> [Quat; 2] {
+    fn look(&self, shapes: [&Shape; 2], share: f32, margin: f32, found: &mut FoundContacts) -> [Quat; 2] {
         let t = share * self.step.dt;
         let turns = self.spins.map(|spin| turned(spin, t));
         let ((shift_a, turn_a), (shift_b, turn_b)) = (self.a.after(turns[0], t), self.b.after(turns[1], t));
@@ -303,14 +306,21 @@ impl Approach<'_> {
     }
 
     /// Share of the step after which two flat shapes overlap so far that it can be seen along which normal, or all of it where they do not.
-    fn follow_faces(&self, shapes: [&Shape; 2], extent: f32, path: f32, margin: f32, found: &mut Found) -> (f32, [Quat; 2]) {
+    fn follow_faces(
+        &self,
+        shapes: [&Shape; 2],
+        extent: f32,
+        path: f32,
+        margin: f32,
+        found: &mut FoundContacts,
+    ) -> (f32, [Quat; 2]) {
         // What only just meets at the end of the step is followed on, too.
         let end = 1.0 + NO_MOTION * extent / path;
         let (share, turns) = self.follow(shapes, extent, (path, end), margin, found);
         if found.nearest() >= 0.0 {
             return (share, turns);
         }
-        let share = share + LEAST_STRIDE * extent / path;
+        let share = share + MIN_STRIDE * extent / path;
         (share, self.look(shapes, share, margin, found))
     }
 
@@ -322,7 +332,7 @@ impl Approach<'_> {
         extent: f32,
         (path, end): (f32, f32),
         margin: f32,
-        found: &mut Found,
+        found: &mut FoundContacts,
     ) -> (f32, [Quat; 2]) {
         if path <= FEW_STRIDES * STRIDE * extent {
             let strides = (path / (STRIDE * extent)).ceil().max(1.0);
@@ -336,7 +346,7 @@ impl Approach<'_> {
                 stride += 1.0;
             }
         }
-        let least = LEAST_STRIDE * extent / path;
+        let least = MIN_STRIDE * extent / path;
         let mut gone = 0.0;
         for _ in 0..MAX_LOOKS {
             self.look(shapes, gone, path * (1.0 - gone), found);
@@ -366,14 +376,15 @@ impl Approach<'_> {
         let normal_a = applied(turns[0], manifold.normal);
         let normal = self.a.rotation * normal_a;
         let closing = normal.dot(self.b.velocity - self.a.velocity);
-        let in_frame = |stance: &Stance, vector: Vec3| stance.rotation.conjugate() * vector;
+        let in_frame = |collider_state: &ColliderState, vector: Vec3| collider_state.rotation.conjugate() * vector;
         // Of the axis that a shape turns about, at which turning moves its surface along the normal.
         let [spin_a, spin_b] = self.spins;
         let swing_a = if spin_a == Vec3::ZERO { Vec3::ZERO } else { normal_a.cross(spin_a) };
         let swing_b = if spin_b == Vec3::ZERO { Vec3::ZERO } else { in_frame(self.b, normal).cross(spin_b) };
         let swing = [swing_a, swing_b];
-        let offsets =
-            [self.a, self.b].map(|stance| if stance.offset == Vec3::ZERO { Vec3::ZERO } else { in_frame(stance, stance.offset) });
+        let offsets = [self.a, self.b].map(|collider_state| {
+            if collider_state.offset == Vec3::ZERO { Vec3::ZERO } else { in_frame(collider_state, collider_state.offset) }
+        });
         manifold.normal = normal_a;
         let count = usize::from(manifold.count);
         for point in &mut manifold.points[..count] {
@@ -404,7 +415,7 @@ fn turned(angular: Vec3, t: f32) -> Quat {
     rotated_far(Quat::IDENTITY, (angular * t).clamp_length_max(MAX_TURN))
 }
 
-impl Stance {
+impl ColliderState {
     /// Whether turning changes nothing of what the shape does to another: that of a ball about its centre of mass, where normals go through
     /// the centre. Those of the triangles of a surface may not.
     fn turns_in_itself(&self, shape: &Shape, other: &Shape) -> bool {

@@ -1,10 +1,10 @@
-//! Continuous detection for bodies flagged fast: the way through a step is swept, and the body stops where it would first touch.
+//! Continuous detection for fast bodies: sweeps the path of a body through the step and stops the body where it first touches.
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::collider::Collider;
-use super::narrow::impact::{self, Moving};
-pub(crate) use super::narrow::impact::{BodyPath, BodyPose, Buffer};
+use super::narrow::impact::{self, MovingShape};
+pub(crate) use super::narrow::impact::{BodyPath, BodyPose, ImpactBuffer};
 use crate::body::Body;
 
 /// Share of a shape's least extent that it and another must move against each other in a step before it is swept: less cannot miss
@@ -26,13 +26,13 @@ pub(crate) fn path_box(collider: &Collider, body: &Body, start: &BodyPose) -> Aa
 }
 
 /// A shape on its way.
-pub(crate) fn moving<'a>(collider: &'a Collider, body: &Body, path: BodyPath) -> Moving<'a> {
+pub(crate) fn moving<'a>(collider: &'a Collider, body: &Body, path: BodyPath) -> MovingShape<'a> {
     let place = (collider.local_pose.position - body.local_center, collider.local_pose.rotation);
-    Moving { shape: &collider.shape, path, place, reach: collider.reach }
+    MovingShape { shape: &collider.shape, path, place, reach: collider.reach }
 }
 
 /// Share of the step after which a swept shape of this least extent (m) first touches another, if it goes on into it.
-pub(crate) fn first_touch(swept: &Moving, other: &Moving, extent: f32, buffer: &mut Buffer) -> Option<f32> {
+pub(crate) fn first_touch(swept: &MovingShape, other: &MovingShape, extent: f32, buffer: &mut ImpactBuffer) -> Option<f32> {
     let (a, b) = (&swept.path, &other.path);
     let shift = ((a.turn.center - a.start.center) - (b.turn.center - b.start.center)).length() as f32
         + ((a.end.center - a.turn.center) - (b.end.center - b.turn.center)).length() as f32;

@@ -1,6 +1,6 @@
-//! What collision and the solver both know of a contact: its multipliers, and what the solver says of it. Data alone.
+//! Contact data that collision and solver share: multipliers and status. No behaviour.
 
 mod impulses;
-pub(crate) mod told;
+pub(crate) mod status;
 
 pub(crate) use impulses::{ContactImpulses, POINTS, TOUCHED, tangents};

@@ -1,4 +1,4 @@
-//! Fracture: how much a joint bears, and what is told when it breaks.
+//! Fracture: measures how much load a joint bears, and reports it when it breaks.
 //!
 //! A joint's load is the force f and the torque τ about its point that it exerts on body B, in axes of its frame on A. With x the
 //! joint axis, taken to point from A to B,

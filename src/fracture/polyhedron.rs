@@ -13,7 +13,7 @@ const SAME_CORNER: f64 = 1.0e-7;
 
 /// A convex polygon, counter-clockwise seen from outside, and the seed whose plane cut it.
 #[derive(Debug, Clone)]
-pub(super) struct Face {
+pub(super) struct CellFace {
     points: Vec<DVec3>,
     pub other: Option<usize>,
 }
@@ -21,7 +21,7 @@ pub(super) struct Face {
 /// A convex solid.
 #[derive(Debug, Clone)]
 pub(super) struct Polyhedron {
-    pub faces: Vec<Face>,
+    pub faces: Vec<CellFace>,
     /// Greatest extent along an axis of the solid that it was cut from (m).
     pub size: f64,
 }
@@ -36,7 +36,7 @@ impl Polyhedron {
         };
         let points = || faces.iter().flatten().copied();
         let extent = points().reduce(DVec3::max).unwrap_or_default() - points().reduce(DVec3::min).unwrap_or_default();
-        let faces = faces.into_iter().map(|points| Face { points, other: None }).collect();
+        let faces = faces.into_iter().map(|points| CellFace { points, other: None }).collect();
         Ok(Self { faces, size: extent.max_element() })
     }
 
@@ -102,7 +102,7 @@ impl Polyhedron {
         }
         let points = ring(rim, normal, tolerance);
         if points.len() >= 3 {
-            self.faces.push(Face { points, other: Some(other) });
+            self.faces.push(CellFace { points, other: Some(other) });
         }
     }
 
@@ -120,7 +120,7 @@ impl Polyhedron {
     pub(super) fn volume_and_center(&self) -> (f64, DVec3) {
         let apex = self.faces[0].points[0];
         let (mut volume, mut moment) = (0.0, DVec3::ZERO);
-        for [a, b, c] in self.faces.iter().flat_map(Face::triangles) {
+        for [a, b, c] in self.faces.iter().flat_map(CellFace::triangles) {
             let own = (a - apex).dot((b - apex).cross(c - apex)) / 6.0;
             volume += own;
             moment += own * 0.25 * (a + b + c - 3.0 * apex);
@@ -133,7 +133,7 @@ impl Polyhedron {
     }
 }
 
-impl Face {
+impl CellFace {
     fn triangles(&self) -> impl Iterator<Item = [DVec3; 3]> + '_ {
         self.points[1..].windows(2).map(|edge| [self.points[0], edge[0], edge[1]])
     }

@@ -1,4 +1,4 @@
-//! What a joint that can break remembers: its load of the last window, and its damage.
+//! State of a breakable joint: its load over the last window, and its damage.
 //!
 //! The window is kept as [`SPANS`] stretches of time with the impulse each has brought. Each but the newest is at least an eighth of
 //! the window long, so that they cover it; short steps share one. Of the oldest stretch the part inside the window counts.
@@ -18,7 +18,7 @@ const HALVINGS: u32 = 20;
 
 /// Impulse of a stretch of time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Span {
+pub(crate) struct ImpulseSpan {
     /// Its length (s).
     pub time: f32,
     /// Of the force (N·s).
@@ -31,7 +31,7 @@ pub(crate) struct Span {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Strain {
     /// The last stretches of time, newest first.
-    pub spans: [Span; SPANS],
+    pub spans: [ImpulseSpan; SPANS],
     /// How worn it is, 0 to 1.
     pub damage: f32,
     /// Whether it has passed a limit and is to break in the next step.
@@ -71,7 +71,7 @@ impl Strain {
     /// Notes the load of a step.
     pub(crate) fn note(&mut self, strength: &Strength, load: &JointLoad, dt: f32) {
         self.damage = self.judge(strength, load, dt).damage;
-        let step = Span { time: dt, linear: load.force * dt, angular: load.torque * dt };
+        let step = ImpulseSpan { time: dt, linear: load.force * dt, angular: load.torque * dt };
         let newest = &mut self.spans[0];
         if newest.time * (SPANS - 1) as f32 <= strength.window * (1.0 - ROUNDING) {
             newest.time += dt;

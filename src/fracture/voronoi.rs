@@ -21,7 +21,7 @@ use crate::shape::{Geometry, Shape, ShapeDef};
 pub const MAX_CELLS: usize = 65_536;
 
 /// Area of a face that bonds two cells at least, over the square of the solid's extent: less is an edge.
-const LEAST_AREA: f64 = 1.0e-9;
+const MIN_AREA: f64 = 1.0e-9;
 
 /// Points that a random seed is looked for among, for each that is wanted.
 const TRIES: usize = 10_000;
@@ -124,7 +124,7 @@ impl Cells {
                 let (area, center) = face.area_and_center();
                 let second = faces.binary_search_by_key(&other, |(number, _)| *number);
                 if let Ok(second) = second
-                    && area > LEAST_AREA * solid.size * solid.size
+                    && area > MIN_AREA * solid.size * solid.size
                 {
                     let normal = (seeds[other] - seeds[*number]).normalize().as_vec3();
                     bonds.push(Bond { cells: [first, second], center: center.as_vec3(), normal, area: area as f32 });

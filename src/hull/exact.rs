@@ -17,7 +17,7 @@ const DETERMINANT_ERROR: f64 = 16.0 * f64::EPSILON;
 const NONE: u32 = u32::MAX;
 
 /// A triangle of the hull while it is built.
-struct Face {
+struct HullTriangle {
     /// Corners, counter-clockwise seen from outside.
     corners: [u32; 3],
     /// Face across the edge from each corner to the next.
@@ -38,7 +38,7 @@ struct Rim {
 
 struct Builder {
     points: Vec<DVec3>,
-    faces: Vec<Face>,
+    faces: Vec<HullTriangle>,
     /// Faces that may have points above them.
     open: Vec<u32>,
     /// New face that begins at a point of the rim.
@@ -84,7 +84,7 @@ impl Builder {
         let corners = [[first, second, third], [first, fourth, second], [second, fourth, third], [third, fourth, first]];
         let across = [[1, 2, 3], [3, 2, 0], [1, 3, 0], [2, 1, 0]];
         for (corners, across) in corners.into_iter().zip(across) {
-            self.faces.push(Face { corners, across, above: Vec::new(), removed: false });
+            self.faces.push(HullTriangle { corners, across, above: Vec::new(), removed: false });
         }
         self.hand_out((0..count).collect(), 0);
         self.open.extend(0..4);
@@ -139,7 +139,7 @@ impl Builder {
         for (number, edge) in (first as u32..).zip(&rim) {
             self.starts_at[edge.from as usize] = number;
             let corners = [edge.from, edge.to, apex];
-            self.faces.push(Face { corners, across: [edge.beyond, NONE, NONE], above: Vec::new(), removed: false });
+            self.faces.push(HullTriangle { corners, across: [edge.beyond, NONE, NONE], above: Vec::new(), removed: false });
             let beyond = &mut self.faces[edge.beyond as usize];
             // The face beyond runs along the edge the other way.
             let side = (0..3).find(|&side| beyond.corners[side] == edge.to).unwrap_or(0);

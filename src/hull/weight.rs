@@ -6,7 +6,7 @@ use super::Triangulation;
 
 /// Integrals over a solid of density 1.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Weight {
+pub(crate) struct SolidIntegrals {
     /// Volume (m³).
     pub volume: f64,
     /// Centre of mass (m).
@@ -19,7 +19,7 @@ pub(crate) struct Weight {
 ///
 /// With one corner at the origin and the others at a, b, c: V = a·(b×c)/6, ∫ r dV = V (a+b+c)/4,
 /// ∫ r rᵀ dV = V/20 (a aᵀ + b bᵀ + c cᵀ + s sᵀ) with s = a+b+c.
-pub(crate) fn weigh(surface: &Triangulation) -> Weight {
+pub(crate) fn weigh(surface: &Triangulation) -> SolidIntegrals {
     let origin = surface.points[0].as_dvec3();
     let (mut volume, mut moment, mut second) = (0.0, DVec3::ZERO, DMat3::ZERO);
     for triangle in &surface.triangles {
@@ -33,7 +33,7 @@ pub(crate) fn weigh(surface: &Triangulation) -> Weight {
     let from_origin = moment / volume;
     second += outer(from_origin, from_origin) * -volume;
     let trace = second.x_axis.x + second.y_axis.y + second.z_axis.z;
-    Weight { volume, center: origin + from_origin, inertia: DMat3::from_diagonal(DVec3::splat(trace)) - second }
+    SolidIntegrals { volume, center: origin + from_origin, inertia: DMat3::from_diagonal(DVec3::splat(trace)) - second }
 }
 
 fn outer(a: DVec3, b: DVec3) -> DMat3 {

@@ -1,4 +1,4 @@
-//! Four numbers side by side, `f64`: the arithmetic of four bodies at a time.
+//! Four `f64` lanes: the arithmetic of four bodies at a time.
 //!
 //! [`Four`] is implemented as [`Wide`](super::wide::Wide) is, by plain arrays and by registers, with the same bits. Of plain
 //! arrays the compiler makes a mixture of narrow registers and single numbers even where it knows of AVX2: three instructions in

@@ -1,4 +1,4 @@
-//! Numbers side by side, as kernels compute with them: eight of single precision, four of double.
+//! SIMD lanes: eight of single precision, four of double.
 
 pub(crate) mod four;
 pub(crate) mod wide;

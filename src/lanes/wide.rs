@@ -1,4 +1,4 @@
-//! Eight numbers side by side: the arithmetic of the contact kernels.
+//! Eight `f32` lanes: the arithmetic of the contact kernels.
 //!
 //! [`Wide`] is implemented by plain arrays here, and by the registers of each processor in [`platform`](crate::platform). Each
 //! operation is one rounded operation of IEEE 754 on every lane, never fused and never estimated, so all give the same bits. A

@@ -3,14 +3,14 @@
 use glam::{DMat3, DVec3};
 
 /// Sweeps after which the off-diagonal entries are far below rounding: convergence is quadratic.
-const MOST_SWEEPS: usize = 12;
+const MAX_SWEEPS: usize = 12;
 
 /// Eigenvalues, and eigenvectors as the columns of a rotation in the same order.
 pub(crate) fn symmetric_eigen(matrix: DMat3) -> (DVec3, DMat3) {
     let mut a = matrix.to_cols_array_2d();
     let mut v = DMat3::IDENTITY.to_cols_array_2d();
     let scale: f64 = a.iter().flatten().map(|x| x * x).sum();
-    for _ in 0..MOST_SWEEPS {
+    for _ in 0..MAX_SWEEPS {
         let off = a[0][1] * a[0][1] + a[0][2] * a[0][2] + a[1][2] * a[1][2];
         if off <= 1.0e-34 * scale {
             break;

@@ -1,6 +1,6 @@
 //! Sparse symmetric factorisation A = W Wᵀ in blocks (Cholesky), `f64`.
 //!
-//! A node is a group of rows that belong together, up to a number fixed by the [`Plan`]; how many take part may change from one
+//! A node is a group of rows that belong together, up to a number fixed by the [`BlockLayout`]; how many take part may change from one
 //! factorisation to the next, the structure does not. Each diagonal block is kept as the inverse of its root, so that a solve is
 //! products only.
 //!
@@ -11,12 +11,12 @@
 use std::ops::Range;
 
 use super::block::{self, Lanes, MAX_ROWS, ZERO, width};
-use super::order::{Elimination, minimum_degree};
+use super::order::{EliminationOrder, minimum_degree};
 use crate::platform::dispatched;
 
 /// Where the blocks of a matrix of one structure are stored, in the order of elimination.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Plan {
+pub(crate) struct BlockLayout {
     /// Node at each place, and place of each node.
     order: Vec<u32>,
     place: Vec<u32>,
@@ -35,7 +35,7 @@ pub(crate) struct Plan {
     pub work: u64,
 }
 
-impl Plan {
+impl BlockLayout {
     /// Lays out the factor of a matrix whose nodes usually have `expected` and at most `capacity` rows, and are coupled in these pairs
     /// (smaller number first, sorted, none twice); `None` when a factorisation would take more than `most_work` multiplications. Order and work
     /// follow from `weights`, rows that each node always may have: `capacity` may depend on what was there before.
@@ -46,7 +46,7 @@ impl Plan {
             neighbors[b as usize].push(a);
         }
         neighbors.iter_mut().for_each(|list| list.sort_unstable());
-        let Elimination { order, coupled, work } = minimum_degree(neighbors, weights, most_work)?.postordered();
+        let EliminationOrder { order, coupled, work } = minimum_degree(neighbors, weights, most_work)?.postordered();
         let mut plan = Self { place: vec![0; order.len()], work, ..Self::default() };
         for (place, &node) in order.iter().enumerate() {
             plan.place[node as usize] = place as u32;
@@ -129,10 +129,10 @@ fn claim(size: &mut usize, count: usize) -> u32 {
     start as u32
 }
 
-/// Numbers of a matrix and then of its factor, laid out by a [`Plan`]: blocks as in [`block`], each with as many columns as the
+/// Numbers of a matrix and then of its factor, laid out by a [`BlockLayout`]: blocks as in [`block`], each with as many columns as the
 /// node eliminated first has rows now.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Factor {
+pub(crate) struct BlockFactor {
     values: Vec<Lanes>,
     /// Rows of each node now.
     rows: Vec<u32>,
@@ -145,9 +145,9 @@ pub(crate) struct Factor {
     pub is_uniform: bool,
 }
 
-impl Factor {
+impl BlockFactor {
     /// Empties the matrix; `rows` of each node take part.
-    pub(crate) fn start(&mut self, plan: &Plan, rows: &[u32]) {
+    pub(crate) fn start(&mut self, plan: &BlockLayout, rows: &[u32]) {
         self.values.resize(plan.size, ZERO);
         self.values.fill(ZERO);
         self.scratch.resize(plan.scratch, ZERO);
@@ -191,30 +191,30 @@ impl Factor {
 
 dispatched!(
     /// Factorises in place.
-    factorize, factorize_body, (factor: &mut Factor, plan: &Plan)
+    factorize, factorize_body, (factor: &mut BlockFactor, plan: &BlockLayout)
 );
 
 dispatched!(
     /// Solves A x = b in place.
-    substitute, substitute_body, (factor: &Factor, plan: &Plan, x: &mut [Lanes])
+    substitute, substitute_body, (factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes])
 );
 
 /// Rows of every node where all have as many: joints that hold points, as in chains, trees and bridges.
 pub(crate) const POINT: usize = 3;
 
 #[inline(always)]
-fn factorize_body(factor: &mut Factor, plan: &Plan) {
+fn factorize_body(factor: &mut BlockFactor, plan: &BlockLayout) {
     if factor.is_uniform { factorize_points(factor, plan) } else { factorize_any(factor, plan) }
 }
 
 #[inline(always)]
-fn substitute_body(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
+fn substitute_body(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
     if factor.is_uniform { substitute_points(factor, plan, x) } else { substitute_any(factor, plan, x) }
 }
 
 #[inline(always)]
-fn factorize_points(factor: &mut Factor, plan: &Plan) {
-    let Factor { values, scratch, least, .. } = factor;
+fn factorize_points(factor: &mut BlockFactor, plan: &BlockLayout) {
+    let BlockFactor { values, scratch, least, .. } = factor;
     let mut targets = plan.targets.iter();
     for (place, &node) in plan.order.iter().enumerate() {
         let diagonal = plan.diagonal[node as usize] as usize;
@@ -239,7 +239,7 @@ fn factorize_points(factor: &mut Factor, plan: &Plan) {
 }
 
 #[inline(always)]
-fn substitute_points(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
+fn substitute_points(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
     for (place, &node) in plan.order.iter().enumerate() {
         let root = block::block3(&factor.values[plan.diagonal[node as usize] as usize..]);
         let own = block::columns3(root, &x[node as usize]);
@@ -260,8 +260,8 @@ fn substitute_points(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
 }
 
 #[inline(always)]
-fn factorize_any(factor: &mut Factor, plan: &Plan) {
-    let Factor { values, rows, scratch, starts, least, .. } = factor;
+fn factorize_any(factor: &mut BlockFactor, plan: &BlockLayout) {
+    let BlockFactor { values, rows, scratch, starts, least, .. } = factor;
     let mut target = 0;
     for place in 0..plan.order.len() {
         let node = plan.order[place] as usize;
@@ -303,7 +303,7 @@ fn factorize_any(factor: &mut Factor, plan: &Plan) {
 }
 
 #[inline(always)]
-fn substitute_any(factor: &Factor, plan: &Plan, x: &mut [Lanes]) {
+fn substitute_any(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
     let mut own = [ZERO; width(MAX_ROWS)];
     for (place, &node) in plan.order.iter().enumerate() {
         let lanes = factor.lanes(node as usize);
@@ -358,8 +358,8 @@ mod tests {
         let rows = [3_u32, 5, 6, 2, 0, 7, 3, 3, 3, 6];
         let capacity = rows.map(|rows| rows + 2);
         let pairs: Vec<(u32, u32)> = vec![(0, 1), (0, 4), (1, 2), (1, 7), (2, 3), (3, 9), (4, 5), (5, 6), (6, 7), (7, 8), (8, 9)];
-        let plan = Plan::new(&capacity, &capacity, &pairs, u64::MAX).expect("no limit is set");
-        let mut factor = Factor::default();
+        let plan = BlockLayout::new(&capacity, &capacity, &pairs, u64::MAX).expect("no limit is set");
+        let mut factor = BlockFactor::default();
         factor.start(&plan, &rows);
         let total = 4 * factor.len();
         let mut dense = vec![vec![0.0; total]; total];

@@ -1,4 +1,4 @@
-//! Linear algebra that knows no physics.
+//! Linear algebra without physics.
 //!
 //! | file | what it does |
 //! |---|---|

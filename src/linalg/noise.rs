@@ -1,4 +1,4 @@
-//! Numbers for tests that want any.
+//! Random numbers for tests.
 
 /// A linear congruential generator (Knuth's MMIX).
 pub(crate) struct Noise(pub u64);

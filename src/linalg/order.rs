@@ -6,7 +6,7 @@
 
 /// Nodes in the order of elimination, and the nodes that each is coupled to when its turn comes.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Elimination {
+pub(crate) struct EliminationOrder {
     /// Node at each place.
     pub order: Vec<u32>,
     /// Later nodes coupled to the node at each place.
@@ -16,10 +16,10 @@ pub(crate) struct Elimination {
 }
 
 /// Orders the nodes of a graph given by neighbour lists; `None` when the factor would cost more than `most_work`.
-pub(crate) fn minimum_degree(neighbors: Vec<Vec<u32>>, rows: &[u32], most_work: u64) -> Option<Elimination> {
+pub(crate) fn minimum_degree(neighbors: Vec<Vec<u32>>, rows: &[u32], most_work: u64) -> Option<EliminationOrder> {
     let mut graph = Quotient::new(neighbors, rows);
     let mut queue = Queue::new(graph.neighbors.iter().map(|list| graph.weigh(list).rows));
-    let mut result = Elimination::default();
+    let mut result = EliminationOrder::default();
     while let Some((degree, node)) = queue.first() {
         let own = u64::from(rows[node as usize]);
         result.work += own * (own + degree) * (own + degree);
@@ -34,7 +34,7 @@ pub(crate) fn minimum_degree(neighbors: Vec<Vec<u32>>, rows: &[u32], most_work: 
     Some(result)
 }
 
-impl Elimination {
+impl EliminationOrder {
     /// The same factor in another order: each node right after those that change its column, its subtree in the tree in which the parent of
     /// a node is the first that it is coupled to (Liu 1990). What has just been computed is what comes next.
     pub(crate) fn postordered(mut self) -> Self {
@@ -109,7 +109,7 @@ impl Queue {
 
 /// How many nodes, and how many rows they have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Weight {
+struct CliqueSize {
     nodes: u32,
     rows: u64,
 }
@@ -124,10 +124,10 @@ struct Quotient<'a> {
     elements: Vec<Vec<u32>>,
     /// Neighbours of each element, and what they weigh. As long as the element is one of theirs, none of them has been eliminated.
     coupled: Vec<Vec<u32>>,
-    weight: Vec<Weight>,
+    weight: Vec<CliqueSize>,
     /// Of each element: the last one that it was set against, and what its neighbours weigh that are not that one's too.
     against: Vec<u32>,
-    outside: Vec<Weight>,
+    outside: Vec<CliqueSize>,
     /// The last element that each node was found to be a neighbour of.
     within: Vec<u32>,
     /// The round in which each node was counted last.
@@ -146,18 +146,18 @@ impl<'a> Quotient<'a> {
             neighbors,
             elements: vec![Vec::new(); count],
             coupled: vec![Vec::new(); count],
-            weight: vec![Weight::default(); count],
+            weight: vec![CliqueSize::default(); count],
             against: vec![NONE; count],
-            outside: vec![Weight::default(); count],
+            outside: vec![CliqueSize::default(); count],
             within: vec![NONE; count],
             counted: vec![0; count],
             round: 0,
         }
     }
 
-    fn weigh(&self, nodes: &[u32]) -> Weight {
+    fn weigh(&self, nodes: &[u32]) -> CliqueSize {
         let rows = nodes.iter().map(|&node| u64::from(self.rows[node as usize])).sum();
-        Weight { nodes: nodes.len() as u32, rows }
+        CliqueSize { nodes: nodes.len() as u32, rows }
     }
 
     /// Takes a node out, and tells of each of its neighbours how many rows the neighbours of that one have from now on.

@@ -1,4 +1,4 @@
-//! How kernels are entered where every processor of the target has the registers, or none has: there is nothing to choose.
+//! Kernel entry on targets whose vector registers are known at compile time: nothing to choose at run time.
 
 /// Makes a function that runs its body.
 macro_rules! dispatched {

@@ -1,4 +1,4 @@
-//! A processor of which nothing is known: plain arrays, of which the compiler makes what it can.
+//! Plain arrays, for processors without a register type of their own here.
 
 pub(crate) use crate::lanes::four::Plain as F64x4;
 pub(crate) use crate::lanes::wide::Plain as F32x8;

@@ -8,7 +8,7 @@
 use glam::{DQuat, DVec3};
 
 use super::gap::{self, Gap};
-use super::part::Part;
+use super::part::ConvexPart;
 
 /// Gap at which the plane of the surface gives the rest of the way: over the finest measure of the two parts, and over the
 /// greatest (rounding). How far the surface may leave its plane until then is far below what a host can tell.
@@ -30,7 +30,7 @@ const GRAZING: f64 = 1.0e-3;
 
 /// A straight path, with a turn about a point that moves along: both evenly, from 0 to 1.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Motion {
+pub(super) struct CastMotion {
     /// Whole path (m).
     pub path: DVec3,
     /// Whole turn: unit axis times angle (rad).
@@ -50,8 +50,8 @@ pub(super) struct Meeting {
     pub from_start: bool,
 }
 
-impl Motion {
-    fn at<'a>(&self, part: &Part<'a>, share: f64) -> Part<'a> {
+impl CastMotion {
+    fn at<'a>(&self, part: &ConvexPart<'a>, share: f64) -> ConvexPart<'a> {
         let angle = self.turn.length();
         let turn = if angle > 0.0 { DQuat::from_axis_angle(self.turn / angle, angle * share) } else { DQuat::IDENTITY };
         part.moved(self.path * share, turn, self.center)
@@ -59,7 +59,7 @@ impl Motion {
 }
 
 /// Where `moving` first meets `fixed`, not later than `limit`, a share of the motion.
-pub(super) fn first_meeting(fixed: &Part, moving: &Part, motion: &Motion, limit: f64) -> Option<Meeting> {
+pub(super) fn first_meeting(fixed: &ConvexPart, moving: &ConvexPart, motion: &CastMotion, limit: f64) -> Option<Meeting> {
     let start = gap::gap(fixed, moving)?;
     let touch = gap::touch(fixed, moving);
     if start.distance <= touch {
@@ -116,8 +116,8 @@ pub(super) fn first_meeting(fixed: &Part, moving: &Part, motion: &Motion, limit:
 /// gap of p is at least g − v h − a h²/2. The least of g − v h over all points is one point of support; as a function of h it is
 /// concave, so that up to a step it is above the line from its beginning to its end.
 fn follow(
-    (fixed, moving): (&Part, &Part),
-    motion: &Motion,
+    (fixed, moving): (&ConvexPart, &ConvexPart),
+    motion: &CastMotion,
     (start, normal): (f64, DVec3),
     (goal, lever): (f64, f64),
     limit: f64,
@@ -161,7 +161,12 @@ fn follow(
 }
 
 /// From a small gap on: the way along the plane of the surface. None if it opens again.
-fn last_stretch((fixed, moving): (&Part, &Part), motion: &Motion, (share, gap): (f64, Gap), turning: f64) -> Option<Meeting> {
+fn last_stretch(
+    (fixed, moving): (&ConvexPart, &ConvexPart),
+    motion: &CastMotion,
+    (share, gap): (f64, Gap),
+    turning: f64,
+) -> Option<Meeting> {
     let closing = -gap.normal.dot(motion.path);
     if turning == 0.0 {
         let rest = gap.distance / closing;
@@ -189,11 +194,17 @@ fn last_stretch((fixed, moving): (&Part, &Part), motion: &Motion, (share, gap): 
 mod tests {
     use glam::DMat3;
 
-    use super::super::part::{Form, Place};
+    use super::super::part::{PartForm, PartPose};
     use super::*;
 
-    fn part(form: Form<'static>, origin: DVec3, [x, y, z]: [DVec3; 3]) -> Part<'static> {
-        Part { form, place: Place { origin, axes: DMat3::from_cols(x, y, z) }, rounding: 0.0, part: None, triangle: None }
+    fn part(form: PartForm<'static>, origin: DVec3, [x, y, z]: [DVec3; 3]) -> ConvexPart<'static> {
+        ConvexPart {
+            form,
+            place: PartPose { origin, axes: DMat3::from_cols(x, y, z) },
+            rounding: 0.0,
+            part: None,
+            triangle: None,
+        }
     }
 
     /// Random casts whose search came so near to the surface that the way to the other part seemed to lead back.
@@ -202,7 +213,7 @@ mod tests {
         let cases = [
             (
                 part(
-                    Form::Cylinder { half_height: 0.011333135887980461, radius: 0.008471437729895115 },
+                    PartForm::Cylinder { half_height: 0.011333135887980461, radius: 0.008471437729895115 },
                     DVec3::new(2.6141176345625468, 3.9519000118049235, 1.0117878500643087),
                     [
                         DVec3::new(-0.7915142352713536, 0.450186000331744, 0.4133252719930288),
@@ -211,7 +222,7 @@ mod tests {
                     ],
                 ),
                 part(
-                    Form::Box { half_extents: DVec3::new(1.7675644159317017, 1.7421441078186035, 2.3441669940948486) },
+                    PartForm::Box { half_extents: DVec3::new(1.7675644159317017, 1.7421441078186035, 2.3441669940948486) },
                     DVec3::new(0.0, 0.0, 0.0),
                     [
                         DVec3::new(0.864851984945071, 0.06987028965679959, 0.4971410129529103),
@@ -223,7 +234,7 @@ mod tests {
             ),
             (
                 part(
-                    Form::Cylinder { half_height: 5829.232421875, radius: 5555.45361328125 },
+                    PartForm::Cylinder { half_height: 5829.232421875, radius: 5555.45361328125 },
                     DVec3::new(-7029.94572487151, -618.1195444851408, 3931.1011144870836),
                     [
                         DVec3::new(-0.8211062751032916, -0.18798268247486558, -0.5389313463471492),
@@ -232,7 +243,7 @@ mod tests {
                     ],
                 ),
                 part(
-                    Form::Cylinder { half_height: 91.57299041748047, radius: 37.335968017578125 },
+                    PartForm::Cylinder { half_height: 91.57299041748047, radius: 37.335968017578125 },
                     DVec3::new(0.0, 0.0, 0.0),
                     [
                         DVec3::new(3.4085956299056974e-5, -0.9294735899659757, -0.36888866124334685),
@@ -244,7 +255,7 @@ mod tests {
             ),
         ];
         for (fixed, moving, path) in cases {
-            let motion = Motion { path, turn: DVec3::ZERO, center: DVec3::ZERO };
+            let motion = CastMotion { path, turn: DVec3::ZERO, center: DVec3::ZERO };
             let deepest = (1..100).map(|i| gap::gap(&fixed, &motion.at(&moving, f64::from(i) / 100.0)).unwrap().distance);
             let deepest = deepest.fold(f64::INFINITY, f64::min);
             assert!(deepest < -0.3 * fixed.reach().min(moving.reach()), "the path leads through: {deepest} m");

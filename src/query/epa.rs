@@ -5,8 +5,8 @@
 
 use glam::DVec3;
 
-use super::gjk::{Simplex, Vertex};
-use super::part::Part;
+use super::gjk::{Simplex, SimplexVertex};
+use super::part::ConvexPart;
 
 /// Error of the depth at which the search ends, over the depth and over the size of the parts.
 const TOLERANCE: (f64, f64) = (1.0e-9, 1.0e-12);
@@ -30,7 +30,7 @@ pub(super) struct Depth {
     pub on_b: DVec3,
 }
 
-struct Face {
+struct EpaFace {
     corners: [usize; 3],
     normal: DVec3,
     /// Distance of the plane from the origin (m).
@@ -38,7 +38,7 @@ struct Face {
 }
 
 /// How deep two parts overlap whose `simplex` holds the origin.
-pub(super) fn depth(a: &Part, b: &Part, simplex: &Simplex) -> Depth {
+pub(super) fn depth(a: &ConvexPart, b: &ConvexPart, simplex: &Simplex) -> Depth {
     let mut corners = simplex.corners[..simplex.count].to_vec();
     let size = a.reach().max(b.reach()).max(f64::MIN_POSITIVE);
     if let Err(normal) = fill_tetrahedron(a, b, &mut corners, FLAT * size) {
@@ -47,7 +47,7 @@ pub(super) fn depth(a: &Part, b: &Part, simplex: &Simplex) -> Depth {
         let side = normal.dot(b.place.origin - a.place.origin);
         return Depth { depth: 0.0, normal: normal * 1.0_f64.copysign(side), on_a, on_b };
     }
-    let mut faces: Vec<Face> = Vec::with_capacity(32);
+    let mut faces: Vec<EpaFace> = Vec::with_capacity(32);
     let middle = corners.iter().map(|corner| corner.offset).sum::<DVec3>() * 0.25;
     for triangle in [[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]] {
         let [p, q, r] = triangle.map(|i| corners[i].offset);
@@ -61,7 +61,7 @@ pub(super) fn depth(a: &Part, b: &Part, simplex: &Simplex) -> Depth {
     for _ in 0..MAX_STEPS {
         let nearest = nearest(&faces);
         let (normal, distance) = (faces[nearest].normal, faces[nearest].distance);
-        let next = Vertex::support(a, b, normal);
+        let next = SimplexVertex::support(a, b, normal);
         let way_out = normal.dot(next.offset);
         least = least.min(way_out);
         if found.is_none() || way_out - distance < doubt {
@@ -78,11 +78,11 @@ pub(super) fn depth(a: &Part, b: &Part, simplex: &Simplex) -> Depth {
 }
 
 /// The way out of a given length across a face: the points on A and B that it leads from and to.
-fn way_through(faces: &[Face], corners: &[Vertex], number: usize, depth: f64) -> Depth {
+fn way_through(faces: &[EpaFace], corners: &[SimplexVertex], number: usize, depth: f64) -> Depth {
     let normal = faces[number].normal;
     // Of the faces across the way out, the one that it passes through.
     let across = faces.iter().filter(|face| face.normal.dot(normal) > 1.0 - ALIGNED);
-    let inner = |face: &Face| shares(face, corners).into_iter().fold(f64::INFINITY, f64::min);
+    let inner = |face: &EpaFace| shares(face, corners).into_iter().fold(f64::INFINITY, f64::min);
     let face = across.max_by(|a, b| inner(a).total_cmp(&inner(b))).unwrap_or(&faces[number]);
     let (on_a, on_b) = points(face, corners);
     // On B's side of the way out both points are where its plane is.
@@ -90,13 +90,13 @@ fn way_through(faces: &[Face], corners: &[Vertex], number: usize, depth: f64) ->
     Depth { depth, normal: -normal, on_a, on_b: on_b - normal * off }
 }
 
-fn nearest(faces: &[Face]) -> usize {
+fn nearest(faces: &[EpaFace]) -> usize {
     (1..faces.len()).fold(0, |best, i| if faces[i].distance < faces[best].distance { i } else { best })
 }
 
 /// Adds corners until there are four that are not in one plane; where all are, the normal of a plane that holds them.
-fn fill_tetrahedron(a: &Part, b: &Part, corners: &mut Vec<Vertex>, flat: f64) -> Result<(), DVec3> {
-    let mut kept: Vec<Vertex> = Vec::with_capacity(4);
+fn fill_tetrahedron(a: &ConvexPart, b: &ConvexPart, corners: &mut Vec<SimplexVertex>, flat: f64) -> Result<(), DVec3> {
+    let mut kept: Vec<SimplexVertex> = Vec::with_capacity(4);
     for &corner in corners.iter() {
         if off(&kept, corner.offset) > flat {
             kept.push(corner);
@@ -114,7 +114,7 @@ fn fill_tetrahedron(a: &Part, b: &Part, corners: &mut Vec<Vertex>, flat: f64) ->
         };
         let fallback = directions[0];
         let both = directions.into_iter().flat_map(|direction| [direction, -direction]);
-        let candidates = both.map(|direction| Vertex::support(a, b, direction));
+        let candidates = both.map(|direction| SimplexVertex::support(a, b, direction));
         let best = candidates.max_by(|x, y| off(&kept, x.offset).total_cmp(&off(&kept, y.offset)));
         match best {
             Some(corner) if kept.is_empty() || off(&kept, corner.offset) > flat => kept.push(corner),
@@ -126,13 +126,13 @@ fn fill_tetrahedron(a: &Part, b: &Part, corners: &mut Vec<Vertex>, flat: f64) ->
     Ok(())
 }
 
-fn normal_of(corners: &[Vertex]) -> DVec3 {
+fn normal_of(corners: &[SimplexVertex]) -> DVec3 {
     let [p, q, r] = [0, 1, 2].map(|i| corners[i].offset);
     (q - p).cross(r - p).normalize_or(DVec3::Y)
 }
 
 /// Distance of a point from the point, line or plane of up to three corners (m).
-fn off(corners: &[Vertex], point: DVec3) -> f64 {
+fn off(corners: &[SimplexVertex], point: DVec3) -> f64 {
     match *corners {
         [] => f64::INFINITY,
         [p] => point.distance(p.offset),
@@ -141,18 +141,18 @@ fn off(corners: &[Vertex], point: DVec3) -> f64 {
     }
 }
 
-fn push(faces: &mut Vec<Face>, corners: &[Vertex], triangle: [usize; 3]) {
+fn push(faces: &mut Vec<EpaFace>, corners: &[SimplexVertex], triangle: [usize; 3]) {
     let [p, q, r] = triangle.map(|i| corners[i].offset);
     // A needle without a normal is never the nearest.
     let normal = (q - p).cross(r - p).try_normalize();
     let distance = normal.map_or(f64::INFINITY, |normal| normal.dot(p).max(normal.dot(q)).max(normal.dot(r)));
-    faces.push(Face { corners: triangle, normal: normal.unwrap_or(DVec3::ZERO), distance });
+    faces.push(EpaFace { corners: triangle, normal: normal.unwrap_or(DVec3::ZERO), distance });
 }
 
 /// Puts a corner in place of the faces that it is above; false, with nothing changed, if there are none or if rounding has them
 /// leave no simple loop: a surface that is no longer closed would grow without end.
-fn take_in(faces: &mut Vec<Face>, corners: &mut Vec<Vertex>, next: Vertex, slack: f64) -> bool {
-    let is_seen = |face: &Face| face.normal.dot(next.offset) > face.distance + slack;
+fn take_in(faces: &mut Vec<EpaFace>, corners: &mut Vec<SimplexVertex>, next: SimplexVertex, slack: f64) -> bool {
+    let is_seen = |face: &EpaFace| face.normal.dot(next.offset) > face.distance + slack;
     let mut rim: Vec<(usize, usize)> = Vec::new();
     for face in faces.iter().filter(|face| is_seen(face)) {
         for side in 0..3 {
@@ -193,7 +193,7 @@ fn is_loop(rim: &[(usize, usize)]) -> bool {
 }
 
 /// The shares of a face's corners that make the foot of the origin on its plane; one of them is negative if that is outside.
-fn shares(face: &Face, corners: &[Vertex]) -> [f64; 3] {
+fn shares(face: &EpaFace, corners: &[SimplexVertex]) -> [f64; 3] {
     let [p, q, r] = face.corners.map(|i| corners[i].offset);
     let foot = face.normal * face.distance;
     let (u, v, w) = (q - p, r - p, foot - p);
@@ -204,11 +204,12 @@ fn shares(face: &Face, corners: &[Vertex]) -> [f64; 3] {
 }
 
 /// The points on A and B behind the foot of the origin on a face.
-fn points(face: &Face, corners: &[Vertex]) -> (DVec3, DVec3) {
+fn points(face: &EpaFace, corners: &[SimplexVertex]) -> (DVec3, DVec3) {
     // What rounding puts outside a needle is brought back, so that both points are points of their parts.
     let shares = shares(face, corners).map(|share| share.max(0.0));
     let total: f64 = shares.iter().sum();
-    let of = |part: fn(&Vertex) -> DVec3| (0..3).map(|i| part(&corners[face.corners[i]]) * (shares[i] / total)).sum::<DVec3>();
+    let of =
+        |part: fn(&SimplexVertex) -> DVec3| (0..3).map(|i| part(&corners[face.corners[i]]) * (shares[i] / total)).sum::<DVec3>();
     (of(|corner| corner.on_a), of(|corner| corner.on_b))
 }
 
@@ -217,23 +218,29 @@ mod tests {
     use glam::DMat3;
 
     use super::super::gap;
-    use super::super::part::{Form, Place};
+    use super::super::part::{PartForm, PartPose};
     use super::*;
 
-    fn part(form: Form<'static>, origin: DVec3, [x, y, z]: [DVec3; 3]) -> Part<'static> {
-        Part { form, place: Place { origin, axes: DMat3::from_cols(x, y, z) }, rounding: 0.0, part: None, triangle: None }
+    fn part(form: PartForm<'static>, origin: DVec3, [x, y, z]: [DVec3; 3]) -> ConvexPart<'static> {
+        ConvexPart {
+            form,
+            place: PartPose { origin, axes: DMat3::from_cols(x, y, z) },
+            rounding: 0.0,
+            part: None,
+            triangle: None,
+        }
     }
 
     /// A random pair whose search folded its surface at a needle in its last steps.
     #[test]
     fn the_deepest_points_are_on_both_parts() {
         let cone = part(
-            Form::Cone { half_height: 0.3725338578224182, radius: 0.920171856880188 },
+            PartForm::Cone { half_height: 0.3725338578224182, radius: 0.920171856880188 },
             DVec3::new(-1.487628280579088, -0.13918377121973435, -0.9416581810330626),
             [DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, 0.0, 1.0)],
         );
         let bar = part(
-            Form::Box { half_extents: DVec3::new(0.7881396412849426, 0.7148962020874023, 0.23745213449001312) },
+            PartForm::Box { half_extents: DVec3::new(0.7881396412849426, 0.7148962020874023, 0.23745213449001312) },
             DVec3::new(0.0, 0.0, 0.0),
             [
                 DVec3::new(0.07506759773152027, -0.844797409988346, -0.5297944807638155),

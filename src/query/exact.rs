@@ -2,11 +2,11 @@
 
 use glam::{DVec3, Vec3};
 
-use super::cast::{self, Meeting, Motion};
+use super::cast::{self, CastMotion, Meeting};
 use super::gap::{self, Gap};
-use super::part::{Form, Part, Place};
-use super::parts::{self, Placed};
-use super::region::Segment;
+use super::part::{ConvexPart, PartForm, PartPose};
+use super::parts::{self, PlacedPart};
+use super::region::PathSegment;
 use super::{Distance, Probe, ray};
 use crate::collide::collider::Collider;
 use crate::pose::Pose;
@@ -49,43 +49,43 @@ pub(crate) struct Sweep<'a> {
 
 impl Sweep<'_> {
     /// The way of a box around the probe, in the world (m).
-    pub(crate) fn path_box(&self) -> Segment {
+    pub(crate) fn path_box(&self) -> PathSegment {
         let length = self.path.length();
         let direction = if length > 0.0 { self.path / length } else { DVec3::X };
         if self.turn == DVec3::ZERO {
-            return Segment { direction, length, ..probe_box(&self.probe) };
+            return PathSegment { direction, length, ..probe_box(&self.probe) };
         }
         let mut reach: f64 = 0.0;
         self.probe.parts(self.probe.pose.position, &mut |part| reach = reach.max(part.place.origin.length() + part.reach()));
-        Segment { origin: self.probe.pose.position, direction, length, half: DVec3::splat(reach * (1.0 + BOX_SLACK)) }
+        PathSegment { origin: self.probe.pose.position, direction, length, half: DVec3::splat(reach * (1.0 + BOX_SLACK)) }
     }
 }
 
 impl<'a> Probe<'a> {
-    fn placed(&self, frame: DVec3) -> Placed<'a> {
+    fn placed(&self, frame: DVec3) -> PlacedPart<'a> {
         placed(self.shape, self.pose, frame)
     }
 
     /// Every part of the probe; a solid is convex or made of convex parts.
-    fn parts(&self, frame: DVec3, visit: &mut dyn FnMut(&Part<'a>)) {
+    fn parts(&self, frame: DVec3, visit: &mut dyn FnMut(&ConvexPart<'a>)) {
         let (low, high) = self.placed(frame).bounds();
         parts::near(self.placed(frame), low, high, visit);
     }
 }
 
-fn placed(shape: &Shape, pose: Pose, frame: DVec3) -> Placed<'_> {
-    Placed { shape, place: Place::new(pose.position - frame, pose.rotation) }
+fn placed(shape: &Shape, pose: Pose, frame: DVec3) -> PlacedPart<'_> {
+    PlacedPart { shape, place: PartPose::new(pose.position - frame, pose.rotation) }
 }
 
-fn collider_at(collider: &Collider, frame: DVec3) -> Placed<'_> {
+fn collider_at(collider: &Collider, frame: DVec3) -> PlacedPart<'_> {
     let (position, rotation) = collider.place;
-    Placed { shape: &collider.shape, place: Place::new(position - frame, rotation) }
+    PlacedPart { shape: &collider.shape, place: PartPose::new(position - frame, rotation) }
 }
 
 /// Where a ray first meets a shape; from outside, if what it begins in is left out.
-pub(crate) fn first_on_ray(collider: &Collider, of: &Segment, ignore_overlapped: bool) -> Option<Met> {
+pub(crate) fn first_on_ray(collider: &Collider, of: &PathSegment, ignore_overlapped: bool) -> Option<Met> {
     let (direction, length) = (of.direction, of.length);
-    let path = Segment { origin: DVec3::ZERO, ..*of };
+    let path = PathSegment { origin: DVec3::ZERO, ..*of };
     let mut best: Option<Met> = None;
     parts::along(collider_at(collider, of.origin), &path, &mut |part, _| {
         let limit = best.map_or(length, |best| best.distance);
@@ -112,8 +112,8 @@ pub(crate) fn first_on_ray(collider: &Collider, of: &Segment, ignore_overlapped:
 pub(crate) fn first_on_sweep(collider: &Collider, sweep: &Sweep) -> Option<Met> {
     let frame = sweep.probe.pose.position;
     let (way, length) = (sweep.path_box(), sweep.path.length());
-    let way = Segment { origin: way.origin - frame, ..way };
-    let motion = Motion { path: sweep.path, turn: sweep.turn, center: DVec3::ZERO };
+    let way = PathSegment { origin: way.origin - frame, ..way };
+    let motion = CastMotion { path: sweep.path, turn: sweep.turn, center: DVec3::ZERO };
     let mut best: Option<(Meeting, Option<u32>, Option<u32>)> = None;
     sweep.probe.parts(frame, &mut |moving| {
         parts::along(collider_at(collider, frame), &way, &mut |fixed, _| {
@@ -155,7 +155,7 @@ pub(crate) fn shapes_overlap(a: &Collider, b: &Collider) -> bool {
     meet(collider_at(a, frame), collider_at(b, frame))
 }
 
-fn meet(a: Placed, b: Placed) -> bool {
+fn meet(a: PlacedPart, b: PlacedPart) -> bool {
     let mut met = false;
     pairs(a, &|low, high, visit| parts::near(b, low, high, visit), b.bounds(), 0.0, &mut |part_a, part_b| {
         met = met || gap::distance(part_a, part_b).is_some_and(|distance| distance <= gap::touch(part_a, part_b));
@@ -177,8 +177,8 @@ pub(crate) fn distance_between(a: &Collider, b: &Collider) -> Option<Distance> {
 
 /// The nearest point of a shape not farther than `limit` (m); the point itself inside.
 pub(crate) fn nearest_point(collider: &Collider, point: DVec3, limit: f64) -> Option<Distance> {
-    let place = Place { origin: DVec3::ZERO, axes: glam::DMat3::IDENTITY };
-    let part = Part { form: Form::Point, place, rounding: 0.0, part: None, triangle: None };
+    let place = PartPose { origin: DVec3::ZERO, axes: glam::DMat3::IDENTITY };
+    let part = ConvexPart { form: PartForm::Point, place, rounding: 0.0, part: None, triangle: None };
     let here = (DVec3::ZERO, DVec3::ZERO);
     let found = search(collider_at(collider, point), &|_, _, visit| visit(&part), here, limit)?.in_world(point);
     let is_inside = found.distance <= 0.0;
@@ -186,15 +186,15 @@ pub(crate) fn nearest_point(collider: &Collider, point: DVec3, limit: f64) -> Op
 }
 
 /// Visits the parts of a shape that may meet the box between two corners.
-type Near<'n, 'b> = &'n dyn Fn(DVec3, DVec3, &mut dyn FnMut(&Part<'b>));
+type Near<'n, 'b> = &'n dyn Fn(DVec3, DVec3, &mut dyn FnMut(&ConvexPart<'b>));
 
 /// Visits every pair of parts whose boxes, widened by `margin`, meet. B is known by its box and by its parts.
 fn pairs<'a, 'b>(
-    a: Placed<'a>,
+    a: PlacedPart<'a>,
     near_b: Near<'_, 'b>,
     (low, high): (DVec3, DVec3),
     margin: f64,
-    visit: &mut dyn FnMut(&Part<'a>, &Part<'b>),
+    visit: &mut dyn FnMut(&ConvexPart<'a>, &ConvexPart<'b>),
 ) {
     let room = DVec3::splat(margin);
     parts::near(a, low - room, high + room, &mut |part_a| {
@@ -203,12 +203,12 @@ fn pairs<'a, 'b>(
     });
 }
 
-fn separation(a: Placed, b: Placed, limit: f64) -> Option<Distance> {
+fn separation(a: PlacedPart, b: PlacedPart, limit: f64) -> Option<Distance> {
     search(a, &|low, high, visit| parts::near(b, low, high, visit), b.bounds(), limit)
 }
 
 /// The least gap between two shapes, in regions around B that grow until one holds it.
-fn search(a: Placed, near_b: Near, (low, high): (DVec3, DVec3), limit: f64) -> Option<Distance> {
+fn search(a: PlacedPart, near_b: Near, (low, high): (DVec3, DVec3), limit: f64) -> Option<Distance> {
     let (least, greatest) = a.bounds();
     let apart = (least - high).max(low - greatest).max(DVec3::ZERO).length();
     let mut reach = if a.is_single() { limit } else { apart + a.grain() };
@@ -234,7 +234,7 @@ fn search(a: Placed, near_b: Near, (low, high): (DVec3, DVec3), limit: f64) -> O
 }
 
 impl Distance {
-    fn of(gap: &Gap, a: &Part, b: &Part) -> Self {
+    fn of(gap: &Gap, a: &ConvexPart, b: &ConvexPart) -> Self {
         Self {
             distance: gap.distance,
             normal: gap.normal.as_vec3().normalize(),
@@ -250,14 +250,14 @@ impl Distance {
     }
 }
 
-impl Placed<'_> {
+impl PlacedPart<'_> {
     fn is_single(&self) -> bool {
         !matches!(self.shape.geometry(), Geometry::TriangleMesh { .. } | Geometry::HeightField { .. } | Geometry::Compound { .. })
     }
 
     /// The box around a shape in the frame of the query (m).
     fn bounds(&self) -> (DVec3, DVec3) {
-        if let Some(part) = Part::whole(self.shape.geometry(), self.shape.hull(), self.place) {
+        if let Some(part) = ConvexPart::whole(self.shape.geometry(), self.shape.hull(), self.place) {
             return part.bounds();
         }
         let own = self.shape.parry().compute_local_aabb();
@@ -282,9 +282,9 @@ impl Placed<'_> {
 }
 
 /// The box around a probe, in the world (m).
-pub(crate) fn probe_box(probe: &Probe) -> Segment {
+pub(crate) fn probe_box(probe: &Probe) -> PathSegment {
     let (low, high) = probe.placed(probe.pose.position).bounds();
     let half = (high - low) * 0.5;
     let slack = BOX_SLACK * half.max_element();
-    Segment::still(probe.pose.position + (low + high) * 0.5, half + DVec3::splat(slack))
+    PathSegment::still(probe.pose.position + (low + high) * 0.5, half + DVec3::splat(slack))
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::epa;
 use super::gjk::{self, Closest};
-use super::part::Part;
+use super::part::ConvexPart;
 
 /// How much less than the distance found the planes of a face may be apart and still give the normal: over the distance and
 /// over the reach of the smaller part. The face is exact, what the search found is good to its last step. Over the greatest
@@ -29,18 +29,18 @@ pub(super) struct Gap {
 }
 
 /// Distance below which two parts touch (m).
-pub(super) fn touch(a: &Part, b: &Part) -> f64 {
+pub(super) fn touch(a: &ConvexPart, b: &ConvexPart) -> f64 {
     TOUCH.0 * a.reach().min(b.reach()) + TOUCH.1 * greatest(a, b)
 }
 
 /// Greatest reach or coordinate of two parts (m): what rounding is measured by.
-pub(super) fn greatest(a: &Part, b: &Part) -> f64 {
+pub(super) fn greatest(a: &ConvexPart, b: &ConvexPart) -> f64 {
     let far = a.place.origin.abs().max_element().max(b.place.origin.abs().max_element());
     [a.reach(), b.reach()].into_iter().filter(|reach| reach.is_finite()).fold(far, f64::max)
 }
 
 /// The gap between two parts; none between two half-spaces.
-pub(super) fn gap(a: &Part, b: &Part) -> Option<Gap> {
+pub(super) fn gap(a: &ConvexPart, b: &ConvexPart) -> Option<Gap> {
     if let Some(core) = with_half_space(a, b) {
         return core;
     }
@@ -58,7 +58,7 @@ pub(super) fn gap(a: &Part, b: &Part) -> Option<Gap> {
 }
 
 /// Distance of two parts that do not overlap; 0 or less if they do. Cheaper than [`gap`] where they overlap deep.
-pub(super) fn distance(a: &Part, b: &Part) -> Option<f64> {
+pub(super) fn distance(a: &ConvexPart, b: &ConvexPart) -> Option<f64> {
     if let Some(core) = with_half_space(a, b) {
         return core.map(|gap| gap.distance);
     }
@@ -70,7 +70,7 @@ pub(super) fn distance(a: &Part, b: &Part) -> Option<f64> {
 }
 
 /// How far apart the parts are along a direction from A to B (m): never more than their distance.
-pub(super) fn along(a: &Part, b: &Part, normal: DVec3) -> f64 {
+pub(super) fn along(a: &ConvexPart, b: &ConvexPart, normal: DVec3) -> f64 {
     match (a.half_space(), b.half_space()) {
         (None, None) => normal.dot(b.support(-normal) - a.support(normal)) - a.rounding - b.rounding,
         // Apart along the normal of its plane only.
@@ -80,7 +80,7 @@ pub(super) fn along(a: &Part, b: &Part, normal: DVec3) -> f64 {
     }
 }
 
-fn with_half_space(a: &Part, b: &Part) -> Option<Option<Gap>> {
+fn with_half_space(a: &ConvexPart, b: &ConvexPart) -> Option<Option<Gap>> {
     match (a.half_space(), b.half_space()) {
         (None, None) => None,
         (Some(_), Some(_)) => Some(None),
@@ -95,7 +95,7 @@ fn with_half_space(a: &Part, b: &Part) -> Option<Option<Gap>> {
 
 /// A face along which the parts are as far apart gives the normal, if the point nearest to the other part lies on it. Far
 /// from a face that leans by little, its plane is as far as the edge beside it, and the foot on that plane is off the part.
-fn prefer_faces(a: &Part, b: &Part, found: Gap) -> Gap {
+fn prefer_faces(a: &ConvexPart, b: &ConvexPart, found: Gap) -> Gap {
     let slack = FACE_SLACK.0 * found.distance.abs() + FACE_SLACK.1 * a.reach().min(b.reach()) + FACE_SLACK.2 * greatest(a, b);
     if let Some(normal) = a.face_toward(found.normal) {
         let distance = normal.dot(b.support(-normal) - a.support(normal));
@@ -115,12 +115,12 @@ fn prefer_faces(a: &Part, b: &Part, found: Gap) -> Gap {
 }
 
 /// Whether a point is on a part, near one that is.
-fn is_on(part: &Part, point: DVec3, near: DVec3) -> bool {
+fn is_on(part: &ConvexPart, point: DVec3, near: DVec3) -> bool {
     let slack = ON_FACE * part.reach();
     point.distance(near) <= slack || part.outside(point) <= slack
 }
 
-fn rounded(core: Gap, a: &Part, b: &Part) -> Gap {
+fn rounded(core: Gap, a: &ConvexPart, b: &ConvexPart) -> Gap {
     Gap {
         distance: core.distance - a.rounding - b.rounding,
         normal: core.normal,

@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::part::Part;
+use super::part::ConvexPart;
 
 /// Relative error of the distance at which the search ends.
 const RELATIVE: f64 = 1.0e-10;
@@ -23,15 +23,15 @@ const MAX_STEPS: usize = 128;
 
 /// A point b − a, and the two that it comes from.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Vertex {
+pub(super) struct SimplexVertex {
     pub offset: DVec3,
     pub on_a: DVec3,
     pub on_b: DVec3,
 }
 
-impl Vertex {
+impl SimplexVertex {
     /// The point b − a farthest along a direction.
-    pub(super) fn support(a: &Part, b: &Part, direction: DVec3) -> Self {
+    pub(super) fn support(a: &ConvexPart, b: &ConvexPart, direction: DVec3) -> Self {
         let (on_a, on_b) = (a.support(-direction), b.support(direction));
         Self { offset: on_b - on_a, on_a, on_b }
     }
@@ -40,7 +40,7 @@ impl Vertex {
 /// Up to four points, and the shares of them that make the nearest point.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Simplex {
-    pub corners: [Vertex; 4],
+    pub corners: [SimplexVertex; 4],
     pub shares: [f64; 4],
     pub count: usize,
 }
@@ -55,9 +55,9 @@ pub(super) enum Closest {
 }
 
 /// Nearest points of two parts; neither is a half-space.
-pub(super) fn closest(a: &Part, b: &Part) -> Closest {
+pub(super) fn closest(a: &ConvexPart, b: &ConvexPart) -> Closest {
     let seed = (a.place.origin - b.place.origin).try_normalize().unwrap_or(DVec3::X);
-    let mut simplex = Simplex::of(Vertex::support(a, b, seed));
+    let mut simplex = Simplex::of(SimplexVertex::support(a, b, seed));
     let mut offset = simplex.corners[0].offset;
     let mut size = extent(&simplex.corners[0]);
     for _ in 0..MAX_STEPS {
@@ -65,7 +65,7 @@ pub(super) fn closest(a: &Part, b: &Part) -> Closest {
         if distance <= ROUNDING * size {
             return Closest::Overlap(simplex);
         }
-        let next = Vertex::support(a, b, -offset);
+        let next = SimplexVertex::support(a, b, -offset);
         size = size.max(extent(&next));
         let slack = offset.dot(offset - next.offset);
         let is_found = slack <= RELATIVE * distance * distance + ROUNDING * size * distance
@@ -84,21 +84,21 @@ pub(super) fn closest(a: &Part, b: &Part) -> Closest {
         (simplex, offset) = (grown, nearer);
     }
     // If no plane parts them they are as near as rounding can tell, and the offset may lead the wrong way.
-    if offset.dot(Vertex::support(a, b, -offset).offset) <= 0.0 {
+    if offset.dot(SimplexVertex::support(a, b, -offset).offset) <= 0.0 {
         return Closest::Overlap(simplex);
     }
     let (on_a, on_b) = simplex.points();
     Closest::Apart { offset, on_a, on_b }
 }
 
-fn extent(vertex: &Vertex) -> f64 {
+fn extent(vertex: &SimplexVertex) -> f64 {
     vertex.on_a.abs().max(vertex.on_b.abs()).max_element()
 }
 
 impl Simplex {
-    pub(super) fn of(corner: Vertex) -> Self {
+    pub(super) fn of(corner: SimplexVertex) -> Self {
         Self {
-            corners: [corner, Vertex::default(), Vertex::default(), Vertex::default()],
+            corners: [corner, SimplexVertex::default(), SimplexVertex::default(), SimplexVertex::default()],
             shares: [1.0, 0.0, 0.0, 0.0],
             count: 1,
         }
@@ -106,7 +106,8 @@ impl Simplex {
 
     /// The points on A and B that the nearest point comes from.
     pub(super) fn points(&self) -> (DVec3, DVec3) {
-        let of = |part: fn(&Vertex) -> DVec3| (0..self.count).map(|i| part(&self.corners[i]) * self.shares[i]).sum::<DVec3>();
+        let of =
+            |part: fn(&SimplexVertex) -> DVec3| (0..self.count).map(|i| part(&self.corners[i]) * self.shares[i]).sum::<DVec3>();
         (of(|corner| corner.on_a), of(|corner| corner.on_b))
     }
 
@@ -120,7 +121,7 @@ impl Simplex {
             2 => self.on_segment([0, 1]),
             3 => self.on_triangle([0, 1, 2]),
             4 => self.on_tetrahedron()?,
-            _ => Nearest::corner(self, 0),
+            _ => NearestOnSimplex::corner(self, 0),
         };
         let mut kept = Self::default();
         for (&corner, &share) in found.corners.iter().zip(&found.shares).take(found.count) {
@@ -132,23 +133,23 @@ impl Simplex {
         Some(found.point)
     }
 
-    fn on_segment(&self, [a, b]: [usize; 2]) -> Nearest {
+    fn on_segment(&self, [a, b]: [usize; 2]) -> NearestOnSimplex {
         let along = self.at(b) - self.at(a);
         let length_squared = along.length_squared();
         let s = if length_squared > 0.0 { -self.at(a).dot(along) / length_squared } else { 0.0 };
         if s <= 0.0 {
-            return Nearest::corner(self, a);
+            return NearestOnSimplex::corner(self, a);
         }
         if s >= 1.0 {
-            return Nearest::corner(self, b);
+            return NearestOnSimplex::corner(self, b);
         }
         let point = self.at(a) + along * s;
-        Nearest { point, corners: [a, b, 0], shares: [1.0 - s, s, 0.0], count: 2 }
+        NearestOnSimplex { point, corners: [a, b, 0], shares: [1.0 - s, s, 0.0], count: 2 }
     }
 
     /// The foot of the origin on the plane, if it lies within the triangle; else the nearest point of an edge. The shares are
     /// areas seen from the foot: measured from the origin, those of a needle far away would be noise.
-    fn on_triangle(&self, [a, b, c]: [usize; 3]) -> Nearest {
+    fn on_triangle(&self, [a, b, c]: [usize; 3]) -> NearestOnSimplex {
         let (p, q, r) = (self.at(a), self.at(b), self.at(c));
         let normal = (q - p).cross(r - p);
         let square = normal.length_squared();
@@ -157,15 +158,15 @@ impl Simplex {
             let (p, q, r) = (p - foot, q - foot, r - foot);
             let areas = [q.cross(r), r.cross(p), p.cross(q)].map(|area| area.dot(normal) / square);
             if areas.iter().all(|&area| area > 0.0) {
-                return Nearest { point: foot, corners: [a, b, c], shares: areas, count: 3 };
+                return NearestOnSimplex { point: foot, corners: [a, b, c], shares: areas, count: 3 };
             }
         }
-        Nearest::best([self.on_segment([a, b]), self.on_segment([b, c]), self.on_segment([c, a])])
+        NearestOnSimplex::best([self.on_segment([a, b]), self.on_segment([b, c]), self.on_segment([c, a])])
     }
 
     /// None if the origin is inside.
-    fn on_tetrahedron(&self) -> Option<Nearest> {
-        let mut best: Option<Nearest> = None;
+    fn on_tetrahedron(&self) -> Option<NearestOnSimplex> {
+        let mut best: Option<NearestOnSimplex> = None;
         for (face, opposite) in [([0, 1, 2], 3), ([0, 1, 3], 2), ([0, 2, 3], 1), ([1, 2, 3], 0)] {
             let corner = self.at(face[0]);
             let (u, v, w) = (self.at(face[1]) - corner, self.at(face[2]) - corner, self.at(opposite) - corner);
@@ -186,14 +187,14 @@ impl Simplex {
 }
 
 /// The nearest point of a simplex, and the corners that it is made of.
-struct Nearest {
+struct NearestOnSimplex {
     point: DVec3,
     corners: [usize; 3],
     shares: [f64; 3],
     count: usize,
 }
 
-impl Nearest {
+impl NearestOnSimplex {
     fn corner(simplex: &Simplex, corner: usize) -> Self {
         Self { point: simplex.at(corner), corners: [corner, 0, 0], shares: [1.0, 0.0, 0.0], count: 1 }
     }

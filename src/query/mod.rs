@@ -35,7 +35,7 @@ mod region;
 pub(crate) use exact::{
     Met, Sweep, distance_between, distance_to, first_on_ray, first_on_sweep, nearest_point, overlaps, probe_box, shapes_overlap,
 };
-pub(crate) use region::Segment;
+pub(crate) use region::PathSegment;
 
 /// Longest ray or sweep, and greatest distance that is searched (m).
 pub const MAX_QUERY_LENGTH: f32 = 1.0e7;
@@ -63,8 +63,8 @@ impl Ray {
         Self { origin: from, direction, length: length as f32 }
     }
 
-    pub(crate) fn checked(self) -> Result<Segment> {
-        Ok(Segment {
+    pub(crate) fn checked(self) -> Result<PathSegment> {
+        Ok(PathSegment {
             origin: check::position("origin", self.origin)?,
             direction: check::direction("direction", self.direction)?.as_dvec3().normalize(),
             length: f64::from(query_length("length", self.length)?),
@@ -116,7 +116,7 @@ pub struct Cast<'a> {
 
 /// A cast whose numbers have been checked.
 pub(crate) enum Way<'a> {
-    Ray(Segment),
+    Ray(PathSegment),
     Sweep(Sweep<'a>),
 }
 
@@ -145,7 +145,7 @@ impl<'a> Cast<'a> {
         let Some(shape) = self.shape else {
             let origin = self.pose.checked("pose.position", "pose.rotation")?.position;
             let direction = if length > 0.0 { self.path / length } else { DVec3::X };
-            return Ok(Way::Ray(Segment { origin, direction, length, half: DVec3::ZERO }));
+            return Ok(Way::Ray(PathSegment { origin, direction, length, half: DVec3::ZERO }));
         };
         let probe = Probe::checked(shape, self.pose)?;
         let (turn, ignore_overlapped) = (self.turn.as_dvec3(), self.ignore_overlapped);

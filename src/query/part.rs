@@ -10,7 +10,7 @@ const ENDLESS: f64 = 1.0e10;
 
 /// The form of a part, less its rounding, in its own frame (m).
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Form<'a> {
+pub(super) enum PartForm<'a> {
     /// The centre of a ball.
     Point,
     /// The axis of a capsule, along y.
@@ -38,12 +38,12 @@ pub(super) enum Form<'a> {
 
 /// Where a part is: its origin (m) in the frame of the query, and its rotation.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct PartPose {
     pub origin: DVec3,
     pub axes: DMat3,
 }
 
-impl Place {
+impl PartPose {
     pub(super) fn new(origin: DVec3, rotation: Quat) -> Self {
         // Single-precision rotations are of unit length to 1e-7 only.
         Self { origin, axes: DMat3::from_quat(rotation.as_dquat().normalize()) }
@@ -65,9 +65,9 @@ impl Place {
 
 /// A convex part of a shape.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Part<'a> {
-    pub form: Form<'a>,
-    pub place: Place,
+pub(super) struct ConvexPart<'a> {
+    pub form: PartForm<'a>,
+    pub place: PartPose,
     /// Radius around the form (m).
     pub rounding: f64,
     /// Number of the part of a compound.
@@ -76,23 +76,23 @@ pub(super) struct Part<'a> {
     pub triangle: Option<u32>,
 }
 
-impl<'a> Part<'a> {
+impl<'a> ConvexPart<'a> {
     /// The part that a form is; none for a form of several.
-    pub(super) fn whole(geometry: &Geometry, hull: Option<&'a Hull>, place: Place) -> Option<Self> {
+    pub(super) fn whole(geometry: &Geometry, hull: Option<&'a Hull>, place: PartPose) -> Option<Self> {
         let (form, rounding) = match *geometry {
-            Geometry::Ball { radius } => (Form::Point, f64::from(radius)),
+            Geometry::Ball { radius } => (PartForm::Point, f64::from(radius)),
             Geometry::Capsule { half_height, radius } => {
-                (Form::Segment { half_height: f64::from(half_height) }, f64::from(radius))
+                (PartForm::Segment { half_height: f64::from(half_height) }, f64::from(radius))
             }
-            Geometry::Box { half_extents } => (Form::Box { half_extents: half_extents.as_dvec3() }, 0.0),
+            Geometry::Box { half_extents } => (PartForm::Box { half_extents: half_extents.as_dvec3() }, 0.0),
             Geometry::Cylinder { half_height, radius } => {
-                (Form::Cylinder { half_height: f64::from(half_height), radius: f64::from(radius) }, 0.0)
+                (PartForm::Cylinder { half_height: f64::from(half_height), radius: f64::from(radius) }, 0.0)
             }
             Geometry::Cone { half_height, radius } => {
-                (Form::Cone { half_height: f64::from(half_height), radius: f64::from(radius) }, 0.0)
+                (PartForm::Cone { half_height: f64::from(half_height), radius: f64::from(radius) }, 0.0)
             }
-            Geometry::ConvexHull { .. } => (Form::Hull(hull?), 0.0),
-            Geometry::HalfSpace { normal } => (Form::HalfSpace { normal: normal.as_dvec3().normalize() }, 0.0),
+            Geometry::ConvexHull { .. } => (PartForm::Hull(hull?), 0.0),
+            Geometry::HalfSpace { normal } => (PartForm::HalfSpace { normal: normal.as_dvec3().normalize() }, 0.0),
             Geometry::TriangleMesh { .. } | Geometry::HeightField { .. } | Geometry::Compound { .. } => return None,
         };
         Some(Self { form, place, rounding, part: None, triangle: None })
@@ -102,7 +102,7 @@ impl<'a> Part<'a> {
     pub(super) fn of_compound(
         (pose, geometry): &(crate::shape::LocalPose, Geometry),
         hull: Option<&'a Hull>,
-        place: Place,
+        place: PartPose,
         number: u32,
     ) -> Option<Self> {
         let part = Self::whole(geometry, hull, place.then(pose.position, pose.rotation))?;
@@ -111,13 +111,13 @@ impl<'a> Part<'a> {
 
     /// A triangle with these corners in the frame of the query.
     pub(super) fn triangle(corners: [DVec3; 3], number: u32) -> Self {
-        let place = Place { origin: (corners[0] + corners[1] + corners[2]) / 3.0, axes: DMat3::IDENTITY };
-        Self { form: Form::Triangle(corners), place, rounding: 0.0, part: None, triangle: Some(number) }
+        let place = PartPose { origin: (corners[0] + corners[1] + corners[2]) / 3.0, axes: DMat3::IDENTITY };
+        Self { form: PartForm::Triangle(corners), place, rounding: 0.0, part: None, triangle: Some(number) }
     }
 
     /// The point of the form, less its rounding, that is farthest along `direction`. A half-space has no such point.
     pub(super) fn support(&self, direction: DVec3) -> DVec3 {
-        if let Form::Triangle([a, b, c]) = self.form {
+        if let PartForm::Triangle([a, b, c]) = self.form {
             let (p, q, r) = (a.dot(direction), b.dot(direction), c.dot(direction));
             return if p >= q && p >= r {
                 a
@@ -133,15 +133,15 @@ impl<'a> Part<'a> {
             DVec3::new(across.x * radius, y, across.z * radius)
         };
         let point = match self.form {
-            Form::Point | Form::HalfSpace { .. } | Form::Triangle(_) => return self.place.origin,
-            Form::Segment { half_height } => DVec3::new(0.0, half_height.copysign(local.y), 0.0),
-            Form::Box { half_extents } => half_extents.copysign(local),
-            Form::Cylinder { half_height, radius } => rim(radius, half_height.copysign(local.y)),
-            Form::Cone { half_height, radius } => {
+            PartForm::Point | PartForm::HalfSpace { .. } | PartForm::Triangle(_) => return self.place.origin,
+            PartForm::Segment { half_height } => DVec3::new(0.0, half_height.copysign(local.y), 0.0),
+            PartForm::Box { half_extents } => half_extents.copysign(local),
+            PartForm::Cylinder { half_height, radius } => rim(radius, half_height.copysign(local.y)),
+            PartForm::Cone { half_height, radius } => {
                 let (base, tip) = (rim(radius, -half_height), DVec3::new(0.0, half_height, 0.0));
                 if base.dot(local) > tip.dot(local) { base } else { tip }
             }
-            Form::Hull(hull) => hull.points()[hull.farthest(local) as usize].as_dvec3(),
+            PartForm::Hull(hull) => hull.points()[hull.farthest(local) as usize].as_dvec3(),
         };
         self.place.to_frame(point)
     }
@@ -149,13 +149,15 @@ impl<'a> Part<'a> {
     /// Radius of a ball about the part's origin that holds it (m); infinite for a half-space.
     pub(super) fn reach(&self) -> f64 {
         let form = match self.form {
-            Form::Point => 0.0,
-            Form::Segment { half_height } => half_height,
-            Form::Box { half_extents } => half_extents.length(),
-            Form::Cylinder { half_height, radius } | Form::Cone { half_height, radius } => libm::hypot(half_height, radius),
-            Form::Hull(hull) => hull.reach(),
-            Form::Triangle(corners) => corners.iter().map(|corner| corner.distance(self.place.origin)).fold(0.0, f64::max),
-            Form::HalfSpace { .. } => f64::INFINITY,
+            PartForm::Point => 0.0,
+            PartForm::Segment { half_height } => half_height,
+            PartForm::Box { half_extents } => half_extents.length(),
+            PartForm::Cylinder { half_height, radius } | PartForm::Cone { half_height, radius } => {
+                libm::hypot(half_height, radius)
+            }
+            PartForm::Hull(hull) => hull.reach(),
+            PartForm::Triangle(corners) => corners.iter().map(|corner| corner.distance(self.place.origin)).fold(0.0, f64::max),
+            PartForm::HalfSpace { .. } => f64::INFINITY,
         };
         form + self.rounding
     }
@@ -163,15 +165,15 @@ impl<'a> Part<'a> {
     /// Least radius of what is round, else the reach (m).
     pub(super) fn finest(&self) -> f64 {
         match self.form {
-            Form::Point | Form::Segment { .. } => self.rounding,
-            Form::Cylinder { radius, .. } | Form::Cone { radius, .. } => radius,
+            PartForm::Point | PartForm::Segment { .. } => self.rounding,
+            PartForm::Cylinder { radius, .. } | PartForm::Cone { radius, .. } => radius,
             _ => self.reach(),
         }
     }
 
     /// The box around the part in the frame of the query: its least and greatest corner (m).
     pub(super) fn bounds(&self) -> (DVec3, DVec3) {
-        if matches!(self.form, Form::HalfSpace { .. }) {
+        if matches!(self.form, PartForm::HalfSpace { .. }) {
             return (DVec3::splat(-ENDLESS), DVec3::splat(ENDLESS));
         }
         let farthest = |direction: DVec3| self.support(direction).dot(direction) + self.rounding;
@@ -182,22 +184,22 @@ impl<'a> Part<'a> {
 
     /// Outward normal of the flat face that faces a direction most, in the frame of the query; none without flat faces.
     pub(super) fn face_toward(&self, direction: DVec3) -> Option<DVec3> {
-        if let Form::Triangle([a, b, c]) = self.form {
+        if let PartForm::Triangle([a, b, c]) = self.form {
             let normal = (b - a).cross(c - a).try_normalize()?;
             return Some(normal * 1.0_f64.copysign(normal.dot(direction)));
         }
         let local = self.place.axes.transpose() * direction;
         let normal = match self.form {
-            Form::Box { .. } => {
+            PartForm::Box { .. } => {
                 let facing = local.abs();
                 let axis = (1..3).fold(0, |best, i| if facing[i] > facing[best] { i } else { best });
                 let mut normal = DVec3::ZERO;
                 normal[axis] = 1.0_f64.copysign(local[axis]);
                 normal
             }
-            Form::Cylinder { .. } => DVec3::Y * 1.0_f64.copysign(local.y),
-            Form::Cone { .. } => DVec3::NEG_Y,
-            Form::Hull(hull) => {
+            PartForm::Cylinder { .. } => DVec3::Y * 1.0_f64.copysign(local.y),
+            PartForm::Cone { .. } => DVec3::NEG_Y,
+            PartForm::Hull(hull) => {
                 let facing = |plane: &(DVec3, f64)| plane.0.dot(local);
                 hull.planes().iter().reduce(|best, plane| if facing(plane) > facing(best) { plane } else { best })?.0
             }
@@ -209,7 +211,7 @@ impl<'a> Part<'a> {
     /// How far a point is outside the form, less its rounding: past one of its faces, or round it (m). Negative inside; of a
     /// triangle, how far past its edges as its normal sees them.
     pub(super) fn outside(&self, point: DVec3) -> f64 {
-        if let Form::Triangle([a, b, c]) = self.form {
+        if let PartForm::Triangle([a, b, c]) = self.form {
             let normal = (b - a).cross(c - a);
             let past = |from: DVec3, to: DVec3| (point - from).dot((to - from).cross(normal).normalize_or_zero());
             return past(a, b).max(past(b, c)).max(past(c, a));
@@ -217,23 +219,23 @@ impl<'a> Part<'a> {
         let p = self.place.to_local(point);
         let across = libm::hypot(p.x, p.z);
         match self.form {
-            Form::Point | Form::Triangle(_) => p.length(),
-            Form::Segment { half_height } => (p - DVec3::Y * p.y.clamp(-half_height, half_height)).length(),
-            Form::Box { half_extents } => (p.abs() - half_extents).max_element(),
-            Form::Cylinder { half_height, radius } => (p.y.abs() - half_height).max(across - radius),
-            Form::Cone { half_height, radius } => {
+            PartForm::Point | PartForm::Triangle(_) => p.length(),
+            PartForm::Segment { half_height } => (p - DVec3::Y * p.y.clamp(-half_height, half_height)).length(),
+            PartForm::Box { half_extents } => (p.abs() - half_extents).max_element(),
+            PartForm::Cylinder { half_height, radius } => (p.y.abs() - half_height).max(across - radius),
+            PartForm::Cone { half_height, radius } => {
                 let steepness = radius / (2.0 * half_height);
                 (-half_height - p.y).max((across - steepness * (half_height - p.y)) / libm::hypot(1.0, steepness))
             }
-            Form::Hull(hull) => hull.planes().iter().map(|(normal, offset)| normal.dot(p) - offset).fold(f64::MIN, f64::max),
-            Form::HalfSpace { normal } => normal.dot(p),
+            PartForm::Hull(hull) => hull.planes().iter().map(|(normal, offset)| normal.dot(p) - offset).fold(f64::MIN, f64::max),
+            PartForm::HalfSpace { normal } => normal.dot(p),
         }
     }
 
     /// Outward normal of a half-space in the frame of the query; none of any other form.
     pub(super) fn half_space(&self) -> Option<DVec3> {
         match self.form {
-            Form::HalfSpace { normal } => Some(self.place.axes * normal),
+            PartForm::HalfSpace { normal } => Some(self.place.axes * normal),
             _ => None,
         }
     }
@@ -241,7 +243,7 @@ impl<'a> Part<'a> {
     /// The same part, moved (m) and then turned about a point.
     pub(super) fn moved(&self, path: DVec3, turn: DQuat, about: DVec3) -> Self {
         let turn = DMat3::from_quat(turn);
-        let place = Place { origin: turn * (self.place.origin - about) + about + path, axes: turn * self.place.axes };
+        let place = PartPose { origin: turn * (self.place.origin - about) + about + path, axes: turn * self.place.axes };
         Self { place, ..*self }
     }
 }

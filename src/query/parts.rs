@@ -3,8 +3,8 @@
 use glam::{DMat3, DVec3};
 use parry3d::partitioning::{Bvh, TraversalAction};
 
-use super::part::{Part, Place};
-use super::region::Segment;
+use super::part::{ConvexPart, PartPose};
+use super::region::PathSegment;
 use crate::hull::Hull;
 use crate::shape::{Geometry, Shape};
 
@@ -13,15 +13,15 @@ const CELL_SLACK: f64 = 1.0e-9;
 
 /// A shape somewhere, in the frame of a query.
 #[derive(Clone, Copy)]
-pub(super) struct Placed<'a> {
+pub(super) struct PlacedPart<'a> {
     pub shape: &'a Shape,
-    pub place: Place,
+    pub place: PartPose,
 }
 
 /// Calls `visit` for each part of a shape that a path may meet, with the distance at which it enters the part's box (m); it
 /// returns how much of the path is still of interest (m).
-pub(super) fn along<'a>(of: Placed<'a>, path: &Segment, visit: &mut dyn FnMut(&Part<'a>, f64) -> f64) {
-    let Placed { shape, place } = of;
+pub(super) fn along<'a>(of: PlacedPart<'a>, path: &PathSegment, visit: &mut dyn FnMut(&ConvexPart<'a>, f64) -> f64) {
+    let PlacedPart { shape, place } = of;
     let parry = shape.parry();
     match shape.geometry() {
         Geometry::Compound { parts } => {
@@ -29,7 +29,7 @@ pub(super) fn along<'a>(of: Placed<'a>, path: &Segment, visit: &mut dyn FnMut(&P
             let mut path = in_local(path, &place);
             walk(compound.bvh(), &mut path, &mut |number, entry| {
                 let (definition, built) = (&parts[number as usize], &compound.shapes()[number as usize].1);
-                let part = Part::of_compound(definition, built.as_shape::<Hull>(), place, number);
+                let part = ConvexPart::of_compound(definition, built.as_shape::<Hull>(), place, number);
                 part.map_or(f64::INFINITY, |part| visit(&part, entry))
             });
         }
@@ -39,7 +39,7 @@ pub(super) fn along<'a>(of: Placed<'a>, path: &Segment, visit: &mut dyn FnMut(&P
             walk(mesh.bvh(), &mut path, &mut |number, entry| {
                 let triangle = mesh.triangle(number);
                 let corners = [triangle.a, triangle.b, triangle.c].map(|corner| place.to_frame(corner.as_dvec3()));
-                visit(&Part::triangle(corners, shape.host_triangle(number)), entry)
+                visit(&ConvexPart::triangle(corners, shape.host_triangle(number)), entry)
             });
         }
         Geometry::HeightField { rows, columns, heights, size_x, size_z } => {
@@ -49,11 +49,11 @@ pub(super) fn along<'a>(of: Placed<'a>, path: &Segment, visit: &mut dyn FnMut(&P
             let path = in_local(path, &place);
             let Some(inside) = path.inside(bounds.mins, bounds.maxs) else { return };
             grid.walk(&path, inside, &mut |number, corners, entry| {
-                visit(&Part::triangle(corners.map(|corner| place.to_frame(corner)), number), entry)
+                visit(&ConvexPart::triangle(corners.map(|corner| place.to_frame(corner)), number), entry)
             });
         }
         geometry => {
-            if let Some(part) = Part::whole(geometry, shape.hull(), place) {
+            if let Some(part) = ConvexPart::whole(geometry, shape.hull(), place) {
                 visit(&part, 0.0);
             }
         }
@@ -61,8 +61,8 @@ pub(super) fn along<'a>(of: Placed<'a>, path: &Segment, visit: &mut dyn FnMut(&P
 }
 
 /// Calls `visit` for each part of a shape that may meet the box from `low` to `high`, in the frame of the query (m).
-pub(super) fn near<'a>(of: Placed<'a>, low: DVec3, high: DVec3, visit: &mut dyn FnMut(&Part<'a>)) {
-    let path = Segment::still((low + high) * 0.5, (high - low) * 0.5);
+pub(super) fn near<'a>(of: PlacedPart<'a>, low: DVec3, high: DVec3, visit: &mut dyn FnMut(&ConvexPart<'a>)) {
+    let path = PathSegment::still((low + high) * 0.5, (high - low) * 0.5);
     along(of, &path, &mut |part, _| {
         visit(part);
         f64::INFINITY
@@ -70,13 +70,13 @@ pub(super) fn near<'a>(of: Placed<'a>, low: DVec3, high: DVec3, visit: &mut dyn 
 }
 
 /// A path in the frame of a shape; its box is the one around the turned box.
-fn in_local(path: &Segment, place: &Place) -> Segment {
+fn in_local(path: &PathSegment, place: &PartPose) -> PathSegment {
     let back = place.axes.transpose();
     let widths = DMat3::from_cols(back.x_axis.abs(), back.y_axis.abs(), back.z_axis.abs());
-    Segment { origin: place.to_local(path.origin), direction: back * path.direction, half: widths * path.half, ..*path }
+    PathSegment { origin: place.to_local(path.origin), direction: back * path.direction, half: widths * path.half, ..*path }
 }
 
-fn walk(tree: &Bvh, path: &mut Segment, visit: &mut dyn FnMut(u32, f64) -> f64) {
+fn walk(tree: &Bvh, path: &mut PathSegment, visit: &mut dyn FnMut(u32, f64) -> f64) {
     tree.traverse(|node| match path.enters(node.mins(), node.maxs()) {
         None => TraversalAction::Prune,
         Some(entry) => {
@@ -100,7 +100,7 @@ struct Grid<'a> {
 impl Grid<'_> {
     /// Visits the triangles of all cells that a path may meet on a stretch of it, by slices along the axis on which it crosses
     /// most cells: within a slice, the cells beside the path.
-    fn walk(&self, path: &Segment, (first, last): (f64, f64), visit: &mut dyn FnMut(u32, [DVec3; 3], f64) -> f64) {
+    fn walk(&self, path: &PathSegment, (first, last): (f64, f64), visit: &mut dyn FnMut(u32, [DVec3; 3], f64) -> f64) {
         let cells = [self.columns - 1, self.rows - 1];
         let sizes = [self.size.0 / cells[0] as f64, self.size.1 / cells[1] as f64];
         let axes = [0, 2];

@@ -5,7 +5,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::part::{Form, Part};
+use super::part::{ConvexPart, PartForm};
 
 /// How far outside a triangle's edge a ray may pass and still meet it, over the triangle's extent as the ray sees it: what
 /// rotations round away. Edges that two triangles share are met exactly.
@@ -78,13 +78,13 @@ fn roots(a: f64, b: f64, c: f64) -> Option<(f64, f64)> {
 
 /// Where a ray first meets a part: distance (m) and outward normal, both in the frame of the query. A ray that begins inside a
 /// solid meets it at 0, against its direction. `direction` is a unit vector.
-pub(super) fn enter(part: &Part, origin: DVec3, direction: DVec3, length: f64) -> Option<(f64, DVec3)> {
-    if let Form::Triangle(corners) = part.form {
+pub(super) fn enter(part: &ConvexPart, origin: DVec3, direction: DVec3, length: f64) -> Option<(f64, DVec3)> {
+    if let PartForm::Triangle(corners) = part.form {
         return triangle(corners, origin, direction).filter(|&(distance, _)| distance <= length);
     }
     let (start, along) = (part.place.to_local(origin), part.place.axes.transpose() * direction);
     // Seen from the point of the ray nearest to the part, nothing is lost to the length of the way there.
-    let shift = if matches!(part.form, Form::HalfSpace { .. }) { 0.0 } else { -start.dot(along) };
+    let shift = if matches!(part.form, PartForm::HalfSpace { .. }) { 0.0 } else { -start.dot(along) };
     let inside = stretch(part, start + along * shift, along);
     let (from, to) = (inside.from + shift, inside.to + shift);
     if inside.is_empty() || to < 0.0 || from > length {
@@ -96,14 +96,14 @@ pub(super) fn enter(part: &Part, origin: DVec3, direction: DVec3, length: f64) -
     }
 }
 
-fn stretch(part: &Part, o: DVec3, d: DVec3) -> Stretch {
+fn stretch(part: &ConvexPart, o: DVec3, d: DVec3) -> Stretch {
     let mut inside = Stretch::all();
     match part.form {
-        Form::Triangle(_) => {}
-        Form::HalfSpace { normal } => inside.cut_plane(o, d, normal, 0.0),
-        Form::Point => inside = ball(o, d, part.rounding),
-        Form::Segment { half_height } => inside = capsule(o, d, half_height, part.rounding),
-        Form::Box { half_extents } => {
+        PartForm::Triangle(_) => {}
+        PartForm::HalfSpace { normal } => inside.cut_plane(o, d, normal, 0.0),
+        PartForm::Point => inside = ball(o, d, part.rounding),
+        PartForm::Segment { half_height } => inside = capsule(o, d, half_height, part.rounding),
+        PartForm::Box { half_extents } => {
             for axis in 0..3 {
                 let mut normal = DVec3::ZERO;
                 normal[axis] = 1.0;
@@ -111,17 +111,17 @@ fn stretch(part: &Part, o: DVec3, d: DVec3) -> Stretch {
                 inside.cut_plane(o, d, -normal, half_extents[axis]);
             }
         }
-        Form::Cylinder { half_height, radius } => {
+        PartForm::Cylinder { half_height, radius } => {
             inside.cut_plane(o, d, DVec3::Y, half_height);
             inside.cut_plane(o, d, DVec3::NEG_Y, half_height);
             around_axis(&mut inside, o, d, radius);
         }
-        Form::Cone { half_height, radius } => {
+        PartForm::Cone { half_height, radius } => {
             inside.cut_plane(o, d, DVec3::Y, half_height);
             inside.cut_plane(o, d, DVec3::NEG_Y, half_height);
             cone_side(&mut inside, o, d, half_height, radius);
         }
-        Form::Hull(hull) => {
+        PartForm::Hull(hull) => {
             for &(normal, offset) in hull.planes() {
                 inside.cut_plane(o, d, normal, offset);
                 if inside.is_empty() {

@@ -8,7 +8,7 @@ const TOLERANCE: f64 = 1.0e-9;
 
 /// A straight path of a box: from `origin` along `direction` for `length`, with half extents `half`.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Segment {
+pub(crate) struct PathSegment {
     pub origin: DVec3,
     /// Unit vector.
     pub direction: DVec3,
@@ -17,7 +17,7 @@ pub(crate) struct Segment {
     pub half: DVec3,
 }
 
-impl Segment {
+impl PathSegment {
     /// A box that does not move.
     pub(crate) fn still(origin: DVec3, half: DVec3) -> Self {
         Self { origin, direction: DVec3::X, length: 0.0, half }
@@ -64,12 +64,12 @@ mod tests {
     #[test]
     fn a_path_enters_a_box_where_its_face_is() {
         let path =
-            Segment { origin: DVec3::new(1.0e6, 5.0, 0.0), direction: DVec3::NEG_Y, length: 10.0, half: DVec3::splat(0.5) };
+            PathSegment { origin: DVec3::new(1.0e6, 5.0, 0.0), direction: DVec3::NEG_Y, length: 10.0, half: DVec3::splat(0.5) };
         let (mins, maxs) = (Vec3::new(1.0e6 - 1.0, 0.0, -1.0), Vec3::new(1.0e6 + 1.0, 1.0, 1.0));
         let distance = path.enters(mins, maxs).expect("the box is below");
         assert!((distance - 3.5).abs() < 1.0e-2, "{distance} m");
-        assert!(Segment { length: 3.0, ..path }.enters(mins, maxs).is_none());
-        assert!(Segment { origin: DVec3::new(1.0e6 + 1.6, 5.0, 0.0), ..path }.enters(mins, maxs).is_none());
-        assert_eq!(Segment { origin: DVec3::new(1.0e6, 0.5, 0.0), ..path }.enters(mins, maxs), Some(0.0));
+        assert!(PathSegment { length: 3.0, ..path }.enters(mins, maxs).is_none());
+        assert!(PathSegment { origin: DVec3::new(1.0e6 + 1.6, 5.0, 0.0), ..path }.enters(mins, maxs).is_none());
+        assert_eq!(PathSegment { origin: DVec3::new(1.0e6, 0.5, 0.0), ..path }.enters(mins, maxs), Some(0.0));
     }
 }

@@ -1,4 +1,4 @@
-//! Checking a geometry, and building what collision needs from it.
+//! Checks a geometry, and builds what collision needs from it.
 
 use glam::Vec3;
 use parry3d::shape::SharedShape;

@@ -10,13 +10,13 @@ use parry3d::math::Pose3;
 
 use super::stored::{Reader, Stored, Writer, stored};
 use super::table::{Input, Output};
-use crate::collide::blows::Blow;
+use crate::collide::active_hits::ActiveHit;
 use crate::collide::cache::PairCache;
-use crate::collide::carried::{Carried, CarriedManifold, Manifolds};
-use crate::collide::coarse::{TURN_STEP, coarse, pose_unit};
 use crate::collide::collider::Collider;
 use crate::collide::narrow::{Manifold, ManifoldPoint};
 use crate::collide::pairs::{Pair, PairKey};
+use crate::collide::persistent_manifold::{Carried, CarriedManifold, Manifolds};
+use crate::collide::quantized_pose::{TURN_STEP, coarse, pose_unit};
 use crate::id::{Pool, ShapeId};
 use crate::solve::contact::ContactImpulses;
 
@@ -152,12 +152,12 @@ pub(crate) fn write(
 }
 
 /// Reads what [`write`] has written, pairs and the hit of each; `None` if it makes no sense.
-pub(crate) fn read(input: &mut Input, colliders: &Pool<Collider, ShapeId>) -> Option<(Vec<Pair>, Vec<Blow>)> {
+pub(crate) fn read(input: &mut Input, colliders: &Pool<Collider, ShapeId>) -> Option<(Vec<Pair>, Vec<ActiveHit>)> {
     let rows = input.table::<PairRow>()?;
     let mut far = input.table::<FarPose>()?.into_iter();
     let (mut manifolds, mut points) = (input.table::<ManifoldRow>()?.into_iter(), input.table::<PointRow>()?.into_iter());
     let mut pairs = Vec::with_capacity(rows.len());
-    let blows = rows.iter().map(|row| Blow { approach: row.approach, impulse: row.blow }).collect();
+    let blows = rows.iter().map(|row| ActiveHit { approach: row.approach, impulse: row.blow }).collect();
     for row in rows {
         let now = Now::of(row.key, colliders)?;
         let mut pair = row.pair(&now, &mut far)?;
@@ -230,7 +230,7 @@ fn unpacked(from: [f32; 7], bits: u32, units: [f32; 7]) -> [f32; 7] {
     })
 }
 
-fn row_of((pair, blow): (&Pair, Blow), colliders: &Pool<Collider, ShapeId>, rests: bool) -> (PairRow, Option<FarPose>) {
+fn row_of((pair, blow): (&Pair, ActiveHit), colliders: &Pool<Collider, ShapeId>, rests: bool) -> (PairRow, Option<FarPose>) {
     // Written out, so that a field that is new does not compile.
     let Pair {
         key,

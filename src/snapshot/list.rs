@@ -1,4 +1,4 @@
-//! What a snapshot holds: the one place that lists it.
+//! The list of everything that a snapshot holds.
 //!
 //! Whoever adds a field to one of these types is stopped here by the compiler, and lists it: as stored, or as made anew with the
 //! value that it then gets. The fields of `World` itself are listed in the same way in `world/snapshot.rs`.
@@ -11,11 +11,12 @@ use super::stored::{Reader, Stored, Writer, stored, stored_enum};
 use crate::body::{Anchored, Body, BodyDef, BodyKind, Drift, LockedAxes, SleepState};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::PairKey;
-use crate::fracture::strain::{Span, Strain};
+use crate::fracture::strain::{ImpulseSpan, Strain};
 use crate::fracture::{Damage, FractureSettings, Strength};
 use crate::id::{JointId, Slot};
 use crate::joint::{Axis, Drive, ForceSide, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
 use crate::joint_drive::{DriveRates, JointDrive};
+use crate::joint_graph::union::UnionMotion;
 use crate::joint_rebounds::Rebounds;
 use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
@@ -25,7 +26,6 @@ use crate::report::ContactPair;
 use crate::settings::{ArticulationSettings, SleepSettings, Solver, WorldDef};
 use crate::shape::{CollisionFilter, ShapeDef};
 use crate::solve::direct::history::History;
-use crate::span::union::UnionMotion;
 use crate::world::{AskedBound, CarriedBound, CarriedUnion, HeldBody, HeldUnit};
 
 /// What a world has besides its tables.
@@ -212,7 +212,7 @@ stored!(Rebounds { rows, speeds });
 stored!(JointDrive { stops, frames, found, carried, solved });
 stored!(DriveRates { stops, frames });
 stored!(Strain { spans, damage, condemned });
-stored!(Span { time, linear, angular });
+stored!(ImpulseSpan { time, linear, angular });
 stored!(Strength { tension, compression, shear, bending, torsion, window, damage });
 stored!(Damage { from, time, half_life });
 stored!(JointDef {
@@ -294,7 +294,7 @@ pub(crate) const LISTED: &[&str] = &[
     Material::FIELDS,
     Joint::FIELDS,
     Strain::FIELDS,
-    Span::FIELDS,
+    ImpulseSpan::FIELDS,
     Strength::FIELDS,
     Damage::FIELDS,
     FractureSettings::FIELDS,

@@ -1,4 +1,4 @@
-//! What can be a row of words, and be made from one again.
+//! Types that a snapshot stores as rows of words.
 
 use glam::{DVec3, Quat, Vec3};
 use parry3d::bounding_volume::Aabb;

@@ -86,7 +86,7 @@ impl<'a> Output<'a> {
 }
 
 /// Rows that room is made for before they are read.
-const MOST_AT_ONCE: u64 = 1 << 14;
+const MAX_AT_ONCE: u64 = 1 << 14;
 
 /// How many numbers a byte of a snapshot may stand for by runs. A number names a row of a table, which takes a byte or more, and there are
 /// eleven lists of them: more numbers than this name nothing, and memory stays a multiple of the snapshot's length.
@@ -121,7 +121,7 @@ impl<'a> Input<'a> {
             return None;
         }
         // Beyond so many, room is made as rows turn out to be there.
-        let mut table = Vec::with_capacity(rows.min(MOST_AT_ONCE) as usize);
+        let mut table = Vec::with_capacity(rows.min(MAX_AT_ONCE) as usize);
         for _ in 0..rows {
             table.push(self.row()?);
         }

@@ -2,33 +2,33 @@
 
 use glam::{DVec3, Quat, Vec3};
 
-use super::birth::Birth;
-use super::bound::BatchBounds;
+use super::body_flags::BodyFlags;
+use super::body_warm_start::BodyWarmStart;
 use super::buckets::Buckets;
-use super::carry::Carry;
-use super::closing::Closing;
 use super::color::Coloring;
 use super::contact::{ContactImpulses, ContactInput, LANES};
 use super::contact_block::ContactBlocks;
+use super::contact_energy::ContactEnergy;
+use super::contact_newton::ContactNewton;
 use super::direct::Direct;
-use super::dissipative::DissipativeIslands;
-use super::exact::ExactIslands;
+use super::distance_bound::BatchBounds;
 use super::impact::gather::Impacts;
+use super::initial_impulses::InitialImpulses;
 use super::joint::{BatchJoints, may_be_cut};
-use super::lead::Leads;
-use super::load_pass::LoadPass;
+use super::joint_closing::JointClosing;
+use super::joint_energy::JointEnergy;
+use super::joint_mesh::JointMesh;
 use super::momentum::FreeIslands;
+use super::momentum_pass::MomentumPass;
 use super::newton::Newton;
-use super::passive::PassiveIslands;
 use super::plane::Planes;
-use super::poses::Poses;
-use super::role::Role;
-use super::sheet::Sheet;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
-use super::taut::TautRows;
-use super::told::Told;
-use super::wrap::BatchWraps;
-use crate::room::{extend_tightly, make_room, resize};
+use super::status::ContactStatus;
+use super::taut_line::TautRows;
+use super::velocity_half_step::HalfStepVelocities;
+use super::wide_bodies::WideBodies;
+use super::wrapped_bound::BatchWraps;
+use crate::tight_vec::{extend_tightly, make_room, resize};
 use crate::workers::Workers;
 
 mod lanes;
@@ -68,7 +68,7 @@ pub(crate) const REPLICA: u32 = u32::MAX;
 const HELD: u32 = u32::MAX;
 
 /// Bodies that are worth another thread's while: some 10 µs.
-const LEAST_BODIES: usize = 64;
+const MIN_BODIES: usize = 64;
 
 /// Bodies, contacts and joints solved together.
 #[derive(Debug, Default)]
@@ -87,7 +87,7 @@ pub(crate) struct Batch {
     pub joint_ends: Vec<[JointEnd; 2]>,
     pub velocities: Vec<BodyVelocity>,
     pub motions: Vec<BodyMotion>,
-    pub roles: Vec<Role>,
+    pub body_flags: Vec<BodyFlags>,
     /// Blocks of manifolds, those of which joints hold all that moves last.
     pub contacts: ContactBlocks,
     /// The first of those last ones.
@@ -101,12 +101,12 @@ pub(crate) struct Batch {
     /// Hinge chains, by number in the world's list and as planes.
     pub chains: Vec<u32>,
     pub planes: Planes,
-    pub poses: Poses,
+    pub poses: WideBodies,
     pub free: FreeIslands,
-    pub passive: PassiveIslands,
-    pub dissipative: DissipativeIslands,
-    pub sheet: Sheet,
-    pub leads: Leads,
+    pub joint_energy: JointEnergy,
+    pub contact_energy: ContactEnergy,
+    pub mesh: JointMesh,
+    pub half_steps: HalfStepVelocities,
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
     pub direct: Direct,
@@ -119,19 +119,19 @@ pub(crate) struct Batch {
     pub tallied: bool,
     tally: Vec<ContactImpulses>,
     /// What is told of the manifolds of each block, if anybody wants to know.
-    pub told: Vec<[Told; LANES]>,
+    pub told: Vec<[ContactStatus; LANES]>,
     /// Block and lane of each manifold.
     lanes: Vec<(u32, u32)>,
     /// Which thread's each block is, where several work on them.
     places: Vec<u8>,
     /// Kinematic bodies that have a slot here, sorted by body.
     replicas: Vec<Replica>,
-    pub birth: Birth,
-    pub load_pass: LoadPass,
-    pub exact: ExactIslands,
+    pub initial_impulses: InitialImpulses,
+    pub momentum_pass: MomentumPass,
+    pub contact_newton: ContactNewton,
     pub impacts: Impacts,
-    pub closing: Closing,
-    pub carry: Carry,
+    pub closing: JointClosing,
+    pub carry: BodyWarmStart,
     pub coloring: Coloring,
     /// Colour of each manifold, twice, plus one if it has a single point; and [`lanes::GROUPS`] more for each round before its own.
     groups: Vec<u32>,
@@ -157,7 +157,7 @@ impl Batch {
         self.manifolds.clear();
         self.joint_slots.clear();
         self.joint_ends.clear();
-        self.roles.clear();
+        self.body_flags.clear();
         self.ends.clear();
         self.inputs.clear();
         self.bound_slots.clear();
@@ -167,9 +167,9 @@ impl Batch {
         self.chains.clear();
         self.planes.clear();
         self.free.clear();
-        self.passive.clear();
-        self.dissipative.clear();
-        self.leads.clear();
+        self.joint_energy.clear();
+        self.contact_energy.clear();
+        self.half_steps.clear();
         self.direct.clear();
         self.newton.clear();
         self.lanes.clear();
@@ -225,7 +225,7 @@ impl Batch {
 
     /// Loads the state of all enlisted bodies.
     pub(crate) fn load_bodies(&mut self, threads: &Workers, state: impl Fn(u32) -> (BodyVelocity, BodyMotion) + Sync) {
-        let Self { bodies, velocities, motions, roles, .. } = self;
+        let Self { bodies, velocities, motions, body_flags, .. } = self;
         if !threads.has_team() {
             velocities.clear();
             motions.clear();
@@ -233,11 +233,11 @@ impl Batch {
             make_room(motions, bodies.len());
             velocities.push(BodyVelocity::FIXED);
             motions.push(BodyMotion::FIXED);
-            roles.push(Role::default());
+            body_flags.push(BodyFlags::default());
             for &body in &bodies[1..] {
                 let (velocity, motion) = state(body);
                 velocities.push(velocity);
-                roles.push(Role::of(&velocity, &motion));
+                body_flags.push(BodyFlags::of(&velocity, &motion));
                 motions.push(motion);
             }
             return;
@@ -245,13 +245,13 @@ impl Batch {
         resize(velocities, bodies.len(), BodyVelocity::FIXED);
         resize(motions, bodies.len(), BodyMotion::FIXED);
         (velocities[0], motions[0]) = (BodyVelocity::FIXED, BodyMotion::FIXED);
-        roles.resize(bodies.len(), Role::default());
-        let piece = threads.piece(bodies.len(), LEAST_BODIES);
-        let places = velocities[1..].chunks_mut(piece).zip(motions[1..].chunks_mut(piece)).zip(roles[1..].chunks_mut(piece));
-        threads.share(places.zip(bodies[1..].chunks(piece)), |(((velocities, motions), roles), bodies)| {
-            for (((velocity, motion), role), &body) in velocities.iter_mut().zip(motions).zip(roles).zip(bodies) {
+        body_flags.resize(bodies.len(), BodyFlags::default());
+        let piece = threads.piece(bodies.len(), MIN_BODIES);
+        let places = velocities[1..].chunks_mut(piece).zip(motions[1..].chunks_mut(piece)).zip(body_flags[1..].chunks_mut(piece));
+        threads.share(places.zip(bodies[1..].chunks(piece)), |(((velocities, motions), body_flags), bodies)| {
+            for (((velocity, motion), role), &body) in velocities.iter_mut().zip(motions).zip(body_flags).zip(bodies) {
                 (*velocity, *motion) = state(body);
-                *role = Role::of(velocity, motion);
+                *role = BodyFlags::of(velocity, motion);
             }
         });
     }
@@ -274,9 +274,9 @@ impl Batch {
                 let (velocity, motion) = state();
                 let slot = self.enlist(body);
                 self.velocities.push(velocity);
-                self.roles.push(Role::of(&velocity, &motion));
+                self.body_flags.push(BodyFlags::of(&velocity, &motion));
                 self.motions.push(motion);
-                self.leads.add_slot(&velocity);
+                self.half_steps.add_slot(&velocity);
                 self.replicas.insert(place, Replica { body, slot });
                 slot
             }
@@ -324,9 +324,9 @@ impl Batch {
     }
 
     /// What is told of a manifold; nothing where an articulation holds it, or where nobody wants to know.
-    pub(crate) fn contact_told(&self, number: usize) -> Told {
+    pub(crate) fn contact_told(&self, number: usize) -> ContactStatus {
         let (block, lane) = self.lanes[number];
-        self.told.get(block as usize).map_or(Told::NOTHING, |block| block[lane as usize])
+        self.told.get(block as usize).map_or(ContactStatus::NOTHING, |block| block[lane as usize])
     }
 
     /// Impulse along the normal of a manifold over the step (N·s), where multipliers are added up.

@@ -1,6 +1,6 @@
-//! Numbers by the bucket that each is in, in the order they came: a counting sort.
+//! Counting sort: numbers grouped by bucket, in the order in which they came.
 
-use crate::room::make_room;
+use crate::tight_vec::make_room;
 
 /// Lists of numbers, one for each bucket.
 #[derive(Debug, Default)]

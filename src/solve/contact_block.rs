@@ -1,8 +1,8 @@
 //! Contact rows in blocks of eight manifolds of one colour, laid out for SIMD lanes.
 //!
 //! Most manifolds have one point, no friction about it and no rebound, and a pile's blocks are gone through a dozen times a step from
-//! beyond the cache. So a block has room for one point alone; what more points need is a [`Face`] beside it, and what rolls, spins or
-//! rebounds has an [`Extra`].
+//! beyond the cache. So a block has room for one point alone; what more points need is a [`MultiPointRows`] beside it, and what rolls, spins or
+//! rebounds has an [`MaterialRows`].
 //!
 //! ```text
 //! blocks  [ a b n · point 0 · friction ][ … ][ … ]…                      0.7 kB each
@@ -15,14 +15,14 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::contact::{ContactImpulses, ContactInput, LANES, Lane, Lane3, POINTS, tangents};
-use super::contact_pieces::Color;
+use super::contact_partition::ColorRange;
 use super::state::BodyMotion;
 use crate::prefetch::prefetch;
-use crate::room::{make_room, resize};
+use crate::tight_vec::{make_room, resize};
 
 mod whole;
 
-pub(crate) use whole::WholeBlock;
+pub(crate) use whole::BlockView;
 
 /// Where a block has neither a face nor an extra.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -77,7 +77,7 @@ pub(crate) struct ContactBlock {
 /// What a block has beside it whose manifolds may have more than one point.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
-pub(crate) struct Face {
+pub(crate) struct MultiPointRows {
     /// Points 1 to 3.
     pub more: [PointRows; POINTS - 1],
     pub twist: TwistRow,
@@ -94,7 +94,7 @@ pub(crate) struct Face {
 /// What a block has beside it of which a manifold resists rolling, or spinning by its material, or rebounds, or lies on what the host turns.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
-pub(crate) struct Extra {
+pub(crate) struct MaterialRows {
     /// Inverse of the angular 2×2 matrix about the tangents: 11, 12, 22.
     pub rolling_mass: [Lane; 3],
     pub rolling_lambda: [Lane; 2],
@@ -171,7 +171,7 @@ impl ContactBlock {
     }
 }
 
-impl Face {
+impl MultiPointRows {
     const EMPTY: Self = Self {
         more: [PointRows::EMPTY; POINTS - 1],
         twist: TwistRow::EMPTY,
@@ -183,7 +183,7 @@ impl Face {
     };
 }
 
-impl Extra {
+impl MaterialRows {
     const EMPTY: Self = Self {
         rolling_mass: [ZERO; 3],
         rolling_lambda: [ZERO; 2],
@@ -223,10 +223,10 @@ impl Extra {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ContactBlocks {
     pub blocks: Vec<ContactBlock>,
-    pub faces: Vec<Face>,
-    pub extras: Vec<Extra>,
+    pub faces: Vec<MultiPointRows>,
+    pub extras: Vec<MaterialRows>,
     /// Which of them share no moving body, from the first to the last; nothing of lists that one thread goes through.
-    pub colors: Vec<Color>,
+    pub colors: Vec<ColorRange>,
     /// First moving slots, less one, at each of so many equal parts of the manifolds of each round in the order of their bodies, and of all;
     /// none where blocks are in another order.
     pub cuts: Vec<u32>,
@@ -255,7 +255,7 @@ impl ContactBlocks {
     /// Begins a list of this many blocks, of which so many have faces, with what the last one has left in them.
     pub(crate) fn begin(&mut self, blocks: usize, faces: usize) {
         resize(&mut self.blocks, blocks, ContactBlock::EMPTY);
-        resize(&mut self.faces, faces, Face::EMPTY);
+        resize(&mut self.faces, faces, MultiPointRows::EMPTY);
         self.extras.clear();
         self.colors.clear();
         self.cuts.clear();
@@ -273,7 +273,7 @@ impl ContactBlocks {
             (block.before, block.extra) = ([before as u32, 0], NONE);
             block.face = if has_faces { before as u32 } else { NONE };
             if has_faces && place >= full {
-                self.faces[before] = Face::EMPTY;
+                self.faces[before] = MultiPointRows::EMPTY;
             }
         }
     }
@@ -331,14 +331,14 @@ impl ContactBlocks {
             }
         }
         make_room(&mut self.extras, count as usize);
-        self.extras.resize(count as usize, Extra::EMPTY);
+        self.extras.resize(count as usize, MaterialRows::EMPTY);
     }
 
     /// A block with what it has beside it.
-    pub(crate) fn whole(&mut self, number: usize) -> WholeBlock<'_> {
+    pub(crate) fn whole(&mut self, number: usize) -> BlockView<'_> {
         let block = &mut self.blocks[number];
         let (face, extra) = (self.faces.get_mut(block.face as usize), self.extras.get_mut(block.extra as usize));
-        WholeBlock { block, face, extra }
+        BlockView { block, face, extra }
     }
 
     /// Asks for the memory of a block.
@@ -380,13 +380,13 @@ impl ContactBlocks {
             let Some(extra) = extras.get_mut(block.extra as usize).filter(|extra| extra.has_restitution) else { continue };
             let rebounds = std::mem::take(&mut extra.rebounds);
             let face = faces.get_mut(block.face as usize);
-            let mut whole = WholeBlock { block, face, extra: Some(extra) };
+            let mut whole = BlockView { block, face, extra: Some(extra) };
             (0..LANES).filter(|&l| rebounds[l]).for_each(|l| whole.multipliers().for_each(|lambda| lambda[l] = 0.0));
         }
     }
 
     /// Adds a copy of a block of another list, with what it has beside it.
-    pub(crate) fn add_copy(&mut self, from: &Self, number: usize) -> WholeBlock<'_> {
+    pub(crate) fn add_copy(&mut self, from: &Self, number: usize) -> BlockView<'_> {
         let mut block = from.blocks[number].clone();
         block.before = [self.faces.len() as u32, self.extras.len() as u32];
         if let Some(face) = from.faces.get(block.face as usize) {

@@ -79,7 +79,7 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
 /// Where a body would be at the end of the substep at its present velocity.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
-pub(crate) struct Outlook {
+pub(crate) struct PredictedPose {
     /// What turns it from how it stands now; x, y and z are right to rounding of themselves, however small they are.
     pub turn: Quat,
     unused: [f32; 4],
@@ -88,9 +88,9 @@ pub(crate) struct Outlook {
     unused_too: f32,
 }
 
-const _: () = assert!(size_of::<Outlook>() == 16 * size_of::<f32>());
+const _: () = assert!(size_of::<PredictedPose>() == 16 * size_of::<f32>());
 
-impl Outlook {
+impl PredictedPose {
     /// Of a body that stays as it is.
     pub(crate) fn still(motion: &BodyMotion) -> Self {
         Self::new(Quat::IDENTITY, motion.displacement, motion.rotation)
@@ -162,27 +162,31 @@ fn predicted_turn(angular: Vec3, motion: &BodyMotion, h: f32) -> Quat {
     Quat::from_xyzw(way.x, way.y, way.z, turned.w)
 }
 
-/// As [`rotation::Turn`], in the precision of the sweeps.
-struct Turn {
+/// As [`rotation::SubstepRotation32`], in the precision of the sweeps.
+struct SubstepRotation32 {
     rotation: Quat,
     mean: Vec3,
     angular: Vec3,
 }
 
-fn turn(velocity: &BodyVelocity, motion: &BodyMotion, h: f32) -> Turn {
+fn turn(velocity: &BodyVelocity, motion: &BodyMotion, h: f32) -> SubstepRotation32 {
     let angular = velocity.angular;
     if angular == Vec3::ZERO {
-        return Turn { rotation: motion.rotation, mean: angular, angular };
+        return SubstepRotation32 { rotation: motion.rotation, mean: angular, angular };
     }
     if motion.kind == MotionKind::Tumbling && angular.length_squared() > NEGLIGIBLE_TUMBLE * NEGLIGIBLE_TUMBLE / (h * h) {
         let turn = rotation::tumble(motion.rotation.as_dquat().normalize(), angular.as_dvec3(), &motion.top(), f64::from(h));
-        return Turn { rotation: turn.rotation.as_quat(), mean: turn.mean.as_vec3(), angular: turn.angular.as_vec3() };
+        return SubstepRotation32 {
+            rotation: turn.rotation.as_quat(),
+            mean: turn.mean.as_vec3(),
+            angular: turn.angular.as_vec3(),
+        };
     }
     if angular.length_squared() > MAX_TURN * MAX_TURN / (h * h) {
         let turned = rotation::rotated(motion.rotation.as_dquat().normalize(), angular.as_dvec3() * f64::from(h));
-        return Turn { rotation: turned.as_quat(), mean: angular, angular };
+        return SubstepRotation32 { rotation: turned.as_quat(), mean: angular, angular };
     }
-    Turn { rotation: rotated(motion.rotation, angular * h), mean: angular, angular }
+    SubstepRotation32 { rotation: rotated(motion.rotation, angular * h), mean: angular, angular }
 }
 
 pub(crate) fn skew(v: Vec3) -> Mat3 {

@@ -7,50 +7,50 @@
 //! joints → impacts. After the substeps: position recovery of contacts. What moves positions gives no velocity.
 
 pub(crate) mod batch;
-mod birth;
-pub(crate) mod bound;
+mod body_flags;
+mod body_gather;
+mod body_warm_start;
 mod buckets;
-mod carry;
-mod closing;
 mod color;
 pub(crate) mod contact;
 mod contact_block;
+mod contact_energy;
 mod contact_kernels;
-mod contact_pieces;
-mod crew;
+mod contact_newton;
+mod contact_partition;
 pub(crate) mod direct;
-mod dissipative;
-mod exact;
+pub(crate) mod disjoint;
+pub(crate) mod distance_bound;
 mod impact;
+mod initial_impulses;
 pub(crate) mod integrate;
 pub(crate) mod joint;
-pub(crate) mod lead;
-pub(crate) mod load_pass;
+mod joint_closing;
+mod joint_energy;
+mod joint_mesh;
 pub(crate) mod momentum;
+pub(crate) mod momentum_pass;
 pub(crate) mod newton;
-mod passive;
+mod parallel_contacts;
 pub(crate) mod plan;
 pub(crate) mod plane;
-mod poses;
 mod recovery;
-mod role;
 mod rotation;
-pub(crate) mod shared;
-mod sheet;
-mod side;
 pub(crate) mod state;
-pub(crate) mod taut;
+pub(crate) mod taut_line;
+pub(crate) mod velocity_half_step;
+mod wide_bodies;
 mod wide_matrix;
-pub(crate) mod wrap;
+pub(crate) mod wrapped_bound;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use batch::Batch;
-use closing::Ajar;
-use direct::{Direct, Floor};
-use joint::Moving;
+use direct::{Direct, SolveContext};
+use joint::MovingBodies;
+use joint_closing::OpenJoints;
 
-pub(crate) use crate::contact::told;
+pub(crate) use crate::contact::status;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::workers::Workers;
@@ -72,7 +72,7 @@ pub(crate) struct StepSettings {
     /// Approach speed above which a contact rebounds (m/s).
     pub restitution_threshold: f32,
     /// What contacts are told by, where somebody wants to know.
-    pub limits: Option<told::Limits>,
+    pub limits: Option<status::StatusThresholds>,
 }
 
 impl StepSettings {
@@ -89,8 +89,8 @@ impl Batch {
         if self.is_done() {
             // What it says of the bodies is stored with them, and asked of those without joints.
             match self.motions[1..].iter().all(|motion| motion.jointed) {
-                true => self.load_pass.clear(),
-                false => self.prepare_load_pass(threads, settings.gravity, h),
+                true => self.momentum_pass.clear(),
+                false => self.prepare_momentum_pass(threads, settings.gravity, h),
             }
             (0..settings.substeps).for_each(|_| self.add_to_tally());
             self.penetration = self.direct.penetration().max(self.newton.penetration()) as f32;
@@ -98,32 +98,32 @@ impl Batch {
             return;
         }
         self.start_contacts(threads, settings.gravity, h);
-        self.prepare_load_pass(threads, settings.gravity, h);
+        self.prepare_momentum_pass(threads, settings.gravity, h);
         self.prepare_exact(settings.gravity, h);
         self.bounds.lay_out(&self.motions, h);
         self.taut.lay_out(&self.bounds);
-        self.poses.lay_out(threads, (&self.velocities, &mut self.motions), &self.roles, h);
+        self.poses.lay_out(threads, (&self.velocities, &mut self.motions), &self.body_flags, h);
         self.find_passive_islands();
-        self.dissipative.lay_out(&self.passive, &self.velocities, &self.motions);
+        self.contact_energy.lay_out(&self.joint_energy, &self.velocities, &self.motions);
         self.find_sheet(threads);
         self.prepare_carry();
         self.impacts.prepare(&self.contacts);
         for substep in 0..settings.substeps {
             let is_last = substep + 1 == settings.substeps;
             self.joints.left = h * (settings.substeps - substep) as f32;
-            self.leads.begin_substep(&self.velocities, substep, settings.substeps);
+            self.half_steps.begin_substep(&self.velocities, substep, settings.substeps);
             self.apply_forces(joints, threads, h, substep, settings.substeps);
-            self.passive.note(threads, &self.velocities, &self.poses);
+            self.joint_energy.note(threads, &self.velocities, &self.poses);
             self.note_impacts();
             self.prepare_joints(joints, threads, h, false, true);
-            let is_weighed = self.sheet.is_one() && self.solve_sheet(threads, h);
-            if !self.sheet.is_one() {
+            let is_weighed = self.mesh.is_one() && self.solve_sheet(threads, h);
+            if !self.mesh.is_one() {
                 self.sweep_all(joints, threads, h, settings.iterations, substep);
             }
             self.restrain(threads, is_weighed);
             self.dissipate(threads, settings.iterations);
             if substep == 0 {
-                self.leads.halve_start(self.passive.slots(), &mut self.velocities);
+                self.half_steps.halve_start(self.joint_energy.slots(), &mut self.velocities);
             }
             self.joints.end_substep(threads);
             self.bounds.add_loads();
@@ -138,7 +138,7 @@ impl Batch {
             self.wraps.project(&self.velocities, &mut self.motions);
             self.bounds.project(&self.velocities, &mut self.motions, h);
             self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
-            if self.sheet.is_one() {
+            if self.mesh.is_one() {
                 self.push_sheet(threads);
             } else {
                 self.joints.project(joints, threads, &mut self.velocities, &mut self.motions, h);
@@ -151,7 +151,7 @@ impl Batch {
                 self.rebound(settings.restitution_threshold);
             }
         }
-        if self.sheet.is_one() {
+        if self.mesh.is_one() {
             self.joints.end_course(threads);
         } else {
             self.close_joints(joints, threads, h);
@@ -159,7 +159,7 @@ impl Batch {
         self.rebound(settings.restitution_threshold);
         self.recover_positions(threads, settings.dt);
         self.settle(joints, threads, true);
-        self.leads.tell(self.passive.slots(), &mut self.velocities, &self.motions);
+        self.half_steps.tell(self.joint_energy.slots(), &mut self.velocities, &self.motions);
         if let Some(limits) = &settings.limits {
             contact_kernels::tell(&mut self.contacts, &self.velocities, limits, &mut self.told);
         }
@@ -223,9 +223,9 @@ impl Batch {
     }
 
     /// The articulations, and what those that are swept work on.
-    pub(crate) fn direct_and_floor<'a>(&'a mut self, threads: &'a Workers) -> (&'a mut Direct, Floor<'a>) {
+    pub(crate) fn direct_and_floor<'a>(&'a mut self, threads: &'a Workers) -> (&'a mut Direct, SolveContext<'a>) {
         let Self { direct, velocities, motions, .. } = self;
-        (direct, Floor { threads, velocities, motions })
+        (direct, SolveContext { threads, velocities, motions })
     }
 
     fn sweep_articulations(&mut self, threads: &Workers) {
@@ -240,41 +240,41 @@ impl Batch {
 
     /// Gives contacts that are born under load their static multipliers.
     fn start_contacts(&mut self, threads: &Workers, gravity: glam::Vec3, h: f32) {
-        let mut birth = std::mem::take(&mut self.birth);
-        birth.start_contacts(self, threads, gravity, h);
-        self.birth = birth;
+        let mut initial_impulses = std::mem::take(&mut self.initial_impulses);
+        initial_impulses.start_contacts(self, threads, gravity, h);
+        self.initial_impulses = initial_impulses;
     }
 
-    fn prepare_load_pass(&mut self, threads: &Workers, gravity: glam::Vec3, h: f32) {
-        let mut pass = std::mem::take(&mut self.load_pass);
+    fn prepare_momentum_pass(&mut self, threads: &Workers, gravity: glam::Vec3, h: f32) {
+        let mut pass = std::mem::take(&mut self.momentum_pass);
         pass.prepare(self, threads, gravity, h);
-        self.load_pass = pass;
+        self.momentum_pass = pass;
     }
 
     /// Hands what the substep has left unbalanced in stacks down to the ground.
     fn pass_loads(&mut self, threads: &Workers) {
-        if self.load_pass.is_idle() {
+        if self.momentum_pass.is_idle() {
             return;
         }
-        let mut pass = std::mem::take(&mut self.load_pass);
+        let mut pass = std::mem::take(&mut self.momentum_pass);
         pass.apply(self, threads);
-        self.load_pass = pass;
+        self.momentum_pass = pass;
     }
 
     fn prepare_exact(&mut self, gravity: glam::Vec3, h: f32) {
-        let mut exact = std::mem::take(&mut self.exact);
-        exact.prepare(self, gravity, h);
-        self.exact = exact;
+        let mut contact_newton = std::mem::take(&mut self.contact_newton);
+        contact_newton.prepare(self, gravity, h);
+        self.contact_newton = contact_newton;
     }
 
     /// Solves contacts of small islands in which the heavy stands on the light.
     fn solve_exactly(&mut self) {
-        if self.exact.is_idle() {
+        if self.contact_newton.is_idle() {
             return;
         }
-        let mut exact = std::mem::take(&mut self.exact);
-        exact.apply(self);
-        self.exact = exact;
+        let mut contact_newton = std::mem::take(&mut self.contact_newton);
+        contact_newton.apply(self);
+        self.contact_newton = contact_newton;
     }
 
     /// Builds rows of joints at the poses predicted by now, and those of bounds and taut lines; `again` where they have been built in
@@ -285,10 +285,16 @@ impl Batch {
             return;
         }
         poses.predict(threads, velocities, motions, h);
-        self.joints.prepare(joints, threads, &Moving { velocities, motions, outlooks: &poses.outlooks }, h, again);
+        self.joints.prepare(
+            joints,
+            threads,
+            &MovingBodies { velocities, motions, predicted_poses: &poses.predicted_poses },
+            h,
+            again,
+        );
         if bounds_too {
-            bounds.prepare(velocities, motions, &poses.outlooks, h, again);
-            self.taut.prepare(bounds, velocities, motions, &poses.outlooks, h);
+            bounds.prepare(velocities, motions, &poses.predicted_poses, h, again);
+            self.taut.prepare(bounds, velocities, motions, &poses.predicted_poses, h);
         }
     }
 
@@ -302,9 +308,9 @@ impl Batch {
     /// Sweeps position rows on where joints are left ajar.
     fn close_joints(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32) {
         let end = self.moving() + 1;
-        let Self { joints: own, planes, poses, velocities, motions, roles, islands, closing, .. } = self;
+        let Self { joints: own, planes, poses, velocities, motions, body_flags, islands, closing, .. } = self;
         closing.close(
-            &mut Ajar { joints: own, all: joints, planes, poses, velocities, motions, roles, islands, end },
+            &mut OpenJoints { joints: own, all: joints, planes, poses, velocities, motions, body_flags, islands, end },
             threads,
             h,
         );
@@ -332,7 +338,7 @@ impl Batch {
     fn apply_forces(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, substep: u32, substeps: u32) {
         if self.carry.is_on() {
             if self.apply_forces_and_carry(threads, h, substep == 0) {
-                crew::refresh_masses(&mut self.contacts, threads, &self.velocities, &self.motions);
+                parallel_contacts::refresh_masses(&mut self.contacts, threads, &self.velocities, &self.motions);
             }
             return;
         }
@@ -356,37 +362,58 @@ impl Batch {
             self.each_single(threads, |velocity, motion| integrate::limit_speeds(velocity, motion));
         }
         self.poses.limit_speeds(threads, &mut self.velocities);
-        self.dissipative.note_energy(&self.velocities, &self.motions, &self.poses);
+        self.contact_energy.note_energy(&self.velocities, &self.motions, &self.poses);
         let (direct, floor) = self.direct_and_floor(threads);
         direct.couple(joints, floor, h, h * (substeps - substep) as f32);
-        self.dissipative.note_velocities(&self.velocities);
+        self.contact_energy.note_velocities(&self.velocities);
         if !self.contacts.is_empty() && refreshes.into_inner() && self.motions.iter().any(|motion| motion.refreshed) {
-            crew::refresh_masses(&mut self.contacts, threads, &self.velocities, &self.motions);
+            parallel_contacts::refresh_masses(&mut self.contacts, threads, &self.velocities, &self.motions);
         }
     }
 
     /// Applies the multipliers that contacts have carried on, and looks how far their surfaces are apart by now.
     fn start_sweeps(&mut self, threads: &Workers, h: f32, middle: f32) {
         let (range, moving, motions) = (0..self.contacts.len(), self.moving(), &self.motions);
-        crew::in_colors(&mut self.contacts, range, threads, (&mut self.velocities, moving), false, |part, velocities| {
-            contact_kernels::warm_start(part, velocities, motions, h, middle);
-        });
+        parallel_contacts::in_colors(
+            &mut self.contacts,
+            range,
+            threads,
+            (&mut self.velocities, moving),
+            false,
+            |part, velocities| {
+                contact_kernels::warm_start(part, velocities, motions, h, middle);
+            },
+        );
     }
 
     /// The first sweep of a substep over contacts whose bodies carry what they have done; looks how far their surfaces are apart by now.
     fn sweep_anew(&mut self, threads: &Workers, h: f32, is_last: bool) {
         let presses_last = is_last || !self.reverses_rows();
         let (range, moving, motions) = (0..self.contacts.len(), self.moving(), &self.motions);
-        crew::in_colors(&mut self.contacts, range, threads, (&mut self.velocities, moving), false, |part, velocities| {
-            contact_kernels::sweep_anew(part, velocities, motions, h, presses_last);
-        });
+        parallel_contacts::in_colors(
+            &mut self.contacts,
+            range,
+            threads,
+            (&mut self.velocities, moving),
+            false,
+            |part, velocities| {
+                contact_kernels::sweep_anew(part, velocities, motions, h, presses_last);
+            },
+        );
     }
 
     /// One sweep over the contacts, or backwards, all in the opposite order.
     fn sweep_contacts(&mut self, threads: &Workers, backwards: bool, is_last: bool) {
         let moving = self.moving();
         let presses_last = is_last || !self.reverses_rows();
-        crew::sweep(&mut self.contacts, self.first_jointed, threads, (&mut self.velocities, moving), backwards, presses_last);
+        parallel_contacts::sweep(
+            &mut self.contacts,
+            self.first_jointed,
+            threads,
+            (&mut self.velocities, moving),
+            backwards,
+            presses_last,
+        );
     }
 
     /// Whether sweeps go through the rows of each manifold in opposite orders on their two ways.
@@ -394,7 +421,7 @@ impl Batch {
     /// Only then are the two one symmetric operator, and slow waves of load do not grow. Such waves are of large islands. In small ones friction
     /// comes before the normal rows on both ways: with two visits it then sees twice what these have made of the load, not once.
     fn reverses_rows(&self) -> bool {
-        self.islands.len() == 1 && self.moving() >= carry::LEAST_BODIES
+        self.islands.len() == 1 && self.moving() >= body_warm_start::MIN_BODIES
     }
 
     fn advance(&mut self, threads: &Workers, h: f32) {

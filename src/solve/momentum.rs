@@ -1,4 +1,4 @@
-//! Angular momentum of what nothing holds.
+//! Angular momentum of free islands, kept through the sweeps.
 //!
 //! Joints and contacts act and react, so they change neither momentum of an island that touches nothing fixed. What a solver does
 //! beside does: geometric stiffness turns bodies without an opposite, mended positions carry momentum along, and friction acts at
@@ -17,9 +17,9 @@
 
 use glam::{DMat3, DVec3};
 
-use super::poses::Poses;
-use super::role::Role;
+use super::body_flags::BodyFlags;
 use super::state::{BodyMotion, BodyVelocity};
+use super::wide_bodies::WideBodies;
 
 /// Sums over bodies, positions from a point near them.
 #[derive(Debug, Clone, Copy, Default)]
@@ -148,7 +148,7 @@ impl FreeIslands {
     pub(crate) fn find(
         &mut self,
         firsts: &[u32],
-        roles: &[Role],
+        body_flags: &[BodyFlags],
         motions: &[BodyMotion],
         links: impl Iterator<Item = ([u32; 2], Option<usize>)> + Clone,
         rubs: impl Fn(usize) -> bool,
@@ -163,10 +163,10 @@ impl FreeIslands {
             let next = firsts.get(number + 1).map_or(motions.len(), |&next| next as usize);
             let mut bodies = 0;
             let mut held = false;
-            for slot in (first as usize..next).filter(|&slot| roles[slot].moves()) {
+            for slot in (first as usize..next).filter(|&slot| body_flags[slot].moves()) {
                 self.owner[slot] = number as u32;
                 bodies += 1;
-                held |= !roles[slot].is_unlocked();
+                held |= !body_flags[slot].is_unlocked();
             }
             self.held.push(held || bodies < 2);
         }
@@ -222,14 +222,14 @@ impl FreeIslands {
         &mut self,
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
-        poses: &Poses,
+        poses: &WideBodies,
         is_asked: impl Fn(u32) -> bool,
     ) {
         let Self { islands, members, .. } = self;
         for (start, end, spin) in islands.iter_mut().filter(|&&mut (start, ..)| is_asked(members[start].0)) {
             let mut whole = Whole::default();
             for member in &members[*start..*end] {
-                Body::of(member, velocities, motions, poses).add_to(&mut whole);
+                MovingMember::of(member, velocities, motions, poses).add_to(&mut whole);
             }
             *spin = whole.spin();
         }
@@ -240,14 +240,14 @@ impl FreeIslands {
         &self,
         velocities: &mut [BodyVelocity],
         motions: &[BodyMotion],
-        poses: &Poses,
+        poses: &WideBodies,
         is_exempt: impl Fn(u32) -> bool,
     ) {
         for &(start, end, spin) in self.islands.iter().filter(|&&(start, ..)| !is_exempt(self.members[start].0)) {
             let members = &self.members[start..end];
             let (mut whole, mut moments) = (Whole::default(), Moments::default());
             for member in members {
-                let body = Body::of(member, velocities, motions, poses);
+                let body = MovingMember::of(member, velocities, motions, poses);
                 body.add_to(&mut whole);
                 moments.add(body.mass, body.center, &body.inertia);
             }
@@ -275,14 +275,14 @@ impl FreeIslands {
         kept: impl Fn(f64, f64) -> f64,
         velocities: &mut [BodyVelocity],
         motions: &[BodyMotion],
-        poses: &Poses,
+        poses: &WideBodies,
     ) -> bool {
         let found = self.islands.iter().find(|&&(start, ..)| self.members[start].0 == first);
         let Some(&(start, end, _)) = found else { return false };
         let members = &self.members[start..end];
         let (mut whole, mut moments) = (Whole::default(), Moments::default());
         for member in members {
-            let body = Body::of(member, velocities, motions, poses);
+            let body = MovingMember::of(member, velocities, motions, poses);
             body.add_to(&mut whole);
             moments.add(body.mass, body.center, &body.inertia);
         }
@@ -301,7 +301,7 @@ impl FreeIslands {
 }
 
 /// A member of an island as it moves.
-struct Body {
+struct MovingMember {
     mass: f64,
     center: DVec3,
     linear: DVec3,
@@ -309,9 +309,9 @@ struct Body {
     inertia: [f64; 6],
 }
 
-impl Body {
+impl MovingMember {
     #[inline]
-    fn of(&(slot, origin): &(u32, DVec3), velocities: &[BodyVelocity], motions: &[BodyMotion], poses: &Poses) -> Self {
+    fn of(&(slot, origin): &(u32, DVec3), velocities: &[BodyVelocity], motions: &[BodyMotion], poses: &WideBodies) -> Self {
         let (velocity, motion) = (&velocities[slot as usize], &motions[slot as usize]);
         Self {
             mass: 1.0 / f64::from(velocity.inverse_mass.x),

@@ -1,4 +1,4 @@
-//! Which solver an island has, and why.
+//! Chooses the solver of each island, and gives the reason.
 
 use super::StepSettings;
 use super::contact::ContactInput;
@@ -9,7 +9,7 @@ use crate::settings::Solver;
 
 /// What becomes of an island in a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum Plan {
+pub(crate) enum IslandPlan {
     /// Joints meet contacts, or close a loop and bear more than a substep resolves: all of it is one problem.
     Coupled,
     /// No joint is in it: contacts are swept.
@@ -33,8 +33,8 @@ pub(crate) enum Plan {
 }
 
 /// Bodies, and manifolds between two that move, of an island up to which it may be one problem.
-const MOST_BODIES: u32 = 200;
-const MOST_MEETINGS: u32 = 400;
+const MAX_BODIES: u32 = 200;
+const MAX_MEETINGS: u32 = 400;
 
 /// Greatest mass over the least up to which sweeps carry the loads of a machine that nothing fixed holds. Sweeps take a body that is pushed
 /// for as heavy as it is alone. What joints hold to the world is as heavy as the world in all directions but those it may move in: fingers
@@ -46,7 +46,7 @@ const FACE_POINTS: usize = 3;
 
 /// What is known of an island.
 #[derive(Debug, Clone, Copy, Default)]
-struct Look {
+struct IslandTraits {
     bodies: u32,
     joints: u32,
     /// Groups of two bodies and more that joints connect.
@@ -77,8 +77,8 @@ struct Look {
 /// Finds the plan of each island of a batch.
 #[derive(Debug, Default)]
 pub(crate) struct Planner {
-    looks: Vec<Look>,
-    plans: Vec<Plan>,
+    looks: Vec<IslandTraits>,
+    plans: Vec<IslandPlan>,
     /// Lowest slot that joints connect to each, as a forest: what does not move is slot 0.
     tied: Vec<u32>,
     /// The same where joints with what does not move count for nothing, and how many bodies each has.
@@ -107,7 +107,7 @@ impl Planner {
                 (first..last).map(|slot| velocities[slot as usize].inverse_mass.max_element()).filter(|&mass| mass > 0.0);
             let inverse_masses = masses.fold([f32::INFINITY, 0.0_f32], |[least, most], mass| [least.min(mass), most.max(mass)]);
             let pulls = (first..last).map(|slot| pull(&velocities[slot as usize], &motions[slot as usize]));
-            Look { bodies: last - first, is_plain: true, inverse_masses, pull: pulls.sum(), ..Look::default() }
+            IslandTraits { bodies: last - first, is_plain: true, inverse_masses, pull: pulls.sum(), ..IslandTraits::default() }
         }));
         for forest in [&mut *tied, &mut *grouped] {
             forest.clear();
@@ -135,7 +135,7 @@ impl Planner {
         for link in links {
             let Some(number) = island_of([link.a, link.b]) else { continue };
             let look = &mut looks[number];
-            if look.is_looped && !look.is_stiff && look.bodies <= MOST_BODIES {
+            if look.is_looped && !look.is_stiff && look.bodies <= MAX_BODIES {
                 let [stiffness, force] = stiffness(link);
                 (look.is_loaded, look.is_stiff) = (look.is_loaded | (force > 0.0), stiffness * force > IMPLICIT_RANGE.0);
                 look.stiffness = look.stiffness.max(stiffness);
@@ -158,17 +158,17 @@ impl Planner {
             look.rebounds |= rebounds(contact, velocities, settings);
         }
         plans.clear();
-        plans.extend(looks.iter().map(Look::plan));
+        plans.extend(looks.iter().map(IslandTraits::plan));
     }
 
     /// The islands that are to be solved as one problem, by number, and whether joints of each close a loop.
     pub(crate) fn coupled(&self) -> impl Iterator<Item = (usize, bool)> {
         let islands = self.plans.iter().zip(&self.looks).enumerate();
-        islands.filter(|(_, (plan, _))| **plan == Plan::Coupled).map(|(number, (_, look))| (number, look.is_looped))
+        islands.filter(|(_, (plan, _))| **plan == IslandPlan::Coupled).map(|(number, (_, look))| (number, look.is_looped))
     }
 }
 
-impl Look {
+impl IslandTraits {
     /// Whether joints close a loop and bear more than a substep resolves. In the first step nobody knows what they bear: it is taken for
     /// all that the bodies are pulled with.
     fn is_stiff_loop(&self) -> bool {
@@ -177,26 +177,26 @@ impl Look {
     }
 
     fn is_large(&self) -> bool {
-        self.bodies > MOST_BODIES || self.meetings > MOST_MEETINGS
+        self.bodies > MAX_BODIES || self.meetings > MAX_MEETINGS
     }
 
-    fn plan(&self) -> Plan {
+    fn plan(&self) -> IslandPlan {
         match self {
-            Self { joints: 0, .. } => Plan::Loose,
-            Self { is_swept: true, .. } => Plan::Swept,
-            Self { touches: false, .. } if !self.is_stiff_loop() => Plan::Apart,
+            Self { joints: 0, .. } => IslandPlan::Loose,
+            Self { is_swept: true, .. } => IslandPlan::Swept,
+            Self { touches: false, .. } if !self.is_stiff_loop() => IslandPlan::Apart,
             // The blow goes through the joints, whatever else is better left to others.
-            Self { rebounds: true, .. } if !self.is_large() => Plan::Coupled,
-            Self { is_jointed: true, .. } => Plan::Jointed,
+            Self { rebounds: true, .. } if !self.is_large() => IslandPlan::Coupled,
+            Self { is_jointed: true, .. } => IslandPlan::Jointed,
             Self { is_plain: false, inverse_masses: [least, most], .. }
                 if *most <= ALIKE * *least && !(self.is_anchored && self.touches) =>
             {
-                Plan::Alike
+                IslandPlan::Alike
             }
-            Self { is_edged: true, .. } => Plan::Edged,
-            Self { articulations: 2.., .. } => Plan::Heaped,
-            _ if self.is_large() => Plan::Large,
-            _ => Plan::Coupled,
+            Self { is_edged: true, .. } => IslandPlan::Edged,
+            Self { articulations: 2.., .. } => IslandPlan::Heaped,
+            _ if self.is_large() => IslandPlan::Large,
+            _ => IslandPlan::Coupled,
         }
     }
 }

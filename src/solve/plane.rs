@@ -1,4 +1,4 @@
-//! Keeping hinge chains in their plane (Müller et al. 2017, §3.4): velocities first, then what is left of positions.
+//! Keeps hinge chains in their plane (Müller et al. 2017, §3.4): velocities first, then positions.
 //!
 //! **Plane.** Where an end is fixed, it gives the plane. Otherwise the plane is the one that the members reach with the least work: with
 //! x_i the centre of mass moved back along its own axis a_i by its height, r_i = x_i − x̄ (weighed by mass) and I_i the mean inertia
@@ -28,8 +28,8 @@ use glam::{DMat3, DQuat, DVec3, Vec3};
 
 use super::integrate;
 use super::momentum::{Inertia, Moments, Whole, times};
-use super::poses::Poses;
 use super::state::{BodyMotion, BodyVelocity};
+use super::wide_bodies::WideBodies;
 use crate::linalg::eigen::symmetric_eigen;
 
 /// Distance from the plane below which nothing is done, over the chain's mean lever.
@@ -42,7 +42,7 @@ const ALIGNED: f64 = 3.0e-4;
 const NOTICED_SHARE: f64 = 0.1;
 
 /// Most that a member turns at once (rad).
-const MOST_TURN: f64 = 0.5;
+const MAX_TURN: f64 = 0.5;
 
 /// Sine up to which three terms of asin s / s leave nothing but rounding of `f32`, 5/112 s⁶ < 5e-14.
 const SMALL_SINE: f64 = 1.0e-2;
@@ -71,15 +71,15 @@ impl PlaneMember {
     }
 
     /// The member's axis, and its centre of mass moved back by its height.
-    fn stand(&self, motion: &BodyMotion) -> Stand {
+    fn stand(&self, motion: &BodyMotion) -> MemberPose {
         let axis = (motion.rotation * self.axis).as_dvec3();
-        Stand { axis, foot: self.origin + motion.displacement.as_dvec3() - axis * f64::from(self.height) }
+        MemberPose { axis, foot: self.origin + motion.displacement.as_dvec3() - axis * f64::from(self.height) }
     }
 }
 
 /// Where a member is.
 #[derive(Debug, Clone, Copy)]
-struct Stand {
+struct MemberPose {
     axis: DVec3,
     foot: DVec3,
 }
@@ -114,15 +114,15 @@ pub(crate) struct Planes {
     pub parts: (bool, bool),
     /// Chains that were put back into their plane in this step.
     pub corrected: u32,
-    stands: Vec<Stand>,
-    states: Vec<State>,
+    stands: Vec<MemberPose>,
+    states: Vec<MemberState>,
     /// Velocities before they are fitted.
     old: Vec<(DVec3, DVec3)>,
 }
 
 /// A member as it is, in `f64`.
 #[derive(Debug, Clone, Copy)]
-struct State {
+struct MemberState {
     mass: f64,
     /// xx, yy, zz, xy, xz, yz (kg·m²).
     inertia: [f64; 6],
@@ -133,8 +133,8 @@ struct State {
     height: f64,
 }
 
-impl State {
-    fn of(member: &PlaneMember, velocity: &BodyVelocity, motion: &BodyMotion, poses: &Poses) -> Self {
+impl MemberState {
+    fn of(member: &PlaneMember, velocity: &BodyVelocity, motion: &BodyMotion, poses: &WideBodies) -> Self {
         Self {
             mass: member.mass,
             inertia: poses.inertia_of(member.slot, motion),
@@ -146,8 +146,8 @@ impl State {
         }
     }
 
-    fn stand(&self) -> Stand {
-        Stand { axis: self.axis, foot: self.center - self.axis * self.height }
+    fn stand(&self) -> MemberPose {
+        MemberPose { axis: self.axis, foot: self.center - self.axis * self.height }
     }
 }
 
@@ -168,7 +168,7 @@ struct Lay {
 }
 
 impl Lay {
-    fn add(&mut self, member: &PlaneMember, stand: &Stand) {
+    fn add(&mut self, member: &PlaneMember, stand: &MemberPose) {
         let &PlaneMember { mass, across, .. } = member;
         self.mass += mass;
         self.feet += stand.foot * mass;
@@ -179,7 +179,7 @@ impl Lay {
     }
 
     /// The plane that is reached with the least work.
-    fn plane(&self) -> Option<Plane> {
+    fn plane(&self) -> Option<MotionPlane> {
         let point = self.feet / self.mass;
         let shift = squares(point);
         let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|i| self.spread[i] - self.mass * shift[i]);
@@ -192,7 +192,7 @@ impl Lay {
             vectors.z_axis
         };
         let sign = self.axes.dot(normal);
-        (normal.is_finite() && sign != 0.0).then(|| Plane { point, normal: normal * sign.signum(), driven: None })
+        (normal.is_finite() && sign != 0.0).then(|| MotionPlane { point, normal: normal * sign.signum(), driven: None })
     }
 }
 
@@ -204,7 +204,7 @@ struct Sums {
 }
 
 impl Sums {
-    fn of(states: &[State]) -> Self {
+    fn of(states: &[MemberState]) -> Self {
         let mut sums = Self::default();
         for state in states {
             sums.whole.add(state.mass, state.center, state.linear, times(&state.inertia, state.angular));
@@ -220,21 +220,21 @@ impl Sums {
 }
 
 /// A plane, and the rigid motion of what fixes it.
-struct Plane {
+struct MotionPlane {
     point: DVec3,
     normal: DVec3,
-    driven: Option<Driven>,
+    driven: Option<AnchorVelocity>,
 }
 
 /// Velocity of a point of the anchor, and its angular velocity.
-struct Driven {
+struct AnchorVelocity {
     point: DVec3,
     linear: DVec3,
     angular: DVec3,
 }
 
 /// Gives the members an angular momentum again that they had, as one rotation of all.
-fn restore_spin(states: &mut [State], spin: DVec3, inertia: &Inertia) {
+fn restore_spin(states: &mut [MemberState], spin: DVec3, inertia: &Inertia) {
     let mut now = Whole::default();
     for state in states.iter() {
         now.add(state.mass, state.center, state.linear, times(&state.inertia, state.angular));
@@ -254,7 +254,7 @@ impl Planes {
     }
 
     /// Makes velocities those of chains that stay flat; `poses` hold the inertia of now.
-    pub(crate) fn fit_velocities(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], poses: &Poses, h: f32) {
+    pub(crate) fn fit_velocities(&mut self, velocities: &mut [BodyVelocity], motions: &[BodyMotion], poses: &WideBodies, h: f32) {
         let Self { entries, members, states, old, parts, .. } = self;
         for entry in entries.iter() {
             let members = members_of(members, entry);
@@ -288,7 +288,7 @@ impl Planes {
                     }
                 }
             }
-            let change = |(state, old): (&State, &(DVec3, DVec3))| {
+            let change = |(state, old): (&MemberState, &(DVec3, DVec3))| {
                 let across = (state.angular - old.1) - normal * normal.dot(state.angular - old.1);
                 (normal.dot(state.linear - old.0).abs() * f64::from(h) > NOTICED_SHARE * FLAT * f64::from(entry.size))
                     || across.length() * f64::from(h) > NOTICED_SHARE * ALIGNED
@@ -300,7 +300,7 @@ impl Planes {
     }
 
     /// Puts members back into their plane; what that does to the angular momentum is taken back.
-    pub(crate) fn project(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], poses: &mut Poses) {
+    pub(crate) fn project(&mut self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion], poses: &mut WideBodies) {
         let Self { entries, members, stands, states, parts, corrected, .. } = self;
         for entry in entries.iter() {
             let members = members_of(members, entry);
@@ -312,8 +312,8 @@ impl Planes {
                 stands.push(stand);
             }
             let Some(plane) = plane_of(entry, &lay, velocities, motions) else { continue };
-            let distance = |stand: &Stand| (stand.foot - plane.point).dot(plane.normal).abs();
-            let angle = |stand: &Stand| stand.axis.cross(plane.normal).length();
+            let distance = |stand: &MemberPose| (stand.foot - plane.point).dot(plane.normal).abs();
+            let angle = |stand: &MemberPose| stand.axis.cross(plane.normal).length();
             let off = parts.0 && stands.iter().any(|stand| distance(stand) > FLAT * f64::from(entry.size));
             let askew = parts.1 && stands.iter().any(|stand| angle(stand) > ALIGNED);
             if !off && !askew {
@@ -324,7 +324,7 @@ impl Planes {
             let sums = Sums::of(states);
             *corrected += 1;
             // Where the plane is free, its height is where the feet are once all axes are aligned.
-            let level = |state: &State| {
+            let level = |state: &MemberState| {
                 let axis = if parts.1 { plane.normal } else { state.axis };
                 (state.center - axis * state.height - plane.point).dot(plane.normal)
             };
@@ -356,14 +356,20 @@ fn members_of<'a>(members: &'a [PlaneMember], entry: &PlaneEntry) -> &'a [PlaneM
     &members[entry.members.0 as usize..entry.members.1 as usize]
 }
 
-fn load(states: &mut Vec<State>, members: &[PlaneMember], velocities: &[BodyVelocity], motions: &[BodyMotion], poses: &Poses) {
+fn load(
+    states: &mut Vec<MemberState>,
+    members: &[PlaneMember],
+    velocities: &[BodyVelocity],
+    motions: &[BodyMotion],
+    poses: &WideBodies,
+) {
     let state =
-        |member: &PlaneMember| State::of(member, &velocities[member.slot as usize], &motions[member.slot as usize], poses);
+        |member: &PlaneMember| MemberState::of(member, &velocities[member.slot as usize], &motions[member.slot as usize], poses);
     states.clear();
     states.extend(members.iter().map(state));
 }
 
-fn store_velocities(states: &[State], members: &[PlaneMember], velocities: &mut [BodyVelocity]) {
+fn store_velocities(states: &[MemberState], members: &[PlaneMember], velocities: &mut [BodyVelocity]) {
     for (state, member) in states.iter().zip(members) {
         let velocity = &mut velocities[member.slot as usize];
         velocity.linear = state.linear.as_vec3();
@@ -383,17 +389,17 @@ fn turn_onto(from: DVec3, to: DVec3) -> DVec3 {
         let x = sine * sine;
         return across * (1.0 + x / 6.0 * (1.0 + x * 9.0 / 20.0));
     }
-    across * (libm::atan2(sine, cosine).min(MOST_TURN) / sine)
+    across * (libm::atan2(sine, cosine).min(MAX_TURN) / sine)
 }
 
-fn plane_of(entry: &PlaneEntry, lay: &Lay, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<Plane> {
+fn plane_of(entry: &PlaneEntry, lay: &Lay, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> Option<MotionPlane> {
     if let Some(hold) = &entry.hold {
         let (velocity, motion) = (&velocities[hold.slot as usize], &motions[hold.slot as usize]);
         let rotation: DQuat = motion.rotation.as_dquat().normalize();
         let (normal, arm) = (rotation * hold.axis.as_dvec3(), rotation * hold.lever.as_dvec3());
         let center = hold.origin + motion.displacement.as_dvec3();
-        let driven = Driven { point: center, linear: velocity.linear.as_dvec3(), angular: velocity.angular.as_dvec3() };
-        return Some(Plane { point: center + arm - normal * f64::from(hold.height), normal, driven: Some(driven) });
+        let driven = AnchorVelocity { point: center, linear: velocity.linear.as_dvec3(), angular: velocity.angular.as_dvec3() };
+        return Some(MotionPlane { point: center + arm - normal * f64::from(hold.height), normal, driven: Some(driven) });
     }
     lay.plane()
 }

@@ -1,13 +1,13 @@
-//! Position recovery: overlaps are taken out of positions after the substeps, by displacements that leave no velocity behind.
+//! Position recovery: removes overlaps after the substeps, by displacements that leave no velocity behind.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::batch::Batch;
-use super::direct::Floor;
+use super::direct::SolveContext;
 use super::state::BodyVelocity;
-use super::{contact_kernels, crew};
-use crate::room::make_room;
+use super::{contact_kernels, parallel_contacts};
+use crate::tight_vec::make_room;
 use crate::workers::Workers;
 
 /// Overlap below which position recovery has nothing to do (m).
@@ -61,7 +61,7 @@ impl Batch {
         // Numbers that are not negative are in the order of their bits.
         let deepest = AtomicU32::new(0);
         let (range, moving, motions) = (0..self.contacts.len(), self.moving(), &self.motions);
-        crew::in_colors(&mut self.contacts, range, threads, (&mut self.pushes, moving), false, |part, pushes| {
+        parallel_contacts::in_colors(&mut self.contacts, range, threads, (&mut self.pushes, moving), false, |part, pushes| {
             deepest.fetch_max(contact_kernels::begin_recovery(part, motions, pushes, dt).to_bits(), Ordering::Relaxed);
         });
         f32::from_bits(deepest.into_inner())
@@ -70,15 +70,22 @@ impl Batch {
     /// One sweep of position recovery over a range of blocks.
     fn recover(&mut self, threads: &Workers, range: &Range<usize>, dt: f32) {
         let moving = self.moving();
-        crew::in_colors(&mut self.contacts, range.clone(), threads, (&mut self.pushes, moving), false, |part, pushes| {
-            contact_kernels::recover(part, pushes, dt);
-        });
+        parallel_contacts::in_colors(
+            &mut self.contacts,
+            range.clone(),
+            threads,
+            (&mut self.pushes, moving),
+            false,
+            |part, pushes| {
+                contact_kernels::recover(part, pushes, dt);
+            },
+        );
     }
 
     /// Has the pushes of position recovery leave the joints of swept articulations as they are. A hand that is lifted off a trunk is drawn
     /// back by its arm otherwise, as joints are mended next, and sinks in for seconds.
     fn yield_to_pushes(&mut self, threads: &Workers) {
         let Self { direct, pushes, motions, .. } = self;
-        direct.yield_to_pushes(Floor { threads, velocities: pushes, motions });
+        direct.yield_to_pushes(SolveContext { threads, velocities: pushes, motions });
     }
 }

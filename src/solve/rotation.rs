@@ -46,7 +46,7 @@ const ONCE_ERROR: f64 = 1.0e-6;
 const PASS_TURN: f64 = 1.0;
 
 /// Passes of fourth order that a substep may take: a body of the greatest speed in a substep of 1/120 s takes 84.
-const MOST_PASSES: f64 = 128.0;
+const MAX_PASSES: f64 = 128.0;
 
 /// Lengths of the symmetric part and of the rest in a pass of fourth order, from one end to the middle (Blanes and Moan 2002, S6).
 const PASS: ([f64; 4], [f64; 3]) = {
@@ -69,7 +69,7 @@ pub(crate) struct Top {
 
 /// Rotation of a body through a substep.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Turn {
+pub(crate) struct SubstepRotation {
     pub rotation: DQuat,
     /// Mean angular velocity of the substep (rad/s).
     pub mean: DVec3,
@@ -78,19 +78,19 @@ pub(crate) struct Turn {
 }
 
 /// Rotation of any body through a substep of length `h` (s).
-pub(crate) fn turn(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> Turn {
+pub(crate) fn turn(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> SubstepRotation {
     if top.round {
         return plain(rotation, angular, h);
     }
     tumble(rotation, angular, top, h)
 }
 
-fn plain(rotation: DQuat, angular: DVec3, h: f64) -> Turn {
-    Turn { rotation: rotated(rotation, angular * h), mean: angular, angular }
+fn plain(rotation: DQuat, angular: DVec3, h: f64) -> SubstepRotation {
+    SubstepRotation { rotation: rotated(rotation, angular * h), mean: angular, angular }
 }
 
 /// Rotation of a body whose principal moments differ.
-pub(crate) fn tumble(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> Turn {
+pub(crate) fn tumble(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> SubstepRotation {
     if top.free != DVec3::ONE {
         return tumble_locked(rotation, angular, top, h);
     }
@@ -100,14 +100,14 @@ pub(crate) fn tumble(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> Turn
     }
     let frame = rotation * top.frame;
     let momentum = frame * (top.inertia * (frame.conjugate() * angular));
-    let parts = Parts::of(top.inertia, momentum.length());
+    let parts = InertiaSplit::of(top.inertia, momentum.length());
     let turned = parts.turned(frame, momentum, h);
     let end = turned * ((turned.conjugate() * momentum) / top.inertia);
-    Turn { rotation: (turned * top.frame.conjugate()).normalize(), mean: (angular + end) * 0.5, angular: end }
+    SubstepRotation { rotation: (turned * top.frame.conjugate()).normalize(), mean: (angular + end) * 0.5, angular: end }
 }
 
 /// How the energy of a body splits into that of a symmetric top and the rest.
-struct Parts {
+struct InertiaSplit {
     /// Which principal axis is that of the symmetric top, and about which the rest turns.
     axis: usize,
     other: usize,
@@ -119,7 +119,7 @@ struct Parts {
     momentum: f64,
 }
 
-impl Parts {
+impl InertiaSplit {
     fn of(inertia: DVec3, momentum: f64) -> Self {
         let ease = inertia.recip();
         let apart = |axis: usize| (ease[(axis + 1) % 3] - ease[(axis + 2) % 3]).abs();
@@ -155,7 +155,7 @@ impl Parts {
             let half = self.as_symmetric(frame, momentum, 0.5 * h);
             return self.as_symmetric(self.about_other(half, momentum, h), momentum, 0.5 * h);
         }
-        let passes = (self.turn(h) / PASS_TURN).ceil().clamp(1.0, MOST_PASSES);
+        let passes = (self.turn(h) / PASS_TURN).ceil().clamp(1.0, MAX_PASSES);
         let (h, mut turned) = (h / passes, frame);
         for _ in 0..passes as usize {
             for k in 0..6 {
@@ -186,7 +186,7 @@ fn about_axis(axis: usize, angle: f64) -> DQuat {
 }
 
 /// The midpoint rule, in two halves where the body turns by more than [`SPLIT_TUMBLE`].
-fn midpoint(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> Turn {
+fn midpoint(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> SubstepRotation {
     let frame = rotation * top.frame;
     let momentum = frame * (top.inertia * (frame.conjugate() * angular));
     let velocity_in = |frame: DQuat| frame * ((frame.conjugate() * momentum) / top.inertia) * top.free;
@@ -200,11 +200,11 @@ fn midpoint(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> Turn {
         end = velocity_in(turned * top.frame);
         mean += middle / f64::from(pieces);
     }
-    Turn { rotation: turned, mean, angular: end }
+    SubstepRotation { rotation: turned, mean, angular: end }
 }
 
 /// Rotation of a body with locked axes.
-fn tumble_locked(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> Turn {
+fn tumble_locked(rotation: DQuat, angular: DVec3, top: &Top, h: f64) -> SubstepRotation {
     let frame = rotation * top.frame;
     let local = frame.conjugate() * angular;
     let momentum = frame * (top.inertia * local);

@@ -1,4 +1,4 @@
-//! Threads that stay awake for a step, and what they do together.
+//! Threads that stay awake for a step, and the tasks that they share.
 //!
 //! A thread that has gone to sleep takes 50 µs and more to begin, as long as many a part of a step. So between the regions of a step
 //! the members of a team look for the next one, for a while, and sleep only between steps.
@@ -24,11 +24,11 @@ const LOOKS_FOR_MORE: u32 = 16;
 const PATIENCE: Duration = Duration::from_millis(2);
 
 /// What all members, and the thread that has called them, do at once until there is nothing left of it, each with its number.
-type Region = &'static (dyn Fn(usize) + Sync);
+type Task = &'static (dyn Fn(usize) + Sync);
 
 /// Threads that wait for regions.
 pub(super) struct Team {
-    post: Arc<Post>,
+    post: Arc<Shared>,
     members: Vec<JoinHandle<()>>,
     /// Held by the thread whose region it is: reads of a world call from any number of threads.
     caller: Mutex<()>,
@@ -36,8 +36,8 @@ pub(super) struct Team {
 
 /// Where members find the next region.
 #[derive(Default)]
-struct Post {
-    notice: Mutex<Notice>,
+struct Shared {
+    notice: Mutex<State>,
     call: Condvar,
     /// Number of the last region, which can be looked at without the notice.
     last: AtomicU64,
@@ -50,9 +50,9 @@ struct Post {
 }
 
 #[derive(Default)]
-struct Notice {
+struct State {
     /// The region that is open.
-    region: Option<Region>,
+    region: Option<Task>,
     number: u64,
     sleeping: usize,
     panic: Option<Box<dyn Any + Send>>,
@@ -84,7 +84,7 @@ impl Team {
         };
         // SAFETY: only the lifetime changes. Members call a region only between their coming in, which is while it is posted, and their
         // going out; `open`, dropped at the end of this function and where `work` panics, takes it down and waits until all are out.
-        let region = unsafe { std::mem::transmute::<&(dyn Fn(usize) + Sync), Region>(work) };
+        let region = unsafe { std::mem::transmute::<&(dyn Fn(usize) + Sync), Task>(work) };
         let open = Open::new(&self.post, region);
         work(0);
         drop(open);
@@ -118,7 +118,7 @@ impl Drop for Team {
 }
 
 /// While it lives, members stay awake between regions.
-pub(crate) struct Watch(Arc<Post>);
+pub(crate) struct Watch(Arc<Shared>);
 
 impl Drop for Watch {
     fn drop(&mut self) {
@@ -127,10 +127,10 @@ impl Drop for Watch {
 }
 
 /// A region that members may come into until this is dropped.
-struct Open<'a>(&'a Post);
+struct Open<'a>(&'a Shared);
 
 impl<'a> Open<'a> {
-    fn new(post: &'a Post, region: Region) -> Self {
+    fn new(post: &'a Shared, region: Task) -> Self {
         let mut notice = lock(&post.notice);
         notice.region = Some(region);
         notice.number += 1;
@@ -152,7 +152,7 @@ impl Drop for Open<'_> {
     }
 }
 
-impl Post {
+impl Shared {
     /// What the member of this number does all its life.
     fn attend(&self, member: usize) {
         let mut seen = 0;
@@ -165,7 +165,7 @@ impl Post {
     }
 
     /// Comes into the next region after the one of this number; `None` when the team is no more.
-    fn next(&self, seen: &mut u64) -> Option<Region> {
+    fn next(&self, seen: &mut u64) -> Option<Task> {
         loop {
             self.look_out(*seen);
             let mut notice = lock(&self.notice);

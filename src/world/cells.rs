@@ -1,4 +1,4 @@
-//! Making the cells of a solid.
+//! Creates the cells of a solid.
 
 use super::World;
 use crate::body::BodyDef;

@@ -1,4 +1,4 @@
-//! Reading a chain of joints: how far it is stretched, and what its links bear.
+//! Reads a chain of joints: its stretch, and the load of its links.
 //!
 //! The length at rest is that of the shortest path of segments between two joints; what the joints on it, both ends among them, are
 //! apart is what it is stretched by. A link bears what its two joints pull it apart with along its segment, in the mean of the two:

@@ -1,4 +1,4 @@
-//! What a quiet island is still doing: whether anything in it is going somewhere, however slowly.
+//! Decides whether a quiet island is still going somewhere, however slowly.
 //!
 //! Speed alone does not tell: a motor may turn by a milliradian a second, an embedded body is pushed out without any velocity, and a spring
 //! that turns back stands still for a moment. So poses tell. While a body is quiet its *drift* follows the rate at which its pose changes,
@@ -25,7 +25,7 @@ use crate::settings::SleepSettings;
 use crate::solve::joint::{gap_of, placement_of};
 pub(super) use crate::tuning::drift::WATCHED_AGAIN;
 use crate::tuning::drift::{
-    ARRIVED, CREEP_SHARE, DRIFT_TIME, FOLLOWED_SHARE, MOST_TIME, MOST_WATCHED, RIGID_TIME, TOUCHING_CREEP_SHARE,
+    ARRIVED, CREEP_SHARE, DRIFT_TIME, FOLLOWED_SHARE, MAX_TIME, MAX_WATCHED, RIGID_TIME, TOUCHING_CREEP_SHARE,
 };
 
 impl Drift {
@@ -61,7 +61,7 @@ pub(super) fn quiet_after(body: &Body, touches: bool, limits: &SleepSettings, dt
     }
     let creeps = !drift.is_below(creep_speeds(limits, touches));
     // Where a pendulum turns back it creeps for a moment only. What is counted has an end, for each count changes the record.
-    let most = if creeps { WATCHED_AGAIN * limits.time } else { limits.time + MOST_WATCHED };
+    let most = if creeps { WATCHED_AGAIN * limits.time } else { limits.time + MAX_WATCHED };
     ((quiet_for + dt).min(most), drift)
 }
 
@@ -72,13 +72,13 @@ fn creep_speeds(limits: &SleepSettings, touches: bool) -> [f32; 2] {
 }
 
 /// One side of a joint: how its body drifts, and how far its joint point is from its centre of mass (m).
-struct Side<'a> {
+struct JointEnd<'a> {
     body: Option<&'a Body>,
     drift: Drift,
     lever: Vec3,
 }
 
-impl Side<'_> {
+impl JointEnd<'_> {
     fn point_rate(&self) -> Vec3 {
         self.drift.linear + self.drift.angular.cross(self.lever)
     }
@@ -96,7 +96,7 @@ impl Side<'_> {
 }
 
 /// Whether a joint moves towards something, given what it does along or about one of its axes.
-struct Coordinate {
+struct DriftCoordinate {
     /// Its rate (m/s or rad/s).
     rate: f32,
     /// Inverse mass or inertia that it moves (1/kg or 1/(kg·m²)).
@@ -104,7 +104,7 @@ struct Coordinate {
     is_angle: bool,
 }
 
-impl Coordinate {
+impl DriftCoordinate {
     fn motor_works(&self, motor: &Motor, quiet_for: f32) -> bool {
         let Some(drive) = motor.drive().filter(|drive| drive.max_force > 0.0) else { return false };
         let follows = |speed: f32| speed != 0.0 && self.rate * speed >= FOLLOWED_SHARE * speed * speed;
@@ -118,8 +118,8 @@ impl Coordinate {
         // Time in which an undamped one turns by a radian of its period.
         let swing = (compliance / self.inverse_mass).sqrt();
         let time = if compliance > 0.0 { swing.max(damping * compliance) } else { RIGID_TIME };
-        let left = self.rate.abs() * time.min(MOST_TIME);
-        left > ARRIVED[usize::from(self.is_angle)] || quiet_for < (FRAC_PI_2 * swing).min(MOST_WATCHED)
+        let left = self.rate.abs() * time.min(MAX_TIME);
+        left > ARRIVED[usize::from(self.is_angle)] || quiet_for < (FRAC_PI_2 * swing).min(MAX_WATCHED)
     }
 }
 
@@ -149,7 +149,7 @@ impl World {
     fn joint_works(&self, slot: u32, quiet_for: f32) -> bool {
         let joint = &self.joints[slot];
         let ends = [self.end(joint, 0), self.end(joint, 1)];
-        let [a, b] = [0, 1].map(|side| Side {
+        let [a, b] = [0, 1].map(|side| JointEnd {
             body: joint.bodies[side].map(|index| &self.bodies[index]),
             drift: joint.bodies[side].map_or_else(Drift::default, |index| self.drift_of(index)),
             lever: ends[side].lever,
@@ -157,14 +157,14 @@ impl World {
         let (point_rate, turning) = (b.point_rate() - a.point_rate(), b.drift.angular - a.drift.angular);
         let along = |axis: Vec3| {
             let inverse_mass = a.inverse_mass() + b.inverse_mass();
-            Coordinate { rate: point_rate.dot(axis), inverse_mass, is_angle: false }
+            DriftCoordinate { rate: point_rate.dot(axis), inverse_mass, is_angle: false }
         };
         let about = |axis: Vec3| {
             let inverse_mass = a.inverse_inertia(axis) + b.inverse_inertia(axis);
-            Coordinate { rate: turning.dot(axis), inverse_mass, is_angle: true }
+            DriftCoordinate { rate: turning.dot(axis), inverse_mass, is_angle: true }
         };
         let frames = [ends[0].frame, ends[1].frame];
-        let spring = |softness: &Softness, coordinate: Coordinate| {
+        let spring = |softness: &Softness, coordinate: DriftCoordinate| {
             softness.compliance > 0.0 && coordinate.spring_works(softness, quiet_for)
         };
         let direction = |rate: Vec3| rate.try_normalize().unwrap_or(frames[0] * Vec3::X);
@@ -191,7 +191,7 @@ impl World {
                 },
                 JointKind::Generic { linear, angular } => {
                     let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| frames[0] * axis);
-                    let works = |coordinate: Coordinate, axis: &Axis| coordinate.motor_works(&axis.motor, quiet_for);
+                    let works = |coordinate: DriftCoordinate, axis: &Axis| coordinate.motor_works(&axis.motor, quiet_for);
                     let slides = [x, y, z].into_iter().zip(linear).any(|(axis, def)| works(along(axis), def));
                     slides || turning_axes(frames).into_iter().zip(angular).any(|(axis, def)| works(about(axis), def))
                 }

@@ -16,10 +16,10 @@ use std::collections::BinaryHeap;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::World;
-use super::index::Marks;
+use super::body_shape_table::Marks;
 use crate::collide::broad::{FEW_SHAPES, LARGE_GROUP};
-use crate::collide::sweep::{self, BodyPath, BodyPose, Buffer};
-use crate::span::union::UnionMotion;
+use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer};
+use crate::joint_graph::union::UnionMotion;
 
 /// A body that may have to be stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -71,7 +71,7 @@ impl Stop {
 
 /// A touch to come, in the order in which touches are taken: share of the step as the bits of a number that is not negative, swept shape,
 /// the other, and which of the two were stopped when it was found.
-type Touch = (u32, u32, u32, [bool; 2]);
+type TimeOfImpact = (u32, u32, u32, [bool; 2]);
 
 /// Buffers of the stage.
 #[derive(Debug, Default)]
@@ -90,8 +90,8 @@ pub(super) struct Sweeps {
     around: Vec<u32>,
     /// Swept shapes of a group, with the boxes of their ways.
     boxes: Vec<(u32, Aabb)>,
-    touches: BinaryHeap<Reverse<Touch>>,
-    parts: Buffer,
+    touches: BinaryHeap<Reverse<TimeOfImpact>>,
+    parts: ImpactBuffer,
 }
 
 impl Sweeps {
@@ -121,10 +121,10 @@ impl Sweeps {
 impl World {
     /// Takes note of where bodies are that the step has not moved yet, if any may have to be stopped.
     pub(super) fn note_starts(&mut self) {
-        let Self { census, movers, bodies, scratch, .. } = self;
+        let Self { summaries, movers, bodies, scratch, .. } = self;
         let sweeps = &mut scratch.sweeps;
         sweeps.paths.clear();
-        if !census.some_are_fast() {
+        if !summaries.some_are_fast() {
             return;
         }
         sweeps.moved.begin(bodies.slot_count());

@@ -1,4 +1,4 @@
-//! Stages that read what joints bear, break those that bear too much, and tell what has come apart.
+//! Stages that read joint loads, break overloaded joints, and report the pieces.
 //!
 //! Nothing that the solver computes reaches the records before [`World::store_results`], so a step in which joints break is simply
 //! solved again from the same state without them: what a blow has freed meets the rest of the blow by itself. A joint is judged
@@ -381,7 +381,7 @@ impl World {
         for part in parts {
             let first = self.events.piece_bodies.len() as u32;
             self.events.piece_bodies.extend(part.iter().map(|&body| self.bodies.handle_of(body)));
-            let Motion { mass, center, linear_velocity, angular_velocity } = self.motion_of(part);
+            let GroupMotion { mass, center, linear_velocity, angular_velocity } = self.motion_of(part);
             let still_anchored = self.is_anchored(part);
             self.events.pieces.push(Piece {
                 first_body: self.bodies.handle_of(part[0]),
@@ -394,7 +394,7 @@ impl World {
                 cut_loose: anchored && !still_anchored,
             });
         }
-        let Motion { mass, center, linear_velocity, .. } = self.motion_of(&all);
+        let GroupMotion { mass, center, linear_velocity, .. } = self.motion_of(&all);
         self.events.splits.push(Split {
             first_body: self.bodies.handle_of(all[0]),
             body_count: all.len() as u32,
@@ -438,7 +438,7 @@ impl World {
     }
 
     /// The motion of a set of bodies as that of one rigid body.
-    fn motion_of(&self, members: &[u32]) -> Motion {
+    fn motion_of(&self, members: &[u32]) -> GroupMotion {
         use glam::DMat3;
         let mut mass = 0.0_f64;
         let (mut first_moment, mut momentum) = (DVec3::ZERO, DVec3::ZERO);
@@ -461,7 +461,7 @@ impl World {
             inertia += local + (DMat3::IDENTITY * lever.length_squared() - around) * own;
             spin += local * body.angular_velocity.as_dvec3() + lever.cross((body.linear_velocity.as_dvec3() - velocity) * own);
         }
-        Motion {
+        GroupMotion {
             mass: mass as f32,
             center: origin + center,
             linear_velocity: velocity.as_vec3(),
@@ -471,7 +471,7 @@ impl World {
 }
 
 /// Mass (kg), centre (m) and velocities (m/s, rad/s) of a set of bodies.
-struct Motion {
+struct GroupMotion {
     mass: f32,
     center: DVec3,
     linear_velocity: Vec3,

@@ -1,4 +1,4 @@
-//! Holding what stands still: an island that is supported and quiet keeps its poses and multipliers, and is not solved.
+//! Holds islands at rest: one that is supported and quiet keeps its poses and multipliers, and is not solved.
 //!
 //! This is the long-range constraint of the paper's §3.6, from every supported body to the ground, for whole islands. The solver
 //! has found multipliers under which nothing moves, so solving again would find them again. What makes it safe is when it ends:
@@ -17,10 +17,10 @@ use glam::Vec3;
 mod units;
 
 use super::World;
-use super::census::Known;
-use super::support::{Frame, Site, kind_of};
+use super::body_summary::BodySummary;
+use super::support::{PairFrame, PairView, kind_of};
 use crate::body::BodyKind;
-use crate::span::support::{Graph, hull};
+use crate::joint_graph::support::{SupportGraph, hull};
 use crate::tuning::hold::{CALM_SHARE, CALM_STEPS, MARGIN_SHARE, OVERLAP_SHARE, STILL_STEPS};
 pub(crate) use units::{HeldBody, HeldUnit};
 use units::{UNIT_CALM_SHARE, Units};
@@ -35,7 +35,7 @@ pub(super) struct Hold {
     pub units: Units,
     candidates: Vec<bool>,
     /// The support analysis of the candidates.
-    graph: Graph,
+    graph: SupportGraph,
 }
 
 impl World {
@@ -81,14 +81,15 @@ impl World {
         hold.let_go = false;
         self.hold_units(&mut hold);
         let mut any = false;
-        let census = &self.census;
+        let summaries = &self.summaries;
         for members in self.groups.islands() {
-            let known = || members.iter().map(|&index| census.of(index));
-            let is_held = known().all(Known::is_held);
-            hold.let_go |= !is_held && members.iter().any(|&index| census.of(index).is_held() && !hold.units.members.has(index));
+            let known = || members.iter().map(|&index| summaries.of(index));
+            let is_held = known().all(BodySummary::is_held);
+            hold.let_go |=
+                !is_held && members.iter().any(|&index| summaries.of(index).is_held() && !hold.units.members.has(index));
             let calm_for = known().map(|known| known.calm_for).min().unwrap_or(0);
             let is_due = calm_for == u8::MAX || (calm_for > 0 && calm_for % CALM_STEPS == 0);
-            let may_be_candidate = !is_held && is_due && !known().any(Known::is_jointed);
+            let may_be_candidate = !is_held && is_due && !known().any(BodySummary::is_jointed);
             // What is embedded comes out without a velocity.
             let is_candidate = may_be_candidate && !members.iter().any(|&index| self.creeps(index));
             hold.islands.push(is_held);
@@ -98,13 +99,13 @@ impl World {
         if any {
             self.judge_candidates(&mut hold);
         }
-        let Self { groups, bodies, census, report, .. } = self;
+        let Self { groups, bodies, summaries, report, .. } = self;
         for (members, &is_held) in groups.islands().zip(&hold.islands) {
             // Of what goes on being held nothing changes.
             let mut count = 0;
             for &index in members.iter().filter(|&&index| !hold.units.members.has(index)) {
                 count += 1;
-                if census.of(index).is_held() == is_held {
+                if summaries.of(index).is_held() == is_held {
                     continue;
                 }
                 let body = &mut bodies[index];
@@ -120,7 +121,7 @@ impl World {
 
     /// Holds the candidates of which every body stands.
     fn judge_candidates(&self, hold: &mut Hold) {
-        let Some(frame) = Frame::new(self.def.gravity) else { return };
+        let Some(frame) = PairFrame::new(self.def.gravity) else { return };
         self.graph_candidates(hold, &frame);
         let Self { groups, bodies, .. } = self;
         for (number, members) in groups.islands().enumerate().filter(|&(number, _)| hold.candidates[number]) {
@@ -137,7 +138,7 @@ impl World {
     }
 
     /// The support graph of all candidates; those with a noticeable overlap are candidates no longer.
-    fn graph_candidates(&self, hold: &mut Hold, frame: &Frame) {
+    fn graph_candidates(&self, hold: &mut Hold, frame: &PairFrame) {
         let Self { pairs, colliders, bodies, groups, .. } = self;
         let Hold { candidates, graph, .. } = hold;
         graph.clear();
@@ -145,7 +146,7 @@ impl World {
         let moves = |index: u32| bodies[index].is_free() && bodies[index].is_mover();
         for &(_, slot) in pairs.active() {
             let pair = pairs.get(slot);
-            let site = Site::new(pair, slot, colliders, bodies);
+            let site = PairView::new(pair, slot, colliders, bodies);
             let ends = [site.shapes.0.body, site.shapes.1.body];
             let Some(number) = ends.into_iter().find(|&index| moves(index)).map(island) else { continue };
             if !candidates[number] {

@@ -1,4 +1,4 @@
-//! Long-range constraints of a world: derived from its joints when those have changed, handed to the batches, read out.
+//! Long-range constraints of a world: derived when its joints have changed, handed to the batches, read by the host.
 
 use glam::{DVec3, Vec3};
 
@@ -7,12 +7,12 @@ use super::wake::Edited;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, Softness};
+use crate::joint_graph::graph::PointLink;
+use crate::joint_graph::load::NodeId;
+use crate::joint_graph::plane::{Chain, Hinge, find_chains};
+use crate::joint_graph::soft::Request;
+use crate::joint_graph::{Bound, BoundInput, Choice, Derived, JointSide, PartBounds};
 use crate::long_range::{BoundKind, BoundState, LongRangeDef, SoftBound};
-use crate::span::graph::Link;
-use crate::span::load::NodeId;
-use crate::span::plane::{Chain, Hinge, find_chains};
-use crate::span::soft::Request;
-use crate::span::{Bound, Choice, Derived, Input, JointSide, PartBounds};
 
 mod links;
 
@@ -127,7 +127,7 @@ impl World {
         let Self { long_range, joints, bodies, unions, def, .. } = self;
         long_range.stale = false;
         let settings = &def.long_range;
-        let mut input = Input { masses: vec![f32::INFINITY; bodies.slot_count()], ..Input::default() };
+        let mut input = BoundInput { masses: vec![f32::INFINITY; bodies.slot_count()], ..BoundInput::default() };
         long_range.chains.clear();
         if settings.enabled {
             for (slot, body) in bodies.iter().filter(|(_, body)| body.is_free() && !body.quarantined) {
@@ -372,7 +372,7 @@ impl World {
 
 impl LongRange {
     /// What the host asked for, as the derivation wants it; what named a joint that is gone is dropped.
-    fn requests(&mut self, joints: &Pool<Joint, JointId>, links: &[Option<Link>], settings: &LongRangeDef) -> Vec<Request> {
+    fn requests(&mut self, joints: &Pool<Joint, JointId>, links: &[Option<PointLink>], settings: &LongRangeDef) -> Vec<Request> {
         self.soft.retain(|asked| asked.joints.iter().all(|&joint| joints.find(joint).is_ok()));
         self.asked.clear();
         let Self { soft, asked, .. } = self;

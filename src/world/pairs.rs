@@ -7,22 +7,22 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::World;
 use super::seams::Glide;
-use super::touches::Touch;
+use super::touching_pairs::TouchingPair;
 use super::unions::Unions;
 use crate::body::Body;
-use crate::collide::blows::Blow;
+use crate::collide::active_hits::ActiveHit;
 use crate::collide::broad::still_near;
 use crate::collide::collider::{Collider, own_margin};
+use crate::collide::collider_state::ColliderState;
 use crate::collide::pairs::{Pair, PairKey, PairScratch, WorldManifold};
 use crate::collide::predict::{Follow, Step};
-use crate::collide::stance::Stance;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
 use crate::prefetch::{AHEAD, prefetch};
 use crate::report::{Contact, Hit};
-use crate::room::{extend_tightly, give_back_room};
-use crate::solve::shared::{Divided, Slots};
-use crate::workers::MOST_PIECES;
+use crate::solve::disjoint::{DisjointSlices, Slots};
+use crate::tight_vec::{extend_tightly, give_back_room};
+use crate::workers::MAX_PIECES;
 
 /// Margins around a shape's box from which on the box that is kept is made anew although the shape is still in it.
 const LOOSE: f32 = 4.0;
@@ -30,13 +30,13 @@ const LOOSE: f32 = 4.0;
 /// Moving bodies from which on their shapes' boxes are brought up to date on all threads, and shapes that are worth another thread's while:
 /// some 10 µs.
 const SHARED_MOVERS: usize = 512;
-const LEAST_BOXES: usize = 128;
+const MIN_BOXES: usize = 128;
 
 /// Active pairs below which the narrow phase stays on one thread.
 const MIN_PARALLEL_PAIRS: usize = 256;
 
 /// Pairs that are worth another thread's while: some 10 µs.
-const LEAST_PAIRS: usize = 64;
+const MIN_PAIRS: usize = 64;
 
 impl World {
     /// Brings the boxes of what moves up to date and the list of active pairs with them.
@@ -74,7 +74,7 @@ impl World {
                     broad.revisit(shape);
                 }
                 if most_are_in_pairs {
-                    index.set_stance(shape, Stance::of(collider, body));
+                    index.set_stance(shape, ColliderState::of(collider, body));
                 }
             }
         }
@@ -84,11 +84,12 @@ impl World {
     fn renew_boxes_on_all_threads(&mut self, gravity: f32, dt: f32, most_are_in_pairs: bool) {
         let Self { bodies, colliders, index, broad, scratch, threads, .. } = self;
         let bodies = &*bodies;
-        let piece = threads.piece(colliders.slot_count(), LEAST_BOXES);
-        scratch.reboxed.resize_with(MOST_PIECES, Vec::new);
-        let (moving, stances) = index.stances_in_pieces(piece);
-        let pieces = colliders.slots_mut().chunks_mut(piece).zip(stances).zip(&mut scratch.reboxed).zip((0..).step_by(piece));
-        threads.share(pieces, |(((slots, mut stances), reboxed), first)| {
+        let piece = threads.piece(colliders.slot_count(), MIN_BOXES);
+        scratch.reboxed.resize_with(MAX_PIECES, Vec::new);
+        let (moving, collider_states) = index.stances_in_pieces(piece);
+        let pieces =
+            colliders.slots_mut().chunks_mut(piece).zip(collider_states).zip(&mut scratch.reboxed).zip((0..).step_by(piece));
+        threads.share(pieces, |(((slots, mut collider_states), reboxed), first)| {
             for (place, slot) in slots.iter_mut().enumerate() {
                 let Some(collider) = slot.value.as_mut().filter(|collider| moving.has(collider.body)) else { continue };
                 let body = &bodies[collider.body];
@@ -99,7 +100,7 @@ impl World {
                     reboxed.push((first + place) as u32);
                 }
                 if most_are_in_pairs {
-                    stances.set(place, Stance::of(collider, body));
+                    collider_states.set(place, ColliderState::of(collider, body));
                 }
             }
         });
@@ -179,22 +180,22 @@ impl World {
         let step = Step { dt, substeps: def.substeps, gravity: def.gravity };
         let update = |pair: &mut Pair, scratch: &mut PairScratch| {
             let (a, b) = pair.key.shapes();
-            let stances = (index.stance(a), index.stance(b));
-            if pair.rests(stances.0.still && stances.1.still) {
+            let collider_states = (index.collider_state(a), index.collider_state(b));
+            if pair.rests(collider_states.0.still && collider_states.1.still) {
                 return;
             }
-            if !stances.0.tight_box.intersects(&stances.1.tight_box) {
+            if !collider_states.0.tight_box.intersects(&collider_states.1.tight_box) {
                 return pair.part();
             }
-            let motion = stances.0.motion_against(stances.1, def.gravity, dt);
-            pair.update(stances, motion, step, || [moving(a), moving(b)], scratch);
+            let motion = collider_states.0.motion_against(collider_states.1, def.gravity, dt);
+            pair.update(collider_states, motion, step, || [moving(a), moving(b)], scratch);
         };
         let is_shared = !threads.is_alone() && active.len() >= MIN_PARALLEL_PAIRS;
-        let piece = if is_shared { threads.piece(active.len(), LEAST_PAIRS) } else { active.len().max(1) };
+        let piece = if is_shared { threads.piece(active.len(), MIN_PAIRS) } else { active.len().max(1) };
         let parts = active.len().div_ceil(piece);
         scratch.pairs.resize_with(scratch.pairs.len().max(parts), PairScratch::default);
         scratch.glides.resize_with(scratch.glides.len().max(parts), Vec::new);
-        let (updated, slots) = (AtomicUsize::new(0), Divided::new(slots));
+        let (updated, slots) = (AtomicUsize::new(0), DisjointSlices::new(slots));
         let pieces = active.chunks(piece).zip(&mut scratch.pairs).zip(touches.begin(parts)).zip(&mut scratch.glides);
         threads.share(pieces, |(((active, scratch), touches), glides)| {
             // SAFETY: each active pair has a slot of its own, and is in one piece.
@@ -203,7 +204,7 @@ impl World {
             for (place, &(key, slot)) in active.iter().enumerate() {
                 if let Some(&(key, slot)) = active.get(place + 2 * AHEAD) {
                     prefetch(pairs.get(slot));
-                    prefetch(index.stance(key.shapes().1));
+                    prefetch(index.collider_state(key.shapes().1));
                 }
                 if let Some(&(key, slot)) = active.get(place + AHEAD) {
                     let coming = pairs.get(slot);
@@ -217,8 +218,8 @@ impl World {
                 update(pair, scratch);
                 own += usize::from(pair.updated);
                 let (a, b) = key.shapes();
-                glides.extend(Glide::of(key, slot, pair, (index.stance(a), index.stance(b)), dt));
-                extend_tightly(touches, Touch::of(key, slot, pair, index).into_iter());
+                glides.extend(Glide::of(key, slot, pair, (index.collider_state(a), index.collider_state(b)), dt));
+                extend_tightly(touches, TouchingPair::of(key, slot, pair, index).into_iter());
             }
             updated.fetch_add(own, Ordering::Relaxed);
         });
@@ -250,7 +251,7 @@ impl World {
             if approach(self.pairs.get(slot), &self.colliders, &self.bodies, threshold) > 0.0 {
                 continue;
             }
-            let Blow { approach: approach_speed, impulse } = self.pairs.blow_of(slot);
+            let ActiveHit { approach: approach_speed, impulse } = self.pairs.blow_of(slot);
             let heaviest = |a: &Contact, b: &Contact| a.normal_force().total_cmp(&b.normal_force());
             if let Some(contact) = self.contacts_of_pair(key, slot).max_by(heaviest).filter(|_| impulse > 0.0) {
                 let points = contact.points();

@@ -1,13 +1,13 @@
-//! Reading the planes of hinge chains.
+//! Reads the planes of hinge chains.
 
 use glam::{DVec3, Quat, Vec3};
 
 use super::World;
+use crate::joint_graph::plane::{Chain, Member, PlaneAnchor};
 use crate::long_range::PlaneState;
-use crate::span::plane::{Chain, Member, PlaneAnchor};
 
 /// A member in the world: mass (kg), centre of mass (m), and the plane's normal as this member has it.
-struct Placed {
+struct PlacedMember {
     mass: f64,
     center: DVec3,
     normal: Vec3,
@@ -23,7 +23,7 @@ impl World {
 
     fn plane_state(&self, chain: &Chain) -> Option<PlaneState> {
         // A joint or body that went since the step takes its chain with it.
-        let members: Vec<Placed> = chain.members.iter().map(|member| self.placed(member)).collect::<Option<_>>()?;
+        let members: Vec<PlacedMember> = chain.members.iter().map(|member| self.placed(member)).collect::<Option<_>>()?;
         let joint = *chain.joints.first()?;
         self.joints.get(joint)?;
         let held = match chain.anchor {
@@ -48,14 +48,14 @@ impl World {
         })
     }
 
-    fn placed(&self, member: &Member) -> Option<Placed> {
+    fn placed(&self, member: &Member) -> Option<PlacedMember> {
         let body = self.bodies.get(member.body)?;
         let (center, rotation, mass) = match self.unions.moving(member.body) {
             Some(union) => (union.motion.center, union.motion.rotation, union.mass.mass),
             None => (body.center, body.rotation, body.mass.as_ref()?.mass),
         };
         let normal = rotation * member.axis;
-        Some(Placed { mass: mass.into(), center, normal, foot: center - (normal * member.height).as_dvec3() })
+        Some(PlacedMember { mass: mass.into(), center, normal, foot: center - (normal * member.height).as_dvec3() })
     }
 
     /// A point of the plane that a fixed end gives, and the plane's normal.

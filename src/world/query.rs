@@ -1,4 +1,4 @@
-//! Questions that a host asks between steps; any number of threads may ask at a time.
+//! Queries that a host makes between steps, from any number of threads.
 
 use std::sync::OnceLock;
 
@@ -10,21 +10,21 @@ use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::ShapeId;
 use crate::pose::Pose;
-use crate::query::{self, Cast, Distance, Met, NearestPoint, NearestShape, Probe, QueryFilter, Ray, RayHit, Segment, Way};
+use crate::query::{self, Cast, Distance, Met, NearestPoint, NearestShape, PathSegment, Probe, QueryFilter, Ray, RayHit, Way};
 use crate::shape::Shape;
 
 /// Rays of a batch below which it stays on one thread.
 const MIN_PARALLEL_RAYS: usize = 64;
 
 /// Rays that are worth another thread's while: some 10 µs.
-const LEAST_RAYS: usize = 16;
+const MIN_RAYS: usize = 16;
 
 /// Shapes that an impact carried out of their kept box in the last step.
 ///
 /// A kept box holds its shape for as long as the shape moves by the velocity it began the step with; the next step makes it a
 /// new one. Until then questions look at these shapes besides those that the broad phase names. Found when first asked for.
 #[derive(Debug, Default)]
-pub(super) struct Escaped(OnceLock<Vec<u32>>);
+pub(super) struct OutOfBoxBodies(OnceLock<Vec<u32>>);
 
 impl World {
     /// The first shape that a ray meets.
@@ -54,14 +54,14 @@ impl World {
         if rays.len() != out.len() {
             return Err(Error::new(ErrorKind::OutOfRange, "out", "is not as long as the list of rays"));
         }
-        let checked = rays.iter().map(|ray| ray.checked()).collect::<Result<Vec<Segment>>>()?;
-        let cast = |(path, hit): (&Segment, &mut Option<RayHit>)| {
+        let checked = rays.iter().map(|ray| ray.checked()).collect::<Result<Vec<PathSegment>>>()?;
+        let cast = |(path, hit): (&PathSegment, &mut Option<RayHit>)| {
             *hit = self.first_hit(path, filter, |slot| query::first_on_ray(&self.colliders[slot], path, false));
         };
         if rays.len() < MIN_PARALLEL_RAYS || self.threads.has_host() {
             checked.iter().zip(out).for_each(cast);
         } else {
-            let piece = self.threads.piece(rays.len(), LEAST_RAYS);
+            let piece = self.threads.piece(rays.len(), MIN_RAYS);
             self.threads
                 .share(checked.chunks(piece).zip(out.chunks_mut(piece)), |(rays, out)| rays.iter().zip(out).for_each(cast));
         }
@@ -148,7 +148,7 @@ impl World {
         if min.cmpgt(max).any() {
             return Err(Error::new(ErrorKind::OutOfRange, "min", "is beyond max"));
         }
-        let path = Segment::still((min + max) * 0.5, (max - min) * 0.5);
+        let path = PathSegment::still((min + max) * 0.5, (max - min) * 0.5);
         out.clear();
         for (_, slot) in self.candidates(&path) {
             if self.counts(slot, filter) && path.enters_box(&self.colliders[slot].world_box(0.0)).is_some() {
@@ -166,7 +166,7 @@ impl World {
     pub fn nearest_point(&self, point: DVec3, max_distance: f32, filter: &QueryFilter) -> Result<Option<NearestPoint>> {
         check::position("point", point)?;
         let reach = f64::from(query::query_length("max_distance", max_distance)?);
-        let around = Segment::still(point, DVec3::splat(reach));
+        let around = PathSegment::still(point, DVec3::splat(reach));
         let found = self.nearest(&around, reach, filter, |slot, limit| query::nearest_point(&self.colliders[slot], point, limit));
         Ok(found.map(|(slot, found)| NearestPoint {
             shape: self.colliders.handle_of(slot),
@@ -192,7 +192,7 @@ impl World {
         let probe = Probe::checked(shape, pose)?;
         let reach = f64::from(query::query_length("max_distance", max_distance)?);
         let own = query::probe_box(&probe);
-        let around = Segment { half: own.half + DVec3::splat(reach), ..own };
+        let around = PathSegment { half: own.half + DVec3::splat(reach), ..own };
         let found = self.nearest(&around, reach, filter, |slot, limit| query::distance_to(&self.colliders[slot], &probe, limit));
         Ok(found.map(|(slot, distance)| {
             let body = self.bodies.handle_of(self.colliders[slot].body);
@@ -217,7 +217,7 @@ impl World {
     /// The least distance that `measure` finds within a limit, and its shape; of equal ones, that of the lowest handle.
     fn nearest(
         &self,
-        around: &Segment,
+        around: &PathSegment,
         reach: f64,
         filter: &QueryFilter,
         measure: impl Fn(u32, f64) -> Option<Distance>,
@@ -237,7 +237,7 @@ impl World {
         best
     }
 
-    fn first_hit(&self, path: &Segment, filter: &QueryFilter, meet: impl Fn(u32) -> Option<Met>) -> Option<RayHit> {
+    fn first_hit(&self, path: &PathSegment, filter: &QueryFilter, meet: impl Fn(u32) -> Option<Met>) -> Option<RayHit> {
         let mut best: Option<RayHit> = None;
         for (entry, slot) in self.candidates(path) {
             // Boxes come in the order in which the path enters them; a hit lies no nearer than its box.
@@ -256,7 +256,7 @@ impl World {
         best
     }
 
-    fn all_hits(&self, path: &Segment, filter: &QueryFilter, out: &mut Vec<RayHit>, meet: impl Fn(u32) -> Option<Met>) {
+    fn all_hits(&self, path: &PathSegment, filter: &QueryFilter, out: &mut Vec<RayHit>, meet: impl Fn(u32) -> Option<Met>) {
         out.clear();
         let counting = self.candidates(path).into_iter().filter(|&(_, slot)| self.counts(slot, filter));
         out.extend(counting.filter_map(|(_, slot)| Some(self.hit(slot, &meet(slot)?))));
@@ -287,7 +287,7 @@ impl World {
     }
 
     /// Shapes whose box the path may meet, with the distance at which it enters the kept box (m), in that order.
-    fn candidates(&self, path: &Segment) -> Vec<(f64, u32)> {
+    fn candidates(&self, path: &PathSegment) -> Vec<(f64, u32)> {
         let mut found: Vec<(f64, u32)> = Vec::new();
         self.broad.along(|mins, maxs| path.enters(mins, maxs), &mut found);
         for slot in self.escaped_shapes() {
@@ -317,6 +317,6 @@ impl World {
 
     /// To be called when shapes have moved by a step.
     pub(super) fn forget_escaped(&mut self) {
-        self.escaped = Escaped::default();
+        self.escaped = OutOfBoxBodies::default();
     }
 }

@@ -1,4 +1,4 @@
-//! Stage that leaves out contacts at seams.
+//! Stage that removes contacts at the seams between flush surfaces.
 //!
 //! What slides or rolls from one surface onto another that lies flush beside it meets the edge of the second, which is no obstacle: were
 //! both one surface, there would be none. Narrow phases see two shapes at a time and cannot know. Where a round body moves over at least two
@@ -11,12 +11,12 @@
 use glam::{DVec3, Vec3};
 
 use super::World;
-use super::index::Index;
+use super::body_shape_table::BodyShapeTable;
 use crate::collide::collider::Collider;
+use crate::collide::collider_state::ColliderState;
 use crate::collide::narrow;
 use crate::collide::pairs::{Pair, PairKey};
 use crate::collide::predict::FLUSH;
-use crate::collide::stance::Stance;
 use crate::id::{Pool, ShapeId};
 
 /// How far behind a point, in distances of which surfaces are flush, K is looked for above J's plane.
@@ -42,7 +42,7 @@ pub(super) struct Glide {
 
 impl Glide {
     /// What there is to note of a pair that has been brought up to date: whether a round shape of it moves over the other.
-    pub(super) fn of(key: PairKey, slot: u32, pair: &Pair, (a, b): (&Stance, &Stance), dt: f32) -> Option<Self> {
+    pub(super) fn of(key: PairKey, slot: u32, pair: &Pair, (a, b): (&ColliderState, &ColliderState), dt: f32) -> Option<Self> {
         if !pair.may_touch || a.body == b.body {
             return None;
         }
@@ -64,7 +64,7 @@ impl Glide {
 
 /// A point at which a body moves over a shape.
 #[derive(Debug, Clone, Copy)]
-struct Point {
+struct GlidePoint {
     slot: u32,
     number: usize,
     point: usize,
@@ -84,7 +84,7 @@ struct Point {
 #[derive(Debug, Default)]
 pub(super) struct Seams {
     glides: Vec<Glide>,
-    points: Vec<Point>,
+    points: Vec<GlidePoint>,
 }
 
 impl World {
@@ -104,7 +104,7 @@ impl World {
             for glide in glides {
                 list_points(glide, pairs.get(glide.slot), colliders, index, points);
             }
-            let ground = Ground { colliders, index };
+            let ground = StaticSurface { colliders, index };
             for e in points.iter().filter(|e| points.iter().any(|f| ground.carries(f, e))) {
                 let extent = index.least_extent(pairs.get(e.slot).key);
                 pairs.get_mut(e.slot).leave_out(e.number, e.point, extent);
@@ -114,23 +114,30 @@ impl World {
 }
 
 /// Appends the points of a pair.
-fn list_points(glide: &Glide, pair: &Pair, colliders: &Pool<Collider, ShapeId>, index: &Index, points: &mut Vec<Point>) {
+fn list_points(
+    glide: &Glide,
+    pair: &Pair,
+    colliders: &Pool<Collider, ShapeId>,
+    index: &BodyShapeTable,
+    points: &mut Vec<GlidePoint>,
+) {
     let (a, b) = glide.key.shapes();
     let shape = glide.still();
-    let (stance, sign) = (index.stance(shape), if glide.is_second { 1.0 } else { -1.0 });
-    let turn_a = index.stance(a).rotation;
+    let (collider_state, sign) = (index.collider_state(shape), if glide.is_second { 1.0 } else { -1.0 });
+    let turn_a = index.collider_state(a).rotation;
     let flush = FLUSH * index.least_extent(glide.key);
     for (number, manifold) in pair.manifolds.iter().enumerate() {
         let parts = narrow::parts_of(&colliders[b].shape, manifold.part);
         let normal = turn_a * manifold.normal * sign;
-        points.extend(manifold.points.iter().enumerate().map(|(point, place)| Point {
+        points.extend(manifold.points.iter().enumerate().map(|(point, place)| GlidePoint {
             slot: glide.slot,
             number,
             point,
             is_lone: manifold.points.len() == 1,
             shape,
             part: parts[usize::from(!glide.is_second)],
-            at: stance.position + (stance.rotation * if glide.is_second { place.on_a } else { place.on_b }).as_dvec3(),
+            at: collider_state.position
+                + (collider_state.rotation * if glide.is_second { place.on_a } else { place.on_b }).as_dvec3(),
             normal,
             separation: place.separation,
             flush,
@@ -139,14 +146,14 @@ fn list_points(glide: &Glide, pair: &Pair, colliders: &Pool<Collider, ShapeId>, 
 }
 
 /// What does not move.
-struct Ground<'a> {
+struct StaticSurface<'a> {
     colliders: &'a Pool<Collider, ShapeId>,
-    index: &'a Index,
+    index: &'a BodyShapeTable,
 }
 
-impl Ground<'_> {
+impl StaticSurface<'_> {
     /// Whether the surface at `f` carries what moves so that it does not meet `e`.
-    fn carries(&self, f: &Point, e: &Point) -> bool {
+    fn carries(&self, f: &GlidePoint, e: &GlidePoint) -> bool {
         let is_same = f.shape == e.shape && (f.part == e.part || !self.colliders[e.shape].shape.is_compound());
         let alignment = e.normal.dot(f.normal);
         if is_same || f.separation > 2.0 * e.flush || (!e.is_lone && alignment >= ALIKE) {
@@ -163,14 +170,17 @@ impl Ground<'_> {
         self.distance(f.shape, e.at) <= e.flush && self.distance(e.shape, behind) >= e.flush
     }
 
-    fn is_face(&self, point: &Point) -> bool {
-        let normal = self.index.stance(point.shape).rotation.conjugate() * point.normal;
+    fn is_face(&self, point: &GlidePoint) -> bool {
+        let normal = self.index.collider_state(point.shape).rotation.conjugate() * point.normal;
         narrow::is_face_normal(&self.colliders[point.shape].shape, point.part, normal)
     }
 
     /// From a shape to a place (m); zero inside.
     fn distance(&self, shape: u32, at: DVec3) -> f32 {
-        let stance = self.index.stance(shape);
-        narrow::distance_to(&self.colliders[shape].shape, stance.rotation.conjugate() * (at - stance.position).as_vec3())
+        let collider_state = self.index.collider_state(shape);
+        narrow::distance_to(
+            &self.colliders[shape].shape,
+            collider_state.rotation.conjugate() * (at - collider_state.position).as_vec3(),
+        )
     }
 }

@@ -3,9 +3,9 @@
 use glam::{DVec3, Quat};
 use parry3d::bounding_volume::Aabb;
 
+use super::body_shape_table::BodyShapeTable;
 use super::fracture::Fracture;
-use super::index::Index;
-use super::sense::Sensing;
+use super::sensors::Sensors;
 use super::sleep::is_whole;
 use super::unions::Anchor;
 use super::{CarriedBound, CarriedUnion, World};
@@ -71,7 +71,7 @@ impl World {
             rest: _,
             groups: _,
             touches: _,
-            census: _,
+            summaries: _,
             some_are_driven: _,
             driven_joints: _,
             index: _,
@@ -212,7 +212,8 @@ impl World {
         self.restart_long_range(row.bounds_stale, &bounds, row.asked_bounds);
         self.fracture = Fracture::restored(row.asked_fractures);
         self.report = report;
-        self.index = Index::of(self.colliders.slot_count(), self.colliders.iter().map(|(slot, collider)| (slot, collider.body)));
+        self.index =
+            BodyShapeTable::of(self.colliders.slot_count(), self.colliders.iter().map(|(slot, collider)| (slot, collider.body)));
         self.add_up_contact_forces();
         let mut sleeping = std::mem::take(&mut self.sleeping);
         sleeping.set_gaps(|members| self.gap_of_island(members));
@@ -222,7 +223,7 @@ impl World {
         self.batch_count = 0;
         self.groups.forget();
         self.forget_escaped();
-        self.sensing = Sensing::of(&self.colliders, row.sensed);
+        self.sensing = Sensors::of(&self.colliders, row.sensed);
         self.restart_support(&row.said_supported.0, row.watched);
         Ok(())
     }

@@ -1,14 +1,14 @@
-//! Stage that keeps the support analysis up with the contacts: what changed in the step goes into the graph, and no more.
+//! Stage that updates the support graph: only pairs whose links may have changed are read.
 //!
 //! A link is made anew when its manifold was, when a body has turned under it, or when it begins or ends to be pressed or to
 //! slide; everything else of the graph stays. What sleeps is not looked at. While nothing stands on, or hangs from, what needs no
 //! support itself, nothing is: the stage *rests*, and what is asked of it meanwhile is worked out for those who ask.
 
-mod look;
+mod arch_stability;
+mod dirty_pairs;
+mod pair_view;
 mod query;
 mod record;
-mod site;
-mod thrust;
 
 use std::sync::OnceLock;
 
@@ -19,19 +19,19 @@ use crate::body::{Body, BodyKind};
 use crate::collide::cache::put_in_places;
 use crate::collide::pairs::Word;
 use crate::joint::{Axis, Joint, JointKind, Motor};
-use crate::span::support::verdict::SupportChange;
-use crate::span::support::{Graph, Node, NodeKind};
+use crate::joint_graph::support::verdict::SupportChange;
+use crate::joint_graph::support::{NodeKind, SupportGraph, SupportNode};
 use crate::tuning::support::GAIN_STEPS;
-use look::TURNED;
+use arch_stability::Thrust;
+use dirty_pairs::TURNED;
+pub(super) use pair_view::{PairFrame, PairView, told_by};
 use record::{Record, Seen};
-pub(super) use site::{Frame, Site, told_by};
-use thrust::Thrust;
 
 /// The analysis of a world, and what it was made from.
 #[derive(Debug, Default)]
 pub(super) struct SupportState {
-    pub graph: Graph,
-    pub frame: Option<Frame>,
+    pub graph: SupportGraph,
+    pub frame: Option<PairFrame>,
     gravity: Vec3,
     /// What the links of each pair were made from, by pair slot.
     records: Vec<Record>,
@@ -85,7 +85,7 @@ impl SupportState {
     /// Starts anew under another gravity; what was said of bodies stays.
     fn turn_to(&mut self, gravity: Vec3) {
         self.gravity = gravity;
-        let frame = Frame::new(gravity);
+        let frame = PairFrame::new(gravity);
         if frame == self.frame {
             return;
         }
@@ -143,7 +143,7 @@ impl SupportState {
     }
 
     /// Makes the links of a pair anew if they are not what they were, and says what there is to remember of it.
-    fn sync_pair(&mut self, site: &Site, frame: &Frame) -> Word {
+    fn sync_pair(&mut self, site: &PairView, frame: &PairFrame) -> Word {
         let Self { records, graph, signs, .. } = self;
         if records.len() <= site.slot as usize {
             records.resize_with(site.slot as usize + 1, Record::default);
@@ -397,7 +397,8 @@ impl World {
     fn list_changes(&self, state: &mut SupportState) {
         let SupportState { graph, thrust, watched, said, events, supported_count, frame, .. } = state;
         let has_frame = frame.is_some();
-        let is_supported = |index: u32| has_frame && (graph.node(index).is_some_and(Node::is_supported) || thrust.braces(index));
+        let is_supported =
+            |index: u32| has_frame && (graph.node(index).is_some_and(SupportNode::is_supported) || thrust.braces(index));
         watched.extend(graph.changed().iter().map(|&index| (index, 0)));
         // Of a body that is watched already, the number of steps stays.
         watched.sort_unstable_by_key(|&(index, steps)| (index, std::cmp::Reverse(steps)));

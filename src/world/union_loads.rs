@@ -1,4 +1,4 @@
-//! Stage that finds what the joints inside unions carry: nothing has solved them, but how their bodies move says it all.
+//! Stage that computes the loads of joints inside unions from the motion of their bodies.
 //!
 //! For unions with a joint that has a limit the loads are found in every step; for others when somebody asks. A member's joints
 //! together exert what it needs beyond everything else that acts on it,
@@ -17,10 +17,10 @@ use super::unions::{Anchor, Union};
 use crate::collide::pairs::WorldManifold;
 use crate::fracture::Strength;
 use crate::joint::JointDef;
+use crate::joint_graph::union::loads::{BondStiffness, UnionBond, UnionMember, Wrench};
+use crate::joint_graph::union::{UnionMotion, inertia_of};
 use crate::report::JointOverload;
 use crate::solve::contact::ContactImpulses;
-use crate::span::union::loads::{Body, Bond, BondStiffness, Wrench};
-use crate::span::union::{UnionMotion, inertia_of};
 
 /// Whether somebody wants to know the load of a joint in every step.
 pub(super) fn wants_load(def: &JointDef) -> bool {
@@ -33,19 +33,19 @@ type Mean = (u32, u32, ContactImpulses);
 impl World {
     /// Writes the loads of joints inside unions into their records, where they are wanted, before the solve is stored.
     pub(super) fn find_union_loads(&mut self, dt: f32) {
-        let leads: Vec<u32> = self.unions.iter().filter(|union| union.wanted).map(|union| union.lead).collect();
-        if leads.is_empty() {
+        let half_steps: Vec<u32> = self.unions.iter().filter(|union| union.wanted).map(|union| union.lead).collect();
+        if half_steps.is_empty() {
             return;
         }
         let contacts = self.contact_wrenches(&self.mean_impulses(), dt);
-        for lead in leads {
+        for lead in half_steps {
             let Some(union) = self.unions.of(lead) else { continue };
             if union.anchor == Anchor::Free && !self.bodies[lead].is_mover() {
                 continue;
             }
             let loads = self.loads_of(union, &self.motion_after(union), &contacts, dt);
-            let welds = union.welds.clone();
-            for (&slot, load) in welds.iter().zip(&loads) {
+            let fixed_links = union.fixed_links.clone();
+            for (&slot, load) in fixed_links.iter().zip(&loads) {
                 let joint = &mut self.joints[slot];
                 (joint.force, joint.torque) = (load.force.as_vec3(), load.torque.as_vec3());
                 if !joint.force.is_finite() || !joint.torque.is_finite() {
@@ -59,7 +59,7 @@ impl World {
     pub(super) fn report_union_overloads(&mut self) {
         let Self { unions, joints, events, bodies, .. } = self;
         let moves = |union: &&Union| union.anchor != Anchor::Free || bodies[union.lead].is_mover();
-        for &slot in unions.iter().filter(|union| union.wanted).filter(moves).flat_map(|union| &union.welds) {
+        for &slot in unions.iter().filter(|union| union.wanted).filter(moves).flat_map(|union| &union.fixed_links) {
             let joint = &joints[slot];
             let (force, torque) = (joint.force.length(), joint.torque.length());
             if force > joint.def.break_force || torque > joint.def.break_torque {
@@ -91,7 +91,7 @@ impl World {
         let joint = &self.joints[slot];
         let member = joint.bodies.into_iter().flatten().find(|&index| self.bodies[index].is_dynamic())?;
         let union = self.unions.of(member)?;
-        let number = union.welds.binary_search(&slot).ok()?;
+        let number = union.fixed_links.binary_search(&slot).ok()?;
         if union.wanted {
             return Some((joint.force, joint.torque));
         }
@@ -119,7 +119,7 @@ impl World {
     /// Loads of all joints of a union, world axes, about their points.
     fn loads_of(&self, union: &Union, after: &UnionMotion, contacts: &[Wrench], dt: f32) -> Vec<Wrench> {
         if dt <= 0.0 {
-            return vec![Wrench::default(); union.welds.len()];
+            return vec![Wrench::default(); union.fixed_links.len()];
         }
         let stiffness = union.stiffness.get_or_init(|| self.bond_stiffness(union));
         let mut needed: Vec<Wrench> = union.members.iter().map(|&index| self.inertial_need(union, after, index, dt)).collect();
@@ -222,14 +222,14 @@ impl World {
         let bodies = union.members.iter().map(|&index| {
             let place = self.unions.place(index);
             let mass = self.bodies[index].mass.as_ref();
-            Body {
+            UnionMember {
                 center: place.offset.as_dvec3(),
                 mass: mass.map_or(0.0, |mass| f64::from(mass.mass)),
                 inertia: mass.map_or(DMat3::ZERO, |mass| inertia_of(mass, place.rotation.as_dquat().normalize())),
             }
         });
         let member = |index: Option<u32>| union.members.binary_search(&index?).ok().map(|place| place as u32);
-        let bonds = union.welds.iter().map(|&slot| {
+        let bonds = union.fixed_links.iter().map(|&slot| {
             let joint = &self.joints[slot];
             let members = joint.bodies.map(member);
             // On B where it is a member: that is the point that a joint's load is about.
@@ -240,7 +240,7 @@ impl World {
                 let lever = frame.position - self.bodies[index].local_center.as_dvec3();
                 place.offset.as_dvec3() + place.rotation.as_dquat().normalize() * lever
             });
-            Bond { members, point, stiffness: stiffness_of(&joint.def.strength) }
+            UnionBond { members, point, stiffness: stiffness_of(&joint.def.strength) }
         });
         BondStiffness::new(bodies.collect(), bonds.collect())
     }

@@ -1,4 +1,4 @@
-//! Reading unions.
+//! Reads unions.
 
 use glam::{DVec3, Vec3};
 
@@ -63,7 +63,7 @@ impl World {
         UnionInfo {
             lead: self.bodies.handle_of(union.lead),
             members: union.members.len() as u32,
-            joints: union.welds.len() as u32,
+            joints: union.fixed_links.len() as u32,
             mass: union.mass.mass,
             center: union.motion.center,
             // What has fallen asleep is at rest.

@@ -1,4 +1,4 @@
-//! Rigid unions of a world: which bodies fixed joints make one, kept up as joints come and go, and how each moves.
+//! Rigid unions of a world: which bodies fixed joints make one, updated as joints come and go, and how each moves.
 //!
 //! A body of a free union is no body of the solver: the union has one slot, and contacts, joints and bounds of its members act on
 //! that. What is anchored to something static stands like it; what is anchored to a kinematic body is driven by it. Joints inside
@@ -21,10 +21,10 @@ use crate::body::{Anchored, Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, within_li
 use crate::collide::collider::Collider;
 use crate::id::{Pool, ShapeId};
 use crate::joint::JointKind;
+use crate::joint_graph::union::loads::{BondStiffness, Wrench};
+use crate::joint_graph::union::matching::{Covariances, Loose};
+use crate::joint_graph::union::{Pose64, UnionMotion};
 use crate::mass::MassProperties;
-use crate::span::union::loads::{BondStiffness, Wrench};
-use crate::span::union::matching::{Covariances, Loose};
-use crate::span::union::{Frame, UnionMotion};
 
 mod flood;
 mod motion;
@@ -34,14 +34,14 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// Where a body is in its union.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
+pub(super) struct UnionPlace {
     pub union: u32,
     /// From the union's centre of mass, in its axes (m), and the rotation there.
     pub offset: Vec3,
     pub rotation: Quat,
 }
 
-impl Place {
+impl UnionPlace {
     const OUTSIDE: Self = Self { union: NONE, offset: Vec3::ZERO, rotation: Quat::IDENTITY };
 }
 
@@ -67,14 +67,14 @@ pub(super) struct Union {
     /// Static and kinematic bodies that hold it, sorted.
     pub anchors: Vec<u32>,
     /// Fixed joints that it is made of, sorted.
-    pub welds: Vec<u32>,
+    pub fixed_links: Vec<u32>,
     /// Joints to what does not belong to it, sorted.
     pub outer: Vec<u32>,
     /// Of all dynamic members.
     pub mass: MassProperties,
     covariances: Covariances,
     /// Its frame in that of its first anchor.
-    held: Frame,
+    held: Pose64,
     /// Worst distance (m) and angle (rad) by which its joints contradict one another.
     pub residual: (f32, f32),
     pub motion: UnionMotion,
@@ -88,7 +88,7 @@ pub(super) struct Union {
     pub jolts: Vec<Wrench>,
     /// Stiffness of its joints, made when loads are first asked for.
     pub stiffness: OnceLock<BondStiffness>,
-    /// Loads of the joints in `welds` in the last step, likewise.
+    /// Loads of the joints in `fixed_links` in the last step, likewise.
     pub loads: OnceLock<Vec<Wrench>>,
 }
 
@@ -104,7 +104,7 @@ pub(crate) struct CarriedUnion {
 #[derive(Debug, Default)]
 pub(super) struct Unions {
     /// By body slot.
-    pub places: Vec<Place>,
+    pub places: Vec<UnionPlace>,
     records: Vec<Option<Union>>,
     free: Vec<u32>,
     /// Unions sorted by their lead.
@@ -115,18 +115,18 @@ pub(super) struct Unions {
     pub pushed: Vec<u32>,
     /// Counts up whenever a union is made or dissolved.
     pub version: u64,
-    scratch: Scratch,
+    scratch: UnionScratch,
 }
 
 #[derive(Debug, Default)]
-struct Scratch {
+struct UnionScratch {
     loose: Vec<Loose>,
     places: Vec<(Vec3, Quat)>,
 }
 
 impl Unions {
-    pub(super) fn place(&self, body: u32) -> Place {
-        self.places.get(body as usize).copied().unwrap_or(Place::OUTSIDE)
+    pub(super) fn place(&self, body: u32) -> UnionPlace {
+        self.places.get(body as usize).copied().unwrap_or(UnionPlace::OUTSIDE)
     }
 
     /// Union that a body belongs to.
@@ -174,7 +174,7 @@ impl Unions {
         self.version += 1;
         for &body in union.members.iter().chain(&union.anchors) {
             if let Some(place) = self.places.get_mut(body as usize).filter(|place| place.union == slot) {
-                *place = Place::OUTSIDE;
+                *place = UnionPlace::OUTSIDE;
             }
         }
         self.order.retain(|&other| other != slot);
@@ -189,7 +189,7 @@ impl Unions {
             self.records.len() as u32 - 1
         });
         for (&body, &(offset, rotation)) in union.members.iter().zip(places) {
-            self.places[body as usize] = Place { union: slot, offset, rotation };
+            self.places[body as usize] = UnionPlace { union: slot, offset, rotation };
         }
         let lead = union.lead;
         let records = &self.records;
@@ -215,9 +215,9 @@ impl World {
 
     /// Says that a joint is new, about to go, or another than it was.
     pub(super) fn joint_changed(&mut self, slot: u32) {
-        let weld = self.is_weld(slot);
+        let fixed_link = self.is_weld(slot);
         for index in self.joints[slot].bodies.into_iter().flatten() {
-            if weld || self.unions.place(index).union != NONE {
+            if fixed_link || self.unions.place(index).union != NONE {
                 self.welds_changed(index);
             }
         }
@@ -253,8 +253,8 @@ impl World {
     /// Unions with a member that a weld connects to this dynamic body.
     fn unions_welded_to(&self, index: u32) -> Vec<u32> {
         let Some(body) = self.bodies.get(index).filter(|body| body.is_dynamic()) else { return Vec::new() };
-        let welds = body.joints.iter().filter_map(|&id| self.joints.find(id).ok()).filter(|&slot| self.is_weld(slot));
-        let others = welds.flat_map(|slot| self.joints[slot].bodies).flatten().filter(|&other| other != index);
+        let fixed_links = body.joints.iter().filter_map(|&id| self.joints.find(id).ok()).filter(|&slot| self.is_weld(slot));
+        let others = fixed_links.flat_map(|slot| self.joints[slot].bodies).flatten().filter(|&other| other != index);
         others.map(|other| self.unions.place(other).union).filter(|&slot| slot != NONE).collect()
     }
 
@@ -345,7 +345,7 @@ impl World {
         let mut open = std::mem::take(&mut self.unions.stale);
         open.sort_unstable();
         open.dedup();
-        self.unions.places.resize(self.bodies.slot_count(), Place::OUTSIDE);
+        self.unions.places.resize(self.bodies.slot_count(), UnionPlace::OUTSIDE);
         for &index in &open {
             let begins = self.bodies.get(index).is_some_and(can_join) && self.unions.place(index).union == NONE;
             if begins && self.def.long_range.enabled && self.def.long_range.union {
@@ -371,7 +371,7 @@ impl World {
 
     /// Makes all unions anew after a restore, with what they carried.
     pub(super) fn restart_unions(&mut self, stale: Vec<u32>, pushed: Vec<u32>, carried: &[CarriedUnion]) {
-        self.unions = Unions { places: vec![Place::OUTSIDE; self.bodies.slot_count()], ..Unions::default() };
+        self.unions = Unions { places: vec![UnionPlace::OUTSIDE; self.bodies.slot_count()], ..Unions::default() };
         for union in carried {
             if self.bodies.get(union.lead).is_some_and(can_join) && self.unions.place(union.lead).union == NONE {
                 let component = self.component(union.lead);
@@ -383,8 +383,8 @@ impl World {
 }
 
 /// Centre of mass and axes of a body.
-fn frame_of(body: &Body) -> Frame {
-    Frame { position: body.pose().position, rotation: body.rotation.as_dquat().normalize() }
+fn frame_of(body: &Body) -> Pose64 {
+    Pose64 { position: body.pose().position, rotation: body.rotation.as_dquat().normalize() }
 }
 
 fn shapes_follow(body: &Body, colliders: &mut Pool<Collider, ShapeId>) {

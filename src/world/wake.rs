@@ -1,4 +1,4 @@
-//! Waking: whatever changes the motion or the load of something wakes what joints, contacts and unions connect to it.
+//! Waking: an edit that changes the motion or the load of a body wakes everything that joints, contacts and unions connect to it.
 //!
 //! Every edit of a body, shape or joint goes through [`World::wake_for`]. Bodies that are free to move wake with their whole island, which
 //! holds all that touches them or is jointed to them. What is static, kinematic or welded to such a body is in no island, since many of

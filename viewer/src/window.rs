@@ -40,7 +40,7 @@ const BAR: f32 = 24.0;
 const FOLLOWS_IN: f32 = 0.15;
 
 /// Most frames of a recording that are played for one picture.
-const MOST_FRAMES: u32 = 16;
+const MAX_FRAMES: u32 = 16;
 
 /// Steps for which the place of a break is shown.
 const BREAKS_SEEN: u64 = 60;
@@ -238,7 +238,7 @@ impl View {
         }
         // A computer that is too slow for that plays slowly; it does not leap.
         self.playing += f64::from(get_frame_time()).min(0.25);
-        for _ in 0..MOST_FRAMES {
+        for _ in 0..MAX_FRAMES {
             let before = self.reader.scene().frame().time;
             if self.playing <= 0.0 {
                 return;

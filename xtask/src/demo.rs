@@ -19,7 +19,7 @@ const RATIOS: [u32; 2] = [10_000, 1];
 const PICTURE: (usize, usize) = (480, 960);
 
 /// A body smaller than this share of the scene would not be seen.
-const LEAST_SHARE: f64 = 1.0 / 60.0;
+const MIN_SHARE: f64 = 1.0 / 60.0;
 
 pub fn run() -> Outcome<()> {
     // Without one nothing here works; say so before minutes of building.
@@ -59,7 +59,7 @@ fn visible_at(bodies: &[Drawn]) -> f64 {
         (min.min(body.pose.position), max.max(body.pose.position))
     });
     let smallest = bodies.iter().map(|body| length(&body.geometry)).fold(f64::INFINITY, f64::min);
-    ((max - min).length() * LEAST_SHARE / smallest).max(1.0)
+    ((max - min).length() * MIN_SHARE / smallest).max(1.0)
 }
 
 fn length(geometry: &Geometry) -> f64 {
@@ -103,6 +103,6 @@ mod tests {
         let factor = visible_at(&torn);
         torn.iter_mut().for_each(|body| magnify(&mut body.geometry, factor as f32));
         let share = length(&torn[0].geometry) / 580.0;
-        assert!((share - LEAST_SHARE).abs() < 1e-6, "a link takes {share} of the chain's length, expected {LEAST_SHARE}");
+        assert!((share - MIN_SHARE).abs() < 1e-6, "a link takes {share} of the chain's length, expected {MIN_SHARE}");
     }
 }

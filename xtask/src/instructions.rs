@@ -18,7 +18,7 @@ use crate::{Outcome, platform, printed, repository, succeed};
 const TABLE: &str = "benches/instructions.toml";
 
 /// How much more than the table says a scene may cost (%).
-const MOST_MORE: f64 = 3.0;
+const MAX_MORE: f64 = 3.0;
 
 /// Counts nothing but what that function of `counted` does.
 pub const CALLGRIND: [&str; 3] = ["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*counted_steps*"];
@@ -79,7 +79,7 @@ pub fn run(bless: bool) -> Outcome<()> {
         "If that is worth it, run `cargo xtask instructions bless`, and say why on a line `{REASON}…` of the message of the commit \
          that changes {TABLE}."
     );
-    Err(format!("costs more than {MOST_MORE} % more than it did:\n    {}\n{advice}", worse.join("\n    ")).into())
+    Err(format!("costs more than {MAX_MORE} % more than it did:\n    {}\n{advice}", worse.join("\n    ")).into())
 }
 
 /// Prints both counts of every scene; those that cost too much, or stand in only one of the two, are returned.
@@ -127,7 +127,7 @@ fn raised<'a>(before: &'a Table, now: &'a Table) -> impl Iterator<Item = &'a str
 }
 
 fn costs_more(before: u64, now: u64) -> bool {
-    now as f64 > before as f64 * (1.0 + MOST_MORE / 100.0)
+    now as f64 > before as f64 * (1.0 + MAX_MORE / 100.0)
 }
 
 /// The program that makes the steps. Beside the C library's package, its dependencies have the features that they have there, and
@@ -198,7 +198,7 @@ impl Table {
     fn to_text(&self) -> String {
         let mut text = format!(
             "# Instructions of steps: scene, first step, number of steps, keys. Written by `cargo xtask instructions bless`; CI fails where\n\
-             # a scene costs {MOST_MORE} % more, or where a commit lets it and has no line `{REASON}…` in its message.\n\
+             # a scene costs {MAX_MORE} % more, or where a commit lets it and has no line `{REASON}…` in its message.\n\
              compiler = \"{}\"\n\n[instructions]\n",
             self.compiler
         );

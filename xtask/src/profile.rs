@@ -16,7 +16,7 @@ const STAGES: &[(&str, &[&str])] = &[
     ("narrow phase", &["src/collide/", "parry3d"]),
     ("lists of pairs", &["src/world/pairs"]),
     ("islands and batches", &["src/world/group", "src/island", "src/solve/color"]),
-    ("filling of batches", &["src/world/load.rs", "src/solve/batch", "src/solve/contact.rs", "src/solve/contact_block"]),
+    ("filling of batches", &["src/world/solve_batches.rs", "src/solve/batch", "src/solve/contact.rs", "src/solve/contact_block"]),
     ("masses of contacts", &["contact_kernels/masses"]),
     ("sweeps of contacts", &["contact_kernels"]),
     ("loads in stacks", &["src/solve/load_pass", "src/solve/exact", "src/solve/birth", "src/balance"]),
@@ -28,7 +28,7 @@ const STAGES: &[(&str, &[&str])] = &[
     ("direct solve", &["src/solve/direct", "src/linalg/"]),
     ("bounds and taut lines", &["src/solve/bound", "src/solve/taut"]),
     ("planes and momentum", &["src/solve/plane", "src/solve/momentum", "src/world/planes"]),
-    ("derivation of bounds", &["src/span/", "src/world/long_range", "src/world/chain"]),
+    ("derivation of bounds", &["src/joint_graph/", "src/world/long_range", "src/world/chain"]),
     ("unions", &["src/world/union"]),
     ("support and hold", &["src/world/support", "src/world/hold"]),
     ("fracture", &["src/fracture", "src/world/fracture", "src/world/cells"]),
@@ -125,7 +125,7 @@ fn is_ours(file: &str) -> bool {
         "src/solve/dispatch",
         "src/solve/side",
         "src/id.rs",
-        "src/room.rs",
+        "src/tight_vec.rs",
     ];
     file.contains("src/") && !others.iter().any(|other| file.contains(other))
 }

@@ -65,7 +65,7 @@ const fn figure(
 const AFTERWARDS: f64 = 0.5;
 
 /// Least part of a picture that is neither of its three commonest colours: sky, ground and paper.
-const LEAST_SEEN: f64 = 0.004;
+const MIN_SEEN: f64 = 0.004;
 
 /// Fewest colours of a picture with bodies in the light.
 const FEWEST_COLORS: usize = 12;
@@ -235,7 +235,7 @@ fn look(picture: &Path) -> Outcome<()> {
     counts.sort_unstable_by(|a, b| b.cmp(a));
     let seen = counts.iter().skip(3).sum::<usize>() as f64 / (width * height) as f64;
     println!("{}: {} colours, {:.1} % of the picture is something", picture.display(), counts.len(), 100.0 * seen);
-    if counts.len() < FEWEST_COLORS || seen < LEAST_SEEN {
+    if counts.len() < FEWEST_COLORS || seen < MIN_SEEN {
         return Err(format!("{}: there is nothing to be seen", picture.display()).into());
     }
     Ok(())

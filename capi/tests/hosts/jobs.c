@@ -7,7 +7,7 @@
 #include "longspan/longspan.h"
 
 #define BODIES 700
-#define MOST_THREADS 4
+#define MAX_THREADS 4
 
 static void check(LsResult result)
 {
@@ -48,7 +48,7 @@ static void *work(void *user)
 static void on_threads(size_t count, LsJobFunction run, void *job, void *user)
 {
     Pool *pool = (Pool *)user;
-    pthread_t threads[MOST_THREADS];
+    pthread_t threads[MAX_THREADS];
     int i;
     pool->next = 0;
     pool->count = count;
@@ -132,7 +132,7 @@ int main(void)
     Pool pool = {1, 1, 0, 0, PTHREAD_MUTEX_INITIALIZER, 0, 0, NULL, NULL};
     run("library-1", 1, NULL, &pool);
     run("library-4", 4, NULL, &pool);
-    for (pool.threads = 1; pool.threads <= MOST_THREADS; pool.threads *= 2) {
+    for (pool.threads = 1; pool.threads <= MAX_THREADS; pool.threads *= 2) {
         char name[32];
         pool.grain = (size_t)pool.threads;
         pool.jobs = pool.parts = 0;

@@ -13,7 +13,7 @@
 #include "longspan/longspan.h"
 
 #define STEP (1.0f / 60.0f)
-#define MOST_THINGS 1024
+#define MAX_THINGS 1024
 
 /* What a thing is drawn as: the colours are far enough apart to be told from a picture. */
 typedef enum Look { LOOK_GROUND, LOOK_BRIDGE, LOOK_CRANE, LOOK_ROPE, LOOK_BALL, LOOK_TOWER, LOOK_WALL, LOOK_COUNT } Look;
@@ -29,7 +29,7 @@ typedef struct Thing {
 
 typedef struct Game {
     LsWorld world;
-    Thing things[MOST_THINGS];
+    Thing things[MAX_THINGS];
     size_t count;
     LsJoint slew; /* turns the crane's jib */
     float slew_speed;

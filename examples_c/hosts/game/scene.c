@@ -33,7 +33,7 @@ static Thing *add(Game *game, const Part *part)
     Thing *thing = &game->things[game->count];
     LsShapeDef shape;
     LsBodyDef def;
-    if (game->count == MOST_THINGS) {
+    if (game->count == MAX_THINGS) {
         fprintf(stderr, "the game is full\n");
         exit(1);
     }

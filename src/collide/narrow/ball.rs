@@ -9,14 +9,14 @@ use super::{Manifold, ManifoldPoint};
 const FEATURE: u32 = 0;
 
 /// The one point of a contact, and its normal.
-pub(super) struct Touch {
+pub(super) struct BallContact {
     normal: Vec3,
     point: ManifoldPoint,
 }
 
 #[inline]
-pub(super) fn append(touch: Option<Touch>, out: &mut Vec<Manifold>) {
-    if let Some(Touch { normal, point }) = touch {
+pub(super) fn append(touch: Option<BallContact>, out: &mut Vec<Manifold>) {
+    if let Some(BallContact { normal, point }) = touch {
         let manifold = Manifold::append(out);
         manifold.normal = normal;
         manifold.push(point);
@@ -25,7 +25,7 @@ pub(super) fn append(touch: Option<Touch>, out: &mut Vec<Manifold>) {
 
 /// Ball B against ball A. Balls with one centre separate along y.
 #[inline]
-pub(super) fn ball_ball(radius_a: f32, radius_b: f32, relative: &Pose3, margin: f32) -> Option<Touch> {
+pub(super) fn ball_ball(radius_a: f32, radius_b: f32, relative: &Pose3, margin: f32) -> Option<BallContact> {
     let distance = relative.translation.length();
     let normal = if distance > 0.0 { relative.translation / distance } else { Vec3::Y };
     contact(normal * radius_a, normal, distance - radius_a, radius_b, relative, margin)
@@ -33,21 +33,21 @@ pub(super) fn ball_ball(radius_a: f32, radius_b: f32, relative: &Pose3, margin: 
 
 /// Ball B against box A. From inside, the ball leaves through the nearest face.
 #[inline]
-pub(super) fn box_ball(half: Vec3, radius: f32, relative: &Pose3, margin: f32) -> Option<Touch> {
+pub(super) fn box_ball(half: Vec3, radius: f32, relative: &Pose3, margin: f32) -> Option<BallContact> {
     let (nearest, normal, distance) = nearest_on_box(half, relative.translation);
     contact(nearest, normal, distance, radius, relative, margin)
 }
 
 /// Box B against ball A.
 #[inline]
-pub(super) fn ball_box(radius: f32, half: Vec3, relative: &Pose3, margin: f32) -> Option<Touch> {
+pub(super) fn ball_box(radius: f32, half: Vec3, relative: &Pose3, margin: f32) -> Option<BallContact> {
     let (on_b, outward, distance) = nearest_on_box(half, relative.rotation.inverse() * -relative.translation);
     let separation = distance - radius;
     // Written so that a NaN is no contact.
     let near = separation <= margin;
     near.then(|| {
         let normal = relative.rotation * -outward;
-        Touch { normal, point: ManifoldPoint { on_a: normal * radius, on_b, separation, feature: FEATURE } }
+        BallContact { normal, point: ManifoldPoint { on_a: normal * radius, on_b, separation, feature: FEATURE } }
     })
 }
 
@@ -77,7 +77,7 @@ fn nearest_on_box(half: Vec3, center: Vec3) -> (Vec3, Vec3, f32) {
 }
 
 /// Ball B against capsule A. A centre on the capsule's axis leaves along x.
-pub(super) fn capsule_ball(half_height: f32, radius_a: f32, radius_b: f32, relative: &Pose3, margin: f32) -> Option<Touch> {
+pub(super) fn capsule_ball(half_height: f32, radius_a: f32, radius_b: f32, relative: &Pose3, margin: f32) -> Option<BallContact> {
     let center = relative.translation;
     let nearest = Vec3::new(0.0, center.y.clamp(-half_height, half_height), 0.0);
     let offset = center - nearest;
@@ -88,13 +88,13 @@ pub(super) fn capsule_ball(half_height: f32, radius_a: f32, radius_b: f32, relat
 
 /// The contact of a ball whose centre is at `distance` along `normal` from `on_a`.
 #[inline]
-fn contact(on_a: Vec3, normal: Vec3, distance: f32, radius: f32, relative: &Pose3, margin: f32) -> Option<Touch> {
+fn contact(on_a: Vec3, normal: Vec3, distance: f32, radius: f32, relative: &Pose3, margin: f32) -> Option<BallContact> {
     let separation = distance - radius;
     // Written so that a NaN is no contact.
     let near = separation <= margin;
     near.then(|| {
         let on_b = relative.rotation.inverse() * (normal * -radius);
-        Touch { normal, point: ManifoldPoint { on_a, on_b, separation, feature: FEATURE } }
+        BallContact { normal, point: ManifoldPoint { on_a, on_b, separation, feature: FEATURE } }
     })
 }
 
@@ -107,8 +107,8 @@ mod tests {
         Pose3::from_parts(Vec3::new(x, y, z), Quat::from_rotation_z(0.7))
     }
 
-    fn only(touch: Option<Touch>) -> (Vec3, ManifoldPoint) {
-        let Touch { normal, point } = touch.expect("a contact");
+    fn only(touch: Option<BallContact>) -> (Vec3, ManifoldPoint) {
+        let BallContact { normal, point } = touch.expect("a contact");
         (normal, point)
     }
 

@@ -58,7 +58,7 @@ const LINE: u32 = 1 << 19;
 
 /// Box B against box A, by their half extents (m): appends their manifold if they are near.
 pub(super) fn box_box(a: Vec3, b: Vec3, relative: &Pose3, margin: f32, out: &mut Vec<Manifold>) {
-    let pair = Pair::new(a, b, relative);
+    let pair = BoxPair::new(a, b, relative);
     let Some(face) = pair.best_face(margin) else { return };
     let manifold = Manifold::append(out);
     if pair.contact(&face, relative, margin, manifold).is_none() {
@@ -72,7 +72,7 @@ fn within(found: Manifold, margin: f32) -> Option<Manifold> {
 }
 
 /// Two boxes in the frame of the first.
-struct Pair {
+struct BoxPair {
     a: Vec3,
     b: Vec3,
     /// B's axes as columns, and A's in B's frame.
@@ -86,7 +86,7 @@ struct Pair {
     slop: f32,
 }
 
-impl Pair {
+impl BoxPair {
     #[inline]
     fn new(a: Vec3, b: Vec3, relative: &Pose3) -> Self {
         let axes = Mat3::from_quat(relative.rotation);

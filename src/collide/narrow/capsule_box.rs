@@ -38,7 +38,7 @@ pub(super) fn box_capsule(half: Vec3, (half_height, radius): (f32, f32), relativ
         FACE_PREFERENCE * half.min_element().min(half_height + radius) + 4.0 * f32::EPSILON * (half.max_element() + half_height);
     let way_out = way_out(half, &segment, tolerance, margin + radius)?;
 
-    let mut contact = Contact { half, segment, radius, margin, tolerance, relative, manifold: Manifold::default() };
+    let mut contact = CapsuleBoxContact { half, segment, radius, margin, tolerance, relative, manifold: Manifold::default() };
     if way_out.separation > tolerance {
         contact.apart();
     } else if let Some(axis) = way_out.face {
@@ -121,7 +121,7 @@ fn smallest_component(v: Vec3) -> usize {
     }
 }
 
-struct Contact<'a> {
+struct CapsuleBoxContact<'a> {
     half: Vec3,
     segment: Segment,
     radius: f32,
@@ -131,7 +131,7 @@ struct Contact<'a> {
     manifold: Manifold,
 }
 
-impl Contact<'_> {
+impl CapsuleBoxContact<'_> {
     /// The segment is outside the box: the closest points decide the normal, and the normal where to look for a second point.
     fn apart(&mut self) {
         let (on_box, on_segment) = self.closest();

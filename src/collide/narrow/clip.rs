@@ -12,7 +12,7 @@ use glam::Vec2;
 
 /// A vertex in the plane of contact.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Vertex {
+pub(super) struct ClipVertex {
     /// In the plane of contact (m).
     pub at: Vec2,
     /// Along the contact normal (m).
@@ -25,22 +25,22 @@ pub(super) struct Vertex {
 
 /// The half-plane normal·x ≤ offset; `edge` is its id, and vertices beyond it by `slop` are left alone.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Side {
+pub(super) struct ClipLine {
     pub normal: Vec2,
     pub offset: f32,
     pub slop: f32,
     pub edge: u16,
 }
 
-impl Side {
-    fn beyond(&self, vertex: &Vertex) -> f32 {
+impl ClipLine {
+    fn beyond(&self, vertex: &ClipVertex) -> f32 {
         self.normal.dot(vertex.at) - self.offset
     }
 }
 
 /// Hands what is inside `side` of a closed polygon to `keep`, in order.
 #[inline]
-pub(super) fn clip(polygon: &[Vertex], side: &Side, mut keep: impl FnMut(Vertex)) {
+pub(super) fn clip(polygon: &[ClipVertex], side: &ClipLine, mut keep: impl FnMut(ClipVertex)) {
     let Some(last) = polygon.last() else { return };
     let (mut from, mut from_beyond) = (last, side.beyond(last));
     for to in polygon {
@@ -58,7 +58,7 @@ pub(super) fn clip(polygon: &[Vertex], side: &Side, mut keep: impl FnMut(Vertex)
 }
 
 /// The part of the segment from `ends[0]` to `ends[1]` inside `side`.
-pub(super) fn clip_segment(ends: [Vertex; 2], side: &Side) -> Option<[Vertex; 2]> {
+pub(super) fn clip_segment(ends: [ClipVertex; 2], side: &ClipLine) -> Option<[ClipVertex; 2]> {
     let [from, to] = ends;
     let (from_beyond, to_beyond) = (side.beyond(&from), side.beyond(&to));
     match (from_beyond <= side.slop, to_beyond <= side.slop) {
@@ -70,22 +70,22 @@ pub(super) fn clip_segment(ends: [Vertex; 2], side: &Side) -> Option<[Vertex; 2]
 }
 
 /// The point on the side between a vertex inside and one outside.
-fn crossing((from, from_beyond): (&Vertex, f32), (to, to_beyond): (&Vertex, f32), edge: u16) -> Vertex {
+fn crossing((from, from_beyond): (&ClipVertex, f32), (to, to_beyond): (&ClipVertex, f32), edge: u16) -> ClipVertex {
     let s = (from_beyond / (from_beyond - to_beyond)).clamp(0.0, 1.0);
     let spare = from_beyond.min(to_beyond) >= 0.0;
-    Vertex { at: from.at.lerp(to.at, s), height: from.height + (to.height - from.height) * s, edge, spare }
+    ClipVertex { at: from.at.lerp(to.at, s), height: from.height + (to.height - from.height) * s, edge, spare }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn square(half: f32, height: f32) -> Vec<Vertex> {
+    fn square(half: f32, height: f32) -> Vec<ClipVertex> {
         let corners = [(-half, -half), (half, -half), (half, half), (-half, half)];
-        (0..).zip(corners).map(|(edge, (x, y))| Vertex { at: Vec2::new(x, y), height, edge, spare: false }).collect()
+        (0..).zip(corners).map(|(edge, (x, y))| ClipVertex { at: Vec2::new(x, y), height, edge, spare: false }).collect()
     }
 
-    fn clipped(polygon: &[Vertex], side: Side) -> Vec<Vertex> {
+    fn clipped(polygon: &[ClipVertex], side: ClipLine) -> Vec<ClipVertex> {
         let mut kept = Vec::new();
         clip(polygon, &side, |vertex| kept.push(vertex));
         kept
@@ -98,7 +98,7 @@ mod tests {
             polygon[1].at.x += shift;
             polygon[2].at.x -= shift;
             polygon[2].height = 0.3;
-            let result = clipped(&polygon, Side { normal: Vec2::X, offset: 0.5, slop: 1e-6, edge: 9 });
+            let result = clipped(&polygon, ClipLine { normal: Vec2::X, offset: 0.5, slop: 1e-6, edge: 9 });
             for vertex in &result {
                 let reach = vertex.at.abs().max_element();
                 assert!(reach <= 0.5 + 3e-6 && (0.0..=0.3).contains(&vertex.height), "shift {shift}: {vertex:?}");
@@ -108,16 +108,17 @@ mod tests {
 
     #[test]
     fn vertices_are_named_by_the_edges_that_meet_in_them() {
-        let result = clipped(&square(1.0, 0.0), Side { normal: Vec2::X, offset: 0.25, slop: 0.0, edge: 9 });
+        let result = clipped(&square(1.0, 0.0), ClipLine { normal: Vec2::X, offset: 0.25, slop: 0.0, edge: 9 });
         let named: Vec<_> = result.iter().map(|v| (v.at.x, v.at.y, v.edge)).collect();
         assert_eq!(named, [(-1.0, -1.0, 0), (0.25, -1.0, 9), (0.25, 1.0, 2), (-1.0, 1.0, 3)]);
     }
 
     #[test]
     fn a_segment_is_cut_where_the_side_crosses_it() {
-        let ends = [(-1.0, 0.0), (1.0, 2.0)].map(|(x, height)| Vertex { at: Vec2::new(x, 0.0), height, ..Vertex::default() });
-        let cut = clip_segment(ends, &Side { normal: Vec2::X, offset: 0.5, slop: 0.0, edge: 9 }).expect("a part is inside");
+        let ends =
+            [(-1.0, 0.0), (1.0, 2.0)].map(|(x, height)| ClipVertex { at: Vec2::new(x, 0.0), height, ..ClipVertex::default() });
+        let cut = clip_segment(ends, &ClipLine { normal: Vec2::X, offset: 0.5, slop: 0.0, edge: 9 }).expect("a part is inside");
         assert_eq!((cut[0].at.x, cut[1].at.x, cut[1].height), (-1.0, 0.5, 1.5));
-        assert!(clip_segment(ends, &Side { normal: Vec2::Y, offset: -0.5, slop: 0.0, edge: 9 }).is_none());
+        assert!(clip_segment(ends, &ClipLine { normal: Vec2::Y, offset: -0.5, slop: 0.0, edge: 9 }).is_none());
     }
 }

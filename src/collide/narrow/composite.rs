@@ -7,11 +7,11 @@ use parry3d::math::Pose3;
 use parry3d::shape::{HeightField, Triangle, TrianglePseudoNormals};
 
 use super::part::{self, Part};
-use super::{Manifold, Scratch};
+use super::{Manifold, NarrowScratch};
 use crate::shape::{Geometry, Shape};
 
 /// Manifolds of every near pair of parts; appends to `out`.
-pub(super) fn collide(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
+pub(super) fn collide(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
     if !relative.is_finite() {
         return;
     }

@@ -14,11 +14,11 @@ use parry3d::shape::SupportMap;
 
 use super::capsule::Segment;
 use super::clip;
-use super::distance::{self, Gap, Nearest};
+use super::distance::{self, ConvexGap, Nearest};
 use super::face::{self, Corner, Feature};
 use super::part::Part;
-use super::plane::Plane;
-use super::reduce::{Candidate, reduce_into};
+use super::plane::ContactPlane;
+use super::reduce::{PointCandidate, reduce_into};
 use super::{Manifold, ManifoldPoint};
 
 /// How much less than the distance found a face may give and still be the normal; a direction that gives less than the
@@ -57,9 +57,9 @@ pub(super) const LONE: u32 = u32::MAX;
 pub(super) struct Buffers {
     pub corners_a: Vec<Corner>,
     pub corners_b: Vec<Corner>,
-    pub candidates: Vec<Candidate>,
-    polygon: Vec<clip::Vertex>,
-    clipped: Vec<clip::Vertex>,
+    pub candidates: Vec<PointCandidate>,
+    polygon: Vec<clip::ClipVertex>,
+    clipped: Vec<clip::ClipVertex>,
 }
 
 /// The core of a part, scaled.
@@ -79,7 +79,7 @@ const SAME_NORMAL: f32 = 1.0e-5;
 
 /// Part B against part A.
 pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers: &mut Buffers) -> Option<Manifold> {
-    let pair = Pair::near(a, b, relative, margin)?;
+    let pair = ConvexPair::near(a, b, relative, margin)?;
     let gap = pair.gap(margin)?;
     let allowed = pair.allowed_normal(gap.normal)?;
     // However little the neighbours have turned it, their normal is the right one: a normal tilted by θ pushes sideways with θ of the
@@ -121,20 +121,20 @@ pub(super) fn separation(a: &Part, b: &Part, relative: &Pose3, limit: f32) -> Op
         (&Part::HalfSpace { normal }, _) => Some((normal, above(normal, b, relative)?)),
         (_, &Part::HalfSpace { normal }) => Some((relative.rotation * -normal, above(normal, a, &relative.inverse())?)),
         _ => {
-            let pair = Pair::near(a, b, relative, limit)?;
+            let pair = ConvexPair::near(a, b, relative, limit)?;
             let gap = pair.gap(limit)?;
             Some((gap.normal, gap.distance() - pair.radii))
         }
     }
 }
 
-impl Gap {
+impl ConvexGap {
     fn distance(&self) -> f32 {
         self.normal.dot(self.on_b - self.on_a)
     }
 }
 
-struct Pair<'a> {
+struct ConvexPair<'a> {
     a: &'a Part<'a>,
     b: &'a Part<'a>,
     relative: &'a Pose3,
@@ -145,7 +145,7 @@ struct Pair<'a> {
     slop: f32,
 }
 
-impl<'a> Pair<'a> {
+impl<'a> ConvexPair<'a> {
     /// Two parts, if they may be nearer to each other than `margin`.
     fn near(a: &'a Part<'a>, b: &'a Part<'a>, relative: &'a Pose3, margin: f32) -> Option<Self> {
         let (reach_a, reach_b) = (a.reach(), b.reach());
@@ -166,12 +166,12 @@ impl<'a> Pair<'a> {
     }
 
     /// Nearest points of the cores, or those of deepest overlap; none if the parts are further apart than `margin`.
-    fn gap(&self, margin: f32) -> Option<Gap> {
+    fn gap(&self, margin: f32) -> Option<ConvexGap> {
         let scale = 1.0 / self.size;
         let pose = Pose3::from_parts(self.relative.translation * scale, self.relative.rotation);
         let limit = (margin + self.radii) * scale;
         let (a, b) = (Core { part: self.a, scale }, Core { part: self.b, scale });
-        let mut unsound: Option<Gap> = None;
+        let mut unsound: Option<ConvexGap> = None;
         for attempt in 0..ATTEMPTS {
             let seed = match (&unsound, attempt) {
                 (_, 0) => None,
@@ -180,7 +180,7 @@ impl<'a> Pair<'a> {
             };
             match distance::nearest(&a, &b, &pose, limit + SLACK.1, seed) {
                 Nearest::Found(gap) => {
-                    let gap = Gap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size, ..gap };
+                    let gap = ConvexGap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size, ..gap };
                     if self.is_sound(&gap) {
                         return self.within(gap, margin);
                     }
@@ -197,7 +197,7 @@ impl<'a> Pair<'a> {
 
     /// Parts that touch, or nearly: from the best direction known, they are moved apart until GJK sees clearly, and what it
     /// sees there is taken back if it is a shorter way out.
-    fn pull_apart(&self, a: &Core, b: &Core, unsound: Option<Gap>) -> Gap {
+    fn pull_apart(&self, a: &Core, b: &Core, unsound: Option<ConvexGap>) -> ConvexGap {
         let mut best = self.best_own_direction();
         if let Some(gap) = unsound.map(|gap| self.along(gap.normal))
             && gap.distance() > best.distance()
@@ -208,7 +208,7 @@ impl<'a> Pair<'a> {
             let shift = best.normal * (CLEARANCE * self.size - best.distance());
             let pose = Pose3::from_parts((self.relative.translation + shift) / self.size, self.relative.rotation);
             let Nearest::Found(gap) = distance::nearest(a, b, &pose, f32::MAX, Some(best.normal)) else { break };
-            let gap = Gap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size - shift, ..gap };
+            let gap = ConvexGap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size - shift, ..gap };
             if !self.is_sound(&gap) || gap.distance() <= best.distance() {
                 break;
             }
@@ -217,19 +217,19 @@ impl<'a> Pair<'a> {
         best
     }
 
-    fn within(&self, gap: Gap, margin: f32) -> Option<Gap> {
+    fn within(&self, gap: ConvexGap, margin: f32) -> Option<ConvexGap> {
         (gap.distance() - self.radii <= margin).then_some(gap)
     }
 
     /// Whether the parts are as far apart along the normal as the points are.
-    fn is_sound(&self, gap: &Gap) -> bool {
+    fn is_sound(&self, gap: &ConvexGap) -> bool {
         let promised = gap.distance();
         let kept = self.along(gap.normal).distance();
         (gap.normal.length_squared() - 1.0).abs() < SLACK.0 && (kept - promised).abs() <= self.slack(promised)
     }
 
     /// Nearest points of parts that do not touch, from points not far from them (Gilbert 1966): slow, but it cannot stall.
-    fn approach(&self, mut gap: Gap) -> Option<Gap> {
+    fn approach(&self, mut gap: ConvexGap) -> Option<ConvexGap> {
         for _ in 0..MAX_APPROACH {
             let offset = gap.on_b - gap.on_a;
             gap.normal = offset.try_normalize()?;
@@ -250,13 +250,13 @@ impl<'a> Pair<'a> {
     }
 
     /// The gap that a unit `normal` proves: between the parts' extreme points along it.
-    fn along(&self, normal: Vec3) -> Gap {
+    fn along(&self, normal: Vec3) -> ConvexGap {
         let on_b = *self.relative * self.b.core_support(self.relative.rotation.inverse() * -normal);
-        Gap { on_a: self.a.core_support(normal), on_b, normal }
+        ConvexGap { on_a: self.a.core_support(normal), on_b, normal }
     }
 
     /// The best direction that the parts themselves suggest: their faces, their axes, and from centre to centre.
-    fn best_own_direction(&self) -> Gap {
+    fn best_own_direction(&self) -> ConvexGap {
         let center = self.relative.translation;
         let between = center.try_normalize().unwrap_or(Vec3::Y);
         let mut best = self.along(between);
@@ -294,7 +294,7 @@ impl<'a> Pair<'a> {
     }
 
     /// Fills the candidates, with the normal of a face if one is as good as that of `gap`; returns the normal.
-    fn settle(&self, gap: &Gap, buffers: &mut Buffers) -> Vec3 {
+    fn settle(&self, gap: &ConvexGap, buffers: &mut Buffers) -> Vec3 {
         if let Some((under_face, of_a)) = self.face_as_good(gap) {
             self.facing_features(under_face.normal, buffers);
             if self.is_found(&under_face, &buffers.candidates) {
@@ -303,7 +303,7 @@ impl<'a> Pair<'a> {
             // What is deepest under the face's plane must also be under the face.
             let (corners, foot) =
                 if of_a { (&buffers.corners_a, under_face.on_a) } else { (&buffers.corners_b, under_face.on_b) };
-            let plane = Plane::across(under_face.normal);
+            let plane = ContactPlane::across(under_face.normal);
             if under_face.distance() > 0.0 || plane.is_over(corners, foot, OVERHANG * self.size) {
                 buffers.candidates.push(self.candidate(under_face.on_a, under_face.on_b, under_face.normal, LONE));
                 return under_face.normal;
@@ -316,13 +316,13 @@ impl<'a> Pair<'a> {
         gap.normal
     }
 
-    fn is_found(&self, gap: &Gap, candidates: &[Candidate]) -> bool {
+    fn is_found(&self, gap: &ConvexGap, candidates: &[PointCandidate]) -> bool {
         let separation = gap.distance() - self.radii;
         candidates.iter().any(|c| c.separation <= separation + SLACK.0 * separation.abs() + self.slop)
     }
 
     /// The gap under a face of A (true) or B (false) that separates the parts as well as `gap` does.
-    fn face_as_good(&self, gap: &Gap) -> Option<(Gap, bool)> {
+    fn face_as_good(&self, gap: &ConvexGap) -> Option<(ConvexGap, bool)> {
         let enough = gap.distance() - self.slack(gap.distance());
         let offset = gap.on_b - gap.on_a;
         let skew = SKEW * self.size;
@@ -334,12 +334,12 @@ impl<'a> Pair<'a> {
             }
             if gap.distance() > 0.0 {
                 let facing = offset.reject_from_normalized(normal).length_squared() <= skew * skew;
-                return facing.then_some((Gap { normal, ..*gap }, of_a));
+                return facing.then_some((ConvexGap { normal, ..*gap }, of_a));
             }
             let foot = if of_a {
-                Gap { on_a: extreme.on_b - normal * depth, ..extreme }
+                ConvexGap { on_a: extreme.on_b - normal * depth, ..extreme }
             } else {
-                Gap { on_b: extreme.on_a + normal * depth, ..extreme }
+                ConvexGap { on_b: extreme.on_a + normal * depth, ..extreme }
             };
             Some((foot, of_a))
         };
@@ -359,7 +359,7 @@ impl<'a> Pair<'a> {
             *corner = *self.relative * *corner;
         }
         let face_b = |n: Vec3| self.relative.rotation * n;
-        let plane = Plane::across(normal);
+        let plane = ContactPlane::across(normal);
         match (feature_a, feature_b) {
             (Feature::Face { normal: normal_a }, Feature::Face { normal: normal_b }) => {
                 let (Some(ground), Some(_)) =
@@ -415,14 +415,14 @@ impl<'a> Pair<'a> {
     }
 
     /// From points of the cores to points of the surfaces.
-    fn candidate(&self, core_a: Vec3, core_b: Vec3, normal: Vec3, feature: u32) -> Candidate {
+    fn candidate(&self, core_a: Vec3, core_b: Vec3, normal: Vec3, feature: u32) -> PointCandidate {
         self.at_depths((core_a, self.a.rounding()), (core_b, self.b.rounding()), normal, feature)
     }
 
     /// From points of the cores to points of the surfaces at the given depths (m) before them.
-    fn at_depths(&self, a: (Vec3, f32), b: (Vec3, f32), normal: Vec3, feature: u32) -> Candidate {
+    fn at_depths(&self, a: (Vec3, f32), b: (Vec3, f32), normal: Vec3, feature: u32) -> PointCandidate {
         let separation = normal.dot(b.0 - a.0) - a.1 - b.1;
-        Candidate { on_a: a.0 + normal * a.1, on_b: b.0 - normal * b.1, separation, feature }
+        PointCandidate { on_a: a.0 + normal * a.1, on_b: b.0 - normal * b.1, separation, feature }
     }
 }
 

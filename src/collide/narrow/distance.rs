@@ -10,19 +10,19 @@ use parry3d::shape::SupportMap;
 
 /// A point of each shape, in A's frame, and the direction from A to B between them.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Gap {
+pub(super) struct ConvexGap {
     pub on_a: Vec3,
     pub on_b: Vec3,
     pub normal: Vec3,
 }
 
 /// Nearest points of shapes that do not touch; none if they do, or if GJK gives up.
-pub(super) fn apart(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3) -> Option<Gap> {
+pub(super) fn apart(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3) -> Option<ConvexGap> {
     let mut simplex = VoronoiSimplex::new();
     let direction = relative.translation.try_normalize().unwrap_or(Vec3::X);
     simplex.reset(CsoPoint::from_shapes(relative, a, b, direction));
     match gjk::closest_points(relative, a, b, f32::MAX, true, &mut simplex) {
-        GJKResult::ClosestPoints(on_a, on_b, normal) => Some(Gap { on_a, on_b, normal }),
+        GJKResult::ClosestPoints(on_a, on_b, normal) => Some(ConvexGap { on_a, on_b, normal }),
         _ => None,
     }
 }
@@ -30,7 +30,7 @@ pub(super) fn apart(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3) 
 /// What is known of two shapes.
 pub(super) enum Nearest {
     /// Nearest points, or the way out of least depth.
-    Found(Gap),
+    Found(ConvexGap),
     /// Probably further apart than the limit, as a look along this direction will show.
     Beyond(Vec3),
 }
@@ -40,7 +40,7 @@ pub(super) fn nearest(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3
     let mut simplex = VoronoiSimplex::new();
     let direction = seed.or_else(|| relative.translation.try_normalize()).unwrap_or(Vec3::X);
     simplex.reset(CsoPoint::from_shapes(relative, a, b, direction));
-    let found = |(on_a, on_b, normal): (Vec3, Vec3, Vec3)| Nearest::Found(Gap { on_a, on_b, normal });
+    let found = |(on_a, on_b, normal): (Vec3, Vec3, Vec3)| Nearest::Found(ConvexGap { on_a, on_b, normal });
     match gjk::closest_points(relative, a, b, limit, true, &mut simplex) {
         GJKResult::ClosestPoints(on_a, on_b, normal) => found((on_a, on_b, normal)),
         GJKResult::NoIntersection(direction) | GJKResult::Proximity(direction) => Nearest::Beyond(direction),

@@ -7,7 +7,7 @@ use super::capsule::Segment;
 use super::convex::{Buffers, LONE};
 use super::face::{self, Feature};
 use super::part::Part;
-use super::reduce::{Candidate, reduce_into};
+use super::reduce::{PointCandidate, reduce_into};
 use super::{Manifold, ManifoldPoint};
 
 /// Depths within this fraction of the part's reach count as equal.
@@ -32,7 +32,7 @@ pub(super) fn half_space(normal: Vec3, part: &Part, relative: &Pose3, margin: f3
         let on_b = local + down * depth;
         let surface = *relative * on_b;
         let separation = normal.dot(surface);
-        Candidate { on_a: surface - normal * separation, on_b, separation, feature }
+        PointCandidate { on_a: surface - normal * separation, on_b, separation, feature }
     };
     match face::find(part, down, corners) {
         Feature::Edge => {

@@ -68,7 +68,7 @@ impl BodyPath {
 }
 
 /// A shape on a body that moves along a path.
-pub(crate) struct Moving<'a> {
+pub(crate) struct MovingShape<'a> {
     pub shape: &'a Shape,
     pub path: BodyPath,
     /// Origin of the shape in the frame of the body, from its centre of mass (m), and how the shape is turned there.
@@ -79,13 +79,18 @@ pub(crate) struct Moving<'a> {
 
 /// Ids of parts near a path, reused from call to call.
 #[derive(Debug, Default)]
-pub(crate) struct Buffer {
+pub(crate) struct ImpactBuffer {
     parts: Vec<u32>,
 }
 
 /// Share of the step after which `a` is within `short` of `b` on a way that leads into an overlap of `depth` (m), if it does. What
 /// overlaps as deep at the start is passed over.
-pub(crate) fn first_touch(a: &Moving, b: &Moving, (short, depth): (f32, f32), buffer: &mut Buffer) -> Option<f32> {
+pub(crate) fn first_touch(
+    a: &MovingShape,
+    b: &MovingShape,
+    (short, depth): (f32, f32),
+    buffer: &mut ImpactBuffer,
+) -> Option<f32> {
     let mut first: Option<f32> = None;
     for id_a in 0..composite::part_count(a.shape) {
         let Some((part_a, place_a)) = composite::part_at(a.shape, id_a) else { continue };
@@ -93,8 +98,10 @@ pub(crate) fn first_touch(a: &Moving, b: &Moving, (short, depth): (f32, f32), bu
         composite::near_parts(b.shape, Some(&bounds), &mut buffer.parts);
         for &id_b in &buffer.parts {
             let Some((part_b, place_b)) = composite::part_at(b.shape, id_b) else { continue };
-            let pair =
-                PartPair { a: Piece { part: &part_a, place: place_a, on: a }, b: Piece { part: &part_b, place: place_b, on: b } };
+            let pair = PartPair {
+                a: MovingPart { part: &part_a, place: place_a, on: a },
+                b: MovingPart { part: &part_b, place: place_b, on: b },
+            };
             if let Some(time) = pair.first_touch(short, depth)
                 && first.is_none_or(|least| time < least)
             {
@@ -106,12 +113,12 @@ pub(crate) fn first_touch(a: &Moving, b: &Moving, (short, depth): (f32, f32), bu
 }
 
 /// Box, in the frame of `b`, that holds a part of `a` all along its way.
-fn path_bounds(part: &Part, place: &Pose3, a: &Moving, b: &Moving) -> Aabb {
+fn path_bounds(part: &Part, place: &Pose3, a: &MovingShape, b: &MovingShape) -> Aabb {
     let times = [0.0, a.path.until, b.path.until, 1.0];
     let boxes = times.map(|time| part.bounds(&(relative(b.pose_at(time), a.pose_at(time)) * *place)));
     let whole = boxes[1..].iter().fold(boxes[0], |whole, more| whole.merged(more));
     // Between these, a turn bulges the way by no more than the sagitta of its arc.
-    let bulge = |of: &Moving, radius: f32| {
+    let bulge = |of: &MovingShape, radius: f32| {
         let turn = of.turning();
         if turn > 0.0 { radius * (0.125 * turn * turn).min(2.0) } else { 0.0 }
     };
@@ -132,7 +139,7 @@ fn relative((position, rotation): (DVec3, Quat), (other_position, other_rotation
     Pose3::from_parts(inverse * (other_position - position).as_vec3(), inverse * other_rotation)
 }
 
-impl Moving<'_> {
+impl MovingShape<'_> {
     /// How far the body turns on its way, if it goes evenly on chords (rad).
     pub(crate) fn turning(&self) -> f32 {
         turn_between(&self.path.start, &self.path.turn) + turn_between(&self.path.turn, &self.path.end)
@@ -145,14 +152,14 @@ impl Moving<'_> {
 }
 
 /// A part of a moving shape.
-struct Piece<'a> {
+struct MovingPart<'a> {
     part: &'a Part<'a>,
     /// In the frame of the shape.
     place: Pose3,
-    on: &'a Moving<'a>,
+    on: &'a MovingShape<'a>,
 }
 
-impl Piece<'_> {
+impl MovingPart<'_> {
     /// Distance from the body's centre of mass to the farthest point of the part's core (m).
     fn core_reach(&self) -> f32 {
         let center = self.on.place.0 + self.on.place.1 * self.place.translation;
@@ -164,12 +171,12 @@ impl Piece<'_> {
 }
 
 struct PartPair<'a> {
-    a: Piece<'a>,
-    b: Piece<'a>,
+    a: MovingPart<'a>,
+    b: MovingPart<'a>,
 }
 
 /// What happens in a stretch of the way.
-enum Course {
+enum PathStretch {
     /// The two come as deep into one another as was asked, and were near each other first at this time.
     Deep(f32),
     /// They do not, but are near each other at the end, since this time.
@@ -187,18 +194,18 @@ impl PartPair<'_> {
                 continue;
             }
             match self.advance((from, to), near_since, short, depth) {
-                Course::Deep(since) => return (since >= 0.0).then_some(since),
-                Course::Near(since) => near_since = Some(since),
-                Course::Apart => near_since = None,
+                PathStretch::Deep(since) => return (since >= 0.0).then_some(since),
+                PathStretch::Near(since) => near_since = Some(since),
+                PathStretch::Apart => near_since = None,
             }
             from = to;
         }
         None
     }
 
-    /// Follows the two through a stretch in which both go straight. Parts that begin deep in one another are [`Course::Deep`] since a
+    /// Follows the two through a stretch in which both go straight. Parts that begin deep in one another are [`PathStretch::Deep`] since a
     /// time before zero.
-    fn advance(&self, (from, to): (f32, f32), mut near_since: Option<f32>, short: f32, depth: f32) -> Course {
+    fn advance(&self, (from, to): (f32, f32), mut near_since: Option<f32>, short: f32, depth: f32) -> PathStretch {
         let ends = [from, to].map(|time| (self.a.on.path.at(time), self.b.on.path.at(time)));
         let closing = ((ends[1].0.center - ends[0].0.center) - (ends[1].1.center - ends[0].1.center)).as_vec3();
         let turning = turn_between(&ends[0].0, &ends[1].0) * self.a.core_reach()
@@ -209,9 +216,9 @@ impl PartPair<'_> {
         for _ in 0..MAX_SEARCHES {
             let time = from + (to - from) * gone;
             let still = fastest * (1.0 - gone);
-            let Some((normal, separation)) = self.gap(time, still.max(2.0 * short)) else { return Course::Apart };
+            let Some((normal, separation)) = self.gap(time, still.max(2.0 * short)) else { return PathStretch::Apart };
             if separation <= -DEEP_ENOUGH * depth {
-                return Course::Deep(if time > 0.0 { near_since.unwrap_or(time) } else { -1.0 });
+                return PathStretch::Deep(if time > 0.0 { near_since.unwrap_or(time) } else { -1.0 });
             }
             match near_since {
                 None if separation <= short => near_since = Some(time),
@@ -222,12 +229,12 @@ impl PartPair<'_> {
             let speed = normal.dot(closing) + turning;
             if speed * (1.0 - gone) <= separation - aim {
                 // From here on nothing brings them to what is aimed at.
-                return near_since.map_or(Course::Apart, Course::Near);
+                return near_since.map_or(PathStretch::Apart, PathStretch::Near);
             }
             gone += (separation - aim) / speed;
         }
         // Steps have become too small to matter: they lie at what is aimed at.
-        near_since.map_or(Course::Apart, Course::Deep)
+        near_since.map_or(PathStretch::Apart, PathStretch::Deep)
     }
 
     /// Direction from A to B in world axes, and how far they are apart along it (m); none if further than `limit`.

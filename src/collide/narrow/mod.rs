@@ -106,9 +106,9 @@ impl Manifold {
 
 /// Buffers kept between calls so that nothing is allocated; they carry nothing from one call to the next.
 #[derive(Default)]
-pub(crate) struct Scratch {
+pub(crate) struct NarrowScratch {
     polygons: convex::Buffers,
-    triangle: triangle::Buffer,
+    triangle: triangle::TriangleBuffer,
     parts_a: Vec<u32>,
     parts_b: Vec<u32>,
 }
@@ -118,7 +118,7 @@ pub(crate) struct Scratch {
 ///
 /// Speculative points are honest: their separation is the distance along the normal, never more than the true distance.
 #[inline]
-pub(crate) fn collide(a: &Shape, b: &Shape, relative: Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
+pub(crate) fn collide(a: &Shape, b: &Shape, relative: Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
     out.clear();
     // The commonest pairs need nothing but their sizes, and balls are done before a call would be.
     match (a.geometry(), b.geometry()) {
@@ -163,7 +163,7 @@ pub(crate) fn distance_to(shape: &Shape, point: Vec3) -> f32 {
     shape.parry().distance_to_local_point(point, true)
 }
 
-fn collide_parts(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
+fn collide_parts(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
     match (part::Part::whole(a), part::Part::whole(b)) {
         (Some(part_a), Some(part_b)) => part::collide(&part_a, &part_b, relative, margin, scratch, out),
         _ => composite::collide(a, b, relative, margin, scratch, out),

@@ -6,7 +6,7 @@ use parry3d::math::Pose3;
 use parry3d::shape::{SupportMap, Triangle, TrianglePseudoNormals};
 
 use super::capsule::Segment;
-use super::{Manifold, Scratch, ball, box_box, capsule, capsule_box, convex, cylinder, half_space, triangle};
+use super::{Manifold, NarrowScratch, ball, box_box, capsule, capsule_box, convex, cylinder, half_space, triangle};
 use crate::hull::Hull;
 use crate::shape::{Geometry, Shape};
 
@@ -126,7 +126,7 @@ impl<'a> Part<'a> {
 }
 
 /// Appends the manifold of part `b`, placed at `relative` in A's frame, against part `a`, if they are near.
-pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, scratch: &mut Scratch, out: &mut Vec<Manifold>) {
+pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
     match (a, b) {
         (&Part::Box { half_extents: half_a }, &Part::Box { half_extents: half_b }) => {
             box_box::box_box(half_a, half_b, relative, margin, out);

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::capsule::Segment;
-use super::clip::{Side, Vertex, clip_segment};
+use super::clip::{ClipLine, ClipVertex, clip_segment};
 use super::face::Corner;
 
 /// A face seen at a smaller cosine than this is not clipped: heights on it would be extrapolated.
@@ -13,7 +13,7 @@ const MIN_FACING: f32 = 0.2;
 const CLIPPING: u16 = 1 << 15;
 
 /// The plane of contact and its axes.
-pub(super) struct Plane {
+pub(super) struct ContactPlane {
     u: Vec3,
     v: Vec3,
     normal: Vec3,
@@ -31,7 +31,7 @@ impl Slope {
     }
 }
 
-impl Plane {
+impl ContactPlane {
     pub fn across(normal: Vec3) -> Self {
         let (u, v) = normal.any_orthonormal_pair();
         Self { u, v, normal }
@@ -45,8 +45,8 @@ impl Plane {
         self.u * at.x + self.v * at.y + self.normal * height
     }
 
-    pub fn vertex(&self, &(corner, id): &Corner) -> Vertex {
-        Vertex { at: self.flat(corner), height: self.normal.dot(corner), edge: id, spare: false }
+    pub fn vertex(&self, &(corner, id): &Corner) -> ClipVertex {
+        ClipVertex { at: self.flat(corner), height: self.normal.dot(corner), edge: id, spare: false }
     }
 
     /// The face through `point`; none if it is seen too much from the side.
@@ -56,14 +56,14 @@ impl Plane {
     }
 
     /// The sides of a convex polygon.
-    pub fn sides<'a>(&'a self, corners: &'a [Corner], slop: f32) -> impl Iterator<Item = Side> + 'a {
+    pub fn sides<'a>(&'a self, corners: &'a [Corner], slop: f32) -> impl Iterator<Item = ClipLine> + 'a {
         let at = move |i: usize| self.flat(corners[i % corners.len()].0);
         let area: f32 = (1..corners.len() - 1).map(|i| (at(i) - at(0)).perp_dot(at(i + 1) - at(0))).sum();
         let sense = 1.0_f32.copysign(area);
         (0..corners.len()).filter_map(move |i| {
             let along = (at(i + 1) - at(i)).try_normalize()?;
             let normal = -along.perp() * sense;
-            Some(Side { normal, offset: normal.dot(at(i)), slop, edge: CLIPPING | corners[i].1 })
+            Some(ClipLine { normal, offset: normal.dot(at(i)), slop, edge: CLIPPING | corners[i].1 })
         })
     }
 

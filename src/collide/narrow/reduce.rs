@@ -12,7 +12,7 @@ const LEAD: f32 = 1.0e-3;
 
 /// A contact point before reduction, both surfaces in one frame.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Candidate {
+pub(super) struct PointCandidate {
     pub on_a: Vec3,
     pub on_b: Vec3,
     pub separation: f32,
@@ -22,9 +22,9 @@ pub(super) struct Candidate {
 /// Fills `manifold` with at most four of `candidates`; depths within `tie` (m) count as equal. `place` gives the final point.
 pub(super) fn reduce_into(
     manifold: &mut Manifold,
-    candidates: &[Candidate],
+    candidates: &[PointCandidate],
     tie: f32,
-    place: impl Fn(&Candidate) -> ManifoldPoint,
+    place: impl Fn(&PointCandidate) -> ManifoldPoint,
 ) {
     if candidates.len() <= MAX_POINTS {
         for candidate in candidates {
@@ -38,7 +38,7 @@ pub(super) fn reduce_into(
     }
 }
 
-fn choose(candidates: &[Candidate], tie: f32) -> ([usize; MAX_POINTS], usize) {
+fn choose(candidates: &[PointCandidate], tie: f32) -> ([usize; MAX_POINTS], usize) {
     let at = |i: usize| candidates[i].on_a;
     let first = candidates
         .iter()
@@ -90,7 +90,7 @@ mod tests {
         let candidates: Vec<_> = points
             .iter()
             .enumerate()
-            .map(|(i, &(x, z, separation))| Candidate {
+            .map(|(i, &(x, z, separation))| PointCandidate {
                 on_a: Vec3::new(x, 0.0, z),
                 on_b: Vec3::new(x, separation, z),
                 separation,

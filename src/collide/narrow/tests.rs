@@ -14,7 +14,7 @@ mod rest;
 
 fn manifolds(a: &Shape, b: &Shape, relative: Pose3, margin: f32) -> Vec<Manifold> {
     let mut out = Vec::new();
-    collide(a, b, relative, margin, &mut Scratch::default(), &mut out);
+    collide(a, b, relative, margin, &mut NarrowScratch::default(), &mut out);
     out
 }
 
@@ -347,7 +347,7 @@ proptest! {
     #[test]
     fn a_used_scratch_changes_nothing((a, b, pose) in pairs(convex), (c, d, other) in pairs(convex)) {
         let fresh = manifolds(&a, &b, pose, 1.0);
-        let mut scratch = Scratch::default();
+        let mut scratch = NarrowScratch::default();
         let mut out = Vec::new();
         collide(&c, &d, other, 1.0, &mut scratch, &mut out);
         collide(&mesh_floor(2, 1.0), &c, other, 1.0, &mut scratch, &mut out);

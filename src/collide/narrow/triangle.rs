@@ -7,14 +7,14 @@ use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDis
 use parry3d::shape::{Ball, Cuboid, Shape, Triangle, TrianglePseudoNormals};
 
 use super::part::Part;
-use super::reduce::{Candidate, reduce_into};
+use super::reduce::{PointCandidate, reduce_into};
 use super::{Manifold, ManifoldPoint};
 
 /// Depths within this fraction of the part's reach count as equal.
 const TIE: f32 = 1.0e-4;
 
 /// Reused from call to call, for its memory only.
-pub(super) type Buffer = (ContactManifold<(), ()>, Vec<Candidate>);
+pub(super) type TriangleBuffer = (ContactManifold<(), ()>, Vec<PointCandidate>);
 
 /// Ball or box B against triangle A.
 pub(super) fn collide(
@@ -23,7 +23,7 @@ pub(super) fn collide(
     part: &Part,
     relative: &Pose3,
     margin: f32,
-    (found, candidates): &mut Buffer,
+    (found, candidates): &mut TriangleBuffer,
 ) -> Option<Manifold> {
     let (ball, cuboid);
     let shape: &dyn Shape = match *part {
@@ -49,7 +49,7 @@ pub(super) fn collide(
     candidates.extend(found.points.iter().map(|point| {
         let on_b = *relative * point.local_p2;
         let feature = point.fid1.0.rotate_left(16) ^ point.fid2.0;
-        Candidate { on_a: point.local_p1, on_b, separation: normal.dot(on_b - point.local_p1), feature }
+        PointCandidate { on_a: point.local_p1, on_b, separation: normal.dot(on_b - point.local_p1), feature }
     }));
     candidates.retain(|c| c.separation <= margin);
 

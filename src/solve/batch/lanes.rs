@@ -1,4 +1,4 @@
-//! Blocks and lanes of a batch's manifolds.
+//! Assigns the manifolds of a batch to blocks and lanes.
 //!
 //! Within a colour, manifolds of one point have blocks of their own, which cost a fraction of those of four; and in a large batch both are in
 //! the order of their bodies, so that threads which divide them by bodies find theirs in their caches. Which lane a manifold has makes no
@@ -9,11 +9,11 @@
 
 use super::{Batch, ContactEnds, HELD};
 use crate::prefetch::AHEAD;
-use crate::room::make_room;
 use crate::solve::color::MAX_COLORS;
 use crate::solve::contact::{ContactInput, LANES};
-use crate::solve::contact_pieces::CUTS;
-use crate::solve::{contact_kernels, crew};
+use crate::solve::contact_partition::CUTS;
+use crate::solve::{contact_kernels, parallel_contacts};
+use crate::tight_vec::make_room;
 use crate::workers::Workers;
 
 /// Groups of manifolds: two for each colour, two for what found none; and the first of those. There are as many for each round, and once more
@@ -38,14 +38,14 @@ fn has_faces(group: usize) -> bool {
 const ORDERED_FROM: usize = 512;
 
 /// What groups the manifolds of a batch have.
-struct Groups {
+struct ColorGroups {
     rounds: usize,
     colors: u32,
     /// Whether none of them has more than contacts of most materials.
     are_plain: bool,
 }
 
-impl Groups {
+impl ColorGroups {
     /// Those that may have any manifold: most are of colours that none has.
     fn iter(&self) -> impl Iterator<Item = usize> {
         let used = 2 * self.colors as usize;
@@ -91,22 +91,22 @@ impl Batch {
     }
 
     /// Finds the group of each manifold.
-    fn group_contacts(&mut self) -> Groups {
+    fn group_contacts(&mut self) -> ColorGroups {
         let (moving, rounds) = (self.moving().max(1), self.moving().div_ceil(ROUND).max(1));
-        let Self { coloring, groups: group_of, group_lanes: counts, roles, ends, direct, newton, .. } = self;
+        let Self { coloring, groups: group_of, group_lanes: counts, body_flags, ends, direct, newton, .. } = self;
         counts.clear();
         counts.resize((rounds + 1) * GROUPS, 0);
-        coloring.reset(roles.len());
+        coloring.reset(body_flags.len());
         group_of.clear();
         make_room(group_of, ends.len());
-        let mut groups = Groups { rounds, colors: 0, are_plain: true };
+        let mut groups = ColorGroups { rounds, colors: 0, are_plain: true };
         for (number, own) in ends.iter().enumerate() {
             let &ContactEnds { a, b, points, is_plain } = own;
             if direct.holds(number) || newton.holds(number) {
                 group_of.push(HELD);
                 continue;
             }
-            let [role_a, role_b] = [a, b].map(|slot| roles[slot as usize]);
+            let [role_a, role_b] = [a, b].map(|slot| body_flags[slot as usize]);
             let color = coloring.assign((a, role_a.moves()), (b, role_b.moves())).unwrap_or(MAX_COLORS as u32);
             let held_by_joints = (role_a.moves() || role_b.moves()) && !role_a.is_loose() && !role_b.is_loose();
             let round = if held_by_joints { rounds } else { (own.first_moving() as usize * rounds / moving).min(rounds - 1) };
@@ -116,12 +116,12 @@ impl Batch {
             groups.are_plain &= is_plain;
             group_of.push(group as u32);
         }
-        roles.iter_mut().zip(coloring.have_any()).filter(|&(_, has_any)| has_any).for_each(|(role, _)| role.touch());
+        body_flags.iter_mut().zip(coloring.have_any()).filter(|&(_, has_any)| has_any).for_each(|(role, _)| role.touch());
         groups
     }
 
     /// Lays out the blocks of all groups, and puts the first lane of each group where its count was.
-    fn lay_out_blocks(&mut self, groups: &Groups) {
+    fn lay_out_blocks(&mut self, groups: &ColorGroups) {
         let Self { contacts, group_lanes, first_jointed, .. } = self;
         let blocks = |group: usize| blocks_of(group, group_lanes[group]);
         let faces = groups.iter().filter(|&group| has_faces(group)).map(blocks).sum();
@@ -142,7 +142,7 @@ impl Batch {
     }
 
     /// Gives each manifold a lane of its group.
-    fn give_lanes(&mut self, all: &Groups) {
+    fn give_lanes(&mut self, all: &ColorGroups) {
         let moving = self.moving().max(1);
         let Self { groups, group_lanes: next, lanes, ends, by_body, contacts, velocities, .. } = self;
         make_room(lanes, groups.len());
@@ -205,8 +205,10 @@ impl Batch {
             }
             return contacts.all().each(|mut block| contact_kernels::set_masses(&mut block, velocities));
         }
-        crew::each_manifold(contacts, threads, lanes, places, |block, lane, number| block.set_lane(lane, &input(number), reach));
-        crew::side_by_side(contacts, threads, |mut run| {
+        parallel_contacts::each_manifold(contacts, threads, lanes, places, |block, lane, number| {
+            block.set_lane(lane, &input(number), reach)
+        });
+        parallel_contacts::side_by_side(contacts, threads, |mut run| {
             run.part.each(|mut block| contact_kernels::set_masses(&mut block, velocities));
         });
     }

@@ -1,26 +1,27 @@
-//! A block with what it has beside it, and how a manifold is put into a lane of it.
+//! View of a contact block with its optional rows, and how a manifold is written into a lane of it.
 
 use glam::{Vec2, Vec3, Vec4};
 
 use super::super::contact::{ContactInput, Lane, NEGLIGIBLE_FRICTION, POINTS, TOUCHED, tangents};
-use super::{ContactBlock, Extra, Face, PointRows, get, put};
+use super::{ContactBlock, MaterialRows, MultiPointRows, PointRows, get, put};
 
 /// A block, and what it has beside it.
-pub(crate) struct WholeBlock<'a> {
+pub(crate) struct BlockView<'a> {
     pub block: &'a mut ContactBlock,
-    pub face: Option<&'a mut Face>,
-    pub extra: Option<&'a mut Extra>,
+    pub face: Option<&'a mut MultiPointRows>,
+    pub extra: Option<&'a mut MaterialRows>,
 }
 
-impl WholeBlock<'_> {
+impl BlockView<'_> {
     /// All multipliers of its manifolds.
     pub(crate) fn multipliers(&mut self) -> impl Iterator<Item = &mut Lane> {
         let Self { block, face, extra } = self;
-        let of_face = face
+        let of_face = face.iter_mut().flat_map(|MultiPointRows { more, twist, .. }| {
+            more.iter_mut().map(|rows| &mut rows.lambda).chain([&mut twist.lambda])
+        });
+        let of_extra = extra
             .iter_mut()
-            .flat_map(|Face { more, twist, .. }| more.iter_mut().map(|rows| &mut rows.lambda).chain([&mut twist.lambda]));
-        let of_extra =
-            extra.iter_mut().flat_map(|Extra { rolling_lambda, twist, .. }| rolling_lambda.iter_mut().chain([&mut twist.lambda]));
+            .flat_map(|MaterialRows { rolling_lambda, twist, .. }| rolling_lambda.iter_mut().chain([&mut twist.lambda]));
         [&mut block.first.lambda].into_iter().chain(&mut block.tangent_lambda).chain(of_face).chain(of_extra)
     }
 

@@ -2,11 +2,11 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
+use super::super::body_gather::WideVelocities;
 use super::super::contact::{LANES, Lane, POINTS, tangents_in_lanes};
-use super::super::contact_block::{ContactBlock, Extra, Face, WholeBlock};
-use super::super::side::Side;
+use super::super::contact_block::{BlockView, ContactBlock, MaterialRows, MultiPointRows};
 use super::super::state::BodyVelocity;
-use super::rows::{Faced, Manifolds, Single, load_all};
+use super::rows::{BlockManifolds, Faced, Single, load_all};
 use crate::lanes::wide::{Wide, Wide3};
 
 /// Share of the greatest diagonal entry that is added to a manifold's matrix before it is inverted.
@@ -22,9 +22,9 @@ const IMMOVABLE: f32 = 1.0e-12;
 const ENTRIES: [(usize, usize); 10] = [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
 #[inline(always)]
-pub(super) fn set<W: Wide>(whole: &mut WholeBlock<'_>, velocities: &[BodyVelocity]) {
-    let WholeBlock { block, face, extra } = whole;
-    let (side_a, side_b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
+pub(super) fn set<W: Wide>(whole: &mut BlockView<'_>, velocities: &[BodyVelocity]) {
+    let BlockView { block, face, extra } = whole;
+    let (side_a, side_b) = (WideVelocities::<W>::gather(&block.a, velocities), WideVelocities::<W>::gather(&block.b, velocities));
     let immovable = Immovable::new(&side_a, &side_b);
     match face {
         Some(face) => {
@@ -42,11 +42,11 @@ pub(super) fn set<W: Wide>(whole: &mut WholeBlock<'_>, velocities: &[BodyVelocit
 
 /// Masses of all rows but those of rolling; inverses of manifolds of more than one point.
 #[inline(always)]
-fn set_rows<W: Wide, M: Manifolds>(
+fn set_rows<W: Wide, M: BlockManifolds>(
     of: &mut M,
-    extra: Option<&mut Extra>,
-    side_a: &Side<W>,
-    side_b: &Side<W>,
+    extra: Option<&mut MaterialRows>,
+    side_a: &WideVelocities<W>,
+    side_b: &WideVelocities<W>,
     immovable: &Immovable<W>,
 ) {
     let inverse_mass = side_a.inverse_mass() + side_b.inverse_mass();
@@ -82,7 +82,7 @@ struct Immovable<W> {
 
 impl<W: Wide> Immovable<W> {
     #[inline(always)]
-    fn new(side_a: &Side<W>, side_b: &Side<W>) -> Self {
+    fn new(side_a: &WideVelocities<W>, side_b: &WideVelocities<W>) -> Self {
         let share = W::splat(IMMOVABLE);
         let (turning_a, turning_b) = (share * side_a.inverse_inertia.trace(), share * side_b.inverse_inertia.trace());
         let inverse_mass = side_a.inverse_mass() + side_b.inverse_mass();
@@ -99,12 +99,12 @@ impl<W: Wide> Immovable<W> {
 
 /// A_ij = n·M⁻¹n + (r_i×n)·I⁻¹(r_j×n), summed over both sides, and its inverses.
 #[inline(always)]
-fn set_normal<W: Wide, M: Manifolds>(
+fn set_normal<W: Wide, M: BlockManifolds>(
     of: &mut M,
     n: Wide3<W>,
     along_normal: W,
-    side_a: &Side<W>,
-    side_b: &Side<W>,
+    side_a: &WideVelocities<W>,
+    side_b: &WideVelocities<W>,
     immovable: &Immovable<W>,
 ) {
     let zero = W::zero();
@@ -142,8 +142,8 @@ fn set_normal<W: Wide, M: Manifolds>(
 /// Inverts the matrix of each lane. Four points of a face have a matrix of rank three; [`REGULARISATION`] makes it regular and picks
 /// the multipliers of least norm. A = L D Lᵀ, A⁻¹ = Mᵀ D⁻¹ M with M = L⁻¹, in `f64`.
 #[inline(always)]
-fn set_inverse(block: &ContactBlock, face: &mut Face) {
-    let Face { more: [second, third, fourth], diagonal, coupling, inverse: lanes, .. } = face;
+fn set_inverse(block: &ContactBlock, face: &mut MultiPointRows) {
+    let MultiPointRows { more: [second, third, fourth], diagonal, coupling, inverse: lanes, .. } = face;
     let rows = [&block.first, second, third, fourth];
     for l in 0..LANES {
         let extra =

@@ -1,15 +1,15 @@
-//! After a substep: rebounds. After all: overlaps out of positions.
+//! Restitution after each substep, and position recovery after the last.
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
+use super::super::body_gather::WideVelocities;
 use super::super::contact::{LANES, POINTS};
-use super::super::contact_block::{ContactBlocks, Extra};
-use super::super::contact_pieces::BlockPart;
+use super::super::contact_block::{ContactBlocks, MaterialRows};
+use super::super::contact_partition::BlockPart;
+use super::super::disjoint::DisjointMut;
 use super::super::recovery::NEGLIGIBLE_OVERLAP;
-use super::super::shared::Hand;
-use super::super::side::Side;
 use super::super::state::{BodyMotion, BodyVelocity};
-use super::rows::{Faced, Manifolds, Single, lambdas, normal_rates, of_block, push_apart, separations, store_lambdas};
+use super::rows::{BlockManifolds, Faced, Single, lambdas, normal_rates, of_block, push_apart, separations, store_lambdas};
 use crate::lanes::wide::Wide;
 
 /// Share of an overlap that is taken out in one step.
@@ -34,9 +34,9 @@ pub(super) fn restitute<W: Wide>(contacts: &mut ContactBlocks, velocities: &mut 
 }
 
 #[inline(always)]
-fn rebound<W: Wide, M: Manifolds>(of: &mut M, extra: &mut Extra, velocities: &mut [BodyVelocity], threshold: f32) {
+fn rebound<W: Wide, M: BlockManifolds>(of: &mut M, extra: &mut MaterialRows, velocities: &mut [BodyVelocity], threshold: f32) {
     let (a, b) = (&of.block().a, &of.block().b);
-    let (mut side_a, mut side_b) = (Side::<W>::gather(a, velocities), Side::gather(b, velocities));
+    let (mut side_a, mut side_b) = (WideVelocities::<W>::gather(a, velocities), WideVelocities::gather(b, velocities));
     let mut rebound = [[0.0; LANES]; POINTS];
     let mut any = [0.0; LANES];
     for l in 0..LANES {
@@ -85,7 +85,7 @@ pub(super) fn end_step<W: Wide>(part: &mut BlockPart<'_>, motions: &[BodyMotion]
 pub(super) fn begin<W: Wide>(
     part: &mut BlockPart<'_>,
     motions: &[BodyMotion],
-    pushes: &mut Hand<'_, BodyVelocity>,
+    pushes: &mut DisjointMut<'_, BodyVelocity>,
     dt: f32,
 ) -> f32 {
     let mut deepest = W::zero();
@@ -106,7 +106,12 @@ fn greatest<W: Wide>(of: W) -> f32 {
 }
 
 #[inline(always)]
-fn follow_and_part<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], pushes: &mut Hand<'_, BodyVelocity>, dt: f32) -> W {
+fn follow_and_part<W: Wide, M: BlockManifolds>(
+    of: &mut M,
+    motions: &[BodyMotion],
+    pushes: &mut DisjointMut<'_, BodyVelocity>,
+    dt: f32,
+) -> W {
     let deepest = follow::<W, M>(of, motions);
     part_overlaps::<W, M>(of, pushes, dt);
     deepest
@@ -114,7 +119,7 @@ fn follow_and_part<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], pu
 
 /// Brings the separations of a block up to date, and begins its recovery with nothing; greatest overlap of each lane (m).
 #[inline(always)]
-fn follow<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion]) -> W {
+fn follow<W: Wide, M: BlockManifolds>(of: &mut M, motions: &[BodyMotion]) -> W {
     let separation = separations::<W, M>(of, motions);
     let mut deepest = W::zero();
     for i in 0..M::COUNT {
@@ -128,7 +133,7 @@ fn follow<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion]) -> W {
 }
 
 #[inline(always)]
-pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, pushes: &mut Hand<'_, BodyVelocity>, dt: f32) {
+pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, pushes: &mut DisjointMut<'_, BodyVelocity>, dt: f32) {
     for number in 0..part.blocks.len() {
         part.ask_for_next(number, false);
         let BlockPart { blocks, faces, before, .. } = part;
@@ -138,9 +143,9 @@ pub(super) fn all<W: Wide>(part: &mut BlockPart<'_>, pushes: &mut Hand<'_, BodyV
 }
 
 #[inline(always)]
-fn part_overlaps<W: Wide, M: Manifolds>(of: &mut M, pushes: &mut Hand<'_, BodyVelocity>, dt: f32) {
+fn part_overlaps<W: Wide, M: BlockManifolds>(of: &mut M, pushes: &mut DisjointMut<'_, BodyVelocity>, dt: f32) {
     let (a, b) = (&of.block().a, &of.block().b);
-    let (mut side_a, mut side_b) = (Side::<W>::gather(a, pushes), Side::gather(b, pushes));
+    let (mut side_a, mut side_b) = (WideVelocities::<W>::gather(a, pushes), WideVelocities::gather(b, pushes));
     let mut residual = normal_rates::<W, M>(of, &side_a, &side_b);
     let mut old = [W::zero(); POINTS];
     for i in 0..M::COUNT {

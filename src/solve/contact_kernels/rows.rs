@@ -2,9 +2,9 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
+use super::super::body_gather::{WideVelocities, moved};
 use super::super::contact::{Lane, POINTS};
-use super::super::contact_block::{ContactBlock, Extra, Face, PointRows, TwistRow};
-use super::super::side::{Side, moved};
+use super::super::contact_block::{ContactBlock, MaterialRows, MultiPointRows, PointRows, TwistRow};
 use super::super::state::BodyMotion;
 use crate::lanes::wide::{Wide, Wide3};
 
@@ -12,7 +12,7 @@ use crate::lanes::wide::{Wide, Wide3};
 const INNER_SWEEPS: usize = 4;
 
 /// One number for each point of each manifold.
-pub(super) type Points<W> = [W; POINTS];
+pub(super) type PerPoint<W> = [W; POINTS];
 
 #[inline(always)]
 pub(super) fn load_all<W: Wide, const N: usize>(lanes: &[Lane; N]) -> [W; N] {
@@ -24,12 +24,12 @@ pub(super) fn load_all<W: Wide, const N: usize>(lanes: &[Lane; N]) -> [W; N] {
 }
 
 #[inline(always)]
-fn product<W: Wide>(row: &Points<W>, column: &Points<W>) -> W {
+fn product<W: Wide>(row: &PerPoint<W>, column: &PerPoint<W>) -> W {
     row[0] * column[0] + row[1] * column[1] + row[2] * column[2] + row[3] * column[3]
 }
 
 /// The manifolds of a block: of one point each, or of up to four.
-pub(super) trait Manifolds {
+pub(super) trait BlockManifolds {
     /// Most points of a manifold.
     const COUNT: usize;
 
@@ -38,25 +38,25 @@ pub(super) trait Manifolds {
     fn rows(&self, point: usize) -> &PointRows;
     fn rows_mut(&mut self, point: usize) -> &mut PointRows;
     /// What manifolds of more than one point have.
-    fn face_mut(&mut self) -> Option<&mut Face>;
+    fn face_mut(&mut self) -> Option<&mut MultiPointRows>;
 
     /// Row about the normal, if there is one: of manifolds of one point where the material has it.
-    fn twist<'a>(&'a mut self, extra: Option<&'a mut Extra>) -> Option<&'a mut TwistRow>;
+    fn twist<'a>(&'a mut self, extra: Option<&'a mut MaterialRows>) -> Option<&'a mut TwistRow>;
 
     /// Levers of the middle, where friction acts.
     fn centers<W: Wide>(&self) -> (Wide3<W>, Wide3<W>);
 
     /// Multipliers λ ≥ 0, from `residual` = J v + b at the multipliers `old`.
-    fn solve<W: Wide>(&self, residual: Points<W>, old: &Points<W>) -> Points<W>;
+    fn solve<W: Wide>(&self, residual: PerPoint<W>, old: &PerPoint<W>) -> PerPoint<W>;
 }
 
 /// Manifolds of one point.
 pub(super) struct Single<'a>(pub &'a mut ContactBlock);
 
 /// Manifolds of up to four points.
-pub(super) struct Faced<'a>(pub &'a mut ContactBlock, pub &'a mut Face);
+pub(super) struct Faced<'a>(pub &'a mut ContactBlock, pub &'a mut MultiPointRows);
 
-impl Manifolds for Single<'_> {
+impl BlockManifolds for Single<'_> {
     const COUNT: usize = 1;
 
     #[inline(always)]
@@ -80,12 +80,12 @@ impl Manifolds for Single<'_> {
     }
 
     #[inline(always)]
-    fn face_mut(&mut self) -> Option<&mut Face> {
+    fn face_mut(&mut self) -> Option<&mut MultiPointRows> {
         None
     }
 
     #[inline(always)]
-    fn twist<'a>(&'a mut self, extra: Option<&'a mut Extra>) -> Option<&'a mut TwistRow> {
+    fn twist<'a>(&'a mut self, extra: Option<&'a mut MaterialRows>) -> Option<&'a mut TwistRow> {
         match extra {
             Some(extra) if extra.has_spinning => Some(&mut extra.twist),
             _ => None,
@@ -98,14 +98,14 @@ impl Manifolds for Single<'_> {
     }
 
     #[inline(always)]
-    fn solve<W: Wide>(&self, residual: Points<W>, old: &Points<W>) -> Points<W> {
+    fn solve<W: Wide>(&self, residual: PerPoint<W>, old: &PerPoint<W>) -> PerPoint<W> {
         let mut lambda = *old;
         lambda[0] = (lambda[0] - residual[0] * W::load(&self.0.first.inverse_diagonal)).max(W::zero());
         lambda
     }
 }
 
-impl Manifolds for Faced<'_> {
+impl BlockManifolds for Faced<'_> {
     const COUNT: usize = POINTS;
 
     #[inline(always)]
@@ -129,12 +129,12 @@ impl Manifolds for Faced<'_> {
     }
 
     #[inline(always)]
-    fn face_mut(&mut self) -> Option<&mut Face> {
+    fn face_mut(&mut self) -> Option<&mut MultiPointRows> {
         Some(self.1)
     }
 
     #[inline(always)]
-    fn twist<'a>(&'a mut self, _extra: Option<&'a mut Extra>) -> Option<&'a mut TwistRow> {
+    fn twist<'a>(&'a mut self, _extra: Option<&'a mut MaterialRows>) -> Option<&'a mut TwistRow> {
         Some(&mut self.1.twist)
     }
 
@@ -147,7 +147,7 @@ impl Manifolds for Faced<'_> {
     /// projected Gauss–Seidel on the manifold's own matrix. Without the inverse, the few inner sweeps leave a face's load uneven and
     /// tall columns buckle.
     #[inline(always)]
-    fn solve<W: Wide>(&self, mut residual: Points<W>, old: &Points<W>) -> Points<W> {
+    fn solve<W: Wide>(&self, mut residual: PerPoint<W>, old: &PerPoint<W>) -> PerPoint<W> {
         let zero = W::zero();
         let (pressing, some_would_pull) = regular_solution::<W>(self.1, &residual, old);
         if !W::any(some_would_pull) {
@@ -192,7 +192,7 @@ pub(super) use of_block;
 
 /// Multipliers of every point.
 #[inline(always)]
-pub(super) fn lambdas<W: Wide, M: Manifolds>(of: &M) -> Points<W> {
+pub(super) fn lambdas<W: Wide, M: BlockManifolds>(of: &M) -> PerPoint<W> {
     let mut lambdas = [W::zero(); POINTS];
     for i in 0..M::COUNT {
         lambdas[i] = W::load(&of.rows(i).lambda);
@@ -201,7 +201,7 @@ pub(super) fn lambdas<W: Wide, M: Manifolds>(of: &M) -> Points<W> {
 }
 
 #[inline(always)]
-pub(super) fn store_lambdas<W: Wide, M: Manifolds>(lambdas: &Points<W>, of: &mut M) {
+pub(super) fn store_lambdas<W: Wide, M: BlockManifolds>(lambdas: &PerPoint<W>, of: &mut M) {
     for i in 0..M::COUNT {
         lambdas[i].store(&mut of.rows_mut(i).lambda);
     }
@@ -209,7 +209,7 @@ pub(super) fn store_lambdas<W: Wide, M: Manifolds>(lambdas: &Points<W>, of: &mut
 
 /// Separation of every point with the bodies displaced as `motions` say (m).
 #[inline(always)]
-pub(super) fn separations<W: Wide, M: Manifolds>(of: &M, motions: &[BodyMotion]) -> Points<W> {
+pub(super) fn separations<W: Wide, M: BlockManifolds>(of: &M, motions: &[BodyMotion]) -> PerPoint<W> {
     let (moved_a, turned_a) = moved::<W>(&of.block().a, motions);
     let (moved_b, turned_b) = moved::<W>(&of.block().b, motions);
     let n = Wide3::load(&of.block().normal);
@@ -227,7 +227,11 @@ pub(super) fn separations<W: Wide, M: Manifolds>(of: &M, motions: &[BodyMotion])
 
 /// J v of every normal row.
 #[inline(always)]
-pub(super) fn normal_rates<W: Wide, M: Manifolds>(of: &M, side_a: &Side<W>, side_b: &Side<W>) -> Points<W> {
+pub(super) fn normal_rates<W: Wide, M: BlockManifolds>(
+    of: &M,
+    side_a: &WideVelocities<W>,
+    side_b: &WideVelocities<W>,
+) -> PerPoint<W> {
     let n = Wide3::load(&of.block().normal);
     let approach = n.dot(side_b.linear - side_a.linear);
     // n·(ω×r) = r·(n×ω)
@@ -243,7 +247,7 @@ pub(super) fn normal_rates<W: Wide, M: Manifolds>(of: &M, side_a: &Side<W>, side
 
 /// λ − (A + ε)⁻¹ residual, and where that asks some point to pull.
 #[inline(always)]
-fn regular_solution<W: Wide>(face: &Face, residual: &Points<W>, lambda: &Points<W>) -> (Points<W>, W::Mask) {
+fn regular_solution<W: Wide>(face: &MultiPointRows, residual: &PerPoint<W>, lambda: &PerPoint<W>) -> (PerPoint<W>, W::Mask) {
     let [b00, b11, b22, b33, b01, b02, b03, b12, b13, b23] = load_all::<W, 10>(&face.inverse);
     let inverse = [[b00, b01, b02, b03], [b01, b11, b12, b13], [b02, b12, b22, b23], [b03, b13, b23, b33]];
     let zero = W::zero();
@@ -259,12 +263,12 @@ fn regular_solution<W: Wide>(face: &Face, residual: &Points<W>, lambda: &Points<
 
 /// Applies the difference of two sets of normal multipliers.
 #[inline(always)]
-pub(super) fn push_apart<W: Wide, M: Manifolds>(
+pub(super) fn push_apart<W: Wide, M: BlockManifolds>(
     of: &M,
-    new: &Points<W>,
-    old: &Points<W>,
-    side_a: &mut Side<W>,
-    side_b: &mut Side<W>,
+    new: &PerPoint<W>,
+    old: &PerPoint<W>,
+    side_a: &mut WideVelocities<W>,
+    side_b: &mut WideVelocities<W>,
 ) {
     let n = Wide3::load(&of.block().normal);
     let mut sum = W::zero();

@@ -2,20 +2,20 @@
 
 #![expect(clippy::needless_range_loop, reason = "an index runs over points and lanes of several arrays alike")]
 
+use super::super::body_gather::WideVelocities;
 use super::super::contact::{NEGLIGIBLE_FRICTION, tangents_in_lanes};
-use super::super::contact_block::Extra;
-use super::super::contact_pieces::BlockPart;
-use super::super::shared::Hand;
-use super::super::side::Side;
+use super::super::contact_block::MaterialRows;
+use super::super::contact_partition::BlockPart;
+use super::super::disjoint::DisjointMut;
 use super::super::state::{BodyMotion, BodyVelocity};
-use super::rows::{Faced, Manifolds, Single, lambdas, load_all, normal_rates, of_block, push_apart, store_lambdas};
+use super::rows::{BlockManifolds, Faced, Single, lambdas, load_all, normal_rates, of_block, push_apart, store_lambdas};
 use super::warm_start::close_in;
 use crate::lanes::wide::{Wide, Wide3};
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(
     part: &mut BlockPart<'_>,
-    velocities: &mut Hand<'_, BodyVelocity>,
+    velocities: &mut DisjointMut<'_, BodyVelocity>,
     backwards: bool,
     presses_last: bool,
 ) {
@@ -33,7 +33,7 @@ pub(super) fn all<W: Wide>(
 #[inline(always)]
 pub(super) fn anew<W: Wide>(
     part: &mut BlockPart<'_>,
-    velocities: &mut Hand<'_, BodyVelocity>,
+    velocities: &mut DisjointMut<'_, BodyVelocity>,
     motions: &[BodyMotion],
     h: f32,
     presses_last: bool,
@@ -47,9 +47,9 @@ pub(super) fn anew<W: Wide>(
 }
 
 #[inline(always)]
-fn close_in_and_visit<W: Wide, M: Manifolds>(
+fn close_in_and_visit<W: Wide, M: BlockManifolds>(
     of: &mut M,
-    velocities: &mut Hand<'_, BodyVelocity>,
+    velocities: &mut DisjointMut<'_, BodyVelocity>,
     motions: &[BodyMotion],
     h: f32,
     presses_last: bool,
@@ -64,14 +64,14 @@ fn close_in_and_visit<W: Wide, M: Manifolds>(
 /// A sweep back is the exact reverse of a sweep forth only if it also goes through the rows of each manifold backwards. With the same
 /// order on both ways the two are no symmetric operator, and carried multipliers let slow waves of load grow in large stacks.
 #[inline(always)]
-fn visit<W: Wide, M: Manifolds>(
+fn visit<W: Wide, M: BlockManifolds>(
     of: &mut M,
-    mut extra: Option<&mut Extra>,
-    velocities: &mut Hand<'_, BodyVelocity>,
+    mut extra: Option<&mut MaterialRows>,
+    velocities: &mut DisjointMut<'_, BodyVelocity>,
     presses_last: bool,
 ) {
     let (a, b) = (&of.block().a, &of.block().b);
-    let (mut side_a, mut side_b) = (Side::<W>::gather(a, velocities), Side::gather(b, velocities));
+    let (mut side_a, mut side_b) = (WideVelocities::<W>::gather(a, velocities), WideVelocities::gather(b, velocities));
     if !presses_last {
         press(of, &mut side_a, &mut side_b);
         rub(of, extra.as_deref_mut(), &mut side_a, &mut side_b);
@@ -129,7 +129,12 @@ fn settled<W: Wide>(multiplier: W, negligible: W) -> W {
 
 /// Tangential and twist rows of every lane.
 #[inline(always)]
-fn rub<W: Wide, M: Manifolds>(of: &mut M, mut extra: Option<&mut Extra>, side_a: &mut Side<W>, side_b: &mut Side<W>) {
+fn rub<W: Wide, M: BlockManifolds>(
+    of: &mut M,
+    mut extra: Option<&mut MaterialRows>,
+    side_a: &mut WideVelocities<W>,
+    side_b: &mut WideVelocities<W>,
+) {
     let (center_a, center_b) = of.centers::<W>();
     let mut load = W::zero();
     for i in 0..M::COUNT {
@@ -171,7 +176,12 @@ fn rub<W: Wide, M: Manifolds>(of: &mut M, mut extra: Option<&mut Extra>, side_a:
 
 /// Rolling rows of every lane.
 #[inline(always)]
-fn roll<W: Wide, M: Manifolds>(of: &M, extra: &mut Extra, side_a: &mut Side<W>, side_b: &mut Side<W>) {
+fn roll<W: Wide, M: BlockManifolds>(
+    of: &M,
+    extra: &mut MaterialRows,
+    side_a: &mut WideVelocities<W>,
+    side_b: &mut WideVelocities<W>,
+) {
     let [t1, t2] = tangents_in_lanes(Wide3::<W>::load(&of.block().normal));
     let [p0, p1, p2, p3] = lambdas::<W, M>(of);
     let load = p0 + p1 + p2 + p3;
@@ -188,7 +198,7 @@ fn roll<W: Wide, M: Manifolds>(of: &M, extra: &mut Extra, side_a: &mut Side<W>, 
 
 /// Normal rows of every lane, each manifold as one block.
 #[inline(always)]
-fn press<W: Wide, M: Manifolds>(of: &mut M, side_a: &mut Side<W>, side_b: &mut Side<W>) {
+fn press<W: Wide, M: BlockManifolds>(of: &mut M, side_a: &mut WideVelocities<W>, side_b: &mut WideVelocities<W>) {
     let mut residual = normal_rates::<W, M>(of, side_a, side_b);
     for i in 0..M::COUNT {
         residual[i] = residual[i] + W::load(&of.rows(i).closing_speed);

@@ -1,19 +1,19 @@
-//! After a step: what its contacts have come to.
+//! Contact status at the end of a step.
 
+use super::super::body_gather::gather_velocities;
 use super::super::contact::LANES;
 use super::super::contact_block::ContactBlocks;
-use super::super::side::gather_velocities;
 use super::super::state::BodyVelocity;
-use super::super::told::{Limits, Told};
-use super::rows::{Faced, Manifolds, Single, of_block};
+use super::super::status::{ContactStatus, StatusThresholds};
+use super::rows::{BlockManifolds, Faced, Single, of_block};
 use crate::lanes::wide::{Wide, Wide3};
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(
     contacts: &mut ContactBlocks,
     velocities: &[BodyVelocity],
-    limits: &Limits,
-    told: &mut Vec<[Told; LANES]>,
+    limits: &StatusThresholds,
+    told: &mut Vec<[ContactStatus; LANES]>,
 ) {
     let ContactBlocks { blocks, faces, .. } = contacts;
     for block in blocks {
@@ -22,7 +22,11 @@ pub(super) fn all<W: Wide>(
 }
 
 #[inline(always)]
-fn words_of<W: Wide, M: Manifolds>(of: &mut M, velocities: &[BodyVelocity], limits: &Limits) -> [Told; LANES] {
+fn words_of<W: Wide, M: BlockManifolds>(
+    of: &mut M,
+    velocities: &[BodyVelocity],
+    limits: &StatusThresholds,
+) -> [ContactStatus; LANES] {
     let block = of.block();
     let ((linear_a, angular_a), (linear_b, angular_b)) =
         (gather_velocities::<W>(&block.a, velocities), gather_velocities::<W>(&block.b, velocities));
@@ -41,19 +45,19 @@ fn words_of<W: Wide, M: Manifolds>(of: &mut M, velocities: &[BodyVelocity], limi
     let most = pressed * W::load(&block.friction) * W::splat(limits.reserve);
     let (t, u) = (W::load(&block.tangent_lambda[0]), W::load(&block.tangent_lambda[1]));
     let rise = n.dot(Wide3::splat(limits.up));
-    let mut sum = W::splat(Told::KNOWN);
+    let mut sum = W::splat(ContactStatus::KNOWN);
     for i in 0..2 {
-        sum = sum + W::select(W::splat(limits.slips[i]).above(slip), W::splat(Told::SLIPS[i]), zero);
-        sum = sum + W::select(W::splat(limits.speeds[i]).above(speed), W::splat(Told::SPEEDS[i]), zero);
+        sum = sum + W::select(W::splat(limits.slips[i]).above(slip), W::splat(ContactStatus::SLIPS[i]), zero);
+        sum = sum + W::select(W::splat(limits.speeds[i]).above(speed), W::splat(ContactStatus::SPEEDS[i]), zero);
     }
-    sum = sum + W::select((most * most).above(t * t + u * u), W::splat(Told::RESERVE), zero);
-    sum = sum + W::select(rise.above(W::splat(limits.rise)), W::splat(Told::RISES[0]), zero);
-    sum = sum + W::select((-rise).above(W::splat(limits.rise)), W::splat(Told::RISES[1]), zero);
+    sum = sum + W::select((most * most).above(t * t + u * u), W::splat(ContactStatus::RESERVE), zero);
+    sum = sum + W::select(rise.above(W::splat(limits.rise)), W::splat(ContactStatus::RISES[0]), zero);
+    sum = sum + W::select((-rise).above(W::splat(limits.rise)), W::splat(ContactStatus::RISES[1]), zero);
     let mut lanes = [0.0; LANES];
     sum.store(&mut lanes);
-    let mut words = [Told::NOTHING; LANES];
+    let mut words = [ContactStatus::NOTHING; LANES];
     for l in 0..LANES {
-        words[l] = Told::of(lanes[l]);
+        words[l] = ContactStatus::of(lanes[l]);
     }
     words
 }

@@ -90,24 +90,24 @@ fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
     let Scene { mut contacts, mut velocities, motions } = scene.clone();
     let moving = velocities.len() - 1;
     masses::set::<W>(&mut contacts.whole(0), &velocities);
-    warm_start::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), &motions, 0.004, 0.006);
+    warm_start::all::<W>(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), &motions, 0.004, 0.006);
     let mut anew = (contacts.clone(), velocities.clone());
-    sweep::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), false, false);
+    sweep::all::<W>(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), false, false);
     if contacts.extras.is_empty() {
         (0..anew.0.room_of(0)).for_each(|i| anew.0.rows_mut(0, i).closing_speed = [9.0; LANES]);
-        sweep::anew::<W>(&mut anew.0.all(), &mut Hand::alone(&mut anew.1, moving), &motions, 0.004, false);
+        sweep::anew::<W>(&mut anew.0.all(), &mut DisjointMut::alone(&mut anew.1, moving), &motions, 0.004, false);
         assert_eq!(numbers(&anew.1), numbers(&velocities), "closing speeds formed in the sweep, and before it");
     }
-    sweep::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), true, true);
-    sweep::anew::<W>(&mut contacts.all(), &mut Hand::alone(&mut velocities, moving), &motions, 0.004, false);
+    sweep::all::<W>(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), true, true);
+    sweep::anew::<W>(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), &motions, 0.004, false);
     recover::restitute::<W>(&mut contacts, &mut velocities, 0.1);
     let mut at_once = (contacts.clone(), velocities.iter().map(BodyVelocity::at_rest).collect::<Vec<_>>());
     let worst = recover::end_step::<W>(&mut contacts.all(), &motions);
     let mut pushes: Vec<_> = velocities.iter().map(BodyVelocity::at_rest).collect();
-    recover::all::<W>(&mut contacts.all(), &mut Hand::alone(&mut pushes, moving), 0.016);
-    let deepest = recover::begin::<W>(&mut at_once.0.all(), &motions, &mut Hand::alone(&mut at_once.1, moving), 0.016);
+    recover::all::<W>(&mut contacts.all(), &mut DisjointMut::alone(&mut pushes, moving), 0.016);
+    let deepest = recover::begin::<W>(&mut at_once.0.all(), &motions, &mut DisjointMut::alone(&mut at_once.1, moving), 0.016);
     assert_eq!((deepest.to_bits(), numbers(&at_once.1)), (worst.to_bits(), numbers(&pushes)), "at once, and one after the other");
-    let limits = Limits { up: Vec3::Y, rise: 0.3, slips: [0.5, 1.0], speeds: [1.0, 3.0], reserve: 0.9 };
+    let limits = StatusThresholds { up: Vec3::Y, rise: 0.3, slips: [0.5, 1.0], speeds: [1.0, 3.0], reserve: 0.9 };
     let mut told = Vec::new();
     tell::all::<W>(&mut contacts, &velocities, &limits, &mut told);
 
@@ -140,7 +140,7 @@ proptest! {
     fn a_block_never_pulls_and_stays_finite(scene in scene()) {
         let Scene { mut contacts, mut velocities, motions } = scene;
             masses::set::<Plain>(&mut contacts.whole(0), &velocities);
-        let mut hand = Hand::alone(&mut velocities, motions.len() - 1);
+        let mut hand = DisjointMut::alone(&mut velocities, motions.len() - 1);
         warm_start::all::<Plain>(&mut contacts.all(), &mut hand, &motions, 0.004, 0.002);
         sweep::all::<Plain>(&mut contacts.all(), &mut hand, false, true);
         let lambdas = (0..contacts.room_of(0)).flat_map(|i| contacts.rows(0, i).lambda);
@@ -152,7 +152,7 @@ proptest! {
 
 #[test]
 fn a_box_on_an_incline_is_told_by_its_slip_its_friction_and_its_slope() {
-    let limits = Limits { up: Vec3::Y, rise: 0.3, slips: [0.1, 0.5], speeds: [0.4, 2.0], reserve: 0.99 };
+    let limits = StatusThresholds { up: Vec3::Y, rise: 0.3, slips: [0.1, 0.5], speeds: [0.4, 2.0], reserve: 0.99 };
     let material = PairMaterial { friction: 0.5, restitution: 0.0, rolling: 0.0, spinning: 0.0 };
     let tell = |normal: Vec3, friction: f32, velocity: Vec3, angular: Vec3| {
         let tangent = crate::solve::contact::tangents(normal).0;
@@ -178,7 +178,8 @@ fn a_box_on_an_incline_is_told_by_its_slip_its_friction_and_its_slope() {
         super::tell(&mut contacts, &[BodyVelocity::FIXED, body], &limits, &mut told);
         told[0][0]
     };
-    let words = |told: Told| [told.slips_less(0), told.slips_less(1), told.is_slower(0), told.is_slower(1), told.has_reserve()];
+    let words =
+        |told: ContactStatus| [told.slips_less(0), told.slips_less(1), told.is_slower(0), told.is_slower(1), told.has_reserve()];
     assert_eq!(words(tell(Vec3::Y, 0.9, Vec3::ZERO, Vec3::ZERO)), [true; 5], "at rest");
     assert_eq!(words(tell(Vec3::Y, 1.0, Vec3::X * 0.3, Vec3::ZERO)), [false, true, true, true, false], "slips at its limit");
     assert_eq!(words(tell(Vec3::Y, 0.9, Vec3::Y * 1.0, Vec3::ZERO)), [true, true, false, true, true], "leaves");

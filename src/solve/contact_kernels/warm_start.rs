@@ -2,19 +2,19 @@
 
 use glam::Vec3;
 
+use super::super::body_gather::WideVelocities;
 use super::super::contact::{LANES, Lane3, tangents, tangents_in_lanes};
-use super::super::contact_block::Extra;
-use super::super::contact_pieces::BlockPart;
-use super::super::shared::{Hand, Slots};
-use super::super::side::Side;
+use super::super::contact_block::MaterialRows;
+use super::super::contact_partition::BlockPart;
+use super::super::disjoint::{DisjointMut, Slots};
 use super::super::state::{BodyMotion, BodyVelocity};
-use super::rows::{Faced, Manifolds, Single, of_block, separations};
+use super::rows::{BlockManifolds, Faced, Single, of_block, separations};
 use crate::lanes::wide::{Plain, Wide, Wide3};
 
 #[inline(always)]
 pub(super) fn all<W: Wide>(
     part: &mut BlockPart<'_>,
-    velocities: &mut Hand<'_, BodyVelocity>,
+    velocities: &mut DisjointMut<'_, BodyVelocity>,
     motions: &[BodyMotion],
     h: f32,
     middle: f32,
@@ -29,10 +29,10 @@ pub(super) fn all<W: Wide>(
 }
 
 #[inline(always)]
-fn start<W: Wide, M: Manifolds>(
+fn start<W: Wide, M: BlockManifolds>(
     of: &mut M,
-    mut extra: Option<&mut Extra>,
-    velocities: &mut Hand<'_, BodyVelocity>,
+    mut extra: Option<&mut MaterialRows>,
+    velocities: &mut DisjointMut<'_, BodyVelocity>,
     motions: &[BodyMotion],
     h: f32,
     middle: f32,
@@ -47,7 +47,8 @@ fn start<W: Wide, M: Manifolds>(
         note_impacts(of, extra, velocities, motions, h);
     }
     let block = of.block();
-    let (mut side_a, mut side_b) = (Side::<W>::gather(&block.a, velocities), Side::gather(&block.b, velocities));
+    let (mut side_a, mut side_b) =
+        (WideVelocities::<W>::gather(&block.a, velocities), WideVelocities::gather(&block.b, velocities));
     let n = Wide3::load(&block.normal);
     let [t1, t2] = tangents_in_lanes(n);
     let friction = t1 * W::load(&block.tangent_lambda[0]) + t2 * W::load(&block.tangent_lambda[1]);
@@ -91,7 +92,7 @@ fn start<W: Wide, M: Manifolds>(
 /// which grows by k/2 − (1 − g) a substep: any k lets the slow waves of a large stack grow until it falls. So the gap stays until the
 /// load is off the point.
 #[inline(always)]
-pub(super) fn close_in<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
+pub(super) fn close_in<W: Wide, M: BlockManifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
     let separation = separations::<W, M>(of, motions);
     let inverse_h = W::splat(1.0 / h);
     for (i, separation) in separation.into_iter().enumerate().take(M::COUNT) {
@@ -108,7 +109,7 @@ pub(super) fn close_in<W: Wide, M: Manifolds>(of: &mut M, motions: &[BodyMotion]
 /// ω × (v − v_A) t, with v that of the contact and v_A that of its own centre. Left out, what rests on a turntable is carried off along
 /// the tangent in each step, outwards by ½ ω² dt of its radius a second. On what other bodies move the term would be a force that answers
 /// to its own result.
-fn lean<M: Manifolds>(of: &M, extra: &mut Extra, velocities: &Hand<'_, BodyVelocity>, middle: f32) {
+fn lean<M: BlockManifolds>(of: &M, extra: &mut MaterialRows, velocities: &DisjointMut<'_, BodyVelocity>, middle: f32) {
     let block = of.block();
     extra.has_lean = false;
     for l in 0..LANES {
@@ -147,7 +148,13 @@ fn lean<M: Manifolds>(of: &M, extra: &mut Extra, velocities: &Hand<'_, BodyVeloc
 ///
 /// A point that closes its gap within the substep touches after t = s/|v| of it; gravity has acted for t only, so the speed of
 /// impact is v − g (h − t). Without this a rebound loses up to a substep's worth of gravity.
-fn note_impacts<M: Manifolds>(of: &M, extra: &mut Extra, velocities: &Hand<'_, BodyVelocity>, motions: &[BodyMotion], h: f32) {
+fn note_impacts<M: BlockManifolds>(
+    of: &M,
+    extra: &mut MaterialRows,
+    velocities: &DisjointMut<'_, BodyVelocity>,
+    motions: &[BodyMotion],
+    h: f32,
+) {
     let block = of.block();
     for l in (0..LANES).filter(|&l| extra.restitution[l] > 0.0) {
         let (a, b) = (block.a[l] as usize, block.b[l] as usize);
@@ -165,7 +172,7 @@ fn note_impacts<M: Manifolds>(of: &M, extra: &mut Extra, velocities: &Hand<'_, B
 }
 
 /// Speed at which point `i` of lane `l` opens (m/s).
-fn normal_speed<M: Manifolds>(of: &M, velocities: &Hand<'_, BodyVelocity>, i: usize, l: usize) -> f32 {
+fn normal_speed<M: BlockManifolds>(of: &M, velocities: &DisjointMut<'_, BodyVelocity>, i: usize, l: usize) -> f32 {
     let (block, rows) = (of.block(), of.rows(i));
     let (a, b) = (velocities.get(block.a[l]), velocities.get(block.b[l]));
     let at_b = b.linear + b.angular.cross(at(&rows.lever_b, l));

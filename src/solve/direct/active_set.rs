@@ -1,6 +1,6 @@
 //! Which rows with bounds are part of the system: stops and motors one by one, friction by its cone.
 
-use super::row::{Row, State};
+use super::row::{Row, RowState};
 use super::system::System;
 use crate::solve::joint::rows::Rate;
 
@@ -18,20 +18,20 @@ impl System {
         for &(number, node) in &*bounded {
             let row = &rows[number as usize];
             match row.state {
-                State::Absent => {}
-                State::Free if row.impulse < row.min => flips.push((number, State::Low)),
-                State::Free if row.impulse > row.max => flips.push((number, State::High)),
-                State::Free => {}
-                State::Low | State::High => {
+                RowState::Absent => {}
+                RowState::Free if row.impulse < row.min => flips.push((number, RowState::Low)),
+                RowState::Free if row.impulse > row.max => flips.push((number, RowState::High)),
+                RowState::Free => {}
+                RowState::Low | RowState::High => {
                     if !may_free || row.min == row.max {
                         continue;
                     }
                     let pair = nodes[node as usize].bodies.map(|body| rates[body as usize]);
                     let error = row.rate(&pair) + row.bias + row.gamma * row.impulse;
-                    let wants_more = row.state == State::Low && error < -FREE_BELOW;
-                    let wants_less = row.state == State::High && error > FREE_BELOW;
+                    let wants_more = row.state == RowState::Low && error < -FREE_BELOW;
+                    let wants_less = row.state == RowState::High && error > FREE_BELOW;
                     if wants_more || wants_less {
-                        flips.push((number, State::Free));
+                        flips.push((number, RowState::Free));
                     }
                 }
             }
@@ -46,9 +46,9 @@ impl System {
             let row = &mut self.rows[number as usize];
             row.state = state;
             row.impulse = match state {
-                State::Low => row.min,
-                State::High => row.max,
-                State::Free | State::Absent => row.impulse,
+                RowState::Low => row.min,
+                RowState::High => row.max,
+                RowState::Free | RowState::Absent => row.impulse,
             };
             (self.is_factored, self.is_abreast) = (false, false);
         }
@@ -81,7 +81,7 @@ impl System {
 /// Revises a pair of friction rows against the radius of their cone; true if anything changed.
 fn revise_cone([u, v]: [&mut Row; 2], slip: [f64; 2], limit: f64, may_free: bool) -> bool {
     let size = length(u.impulse, v.impulse);
-    if u.state == State::Free {
+    if u.state == RowState::Free {
         if size <= limit {
             return false;
         }
@@ -94,7 +94,7 @@ fn revise_cone([u, v]: [&mut Row; 2], slip: [f64; 2], limit: f64, may_free: bool
     let drives = u.impulse * slip[0] + v.impulse * slip[1] > FREE_BELOW * size;
     let starts = size == 0.0 && limit > 0.0 && speed > FREE_BELOW;
     if may_free && (drives || starts) {
-        (u.state, v.state) = (State::Free, State::Free);
+        (u.state, v.state) = (RowState::Free, RowState::Free);
         return true;
     }
     let direction = if speed > FREE_BELOW {

@@ -2,13 +2,13 @@
 
 use super::articulation::{Articulation, Mode, SOLVES_PER_HALVING, SavedJoint, TOLERANCE};
 use super::buckle;
-use super::contacts::Touch;
+use super::contacts::ArticulationContact;
 use super::history::{History, SecondOrder};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 
 /// How often a substep may be halved.
-const MOST_HALVINGS: u32 = 4;
+const MAX_HALVINGS: u32 = 4;
 
 /// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
 const MUST_FALL: f64 = 0.5;
@@ -57,7 +57,7 @@ impl Articulation {
         self.follow_angles(joints, h);
         let errors = self.find_errors(joints);
         if errors.worst <= (TOLERANCE * self.size).max(before.unwrap_or_default())
-            && !self.touches.iter().any(Touch::presses)
+            && !self.touches.iter().any(ArticulationContact::presses)
             && !energy.is_some_and(|energy| self.has_gained(energy))
         {
             let approaches = if meets_stop && self.rebounds { self.approaches_at_start(joints, knows_past) } else { Vec::new() };
@@ -104,7 +104,7 @@ impl Articulation {
         self.keep_momentum(momentum);
         let good = error <= (TOLERANCE * self.size).max(MUST_FALL * before);
         let gives_up = !settled && self.passes_left == 0;
-        if good || gives_up || depth >= MOST_HALVINGS || !self.pay(SOLVES_PER_HALVING) {
+        if good || gives_up || depth >= MAX_HALVINGS || !self.pay(SOLVES_PER_HALVING) {
             if !error.is_finite() {
                 self.restore();
                 return before;
@@ -144,7 +144,7 @@ impl Articulation {
     fn begin(&mut self) {
         let saved = &mut self.began;
         saved.rates.clone_from(&self.rates);
-        saved.stances.clone_from(&self.stances);
+        saved.local_poses.clone_from(&self.local_poses);
         saved.left = self.left;
         saved.joints.clear();
         saved.joints.extend(self.entries.iter().map(|entry| SavedJoint {
@@ -164,7 +164,7 @@ impl Articulation {
     fn restore(&mut self) {
         let saved = &self.began;
         self.rates.clone_from(&saved.rates);
-        self.stances.clone_from(&saved.stances);
+        self.local_poses.clone_from(&saved.local_poses);
         self.left = saved.left;
         self.points.is_known = false;
         for (entry, saved) in self.entries.iter_mut().zip(&saved.joints) {

@@ -19,39 +19,39 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
+use super::ball_joint_system::BallJointSystem;
 use super::body::DirectBody;
-use super::composite::Parts;
-use super::contacts::Touch;
-use super::history::{History, SecondOrder, Surprise};
-use super::lasting::Lasting;
-use super::layout::Link;
-use super::points::Points;
-use super::quads::{self, Quad};
+use super::composite::ServoParts;
+use super::contacts::ArticulationContact;
+use super::factor_reuse::ReusedFactor;
+use super::history::{History, LocalError, SecondOrder};
+use super::layout::NodeBodies;
+use super::narrowing;
 use super::rotor::Rotor;
-use super::single;
 use super::system::{System, Topology};
+use super::wide_integrator::{self, Bodies4};
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
 use crate::joint_rebounds::Rebounds;
 use crate::report::ArticulationReport;
 use crate::solve::StepSettings;
+use crate::solve::disjoint::Slots;
 use crate::solve::joint::reach::FarStops;
 use crate::solve::joint::rows::{self, Rate};
-use crate::solve::joint::{JointEntry, Stance};
-use crate::solve::shared::Slots;
+use crate::solve::joint::{JointEntry, LocalPose};
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 
 /// Error that a substep may leave, over the mean distance of joint points from centres of mass.
 pub(super) const TOLERANCE: f64 = 2.0e-3;
 
 /// The least and the greatest number of halvings that a step's budget of multiplications allows, and how many further solves one costs.
-const LEAST_HALVINGS: f64 = 4.0;
-const MOST_HALVINGS_OF_STEP: f64 = 60.0;
+const MIN_HALVINGS: f64 = 4.0;
+const MAX_HALVINGS_OF_STEP: f64 = 60.0;
 pub(super) const SOLVES_PER_HALVING: u32 = 4;
 
 /// The least and the greatest number of further passes of active sets that a step's budget of multiplications allows.
-const LEAST_PASSES: f64 = 8.0;
-const MOST_PASSES: f64 = 400.0;
+const MIN_PASSES: f64 = 8.0;
+const MAX_PASSES: f64 = 400.0;
 
 /// Steps for which contacts are swept once they have not settled as rows: what lands or tumbles soon does not settle again.
 const SWEPT_STEPS: u32 = 60;
@@ -61,7 +61,7 @@ const EVEN_MASSES: f64 = 100.0;
 
 /// Most manifolds with what does not move that are rows where sweeps would do for good: the six wheels of a lorry, but not the limbs of
 /// who lies on the ground, which are more than hold it. Rows of those took twice the time of sweeps, and left five times the overlap.
-const MOST_MANIFOLDS: usize = 6;
+const MAX_MANIFOLDS: usize = 6;
 
 /// Greatest mass over the least up to which they would: cables sink into their drums within ten seconds at 90, not at 50.
 const ALIKE_MASSES: f64 = 20.0;
@@ -87,12 +87,12 @@ pub(crate) struct Articulation {
     /// Bodies other than the world that it does not move, by slot and number, in the order of their slots.
     anchors: Vec<(u32, u32)>,
     pub(super) bodies: Vec<DirectBody>,
-    pub(super) quads: Vec<Quad>,
+    pub(super) bodies4: Vec<Bodies4>,
     /// Where the bodies stood at the start of the step (m).
     pub(super) origins: Vec<DVec3>,
     pub(super) rates: Vec<Rate>,
-    pub(super) stances: Vec<Stance>,
-    pub(super) links: Vec<Link>,
+    pub(super) local_poses: Vec<LocalPose>,
+    pub(super) links: Vec<NodeBodies>,
     /// Room for rows of contacts in the node of each joint; it never shrinks while the joints stay the same.
     pub(super) room: Vec<u32>,
     pub(super) needed: Vec<u32>,
@@ -103,16 +103,16 @@ pub(crate) struct Articulation {
     /// Whether the host has asked for the direct solve.
     pub(super) is_asked_for: bool,
     /// Contacts with what it does not move and with what it carries, sorted by node.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<ArticulationContact>,
     /// Contacts with what else moves, by number, that have not pressed yet.
     pub watched: Vec<u32>,
     /// Where the bodies were at the start of the step.
-    pub(super) step_start: Vec<Stance>,
+    pub(super) step_start: Vec<LocalPose>,
     pub(super) topology: Topology,
     pub(super) system: System,
     /// Whether all its joints hold points and it touches nothing, so that `points` takes the place of `system`.
     pub(super) is_points: bool,
-    pub(super) points: Points,
+    pub(super) points: BallJointSystem,
     pub(super) asked: Vec<rows::ScalarRow>,
     /// Bodies that spin fast, and room for velocities before joints act.
     pub(super) rotors: Vec<Rotor>,
@@ -125,18 +125,18 @@ pub(crate) struct Articulation {
     /// State at the start of the substep.
     pub(super) began: Began,
     pub(super) histories: Vec<History>,
-    pub(super) predicted: Vec<Stance>,
+    pub(super) predicted: Vec<LocalPose>,
     /// How readily the bodies of each joint turn under its force (1/(kg·m)).
     pub(super) eases: Vec<f64>,
     /// Of each joint, with what its line pulls in a substep, times its length: h² T (kg·m).
     pub(super) tensions: Vec<f64>,
     pub(super) implicit: Vec<f64>,
     pub(super) changes: Vec<Rate>,
-    pub(super) tried: Vec<Stance>,
+    pub(super) tried: Vec<LocalPose>,
     /// Stops that may be met in the substep, by row, and the speeds at which they are to be left then.
     pub(super) approaches: Vec<(u32, f64)>,
     /// Where the bodies were before their positions were mended; empty where they have been left as they were.
-    pub(super) reached: Vec<Stance>,
+    pub(super) reached: Vec<LocalPose>,
     /// Joints at the start of the step.
     untouched: Vec<JointEntry>,
     /// Whether rows across the axes of its hinges carry what lies on them, and room for where its joints are (m).
@@ -154,7 +154,7 @@ pub(crate) struct Articulation {
     /// Whether the last substep of this step was of first order.
     after_first_order: bool,
     /// Of the last substep, where that was of second order.
-    pub(super) surprise: Surprise,
+    pub(super) surprise: LocalError,
     /// Lengths of the step, of the world's substep and of its own (s).
     pub(super) dt: f64,
     pub(super) world_substep: f64,
@@ -166,13 +166,13 @@ pub(crate) struct Articulation {
     /// Whether a rigid position motor was on its way in the last substep.
     pub(super) is_under_way: bool,
     /// What its servos move.
-    pub(super) parts: Parts,
+    pub(super) parts: ServoParts,
     /// Length by which errors are judged (m).
     pub(super) size: f64,
     pub(super) mode: Mode,
     /// Whether the rows of the last substep are good for the next, where it is swept, and how the bodies had turned when they were
     /// built (rad).
-    pub(super) lasting: Lasting,
+    pub(super) lasting: ReusedFactor,
     pub(super) built: Vec<Vec3>,
     /// Way and turn of each body in the step as its rows were last looked at (m, rad).
     pub(super) followed: Vec<[Vec3; 2]>,
@@ -191,12 +191,12 @@ pub(crate) struct Articulation {
     solves_left: u32,
     /// Passes of active sets that this step may still spend beyond those that each substep has free.
     pub(super) passes_left: usize,
-    pub outcome: Outcome,
+    pub outcome: StepOutcome,
 }
 
 /// How a step of an articulation went.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Outcome {
+pub(crate) struct StepOutcome {
     /// Substeps taken: to second order, smooth ones of first order, safe ones, and those undone and taken as two halves.
     pub second_order: u32,
     pub first_order: u32,
@@ -217,10 +217,10 @@ pub(crate) struct Outcome {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Began {
     pub rates: Vec<Rate>,
-    pub stances: Vec<Stance>,
+    pub local_poses: Vec<LocalPose>,
     pub(super) left: f64,
     pub(super) joints: Vec<SavedJoint>,
-    pub(super) touches: Vec<Touch>,
+    pub(super) touches: Vec<ArticulationContact>,
 }
 
 /// What a substep changes of a joint.
@@ -248,7 +248,7 @@ impl Articulation {
         self.watched.clear();
         self.coupled = false;
         self.order = SecondOrder::EULER;
-        self.lasting = Lasting::No;
+        self.lasting = ReusedFactor::No;
         self.has_answer = false;
         self.is_warm = false;
         self.in_lockstep = false;
@@ -259,7 +259,7 @@ impl Articulation {
         self.bodies.clear();
         self.origins.clear();
         self.histories.clear();
-        self.outcome = Outcome::default();
+        self.outcome = StepOutcome::default();
     }
 
     /// Takes in a body, whose number is returned; the first must be the world.
@@ -321,7 +321,7 @@ impl Articulation {
         let most_ratio = match manifolds {
             0 => return false,
             _ if has_failed => EVEN_MASSES,
-            1..=MOST_MANIFOLDS => return false,
+            1..=MAX_MANIFOLDS => return false,
             _ => ALIKE_MASSES,
         };
         self.mass_ratio() <= most_ratio
@@ -349,17 +349,17 @@ impl Articulation {
         self.dt = f64::from(settings.dt);
         self.left = self.dt;
         self.world_substep = self.dt / f64::from(settings.substeps);
-        self.step_start.clone_from(&self.stances);
+        self.step_start.clone_from(&self.local_poses);
         self.find_rotors();
         if !self.watched.is_empty() || !self.touches.is_empty() {
             self.untouched.clone_from(&self.entries);
         }
         let budget = f64::from(settings.articulations.halving_budget) * 1.0e6 / self.topology.plan.work as f64;
-        let most_passes = if self.may_sweep_contacts() { LEAST_PASSES } else { MOST_PASSES };
-        self.passes_left = budget.clamp(LEAST_PASSES, most_passes) as usize;
-        let halvings = if budget > 0.0 { budget.clamp(LEAST_HALVINGS, MOST_HALVINGS_OF_STEP) as u32 } else { 0 };
+        let most_passes = if self.may_sweep_contacts() { MIN_PASSES } else { MAX_PASSES };
+        self.passes_left = budget.clamp(MIN_PASSES, most_passes) as usize;
+        let halvings = if budget > 0.0 { budget.clamp(MIN_HALVINGS, MAX_HALVINGS_OF_STEP) as u32 } else { 0 };
         self.solves_left = halvings * SOLVES_PER_HALVING;
-        self.mode = if self.touches.iter().any(Touch::presses) { Mode::Safe } else { Mode::Smooth };
+        self.mode = if self.touches.iter().any(ArticulationContact::presses) { Mode::Safe } else { Mode::Smooth };
         (self.continues, self.after_first_order) = (None, false);
         let energy = self.energy();
         self.take_substeps(joints, settings);
@@ -369,7 +369,7 @@ impl Articulation {
 
     /// Kinetic energy less the work of forces since the start of the step (J), of all bodies that move freely.
     pub(super) fn energy(&self) -> f64 {
-        let bodies = self.bodies.iter().zip(&self.rates).zip(self.stances.iter().zip(&self.step_start));
+        let bodies = self.bodies.iter().zip(&self.rates).zip(self.local_poses.iter().zip(&self.step_start));
         bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum()
     }
 
@@ -397,17 +397,17 @@ impl Articulation {
         let slots = || self.bodies.iter().map(|body| body.slot);
         self.rates.clear();
         self.rates.extend(slots().map(|slot| Rate::of(velocities.get(slot))));
-        self.stances.clear();
-        self.stances.extend(slots().map(|slot| motions.get(slot).stance()));
+        self.local_poses.clear();
+        self.local_poses.extend(slots().map(|slot| motions.get(slot).stance()));
         self.points.is_known = false;
         self.find_loops();
     }
 
     /// How far the body with this slot and number has moved and turned in the step.
-    pub(crate) fn path_of(&self, slot: u32, local: u32) -> Option<Stance> {
+    pub(crate) fn path_of(&self, slot: u32, local: u32) -> Option<LocalPose> {
         let number = local as usize;
         self.bodies.get(number).filter(|body| body.slot == slot)?;
-        let (now, start) = (&self.stances[number], &self.step_start[number]);
+        let (now, start) = (&self.local_poses[number], &self.step_start[number]);
         Some((now.0 - start.0, now.1 * start.1.conjugate()))
     }
 
@@ -420,19 +420,19 @@ impl Articulation {
         self.touches.clear();
         self.weigh(0.0);
         self.coupled = true;
-        self.lasting = Lasting::Never;
-        self.outcome = Outcome::default();
+        self.lasting = ReusedFactor::Never;
+        self.outcome = StepOutcome::default();
     }
 
     /// Writes the state of the bodies back.
     pub(crate) fn store(&self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
-        for ((body, rate), stance) in self.bodies.iter().zip(&self.rates).zip(&self.stances) {
+        for ((body, rate), stance) in self.bodies.iter().zip(&self.rates).zip(&self.local_poses) {
             if body.is_dynamic() {
                 let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
-                velocity.linear = single::speed(rate.linear);
-                velocity.angular = single::speed(rate.angular);
-                motion.displacement = single::way(stance.0);
-                motion.rotation = single::rotation(stance.1);
+                velocity.linear = narrowing::speed(rate.linear);
+                velocity.angular = narrowing::speed(rate.angular);
+                motion.displacement = narrowing::way(stance.0);
+                motion.rotation = narrowing::rotation(stance.1);
             }
         }
     }
@@ -445,8 +445,8 @@ impl Articulation {
         }
         self.after_first_order = !second_order;
         // A mended position is no way that the bodies have gone: extrapolated, it would have to be taken back by a blow.
-        let reached = if self.reached.is_empty() { &self.stances } else { &self.reached };
-        quads::note(&self.quads, h, &self.order, &self.began, (reached, &self.rates), &mut self.histories);
+        let reached = if self.reached.is_empty() { &self.local_poses } else { &self.reached };
+        wide_integrator::note(&self.bodies4, h, &self.order, &self.began, (reached, &self.rates), &mut self.histories);
         self.note_ways_of_rotors();
         // As the histories hold it.
         self.continues = Some(f64::from(h as f32));

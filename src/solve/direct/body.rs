@@ -6,10 +6,10 @@
 
 use glam::{DMat3, DVec3};
 
-use super::super::joint::Stance;
-use super::super::joint::motor::Answer;
+use super::super::joint::LocalPose;
+use super::super::joint::motor::BodyResponse;
 use super::super::joint::rows::Rate;
-use super::super::rotation::{self, Top, Turn};
+use super::super::rotation::{self, SubstepRotation, Top};
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 
 /// Largest rotation by which a projection turns a body at once (rad); beyond it a lever's direction has no meaning.
@@ -72,7 +72,7 @@ impl DirectBody {
     }
 
     /// Inertia in world axes (kg·m²).
-    pub(crate) fn inertia_at(&self, stance: &Stance) -> DMat3 {
+    pub(crate) fn inertia_at(&self, stance: &LocalPose) -> DMat3 {
         if self.top.round {
             return DMat3::from_diagonal(self.top.inertia);
         }
@@ -86,13 +86,13 @@ impl DirectBody {
     }
 
     /// How it answers to what a motor pushes it with.
-    pub(crate) fn answer_at(&self, stance: &Stance) -> Answer {
+    pub(crate) fn answer_at(&self, stance: &LocalPose) -> BodyResponse {
         if !self.is_dynamic() {
-            return Answer::NONE;
+            return BodyResponse::NONE;
         }
         let inverse_inertia = masked(self.inertia_at(stance).inverse(), self.top.free);
         let acceleration = Rate { linear: self.acceleration, angular: inverse_inertia * self.torque };
-        Answer { inverse_mass: self.undamped, inverse_inertia, acceleration, center: DVec3::ZERO }
+        BodyResponse { inverse_mass: self.undamped, inverse_inertia, acceleration, center: DVec3::ZERO }
     }
 
     /// Whether it loses speed by itself.
@@ -125,7 +125,7 @@ impl DirectBody {
     }
 
     /// Adds a substep's forces.
-    pub(crate) fn apply_forces(&self, stance: &Stance, rate: &mut Rate, h: f64) {
+    pub(crate) fn apply_forces(&self, stance: &LocalPose, rate: &mut Rate, h: f64) {
         if !self.is_dynamic() {
             return;
         }
@@ -150,15 +150,15 @@ impl DirectBody {
     }
 
     /// Rotation through a substep at this rate.
-    pub(crate) fn turn(&self, stance: &Stance, rate: &Rate, h: f64) -> Turn {
+    pub(crate) fn turn(&self, stance: &LocalPose, rate: &Rate, h: f64) -> SubstepRotation {
         if self.is_dynamic() {
             return rotation::turn(stance.1, rate.angular, &self.top, h);
         }
-        Turn { rotation: rotation::rotated(stance.1, rate.angular * h), mean: rate.angular, angular: rate.angular }
+        SubstepRotation { rotation: rotation::rotated(stance.1, rate.angular * h), mean: rate.angular, angular: rate.angular }
     }
 
     /// Moves by a displacement (m) and a rotation vector (rad) that leave no velocity behind.
-    pub(crate) fn displace(&self, stance: &mut Stance, change: &Rate, factor: f64) {
+    pub(crate) fn displace(&self, stance: &mut LocalPose, change: &Rate, factor: f64) {
         if !self.is_dynamic() {
             return;
         }
@@ -167,7 +167,7 @@ impl DirectBody {
     }
 
     /// Kinetic energy less the work of the forces on the way from `start` (J); zero where it does not move freely.
-    pub(crate) fn energy(&self, stance: &Stance, rate: &Rate, start: &Stance) -> f64 {
+    pub(crate) fn energy(&self, stance: &LocalPose, rate: &Rate, start: &LocalPose) -> f64 {
         let Some(mass) = self.free_mass() else { return 0.0 };
         let local = if self.top.round { rate.angular } else { (stance.1 * self.top.frame).conjugate() * rate.angular };
         let kinetic = 0.5 * (mass * rate.linear.length_squared() + local.dot(self.top.inertia * local));
@@ -192,7 +192,7 @@ impl DirectBody {
     }
 
     /// Angular momentum about the centre of mass at this rate (N·m·s).
-    pub(crate) fn spin(&self, stance: &Stance, rate: &Rate) -> DVec3 {
+    pub(crate) fn spin(&self, stance: &LocalPose, rate: &Rate) -> DVec3 {
         if self.top.round {
             return rate.angular * self.top.inertia;
         }

@@ -1,4 +1,4 @@
-//! The way out of a position from which no small displacement leads: links that are pressed together along their own line.
+//! Escapes singular positions: links pressed together along their own line, where no small displacement closes the error.
 //!
 //! A row of links between two points that are closer than the links are long, or the part of a hanging chain above a hook that rises
 //! along it, has errors C that no displacement takes out to first order: along the line Jᵀ y = 0, so that J δ = −C has no solution, and
@@ -30,7 +30,7 @@ use glam::{DMat3, DVec3};
 use super::articulation::{Articulation, TOLERANCE};
 use super::body::DirectBody;
 use super::project::Errors;
-use super::row::{Origin, State};
+use super::row::{Origin, RowState};
 use super::stiffness;
 use super::system::PROJECTION_PASSES;
 use crate::id::{JointId, Pool};
@@ -66,14 +66,14 @@ impl Articulation {
         if left.worst <= TOLERANCE * self.size || !left.worst.is_finite() || !self.pay(SOLVES) {
             return left;
         }
-        let straight = self.stances.clone();
+        let straight = self.local_poses.clone();
         if let Some(bent) = self.buckle(joints) {
             let bent = self.step_towards(joints, bent);
             if bent.worst < left.worst {
                 return bent;
             }
         }
-        self.stances.clone_from(&straight);
+        self.local_poses.clone_from(&straight);
         self.points.is_known = false;
         left
     }
@@ -86,7 +86,7 @@ impl Articulation {
         self.entries.iter().zip(&self.links).any(|(entry, link)| {
             let impulse = entry.impulses.point.as_dvec3();
             [(0, -1.0), (1, 1.0)].into_iter().any(|(side, sign)| {
-                let lever = self.stances[link.bodies[side] as usize].1 * entry.local_lever[side];
+                let lever = self.local_poses[link.bodies[side] as usize].1 * entry.local_lever[side];
                 -sign * impulse.dot(lever) > most * lever.length()
             })
         })
@@ -94,11 +94,11 @@ impl Articulation {
 
     /// Bends what the way of a substep of length `h` (s) would press together, from where the bodies stand.
     pub(super) fn bend_ahead(&mut self, joints: &Pool<Joint, JointId>, h: f64) {
-        for (stance, rate) in self.stances.iter_mut().zip(&self.rates) {
+        for (stance, rate) in self.local_poses.iter_mut().zip(&self.rates) {
             *stance = (stance.0 + rate.linear * h, rotation::rotated(stance.1, rate.angular * h));
         }
         let way = self.find_mode(joints);
-        self.stances.clone_from(&self.began.stances);
+        self.local_poses.clone_from(&self.began.local_poses);
         self.bend(way.unwrap_or_default());
     }
 
@@ -110,7 +110,7 @@ impl Articulation {
     }
 
     fn bend(&mut self, way: f64) {
-        for ((body, stance), change) in self.bodies.iter().zip(&mut self.stances).zip(&self.changes) {
+        for ((body, stance), change) in self.bodies.iter().zip(&mut self.local_poses).zip(&self.changes) {
             body.displace(stance, change, way);
         }
         self.points.is_known = false;
@@ -162,7 +162,7 @@ impl Articulation {
             let (link, entry, thrust) = (&self.links[number], &self.entries[number], thrust.normalize());
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
                 let body = link.bodies[side] as usize;
-                self.stiffness[body] += stiffness::of_impulse(thrust * sign, self.stances[body].1 * entry.local_lever[side]);
+                self.stiffness[body] += stiffness::of_impulse(thrust * sign, self.local_poses[body].1 * entry.local_lever[side]);
             }
         }
         let trace = |g: &DMat3| g.x_axis.x + g.y_axis.y + g.z_axis.z;
@@ -175,7 +175,7 @@ impl Articulation {
     fn gap_and_thrust(&self, number: usize) -> [DVec3; 2] {
         let node = &self.system.nodes[number];
         let rows = self.system.rows[node.first as usize..node.last as usize].iter();
-        let rows = rows.filter(|row| row.state == State::Free && row.origin != Origin::Contact);
+        let rows = rows.filter(|row| row.state == RowState::Free && row.origin != Origin::Contact);
         rows.fold([DVec3::ZERO; 2], |[gap, thrust], row| [gap + row.linear[1] * row.bias, thrust + row.linear[1] * row.impulse])
     }
 
@@ -220,7 +220,7 @@ impl Articulation {
         for (link, entry) in self.links.iter().zip(&self.entries) {
             for side in 0..2 {
                 let body = link.bodies[side] as usize;
-                let (change, lever) = (&self.changes[body], self.stances[body].1 * entry.local_lever[side]);
+                let (change, lever) = (&self.changes[body], self.local_poses[body].1 * entry.local_lever[side]);
                 greatest = greatest.max((change.linear + change.angular.cross(lever)).length());
             }
         }

@@ -1,4 +1,4 @@
-//! What a motor moves: the bodies on either side of its joint, as if nothing else gave way.
+//! Composite inertia of a motor: the bodies on either side of its joint, as if all other joints were locked.
 //!
 //! A servo brakes in time only if it knows what it has set going: an arm's shoulder moves the whole arm and what the hand holds. With
 //! the joint taken out an articulation falls into two parts; each is taken as one rigid body, of mass M = Σ m and inertia about its
@@ -8,22 +8,22 @@
 use glam::{DMat3, DVec3};
 
 use super::articulation::Articulation;
-use super::layout::Link;
+use super::layout::NodeBodies;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::joint::kinds;
-use crate::solve::joint::motor::Answer;
+use crate::solve::joint::motor::BodyResponse;
 use crate::solve::joint::rows::Rate;
 
 /// Joints of an articulation beyond which a servo looks at its own bodies alone: its parts are found anew for each motor, which takes
 /// joints times the depth of the tree.
-const MOST_JOINTS: usize = 64;
+const MAX_JOINTS: usize = 64;
 
 /// The two parts of each joint with a servo, and room to find them.
 #[derive(Debug, Default)]
-pub(super) struct Parts {
+pub(super) struct ServoParts {
     /// By joint; empty where no joint has a servo.
-    pub answers: Vec<Option<[Answer; 2]>>,
+    pub answers: Vec<Option<[BodyResponse; 2]>>,
     reached: Vec<bool>,
 }
 
@@ -32,7 +32,7 @@ impl Articulation {
     pub(super) fn find_parts(&mut self, joints: &Pool<Joint, JointId>) {
         let mut parts = std::mem::take(&mut self.parts);
         parts.answers.clear();
-        let is_small = (2..=MOST_JOINTS).contains(&self.entries.len());
+        let is_small = (2..=MAX_JOINTS).contains(&self.entries.len());
         if is_small && self.entries.iter().any(|entry| entry.has_motor) {
             for number in 0..self.entries.len() {
                 let entry = &self.entries[number];
@@ -44,9 +44,9 @@ impl Articulation {
         self.parts = parts;
     }
 
-    fn parts_of(&self, number: usize, reached: &mut Vec<bool>) -> Option<[Answer; 2]> {
+    fn parts_of(&self, number: usize, reached: &mut Vec<bool>) -> Option<[BodyResponse; 2]> {
         let ends = self.links[number].bodies;
-        let mut answers = [Answer::NONE; 2];
+        let mut answers = [BodyResponse::NONE; 2];
         for side in 0..2 {
             if !self.bodies[ends[side] as usize].is_dynamic() {
                 continue;
@@ -86,8 +86,8 @@ impl Articulation {
     }
 
     /// The bodies that have been reached, as one, seen from the centre of mass of `body`.
-    fn composite(&self, body: usize, reached: &[bool]) -> Option<Answer> {
-        let place = |i: usize| self.origins[i] - self.origins[body] + self.stances[i].0 - self.stances[body].0;
+    fn composite(&self, body: usize, reached: &[bool]) -> Option<BodyResponse> {
+        let place = |i: usize| self.origins[i] - self.origins[body] + self.local_poses[i].0 - self.local_poses[body].0;
         let members = || (0..self.bodies.len()).filter(|&i| reached[i]);
         let (mut mass, mut center, mut force) = (0.0, DVec3::ZERO, DVec3::ZERO);
         for i in members() {
@@ -101,17 +101,17 @@ impl Articulation {
         for i in members() {
             let (own, arm) = (self.bodies[i].free_mass()?, place(i) - center);
             let outer = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
-            inertia += self.bodies[i].inertia_at(&self.stances[i])
+            inertia += self.bodies[i].inertia_at(&self.local_poses[i])
                 + (DMat3::from_diagonal(DVec3::splat(arm.length_squared())) - outer) * own;
             torque += self.bodies[i].torque + arm.cross(self.bodies[i].acceleration * own);
         }
         let inverse_inertia = inertia.inverse();
         let acceleration = Rate { linear: force / mass, angular: inverse_inertia * torque };
-        Some(Answer { inverse_mass: DVec3::splat(1.0 / mass), inverse_inertia, acceleration, center })
+        Some(BodyResponse { inverse_mass: DVec3::splat(1.0 / mass), inverse_inertia, acceleration, center })
     }
 }
 
 /// Whether both bodies of a joint move.
-fn moves(own: &Articulation, link: &Link) -> bool {
+fn moves(own: &Articulation, link: &NodeBodies) -> bool {
     link.bodies.iter().all(|&body| own.bodies[body as usize].is_dynamic())
 }

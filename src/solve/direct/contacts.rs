@@ -1,4 +1,4 @@
-//! Contacts of an articulation with what it cannot move and with what it carries: rows of the same system.
+//! Contacts of an articulation with what it cannot move and with bodies that it carries, as rows of its system.
 //!
 //! A normal row J v ≥ −max(s, 0)/h for each point with separation s (m), friction at the manifold's centre inside |λ_t| ≤ μ Σλ_n and
 //! about its normal, |λ_w| ≤ μ r̄ Σλ_n, as for contacts elsewhere. A contact with one moving body shares that body with its joints, so
@@ -9,24 +9,24 @@
 
 use glam::{DMat3, DVec3};
 
-use super::curved::Spot;
-use super::grip::{FRICTION_ROWS, Grip};
-use super::spots::{Spots, overlap};
+use super::contact_rows::{FRICTION_ROWS, RowAnchor};
+use super::curved_contacts::CurvedPoint;
 use super::system::System;
+use super::tracked_points::{TrackedPoints, overlap};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
-use crate::solve::joint::Stance;
+use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
 
 /// Share of an overlap that is taken out of the positions in a second (1/s), and the greatest share of a substep.
 const RECOVERY: f64 = 12.0;
-const MOST_RECOVERY_SHARE: f64 = 0.2;
+const MAX_RECOVERY_SHARE: f64 = 0.2;
 
 /// Greatest speed at which an overlap is taken out (m/s).
-const MOST_RECOVERY: f64 = 4.8;
+const MAX_RECOVERY: f64 = 4.8;
 
 /// A manifold between a body of the articulation and one that it does not move, or that it carries.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Touch {
+pub(crate) struct ArticulationContact {
     /// Number of the manifold in its batch.
     pub number: u32,
     /// Joint whose node has its rows, and the side of it that is the body.
@@ -40,7 +40,7 @@ pub(crate) struct Touch {
     /// Sign of an impulse on the body in the manifold's own terms: 1 where the body is its B.
     sign: f64,
     /// Its points, as the body sees them.
-    spots: Spots,
+    spots: TrackedPoints,
     friction: f64,
     twist_arm: f64,
     /// Multipliers: along the normal, and on the body in world axes.
@@ -51,11 +51,11 @@ pub(crate) struct Touch {
     blow: f64,
 }
 
-impl Touch {
+impl ArticulationContact {
     /// The manifold `input` with B (or else A) the articulation's body; the node is chosen later.
     pub(crate) fn new(number: u32, input: &ContactInput, body_is_b: bool, body: u32, other: u32, other_moves: bool) -> Self {
         let sign = if body_is_b { 1.0 } else { -1.0 };
-        let spots = Spots::of(input, body_is_b);
+        let spots = TrackedPoints::of(input, body_is_b);
         let spread = spots.spread();
         let material = &input.material;
         Self {
@@ -94,22 +94,22 @@ impl Touch {
     }
 
     /// Its points at these stances; `began` are those at the start of the step.
-    pub(crate) fn spots(&self, stances: &[Stance], began: &[Stance]) -> [Spot; POINTS] {
-        let [own, other] = [self.body, self.other].map(|body| [&stances[body as usize], &began[body as usize]]);
+    pub(crate) fn spots(&self, local_poses: &[LocalPose], began: &[LocalPose]) -> [CurvedPoint; POINTS] {
+        let [own, other] = [self.body, self.other].map(|body| [&local_poses[body as usize], &began[body as usize]]);
         self.spots.at(own, other)
     }
 
     /// Greatest overlap at these stances, zero where there is none (m).
-    pub(crate) fn overlap(&self, stances: &[Stance], began: &[Stance]) -> f64 {
-        overlap(&self.spots(stances, began))
+    pub(crate) fn overlap(&self, local_poses: &[LocalPose], began: &[LocalPose]) -> f64 {
+        overlap(&self.spots(local_poses, began))
     }
 
     /// Stiffness of its forces against rocking (N·m·s), and the rate at which the body turns as it slides along the other (rad/s).
-    pub(crate) fn stiffness(&self, stances: &[Stance], began: &[Stance], rates: &[Rate]) -> Option<(DMat3, DVec3)> {
+    pub(crate) fn stiffness(&self, local_poses: &[LocalPose], began: &[LocalPose], rates: &[Rate]) -> Option<(DMat3, DVec3)> {
         let curved = self.spots.curved().filter(|_| self.presses())?;
         let (own, other) = (&rates[self.body as usize], &rates[self.other as usize]);
         let (mut total, mut turning) = (DMat3::ZERO, DVec3::ZERO);
-        for (spot, &lambda) in self.spots(stances, began)[..self.spots.count].iter().zip(&self.lambda) {
+        for (spot, &lambda) in self.spots(local_poses, began)[..self.spots.count].iter().zip(&self.lambda) {
             let height = -spot.normal.dot(spot.lever);
             let beside = other.linear + other.angular.cross(spot.other_lever - spot.lever);
             let (stiffness, turn) = curved.rocking(spot.normal, height, own.linear - beside);
@@ -120,12 +120,12 @@ impl Touch {
     }
 
     /// Where a row acts with these levers of the body and of the other (m).
-    fn grip(&self, lever: DVec3, other_lever: DVec3) -> Grip {
-        Grip { side: self.side as usize, lever, opposite: self.other_moves.then_some(other_lever) }
+    fn grip(&self, lever: DVec3, other_lever: DVec3) -> RowAnchor {
+        RowAnchor { side: self.side as usize, lever, opposite: self.other_moves.then_some(other_lever) }
     }
 
     /// Adds its rows for a substep of length `h` (s) to the last node.
-    pub(crate) fn add_rows(&self, system: &mut System, spots: &[Spot; POINTS], other: &Rate, h: f64) {
+    pub(crate) fn add_rows(&self, system: &mut System, spots: &[CurvedPoint; POINTS], other: &Rate, h: f64) {
         // What is moved too has its speed in the rows.
         let other = if self.other_moves { Rate { linear: DVec3::ZERO, angular: DVec3::ZERO } } else { *other };
         system.begin_contact(self.friction, self.twist_arm);
@@ -147,12 +147,12 @@ impl Touch {
     }
 
     /// Adds its rows for a projection after a substep of length `h` (s) to the last node.
-    pub(crate) fn add_position_rows(&self, system: &mut System, spots: &[Spot; POINTS], h: f64) {
-        let share = (RECOVERY * h).min(MOST_RECOVERY_SHARE);
+    pub(crate) fn add_position_rows(&self, system: &mut System, spots: &[CurvedPoint; POINTS], h: f64) {
+        let share = (RECOVERY * h).min(MAX_RECOVERY_SHARE);
         system.begin_contact(0.0, 0.0);
         for spot in &spots[..self.spots.count] {
             let overlaps = spot.separation < 0.0;
-            let bias = if overlaps { (spot.separation * share).max(-MOST_RECOVERY * h) } else { spot.separation };
+            let bias = if overlaps { (spot.separation * share).max(-MAX_RECOVERY * h) } else { spot.separation };
             // An overlap starts as a row that pushes.
             let pushes = if overlaps { f64::MIN_POSITIVE } else { 0.0 };
             system.add_normal(&self.grip(spot.lever, spot.other_lever), spot.normal, bias, pushes);

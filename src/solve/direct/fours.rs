@@ -13,7 +13,7 @@ const SMALL_SQUARE: f64 = 1.0e-3;
 
 /// A vector of each of four bodies.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Four3<F> {
+pub(super) struct Vec3x4<F> {
     pub x: F,
     pub y: F,
     pub z: F,
@@ -21,7 +21,7 @@ pub(super) struct Four3<F> {
 
 macro_rules! by_component {
     ($trait:ident, $method:ident, $operator:tt) => {
-        impl<F: Four> $trait for Four3<F> {
+        impl<F: Four> $trait for Vec3x4<F> {
             type Output = Self;
 
             #[inline(always)]
@@ -37,7 +37,7 @@ by_component!(Sub, sub, -);
 by_component!(Mul, mul, *);
 by_component!(Div, div, /);
 
-impl<F: Four> Mul<F> for Four3<F> {
+impl<F: Four> Mul<F> for Vec3x4<F> {
     type Output = Self;
 
     #[inline(always)]
@@ -46,7 +46,7 @@ impl<F: Four> Mul<F> for Four3<F> {
     }
 }
 
-impl<F: Four> Four3<F> {
+impl<F: Four> Vec3x4<F> {
     #[inline(always)]
     pub(super) fn of(v: [DVec3; 4]) -> Self {
         Self {
@@ -66,7 +66,7 @@ impl<F: Four> Four3<F> {
     }
 
     #[inline(always)]
-    pub(super) fn load(kept: &Four3<Plain>) -> Self {
+    pub(super) fn load(kept: &Vec3x4<Plain>) -> Self {
         Self { x: F::load(&kept.x.0), y: F::load(&kept.y.0), z: F::load(&kept.z.0) }
     }
 
@@ -115,12 +115,12 @@ fn vector([x, y, z, _]: Lanes) -> DVec3 {
 
 /// A rotation of each of four bodies, as unit quaternions.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct FourTurns<F> {
-    v: Four3<F>,
+pub(super) struct Quatx4<F> {
+    v: Vec3x4<F>,
     w: F,
 }
 
-impl<F: Four> Mul for FourTurns<F> {
+impl<F: Four> Mul for Quatx4<F> {
     type Output = Self;
 
     #[inline(always)]
@@ -129,11 +129,11 @@ impl<F: Four> Mul for FourTurns<F> {
     }
 }
 
-impl<F: Four> FourTurns<F> {
+impl<F: Four> Quatx4<F> {
     #[inline(always)]
     pub(super) fn of(q: [DQuat; 4]) -> Self {
         Self {
-            v: Four3 {
+            v: Vec3x4 {
                 x: F::of([q[0].x, q[1].x, q[2].x, q[3].x]),
                 y: F::of([q[0].y, q[1].y, q[2].y, q[3].y]),
                 z: F::of([q[0].z, q[1].z, q[2].z, q[3].z]),
@@ -143,8 +143,8 @@ impl<F: Four> FourTurns<F> {
     }
 
     #[inline(always)]
-    pub(super) fn load(kept: &FourTurns<Plain>) -> Self {
-        Self { v: Four3::load(&kept.v), w: F::load(&kept.w.0) }
+    pub(super) fn load(kept: &Quatx4<Plain>) -> Self {
+        Self { v: Vec3x4::load(&kept.v), w: F::load(&kept.w.0) }
     }
 
     /// That of each body.
@@ -157,19 +157,19 @@ impl<F: Four> FourTurns<F> {
     #[inline(always)]
     pub(super) fn conjugate(self) -> Self {
         let zero = F::splat(0.0);
-        Self { v: Four3 { x: zero - self.v.x, y: zero - self.v.y, z: zero - self.v.z }, w: self.w }
+        Self { v: Vec3x4 { x: zero - self.v.x, y: zero - self.v.y, z: zero - self.v.z }, w: self.w }
     }
 
     /// The vector in the frame that is turned so.
     #[inline(always)]
-    pub(super) fn rotate(self, v: Four3<F>) -> Four3<F> {
+    pub(super) fn rotate(self, v: Vec3x4<F>) -> Vec3x4<F> {
         let twice = self.v.cross(v) * F::splat(2.0);
         v + twice * self.w + self.v.cross(twice)
     }
 
     /// Turned further by a rotation vector in world axes (rad), as [`crate::solve::rotation::rotated`] does.
     #[inline(always)]
-    pub(super) fn turned(self, vector: Four3<F>) -> Self {
+    pub(super) fn turned(self, vector: Vec3x4<F>) -> Self {
         let half = vector * F::splat(0.5);
         let x = half.dot(half);
         if F::any(F::splat(SERIES_BELOW).below(x)) {
@@ -192,7 +192,7 @@ impl<F: Four> FourTurns<F> {
 
     /// The rotation vectors (rad), and where they are right: 2 asin(s)/s to rounding of `f32`, of rotations by less than 3.6°.
     #[inline(always)]
-    pub(super) fn small_vector(self) -> (Four3<F>, F::Mask) {
+    pub(super) fn small_vector(self) -> (Vec3x4<F>, F::Mask) {
         let square = self.v.dot(self.v);
         let third = F::splat(3.0 / 20.0) + square * F::splat(5.0 / 56.0);
         let share = F::splat(2.0) + square * (F::splat(1.0 / 3.0) + square * third);
@@ -202,17 +202,17 @@ impl<F: Four> FourTurns<F> {
 
     /// A D Aᵀ, with A the matrix of the rotation.
     #[inline(always)]
-    pub(super) fn turn_diagonal(self, d: Four3<F>) -> FourSymmetric<F> {
-        let Self { v: Four3 { x, y, z }, w } = self;
+    pub(super) fn turn_diagonal(self, d: Vec3x4<F>) -> Sym3x4<F> {
+        let Self { v: Vec3x4 { x, y, z }, w } = self;
         let (one, two) = (F::splat(1.0), F::splat(2.0));
         let (x2, y2, z2) = (x * two, y * two, z * two);
         let (xx, yy, zz) = (x * x2, y * y2, z * z2);
         let (xy, xz, yz, wx, wy, wz) = (x * y2, x * z2, y * z2, w * x2, w * y2, w * z2);
-        let first = Four3 { x: one - (yy + zz), y: xy - wz, z: xz + wy };
-        let second = Four3 { x: xy + wz, y: one - (xx + zz), z: yz - wx };
-        let third = Four3 { x: xz - wy, y: yz + wx, z: one - (xx + yy) };
+        let first = Vec3x4 { x: one - (yy + zz), y: xy - wz, z: xz + wy };
+        let second = Vec3x4 { x: xy + wz, y: one - (xx + zz), z: yz - wx };
+        let third = Vec3x4 { x: xz - wy, y: yz + wx, z: one - (xx + yy) };
         let (scaled_first, scaled_second) = (first * d, second * d);
-        FourSymmetric {
+        Sym3x4 {
             xx: scaled_first.dot(first),
             yy: scaled_second.dot(second),
             zz: (third * d).dot(third),
@@ -225,7 +225,7 @@ impl<F: Four> FourTurns<F> {
 
 /// A symmetric matrix of each of four bodies.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct FourSymmetric<F> {
+pub(super) struct Sym3x4<F> {
     xx: F,
     yy: F,
     zz: F,
@@ -234,7 +234,7 @@ pub(super) struct FourSymmetric<F> {
     yz: F,
 }
 
-impl<F: Four> FourSymmetric<F> {
+impl<F: Four> Sym3x4<F> {
     #[inline(always)]
     pub(super) fn of(m: [&DMat3; 4]) -> Self {
         Self {
@@ -262,8 +262,8 @@ impl<F: Four> FourSymmetric<F> {
     }
 
     #[inline(always)]
-    pub(super) fn times(self, v: Four3<F>) -> Four3<F> {
-        Four3 {
+    pub(super) fn times(self, v: Vec3x4<F>) -> Vec3x4<F> {
+        Vec3x4 {
             x: self.xx * v.x + self.xy * v.y + self.xz * v.z,
             y: self.xy * v.x + self.yy * v.y + self.yz * v.z,
             z: self.xz * v.x + self.yz * v.y + self.zz * v.z,
@@ -291,7 +291,7 @@ impl<F: Four> FourSymmetric<F> {
 
     /// With rows and columns scaled.
     #[inline(always)]
-    pub(super) fn scaled(self, by: Four3<F>) -> Self {
+    pub(super) fn scaled(self, by: Vec3x4<F>) -> Self {
         Self {
             xx: self.xx * by.x * by.x,
             yy: self.yy * by.y * by.y,

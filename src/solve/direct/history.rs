@@ -33,10 +33,10 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::single;
+use super::narrowing;
 use crate::snapshot::stored::{Reader, Stored, Writer};
 use crate::solve::joint::rows::Rate;
-use crate::solve::lead::Twist;
+use crate::solve::velocity_half_step::Twist;
 
 /// Ratios of the lengths of two substeps at which the second may be of second order.
 const RATIOS: std::ops::RangeInclusive<f64> = 0.2..=2.2;
@@ -79,7 +79,7 @@ impl SecondOrder {
 
 /// Change of velocity beyond a steady one in a substep, δ (m/s).
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Surprise {
+pub(super) struct LocalError {
     /// Mean over the mass. Not its root mean square, which light links that tremble under a heavy weight would rule, though they hardly
     /// move it.
     pub mean: f64,
@@ -87,7 +87,7 @@ pub(super) struct Surprise {
     pub worst: f64,
 }
 
-/// Length of the substep where nothing is known but a lead: see [`crate::solve::lead`].
+/// Length of the substep where nothing is known but a lead: see [`crate::solve::velocity_half_step`].
 const TOLD: f32 = -1.0;
 
 /// A body's last substep, as its record keeps it from one step to the next.
@@ -169,7 +169,7 @@ impl History {
 
     /// Whether the body has moved at this rate ever since, and no other.
     pub(crate) fn leads_to(&self, rate: &Rate) -> bool {
-        self.h > 0.0 && self.linear == single::speed(rate.linear) && self.angular == single::speed(rate.angular)
+        self.h > 0.0 && self.linear == narrowing::speed(rate.linear) && self.angular == narrowing::speed(rate.angular)
     }
 
     /// Takes a substep of length `h` (s), from the velocity `now` to `next` (m/s), into the average of the jerk over `dt` (s), and
@@ -186,9 +186,9 @@ impl History {
 
 /// The last substep of a body, in room of its own: most bodies never have one to keep.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Past(Option<Box<History>>);
+pub(crate) struct StepHistory(Option<Box<History>>);
 
-impl Past {
+impl StepHistory {
     pub(crate) fn get(&self) -> History {
         self.0.as_deref().copied().unwrap_or(History::NONE)
     }
@@ -222,7 +222,7 @@ impl Past {
     }
 }
 
-impl Stored for Past {
+impl Stored for StepHistory {
     fn put(&self, out: &mut Writer) {
         self.get().put(out);
     }

@@ -20,17 +20,17 @@
 use glam::{DMat3, DVec3};
 
 use super::articulation::Articulation;
-use super::quads;
-use super::row::{Origin, State};
-use super::single;
+use super::narrowing;
+use super::row::{Origin, RowState};
 use super::system::PASSES;
+use super::wide_integrator;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::joint_rebounds::Rebounds;
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
 use crate::solve::joint::rows::{Phase, Rate, RowRates};
-use crate::solve::joint::{Stance, rebound};
+use crate::solve::joint::{LocalPose, rebound};
 use crate::solve::rotation;
 
 /// Length of a substep (s) over which what is left of a gap asks for no speed. What the host moves of a joint asks for its own.
@@ -60,8 +60,8 @@ impl Articulation {
     /// at the speeds of `leaving`, by joint and row. Joints go on with the multipliers of the substep.
     pub(super) fn resolve_impact(&mut self, joints: &Pool<Joint, JointId>, leaving: &[(usize, u8, f64)]) {
         self.stiffness.fill(DMat3::ZERO);
-        quads::respond(&self.quads, 0.0, &self.stances, &self.stiffness, &mut self.bodies);
-        self.predicted.clone_from(&self.stances);
+        wide_integrator::respond(&self.bodies4, 0.0, &self.local_poses, &self.stiffness, &mut self.bodies);
+        self.predicted.clone_from(&self.local_poses);
         self.tensions.fill(0.0);
         self.ask(joints, Phase::Tangent { h: LONG });
         for (number, node) in self.system.nodes.iter().enumerate().take(self.entries.len()) {
@@ -73,7 +73,7 @@ impl Articulation {
                     Origin::Scalar(id) if self.entries[number].motor_rows.axis(id).is_some() => false,
                     _ => row.gamma == 0.0 && !row.has_bounds(),
                 };
-                row.state = if acts { State::Free } else { State::Absent };
+                row.state = if acts { RowState::Free } else { RowState::Absent };
             }
         }
         self.blow(1.0);
@@ -88,11 +88,11 @@ impl Articulation {
         self.system.rows.iter_mut().for_each(|row| row.impulse = 0.0);
         self.system.begin(&self.bodies);
         self.system.solve(&self.topology, &self.bodies, &mut self.rates, PASSES);
-        let Self { entries, system, links, stances, .. } = self;
+        let Self { entries, system, links, local_poses, .. } = self;
         for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {
-            let lever = stances[link.bodies[1] as usize].1 * entry.local_lever[1];
+            let lever = local_poses[link.bodies[1] as usize].1 * entry.local_lever[1];
             let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
-            for row in system.rows[node.first as usize..node.last as usize].iter().filter(|row| row.state != State::Absent) {
+            for row in system.rows[node.first as usize..node.last as usize].iter().filter(|row| row.state != RowState::Absent) {
                 let about = match row.origin {
                     Origin::Point => DVec3::ZERO,
                     Origin::Direction => row.angular[1],
@@ -101,8 +101,8 @@ impl Articulation {
                 force += row.linear[1] * row.impulse;
                 moment += about * row.impulse;
             }
-            entry.linear_sum += single::impulse(force * share);
-            entry.angular_sum += single::impulse(moment * share);
+            entry.linear_sum += narrowing::impulse(force * share);
+            entry.angular_sum += narrowing::impulse(moment * share);
         }
     }
 
@@ -113,7 +113,7 @@ impl Articulation {
             let mut rows = self.system.rows[node.first as usize..node.last as usize].iter_mut();
             if let Some(row) = rows.find(|row| row.origin == Origin::Scalar(id)) {
                 row.bias -= speed;
-                row.state = State::Free;
+                row.state = RowState::Free;
             }
         }
         let stopped = self.rates.clone();
@@ -135,7 +135,7 @@ impl Articulation {
 
     /// Kinetic energy less the work of forces when the substep began, and a little for rounding (J).
     fn energy_at_start(&self) -> f64 {
-        let bodies = self.bodies.iter().zip(&self.began.rates).zip(self.began.stances.iter().zip(&self.step_start));
+        let bodies = self.bodies.iter().zip(&self.began.rates).zip(self.began.local_poses.iter().zip(&self.step_start));
         let energy: f64 = bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum();
         energy + ROUNDING * self.kinetic_energy()
     }
@@ -150,12 +150,13 @@ impl Articulation {
                 continue;
             }
             let bodies = self.links[number].bodies.map(|body| body as usize);
-            let (stances, rates) = (bodies.map(|body| self.began.stances[body]), bodies.map(|body| self.began.rates[body]));
+            let (local_poses, rates) =
+                (bodies.map(|body| self.began.local_poses[body]), bodies.map(|body| self.began.rates[body]));
             let (h, past) = (
                 f64::from(self.histories[bodies[0]].h.max(self.histories[bodies[1]].h)),
                 bodies.map(|body| self.stance_before(body)),
             );
-            let starts = self.stops_at(number, joints, stances, rates);
+            let starts = self.stops_at(number, joints, local_poses, rates);
             let before = if knows_past { self.stops_at(number, joints, past, rates) } else { Vec::new() };
             for &(id, distance, rate) in starts.iter().filter(|(id, ..)| met >> id & 1 == 1) {
                 let last = before.iter().find(|last| last.0 == id).map_or(distance - rate * h, |last| last.1);
@@ -168,8 +169,8 @@ impl Articulation {
     }
 
     /// Where a body stood at the start of the last substep before this one.
-    fn stance_before(&self, body: usize) -> Stance {
-        let (history, (place, rotation)) = (&self.histories[body], self.began.stances[body]);
+    fn stance_before(&self, body: usize) -> LocalPose {
+        let (history, (place, rotation)) = (&self.histories[body], self.began.local_poses[body]);
         let is_known = self.bodies[body].is_dynamic() && history.h > 0.0;
         if !is_known {
             return (place, rotation);
@@ -182,11 +183,11 @@ impl Articulation {
         &mut self,
         number: usize,
         joints: &Pool<Joint, JointId>,
-        stances: [Stance; 2],
+        local_poses: [LocalPose; 2],
         rates: [Rate; 2],
     ) -> Vec<(u8, f64, f64)> {
         let entry = &self.entries[number];
-        let placement = entry.placement(stances[0], stances[1]);
+        let placement = entry.placement(local_poses[0], local_poses[1]);
         let all = (Phase::Position { most: f64::INFINITY }, RowRates { bodies: rates, frames: None });
         let geometry = JointGeometry::at(&placement);
         let mut sink = RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked);

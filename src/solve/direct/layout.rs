@@ -4,11 +4,11 @@ use glam::DVec3;
 
 use super::articulation::Articulation;
 use super::block::MAX_ROWS;
-use super::factor::Plan;
-use super::guard::Guard;
-use super::quads;
+use super::factor::BlockLayout;
+use super::redundancy::Regularization;
 use super::root;
 use super::system::{Coupling, Topology};
+use super::wide_integrator;
 use crate::solve::joint::JointEntry;
 
 /// Multiplications of a factorisation for each row of the articulation above which sweeps are the better choice, and above which
@@ -17,18 +17,18 @@ use crate::solve::joint::JointEntry;
 /// A step of sheets of n × n balls, n = 10 to 70, takes 0.75 µs for each row and 0.19 µs more for each thousand multiplications of
 /// a row; sweeps take 0.35 µs at any n. The direct solve leaves gaps a million times smaller and is worth several times the time:
 /// up to seven times, which is where n is 45. Chains and bridges have work of less than 500, so that the first term is all.
-const MOST_WORK_PER_ROW: u64 = 10_000;
-const MOST_WORK_PER_ROW_IF_ASKED: u64 = 100_000;
+const MAX_WORK_PER_ROW: u64 = 10_000;
+const MAX_WORK_PER_ROW_IF_ASKED: u64 = 100_000;
 
 /// Least size of an articulation without levers (m).
-const LEAST_SIZE: f64 = 1.0e-3;
+const MIN_SIZE: f64 = 1.0e-3;
 
 /// Rows of a face with friction.
 const CONTACT_WEIGHT: u32 = 7;
 
 /// What a joint, or a contact with a body that is carried, holds on to: two local bodies, and how many rows the joint may have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Link {
+pub(super) struct NodeBodies {
     pub bodies: [u32; 2],
     pub moves: [bool; 2],
     capacity: u32,
@@ -37,7 +37,7 @@ pub(super) struct Link {
     is_contact: bool,
 }
 
-impl Link {
+impl NodeBodies {
     /// Rows for which its node counts when an order is chosen.
     fn weight(&self) -> u32 {
         if self.is_contact { CONTACT_WEIGHT } else { self.capacity }
@@ -59,9 +59,10 @@ impl Articulation {
         let link = |(entry, &ends): (&JointEntry, &[u32; 2])| {
             let moves = ends.map(|body| bodies[body as usize].is_dynamic());
             let capacity = u32::from(entry.most_rows) + if entry.is_distance { 2 } else { 0 };
-            Link { bodies: ends, moves, capacity, is_plain: entry.is_plain, is_contact: false }
+            NodeBodies { bodies: ends, moves, capacity, is_plain: entry.is_plain, is_contact: false }
         };
-        let contact = |&bodies: &[u32; 2]| Link { bodies, moves: [true; 2], capacity: 0, is_plain: false, is_contact: true };
+        let contact =
+            |&bodies: &[u32; 2]| NodeBodies { bodies, moves: [true; 2], capacity: 0, is_plain: false, is_contact: true };
         let links = || entries.iter().zip(&*ends).map(link).chain(carried.iter().map(contact));
         let unchanged = self.links.len() == entries.len() + carried.len() && self.links.iter().copied().eq(links());
         if !unchanged {
@@ -83,9 +84,9 @@ impl Articulation {
         if self.topology.plan.work == 0 {
             return false;
         }
-        quads::gather(&mut self.quads, &self.bodies);
+        wide_integrator::gather(&mut self.bodies4, &self.bodies);
         let Self { entries, links, bodies, eases, .. } = self;
-        let ease = |(entry, link): (&JointEntry, &Link)| -> f64 {
+        let ease = |(entry, link): (&JointEntry, &NodeBodies)| -> f64 {
             [0, 1].map(|side| bodies[link.bodies[side] as usize].turning_ease(entry.local_lever[side])).iter().sum()
         };
         eases.clear();
@@ -97,7 +98,7 @@ impl Articulation {
         } else {
             // Lines between the middles of bodies have no levers, and are as long as they are.
             let lines: f64 = entries.iter().map(|entry| entry.offset.length()).sum();
-            (lines / entries.len() as f64).clamp(LEAST_SIZE, 1.0)
+            (lines / entries.len() as f64).clamp(MIN_SIZE, 1.0)
         };
         true
     }
@@ -123,7 +124,7 @@ impl Articulation {
         needed.clear();
         needed.resize(links.len(), 0);
         for touch in touches.iter_mut() {
-            let is_host = |link: &Link| match touch.other_moves {
+            let is_host = |link: &NodeBodies| match touch.other_moves {
                 true => link.is_contact && link.bodies == [touch.body, touch.other],
                 false => link.bodies.contains(&touch.body),
             };
@@ -148,7 +149,7 @@ impl Articulation {
 }
 
 /// Couples all joints that share a moving body; `room` is that for rows of contacts.
-fn derive_topology(links: &[Link], room: &[u32], bodies: usize, asked: bool) -> Option<Topology> {
+fn derive_topology(links: &[NodeBodies], room: &[u32], bodies: usize, asked: bool) -> Option<Topology> {
     let mut at_body: Vec<Vec<(u32, u8)>> = vec![Vec::new(); bodies];
     for (node, link) in links.iter().enumerate() {
         for side in [0, 1] {
@@ -157,9 +158,9 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize, asked: bool) -> 
             }
         }
     }
-    let weights: Vec<u32> = links.iter().map(Link::weight).collect();
+    let weights: Vec<u32> = links.iter().map(NodeBodies::weight).collect();
     let capacity: Vec<u32> = links.iter().zip(room).map(|(link, room)| link.capacity + room).collect();
-    let per_row = if asked { MOST_WORK_PER_ROW_IF_ASKED } else { MOST_WORK_PER_ROW };
+    let per_row = if asked { MAX_WORK_PER_ROW_IF_ASKED } else { MAX_WORK_PER_ROW };
     let most_work = per_row * weights.iter().map(|&rows| u64::from(rows)).sum::<u64>();
     let mut shared = Vec::new();
     for (body, joints) in at_body.iter().enumerate() {
@@ -174,7 +175,7 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize, asked: bool) -> 
     let mut pairs: Vec<(u32, u32)> = shared.iter().map(|((a, _), (b, _), _)| (*a, *b)).collect();
     pairs.sort_unstable();
     pairs.dedup();
-    let plan = Plan::new(&weights, &capacity, &pairs, most_work)?;
+    let plan = BlockLayout::new(&weights, &capacity, &pairs, most_work)?;
     let coupling = |&((a, side_a), (b, side_b), body): &((u32, u8), (u32, u8), u32)| {
         let (start, b_is_late) = plan.block(a, b)?;
         let ((late, late_side), (early, early_side)) =
@@ -184,12 +185,12 @@ fn derive_topology(links: &[Link], room: &[u32], bodies: usize, asked: bool) -> 
     let couplings = shared.iter().map(coupling).collect::<Option<Vec<_>>>()?;
     let loops = count_loops(links, bodies);
     let doubled = loops > 0 && has_doubles(links);
-    Some(Topology { plan, couplings, guards: Guard::all(capacity.len(), loops), loops, doubled })
+    Some(Topology { plan, couplings, regularizations: Regularization::all(capacity.len(), loops), loops, doubled })
 }
 
 /// Whether two joints that do more than hold points hold the same two bodies, where all that does not move is one.
-fn has_doubles(links: &[Link]) -> bool {
-    let ends = |link: &Link| {
+fn has_doubles(links: &[NodeBodies]) -> bool {
+    let ends = |link: &NodeBodies| {
         let [a, b] = [0, 1].map(|side| if link.moves[side] { link.bodies[side] } else { 0 });
         [a.min(b), a.max(b)]
     };
@@ -199,9 +200,9 @@ fn has_doubles(links: &[Link]) -> bool {
 }
 
 /// Loops that joints close, where all that does not move is one.
-fn count_loops(links: &[Link], bodies: usize) -> usize {
+fn count_loops(links: &[NodeBodies], bodies: usize) -> usize {
     let mut group: Vec<u32> = (0..bodies as u32).collect();
-    let closes = |link: &&Link| {
+    let closes = |link: &&NodeBodies| {
         let [a, b] = [0, 1].map(|side| if link.moves[side] { root(&mut group, link.bodies[side]) } else { 0 });
         group[a.max(b) as usize] = a.min(b);
         a == b

@@ -3,23 +3,32 @@
 //! A sweep passes a force on by one joint at a time and forgets most of it where a light body meets a heavy one; the factor knows
 //! the whole articulation. A chain of n joints costs n, a bridge little more, at any ratio of masses.
 //!
-//! `take` sorts a batch's joints into articulations and decides which of them are solved here; the sparse factor is that of
-//! `linalg`; `stiffness` and `body` are the inertia that answers; `momentum` keeps what joints cannot change;
-//! `system` holds the rows, `active_set` says which of them count, `points` is the same without rows where all joints hold points; `layout` says where in its matrix they
-//! are, `composite` is what a motor moves, `guard` what is done about those that repeat others, `refused` remembers that it would be too much work; `quads` moves bodies four at a time, in the arithmetic of `fours` and `registers`; `articulation` takes a step, in as many substeps as `effort` says, `substep` and `project` one part of it each; `ropes` is what distance joints that pull ask for across their lines; `buckle` is the way out of positions that no small displacement mends; `impact` is the blow when a stop is met; `lift` keeps mended positions from making energy; `contacts` are those with what it cannot move, along
-//! surfaces that may be `curved`, and with what it carries, its `riders`; `coupled` is the substep of an articulation that touches
-//! anything else that moves, whose rows may be `lasting` ones; `single` is how any of them writes its `f64` into the state; `swept` is all of those of a batch, of which like ones go in `lockstep`, their rows
-//! `abreast`.
+//! | file | what |
+//! |---|---|
+//! | `build`, `rejection_cache` | which joints become articulations; which articulations were too much work |
+//! | `articulation`, `substep_control`, `advance`, `substep` | a step of one articulation, its number of substeps, and each of them |
+//! | `system`, `row`, `layout`, `active_set`, `packed_rows`, `refine` | the rows, their matrix, which of them act, the solve |
+//! | `ball_joint_system` | the same for articulations of ball joints alone |
+//! | `redundancy` | rows that repeat others |
+//! | `body`, `stiffness`, `distance_stiffness`, `composite` | inertia, geometric stiffness, what a motor moves |
+//! | `history`, `rotor`, `rotors` | second order in time; bodies that spin fast |
+//! | `project`, `projection_energy`, `buckle` | position correction, and the energy that it may not add |
+//! | `impact` | stops that are met |
+//! | `contacts`, `contact_rows`, `tracked_points`, `curved_contacts`, `speculative_contacts`, `carried_bodies` | contacts |
+//! | `block_constraint`, `block_constraints`, `factor_reuse` | articulations that touch moving bodies, swept with contacts |
+//! | `articulation_batch`, `interleaved_system` | four of those at a time |
+//! | `wide_integrator`, `fours` | bodies, four at a time |
+//! | `narrowing` | `f64` results into the `f32` state |
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{DMat3, DVec3};
 
 use super::StepSettings;
+use super::body_flags::BodyFlags;
 use super::buckets::Buckets;
 use super::contact::{ContactImpulses, ContactInput};
 use super::joint::{JointEntry, JointLink, worst_gap};
-use super::role::Role;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
@@ -29,60 +38,60 @@ use crate::linalg::{block, factor};
 use crate::settings::Solver;
 use crate::workers::Workers;
 
-mod abreast;
 mod active_set;
 mod advance;
 mod articulation;
+mod articulation_batch;
+mod ball_joint_system;
+mod block_constraint;
+mod block_constraints;
 pub(crate) mod body;
 mod buckle;
+mod build;
+mod carried_bodies;
 mod composite;
+mod contact_rows;
 mod contacts;
-mod coupled;
-pub(crate) mod curved;
-mod effort;
+pub(crate) mod curved_contacts;
+mod distance_stiffness;
+mod factor_reuse;
 mod fours;
-mod grip;
-mod guard;
 pub(crate) mod history;
 mod impact;
-mod lasting;
+mod interleaved_system;
 mod layout;
-mod lift;
-mod lockstep;
-mod packed;
-mod points;
+pub(crate) mod narrowing;
+mod packed_rows;
 mod project;
-mod quads;
+mod projection_energy;
+mod redundancy;
 mod refine;
-mod refused;
-mod riders;
-mod ropes;
+mod rejection_cache;
 mod rotor;
 mod rotors;
 mod row;
-pub(crate) mod single;
-pub(crate) mod spots;
+mod speculative_contacts;
 pub(crate) mod stiffness;
 mod substep;
-mod swept;
+mod substep_control;
 mod system;
-mod take;
-mod watch;
+pub(crate) mod tracked_points;
+mod wide_integrator;
 
 use articulation::Articulation;
-use contacts::Touch;
+use articulation_batch::ArticulationBatches;
+pub(crate) use block_constraints::SolveContext;
+use build::ArticulationCandidate;
+use carried_bodies::CarriedBodies;
+use contacts::ArticulationContact;
 use history::History;
-use lockstep::Locksteps;
-use refused::Refused;
-use riders::Riders;
-pub(crate) use swept::Floor;
-use take::Candidate;
+use rejection_cache::RejectionCache;
 
 /// Group of a joint that moves nothing.
 const NO_GROUP: u32 = u32::MAX;
 
 /// Articulations at whose gaps to look is worth another thread's while.
-const LEAST_LOOKS: usize = 16;
+const MIN_LOOKS: usize = 16;
 
 /// The articulations of a batch that are solved directly.
 #[derive(Debug, Default)]
@@ -96,18 +105,18 @@ pub(crate) struct Direct {
     /// Articulation of each slot, as a union–find forest, then as a number.
     group: Vec<u32>,
     /// What the body of each slot is, where there are joints.
-    roles: Vec<Role>,
+    body_flags: Vec<BodyFlags>,
     /// Whether joints connect each slot to another that moves.
     jointed: Vec<bool>,
     /// Unjointed bodies that are solved with what carries them.
-    riders: Riders,
+    riders: CarriedBodies,
     /// Group and number of each contact of a jointed body or a rider, and the numbers by group.
     touches: Vec<(u32, u32)>,
     touching: Buckets,
-    candidates: Vec<Candidate>,
+    candidates: Vec<ArticulationCandidate>,
     left: Vec<JointLink>,
-    refused: Refused,
-    locksteps: Locksteps,
+    refused: RejectionCache,
+    locksteps: ArticulationBatches,
     /// Group of each joint, and room to sort joints by it.
     order: Vec<u32>,
     keys: Vec<(u32, u32)>,
@@ -173,7 +182,7 @@ impl Direct {
     /// Impulse along the normal of a contact that it holds, over the step (N·s).
     pub(crate) fn blow_of(&self, number: usize) -> f32 {
         let touches = self.articulations().iter().flat_map(|articulation| &articulation.touches);
-        touches.filter(|touch| touch.number as usize == number).map(Touch::blow).sum()
+        touches.filter(|touch| touch.number as usize == number).map(ArticulationContact::blow).sum()
     }
 
     /// Worst overlap of the contacts that it holds (m).
@@ -186,7 +195,7 @@ impl Direct {
         let articulations = self.articulations();
         // None is negative, and those of floats that are not are in the order of their bits.
         let worst = AtomicU32::new(0);
-        threads.share(articulations.chunks(threads.piece(articulations.len(), LEAST_LOOKS)), |articulations| {
+        threads.share(articulations.chunks(threads.piece(articulations.len(), MIN_LOOKS)), |articulations| {
             let entries = articulations.iter().flat_map(|articulation| &articulation.entries);
             worst.fetch_max(worst_gap(entries, joints, motions).to_bits(), Ordering::Relaxed);
         });
@@ -260,14 +269,14 @@ impl Direct {
             let own = self.articulations.get(number as usize).filter(|own| (number as usize) < self.count && !own.coupled);
             match own.and_then(|own| own.path_of(slot, local)) {
                 Some(path) => [path; 2],
-                None => watch::free_paths(&velocities[slot as usize], &motions[slot as usize], dt),
+                None => speculative_contacts::free_paths(&velocities[slot as usize], &motions[slot as usize], dt),
             }
         };
         self.articulations().iter().position(|articulation| {
             let mut watched = articulation.watched.iter().map(|&number| &contacts[number as usize]);
             !articulation.coupled
                 && (articulation.outcome.unsettled
-                    || watched.any(|contact| watch::meets(contact, paths(contact.a), paths(contact.b))))
+                    || watched.any(|contact| speculative_contacts::meets(contact, paths(contact.a), paths(contact.b))))
         })
     }
 }

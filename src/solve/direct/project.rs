@@ -1,23 +1,23 @@
-//! Rows of an articulation at the poses of now, the errors that they show, and how those are taken out.
+//! Position correction of an articulation: rows and errors at the present poses, and the displacements that close them.
 
 use glam::DVec3;
 
 use super::articulation::{Articulation, TOLERANCE};
 use super::body::DirectBody;
-use super::contacts::Touch;
-use super::guard::Repeats;
-use super::ropes;
+use super::contacts::ArticulationContact;
+use super::distance_stiffness;
+use super::redundancy::Redundancy;
 use super::system::{PROJECTION_PASSES, System};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
 use crate::joint_rebounds::Rebounds;
-use crate::solve::joint::driven::{self, Driven};
+use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
-use crate::solve::joint::motor::Answer;
+use crate::solve::joint::motor::BodyResponse;
 use crate::solve::joint::reach::FarStops;
-use crate::solve::joint::rows::{Held, Phase, Rate, RowRates, ScalarRow};
-use crate::solve::joint::{Stance, angles};
+use crate::solve::joint::rows::{HeldDirections, Phase, Rate, RowRates, ScalarRow};
+use crate::solve::joint::{LocalPose, angles};
 
 /// Share of the tolerance below which positions are left as they are.
 const GOOD_ENOUGH: f64 = 0.25;
@@ -26,14 +26,14 @@ const GOOD_ENOUGH: f64 = 0.25;
 /// articulation's size, that is never too wide.
 const HARMLESS: f64 = 0.01;
 const HARMLESS_SPEED: f64 = 0.3;
-const LEAST_GAP: f64 = 1.0e-7;
+const MIN_GAP: f64 = 1.0e-7;
 
 /// Overlap with what the articulation does not move below which positions are left as they are (m).
 const NEGLIGIBLE_OVERLAP: f64 = 1.0e-5;
 
 /// Greatest angle that a projection takes out at once (rad), and greatest length over the articulation's size.
-const MOST_ANGLE: f64 = 0.1;
-const MOST_LENGTH: f64 = 0.4;
+const MAX_ANGLE: f64 = 0.1;
+const MAX_LENGTH: f64 = 0.4;
 
 /// Most projections of a substep, and how many of them the step's budget does not count: nearly all take no more.
 const PROJECTIONS: usize = 16;
@@ -47,7 +47,7 @@ const BACKTRACKING: [f64; 2] = [0.3, 0.09];
 
 /// Turns that bodies are to keep to once stiffened: at most this (rad), and this times the root of the worst error over the size, as a
 /// turn by θ opens a gap of θ²/2 of its lever.
-const MOST_TURN: f64 = 0.1;
+const MAX_TURN: f64 = 0.1;
 const TURN_PER_ROOT: f64 = 0.3;
 
 /// By how much more than in proportion to its turn a body is stiffened: what it does not give, its neighbours must.
@@ -105,7 +105,7 @@ impl Articulation {
             entries,
             links,
             rates,
-            stances,
+            local_poses,
             began,
             predicted,
             implicit,
@@ -130,7 +130,7 @@ impl Articulation {
         let mut next_touch = 0;
         let mut add_touches = |number: usize, system: &mut System| {
             while let Some(touch) = touches.get(next_touch).filter(|touch| touch.node as usize == number) {
-                let spots = touch.spots(stances, step_start);
+                let spots = touch.spots(local_poses, step_start);
                 match phase {
                     Phase::Velocity { h } | Phase::Tangent { h } => {
                         touch.add_rows(system, &spots, &rates[touch.other as usize], h);
@@ -150,23 +150,23 @@ impl Articulation {
         system.clear();
         for (number, link) in links.iter().enumerate() {
             let Some(entry) = entries.get_mut(number) else {
-                system.add(link.bodies, None, None, &[], Repeats::Often);
+                system.add(link.bodies, None, None, &[], Redundancy::Often);
                 add_touches(number, system);
                 continue;
             };
             let [a, b] = link.bodies.map(|body| body as usize);
             let joint = &joints[entry.joint];
-            let placement = |a: &Stance, b: &Stance, left: f64| match link.is_plain {
+            let placement = |a: &LocalPose, b: &LocalPose, left: f64| match link.is_plain {
                 true => entry.points(a, b),
                 false => driven::before(entry.placement(*a, *b), joint.drive(), [a, b], left),
             };
             let ends = if in_place { [*left; 2] } else { [*left, *left - *h] };
             let (start, end, between);
             let geometry = if matches!(phase, Phase::Velocity { .. }) {
-                start = placement(&began.stances[a], &began.stances[b], ends[0]);
+                start = placement(&began.local_poses[a], &began.local_poses[b], ends[0]);
                 end = placement(&predicted[a], &predicted[b], ends[1]);
                 let on_the_way = |body: usize| {
-                    let (from, to) = (began.stances[body], predicted[body]);
+                    let (from, to) = (began.local_poses[body], predicted[body]);
                     (from.0.lerp(to.0, implicit[number]), from.1.lerp(to.1, implicit[number]))
                 };
                 let gradient = match implicit[number] {
@@ -180,7 +180,7 @@ impl Articulation {
                 };
                 JointGeometry { start: &start, predicted: &end, gradient, is_still: false }
             } else {
-                start = placement(&stances[a], &stances[b], ends[0]);
+                start = placement(&local_poses[a], &local_poses[b], ends[0]);
                 match looks_ahead {
                     true => {
                         between = placement(&predicted[a], &predicted[b], ends[0]);
@@ -189,7 +189,8 @@ impl Articulation {
                     false => JointGeometry::at(&start),
                 }
             };
-            let driven = joint.drive().map(|drive| Driven::new(drive, [&stances[a], &stances[b]], geometry.gradient, ends));
+            let driven =
+                joint.drive().map(|drive| DrivenParts::new(drive, [&local_poses[a], &local_poses[b]], geometry.gradient, ends));
             if *coupled && entry.counts_turns {
                 entry.follow(&joint.def.kind, &start);
             }
@@ -211,7 +212,7 @@ impl Articulation {
                 ..RowSink::new(geometry, &joint.def, both, entry.angles, asked)
             };
             if link.is_plain {
-                sink.hold_points(Held::All);
+                sink.hold_points(HeldDirections::All);
             } else {
                 kinds::add_rows(&mut sink);
             }
@@ -219,14 +220,19 @@ impl Articulation {
             let (point, direction, arrives) = (sink.point, sink.direction, sink.arrives);
             entry.pressed |= if matches!(phase, Phase::Position { .. }) { 0 } else { arrives };
             let repeats = match topology.loops {
-                _ if link.is_plain => Repeats::Points,
-                _ if *carries_across => Repeats::InLine,
-                _ => Repeats::Often,
+                _ if link.is_plain => Redundancy::Points,
+                _ if *carries_across => Redundancy::InLine,
+                _ => Redundancy::Often,
             };
             system.add(link.bodies, point.as_ref(), direction.as_ref(), asked, repeats);
             if tensions.get(number).is_some_and(|&tension| tension > 0.0) {
-                let rows =
-                    ropes::rows(geometry.gradient, tensions[number], [&bodies[a], &bodies[b]], &[rates[a], rates[b]], phase);
+                let rows = distance_stiffness::rows(
+                    geometry.gradient,
+                    tensions[number],
+                    [&bodies[a], &bodies[b]],
+                    &[rates[a], rates[b]],
+                    phase,
+                );
                 rows.into_iter().flatten().for_each(|row| system.add_row(row));
             }
             add_touches(number, system);
@@ -235,11 +241,11 @@ impl Articulation {
 
     /// Brings the angles of joints up to the present poses, after `h` (s) at the present rates.
     pub(super) fn follow_angles(&mut self, joints: &Pool<Joint, JointId>, h: f64) {
-        let Self { entries, links, stances, rates, left, .. } = self;
+        let Self { entries, links, local_poses, rates, left, .. } = self;
         for (entry, link) in entries.iter_mut().zip(&*links).filter(|(entry, _)| entry.counts_turns) {
             let [a, b] = link.bodies.map(|body| body as usize);
             let joint = &joints[entry.joint];
-            let ends = [&stances[a], &stances[b]];
+            let ends = [&local_poses[a], &local_poses[b]];
             let placement = driven::before(entry.placement(*ends[0], *ends[1]), joint.drive(), ends, *left);
             let kind = &joint.def.kind;
             if h > 0.0 {
@@ -263,7 +269,7 @@ impl Articulation {
             errors.add_joint(point, direction, &self.asked);
         }
         errors.judge(self.size);
-        let overlap = |touch: &Touch| touch.overlap(&self.stances, &self.step_start);
+        let overlap = |touch: &ArticulationContact| touch.overlap(&self.local_poses, &self.step_start);
         errors.overlap = self.touches.iter().map(overlap).fold(0.0, f64::max);
         errors
     }
@@ -272,13 +278,13 @@ impl Articulation {
     pub(super) fn biases_of(&mut self, number: usize, joints: &Pool<Joint, JointId>) -> [DVec3; 2] {
         self.asked.clear();
         let (link, entry) = (&self.links[number], &self.entries[number]);
-        let [a, b] = link.bodies.map(|body| self.stances[body as usize]);
+        let [a, b] = link.bodies.map(|body| self.local_poses[body as usize]);
         let joint = &joints[entry.joint];
         if link.is_plain {
             return [entry.points(&a, &b).gap, DVec3::ZERO];
         }
         let placement = driven::before(entry.placement(a, b), joint.drive(), [&a, &b], self.left);
-        let driven = joint.drive().map(|drive| Driven::new(drive, [&a, &b], &placement, [self.left; 2]));
+        let driven = joint.drive().map(|drive| DrivenParts::new(drive, [&a, &b], &placement, [self.left; 2]));
         let stops = self.stops.get(number).filter(|_| self.coupled);
         let rates = RowRates { bodies: link.bodies.map(|body| self.rates[body as usize]), frames: None };
         let all = (Phase::Position { most: f64::INFINITY }, rates);
@@ -295,7 +301,7 @@ impl Articulation {
     fn find_changes(&mut self, joints: &Pool<Joint, JointId>) {
         self.changes.clear();
         self.changes.resize(self.bodies.len(), Rate { linear: DVec3::ZERO, angular: DVec3::ZERO });
-        let most = MOST_LENGTH * self.size;
+        let most = MAX_LENGTH * self.size;
         if self.is_points {
             self.ask_points(Phase::Position { most });
             self.points.solve(&self.topology, &self.bodies, &mut self.changes);
@@ -303,7 +309,7 @@ impl Articulation {
         }
         self.built.clear();
         self.build_rows(joints, Phase::Position { most: f64::INFINITY });
-        self.system.begin_projection(most, MOST_ANGLE);
+        self.system.begin_projection(most, MAX_ANGLE);
         self.system.begin(&self.bodies);
         self.system.solve(&self.topology, &self.bodies, &mut self.changes, PROJECTION_PASSES);
     }
@@ -314,7 +320,7 @@ impl Articulation {
     /// heavy one a centimetre, and the gaps grow. Those bodies are stiffened, and the step is sought again: in the limit none turns,
     /// for which the rows of points are exact.
     fn displace(&mut self, joints: &Pool<Joint, JointId>, worst: f64, accept: impl Fn(&Errors) -> bool) -> Option<Errors> {
-        self.tried.clone_from(&self.stances);
+        self.tried.clone_from(&self.local_poses);
         self.find_changes(joints);
         for attempt in 0..=STIFFENINGS {
             let left = self.try_share(joints, 1.0);
@@ -338,20 +344,20 @@ impl Articulation {
     }
 
     fn try_share(&mut self, joints: &Pool<Joint, JointId>, share: f64) -> Errors {
-        for ((body, stance), change) in self.bodies.iter().zip(&mut self.stances).zip(&self.changes) {
+        for ((body, stance), change) in self.bodies.iter().zip(&mut self.local_poses).zip(&self.changes) {
             body.displace(stance, change, share);
         }
         self.find_errors(joints)
     }
 
     fn take_back(&mut self) {
-        self.stances.clone_from(&self.tried);
+        self.local_poses.clone_from(&self.tried);
         self.points.is_known = false;
     }
 
     /// Makes bodies answer less by turning that have turned too far for an error of `worst` (m); returns whether there are any.
     fn stiffen(&mut self, worst: f64) -> bool {
-        let most = MOST_TURN.min(TURN_PER_ROOT * (worst / self.size).sqrt());
+        let most = MAX_TURN.min(TURN_PER_ROOT * (worst / self.size).sqrt());
         let mut any = false;
         for (body, change) in self.bodies.iter_mut().zip(&self.changes) {
             let turn = change.angular.length();
@@ -368,11 +374,14 @@ impl Articulation {
     /// A gap under a force is energy: a taut rope that is longer by 0.1 mm at each of its joints sags by a multiple of their sum, and its
     /// light pieces spin with what it falls by. What touches is not asked: contacts take more than that.
     fn is_harmless(&self, gap: f64) -> bool {
-        if self.coupled || gap <= LEAST_GAP * self.size {
+        if self.coupled || gap <= MIN_GAP * self.size {
             return true;
         }
-        let impulse =
-            self.entries.iter().map(|entry| f64::from(entry.impulses.point.length()) + ropes::pull(entry).abs()).sum::<f64>();
+        let impulse = self
+            .entries
+            .iter()
+            .map(|entry| f64::from(entry.impulses.point.length()) + distance_stiffness::pull(entry).abs())
+            .sum::<f64>();
         let most = |(body, rate): (&DirectBody, &Rate)| {
             let mass = body.free_mass()?;
             Some(0.5 * mass * (HARMLESS * rate.linear.length_squared()).max(HARMLESS_SPEED * HARMLESS_SPEED))
@@ -406,7 +415,7 @@ impl Articulation {
                 break;
             }
             if self.reached.is_empty() {
-                self.reached.extend_from_slice(&self.stances);
+                self.reached.extend_from_slice(&self.local_poses);
             }
             let accept = |left: &Errors| left.worst < errors.worst || (overlaps && left.worst <= good);
             let Some(left) = self.displace(joints, errors.worst, accept) else { break };
@@ -419,9 +428,9 @@ impl Articulation {
 }
 
 /// How a body answers to a motor.
-fn answer_of(body: &DirectBody) -> Answer {
+fn answer_of(body: &DirectBody) -> BodyResponse {
     let acceleration = Rate { linear: body.acceleration, angular: body.inverse_inertia * body.torque };
-    Answer { inverse_mass: body.inverse_mass, inverse_inertia: body.inverse_inertia, acceleration, center: DVec3::ZERO }
+    BodyResponse { inverse_mass: body.inverse_mass, inverse_inertia: body.inverse_inertia, acceleration, center: DVec3::ZERO }
 }
 
 /// The greater of two; unlike `max`, which passes over what is no number.

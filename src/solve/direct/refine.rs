@@ -1,5 +1,5 @@
-//! A solve with a kept factor, refined with the same factor until what rows lack is rounding; where they contradict one another, what only
-//! contradictions ask for is taken out.
+//! Iterative refinement with a kept factor, until residuals are rounding. Where rows contradict one another, the part of the
+//! multipliers that only the contradiction asks for is removed.
 //!
 //! With A the matrix, ε what is added to it and r what rows ask for, the factor gives p = (A + ε)⁻¹ r. Along an eigenvector of which A has λ
 //! that is r/(λ + ε), and each refinement takes it nearer to r/λ. But where rows repeat others λ is nothing, and r what they contradict
@@ -15,7 +15,7 @@
 //! and keep them.
 
 use super::block::{Lanes, ZERO};
-use super::factor::{self, Factor, Plan};
+use super::factor::{self, BlockFactor, BlockLayout};
 
 /// Most times that a solution is refined, and the share of the first residual from which it is.
 const REFINEMENTS: usize = 2;
@@ -31,13 +31,13 @@ pub(super) const MODERATIONS: usize = 2;
 /// Linear equations whose matrix has been factorised, and their unknowns.
 pub(super) trait Equations {
     /// Writes what the rows still lack, −(J v + b + γ p); returns the greatest.
-    fn find_residuals(&self, factor: &Factor, residuals: &mut [Lanes]) -> f64;
+    fn find_residuals(&self, factor: &BlockFactor, residuals: &mut [Lanes]) -> f64;
 
     /// Writes what has been added to the diagonal of each row that does not give, times its multiplier.
-    fn find_added(&self, factor: &Factor, added: &mut [Lanes]);
+    fn find_added(&self, factor: &BlockFactor, added: &mut [Lanes]);
 
     /// Adds a share of the increments to the multipliers, and their push to the rates.
-    fn add_impulses(&mut self, factor: &Factor, increments: &[Lanes], share: f64);
+    fn add_impulses(&mut self, factor: &BlockFactor, increments: &[Lanes], share: f64);
 }
 
 /// Solves the equations; the two lists are room for it. Multipliers are moderated `least` times, and `most` where rows contradict one
@@ -45,8 +45,8 @@ pub(super) trait Equations {
 /// next one does.
 pub(super) fn refine(
     equations: &mut impl Equations,
-    factor: &Factor,
-    plan: &Plan,
+    factor: &BlockFactor,
+    plan: &BlockLayout,
     [least, most]: [usize; 2],
     unknowns: &mut Vec<Lanes>,
     increments: &mut Vec<Lanes>,

@@ -1,4 +1,4 @@
-//! Fast rotors: bodies that spin about an axis of symmetry by a good part of a turn in a step, or by many.
+//! Fast rotors: bodies that spin about an axis of symmetry by a good part of a turn in a step, or by many turns.
 //!
 //! Of such a body everything but its angle is slow. With a the axis, σ the spin and Ω = ω − σ a the rest of its angular velocity, A and
 //! C the moments across the axis and along it,
@@ -32,18 +32,18 @@
 use glam::{DQuat, DVec3};
 
 use super::history::History;
-use crate::solve::joint::Stance;
+use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
 use crate::solve::rotation;
 
 /// Spin in a step from which a body is taken as a rotor (rad), and below which it no longer is: 3 and 1.8 rad/s at 60 steps a second. A
 /// gyroscope that the spin holds up against gravity falls by 2 cm in a second at 30 rad/s and 240 steps a second, 0.12 rad, if it is not.
-const LEAST_SPIN: f64 = 5.0e-2;
-const LEAST_SPIN_OF_ROTOR: f64 = 3.0e-2;
+const MIN_SPIN: f64 = 5.0e-2;
+const MIN_SPIN_OF_ROTOR: f64 = 3.0e-2;
 
 /// Spin over the rest of the angular velocity from which a body is taken as a rotor; it stays one as long as the spin is the greater. A
 /// link that swings as fast as it spins is none.
-const LEAST_SHARE: f64 = 2.0;
+const MIN_SHARE: f64 = 2.0;
 
 /// Difference of the two moments across the axis, over their sum, up to which a body counts as symmetric: what that leaves out of the
 /// momentum goes round with the spin, and comes to nothing over a turn.
@@ -52,10 +52,10 @@ const ALIKE: f64 = 1.0e-3;
 /// Greatest over least moment of inertia beyond which a body counts as slender: a rod, a shaft, a blade. A small tilt of its momentum is a
 /// large spin about its length, so its axis is always its length, and the momentum about that is extrapolated by itself. Taken as others
 /// are, with 76 a gyroscope lost all its spin in a second.
-const MOST_SHEAR: f64 = 4.0;
+const MAX_SHEAR: f64 = 4.0;
 
 /// Most that the axis of a rotor turns by in a substep of the world (rad): what is extrapolated of it is slow.
-const MOST_AXIS_TURN: f64 = 0.5;
+const MAX_AXIS_TURN: f64 = 0.5;
 
 /// Spin in a substep of the world (rad) from which the joints of a body feel the mean of its moments across the axis, however unlike.
 const BLURRED_SPIN: f64 = 1.0;
@@ -72,7 +72,7 @@ pub(super) fn thinnest(moments: &DVec3) -> usize {
 }
 
 pub(super) fn is_slender(moments: &DVec3) -> bool {
-    moments.max_element() > MOST_SHEAR * moments.min_element()
+    moments.max_element() > MAX_SHEAR * moments.min_element()
 }
 
 /// A body that spins fast about an axis of symmetry.
@@ -117,12 +117,12 @@ impl Rotor {
     pub fn of(
         body: usize,
         own: &super::body::DirectBody,
-        (stance, rate): (&Stance, &Rate),
+        (stance, rate): (&LocalPose, &Rate),
         known: bool,
         dt: f64,
         h: f64,
     ) -> Option<Self> {
-        let least = if known { LEAST_SPIN_OF_ROTOR } else { LEAST_SPIN } / dt;
+        let least = if known { MIN_SPIN_OF_ROTOR } else { MIN_SPIN } / dt;
         if rate.angular.length_squared() <= least * least || own.free_mass().is_none() || own.top.round {
             return None;
         }
@@ -137,8 +137,8 @@ impl Rotor {
         };
         let spin = local[fastest].abs();
         let rest = (local.length_squared() - spin * spin).max(0.0);
-        let share = if known { 1.0 } else { LEAST_SHARE };
-        if spin <= least || spin * spin < share * share * rest || rest * h * h > MOST_AXIS_TURN * MOST_AXIS_TURN {
+        let share = if known { 1.0 } else { MIN_SHARE };
+        if spin <= least || spin * spin < share * share * rest || rest * h * h > MAX_AXIS_TURN * MAX_AXIS_TURN {
             return None;
         }
         let is_blurred = unlike(&top.inertia, fastest) > ALIKE && spin * h > BLURRED_SPIN;
@@ -153,7 +153,7 @@ impl Rotor {
     }
 
     /// Of a slender body about its length, at whatever rate it spins.
-    pub fn of_shaft(body: usize, own: &super::body::DirectBody, (stance, rate): (&Stance, &Rate), h: f64) -> Option<Self> {
+    pub fn of_shaft(body: usize, own: &super::body::DirectBody, (stance, rate): (&LocalPose, &Rate), h: f64) -> Option<Self> {
         let moments = &own.top.inertia;
         if own.free_mass().is_none() || own.top.round || !is_slender(moments) {
             return None;
@@ -161,14 +161,14 @@ impl Rotor {
         let thin = thinnest(moments);
         let mut across = (stance.1 * own.top.frame).conjugate() * rate.angular;
         across[thin] = 0.0;
-        if across.length_squared() * h * h > MOST_AXIS_TURN * MOST_AXIS_TURN {
+        if across.length_squared() * h * h > MAX_AXIS_TURN * MAX_AXIS_TURN {
             return None;
         }
         Some(Self { by_axis: true, ..Self::about(thin, body, own, stance, false) })
     }
 
     /// About this principal axis.
-    fn about(number: usize, body: usize, own: &super::body::DirectBody, stance: &Stance, is_blurred: bool) -> Self {
+    fn about(number: usize, body: usize, own: &super::body::DirectBody, stance: &LocalPose, is_blurred: bool) -> Self {
         let top = &own.top;
         let mut axis = DVec3::ZERO;
         axis[number] = 1.0;

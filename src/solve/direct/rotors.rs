@@ -1,19 +1,19 @@
-//! Rotors of an articulation in its substeps: which bodies are such, where they are put and where they end. See [`super::rotor`].
+//! The rotors of an articulation through its substeps. See [`super::rotor`].
 
 use glam::DVec3;
 
 use super::articulation::{Articulation, Mode};
 use super::history::rotation_vector;
-use super::quads;
+use super::narrowing;
 use super::rotor::{self, Rotor};
-use super::single;
+use super::wide_integrator;
 use crate::solve::rotation;
 
 /// Share by which the error of passes must fall in each; where it does not, velocities before joints act stay as they are.
 const MUST_FALL: f64 = 0.5;
 
 /// Most by which a rotor that is not symmetric may turn in a substep (rad): passes that find where it ends go on falling up to twice that.
-const MOST_TURN: f64 = 0.4;
+const MAX_TURN: f64 = 0.4;
 
 /// Error of the axis at the end of a substep that passes leave (rad): ten seconds of a thousand substeps each add up to 1e-3.
 const AXIS_ERROR: f64 = 1.0e-7;
@@ -22,14 +22,14 @@ const AXIS_ERROR: f64 = 1.0e-7;
 const ROUNDING: f64 = 1.0e-6;
 
 /// Passes that a substep may take for its rotors.
-const MOST_PASSES: usize = 6;
+const MAX_PASSES: usize = 6;
 
 impl Articulation {
     /// Finds the rotors among the bodies for a step; what spins so fast that joints feel the mean of its moments gets that.
     pub(super) fn find_rotors(&mut self) {
         self.rotors.clear();
         for number in 0..self.bodies.len() {
-            let state = (&self.stances[number], &self.rates[number]);
+            let state = (&self.local_poses[number], &self.rates[number]);
             let known = self.histories[number].spin_turn != 0.0;
             self.rotors.extend(Rotor::of(number, &self.bodies[number], state, known, self.dt, self.world_substep));
         }
@@ -45,19 +45,19 @@ impl Articulation {
             let found = self.rotors.binary_search_by_key(&number, |rotor| rotor.body);
             if !found.is_ok_and(|at| self.rotors[at].by_axis) {
                 // It spins no faster than others: both ways in one vector again.
-                let (top, rotation) = (&self.bodies[number].top, self.stances[number].1);
+                let (top, rotation) = (&self.bodies[number].top, self.local_poses[number].1);
                 let spun = f64::from(history.spin_turn);
                 let spun = if rotor::is_slender(&top.inertia) {
                     rotation * top.frame * DVec3::AXES[rotor::thinnest(&top.inertia)] * spun
                 } else {
                     self.rates[number].angular.normalize_or_zero() * spun.abs()
                 };
-                history.turn = single::way(history.turn.as_dvec3() + spun);
+                history.turn = narrowing::way(history.turn.as_dvec3() + spun);
                 history.spin_turn = 0.0;
             }
         }
         if self.rotors.iter().any(|rotor| rotor.is_blurred) {
-            quads::gather(&mut self.quads, &self.bodies);
+            wide_integrator::gather(&mut self.bodies4, &self.bodies);
         }
     }
 
@@ -66,7 +66,7 @@ impl Articulation {
         let spinning = self.rotors.len();
         for number in 0..self.bodies.len() {
             if self.rotors[..spinning].binary_search_by_key(&number, |rotor| rotor.body).is_err() {
-                let state = (&self.stances[number], &self.rates[number]);
+                let state = (&self.local_poses[number], &self.rates[number]);
                 self.rotors.extend(Rotor::of_shaft(number, &self.bodies[number], state, self.world_substep));
             }
         }
@@ -75,11 +75,11 @@ impl Articulation {
 
     /// Puts rotors where the Euler part, `h` long, of a substep starts, and finds where it leads to without joints.
     pub(super) fn place_rotors(&mut self, full: f64, h: f64, mode: Mode) {
-        let Self { rotors, bodies, began, histories, order, stances, rates, predicted, .. } = self;
+        let Self { rotors, bodies, began, histories, order, local_poses, rates, predicted, .. } = self;
         for rotor in rotors {
             let number = rotor.body;
             let (body, history) = (&bodies[number], &histories[number]);
-            let (from, before) = (&began.stances[number], &began.rates[number]);
+            let (from, before) = (&began.local_poses[number], &began.rates[number]);
             (rotor.held, rotor.pose, rotor.kick, rotor.is_left) = (from.1 * rotor.axis, from.1, DVec3::ZERO, false);
             let (spin, rest) = rotor.split(before.angular);
             (rotor.start, rotor.first, rotor.spun_before, rotor.carried) = (from.1, rotor.held, 0.0, 0.0);
@@ -113,7 +113,7 @@ impl Articulation {
                     rotor.angular_at(rotor.pose, momentum)
                 };
                 rates[number].angular = angular / body.weights(h)[1];
-                stances[number].1 = rotor.start;
+                local_poses[number].1 = rotor.start;
             } else {
                 rotor.kick = rotor.kick_of(before.angular, h);
             }
@@ -137,7 +137,7 @@ impl Articulation {
         base.clone_from(&self.rates);
         let most = if mode == Mode::Safe { self.kinetic_energy() * (1.0 + ROUNDING) } else { f64::INFINITY };
         let mut before = f64::INFINITY;
-        for pass in 1..=MOST_PASSES {
+        for pass in 1..=MAX_PASSES {
             for rotor in &self.rotors {
                 let body = &self.bodies[rotor.body];
                 // As all that changes velocities in a safe substep.
@@ -154,7 +154,7 @@ impl Articulation {
                 worst = worst.max((kick - rotor.kick).length() * rotor.across / carried.max(f64::MIN_POSITIVE));
                 rotor.kick = kick;
             }
-            if worst <= AXIS_ERROR || pass == MOST_PASSES {
+            if worst <= AXIS_ERROR || pass == MAX_PASSES {
                 break;
             }
             self.rates.clone_from(&base);
@@ -187,43 +187,43 @@ impl Articulation {
                 continue;
             }
             if !rotor.by_axis {
-                (self.stances[rotor.body].1, self.rates[rotor.body].angular) = (rotor.turned(angular, h), angular);
+                (self.local_poses[rotor.body].1, self.rates[rotor.body].angular) = (rotor.turned(angular, h), angular);
                 continue;
             }
             let (spin, rest) = rotor.split(angular);
             let turned = rotor.turned(angular, h);
             let axis = turned * rotor.axis;
             rotor.spun = rotor.spun_before + spin * h;
-            self.stances[rotor.body].1 = turned;
+            self.local_poses[rotor.body].1 = turned;
             self.rates[rotor.body].angular = rest - axis * rest.dot(axis) + axis * spin;
         }
     }
 
     /// Notes the two ways of rotors in the substep.
     pub(super) fn note_ways_of_rotors(&mut self) {
-        let Self { rotors, stances, rates, reached, began, histories, order, h, .. } = self;
-        let ended = if reached.is_empty() { stances } else { reached };
+        let Self { rotors, local_poses, rates, reached, began, histories, order, h, .. } = self;
+        let ended = if reached.is_empty() { local_poses } else { reached };
         for rotor in rotors.iter().filter(|rotor| rotor.by_axis) {
             let without = ended[rotor.body].1 * rotation::quaternion_of(rotor.axis * -rotor.spun);
-            let way = rotation_vector(without * began.stances[rotor.body].1.conjugate());
+            let way = rotation_vector(without * began.local_poses[rotor.body].1.conjugate());
             let history = &mut histories[rotor.body];
-            (history.turn, history.spin_turn) = (single::way(way), rotor.spun as f32);
-            let (axis, from) = (ended[rotor.body].1 * rotor.axis, began.stances[rotor.body].1 * rotor.axis);
+            (history.turn, history.spin_turn) = (narrowing::way(way), rotor.spun as f32);
+            let (axis, from) = (ended[rotor.body].1 * rotor.axis, began.local_poses[rotor.body].1 * rotor.axis);
             let gained = rotor.along * (rates[rotor.body].angular.dot(axis) - began.rates[rotor.body].angular.dot(from));
             let torque = history.torque.as_dvec3();
             let about = (gained - rotor.carried) / (order.euler_share * *h);
-            history.torque = single::impulse(torque + axis * (about - torque.dot(axis)));
+            history.torque = narrowing::impulse(torque + axis * (about - torque.dot(axis)));
         }
     }
 
     /// Substeps of a step in which no rotor that is not symmetric turns too far.
     pub(super) fn substeps_of_rotors(&self) -> u32 {
         let turning = |rotor: &Rotor| {
-            let (angular, axis) = (self.rates[rotor.body].angular, self.stances[rotor.body].1 * rotor.axis);
+            let (angular, axis) = (self.rates[rotor.body].angular, self.local_poses[rotor.body].1 * rotor.axis);
             if rotor.by_axis { (angular - axis * angular.dot(axis)).length() } else { angular.length() }
         };
         let uneven = self.rotors.iter().filter(|rotor| rotor.is_uneven());
         let fastest = uneven.map(turning).fold(0.0, f64::max);
-        (fastest * self.dt / MOST_TURN).ceil() as u32
+        (fastest * self.dt / MAX_TURN).ceil() as u32
     }
 }

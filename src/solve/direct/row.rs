@@ -3,12 +3,12 @@
 use glam::DVec3;
 
 use super::body::DirectBody;
-use super::guard::Repeats;
+use super::redundancy::Redundancy;
 use crate::solve::joint::rows::{self, Rate};
 
 /// Whether a row with bounds is part of the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum State {
+pub(super) enum RowState {
     Free,
     Low,
     High,
@@ -42,8 +42,8 @@ pub(crate) struct Row {
     pub(super) min: f64,
     pub(super) max: f64,
     pub impulse: f64,
-    pub(super) state: State,
-    pub(super) repeats: Repeats,
+    pub(super) state: RowState,
+    pub(super) repeats: Redundancy,
 }
 
 impl Row {
@@ -65,8 +65,8 @@ impl Row {
         min: f64::NEG_INFINITY,
         max: f64::INFINITY,
         impulse: 0.0,
-        state: State::Free,
-        repeats: Repeats::Often,
+        state: RowState::Free,
+        repeats: Redundancy::Often,
     };
 
     pub(super) fn rate(&self, [a, b]: &[Rate; 2]) -> f64 {
@@ -97,6 +97,6 @@ impl Row {
 
     pub(super) fn fix(&mut self, impulse: f64) {
         self.impulse = impulse;
-        self.state = State::High;
+        self.state = RowState::High;
     }
 }

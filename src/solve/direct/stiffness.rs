@@ -15,7 +15,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::fours::FourSymmetric;
+use super::fours::Sym3x4;
 use crate::lanes::four::Four;
 
 /// Transverse stiffness κ of a joint below which a smooth substep takes its Jacobian at the start, and above which at the predicted
@@ -39,7 +39,7 @@ pub(crate) fn of_impulse(impulse: DVec3, lever: DVec3) -> DMat3 {
 /// p(λ) = det(A − λ) is convex and positive left of the lowest root, so that Newton's steps from a lower bound (Gershgorin's) never
 /// pass it.
 #[inline(always)]
-pub(super) fn without_negative<F: Four>(g: FourSymmetric<F>) -> FourSymmetric<F> {
+pub(super) fn without_negative<F: Four>(g: Sym3x4<F>) -> Sym3x4<F> {
     let (mut lambda, [trace, minors, determinant]) = g.characteristic();
     let zero = F::splat(0.0);
     let mut open = lambda.below(zero);
@@ -86,7 +86,7 @@ mod tests {
         for _ in 0..1000 {
             let mut draw = || DVec3::new(next(), next(), next());
             let g = of_impulse(draw(), draw()) + of_impulse(draw(), draw());
-            let shifted = without_negative(FourSymmetric::<Plain>::of([&g; 4])).each()[0];
+            let shifted = without_negative(Sym3x4::<Plain>::of([&g; 4])).each()[0];
             let added = shifted.x_axis.x - g.x_axis.x;
             assert!(is_positive(&shifted, -1.0e-12), "{shifted:?} is indefinite");
             let less = g + DMat3::from_diagonal(DVec3::splat(added * 0.9 - 1.0e-6));

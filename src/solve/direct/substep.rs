@@ -3,13 +3,13 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::{Articulation, Mode};
-use super::history::{SecondOrder, Surprise};
-use super::quads::{self, Start};
-use super::ropes::Line;
+use super::distance_stiffness::DistanceLine;
+use super::history::{LocalError, SecondOrder};
+use super::narrowing;
 use super::row::Origin;
-use super::single;
 use super::stiffness::{self, IMPLICIT_RANGE};
 use super::system::{CONTACT_PASSES, PASSES};
+use super::wide_integrator::{self, Start};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::joint::rows::Phase;
@@ -44,8 +44,8 @@ impl Articulation {
         if holds_axes {
             self.swap_held_rotors();
         }
-        let stances = if mode == Mode::SecondOrder { &self.predicted } else { &self.stances };
-        quads::respond(&self.quads, h, stances, &self.stiffness, &mut self.bodies);
+        let local_poses = if mode == Mode::SecondOrder { &self.predicted } else { &self.local_poses };
+        wide_integrator::respond(&self.bodies4, h, local_poses, &self.stiffness, &mut self.bodies);
         if holds_axes {
             self.swap_held_rotors();
         }
@@ -74,10 +74,10 @@ impl Articulation {
         self.keep_impulses(full / h);
         self.note_rotors();
         if mode == Mode::SecondOrder {
-            quads::advance(&self.quads, h, &self.bodies, &mut self.stances, &mut self.rates);
+            wide_integrator::advance(&self.bodies4, h, &self.bodies, &mut self.local_poses, &mut self.rates);
         }
         for (i, body) in self.bodies.iter().enumerate().filter(|(_, body)| mode != Mode::SecondOrder || !body.is_dynamic()) {
-            let (stance, rate) = (&mut self.stances[i], &mut self.rates[i]);
+            let (stance, rate) = (&mut self.local_poses[i], &mut self.rates[i]);
             body.limit_speed(rate);
             let turn = body.turn(stance, rate, h);
             stance.0 += rate.linear * h;
@@ -111,7 +111,7 @@ impl Articulation {
 
     /// Kinetic energy of all bodies that move freely (J).
     pub(super) fn kinetic_energy(&self) -> f64 {
-        let bodies = self.bodies.iter().zip(&self.stances).zip(&self.rates);
+        let bodies = self.bodies.iter().zip(&self.local_poses).zip(&self.rates);
         bodies.map(|((body, stance), rate)| body.energy(stance, rate, stance)).sum()
     }
 
@@ -123,7 +123,7 @@ impl Articulation {
     }
 
     fn apply_forces(&mut self, h: f64) {
-        for ((body, stance), rate) in self.bodies.iter().zip(&self.stances).zip(&mut self.rates) {
+        for ((body, stance), rate) in self.bodies.iter().zip(&self.local_poses).zip(&mut self.rates) {
             body.apply_forces(stance, rate, h);
         }
     }
@@ -137,7 +137,7 @@ impl Articulation {
     }
 
     /// Change of velocity beyond a steady one in this substep, averaged over a step.
-    pub(super) fn surprise(&mut self) -> Surprise {
+    pub(super) fn surprise(&mut self) -> LocalError {
         let (mut sum, mut total, mut worst) = (0.0, 0.0, 0.0_f64);
         for (i, body) in self.bodies.iter().enumerate() {
             if let Some(mass) = body.free_mass() {
@@ -149,7 +149,7 @@ impl Articulation {
             }
         }
         let square = self.h * self.h;
-        Surprise { mean: if total > 0.0 { square * sum / total } else { 0.0 }, worst: square * worst }
+        LocalError { mean: if total > 0.0 { square * sum / total } else { 0.0 }, worst: square * worst }
     }
 
     /// Angular momentum at the end of a substep of an articulation that hangs on nothing, each body weighed with its damping: what
@@ -168,16 +168,16 @@ impl Articulation {
     pub(super) fn keep_momentum(&mut self, expected: Option<DVec3>) {
         let (Some(expected), Some(now)) = (expected, self.whole()) else { return };
         let center = now.center() + self.origins[1];
-        let Self { bodies, origins, stances, rates, h, .. } = self;
+        let Self { bodies, origins, local_poses, rates, h, .. } = self;
         let mut inertia = Inertia::ZERO;
         for i in 1..bodies.len() {
             let Some(mass) = bodies[i].free_mass() else { return };
             let [along, about] = bodies[i].weights(*h);
-            inertia.add(mass * along, origins[i] + stances[i].0 - center, bodies[i].inertia_at(&stances[i]) * about);
+            inertia.add(mass * along, origins[i] + local_poses[i].0 - center, bodies[i].inertia_at(&local_poses[i]) * about);
         }
         let turn = inertia.rate_of(expected - now.spin());
         for i in 1..bodies.len() {
-            rates[i].linear += turn.cross(origins[i] + stances[i].0 - center);
+            rates[i].linear += turn.cross(origins[i] + local_poses[i].0 - center);
             rates[i].angular += turn;
         }
     }
@@ -189,7 +189,7 @@ impl Articulation {
         }
         let mut whole = Whole::default();
         for i in 1..self.bodies.len() {
-            let (body, stance, rate) = (&self.bodies[i], &self.stances[i], &self.rates[i]);
+            let (body, stance, rate) = (&self.bodies[i], &self.local_poses[i], &self.rates[i]);
             let [along, about] = body.weights(self.h);
             let place = self.origins[i] - self.origins[1] + stance.0;
             whole.add(body.free_mass()? * along, place, rate.linear, body.spin(stance, rate) * about);
@@ -205,23 +205,23 @@ impl Articulation {
             return;
         }
         self.apply_forces(h);
-        let bodies = self.bodies.iter().zip(&self.rates).zip(&self.stances);
+        let bodies = self.bodies.iter().zip(&self.rates).zip(&self.local_poses);
         match mode {
             Mode::Smooth => self
                 .predicted
                 .extend(bodies.map(|((body, rate), stance)| (stance.0 + rate.linear * h, body.turn(stance, rate, h).rotation))),
-            _ => self.predicted.extend_from_slice(&self.stances),
+            _ => self.predicted.extend_from_slice(&self.local_poses),
         }
     }
 
     /// Puts bodies where their second-order substep starts, `full` long with an Euler part of `h`, and finds where that ends.
     fn predict_second_order(&mut self, full: f64, h: f64) {
-        let Self { bodies, quads, order, histories, stances, rates, predicted, .. } = self;
-        predicted.extend_from_slice(stances);
-        quads::predict(quads, order, h, histories, &mut Start { stances, rates, predicted });
+        let Self { bodies, bodies4, order, histories, local_poses, rates, predicted, .. } = self;
+        predicted.extend_from_slice(local_poses);
+        wide_integrator::predict(bodies4, order, h, histories, &mut Start { local_poses, rates, predicted });
         // A body that is moved by others arrives where a whole substep takes it.
         for i in (0..bodies.len()).filter(|&i| !bodies[i].is_dynamic()) {
-            let (stance, rate) = (&mut stances[i], &rates[i]);
+            let (stance, rate) = (&mut local_poses[i], &rates[i]);
             let rest = full - h;
             stance.0 += rate.linear * rest;
             stance.1 = rotation::rotated(stance.1, rate.angular * rest);
@@ -240,7 +240,7 @@ impl Articulation {
         self.implicit.clear();
         self.tensions.clear();
         for touch in self.touches.iter().filter(|_| mode == Mode::Safe) {
-            if let Some((stiffness, turning)) = touch.stiffness(&self.stances, &self.step_start, &self.rates) {
+            if let Some((stiffness, turning)) = touch.stiffness(&self.local_poses, &self.step_start, &self.rates) {
                 self.stiffness[touch.body as usize] += stiffness * (h * share);
                 self.turning[touch.body as usize] = turning;
             }
@@ -254,7 +254,7 @@ impl Articulation {
             let levers = if self.is_points {
                 self.points.ends[number].levers
             } else {
-                [0, 1].map(|side| self.stances[link.bodies[side] as usize].1 * entry.local_lever[side])
+                [0, 1].map(|side| self.local_poses[link.bodies[side] as usize].1 * entry.local_lever[side])
             };
             let implicit = if mode == Mode::Safe {
                 1.0
@@ -274,10 +274,10 @@ impl Articulation {
     }
 
     /// Line of a distance joint that pulls, at the poses of now.
-    fn line_of(&self, number: usize) -> Option<Line> {
+    fn line_of(&self, number: usize) -> Option<DistanceLine> {
         let (link, entry) = (&self.links[number], &self.entries[number]);
-        let [a, b] = link.bodies.map(|body| &self.stances[body as usize]);
-        Line::of(entry, entry.points(a, b).gap)
+        let [a, b] = link.bodies.map(|body| &self.local_poses[body as usize]);
+        DistanceLine::of(entry, entry.points(a, b).gap)
     }
 
     /// Hands the multipliers back to the joints and adds them to their loads.
@@ -290,13 +290,13 @@ impl Articulation {
             return self.keep_point_impulses(scale);
         }
         let (carried, steady) = (self.order.extrapolation, self.order.steady_share);
-        let Self { entries, system, links, stances, touches, .. } = self;
+        let Self { entries, system, links, local_poses, touches, .. } = self;
         system.drop_senseless();
         for ((entry, node), link) in entries.iter_mut().zip(&system.nodes).zip(&*links) {
             let (mut point, mut angular) = (DVec3::ZERO, DVec3::ZERO);
             let (mut linear_load, mut angular_load) = (DVec3::ZERO, DVec3::ZERO);
             let mut last = [entry.impulses.point.as_dvec3(), entry.impulses.angular.as_dvec3()];
-            let lever = stances[link.bodies[1] as usize].1 * entry.local_lever[1];
+            let lever = local_poses[link.bodies[1] as usize].1 * entry.local_lever[1];
             for row in &system.rows[node.first as usize..node.last as usize] {
                 let impulse = row.impulse * scale;
                 match row.origin {
@@ -316,10 +316,10 @@ impl Articulation {
                     Origin::Across | Origin::Contact => {}
                 }
             }
-            entry.impulses.point = single::impulse(point);
-            entry.impulses.angular = single::impulse(angular);
+            entry.impulses.point = narrowing::impulse(point);
+            entry.impulses.angular = narrowing::impulse(angular);
             let acted = |found: DVec3, last: DVec3, acted: Vec3| {
-                single::impulse(found / scale + last * steady + acted.as_dvec3() * carried)
+                narrowing::impulse(found / scale + last * steady + acted.as_dvec3() * carried)
             };
             entry.pressed |= entry.impulses.pressing();
             entry.acted =

@@ -19,28 +19,28 @@ use glam::DVec3;
 
 use super::block::{Lanes, ZERO};
 use super::body::DirectBody;
-use super::factor::{self, Factor, Plan};
-use super::grip::ContactRows;
-use super::guard::{Guard, Repeats};
-use super::packed::{self, Packed};
+use super::contact_rows::ContactRows;
+use super::factor::{self, BlockFactor, BlockLayout};
+use super::packed_rows::{self, PackedRows};
+use super::redundancy::{Redundancy, Regularization};
 use super::refine::{Equations, MODERATIONS, refine};
-use super::row::{Origin, Row, State};
+use super::row::{Origin, Row, RowState};
 use crate::solve::joint::friction;
-use crate::solve::joint::rows::{self, Held, Rate};
+use crate::solve::joint::rows::{self, HeldDirections, Rate};
 
-/// Most passes of the active set: nearly all solves take one, and the last ones (a third, at most [`MOST_CLOSING`]) free nothing
+/// Most passes of the active set: nearly all solves take one, and the last ones (a third, at most [`MAX_CLOSING`]) free nothing
 /// any more. Contacts ask for more than stops and motors; a projection is judged by what it reaches.
 pub(crate) const PASSES: usize = 24;
 pub(crate) const CONTACT_PASSES: usize = 40;
 pub(crate) const PROJECTION_PASSES: usize = 4;
-const MOST_CLOSING: usize = 6;
+const MAX_CLOSING: usize = 6;
 
 /// Passes that may go by without fewer rows in the wrong state before they are changed one by one.
 const PATIENCE: usize = 3;
 
 /// Greatest multiplier that bodies can ask for: the greatest mass at the greatest speed (N·s). Rows that nothing can fulfil, as those
 /// of a body that is moved away from one with locked axes, have some that rise without end.
-pub(super) const MOST_IMPULSE: f64 = 1.0e16;
+pub(super) const MAX_IMPULSE: f64 = 1.0e16;
 
 /// Compliance of a contact's row over its own response: of multipliers that hold equally, those of least norm are taken.
 const CONTACT_COMPLIANCE: f64 = 1.0e-6;
@@ -50,7 +50,7 @@ const AT_BOUND: f64 = 1.0 - 1.0e-6;
 
 /// The rows and bodies of a joint, or of an articulation and what it carries.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Node {
+pub(crate) struct SystemNode {
     pub bodies: [u32; 2],
     pub first: u32,
     pub last: u32,
@@ -71,10 +71,10 @@ pub(crate) struct Coupling {
 /// What does not change while the joints and their bodies stay the same.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Topology {
-    pub plan: Plan,
+    pub plan: BlockLayout,
     pub couplings: Vec<Coupling>,
-    /// By [`Repeats`].
-    pub(super) guards: [Guard; 4],
+    /// By [`Redundancy`].
+    pub(super) regularizations: [Regularization; 4],
     /// Loops that joints close, where all that does not move is one body.
     pub loops: usize,
     /// Whether two joints that do more than hold points hold the same two bodies: a door on its hinges.
@@ -84,13 +84,13 @@ pub(crate) struct Topology {
 /// All rows of an articulation, and room to solve them.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct System {
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<SystemNode>,
     pub rows: Vec<Row>,
     /// Sum of each row's multipliers over the substeps since they were handed back to the joints; empty where there are none.
     pub sums: Vec<f64>,
     pub contacts: Vec<ContactRows>,
-    factor: Factor,
-    packed: Packed,
+    factor: BlockFactor,
+    packed_rows: PackedRows,
     /// Rows in the system now, by node.
     counts: Vec<u32>,
     unknowns: Vec<Lanes>,
@@ -105,11 +105,11 @@ pub(crate) struct System {
     is_exact: bool,
     /// Whether the factor is that of the rows that are free now.
     pub(super) is_factored: bool,
-    /// Whether a lane of a [`Lockstep`](super::lockstep::Lockstep) holds the rows as they are now, but for biases that are new.
+    /// Whether a lane of a [`ArticulationBatch`](super::articulation_batch::ArticulationBatch) holds the rows as they are now, but for biases that are new.
     pub(super) is_abreast: bool,
     pub(super) has_new_biases: bool,
     /// Rows in the wrong state, and the state that they want.
-    pub(super) flips: Vec<(u32, State)>,
+    pub(super) flips: Vec<(u32, RowState)>,
     /// Whether multipliers of rows that contradict each other are moderated.
     pub(super) moderates: bool,
     /// Whether every solve since this was set came to an end by itself.
@@ -133,17 +133,17 @@ impl System {
         point: Option<&rows::BlockRow>,
         direction: Option<&rows::BlockRow>,
         scalars: &[rows::ScalarRow],
-        repeats: Repeats,
+        repeats: Redundancy,
     ) {
         let first = self.rows.len() as u32;
         if let Some(block) = point {
             let mut axes = axes_of(block.held);
             let mut all = [repeats; 3];
-            if repeats == Repeats::InLine {
-                all = [Repeats::Often; 3];
-                if let Some(rows::BlockRow { held: Held::Across(axis), .. }) = direction {
+            if repeats == Redundancy::InLine {
+                all = [Redundancy::Often; 3];
+                if let Some(rows::BlockRow { held: HeldDirections::Across(axis), .. }) = direction {
                     let (u, v) = across(*axis);
-                    (axes, all) = (([u, v, *axis], 3), [Repeats::InLine, Repeats::InLine, Repeats::Often]);
+                    (axes, all) = (([u, v, *axis], 3), [Redundancy::InLine, Redundancy::InLine, Redundancy::Often]);
                 }
             }
             self.add_block(block, axes, all, |axis| {
@@ -152,7 +152,7 @@ impl System {
             });
         }
         if let Some(block) = direction {
-            self.add_block(block, axes_of(block.held), [Repeats::Often; 3], |axis| {
+            self.add_block(block, axes_of(block.held), [Redundancy::Often; 3], |axis| {
                 (rows::Jacobian::angular(axis), Origin::Direction)
             });
         }
@@ -161,26 +161,26 @@ impl System {
             let carried = f64::from(row.impulse);
             // A carried multiplier is rounded.
             let (state, impulse) = match (row.acts, min < max) {
-                (false, _) => (State::Absent, carried),
-                (true, true) if carried > min * AT_BOUND && carried < max * AT_BOUND => (State::Free, carried),
-                (true, _) if carried <= min * AT_BOUND => (State::Low, min),
-                _ => (State::High, max),
+                (false, _) => (RowState::Absent, carried),
+                (true, true) if carried > min * AT_BOUND && carried < max * AT_BOUND => (RowState::Free, carried),
+                (true, _) if carried <= min * AT_BOUND => (RowState::Low, min),
+                _ => (RowState::High, max),
             };
             let (origin, repeats) = match row.id {
-                friction::ABOUT_POINT => (Origin::Direction, Repeats::Idly),
-                friction::OF_AXES.. => (Origin::Scalar(row.id), Repeats::Idly),
-                _ => (Origin::Scalar(row.id), Repeats::Often),
+                friction::ABOUT_POINT => (Origin::Direction, Redundancy::Idly),
+                friction::OF_AXES.. => (Origin::Scalar(row.id), Redundancy::Idly),
+                _ => (Origin::Scalar(row.id), Redundancy::Often),
             };
             self.rows.push(Row { bias, gamma, min, max, impulse, state, repeats, ..Row::of(&row.jacobian, origin) });
         }
-        self.nodes.push(Node { bodies, first, last: self.rows.len() as u32 });
+        self.nodes.push(SystemNode { bodies, first, last: self.rows.len() as u32 });
     }
 
     fn add_block(
         &mut self,
         block: &rows::BlockRow,
         (axes, count): ([DVec3; 3], usize),
-        repeats: [Repeats; 3],
+        repeats: [Redundancy; 3],
         row_along: impl Fn(DVec3) -> (rows::Jacobian, Origin),
     ) {
         for (&axis, repeats) in axes[..count].iter().zip(repeats) {
@@ -189,7 +189,7 @@ impl System {
                 bias: block.bias.dot(axis),
                 gamma: block.gamma,
                 impulse: block.impulse.as_dvec3().dot(axis),
-                state: if block.acts { State::Free } else { State::Absent },
+                state: if block.acts { RowState::Free } else { RowState::Absent },
                 repeats,
                 ..Row::of(&jacobian, origin)
             });
@@ -212,7 +212,7 @@ impl System {
                 row.gamma = CONTACT_COMPLIANCE * row.response(node.bodies.map(|body| &bodies[body as usize]));
             }
         }
-        self.is_bounded = self.rows.iter().any(|row| row.state != State::Free || row.has_bounds());
+        self.is_bounded = self.rows.iter().any(|row| row.state != RowState::Free || row.has_bounds());
         self.bounded.clear();
         for (number, node) in self.nodes.iter().enumerate() {
             let has_bounds = |&row: &u32| self.rows[row as usize].has_bounds();
@@ -231,11 +231,11 @@ impl System {
             if row.min == 0.0 && row.max == f64::INFINITY {
                 let pair = self.nodes[node as usize].bodies.map(|body| changes[body as usize]);
                 row.bias = (row.bias + row.rate(&pair)).max(0.0);
-                any_free |= row.state == State::Free;
+                any_free |= row.state == RowState::Free;
             }
         }
         if self.is_factored && any_free {
-            self.packed.take_biases(&self.rows);
+            self.packed_rows.take_biases(&self.rows);
         }
         self.has_new_biases |= any_free;
         self.has_pushed = false;
@@ -250,7 +250,7 @@ impl System {
                 Origin::Direction => row.angular[1].dot(direction),
                 Origin::Scalar(id) => {
                     let found = scalars.iter().find(|scalar| scalar.id == id && scalar.acts);
-                    let is_held = row.state == State::Free && row.min == 0.0;
+                    let is_held = row.state == RowState::Free && row.min == 0.0;
                     found.map_or(0.0, |scalar| if is_held { scalar.bias.min(0.0) } else { scalar.bias })
                 }
                 Origin::Across | Origin::Contact => 0.0,
@@ -261,13 +261,13 @@ impl System {
     /// Worst overrun of the stops that have no part in the system, after these displacements (rad).
     pub(super) fn overrun(&self, changes: &[Rate]) -> f64 {
         let stops = self.bounded.iter().map(|&(row, node)| (&self.rows[row as usize], &self.nodes[node as usize]));
-        let apart = stops.filter(|(row, _)| row.state == State::Low && row.max == f64::INFINITY);
+        let apart = stops.filter(|(row, _)| row.state == RowState::Low && row.max == f64::INFINITY);
         apart.map(|(row, node)| -(row.bias + row.rate(&node.bodies.map(|body| changes[body as usize])))).fold(0.0, f64::max)
     }
 
     /// Solves the rows that are free, whose factor is there, once more for what they ask for now.
     pub(super) fn solve_lasting(&mut self, topology: &Topology, bodies: &[DirectBody], changes: &mut [Rate]) {
-        self.packed.take_biases(&self.rows);
+        self.packed_rows.take_biases(&self.rows);
         self.solve_active(topology, bodies, changes);
     }
 
@@ -293,17 +293,17 @@ impl System {
             self.has_pushed = true;
             return self.push(bodies, rates, |row| row.impulse);
         }
-        let Self { nodes, factor, packed, increments, .. } = self;
-        increments.clone_from(&packed.impulse);
-        packed.impulse.fill(ZERO);
-        packed::add_impulses(packed, increments, 1.0, nodes, factor, bodies, rates);
+        let Self { nodes, factor, packed_rows, increments, .. } = self;
+        increments.clone_from(&packed_rows.impulse);
+        packed_rows.impulse.fill(ZERO);
+        packed_rows::add_impulses(packed_rows, increments, 1.0, nodes, factor, bodies, rates);
         self.note_pushed(bodies, rates);
     }
 
     /// Notes that the push of the free rows' multipliers is in the rates, and adds that of the others.
     pub(super) fn note_pushed(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
         self.has_pushed = true;
-        let pushes = |row: &Row| matches!(row.state, State::Low | State::High) && row.impulse != 0.0;
+        let pushes = |row: &Row| matches!(row.state, RowState::Low | RowState::High) && row.impulse != 0.0;
         if self.bounded.iter().any(|&(row, _)| pushes(&self.rows[row as usize])) {
             self.push_fixed(bodies, rates);
         }
@@ -350,7 +350,7 @@ impl System {
             rates.copy_from_slice(&self.base);
             self.push_fixed(bodies, rates);
             self.solve_active(topology, bodies, rates);
-            let may_free = pass + (most_passes / 3).min(MOST_CLOSING) < most_passes;
+            let may_free = pass + (most_passes / 3).min(MAX_CLOSING) < most_passes;
             wrong = self.find_flips(rates, may_free);
             if wrong < fewest {
                 (fewest, patience) = (wrong, PATIENCE);
@@ -375,7 +375,7 @@ impl System {
     /// Forgets the multipliers of a solve that came to more than bodies can ask for: they are neither carried on nor anyone's load.
     pub(crate) fn drop_senseless(&mut self) {
         // Written so that one which is no number counts.
-        if !self.rows.iter().all(|row| row.impulse.abs() <= MOST_IMPULSE) {
+        if !self.rows.iter().all(|row| row.impulse.abs() <= MAX_IMPULSE) {
             self.rows.iter_mut().for_each(|row| row.impulse = 0.0);
             // What is packed would go on from the old ones.
             (self.is_factored, self.is_abreast) = (false, false);
@@ -390,7 +390,7 @@ impl System {
     }
 
     fn push_fixed(&self, bodies: &[DirectBody], rates: &mut [Rate]) {
-        self.push(bodies, rates, |row| if matches!(row.state, State::Low | State::High) { row.impulse } else { 0.0 });
+        self.push(bodies, rates, |row| if matches!(row.state, RowState::Low | RowState::High) { row.impulse } else { 0.0 });
     }
 
     /// Adds what rows push with these impulses to the rates: one response for each body of a node.
@@ -415,24 +415,24 @@ impl System {
     }
 
     fn solve_active(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
-        let Self { nodes, rows, factor, packed, counts, .. } = self;
+        let Self { nodes, rows, factor, packed_rows, counts, .. } = self;
         if !std::mem::replace(&mut self.is_factored, true) {
             self.is_exact = false;
-            packed.choose(nodes, rows, counts);
+            packed_rows.choose(nodes, rows, counts);
             factor.start(&topology.plan, counts);
-            packed::pack(packed, nodes, rows, factor, topology, bodies);
-            packed::assemble(factor, packed, nodes, topology, bodies);
+            packed_rows::pack(packed_rows, nodes, rows, factor, topology, bodies);
+            packed_rows::assemble(factor, packed_rows, nodes, topology, bodies);
             factor::factorize(factor, &topology.plan);
         }
-        packed.impulse.clear();
-        packed.impulse.resize(factor.len(), ZERO);
+        packed_rows.impulse.clear();
+        packed_rows.impulse.resize(factor.len(), ZERO);
         self.improve(topology, bodies, rates);
     }
 
     /// Whether rows of contacts are part of the system now.
     fn touches(&self) -> bool {
         let rows_of = |contact: &ContactRows| contact.first as usize..(contact.first + contact.count()) as usize;
-        self.contacts.iter().any(|contact| self.rows[rows_of(contact)].iter().any(|row| row.state == State::Free))
+        self.contacts.iter().any(|contact| self.rows[rows_of(contact)].iter().any(|row| row.state == RowState::Free))
     }
 
     /// Adds what the free rows still lack.
@@ -440,12 +440,12 @@ impl System {
         // What contacts contradict each other in is for their active set to settle.
         let least = usize::from(topology.doubled);
         let most = if self.moderates && !self.touches() { MODERATIONS } else { least };
-        let Self { nodes, rows, contacts, factor, packed, unknowns, increments, is_exact, .. } = self;
-        let mut equations = FreeRows { packed, nodes, bodies, rates };
+        let Self { nodes, rows, contacts, factor, packed_rows, unknowns, increments, is_exact, .. } = self;
+        let mut equations = FreeRows { packed_rows, nodes, bodies, rates };
         refine(&mut equations, factor, &topology.plan, [least, most], unknowns, increments, is_exact);
         // Rows of contacts repeat one another.
         *is_exact &= contacts.is_empty();
-        packed.unpack(rows);
+        packed_rows.unpack(rows);
         self.is_abreast = false;
     }
 
@@ -454,9 +454,9 @@ impl System {
     pub(crate) fn begin_projection(&mut self, length: f64, angle: f64) {
         for row in &mut self.rows {
             let most = if row.linear == [DVec3::ZERO; 2] { angle } else { length };
-            let overrun = row.bias < 0.0 && row.min == 0.0 && row.origin != Origin::Contact && row.state != State::Absent;
+            let overrun = row.bias < 0.0 && row.min == 0.0 && row.origin != Origin::Contact && row.state != RowState::Absent;
             if overrun {
-                (row.state, row.min) = (State::Free, f64::NEG_INFINITY);
+                (row.state, row.min) = (RowState::Free, f64::NEG_INFINITY);
             }
             row.bias = row.bias.max(-most);
             if row.min == f64::NEG_INFINITY {
@@ -468,31 +468,31 @@ impl System {
 
 /// The rows that are free, at rates that change as they are solved.
 struct FreeRows<'a> {
-    packed: &'a mut Packed,
-    nodes: &'a [Node],
+    packed_rows: &'a mut PackedRows,
+    nodes: &'a [SystemNode],
     bodies: &'a [DirectBody],
     rates: &'a mut [Rate],
 }
 
 impl Equations for FreeRows<'_> {
-    fn find_residuals(&self, factor: &Factor, residuals: &mut [Lanes]) -> f64 {
-        packed::find_residuals(residuals, self.packed, self.nodes, factor, self.rates)
+    fn find_residuals(&self, factor: &BlockFactor, residuals: &mut [Lanes]) -> f64 {
+        packed_rows::find_residuals(residuals, self.packed_rows, self.nodes, factor, self.rates)
     }
 
-    fn find_added(&self, factor: &Factor, added: &mut [Lanes]) {
-        self.packed.find_added(factor, added);
+    fn find_added(&self, factor: &BlockFactor, added: &mut [Lanes]) {
+        self.packed_rows.find_added(factor, added);
     }
 
-    fn add_impulses(&mut self, factor: &Factor, increments: &[Lanes], share: f64) {
-        packed::add_impulses(self.packed, increments, share, self.nodes, factor, self.bodies, self.rates);
+    fn add_impulses(&mut self, factor: &BlockFactor, increments: &[Lanes], share: f64) {
+        packed_rows::add_impulses(self.packed_rows, increments, share, self.nodes, factor, self.bodies, self.rates);
     }
 }
 
 /// Unit vectors that span what a block holds, and how many.
-fn axes_of(held: Held) -> ([DVec3; 3], usize) {
+fn axes_of(held: HeldDirections) -> ([DVec3; 3], usize) {
     match held {
-        Held::All => (DVec3::AXES, 3),
-        Held::Across(axis) => {
+        HeldDirections::All => (DVec3::AXES, 3),
+        HeldDirections::Across(axis) => {
             let (u, v) = across(axis);
             ([u, v, DVec3::ZERO], 2)
         }

@@ -1,4 +1,4 @@
-//! Impacts of a batch: what takes part in them, from its blocks of contacts and back.
+//! Gathers the contacts of a batch that take part in an impact, and writes them back.
 
 use std::ops::Range;
 
@@ -8,8 +8,8 @@ use super::super::batch::Batch;
 use super::super::contact::{POINTS, tangents};
 use super::super::contact_block::ContactBlocks;
 use super::super::state::{BodyVelocity, Symmetric};
-use super::{Body, Impact, Manifold, Point};
-use crate::room::resize;
+use super::{Impact, ImpactBody, ImpactManifold, ImpactPoint};
+use crate::tight_vec::resize;
 
 /// What is no body of the impact at hand.
 const NOBODY: u32 = u32::MAX;
@@ -67,7 +67,7 @@ impl Impacts {
         if *number == NOBODY {
             *number = self.slots.len() as u32;
             self.slots.push(slot);
-            self.impact.bodies.push(Body::of(&self.before[slot as usize]));
+            self.impact.bodies.push(ImpactBody::of(&self.before[slot as usize]));
         }
         *number
     }
@@ -83,20 +83,20 @@ impl Impacts {
             let (lever_a, lever_b) = rows.levers_of(lane);
             // What neither presses nor touches keeps its place and takes no part.
             let takes_part = rows.inverse_diagonal[lane] > 0.0 && (rows.lambda[lane] > 0.0 || rows.closing_speed[lane] <= 0.0);
-            self.impact.points.push(Point {
+            self.impact.points.push(ImpactPoint {
                 lever_a: lever_a.as_dvec3(),
                 lever_b: lever_b.as_dvec3(),
                 impact_speed: extra.map_or(0.0, |extra| f64::from(extra.impact_speed[i][lane])),
                 lambda: f64::from(rows.lambda[lane]),
                 takes_part,
-                ..Point::default()
+                ..ImpactPoint::default()
             });
         }
         let normal = from.normal_of(lane);
         let (t1, t2) = tangents(normal);
         let (center_a, center_b) = contacts.centers_of(block, lane);
         let twist = contacts.twist_of(block);
-        self.impact.manifolds.push(Manifold {
+        self.impact.manifolds.push(ImpactManifold {
             a,
             b,
             normal: normal.as_dvec3(),
@@ -113,7 +113,7 @@ impl Impacts {
             roll: extra.map_or(DVec2::ZERO, |extra| {
                 DVec2::new(f64::from(extra.rolling_lambda[0][lane]), f64::from(extra.rolling_lambda[1][lane]))
             }),
-            ..Manifold::default()
+            ..ImpactManifold::default()
         });
     }
 
@@ -160,7 +160,7 @@ impl Impacts {
     }
 }
 
-impl Body {
+impl ImpactBody {
     fn of(velocity: &BodyVelocity) -> Self {
         Self {
             linear: velocity.linear.as_dvec3(),
@@ -237,7 +237,7 @@ impl Batch {
     /// Island of a manifold; none where joints hold anything in it, whose rows the law does not have.
     fn island_of(&self, number: usize) -> Option<u32> {
         let ends = &self.ends[number];
-        let slot = [ends.a, ends.b].into_iter().find(|&slot| self.roles[slot as usize].moves())?;
+        let slot = [ends.a, ends.b].into_iter().find(|&slot| self.body_flags[slot as usize].moves())?;
         self.islands.partition_point(|&first| first <= slot).checked_sub(1).map(|island| island as u32)
     }
 

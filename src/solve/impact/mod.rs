@@ -1,4 +1,4 @@
-//! The impact law: what all that hits at once leaves of the velocities.
+//! Impact law: the velocities after everything that hits at once.
 //!
 //! Of points that press at the end of a substep, those that closed in faster than a threshold have hit. The velocities v⁻ from before any
 //! contact acted are what they hit with. From there on:
@@ -27,20 +27,20 @@ mod rows;
 
 use glam::{DMat3, DVec3};
 
-pub(crate) use rows::{Manifold, Point};
+pub(crate) use rows::{ImpactManifold, ImpactPoint};
 
 /// Rounds in an impact at most: a blow passes one contact in each. What still closes in after those is stopped.
-const MOST_ROUNDS: usize = 24;
+const MAX_ROUNDS: usize = 24;
 
 /// Sweeps of a round at most, and of the last solve. Scaled, a hundred manifolds under one box take some ten to a thousandth.
-const MOST_SWEEPS: usize = 60;
+const MAX_SWEEPS: usize = 60;
 
 /// Change of a normal speed in a sweep below which it is done, as a share of the greatest speed of approach.
 const TOLERANCE: f64 = 1.0e-4;
 
 /// A body in an impact, in world axes.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Body {
+pub(crate) struct ImpactBody {
     pub linear: DVec3,
     pub angular: DVec3,
     /// Zero along axes that are locked, and of what the host moves (1/kg).
@@ -51,11 +51,11 @@ pub(crate) struct Body {
 /// Bodies and contacts that are struck together.
 #[derive(Debug, Default)]
 pub(crate) struct Impact {
-    pub bodies: Vec<Body>,
-    pub manifolds: Vec<Manifold>,
-    pub points: Vec<Point>,
+    pub bodies: Vec<ImpactBody>,
+    pub manifolds: Vec<ImpactManifold>,
+    pub points: Vec<ImpactPoint>,
     /// Velocities at the start of a round.
-    from: Vec<Body>,
+    from: Vec<ImpactBody>,
     /// Manifolds with points that hit in a round.
     active: Vec<u32>,
 }
@@ -71,7 +71,7 @@ impl Impact {
     pub(crate) fn solve(&mut self, threshold: f64) {
         self.manifolds.iter_mut().for_each(|manifold| manifold.prepare(&self.bodies, &mut self.points));
         let mut fastest = threshold;
-        for round in 0..MOST_ROUNDS {
+        for round in 0..MAX_ROUNDS {
             let Some(approach) = self.aim(threshold, round == 0) else { break };
             fastest = fastest.max(approach);
             self.pass_on(TOLERANCE * approach);
@@ -109,7 +109,7 @@ impl Impact {
     /// One round.
     fn pass_on(&mut self, tolerance: f64) {
         self.from.clone_from(&self.bodies);
-        for sweep in 0..MOST_SWEEPS {
+        for sweep in 0..MAX_SWEEPS {
             let Self { bodies, manifolds, points, active, .. } = self;
             let mut change = 0.0_f64;
             let mut press = |&number: &u32| change = change.max(manifolds[number as usize].press(bodies, points));
@@ -163,7 +163,7 @@ impl Impact {
         for manifold in manifolds.iter_mut() {
             manifold.begin_last(from, bodies, points);
         }
-        for sweep in 0..MOST_SWEEPS {
+        for sweep in 0..MAX_SWEEPS {
             let mut change = 0.0_f64;
             let count = manifolds.len();
             for place in 0..count {
@@ -197,7 +197,7 @@ impl Impact {
 }
 
 /// Takes a share of how velocities have changed since.
-fn blend(bodies: &mut [Body], from: &[Body], share: f64) {
+fn blend(bodies: &mut [ImpactBody], from: &[ImpactBody], share: f64) {
     for (now, before) in bodies.iter_mut().zip(from) {
         now.linear = before.linear + (now.linear - before.linear) * share;
         now.angular = before.angular + (now.angular - before.angular) * share;

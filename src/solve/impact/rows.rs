@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use super::Body;
+use super::ImpactBody;
 
 /// Sweeps over the points of a manifold within a visit: they are coupled by the body that they belong to.
 const INNER_SWEEPS: usize = 4;
@@ -14,7 +14,7 @@ const IMMOVABLE: f64 = 1.0e-12;
 
 /// One point of a manifold.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Point {
+pub(crate) struct ImpactPoint {
     pub lever_a: DVec3,
     pub lever_b: DVec3,
     /// Normal velocity at the moment of the hit (m/s), negative; zero where it has not hit in this substep.
@@ -36,7 +36,7 @@ pub(crate) struct Point {
 
 /// Up to four points with one normal, and their friction.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Manifold {
+pub(crate) struct ImpactManifold {
     pub a: u32,
     pub b: u32,
     /// From A to B.
@@ -87,9 +87,9 @@ impl Mass2 {
     }
 }
 
-impl Manifold {
+impl ImpactManifold {
     /// Forms the masses of its rows.
-    pub(super) fn prepare(&mut self, bodies: &[Body], points: &mut [Point]) {
+    pub(super) fn prepare(&mut self, bodies: &[ImpactBody], points: &mut [ImpactPoint]) {
         let (a, b, n) = (&bodies[self.a as usize], &bodies[self.b as usize], self.normal);
         let inverse_mass = a.inverse_mass + b.inverse_mass;
         let coupling = |(arm_a, arm_b): (DVec3, DVec3), (other_a, other_b): (DVec3, DVec3)| {
@@ -113,16 +113,16 @@ impl Manifold {
     }
 
     /// J v of a point (m/s).
-    pub(super) fn rate(&self, point: &Point, bodies: &[Body]) -> f64 {
+    pub(super) fn rate(&self, point: &ImpactPoint, bodies: &[ImpactBody]) -> f64 {
         self.normal.dot(self.speed_at(point.lever_a, point.lever_b, bodies))
     }
 
-    fn speed_at(&self, lever_a: DVec3, lever_b: DVec3, bodies: &[Body]) -> DVec3 {
+    fn speed_at(&self, lever_a: DVec3, lever_b: DVec3, bodies: &[ImpactBody]) -> DVec3 {
         let (a, b) = (&bodies[self.a as usize], &bodies[self.b as usize]);
         b.linear + b.angular.cross(lever_b) - a.linear - a.angular.cross(lever_a)
     }
 
-    fn spin(&self, bodies: &[Body]) -> DVec3 {
+    fn spin(&self, bodies: &[ImpactBody]) -> DVec3 {
         bodies[self.b as usize].angular - bodies[self.a as usize].angular
     }
 
@@ -134,7 +134,7 @@ impl Manifold {
         self.tangents[0] * p.x + self.tangents[1] * p.y
     }
 
-    fn push(&self, bodies: &mut [Body], impulse: DVec3, (lever_a, lever_b): (DVec3, DVec3), moment: DVec3) {
+    fn push(&self, bodies: &mut [ImpactBody], impulse: DVec3, (lever_a, lever_b): (DVec3, DVec3), moment: DVec3) {
         let a = &mut bodies[self.a as usize];
         a.linear -= a.inverse_mass * impulse;
         a.angular -= a.inverse_inertia * (lever_a.cross(impulse) + moment);
@@ -144,7 +144,7 @@ impl Manifold {
     }
 
     /// Solves the normal rows of points that are active; says by how much a normal speed has changed at most (m/s).
-    pub(super) fn press(&self, bodies: &mut [Body], points: &mut [Point]) -> f64 {
+    pub(super) fn press(&self, bodies: &mut [ImpactBody], points: &mut [ImpactPoint]) -> f64 {
         let mut most = 0.0_f64;
         for _ in 0..INNER_SWEEPS {
             let mut change = 0.0_f64;
@@ -166,7 +166,7 @@ impl Manifold {
     }
 
     /// Begins the last solve: with the multipliers of the substep where no round has hit, else with none.
-    pub(super) fn begin_last(&mut self, from: &[Body], bodies: &mut [Body], points: &mut [Point]) {
+    pub(super) fn begin_last(&mut self, from: &[ImpactBody], bodies: &mut [ImpactBody], points: &mut [ImpactPoint]) {
         if self.was_hit {
             (self.slide, self.twist, self.roll) = (DVec2::ZERO, 0.0, DVec2::ZERO);
         }
@@ -185,7 +185,7 @@ impl Manifold {
     }
 
     /// Solves friction, about the normal and of rolling, within the load of the rounds and of now.
-    pub(super) fn rub(&mut self, bodies: &mut [Body], points: &[Point]) {
+    pub(super) fn rub(&mut self, bodies: &mut [ImpactBody], points: &[ImpactPoint]) {
         let load: f64 = points[self.points.clone()].iter().map(|point| point.lambda + point.blow).sum();
         let slip = self.across(self.speed_at(self.center_a, self.center_b, bodies));
         let slide = self.slide_mass.solve(self.slide, slip, self.friction * load);
@@ -202,7 +202,7 @@ impl Manifold {
     }
 
     /// Σ λ J v of all its rows (J).
-    pub(super) fn power(&self, bodies: &[Body], points: &[Point]) -> f64 {
+    pub(super) fn power(&self, bodies: &[ImpactBody], points: &[ImpactPoint]) -> f64 {
         let pressed: f64 = points[self.points.clone()].iter().map(|point| point.lambda * self.rate(point, bodies)).sum();
         let slip = self.across(self.speed_at(self.center_a, self.center_b, bodies));
         let spin = self.spin(bodies);
@@ -210,7 +210,7 @@ impl Manifold {
     }
 
     /// Takes a share of the multipliers of the last solve.
-    pub(super) fn scale(&mut self, points: &mut [Point], share: f64) {
+    pub(super) fn scale(&mut self, points: &mut [ImpactPoint], share: f64) {
         points[self.points.clone()].iter_mut().for_each(|point| point.lambda *= share);
         (self.slide, self.twist, self.roll) = (self.slide * share, self.twist * share, self.roll * share);
     }

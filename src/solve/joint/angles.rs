@@ -18,18 +18,18 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat3, DQuat, DVec3};
 
 use super::AxisReading;
-use super::geometry::{Placement, Side};
+use super::geometry::{Placement, WorldFrame};
 use super::rows::Jacobian;
 use crate::joint::{Axis, JointKind, Limits};
 
 /// Cosine of θ below which rows on φ and ψ fade (2.9° from the right angle): their gradients have length one over it.
-const LEAST_COSINE: f64 = 0.05;
+const MIN_COSINE: f64 = 0.05;
 
 /// Cosine of θ below which φ is not told by the rotation.
 const NO_COSINE: f64 = 1.0e-9;
 
 /// One more than the cosine between the axes of a spherical joint, below which its twist has little meaning.
-pub(super) const LEAST_COMMON: f64 = 1.0e-2;
+pub(super) const MIN_COMMON: f64 = 1.0e-2;
 
 /// Rotations that take the x axis to the y axis, and to the z axis.
 const X_TO_Y: DQuat = DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5);
@@ -161,7 +161,7 @@ impl Turning {
                 let (x, z) = (a.x_axis, b.z_axis);
                 let y = a.y_axis * libm::cos(angles[0]) + a.z_axis * libm::sin(angles[0]);
                 let cosine = x.dot(y.cross(z));
-                let divisor = if cosine.abs() > LEAST_COSINE { cosine } else { LEAST_COSINE.copysign(cosine) };
+                let divisor = if cosine.abs() > MIN_COSINE { cosine } else { MIN_COSINE.copysign(cosine) };
                 let fades = cosine / divisor;
                 of([y.cross(z) / divisor, y, x.cross(y) / divisor], [fades, 1.0, fades])
             }
@@ -221,12 +221,12 @@ pub(super) fn axis(angular: &[Axis; 3], placement: &Placement, last: [f64; 3], a
 
 /// Rates of the angles of a joint placed so, at `angles`, where B turns against A at `spin` (rad/s, world axes).
 pub(crate) fn rates(kind: &JointKind, placement: &Placement, angles: [f64; 3], spin: DVec3) -> [f64; 3] {
-    let axis = |side: &Side| side.frame * DVec3::X;
+    let axis = |side: &WorldFrame| side.frame * DVec3::X;
     match kind {
         JointKind::Hinge { .. } => [axis(&placement.a).dot(spin), 0.0, 0.0],
         JointKind::Spherical { .. } => {
             let (a, b) = (axis(&placement.a), axis(&placement.b));
-            [(a + b).dot(spin) / (1.0 + a.dot(b)).max(LEAST_COMMON), 0.0, 0.0]
+            [(a + b).dot(spin) / (1.0 + a.dot(b)).max(MIN_COMMON), 0.0, 0.0]
         }
         JointKind::Generic { angular, .. } => {
             let gradients = Turning::of(angular).gradients(placement, angles);

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::geometry::Placement;
 use super::kinds::RowSink;
-use super::rows::{Demand, Error1, Give, Jacobian};
+use super::rows::{Demand, Error1, Jacobian, SoftParams};
 use crate::joint::{Limits, Motor};
 
 /// Gap below which the direction has no meaning and A's joint axis stands in for it (m).
@@ -25,7 +25,7 @@ pub(crate) fn rows(sink: &mut RowSink, limits: Limits, spring_length: Option<f32
     if let Some(rest) = spring_length.map(f64::from) {
         let error =
             Error1 { start: sink.geometry.start.gap.length() - rest, predicted: sink.geometry.predicted.gap.length() - rest };
-        let give = Give::new(sink.def.linear, sink.phase);
+        let give = SoftParams::new(sink.def.linear, sink.phase);
         sink.scalar(jacobian, Demand::Equal(error), give, 3);
     }
 }

@@ -2,9 +2,9 @@
 
 use super::geometry::Placement;
 use super::kinds::RowSink;
-use super::rows::Held;
+use super::rows::HeldDirections;
 
 pub(crate) fn rows(sink: &mut RowSink) {
-    sink.hold_directions(Held::All, sink.geometry.gradient.a.frame, Placement::rotation_vector);
-    sink.hold_points(Held::All);
+    sink.hold_directions(HeldDirections::All, sink.geometry.gradient.a.frame, Placement::rotation_vector);
+    sink.hold_points(HeldDirections::All);
 }

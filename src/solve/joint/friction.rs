@@ -24,7 +24,7 @@
 use glam::DVec3;
 
 use super::kinds::RowSink;
-use super::rows::{Demand, Give, Jacobian, Phase, ScalarRow};
+use super::rows::{Demand, Jacobian, Phase, ScalarRow, SoftParams};
 use crate::joint::{JointDef, JointKind, Limits, MAX_SCALAR_ROWS};
 
 /// Multiplier of the friction of axis 0; those of a six-axis joint follow.
@@ -78,7 +78,7 @@ impl RowSink<'_> {
     pub(super) fn rub(&mut self, jacobian: Jacobian, friction: f32, limits: Limits, axis: u8) {
         if acts(friction, &limits) && !self.is_in_place() {
             let demand = Demand::Speed { target: 0.0, bounds: both_ways(f64::from(friction) * self.phase.h()) };
-            self.scalar(jacobian, demand, Give::rigid(self.phase), OF_AXES + axis);
+            self.scalar(jacobian, demand, SoftParams::rigid(self.phase), OF_AXES + axis);
         }
     }
 
@@ -105,7 +105,7 @@ impl RowSink<'_> {
 
     fn rub_about(&mut self, axis: DVec3, max_impulse: f64, carried: DVec3) {
         let demand = Demand::Speed { target: 0.0, bounds: both_ways(max_impulse) };
-        let (jacobian, give, impulse) = (Jacobian::angular(axis), Give::rigid(self.phase), carried.dot(axis) as f32);
+        let (jacobian, give, impulse) = (Jacobian::angular(axis), SoftParams::rigid(self.phase), carried.dot(axis) as f32);
         self.scalars.push(ScalarRow::new(&self.rates, 0.0, jacobian, demand, give, ABOUT_POINT, impulse));
     }
 

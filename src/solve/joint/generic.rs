@@ -6,8 +6,8 @@
 
 use super::angles::Turning;
 use super::geometry::Placement;
-use super::kinds::{Coordinate, RowSink};
-use super::rows::{Demand, Error1, Give, Held};
+use super::kinds::{JointCoordinate, RowSink};
+use super::rows::{Demand, Error1, HeldDirections, SoftParams};
 use crate::joint::{Axis, Limits};
 
 /// Multiplier of the first row of an axis; those of the others follow, three each.
@@ -18,7 +18,7 @@ const fn first_row(axis: usize) -> u8 {
 pub(crate) fn rows(sink: &mut RowSink, linear: &[Axis; 3], angular: &[Axis; 3]) {
     let is_held = linear.iter().all(|axis| axis.limits == Limits::new(0.0, 0.0));
     if is_held {
-        sink.hold_points(Held::All);
+        sink.hold_points(HeldDirections::All);
     }
     let angles = turns(sink, angular);
     // What is locked comes first: motors have to know of it.
@@ -51,13 +51,13 @@ fn add_slide(sink: &mut RowSink, axis: &Axis, i: usize) {
     sink.rub(jacobian, sink.def.axis_friction[i], axis.limits, i as u8);
 }
 
-fn add_angle(sink: &mut RowSink, angle: &Coordinate, axis: &Axis, i: usize) {
+fn add_angle(sink: &mut RowSink, angle: &JointCoordinate, axis: &Axis, i: usize) {
     let id = first_row(3 + i);
     if is_locked(axis) {
         let ([first, last], rate) = sink.stop_at(f64::from(axis.limits.min), id);
         let factor = angle.factor;
         let error = Error1 { start: (angle.start - first) * factor, predicted: (angle.predicted - last) * factor };
-        let give = Give::new(sink.def.angular, sink.phase);
+        let give = SoftParams::new(sink.def.angular, sink.phase);
         return sink.driven_scalar(angle.jacobian, -rate * factor, Demand::Equal(error), give, id);
     }
     if sink.has_rows(axis.limits, axis.motor) {
@@ -67,17 +67,17 @@ fn add_angle(sink: &mut RowSink, angle: &Coordinate, axis: &Axis, i: usize) {
 }
 
 /// Holds directions where no angle is left, or one; returns the angles that have rows of their own: not those whose directions are held.
-fn turns(sink: &mut RowSink, angular: &[Axis; 3]) -> Option<[Option<Coordinate>; 3]> {
+fn turns(sink: &mut RowSink, angular: &[Axis; 3]) -> Option<[Option<JointCoordinate>; 3]> {
     let turning = Turning::of(angular);
     let gradient = turning.turned(sink.geometry.gradient);
     match turning {
         Turning::None(_) => {
-            sink.hold_directions(Held::All, gradient.a.frame, |p| turning.turned(p).rotation_vector());
+            sink.hold_directions(HeldDirections::All, gradient.a.frame, |p| turning.turned(p).rotation_vector());
             return None;
         }
         Turning::About(..) => {
             let axis = gradient.axes_a().x_axis;
-            sink.hold_directions(Held::Across(axis), gradient.a.frame, |p| turning.turned(p).axis_error());
+            sink.hold_directions(HeldDirections::Across(axis), gradient.a.frame, |p| turning.turned(p).axis_error());
         }
         Turning::AcrossX(_) | Turning::AcrossZ(_) | Turning::Euler => {}
     }
@@ -96,6 +96,6 @@ fn turns(sink: &mut RowSink, angular: &[Axis; 3]) -> Option<[Option<Coordinate>;
     };
     Some(std::array::from_fn(|i| {
         let (jacobian, factor) = gradients[i];
-        (!is_held(i)).then_some(Coordinate { jacobian, start: start[i], predicted: predicted[i], factor })
+        (!is_held(i)).then_some(JointCoordinate { jacobian, start: start[i], predicted: predicted[i], factor })
     }))
 }

@@ -4,7 +4,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 /// A joint frame in world axes, relative to its body's centre of mass.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Side {
+pub(crate) struct WorldFrame {
     /// From the centre of mass to the joint point (m).
     pub lever: DVec3,
     /// Rotation of the joint frame.
@@ -14,8 +14,8 @@ pub(crate) struct Side {
 /// Both sides at one moment.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Placement {
-    pub a: Side,
-    pub b: Side,
+    pub a: WorldFrame,
+    pub b: WorldFrame,
     /// From A's joint point to B's (m).
     pub gap: DVec3,
 }

@@ -3,13 +3,13 @@
 
 use super::geometry::Placement;
 use super::kinds::RowSink;
-use super::rows::{Held, Jacobian};
+use super::rows::{HeldDirections, Jacobian};
 use crate::joint::{Limits, Motor};
 
 pub(crate) fn rows(sink: &mut RowSink, limits: Limits, motor: Motor) {
     let axis = sink.geometry.gradient.axes_a().x_axis;
-    sink.hold_directions(Held::Across(axis), sink.geometry.gradient.a.frame, Placement::axis_error);
-    sink.hold_points(Held::All);
+    sink.hold_directions(HeldDirections::Across(axis), sink.geometry.gradient.a.frame, Placement::axis_error);
+    sink.hold_points(HeldDirections::All);
     let jacobian = Jacobian::angular(axis);
     if sink.has_rows(limits, motor) {
         let angle = sink.angle(jacobian, Placement::twist);

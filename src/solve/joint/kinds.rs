@@ -3,11 +3,11 @@
 use glam::{DQuat, DVec3};
 
 use super::angles::nearest;
-use super::driven::Driven;
+use super::driven::DrivenParts;
 use super::friction;
 use super::geometry::{JointGeometry, Placement};
-use super::motor::Answer;
-use super::rows::{BlockRow, Demand, Error1, Error3, Give, Held, Jacobian, Phase, RowRates, ScalarRow};
+use super::motor::BodyResponse;
+use super::rows::{BlockRow, Demand, Error1, Error3, HeldDirections, Jacobian, Phase, RowRates, ScalarRow, SoftParams};
 use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor, SphericalMotor};
 use crate::joint_rebounds::Rebounds;
 
@@ -17,7 +17,7 @@ pub(crate) struct RowSink<'a> {
     pub geometry: JointGeometry<'a>,
     pub def: &'a JointDef,
     /// What the host moves of its stops and frames.
-    pub driven: Option<Driven<'a>>,
+    pub driven: Option<DrivenParts<'a>>,
     pub impulses: &'a JointImpulses,
     /// Stops that are to be left at a speed.
     pub rebounds: Rebounds,
@@ -32,7 +32,7 @@ pub(crate) struct RowSink<'a> {
     /// Angles near those of the substep's start, turns counted (rad).
     pub angles: [f64; 3],
     /// How each body answers: asked for where a motor has to know what it can do.
-    pub answer: &'a dyn Fn(usize) -> Answer,
+    pub answer: &'a dyn Fn(usize) -> BodyResponse,
     /// From the end of the substep to that of the step (s).
     pub left: f64,
     /// Share of what is left that a rigid position motor closes in a substep at most, and its greatest speed (m/s, rad/s).
@@ -70,7 +70,7 @@ impl<'a> RowSink<'a> {
             direction: None,
             scalars,
             angles,
-            answer: &|_| Answer::NONE,
+            answer: &|_| BodyResponse::NONE,
             left: 0.0,
             closing_share: 1.0,
             most_speed: f64::INFINITY,
@@ -217,7 +217,7 @@ pub(crate) fn is_distance(kind: &JointKind) -> bool {
 
 /// A coordinate of a joint: its gradient, what it is at the substep's start and what it is predicted to be at its end (m or rad).
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Coordinate {
+pub(crate) struct JointCoordinate {
     pub jacobian: Jacobian,
     pub start: f64,
     pub predicted: f64,
@@ -227,33 +227,33 @@ pub(crate) struct Coordinate {
 
 impl RowSink<'_> {
     /// Holds the joint points together in the directions `held`.
-    pub(crate) fn hold_points(&mut self, held: Held) {
+    pub(crate) fn hold_points(&mut self, held: HeldDirections) {
         let g = &self.geometry;
         // Both bodies are pushed at one point, so that a gap costs no angular momentum: halfway between the joint points, or where
         // B's point slides in A's frame, there.
         let (lever_a, lever_b) = match held {
-            Held::All => (g.gradient.a.lever + 0.5 * g.gradient.gap, g.gradient.b.lever - 0.5 * g.gradient.gap),
-            Held::Across(_) => (g.gradient.a.lever + g.gradient.gap, g.gradient.b.lever),
+            HeldDirections::All => (g.gradient.a.lever + 0.5 * g.gradient.gap, g.gradient.b.lever - 0.5 * g.gradient.gap),
+            HeldDirections::Across(_) => (g.gradient.a.lever + g.gradient.gap, g.gradient.b.lever),
         };
         // Where B slides, the error is what A sees of it: in world axes A's turning would move a gap along the free direction.
         let seen = |placement: &Placement| match held {
-            Held::All => placement.gap,
-            Held::Across(_) => g.gradient.a.frame * placement.local_gap(),
+            HeldDirections::All => placement.gap,
+            HeldDirections::Across(_) => g.gradient.a.frame * placement.local_gap(),
         };
         let (start, predicted) = g.read(seen);
         let error = Error3 { start, predicted };
-        let give = Give::new(self.def.linear, self.phase);
+        let give = SoftParams::new(self.def.linear, self.phase);
         let levers = [lever_a, lever_b];
         self.point = Some(BlockRow::point(&self.rates, levers, error, held, give, self.impulses.point));
     }
 
     /// Holds the joint frames together about the axes `held`; `error` reads the rotation vector in this frame of A.
-    pub(crate) fn hold_directions(&mut self, held: Held, frame: DQuat, error: impl Fn(&Placement) -> DVec3) {
+    pub(crate) fn hold_directions(&mut self, held: HeldDirections, frame: DQuat, error: impl Fn(&Placement) -> DVec3) {
         let g = &self.geometry;
         let in_world = |placement: &Placement| frame * error(placement);
         let (start, predicted) = g.read(in_world);
         let error = Error3 { start, predicted };
-        let give = Give::new(self.def.angular, self.phase);
+        let give = SoftParams::new(self.def.angular, self.phase);
         self.direction = Some(BlockRow::direction(&self.rates, error, held, give, self.impulses.angular));
     }
 
@@ -264,26 +264,26 @@ impl RowSink<'_> {
     }
 
     /// A coordinate that is a length (m).
-    pub(crate) fn length(&self, jacobian: Jacobian, value: impl Fn(&Placement) -> f64) -> Coordinate {
+    pub(crate) fn length(&self, jacobian: Jacobian, value: impl Fn(&Placement) -> f64) -> JointCoordinate {
         let (start, predicted) = self.geometry.read(value);
-        Coordinate { jacobian, start, predicted, factor: 1.0 }
+        JointCoordinate { jacobian, start, predicted, factor: 1.0 }
     }
 
     /// The first angle of the joint (rad); `value` reads it up to whole turns.
-    pub(crate) fn angle(&self, jacobian: Jacobian, value: impl Fn(&Placement) -> f64) -> Coordinate {
+    pub(crate) fn angle(&self, jacobian: Jacobian, value: impl Fn(&Placement) -> f64) -> JointCoordinate {
         let start = nearest(value(self.geometry.start), self.angles[0]);
         let predicted = if self.geometry.is_still {
             start
         } else {
             nearest(value(self.geometry.predicted), start + jacobian.rate(&self.rates.bodies) * self.phase.h())
         };
-        Coordinate { jacobian, start, predicted, factor: 1.0 }
+        JointCoordinate { jacobian, start, predicted, factor: 1.0 }
     }
 
     /// Adds the stops and the motor of a coordinate; their multipliers are `id`, `id + 1` and `id + 2`.
-    pub(crate) fn limit_and_drive(&mut self, coordinate: &Coordinate, limits: Limits, motor: Motor, id: u8) {
-        let &Coordinate { jacobian, start, predicted, factor } = coordinate;
-        let give = Give::new(self.def.limit, self.phase);
+    pub(crate) fn limit_and_drive(&mut self, coordinate: &JointCoordinate, limits: Limits, motor: Motor, id: u8) {
+        let &JointCoordinate { jacobian, start, predicted, factor } = coordinate;
+        let give = SoftParams::new(self.def.limit, self.phase);
         let (min, max) = (f64::from(limits.min), f64::from(limits.max));
         if self.has_stops && min.is_finite() {
             let ([first, last], rate) = self.stop_at(min, id);
@@ -300,12 +300,12 @@ impl RowSink<'_> {
     }
 
     /// Adds one scalar row whose multiplier is `id`.
-    pub(crate) fn scalar(&mut self, jacobian: Jacobian, demand: Demand, give: Give, id: u8) {
+    pub(crate) fn scalar(&mut self, jacobian: Jacobian, demand: Demand, give: SoftParams, id: u8) {
         self.driven_scalar(jacobian, 0.0, demand, give, id);
     }
 
     /// The same of a coordinate whose error grows at the rate `driven` by what the host moves of its stop.
-    pub(crate) fn driven_scalar(&mut self, jacobian: Jacobian, driven: f64, demand: Demand, give: Give, id: u8) {
+    pub(crate) fn driven_scalar(&mut self, jacobian: Jacobian, driven: f64, demand: Demand, give: SoftParams, id: u8) {
         let impulse = self.impulses.scalar[id as usize] * self.share as f32;
         let mut row = ScalarRow::new(&self.rates, driven, jacobian, demand, give, id, impulse);
         if self.rebounds != Rebounds::NONE && matches!(demand, Demand::AtLeast(_)) {

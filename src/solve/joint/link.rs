@@ -1,4 +1,4 @@
-//! A joint as it is asked for where joints are sorted: in a few bytes, where records and entries have hundreds.
+//! What sorting reads of a joint, in a few bytes.
 
 use super::{friction, kinds};
 use crate::joint::Joint;

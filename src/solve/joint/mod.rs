@@ -11,8 +11,8 @@ use std::ops::Range;
 use glam::{DQuat, DVec3, Vec3};
 
 pub(crate) mod angles;
-mod course;
 mod distance;
+mod domains;
 pub(crate) mod driven;
 mod fixed;
 pub(crate) mod friction;
@@ -27,24 +27,24 @@ mod prismatic;
 pub(crate) mod reach;
 pub(crate) mod rebound;
 pub(crate) mod rows;
+mod search_direction;
 mod singles;
 mod spherical;
-mod strips;
 mod sweep;
 
-use geometry::{Placement, Side};
+use domains::Strips;
+pub(crate) use domains::may_be_cut;
+use geometry::{Placement, WorldFrame};
 pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lanes};
 use lanes::{Holds, JointLanes};
 pub(crate) use link::{JointLink, JointTraits};
 use singles::Singles;
-use strips::Strips;
-pub(crate) use strips::may_be_cut;
 
+use super::body_flags::BodyFlags;
 use super::color::{Coloring, MAX_COLORS};
 use super::contact::LANES;
-use super::integrate::Outlook;
-use super::role::Role;
-use super::shared::Divided;
+use super::disjoint::DisjointSlices;
+use super::integrate::PredictedPose;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses, JointKind, Softness};
@@ -61,13 +61,13 @@ const KINDS: usize = 1 + Holds::ALL.len();
 const GROUPS: usize = KINDS * (MAX_COLORS + 1);
 
 /// Way of an angle in a step from which on it is read off the rotation again (rad).
-const MOST_SUMMED: f64 = 0.5;
+const MAX_SUMMED: f64 = 0.5;
 
 /// Greatest change of angular velocity, over the sum of both bodies', by which angular momentum is given back.
 const MOMENTUM_RETURN_LIMIT: f32 = 0.2;
 
 /// Where a body is: its displacement since the start of the step (m) and its rotation.
-pub(crate) type Stance = (DVec3, DQuat);
+pub(crate) type LocalPose = (DVec3, DQuat);
 
 /// One joint as its batch holds it.
 #[derive(Debug, Clone, Copy)]
@@ -128,7 +128,7 @@ pub(crate) struct BatchJoints {
     /// Those that no direct solve takes.
     pub entries: Vec<JointEntry>,
     /// What is swept by itself; and the rest, of most batches all.
-    strips: Strips,
+    domains: Strips,
     lanes: JointLanes,
     singles: Singles,
     visits: Vec<Visit>,
@@ -149,10 +149,10 @@ struct Visit {
 }
 
 /// The bodies of a batch by slot: how fast they are, where they are, and where they are predicted to be at the end of the substep.
-pub(crate) struct Moving<'a> {
+pub(crate) struct MovingBodies<'a> {
     pub velocities: &'a [BodyVelocity],
     pub motions: &'a [BodyMotion],
-    pub outlooks: &'a [Outlook],
+    pub predicted_poses: &'a [PredictedPose],
 }
 
 impl BatchJoints {
@@ -163,14 +163,14 @@ impl BatchJoints {
         (joints, left): (&Pool<Joint, JointId>, Option<&[JointLink]>),
         threads: &Workers,
         coloring: &mut Coloring,
-        (velocities, motions, roles): (&[BodyVelocity], &[BodyMotion], &[Role]),
+        (velocities, motions, body_flags): (&[BodyVelocity], &[BodyMotion], &[BodyFlags]),
         h: f32,
         substeps: u32,
     ) {
         let dt = h * substeps as f32;
-        let Self { links, entries, strips, lanes, singles, visits, parts, places, left_over, order, .. } = self;
+        let Self { links, entries, domains, lanes, singles, visits, parts, places, left_over, order, .. } = self;
         let links = left.unwrap_or(links);
-        strips.cut(links, motions.len());
+        domains.cut(links, motions.len());
         lanes.clear(WORLD_SLOT);
         singles.clear();
         visits.clear();
@@ -179,11 +179,11 @@ impl BatchJoints {
             return;
         }
         coloring.reset(motions.len());
-        let parts_each = strips.len() + 1;
+        let parts_each = domains.len() + 1;
         places.clear();
         places.resize(GROUPS * parts_each + 1, 0);
         for (number, link) in links.iter().enumerate() {
-            let end = |slot: u32| (slot, roles[slot as usize].moves());
+            let end = |slot: u32| (slot, body_flags[slot as usize].moves());
             let color = coloring.assign(end(link.a), end(link.b));
             let holds = color.filter(|_| !link.traits.has_friction).and_then(|_| {
                 // What most joints of a net are, said without a look at their records.
@@ -199,7 +199,7 @@ impl BatchJoints {
                 always.or_else(|| if is_free() { Holds::of(kind, u32::from(link.traits.most_rows), true) } else { None })
             });
             let group = color.unwrap_or(MAX_COLORS as u32) as usize * KINDS + holds.map_or(0, |holds| 1 + holds as usize);
-            let strip = holds.and_then(|_| strips.strip_of(link)).unwrap_or(strips.len());
+            let strip = holds.and_then(|_| domains.strip_of(link)).unwrap_or(domains.len());
             let part = group * parts_each + strip;
             parts.push(part as u32);
             places[part + 1] += 1;
@@ -226,7 +226,7 @@ impl BatchJoints {
         };
         // Blocks of a strip are full; what is left over of them is solved with what is between strips.
         let full = |own: &[u32], group: usize| if holds_of(group).is_some() { own.len() - own.len() % LANES } else { 0 };
-        threads.share(strips.all_mut().iter_mut().enumerate(), |(number, strip)| {
+        threads.share(domains.all_mut().iter_mut().enumerate(), |(number, strip)| {
             for group in 0..GROUPS {
                 let own = &order[part(group * parts_each + number)];
                 let own = &own[..full(own, group)];
@@ -243,7 +243,7 @@ impl BatchJoints {
                 continue;
             }
             left_over.clear();
-            for own in parts.clone().take(strips.len()).map(|number| &order[part(number)]) {
+            for own in parts.clone().take(domains.len()).map(|number| &order[part(number)]) {
                 left_over.extend_from_slice(&own[full(own, group)..]);
             }
             let between = &order[part(parts.end - 1)];
@@ -262,7 +262,7 @@ impl BatchJoints {
         }
     }
 
-    /// Builds this substep's rows at the poses that `outlooks` predict from the velocities of now; multipliers go on from where they are.
+    /// Builds this substep's rows at the poses that `predicted_poses` predict from the velocities of now; multipliers go on from where they are.
     ///
     /// Done once more before the last sweep (`again`), so that the rows hold to second order at the poses that the substep ends in:
     /// what the position rows would have to mend costs angular momentum.
@@ -270,7 +270,7 @@ impl BatchJoints {
         &mut self,
         joints: &Pool<Joint, JointId>,
         threads: &Workers,
-        &Moving { velocities, motions, outlooks }: &Moving<'_>,
+        &MovingBodies { velocities, motions, predicted_poses }: &MovingBodies<'_>,
         h: f32,
         again: bool,
     ) {
@@ -278,22 +278,22 @@ impl BatchJoints {
             if !again {
                 lanes.begin(&motions[slots.clone()]);
             }
-            lanes.prepare(&velocities[slots.clone()], &outlooks[slots], h);
+            lanes.prepare(&velocities[slots.clone()], &predicted_poses[slots], h);
         };
         if again {
             self.singles.keep_impulses(&mut self.entries);
         } else {
             self.singles.follow(&mut self.entries, joints, motions, self.left);
         }
-        self.strips.each(threads, |strip| prepare(&mut strip.lanes, strip.slots.clone()));
+        self.domains.each(threads, |strip| prepare(&mut strip.lanes, strip.slots.clone()));
         prepare(&mut self.lanes, 0..motions.len());
-        let moving = Moving { velocities, motions, outlooks };
+        let moving = MovingBodies { velocities, motions, predicted_poses };
         self.singles.prepare(&self.entries, joints, &moving, (h, self.left), again);
     }
 
     /// Applies the carried multipliers.
     pub(crate) fn warm_start(&mut self, threads: &Workers, velocities: &mut [BodyVelocity]) {
-        self.strips.each_with(threads, velocities, |strip, own| strip.lanes.warm_start(own));
+        self.domains.each_with(threads, velocities, |strip, own| strip.lanes.warm_start(own));
         self.lanes.warm_start(velocities);
         self.singles.warm_start(velocities);
     }
@@ -305,22 +305,22 @@ impl BatchJoints {
     /// 2 g z + g = 0. For g in 0…1, as a symmetric sweep has it, |z| = √g < 1; sweeps in one direction have complex g, |z| may
     /// pass 1, and a tree of fixed joints tears itself apart.
     pub(crate) fn sweep(&mut self, threads: &Workers, velocities: &mut [BodyVelocity], backwards: bool) {
-        let Self { strips, lanes, singles, visits, .. } = self;
+        let Self { domains, lanes, singles, visits, .. } = self;
         if !backwards {
-            strips.each_with(threads, velocities, |strip, own| strip.sweep(own, false));
+            domains.each_with(threads, velocities, |strip, own| strip.sweep(own, false));
         }
         in_order(visits, backwards, |visit| {
             lanes.sweep(visit.blocks.clone(), velocities, backwards);
             singles.sweep(visit.singles.clone(), velocities, backwards);
         });
         if backwards {
-            strips.each_with(threads, velocities, |strip, own| strip.sweep(own, true));
+            domains.each_with(threads, velocities, |strip, own| strip.sweep(own, true));
         }
     }
 
     /// Sets the multipliers of joints on these slots to nothing.
     pub(crate) fn give_up(&mut self, slots: &[bool]) {
-        self.strips.all_mut().iter_mut().for_each(|strip| strip.lanes.give_up(&slots[strip.slots.clone()]));
+        self.domains.all_mut().iter_mut().for_each(|strip| strip.lanes.give_up(&slots[strip.slots.clone()]));
         self.lanes.give_up(slots);
         self.singles.give_up(slots);
     }
@@ -332,7 +332,7 @@ impl BatchJoints {
 
     /// Ends the velocity rows of a substep: multipliers are kept, and added to the joints' loads.
     pub(crate) fn end_substep(&mut self, threads: &Workers) {
-        self.strips.each(threads, |strip| strip.lanes.add_loads());
+        self.domains.each(threads, |strip| strip.lanes.add_loads());
         self.lanes.add_loads();
         self.singles.keep_impulses(&mut self.entries);
         self.singles.add_loads(&mut self.entries);
@@ -340,11 +340,11 @@ impl BatchJoints {
 
     /// Hands multipliers and loads of joints in lanes back to their entries, and brings the angles of all up to the end of the step.
     pub(crate) fn store(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, motions: &[BodyMotion]) {
-        let Self { entries, strips, lanes, singles, .. } = self;
+        let Self { entries, domains, lanes, singles, .. } = self;
         singles.follow(entries, joints, motions, 0.0);
         let follow = |entry: &mut JointEntry| entry.follow_step(&joints[entry.joint].def.kind, motions);
-        let shared = Divided::new(entries);
-        strips.each(threads, |strip| {
+        let shared = DisjointSlices::new(entries);
+        domains.each(threads, |strip| {
             // SAFETY: each joint has one lane, and each strip is one thread's.
             strip.lanes.store(&mut unsafe { shared.part() }, follow);
         });
@@ -361,9 +361,9 @@ impl BatchJoints {
         motions: &mut [BodyMotion],
         h: f32,
     ) {
-        let Self { entries, strips, lanes, singles, visits, left, .. } = self;
+        let Self { entries, domains, lanes, singles, visits, left, .. } = self;
         let most = rows::MAX_RECOVERY_SPEED as f32 * h;
-        strips.each_moved(threads, velocities, motions, |strip, velocities, motions| {
+        domains.each_moved(threads, velocities, motions, |strip, velocities, motions| {
             for blocks in &strip.visits {
                 strip.lanes.project(blocks.clone(), velocities, motions, most);
             }
@@ -377,7 +377,7 @@ impl BatchJoints {
     /// Greatest distance of points that a joint holds together without give, as a share of its levers.
     pub(crate) fn opening(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion]) -> f64 {
         let singles = self.singles.entries().map(|number| self.entries[number].opening(joints, motions)).fold(0.0, f64::max);
-        let of_strips = self.strips.all().iter().map(|strip| strip.lanes.opening(&motions[strip.slots.clone()]));
+        let of_strips = self.domains.all().iter().map(|strip| strip.lanes.opening(&motions[strip.slots.clone()]));
         singles.max(f64::from(of_strips.fold(self.lanes.opening(motions), f32::max)))
     }
 
@@ -391,7 +391,7 @@ impl BatchJoints {
         for entry in self.singles.entries().map(|number| &self.entries[number]) {
             tell([entry.a, entry.b], entry.opening(joints, motions));
         }
-        for strip in self.strips.all() {
+        for strip in self.domains.all() {
             let first = strip.slots.start as u32;
             strip.lanes.each_opening(&motions[strip.slots.clone()], &mut |slots, share| {
                 tell(slots.map(|slot| first + slot), f64::from(share))
@@ -402,9 +402,9 @@ impl BatchJoints {
 
     /// Worst distance between joint points beyond what the joints allow (m).
     pub(crate) fn worst_gap(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, motions: &[BodyMotion]) -> f32 {
-        self.strips.each(threads, |strip| strip.gap = strip.lanes.worst_gap(&motions[strip.slots.clone()]));
+        self.domains.each(threads, |strip| strip.gap = strip.lanes.worst_gap(&motions[strip.slots.clone()]));
         let singles = self.singles.entries().map(|number| &self.entries[number]);
-        let of_strips = self.strips.all().iter().map(|strip| strip.gap);
+        let of_strips = self.domains.all().iter().map(|strip| strip.gap);
         of_strips.fold(self.lanes.worst_gap(motions), f32::max).max(worst_gap(singles, joints, motions))
     }
 }
@@ -419,13 +419,13 @@ fn in_order<T>(visits: &[T], backwards: bool, visit: impl FnMut(&T)) {
 }
 
 /// A stance in the precision that joint rows are formed in.
-fn stance((displacement, rotation): (Vec3, glam::Quat)) -> Stance {
+fn stance((displacement, rotation): (Vec3, glam::Quat)) -> LocalPose {
     (displacement.as_dvec3(), rotation.as_dquat().normalize())
 }
 
 impl BodyMotion {
     /// Where the body is, for joint rows.
-    pub(crate) fn stance(&self) -> Stance {
+    pub(crate) fn stance(&self) -> LocalPose {
         stance((self.displacement, self.rotation))
     }
 }
@@ -443,9 +443,11 @@ impl JointEntry {
         points.gap.length() / levers.max(f64::MIN_POSITIVE)
     }
 
-    pub(crate) fn placement(&self, a: Stance, b: Stance) -> Placement {
-        let side =
-            |rotation: DQuat, i: usize| Side { lever: rotation * self.local_lever[i], frame: rotation * self.local_frame[i] };
+    pub(crate) fn placement(&self, a: LocalPose, b: LocalPose) -> Placement {
+        let side = |rotation: DQuat, i: usize| WorldFrame {
+            lever: rotation * self.local_lever[i],
+            frame: rotation * self.local_frame[i],
+        };
         let (side_a, side_b) = (side(a.1, 0), side(b.1, 1));
         Placement { a: side_a, b: side_b, gap: self.offset + (b.0 - a.0) + (side_b.lever - side_a.lever) }
     }
@@ -473,14 +475,14 @@ impl JointEntry {
             angles::rates(kind, &placement, self.angles, turned.as_dvec3())[0]
         };
         self.angles[0] += way;
-        if way.abs() > MOST_SUMMED || before.floor() != self.angles[0].floor() {
+        if way.abs() > MAX_SUMMED || before.floor() != self.angles[0].floor() {
             self.follow(kind, &self.placement(a.stance(), b.stance()));
         }
     }
 
     /// The joint points alone; frames are left out.
-    pub(crate) fn points(&self, a: &Stance, b: &Stance) -> Placement {
-        let side = |rotation: DQuat, i: usize| Side { lever: rotation * self.local_lever[i], frame: DQuat::IDENTITY };
+    pub(crate) fn points(&self, a: &LocalPose, b: &LocalPose) -> Placement {
+        let side = |rotation: DQuat, i: usize| WorldFrame { lever: rotation * self.local_lever[i], frame: DQuat::IDENTITY };
         let (side_a, side_b) = (side(a.1, 0), side(b.1, 1));
         Placement { a: side_a, b: side_b, gap: self.offset + (b.0 - a.0) + (side_b.lever - side_a.lever) }
     }
@@ -488,17 +490,17 @@ impl JointEntry {
     /// Where the joint is at the start of a substep of length `h`, where at its end, and where its rows are taken.
     ///
     /// `drive` is how its stops and frames move, and `left` how far start and end are from the end of the step (s).
-    fn course(
+    fn search(
         &self,
-        (velocities, motions, outlooks): (&[BodyVelocity], &[BodyMotion], &[Outlook]),
+        (velocities, motions, predicted_poses): (&[BodyVelocity], &[BodyMotion], &[PredictedPose]),
         h: f32,
         drive: Option<&DriveRates>,
         left: [f64; 2],
     ) -> [Placement; 3] {
         let (a, b) = (self.a as usize, self.b as usize);
         let now = |slot: usize| motions[slot].stance();
-        let then = |slot: usize| stance((outlooks[slot].displacement, outlooks[slot].rotation));
-        let placed = |a: Stance, b: Stance, left: f64| driven::before(self.placement(a, b), drive, [&a, &b], left);
+        let then = |slot: usize| stance((predicted_poses[slot].displacement, predicted_poses[slot].rotation));
+        let placed = |a: LocalPose, b: LocalPose, left: f64| driven::before(self.placement(a, b), drive, [&a, &b], left);
         let start = placed(now(a), now(b), left[0]);
         let end = placed(then(a), then(b), left[1]);
         let stiffness = h
@@ -600,7 +602,7 @@ pub(crate) fn axis_of(kind: &JointKind, placement: &Placement, last: [f64; 3], a
         }
         (JointKind::Spherical { .. }, 0) => {
             let (a, b) = (placement.a.frame * DVec3::X, placement.b.frame * DVec3::X);
-            let gradient = (a + b) / (1.0 + a.dot(b)).max(angles::LEAST_COMMON);
+            let gradient = (a + b) / (1.0 + a.dot(b)).max(angles::MIN_COMMON);
             let angle = angles::nearest(placement.twist(), last[0]);
             Some(AxisReading { position: angle, gradient, direction: a, turns: true })
         }
@@ -616,6 +618,6 @@ pub(crate) fn axis_of(kind: &JointKind, placement: &Placement, last: [f64; 3], a
 
 /// Both joint frames of a joint outside a step.
 pub(crate) fn placement_of(offset: DVec3, levers: [DVec3; 2], frames: [DQuat; 2]) -> Placement {
-    let [a, b] = [0, 1].map(|i| Side { lever: levers[i], frame: frames[i] });
+    let [a, b] = [0, 1].map(|i| WorldFrame { lever: levers[i], frame: frames[i] });
     Placement { a, b, gap: offset + (levers[1] - levers[0]) }
 }

@@ -1,4 +1,4 @@
-//! What a motor asks of its coordinate.
+//! The demand of a motor on its coordinate.
 //!
 //! **Velocity motors** ask for their speed, with a bounded force. **Soft position motors** are a spring and damper, one row with give.
 //!
@@ -22,8 +22,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::kinds::{Coordinate, RowSink};
-use super::rows::{Demand, Error1, Give, Held, Jacobian, Phase, Rate};
+use super::kinds::{JointCoordinate, RowSink};
+use super::rows::{Demand, Error1, HeldDirections, Jacobian, Phase, Rate, SoftParams};
 use crate::joint::{Drive, ForceSide, Limits, Motor, Softness};
 
 /// Share of the deceleration found for a rigid position motor by which it brakes: a tenth is left for loads that are not known.
@@ -31,10 +31,10 @@ use crate::joint::{Drive, ForceSide, Limits, Motor, Softness};
 const BRAKING_SHARE: f64 = 0.9;
 
 /// Least deceleration that it counts on, over that without loads: a motor that cannot hold its load comes to its target somehow.
-const LEAST_BRAKING: f64 = 0.05;
+const MIN_BRAKING: f64 = 0.05;
 
 /// Most that a rigid position motor turns by in a substep (rad): beyond it the direction of a lever has no meaning.
-const MOST_TURN: f64 = 1.0;
+const MAX_TURN: f64 = 1.0;
 
 /// Speed beyond which a rigid position motor is on its way, not holding still (m/s, rad/s): well above what rounding makes it mend,
 /// 1 µm in a substep of 1/240 s.
@@ -45,7 +45,7 @@ const DEPENDENT: f64 = 1.0e-9;
 
 /// How a body answers: what a unit of momentum moves it by, and what external forces accelerate it by.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Answer {
+pub(crate) struct BodyResponse {
     /// (1/kg).
     pub inverse_mass: DVec3,
     /// (1/(kg·m²)).
@@ -56,7 +56,7 @@ pub(crate) struct Answer {
     pub center: DVec3,
 }
 
-impl Answer {
+impl BodyResponse {
     /// Of what never moves.
     pub(crate) const NONE: Self = Self {
         inverse_mass: DVec3::ZERO,
@@ -106,7 +106,7 @@ impl Covector {
     }
 
     /// M⁻¹ of it.
-    fn response(&self, answers: &[Answer; 2]) -> [Rate; 2] {
+    fn response(&self, answers: &[BodyResponse; 2]) -> [Rate; 2] {
         std::array::from_fn(|i| answers[i].response(&self.0[i]))
     }
 
@@ -132,7 +132,7 @@ impl HeldRows {
         row
     }
 
-    fn add(&mut self, row: Covector, answers: &[Answer; 2]) {
+    fn add(&mut self, row: Covector, answers: &[BodyResponse; 2]) {
         let before = row.dot(&row.response(answers));
         let row = self.without(row);
         let response = row.response(answers);
@@ -150,9 +150,9 @@ impl RowSink<'_> {
         let answers = [(self.answer)(0), (self.answer)(1)];
         let none = Rate { linear: DVec3::ZERO, angular: DVec3::ZERO };
         let mut held = HeldRows { rows: [(Covector([none; 2]), [none; 2], 0.0); 6], count: 0 };
-        let axes = |held: Held| match held {
-            Held::All => [Some(DVec3::X), Some(DVec3::Y), Some(DVec3::Z)],
-            Held::Across(axis) => {
+        let axes = |held: HeldDirections| match held {
+            HeldDirections::All => [Some(DVec3::X), Some(DVec3::Y), Some(DVec3::Z)],
+            HeldDirections::Across(axis) => {
                 let (u, v) = axis.any_orthonormal_pair();
                 [Some(u), Some(v), None]
             }
@@ -182,9 +182,9 @@ impl RowSink<'_> {
     }
 
     /// Adds the row of a coordinate's motor, whose multiplier is `id`; all rows that the joint holds have been added before.
-    pub(super) fn drive(&mut self, coordinate: &Coordinate, limits: Limits, motor: &Motor, id: u8) {
+    pub(super) fn drive(&mut self, coordinate: &JointCoordinate, limits: Limits, motor: &Motor, id: u8) {
         let Some(drive) = motor.drive() else { return };
-        let &Coordinate { jacobian, start, factor, .. } = coordinate;
+        let &JointCoordinate { jacobian, start, factor, .. } = coordinate;
         let h = self.phase.h();
         let bounds = drive.bounds().map(|force| force * h);
         let Some(target) = drive.target else {
@@ -194,7 +194,7 @@ impl RowSink<'_> {
             let wanted = f64::from(drive.velocity);
             self.arrives |= u32::from(wanted < least) << (id - 2) | u32::from(wanted > most) << (id - 1);
             let target = wanted.clamp(least, most) * factor;
-            return self.scalar(jacobian, Demand::Speed { target, bounds }, Give::rigid(self.phase), id);
+            return self.scalar(jacobian, Demand::Speed { target, bounds }, SoftParams::rigid(self.phase), id);
         };
         if matches!(self.phase, Phase::Position { .. }) {
             return;
@@ -209,13 +209,13 @@ impl RowSink<'_> {
             let ease = if drive.max_force < f32::INFINITY { Some(self.ease_of(&jacobian)) } else { None };
             let braking = ease.map_or(f64::INFINITY, |ease| braking(&ease, error.start, drive.bounds()));
             let most = most_speed(&jacobian, f64::from(drive.max_speed).min(self.most_speed), h / self.share);
-            self.approach(&jacobian, error, Approach { braking, most, speed }, bounds, id);
+            self.approach(&jacobian, error, MotorApproach { braking, most, speed }, bounds, id);
         }
     }
 
     /// A spring and damper, no faster than it may be: where it would be, a motor at that speed with what the spring has left.
     fn pull(&mut self, jacobian: &Jacobian, error: Error1, speed: f64, drive: &Drive, bounds: [f64; 2], id: u8) {
-        let (give, speed) = (Give::new(drive.softness, self.phase), [speed / self.share, speed]);
+        let (give, speed) = (SoftParams::new(drive.softness, self.phase), [speed / self.share, speed]);
         let most = f64::from(drive.max_speed);
         if most < f64::INFINITY {
             let ease = self.ease_of(jacobian);
@@ -228,14 +228,14 @@ impl RowSink<'_> {
                 self.is_under_way = true;
                 let left = -(way * most + bias) / gamma;
                 let bounds = [left.min(0.0).max(bounds[0]), left.max(0.0).min(bounds[1])];
-                return self.scalar(*jacobian, Demand::Speed { target: way * most, bounds }, Give::rigid(self.phase), id);
+                return self.scalar(*jacobian, Demand::Speed { target: way * most, bounds }, SoftParams::rigid(self.phase), id);
             }
         }
         self.scalar(*jacobian, Demand::Drive { error, speed, bounds }, give, id);
     }
 
     /// A rigid motor on its way to C = 0.
-    fn approach(&mut self, jacobian: &Jacobian, error: Error1, approach: Approach, bounds: [f64; 2], id: u8) {
+    fn approach(&mut self, jacobian: &Jacobian, error: Error1, approach: MotorApproach, bounds: [f64; 2], id: u8) {
         let full = self.phase.h() / self.share;
         let distance = error.start.abs();
         let speed = approach_speed(distance, approach.braking, full, self.closing_share);
@@ -244,7 +244,7 @@ impl RowSink<'_> {
         // Over the whole substep, of which the row may have a part.
         let [closing, speed] = [closing, approach.speed].map(|speed| speed / self.share);
         let demand = Demand::Approach { error, closing, speed, bounds };
-        self.scalar(*jacobian, demand, Give::rigid(self.phase), id);
+        self.scalar(*jacobian, demand, SoftParams::rigid(self.phase), id);
     }
 
     /// Drives the rotation to the rotation vector `error` (A's frame, rad) away from its target: along it, with up to `max_torque` about
@@ -267,7 +267,7 @@ impl RowSink<'_> {
                 f64::INFINITY
             };
             let speed = approach_speed(start.length(), braking, full, self.closing_share);
-            let speed = speed.min(self.most_speed).min(MOST_TURN / full);
+            let speed = speed.min(self.most_speed).min(MAX_TURN / full);
             closing = start.normalize_or_zero() * speed;
             self.is_under_way |= speed > ON_ITS_WAY;
         }
@@ -276,10 +276,10 @@ impl RowSink<'_> {
             let (jacobian, id) = (Jacobian::angular(axes.col(i)), 4 + i as u8);
             if softness.compliance > 0.0 {
                 let demand = Demand::Drive { error, speed: [0.0; 2], bounds };
-                self.scalar(jacobian, demand, Give::new(softness, self.phase), id);
+                self.scalar(jacobian, demand, SoftParams::new(softness, self.phase), id);
             } else {
                 let demand = Demand::Approach { error, closing: closing[i] / self.share, speed: 0.0, bounds };
-                self.scalar(jacobian, demand, Give::rigid(self.phase), id);
+                self.scalar(jacobian, demand, SoftParams::rigid(self.phase), id);
             }
         }
     }
@@ -287,7 +287,7 @@ impl RowSink<'_> {
 
 /// How a rigid motor may come to its target.
 #[derive(Debug, Clone, Copy)]
-struct Approach {
+struct MotorApproach {
     /// Deceleration that it can hold (m/s², rad/s²).
     braking: f64,
     /// Greatest speed, and that of its reference (m/s, rad/s).
@@ -300,12 +300,12 @@ fn braking(ease: &Ease, error: f64, [least, most]: [f64; 2]) -> f64 {
     let way = -error.signum();
     let against = if way > 0.0 { -least } else { most };
     let found = ease.ease * against - way * ease.acceleration;
-    BRAKING_SHARE * found.max(LEAST_BRAKING * ease.ease * most.max(-least))
+    BRAKING_SHARE * found.max(MIN_BRAKING * ease.ease * most.max(-least))
 }
 
 /// Greatest speed of a coordinate (m/s, rad/s) in a substep of length `h` (s).
 fn most_speed(jacobian: &Jacobian, most: f64, h: f64) -> f64 {
-    if jacobian.linear == DVec3::ZERO { most.min(MOST_TURN / h) } else { most }
+    if jacobian.linear == DVec3::ZERO { most.min(MAX_TURN / h) } else { most }
 }
 
 /// Distance, in units of what one substep's braking is worth in one substep, beyond which substeps make no difference to a speed.

@@ -3,13 +3,13 @@
 
 use super::geometry::Placement;
 use super::kinds::RowSink;
-use super::rows::Held;
+use super::rows::HeldDirections;
 use crate::joint::{Limits, Motor};
 
 pub(crate) fn rows(sink: &mut RowSink, limits: Limits, motor: Motor) {
     let axis = sink.geometry.gradient.axes_a().x_axis;
-    sink.hold_directions(Held::All, sink.geometry.gradient.a.frame, Placement::rotation_vector);
-    sink.hold_points(Held::Across(axis));
+    sink.hold_directions(HeldDirections::All, sink.geometry.gradient.a.frame, Placement::rotation_vector);
+    sink.hold_points(HeldDirections::Across(axis));
     let jacobian = sink.along(axis);
     if sink.has_rows(limits, motor) {
         let slide = sink.length(jacobian, |p: &Placement| p.local_gap().x);

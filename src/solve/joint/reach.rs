@@ -1,4 +1,4 @@
-//! Joints whose stops are out of reach within a step: they are swept like joints that have none.
+//! Finds joints whose stops are out of reach within the step: they are swept like joints without stops.
 //!
 //! A stop C ≥ 0 that is far off has no multiplier and does nothing, but its row costs as much as one that presses. So a step looks
 //! once at the angle of each limited joint. With ω the spin of B against A now, the stop is out of reach where

@@ -1,4 +1,4 @@
-//! Restitution of stops: a stop that is met at v is left at e v.
+//! Restitution of stops: a stop that is met at v is left at −e v.
 //!
 //! v is the speed at the moment of impact, somewhere inside a substep. With C the distance to the stop and Ċ its rate at the substep's
 //! start, and C̈ all but constant within it,

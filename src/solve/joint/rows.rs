@@ -1,4 +1,5 @@
-//! What a joint asks of the velocities of its bodies: rows J v + b + γ p = 0 with a multiplier p, in blocks of three and alone.
+//! Joint rows J v + b + γ p = 0 with a multiplier p, in blocks of three and alone: the one language of rows that all solvers
+//! read.
 //!
 //! The two solvers take them as they are: [`super::sweep`] solves them one after another, [`crate::solve::direct`] all at once.
 //!
@@ -61,7 +62,7 @@ impl Phase {
 
 /// Give of a row in one phase of one substep.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Give {
+pub(crate) struct SoftParams {
     phase: Phase,
     /// γ/(1+k) and 1/(1+k).
     gamma: f64,
@@ -69,7 +70,7 @@ pub(crate) struct Give {
     rigid: bool,
 }
 
-impl Give {
+impl SoftParams {
     pub(crate) fn new(softness: Softness, phase: Phase) -> Self {
         let h = phase.h();
         let compliance = f64::from(softness.compliance);
@@ -155,14 +156,14 @@ impl RowRates {
 
 /// Directions that a block holds (unit vectors, world axes).
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Held {
+pub(crate) enum HeldDirections {
     /// All three.
     All,
     /// Those orthogonal to this one.
     Across(DVec3),
 }
 
-impl Held {
+impl HeldDirections {
     fn project(self, v: DVec3) -> DVec3 {
         match self {
             Self::All => v,
@@ -190,7 +191,7 @@ pub(crate) struct Error1 {
 pub(crate) struct BlockRow {
     /// From each body's centre of mass to the point where it is pushed; unused for directions.
     pub levers: [DVec3; 2],
-    pub held: Held,
+    pub held: HeldDirections,
     pub bias: DVec3,
     pub gamma: f64,
     /// Whether the row takes part in this phase.
@@ -201,18 +202,25 @@ pub(crate) struct BlockRow {
 
 impl BlockRow {
     /// Holds two points together in the directions `held`.
-    pub(crate) fn point(rates: &RowRates, levers: [DVec3; 2], error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
+    pub(crate) fn point(
+        rates: &RowRates,
+        levers: [DVec3; 2],
+        error: Error3,
+        held: HeldDirections,
+        give: SoftParams,
+        impulse: Vec3,
+    ) -> Self {
         let rate = |[a, b]: &[Rate; 2]| b.linear + b.angular.cross(levers[1]) - a.linear - a.angular.cross(levers[0]);
         Self::new(levers, rates.read(rate, DVec3::ZERO), error, held, give, impulse)
     }
 
     /// Holds two directions together about the axes `held`.
-    pub(crate) fn direction(rates: &RowRates, error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
+    pub(crate) fn direction(rates: &RowRates, error: Error3, held: HeldDirections, give: SoftParams, impulse: Vec3) -> Self {
         let rate = |[a, b]: &[Rate; 2]| b.angular - a.angular;
         Self::new([DVec3::ZERO; 2], rates.read(rate, DVec3::ZERO), error, held, give, impulse)
     }
 
-    fn new(levers: [DVec3; 2], rate: [DVec3; 2], error: Error3, held: Held, give: Give, impulse: Vec3) -> Self {
+    fn new(levers: [DVec3; 2], rate: [DVec3; 2], error: Error3, held: HeldDirections, give: SoftParams, impulse: Vec3) -> Self {
         // The bias is bounded by components, so what is along a free direction must be gone before.
         let (start, predicted) = (held.project(error.start), held.project(error.predicted));
         let [rate, driven] = rate.map(|rate| held.project(rate));
@@ -251,7 +259,7 @@ pub(crate) enum Demand {
     AtLeast(Error1),
     /// Hold a speed with an impulse in these bounds.
     Speed { target: f64, bounds: [f64; 2] },
-    /// A spring and damper towards C = 0, where that moves at `speed` (see [`Give::spring`]), with an impulse in these bounds.
+    /// A spring and damper towards C = 0, where that moves at `speed` (see [`SoftParams::spring`]), with an impulse in these bounds.
     Drive { error: Error1, speed: [f64; 2], bounds: [f64; 2] },
     /// The same rigidly, closing C at the rate `closing`.
     Approach { error: Error1, closing: f64, speed: f64, bounds: [f64; 2] },
@@ -280,7 +288,7 @@ impl ScalarRow {
         driven: f64,
         jacobian: Jacobian,
         demand: Demand,
-        give: Give,
+        give: SoftParams,
         id: u8,
         impulse: f32,
     ) -> Self {

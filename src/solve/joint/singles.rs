@@ -1,18 +1,18 @@
-//! Joints that are swept one by one, with whatever rows their kinds have: in `f64` where rows are formed, `f32` where they are swept.
+//! Joints that are swept one by one, with any rows: built in `f64`, swept in `f32`.
 
 use std::ops::Range;
 
 use glam::{DVec3, Mat3, Vec3};
 
 use super::angles;
-use super::driven::{self, Driven};
+use super::driven::{self, DrivenParts};
 use super::geometry::{JointGeometry, Placement};
 use super::kinds::{self, RowSink};
-use super::motor::Answer;
+use super::motor::BodyResponse;
 use super::rebound;
 use super::rows::{self, Phase, Rate, RowRates};
 use super::sweep::{self, BlockRow, ScalarRow};
-use super::{JointEntry, MOMENTUM_RETURN_LIMIT, Moving};
+use super::{JointEntry, MOMENTUM_RETURN_LIMIT, MovingBodies};
 use crate::id::{JointId, Pool};
 use crate::joint::{Joint, JointImpulses};
 use crate::joint_rebounds::Rebounds;
@@ -23,7 +23,7 @@ const SCALAR_PASSES: usize = 3;
 
 /// Rows of one joint in this substep.
 #[derive(Debug, Clone, Copy)]
-struct JointRows {
+struct SingleJointRows {
     /// The joint among the batch's.
     entry: usize,
     a: u32,
@@ -35,7 +35,7 @@ struct JointRows {
     leans: bool,
 }
 
-impl JointRows {
+impl SingleJointRows {
     fn scalars<'a>(&self, all: &'a mut [ScalarRow]) -> &'a mut [ScalarRow] {
         &mut all[self.scalars.0 as usize..self.scalars.1 as usize]
     }
@@ -89,10 +89,16 @@ impl JointRows {
 
 impl JointEntry {
     /// What the host moves of the joint, which is placed like this, in a substep so far from the end of the step (s).
-    fn driven<'a>(&self, joint: &'a Joint, motions: &[BodyMotion], placement: &Placement, left: [f64; 2]) -> Option<Driven<'a>> {
+    fn driven<'a>(
+        &self,
+        joint: &'a Joint,
+        motions: &[BodyMotion],
+        placement: &Placement,
+        left: [f64; 2],
+    ) -> Option<DrivenParts<'a>> {
         let drive = joint.drive()?;
-        let stances = [self.a, self.b].map(|slot| motions[slot as usize].stance());
-        Some(Driven::new(drive, stances.each_ref(), placement, left))
+        let local_poses = [self.a, self.b].map(|slot| motions[slot as usize].stance());
+        Some(DrivenParts::new(drive, local_poses.each_ref(), placement, left))
     }
 }
 
@@ -105,7 +111,7 @@ pub(super) struct Singles {
     numbers: Vec<usize>,
     /// By what the second body of each has turned against the first in the step, as its angles were last followed (rad).
     turned: Vec<Vec3>,
-    rows: Vec<JointRows>,
+    rows: Vec<SingleJointRows>,
     scalars: Vec<ScalarRow>,
     /// What the joint at hand asks in scalar rows.
     asked: Vec<rows::ScalarRow>,
@@ -165,7 +171,7 @@ impl Singles {
         &mut self,
         entries: &[JointEntry],
         joints: &Pool<Joint, JointId>,
-        &Moving { velocities, motions, outlooks }: &Moving<'_>,
+        &MovingBodies { velocities, motions, predicted_poses }: &MovingBodies<'_>,
         (h, left): (f32, f32),
         again: bool,
     ) {
@@ -178,7 +184,7 @@ impl Singles {
         for &number in &self.numbers {
             let entry = &entries[number];
             let joint = &joints[entry.joint];
-            let [start, predicted, gradient] = entry.course((velocities, motions, outlooks), h, joint.drive(), left);
+            let [start, predicted, gradient] = entry.search((velocities, motions, predicted_poses), h, joint.drive(), left);
             let first = self.scalars.len() as u32;
             let bodies = [&velocities[entry.a as usize], &velocities[entry.b as usize]];
             let driven = entry.driven(joint, motions, &gradient, left);
@@ -218,7 +224,7 @@ impl Singles {
             if leans {
                 sweep::lean(&mut self.scalars[first as usize..], point.as_ref(), bodies);
             }
-            self.rows.push(JointRows { entry: number, a: entry.a, b: entry.b, point, direction, scalars, leans });
+            self.rows.push(SingleJointRows { entry: number, a: entry.a, b: entry.b, point, direction, scalars, leans });
         }
     }
 
@@ -374,11 +380,11 @@ impl Singles {
 }
 
 /// How a body answers to its motor.
-fn answer_of(velocity: &BodyVelocity, motion: &BodyMotion) -> Answer {
+fn answer_of(velocity: &BodyVelocity, motion: &BodyMotion) -> BodyResponse {
     let inverse_inertia = velocity.inverse_inertia.to_mat3().as_dmat3();
     let linear = if motion.is_dynamic() { motion.acceleration.as_dvec3() } else { DVec3::ZERO };
     let acceleration = Rate { linear, angular: inverse_inertia * motion.torque.as_dvec3() };
-    Answer { inverse_mass: velocity.inverse_mass.as_dvec3(), inverse_inertia, acceleration, center: DVec3::ZERO }
+    BodyResponse { inverse_mass: velocity.inverse_mass.as_dvec3(), inverse_inertia, acceleration, center: DVec3::ZERO }
 }
 
 /// Gives a pair of bodies back the angular momentum that moving them by position rows would take.

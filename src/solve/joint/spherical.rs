@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::geometry::Placement;
 use super::kinds::RowSink;
-use super::rows::{Demand, Error1, Give, Held, Jacobian};
+use super::rows::{Demand, Error1, HeldDirections, Jacobian, SoftParams};
 use crate::joint::{Limits, Motor, SphericalMotor};
 
 /// Swing below which its axis has no meaning; no limit that small is ever reached from there in one substep (rad).
@@ -27,7 +27,7 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
             let ([first, last], rate) = sink.stop_at(f64::from(swing_limit), 0);
             let (start, predicted) = sink.geometry.read(swing);
             let error = Error1 { start: first - start, predicted: last - predicted };
-            let give = Give::new(sink.def.limit, sink.phase);
+            let give = SoftParams::new(sink.def.limit, sink.phase);
             sink.driven_scalar(Jacobian::angular(-across / sine), rate, Demand::AtLeast(error), give, 0);
         }
     }
@@ -39,7 +39,7 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
             sink.limit_and_drive(&twist, twist_limits, Motor::Off, 1);
         }
     }
-    sink.hold_points(Held::All);
+    sink.hold_points(HeldDirections::All);
     drive(sink, motor);
     sink.rub_about_point(sink.def.friction);
 }
@@ -59,7 +59,7 @@ fn drive(sink: &mut RowSink, motor: SphericalMotor) {
             let max_impulse = f64::from(max_torque) * sink.phase.h();
             for i in 0..3 {
                 let demand = Demand::Speed { target: f64::from(target[i]), bounds: [-max_impulse, max_impulse] };
-                sink.scalar(Jacobian::angular(axes.col(i)), demand, Give::rigid(sink.phase), 4 + i as u8);
+                sink.scalar(Jacobian::angular(axes.col(i)), demand, SoftParams::rigid(sink.phase), 4 + i as u8);
             }
         }
         SphericalMotor::Position { target, softness, max_torque } => {

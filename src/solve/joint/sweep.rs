@@ -3,7 +3,7 @@
 use glam::{Mat3, Vec3};
 
 use super::friction;
-use super::rows::{self, Held};
+use super::rows::{self, HeldDirections};
 use crate::solve::state::BodyVelocity;
 
 /// Three rows solved together.
@@ -19,10 +19,10 @@ pub(crate) struct BlockRow {
 }
 
 /// Inverse of `k` on the held directions.
-fn inverse_on(held: Held, k: Mat3) -> Mat3 {
+fn inverse_on(held: HeldDirections, k: Mat3) -> Mat3 {
     match held {
-        Held::All => inverse_or_zero(k),
-        Held::Across(axis) => {
+        HeldDirections::All => inverse_or_zero(k),
+        HeldDirections::Across(axis) => {
             let (u, v) = crate::solve::contact::tangents(axis.as_vec3());
             let (a, b, c) = (u.dot(k * u), u.dot(k * v), v.dot(k * v));
             let determinant = a * c - b * b;
@@ -91,7 +91,7 @@ impl BlockRow {
 }
 
 /// Share of a row's response that is left to it once points hold, below which it does not lean on them.
-const LEAST_LEFT: f32 = 1.0e-4;
+const MIN_LEFT: f32 = 1.0e-4;
 
 /// One row along a coordinate.
 #[derive(Debug, Clone, Copy)]
@@ -161,7 +161,7 @@ impl ScalarRow {
         let response_b = b.inverse_inertia.mul(self.angular_b - points.lever_b.cross(lean));
         let left = linear.dot(w * pushed) + self.angular_a.dot(response_a) + self.angular_b.dot(response_b) + self.gamma;
         // What the points hold as well is left to them.
-        if self.mass > 0.0 && left * self.mass > LEAST_LEFT {
+        if self.mass > 0.0 && left * self.mass > MIN_LEFT {
             *self = Self { pushed, lean, response_a, response_b, mass: 1.0 / left, ..*self };
         }
     }

@@ -1,17 +1,17 @@
-//! The joints of an island, with what each has in the substep.
+//! The joints of an island, with the records of each in the substep.
 
 use glam::DVec3;
 
-use super::joints::{Asking, JointRows, Place, Sink, Source};
+use super::joints::{Asking, JointAssembly, MultiplierSlot, Sink, Source};
 use super::problem::Problem;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::joint_rebounds::Rebounds;
 use crate::solve::direct::body::DirectBody;
-use crate::solve::direct::single;
-use crate::solve::joint::motor::Answer;
+use crate::solve::direct::narrowing;
+use crate::solve::joint::motor::BodyResponse;
 use crate::solve::joint::rows::{Rate, ScalarRow};
-use crate::solve::joint::{JointEntry, Stance, driven, gap_of};
+use crate::solve::joint::{JointEntry, LocalPose, driven, gap_of};
 
 /// Joints: see the [module](self).
 #[derive(Debug, Default)]
@@ -19,10 +19,10 @@ pub(super) struct JointSet {
     pub entries: Vec<JointEntry>,
     /// Local numbers of each joint's bodies: 0 is the world, then the island's own slots, then kinematic ones.
     pub ends: Vec<[usize; 2]>,
-    pub rows: Vec<JointRows>,
+    pub rows: Vec<JointAssembly>,
     pub sources: Vec<Source>,
     /// Multipliers' places and arguments of the joints' terms in the last substep of this step, and those of each joint.
-    arguments: Vec<(Place, f64)>,
+    arguments: Vec<(MultiplierSlot, f64)>,
     argument_ranges: Vec<(u32, u32)>,
     asked: Vec<ScalarRow>,
 }
@@ -34,7 +34,7 @@ pub(super) struct Ends<'a> {
     /// Number of each in the problem.
     pub moved: &'a [u32],
     pub rates: &'a [Rate],
-    pub stances: &'a [Stance],
+    pub local_poses: &'a [LocalPose],
 }
 
 impl<'a> Ends<'a> {
@@ -47,12 +47,13 @@ impl<'a> Ends<'a> {
         h: f64,
         left: [f64; 2],
     ) -> Asking<'a> {
-        let Self { bodies, moved, rates, stances } = self;
+        let Self { bodies, moved, rates, local_poses } = self;
         Asking {
             joint: &joints[entry.joint],
-            stances: ends.map(|body| stances[body]),
+            local_poses: ends.map(|body| local_poses[body]),
             rates: ends.map(|body| rates[body]),
-            answers: ends.map(|body| if entry.has_motor { bodies[body].answer_at(&stances[body]) } else { Answer::NONE }),
+            answers: ends
+                .map(|body| if entry.has_motor { bodies[body].answer_at(&local_poses[body]) } else { BodyResponse::NONE }),
             moved: ends.map(|body| moved[body]),
             h,
             left,
@@ -95,7 +96,7 @@ impl JointSet {
             for number in rows.terms.0 as usize..rows.terms.1 as usize {
                 // Directions of friction about a point are others in every substep.
                 let place = sources[number].place;
-                if let Some((_, argument)) = known.iter().find(|known| known.0 == place && place != Place::Direction) {
+                if let Some((_, argument)) = known.iter().find(|known| known.0 == place && place != MultiplierSlot::Direction) {
                     let term = &mut problem.terms[number];
                     (term.is_known, term.argument[0]) = (true, *argument);
                 }
@@ -125,10 +126,10 @@ impl JointSet {
     }
 
     /// Brings the angles of joints up to the present poses, `left` (s) from the end of the step.
-    pub(super) fn follow_angles(&mut self, joints: &Pool<Joint, JointId>, stances: &[Stance], left: f64) {
+    pub(super) fn follow_angles(&mut self, joints: &Pool<Joint, JointId>, local_poses: &[LocalPose], left: f64) {
         let Self { entries, ends, .. } = self;
         for (entry, ends) in entries.iter_mut().zip(&*ends).filter(|(entry, _)| entry.counts_turns) {
-            let (joint, [a, b]) = (&joints[entry.joint], ends.map(|body| stances[body]));
+            let (joint, [a, b]) = (&joints[entry.joint], ends.map(|body| local_poses[body]));
             let placement = driven::before(entry.placement(a, b), joint.drive(), [&a, &b], left);
             entry.follow(&joint.def.kind, &placement);
         }
@@ -146,9 +147,9 @@ impl JointSet {
             let bounded = terms.map(|term| (&sources[term], problem.terms[term].impulse[0]));
             for (source, impulse) in held.chain(bounded) {
                 match source.place {
-                    Place::Point => point += source.linear * impulse,
-                    Place::Direction => angular += source.angular * impulse,
-                    Place::Scalar(id) => {
+                    MultiplierSlot::Point => point += source.linear * impulse,
+                    MultiplierSlot::Direction => angular += source.angular * impulse,
+                    MultiplierSlot::Scalar(id) => {
                         entry.impulses.scalar[id as usize] = impulse as f32;
                         if let Some(axis) = entry.motor_rows.axis(id) {
                             entry.motors[axis] += impulse as f32;
@@ -158,11 +159,11 @@ impl JointSet {
                     }
                 }
             }
-            entry.impulses.point = single::impulse(point);
-            entry.impulses.angular = single::impulse(angular);
+            entry.impulses.point = narrowing::impulse(point);
+            entry.impulses.angular = narrowing::impulse(angular);
             entry.pressed |= entry.impulses.pressing();
             entry.rebounds = Rebounds::NONE;
-            entry.acted = [single::impulse(point + linear_load), single::impulse(angular + angular_load)];
+            entry.acted = [narrowing::impulse(point + linear_load), narrowing::impulse(angular + angular_load)];
             entry.linear_sum += entry.acted[0];
             entry.angular_sum += entry.acted[1];
         }
@@ -180,18 +181,18 @@ impl JointSet {
     }
 
     /// Sum of the squares of these distances for joints as gaps (m²).
-    pub(super) fn square_of_gaps(&self, joints: &Pool<Joint, JointId>, stances: &[Stance]) -> f64 {
-        self.gaps(joints, stances).map(|gap| gap * gap).sum()
+    pub(super) fn square_of_gaps(&self, joints: &Pool<Joint, JointId>, local_poses: &[LocalPose]) -> f64 {
+        self.gaps(joints, local_poses).map(|gap| gap * gap).sum()
     }
 
     /// Greatest distance between joint points beyond what their joints allow (m).
-    pub(super) fn gap(&self, joints: &Pool<Joint, JointId>, stances: &[Stance]) -> f64 {
-        self.gaps(joints, stances).fold(0.0, f64::max)
+    pub(super) fn gap(&self, joints: &Pool<Joint, JointId>, local_poses: &[LocalPose]) -> f64 {
+        self.gaps(joints, local_poses).fold(0.0, f64::max)
     }
 
-    fn gaps<'a>(&'a self, joints: &'a Pool<Joint, JointId>, stances: &'a [Stance]) -> impl Iterator<Item = f64> + 'a {
+    fn gaps<'a>(&'a self, joints: &'a Pool<Joint, JointId>, local_poses: &'a [LocalPose]) -> impl Iterator<Item = f64> + 'a {
         self.entries.iter().zip(&self.ends).map(|(entry, ends)| {
-            let [a, b] = ends.map(|body| stances[body]);
+            let [a, b] = ends.map(|body| local_poses[body]);
             gap_of(&joints[entry.joint].def.kind, &entry.placement(a, b))
         })
     }

@@ -18,13 +18,13 @@ use super::problem::{Problem, push_term, speed};
 use super::term::{Law, Term};
 
 /// Rounds in an impact at most: a blow passes one contact in each.
-const MOST_ROUNDS: usize = 24;
+const MAX_ROUNDS: usize = 24;
 
 /// Solves of a projection: the second takes out what the bristles of the first have yielded, a thousandth of a metre a second.
 const SOLVES: usize = 2;
 
 /// Factorisations of a solve at most.
-const MOST_FACTORS: u32 = 40;
+const MAX_FACTORS: u32 = 40;
 
 impl Term {
     /// Whether it takes part in impacts: a contact's normal or a rigid stop.
@@ -68,7 +68,7 @@ impl Problem {
         let parts = self.take_parts(first);
         self.aim(&parts);
         self.velocity.clone_from(&self.before);
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let mut any = false;
             self.before.clone_from(&self.velocity);
             for (number, part) in parts.iter().enumerate() {
@@ -162,7 +162,7 @@ impl Problem {
         self.links.iter_mut().for_each(|link| link.impulse = [0.0; 6]);
         self.find_drive();
         for _ in 0..SOLVES {
-            self.solve(MOST_FACTORS);
+            self.solve(MAX_FACTORS);
             self.note_impulses();
         }
     }

@@ -5,10 +5,10 @@ use std::ops::Range;
 use glam::{DMat3, DVec3};
 
 use super::held::{Ends, JointSet};
-use super::joints::Place;
-use super::passes::{Effort, MOST_FACTORS};
+use super::joints::MultiplierSlot;
+use super::passes::{Effort, MAX_FACTORS};
 use super::patch::Patch;
-use super::problem::{Mass, Problem, Stiff};
+use super::problem::{BodyMass, Problem, Stiff};
 use super::stiffness::positive_part;
 use super::term::FIXED;
 use crate::id::{BodyId, JointId, Pool};
@@ -16,8 +16,8 @@ use crate::joint::Joint;
 use crate::report::ArticulationReport;
 use crate::solve::StepSettings;
 use crate::solve::direct::body::DirectBody;
-use crate::solve::direct::{single, stiffness};
-use crate::solve::joint::Stance;
+use crate::solve::direct::{narrowing, stiffness};
+use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 
@@ -32,21 +32,21 @@ const LIFT: f64 = 1.0e-3;
 
 /// Greatest speed at which rows that always hold may be left to part (m/s, rad/s). Where they can hold they do to 1e-7 under ten tonnes on
 /// links of a kilogram; the joints of a straight line that is pressed together, which has to bend first, part at 0.03.
-const MOST_STRAIN: f64 = 1.0e-3;
+const MAX_STRAIN: f64 = 1.0e-3;
 
 /// Gap of a joint that a step may open, over the mean distance of joint points from centres of mass. A winch under load opens 0.0002; what
 /// is flung about opens as much as it may, where direct solves halve their substeps and leave a fifth of this.
-const MOST_GAP: f64 = 3.0e-3;
+const MAX_GAP: f64 = 3.0e-3;
 
 /// Share of the kinetic energy that is not worth a word.
 const ROUNDING: f64 = 1.0e-3;
 
 /// Length below which a line has no direction (m).
-const LEAST_LENGTH: f64 = 1.0e-6;
+const MIN_LENGTH: f64 = 1.0e-6;
 
 /// How a step went.
 #[derive(Debug, Clone, Copy, Default)]
-struct Outcome {
+struct CoupledOutcome {
     effort: Effort,
     substeps: u32,
     penetration: f64,
@@ -63,7 +63,7 @@ struct Outcome {
 
 /// An island: see the [module](self).
 #[derive(Debug, Default)]
-pub(crate) struct Island {
+pub(crate) struct CoupledIsland {
     /// Slots of the bodies that it moves.
     pub slots: Range<u32>,
     /// Whether its joints close a loop.
@@ -75,10 +75,10 @@ pub(crate) struct Island {
     /// Slots of kinematic bodies, by local number from the first of them.
     anchors: Vec<u32>,
     pub(super) rates: Vec<Rate>,
-    pub(super) stances: Vec<Stance>,
-    began: Vec<Stance>,
+    pub(super) local_poses: Vec<LocalPose>,
+    began: Vec<LocalPose>,
     /// Where bodies may be moved to as errors of positions are taken out.
-    pub(super) moved_to: Vec<Stance>,
+    pub(super) moved_to: Vec<LocalPose>,
     pub patches: Vec<Patch>,
     pairs: Vec<[u32; 2]>,
     pub(super) problem: Problem,
@@ -88,12 +88,12 @@ pub(crate) struct Island {
     torques: Vec<DMat3>,
     /// Sums of the rates at which bodies turn as they go round others, by the impulses that press them, and of those.
     steady: Vec<(DVec3, f64)>,
-    outcome: Outcome,
+    outcome: CoupledOutcome,
     /// Patches that have been handed out by number.
     handed_out: u32,
 }
 
-impl Island {
+impl CoupledIsland {
     /// Begins to take in the bodies of these slots.
     pub(crate) fn begin(&mut self, slots: Range<u32>, is_looped: bool, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
         (self.slots, self.is_looped) = (slots.clone(), is_looped);
@@ -101,9 +101,9 @@ impl Island {
         self.bodies.clear();
         self.anchors.clear();
         self.rates.clear();
-        self.stances.clear();
+        self.local_poses.clear();
         self.patches.clear();
-        (self.outcome, self.handed_out) = (Outcome::default(), 0);
+        (self.outcome, self.handed_out) = (CoupledOutcome::default(), 0);
         self.enlist(WORLD_SLOT, velocities, motions);
         for slot in slots {
             self.enlist(slot, velocities, motions);
@@ -114,7 +114,7 @@ impl Island {
         let (velocity, motion) = (&velocities[slot as usize], &motions[slot as usize]);
         self.bodies.push(DirectBody::new(slot, velocity, motion));
         self.rates.push(Rate::of(velocity));
-        self.stances.push(motion.stance());
+        self.local_poses.push(motion.stance());
     }
 
     /// Local number of what has this slot.
@@ -138,7 +138,7 @@ impl Island {
     pub(crate) fn step(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
         let h = f64::from(settings.dt) / f64::from(settings.substeps);
         self.outcome.substeps = settings.substeps;
-        self.began.clone_from(&self.stances);
+        self.began.clone_from(&self.local_poses);
         self.number_bodies();
         self.outcome.gaps[0] = self.joint_gap(joints);
         let (before, mut budget) = (self.energy(), None);
@@ -148,7 +148,7 @@ impl Island {
             self.rebound(joints, settings, h, left);
             let budget = budget.get_or_insert_with(|| self.budget(settings));
             let kept_back = FREE_FACTORS * (settings.substeps - 1 - substep);
-            let most = budget.saturating_sub(kept_back).clamp(1, MOST_FACTORS);
+            let most = budget.saturating_sub(kept_back).clamp(1, MAX_FACTORS);
             let effort = self.solve(h, most);
             *budget = budget.saturating_sub(effort.factors);
             self.outcome.effort.add(effort);
@@ -158,9 +158,9 @@ impl Island {
             self.patches.iter_mut().for_each(|patch| patch.keep_impulses(&self.problem.terms));
             self.advance(h);
             self.close_gaps(joints, h, left[1]);
-            self.held.follow_angles(joints, &self.stances, left[1]);
+            self.held.follow_angles(joints, &self.local_poses, left[1]);
         }
-        let overlaps = self.patches.iter().map(|patch| patch.overlap(&self.stances, &self.began));
+        let overlaps = self.patches.iter().map(|patch| patch.overlap(&self.local_poses, &self.began));
         self.outcome.penetration = overlaps.fold(0.0, f64::max);
         self.outcome.gaps[1] = self.joint_gap(joints);
         (self.outcome.gain, self.outcome.kinetic) = (self.energy() - before, before);
@@ -168,7 +168,7 @@ impl Island {
 
     /// Kinetic energy less the work of forces since the start of the step (J).
     fn energy(&self) -> f64 {
-        let bodies = self.bodies.iter().zip(&self.rates).zip(self.stances.iter().zip(&self.began));
+        let bodies = self.bodies.iter().zip(&self.rates).zip(self.local_poses.iter().zip(&self.began));
         bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum()
     }
 
@@ -204,9 +204,9 @@ impl Island {
         let weights = self.bodies.iter().filter_map(|body| Some(body.free_mass()? * body.pull()));
         let allowed = self.outcome.driven + LIFT * weights.sum::<f64>() + ROUNDING * self.outcome.kinetic;
         let [gap, opened] = self.outcome.gaps;
-        let is_held = opened <= gap.max(MOST_GAP * self.held.mean_lever());
+        let is_held = opened <= gap.max(MAX_GAP * self.held.mean_lever());
         // Written so that what is no number is rejected.
-        !(self.outcome.gain <= allowed && self.outcome.strain <= MOST_STRAIN && is_held)
+        !(self.outcome.gain <= allowed && self.outcome.strain <= MAX_STRAIN && is_held)
     }
 
     /// Number of the next patch, in the order in which they were taken in.
@@ -218,7 +218,7 @@ impl Island {
     /// Factorisations that the world's budget of multiplications allows in this step.
     fn budget(&self, settings: &StepSettings) -> u32 {
         let allowed = f64::from(settings.articulations.halving_budget) * 1.0e6 / self.problem.structure.work.max(1) as f64;
-        let (least, most) = (FREE_FACTORS * settings.substeps, MOST_FACTORS * settings.substeps);
+        let (least, most) = (FREE_FACTORS * settings.substeps, MAX_FACTORS * settings.substeps);
         (allowed.min(f64::from(most)) as u32).max(least)
     }
 
@@ -236,9 +236,9 @@ impl Island {
 
     /// Forms the problem of a substep of length `h` (s), whose start and end are so far from the end of the step (s).
     pub(super) fn build(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: [f64; 2]) {
-        let Self { problem, bodies, rates, stances, .. } = self;
+        let Self { problem, bodies, rates, local_poses, .. } = self;
         problem.clear();
-        for ((body, rate), stance) in bodies.iter_mut().zip(&*rates).zip(&*stances) {
+        for ((body, rate), stance) in bodies.iter_mut().zip(&*rates).zip(&*local_poses) {
             if !body.is_dynamic() {
                 continue;
             }
@@ -249,11 +249,11 @@ impl Island {
             body.apply_forces(stance, &mut free, h);
             problem.free.push(vector(&free));
         }
-        let Self { problem, held, bodies, moved, rates, stances, .. } = self;
-        held.add_rows(joints, problem, Ends { bodies, moved, rates, stances }, h, left);
-        let Self { problem, patches, moved, stances, began, .. } = self;
+        let Self { problem, held, bodies, moved, rates, local_poses, .. } = self;
+        held.add_rows(joints, problem, Ends { bodies, moved, rates, local_poses }, h, left);
+        let Self { problem, patches, moved, local_poses, began, .. } = self;
         for patch in patches {
-            patch.add_terms(patch.bodies.map(|body| moved[body]), stances, began, h, &mut problem.terms);
+            patch.add_terms(patch.bodies.map(|body| moved[body]), local_poses, began, h, &mut problem.terms);
         }
         self.mask();
         self.find_stiffness(h);
@@ -296,7 +296,7 @@ impl Island {
             torques,
             steady,
             patches,
-            stances,
+            local_poses,
             began,
             rates,
             ..
@@ -308,11 +308,11 @@ impl Island {
             let link = &problem.links[number];
             let mut force = DVec3::ZERO;
             if rows.holds_points {
-                let own = rows.sources.iter().zip(link.impulse).filter(|(source, _)| source.place == Place::Point);
+                let own = rows.sources.iter().zip(link.impulse).filter(|(source, _)| source.place == MultiplierSlot::Point);
                 force = own.map(|(source, impulse)| source.linear * impulse).sum();
             }
             let length = rows.gap.length();
-            let line = entries[number].is_distance && length > LEAST_LENGTH;
+            let line = entries[number].is_distance && length > MIN_LENGTH;
             if line {
                 let terms = rows.terms.0 as usize..rows.terms.1 as usize;
                 let bounded = terms.map(|term| sources[term].linear * problem.terms[term].impulse_now());
@@ -344,7 +344,7 @@ impl Island {
             let Problem { terms, stiff, .. } = problem;
             let pressing = |term: u32| terms[term as usize].impulse_now();
             let take = |jacobian, gain, steady| stiff.push(Stiff { bodies, jacobian, gain, steady });
-            patch.rolling((stances, began, rates), h, pressing, take, |side, turns, impulse| {
+            patch.rolling((local_poses, began, rates), h, pressing, take, |side, turns, impulse| {
                 if bodies[side] != FIXED {
                     let sums = &mut steady[bodies[side] as usize];
                     *sums = (sums.0 + turns * impulse, sums.1 + impulse);
@@ -363,7 +363,7 @@ impl Island {
     fn solve(&mut self, h: f64, budget: u32) -> Effort {
         let mut effort = self.problem.solve(budget);
         self.traces.clear();
-        self.traces.extend(self.problem.masses.iter().map(Mass::trace));
+        self.traces.extend(self.problem.masses.iter().map(BodyMass::trace));
         self.problem.note_impulses();
         self.find_stiffness(h);
         let changes = self.problem.masses.iter().zip(&self.traces).map(|(mass, before)| (mass.trace() - before).abs() / before);
@@ -375,7 +375,7 @@ impl Island {
 
     /// Moves the bodies by what has been found.
     fn advance(&mut self, h: f64) {
-        let Self { problem, bodies, rates, stances, patches, held: JointSet { ends, .. }, pressed, .. } = self;
+        let Self { problem, bodies, rates, local_poses, patches, held: JointSet { ends, .. }, pressed, .. } = self;
         pressed.clear();
         pressed.resize(bodies.len(), false);
         ends.iter().flatten().for_each(|&body| pressed[body] = true);
@@ -386,7 +386,7 @@ impl Island {
         let is_finite = problem.velocity.iter().flatten().all(|value| value.is_finite());
         let mut next = 0;
         for (number, (body, rate)) in bodies.iter().zip(&mut *rates).enumerate() {
-            let stance = &mut stances[number];
+            let stance = &mut local_poses[number];
             if body.is_dynamic() {
                 let before = *rate;
                 if is_finite {
@@ -407,13 +407,13 @@ impl Island {
 
     /// Writes the state of the bodies back.
     pub(crate) fn store(&self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
-        for ((body, rate), stance) in self.bodies.iter().zip(&self.rates).zip(&self.stances) {
+        for ((body, rate), stance) in self.bodies.iter().zip(&self.rates).zip(&self.local_poses) {
             if body.is_dynamic() {
                 let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
-                velocity.linear = single::speed(rate.linear);
-                velocity.angular = single::speed(rate.angular);
-                motion.displacement = single::way(stance.0);
-                motion.rotation = single::rotation(stance.1);
+                velocity.linear = narrowing::speed(rate.linear);
+                velocity.angular = narrowing::speed(rate.angular);
+                motion.displacement = narrowing::way(stance.0);
+                motion.rotation = narrowing::rotation(stance.1);
                 motion.direct = true;
             }
         }
@@ -426,7 +426,7 @@ impl Island {
 
     /// Greatest distance between joint points beyond what their joints allow (m).
     pub(crate) fn joint_gap(&self, joints: &Pool<Joint, JointId>) -> f64 {
-        self.held.gap(joints, &self.stances)
+        self.held.gap(joints, &self.local_poses)
     }
 
     /// What is told of it; `body` is one of its bodies.
@@ -469,14 +469,14 @@ fn settle_term(term: &mut super::term::Term, ends: [usize; 2], bodies: &[DirectB
 }
 
 /// Mass of a body with its damping; locked axes have one that nothing pushes.
-fn mass_of(body: &DirectBody, stance: &Stance, h: f64) -> Mass {
+fn mass_of(body: &DirectBody, stance: &LocalPose, h: f64) -> BodyMass {
     let free = body.free_axes();
     let inverse = body.inverse_mass.to_array();
     let linear = std::array::from_fn(|i| if free[i] == 0.0 { 1.0 } else { 1.0 / inverse[i] });
     let inertia = body.inertia_at(stance) * body.weights(h)[1];
     let turning = DVec3::new(free[3], free[4], free[5]);
     if turning == DVec3::ONE {
-        return Mass { linear, angular: inertia.to_cols_array_2d(), ..Mass::default() };
+        return BodyMass { linear, angular: inertia.to_cols_array_2d(), ..BodyMass::default() };
     }
     let answer = inertia.inverse();
     let masked = DMat3::from_cols(
@@ -485,7 +485,7 @@ fn mass_of(body: &DirectBody, stance: &Stance, h: f64) -> Mass {
         answer.z_axis * turning * turning.z,
     );
     let angular = (masked + DMat3::from_diagonal(DVec3::ONE - turning)).inverse();
-    Mass { linear, angular: angular.to_cols_array_2d(), ..Mass::default() }
+    BodyMass { linear, angular: angular.to_cols_array_2d(), ..BodyMass::default() }
 }
 
 fn vector(rate: &Rate) -> [f64; 6] {

@@ -4,19 +4,19 @@
 use glam::DVec3;
 
 use super::patch::{row, turning_row};
-use super::problem::Link;
+use super::problem::JointBlock;
 use super::term::{Law, Term};
 use crate::joint::{Joint, JointImpulses};
-use crate::solve::joint::driven::{self, Driven};
+use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
 use crate::solve::joint::kinds::{self, RowSink};
-use crate::solve::joint::motor::Answer;
-use crate::solve::joint::rows::{self, Held, MAX_RECOVERY_SPEED, Phase, Rate, RowRates};
-use crate::solve::joint::{JointEntry, Stance, friction};
+use crate::solve::joint::motor::BodyResponse;
+use crate::solve::joint::rows::{self, HeldDirections, MAX_RECOVERY_SPEED, Phase, Rate, RowRates};
+use crate::solve::joint::{JointEntry, LocalPose, friction};
 
 /// Where the multiplier of a row goes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Place {
+pub(super) enum MultiplierSlot {
     Point,
     Direction,
     Scalar(u8),
@@ -25,18 +25,18 @@ pub(super) enum Place {
 /// Where a row's multiplier goes, and what it does to B.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Source {
-    pub place: Place,
+    pub place: MultiplierSlot,
     pub linear: DVec3,
     pub angular: DVec3,
 }
 
 impl Source {
-    pub(super) const NONE: Self = Self { place: Place::Direction, linear: DVec3::ZERO, angular: DVec3::ZERO };
+    pub(super) const NONE: Self = Self { place: MultiplierSlot::Direction, linear: DVec3::ZERO, angular: DVec3::ZERO };
 }
 
 /// A joint in this substep: what its link's rows are, and its terms with what those are.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct JointRows {
+pub(super) struct JointAssembly {
     pub sources: [Source; 6],
     pub terms: (u32, u32),
     /// Whether it holds its points together in all directions.
@@ -47,7 +47,7 @@ pub(super) struct JointRows {
 
 /// Lists in which the rows of joints are put.
 pub(super) struct Sink<'a> {
-    pub links: &'a mut Vec<Link>,
+    pub links: &'a mut Vec<JointBlock>,
     pub terms: &'a mut Vec<Term>,
     /// What each of the first terms is.
     pub sources: &'a mut Vec<Source>,
@@ -59,9 +59,9 @@ pub(super) struct Sink<'a> {
 pub(super) struct Asking<'a> {
     pub joint: &'a Joint,
     /// Where its bodies are, how fast, and how they answer.
-    pub stances: [Stance; 2],
+    pub local_poses: [LocalPose; 2],
     pub rates: [Rate; 2],
-    pub answers: [Answer; 2],
+    pub answers: [BodyResponse; 2],
     /// Numbers by which rows know them.
     pub moved: [u32; 2],
     /// Length of the substep, and how far its start and its end are from the end of the step (s).
@@ -71,7 +71,7 @@ pub(super) struct Asking<'a> {
 
 impl Asking<'_> {
     fn placement(&self, entry: &JointEntry) -> Placement {
-        let [a, b] = &self.stances;
+        let [a, b] = &self.local_poses;
         driven::before(entry.placement(*a, *b), self.joint.drive(), [a, b], self.left[0])
     }
 
@@ -83,10 +83,10 @@ impl Asking<'_> {
         phase: Phase,
         scalars: &mut Vec<rows::ScalarRow>,
     ) -> [Option<rows::BlockRow>; 2] {
-        let Self { joint, stances: [a, b], rates, answers, left, .. } = self;
+        let Self { joint, local_poses: [a, b], rates, answers, left, .. } = self;
         let in_place = matches!(phase, Phase::Position { .. });
         let driven =
-            joint.drive().map(|drive| Driven::new(drive, [a, b], placement, if in_place { [left[0]; 2] } else { *left }));
+            joint.drive().map(|drive| DrivenParts::new(drive, [a, b], placement, if in_place { [left[0]; 2] } else { *left }));
         let rates = RowRates { bodies: *rates, frames: driven.filter(|_| !in_place).map(|driven| driven.rates) };
         let mut sink = RowSink {
             driven,
@@ -105,8 +105,8 @@ impl Asking<'_> {
     pub(super) fn find_errors(
         &self,
         entry: &mut JointEntry,
-        rows: &JointRows,
-        (link, terms): (&mut Link, &mut [Term]),
+        rows: &JointAssembly,
+        (link, terms): (&mut JointBlock, &mut [Term]),
         (sources, scalars): (&[Source], &mut Vec<rows::ScalarRow>),
     ) {
         let placement = self.placement(entry);
@@ -114,14 +114,14 @@ impl Asking<'_> {
         // A free axis has turned with its body, and how far B is along it is no error.
         let [point, direction] = blocks.map(|block| {
             block.filter(|block| block.acts).map_or(DVec3::ZERO, |block| match block.held {
-                Held::All => block.bias,
-                Held::Across(axis) => block.bias.reject_from_normalized(axis),
+                HeldDirections::All => block.bias,
+                HeldDirections::Across(axis) => block.bias.reject_from_normalized(axis),
             })
         });
         let of = |source: &Source, give: f64| match source.place {
-            Place::Point => point.dot(source.linear),
-            Place::Direction => direction.dot(source.angular),
-            Place::Scalar(id) => {
+            MultiplierSlot::Point => point.dot(source.linear),
+            MultiplierSlot::Direction => direction.dot(source.angular),
+            MultiplierSlot::Scalar(id) => {
                 let found = scalars.iter().find(|scalar| scalar.id == id && scalar.acts && give == 0.0);
                 found.map_or(0.0, |scalar| scalar.bias)
             }
@@ -137,11 +137,11 @@ impl Asking<'_> {
 
 impl Sink<'_> {
     /// Adds the rows of a joint.
-    pub(super) fn add(&mut self, entry: &mut JointEntry, asking: &Asking<'_>) -> JointRows {
+    pub(super) fn add(&mut self, entry: &mut JointEntry, asking: &Asking<'_>) -> JointAssembly {
         let placement = asking.placement(entry);
         let (moved, h) = (asking.moved, asking.h);
         let first = self.terms.len() as u32;
-        let mut rows = JointRows {
+        let mut rows = JointAssembly {
             sources: [Source::NONE; 6],
             terms: (first, first),
             holds_points: false,
@@ -149,13 +149,13 @@ impl Sink<'_> {
             gap: placement.gap,
         };
         let [point, direction] = asking.blocks(entry, &placement, Phase::Tangent { h }, self.asked);
-        let mut link = Link::new(moved);
+        let mut link = JointBlock::new(moved);
         if let Some(block) = point {
-            rows.holds_points = matches!(block.held, Held::All);
+            rows.holds_points = matches!(block.held, HeldDirections::All);
             let (axes, count) = axes_of(block.held);
             for axis in &axes[..count] {
                 let jacobian = [0, 1].map(|side| row(side, *axis, block.levers[side]));
-                let source = Source { place: Place::Point, linear: *axis, angular: block.levers[1].cross(*axis) };
+                let source = Source { place: MultiplierSlot::Point, linear: *axis, angular: block.levers[1].cross(*axis) };
                 add_row(&mut link, &mut rows, source, jacobian, &block, *axis);
             }
         }
@@ -163,14 +163,15 @@ impl Sink<'_> {
             let (axes, count) = axes_of(block.held);
             for axis in &axes[..count] {
                 let jacobian = [0, 1].map(|side| turning_row(side, *axis));
-                let source = Source { place: Place::Direction, linear: DVec3::ZERO, angular: *axis };
+                let source = Source { place: MultiplierSlot::Direction, linear: DVec3::ZERO, angular: *axis };
                 add_row(&mut link, &mut rows, source, jacobian, &block, *axis);
             }
         }
         for scalar in self.asked.iter().filter(|scalar| scalar.acts) {
             let at = &scalar.jacobian;
             let jacobian = [[-at.linear, -at.angular_a], [at.linear, at.angular_b]].map(|[v, w]| [v.x, v.y, v.z, w.x, w.y, w.z]);
-            let place = if scalar.id == friction::ABOUT_POINT { Place::Direction } else { Place::Scalar(scalar.id) };
+            let place =
+                if scalar.id == friction::ABOUT_POINT { MultiplierSlot::Direction } else { MultiplierSlot::Scalar(scalar.id) };
             let source = Source { place, linear: at.linear, angular: at.angular_b };
             let always = scalar.min == f64::NEG_INFINITY && scalar.max == f64::INFINITY;
             if always && link.rows < 6 {
@@ -192,14 +193,21 @@ impl Sink<'_> {
     }
 }
 
-fn add_row(link: &mut Link, rows: &mut JointRows, source: Source, jacobian: [[f64; 6]; 2], block: &rows::BlockRow, axis: DVec3) {
+fn add_row(
+    link: &mut JointBlock,
+    rows: &mut JointAssembly,
+    source: Source,
+    jacobian: [[f64; 6]; 2],
+    block: &rows::BlockRow,
+    axis: DVec3,
+) {
     if block.acts && link.rows < 6 {
         rows.sources[link.rows] = source;
         push_row(link, jacobian, block.bias.dot(axis), block.gamma, block.impulse.as_dvec3().dot(axis));
     }
 }
 
-fn push_row(link: &mut Link, jacobian: [[f64; 6]; 2], bias: f64, give: f64, impulse: f64) {
+fn push_row(link: &mut JointBlock, jacobian: [[f64; 6]; 2], bias: f64, give: f64, impulse: f64) {
     let number = link.rows;
     (link.jacobian[0][number], link.jacobian[1][number]) = (jacobian[0], jacobian[1]);
     (link.bias[number], link.give[number]) = (bias, give);
@@ -208,10 +216,10 @@ fn push_row(link: &mut Link, jacobian: [[f64; 6]; 2], bias: f64, give: f64, impu
 }
 
 /// Unit vectors that span what a block holds, and how many.
-fn axes_of(held: Held) -> ([DVec3; 3], usize) {
+fn axes_of(held: HeldDirections) -> ([DVec3; 3], usize) {
     match held {
-        Held::All => (DVec3::AXES, 3),
-        Held::Across(axis) => {
+        HeldDirections::All => (DVec3::AXES, 3),
+        HeldDirections::Across(axis) => {
             let u = axis.any_orthonormal_vector();
             ([u, axis.cross(u), DVec3::ZERO], 2)
         }

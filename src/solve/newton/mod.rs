@@ -42,13 +42,13 @@ mod term;
 #[cfg(test)]
 mod tests;
 
-use island::Island;
+use island::CoupledIsland;
 use patch::Patch;
 
 /// The islands of a batch that are solved here.
 #[derive(Debug, Default)]
 pub(crate) struct Newton {
-    islands: Vec<Island>,
+    islands: Vec<CoupledIsland>,
     count: usize,
     /// Which of those has each manifold, and its number there; none where it is no one's.
     held: Vec<Option<(u32, u32)>>,
@@ -91,7 +91,7 @@ impl Newton {
         self.held.clear();
     }
 
-    pub(crate) fn islands(&self) -> &[Island] {
+    pub(crate) fn islands(&self) -> &[CoupledIsland] {
         &self.islands[..self.count]
     }
 
@@ -127,7 +127,7 @@ impl Newton {
 
     /// Worst overlap of the contacts that it holds (m).
     pub(crate) fn penetration(&self) -> f64 {
-        self.islands().iter().map(Island::penetration).fold(0.0, f64::max)
+        self.islands().iter().map(CoupledIsland::penetration).fold(0.0, f64::max)
     }
 
     /// Greatest distance between joint points beyond what their joints allow (m).
@@ -164,7 +164,7 @@ impl Newton {
         for (number, is_looped) in planner.coupled() {
             let last = firsts.get(number + 1).copied().unwrap_or(end);
             if *count == islands.len() {
-                islands.push(Island::default());
+                islands.push(CoupledIsland::default());
             }
             islands[*count].begin(firsts[number]..last, is_looped, velocities, motions);
             *count += 1;
@@ -208,7 +208,7 @@ impl Newton {
 }
 
 /// Which of these islands, in the order of their slots, moves any of the two.
-fn owner(slots: [u32; 2], islands: &[Island]) -> Option<usize> {
+fn owner(slots: [u32; 2], islands: &[CoupledIsland]) -> Option<usize> {
     slots.into_iter().find_map(|slot| {
         let place = islands.partition_point(|island| island.slots.end <= slot);
         islands.get(place).filter(|island| island.slots.contains(&slot)).map(|_| place)
@@ -216,7 +216,7 @@ fn owner(slots: [u32; 2], islands: &[Island]) -> Option<usize> {
 }
 
 /// Puts those first, in their order, that have taken their step without a gain of energy, and says how many they are.
-fn keep_accepted(islands: &mut [Island]) -> usize {
+fn keep_accepted(islands: &mut [CoupledIsland]) -> usize {
     let mut kept = 0;
     for place in 0..islands.len() {
         if !islands[place].is_rejected() {

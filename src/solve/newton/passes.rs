@@ -23,7 +23,7 @@ use super::term::{Law, Term, length};
 /// 1e-2 to 1e-6; at 1e-2 an arch sinks by 4 mm as its lamp swings, at 1e-8 a winch and an arch blow up.
 const COMPLIANCE: f64 = 1.0e-4;
 const YIELD: f64 = 1.0e-3;
-const LEAST_COMPLIANCE: f64 = 1.0e-9;
+const MIN_COMPLIANCE: f64 = 1.0e-9;
 
 /// Outer passes of one substep.
 const OUTER_PASSES: usize = 6;
@@ -31,11 +31,11 @@ const OUTER_PASSES: usize = 6;
 /// Factorisations after which a substep ends where it is. Of a blow of tonnes through links of a fifth of a kilogram as a rope goes taut on
 /// its post nothing was found with 12 and 20, and the substeps after it, begun from nothing, found nothing either; with 40 and 80 it
 /// comes to rest.
-pub(super) const MOST_FACTORS: u32 = 40;
+pub(super) const MAX_FACTORS: u32 = 40;
 
 /// Error of the linear model, and length of a step, below which a step is the last (m/s).
 const MODEL_ERROR: f64 = 1.0e-5;
-const LEAST_STEP: f64 = 1.0e-6;
+const MIN_STEP: f64 = 1.0e-6;
 
 /// Change of λ̄ over R below which no further outer pass is needed (m/s); and change of a bound that presses, in the first pass and later.
 const SETTLED: f64 = 1.0e-3;
@@ -75,7 +75,7 @@ impl Term {
         }
         let size = self.size();
         let by_load = if size > 0.0 { YIELD / size } else { f64::INFINITY };
-        self.compliance = (COMPLIANCE * self.ease).min(by_load).max(LEAST_COMPLIANCE * self.ease);
+        self.compliance = (COMPLIANCE * self.ease).min(by_load).max(MIN_COMPLIANCE * self.ease);
     }
 
     /// Whether nothing tells that it has pressed, although it is going to; `free` is its speed without any push.
@@ -97,14 +97,14 @@ impl Problem {
         } else {
             self.guess_arguments();
         }
-        effort.add(self.iterate(budget.saturating_sub(effort.factors).min(MOST_FACTORS)));
+        effort.add(self.iterate(budget.saturating_sub(effort.factors).min(MAX_FACTORS)));
         effort
     }
 
     /// Solves once more from where the last solve has ended, after the stiffness has changed.
     pub(crate) fn solve_again(&mut self, budget: u32) -> Effort {
         self.find_drive();
-        self.iterate(budget.min(MOST_FACTORS))
+        self.iterate(budget.min(MAX_FACTORS))
     }
 
     /// Bounds of friction from the impulses expected of what it leans on.
@@ -255,7 +255,7 @@ impl Problem {
             }
         }
         // Written so that what is no number never ends it.
-        (share == 1.0 && error < MODEL_ERROR) || (!is_full && longest < LEAST_STEP)
+        (share == 1.0 && error < MODEL_ERROR) || (!is_full && longest < MIN_STEP)
     }
 
     /// How far to go along the step: where the slope of the objective along it is next to nothing, all of it if that is not before.

@@ -7,16 +7,16 @@ use super::Surfaces;
 use super::stiffness::Rolling;
 use super::term::{Law, Term};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};
-use crate::solve::direct::curved::Spot;
-use crate::solve::direct::spots::{Spots, overlap};
-use crate::solve::joint::Stance;
+use crate::solve::direct::curved_contacts::CurvedPoint;
+use crate::solve::direct::tracked_points::{TrackedPoints, overlap};
+use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
 
 /// Overlap that is left (m): what presses goes on to touch.
 const SLOP: f64 = 1.0e-5;
 
 /// Greatest speed at which an overlap is taken out (m/s).
-const MOST_RECOVERY: f64 = 4.8;
+const MAX_RECOVERY: f64 = 4.8;
 
 /// A manifold as its island has it. Its normal points from A to B.
 #[derive(Debug, Clone, Copy)]
@@ -24,7 +24,7 @@ pub(crate) struct Patch {
     /// Local numbers of A and B.
     pub bodies: [usize; 2],
     /// Its points, as B sees them.
-    spots: Spots,
+    spots: TrackedPoints,
     /// As B and as A rolls.
     rolling: [Option<(Rolling, f64)>; 2],
     friction: f64,
@@ -51,7 +51,7 @@ pub(crate) struct Patch {
 
 impl Patch {
     pub(crate) fn new(input: &ContactInput, bodies: [usize; 2]) -> Self {
-        let spots = Spots::of(input, true);
+        let spots = TrackedPoints::of(input, true);
         let spread = spots.spread();
         let material = &input.material;
         Self {
@@ -92,19 +92,26 @@ impl Patch {
     }
 
     /// Its points at these stances; `began` are those at the start of the step.
-    fn spots(&self, stances: &[Stance], began: &[Stance]) -> [Spot; POINTS] {
-        let [a, b] = self.bodies.map(|body| [&stances[body], &began[body]]);
+    fn spots(&self, local_poses: &[LocalPose], began: &[LocalPose]) -> [CurvedPoint; POINTS] {
+        let [a, b] = self.bodies.map(|body| [&local_poses[body], &began[body]]);
         self.spots.at(b, a)
     }
 
     /// Greatest overlap at these stances, zero where there is none (m).
-    pub(crate) fn overlap(&self, stances: &[Stance], began: &[Stance]) -> f64 {
-        overlap(&self.spots(stances, began))
+    pub(crate) fn overlap(&self, local_poses: &[LocalPose], began: &[LocalPose]) -> f64 {
+        overlap(&self.spots(local_poses, began))
     }
 
     /// Adds its terms for a substep of length `h` (s), between bodies that rows know by these numbers. Jacobians of terms are [−, +].
-    pub(crate) fn add_terms(&mut self, moved: [u32; 2], stances: &[Stance], began: &[Stance], h: f64, terms: &mut Vec<Term>) {
-        let spots = self.spots(stances, began);
+    pub(crate) fn add_terms(
+        &mut self,
+        moved: [u32; 2],
+        local_poses: &[LocalPose],
+        began: &[LocalPose],
+        h: f64,
+        terms: &mut Vec<Term>,
+    ) {
+        let spots = self.spots(local_poses, began);
         let spots = &spots[..self.spots.count];
         let first = terms.len() as u32;
         self.first = first;
@@ -115,7 +122,7 @@ impl Patch {
             term.bias[0] = spot.separation.max(0.0) / h;
             (term.ahead, term.restitution) = (term.bias[0], self.restitution);
             term.expected[0] = pressed;
-            term.push = (-spot.separation - SLOP).clamp(0.0, MOST_RECOVERY * h);
+            term.push = (-spot.separation - SLOP).clamp(0.0, MAX_RECOVERY * h);
             terms.push(term);
         }
         let count = self.spots.count as u32;
@@ -166,7 +173,7 @@ impl Patch {
     /// a body goes steadily round the other. `steady` is told at what rate a side turns then, and the impulse that presses it (N·s).
     pub(crate) fn rolling(
         &self,
-        (stances, began, rates): (&[Stance], &[Stance], &[Rate]),
+        (local_poses, began, rates): (&[LocalPose], &[LocalPose], &[Rate]),
         h: f64,
         pressing: impl Fn(u32) -> f64,
         mut take: impl FnMut([[f64; 6]; 2], f64, f64),
@@ -175,7 +182,7 @@ impl Patch {
         if self.rolling.iter().all(Option::is_none) {
             return;
         }
-        let spots = self.spots(stances, began);
+        let spots = self.spots(local_poses, began);
         for (number, spot) in spots[..self.spots.count].iter().enumerate() {
             let impulse = pressing(self.first + number as u32);
             if impulse <= 0.0 {

@@ -1,4 +1,4 @@
-//! Errors out of positions, with the factor at hand: displacements that leave no velocity behind.
+//! Position correction with the last factor: displacements that leave no velocity behind.
 
 use super::factor::Vector;
 use super::problem::{Problem, push_term};

@@ -23,7 +23,7 @@ const RIGHT_SHARE: f64 = 0.5;
 
 /// Mass of one body with its damping, and the stiffness of its rotation.
 #[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Mass {
+pub(crate) struct BodyMass {
     pub linear: [f64; 3],
     /// By columns, symmetric.
     pub angular: [[f64; 3]; 3],
@@ -34,7 +34,7 @@ pub(crate) struct Mass {
 
 /// Rows of one joint that always hold.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Link {
+pub(crate) struct JointBlock {
     pub bodies: [u32; 2],
     pub rows: usize,
     /// By side and row.
@@ -49,7 +49,7 @@ pub(crate) struct Link {
     pub proximity: Vector,
 }
 
-impl Link {
+impl JointBlock {
     pub(crate) fn new(bodies: [u32; 2]) -> Self {
         Self {
             bodies,
@@ -82,9 +82,9 @@ pub(super) struct Room {
     pub(super) step_speeds: Vec<[f64; 2]>,
     pub(super) saved_velocity: Vec<Vector>,
     pub(super) saved_terms: Vec<Term>,
-    pub(super) saved_links: Vec<Link>,
+    pub(super) saved_links: Vec<JointBlock>,
     pub(super) warm_terms: Vec<Term>,
-    pub(super) warm_links: Vec<Link>,
+    pub(super) warm_links: Vec<JointBlock>,
     pub(super) targets: Vec<[f64; 2]>,
     pub(super) asked: Vec<Vector>,
     pub(super) residual: Vec<Vector>,
@@ -93,12 +93,12 @@ pub(super) struct Room {
 /// One substep's problem, and room to solve it.
 #[derive(Debug, Default)]
 pub(crate) struct Problem {
-    pub masses: Vec<Mass>,
+    pub masses: Vec<BodyMass>,
     /// v₀, v* and the velocity that is looked for.
     pub before: Vec<Vector>,
     pub free: Vec<Vector>,
     pub velocity: Vec<Vector>,
-    pub links: Vec<Link>,
+    pub links: Vec<JointBlock>,
     pub terms: Vec<Term>,
     pub stiff: Vec<Stiff>,
     pub structure: Elimination,
@@ -260,7 +260,7 @@ impl Problem {
     }
 
     /// −b − J v + ε λ̄ of each joint, for the steps of the solve, into the unknowns after those of bodies.
-    pub(super) fn ask_links(links: &[Link], velocity: Option<&[Vector]>, unknowns: &mut Vec<Vector>) {
+    pub(super) fn ask_links(links: &[JointBlock], velocity: Option<&[Vector]>, unknowns: &mut Vec<Vector>) {
         unknowns.extend(links.iter().map(|link| {
             let mut asked = [0.0; 6];
             for row in 0..link.rows {
@@ -276,7 +276,7 @@ impl Problem {
         if !self.velocity.iter().flatten().all(|value| value.is_finite()) {
             return f64::INFINITY;
         }
-        let of_link = |link: &Link| {
+        let of_link = |link: &JointBlock| {
             let rates = (0..link.rows).filter(|&row| link.give[row] == 0.0).map(|row| {
                 let jacobian = [&link.jacobian[0][row], &link.jacobian[1][row]];
                 (rate(link.bodies, jacobian, &self.velocity) + link.bias[row]).abs()
@@ -295,7 +295,7 @@ impl Problem {
     }
 }
 
-impl Mass {
+impl BodyMass {
     /// Trace of the inertia with which the body answers.
     pub(crate) fn trace(&self) -> f64 {
         (0..3).map(|i| self.angular[i][i] + self.stiffness[i][i]).sum()
@@ -314,7 +314,7 @@ impl Mass {
 
 /// Answers of bodies to pushes.
 struct Inverses<'a> {
-    masses: &'a [Mass],
+    masses: &'a [BodyMass],
     /// Inverse of each one's inertia.
     angular: &'a [glam::DMat3],
 }

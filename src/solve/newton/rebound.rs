@@ -1,17 +1,17 @@
 //! What hits in a substep with restitution leaves again before the substep: see [`impact`](super::impact).
 
-use super::island::{Island, rate_of};
+use super::island::{CoupledIsland, rate_of};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::solve::StepSettings;
 
 /// Impacts of a substep at most: what one throws may be about to hit the next, as balls do that hang in a row.
-const MOST_BLOWS: usize = 24;
+const MAX_BLOWS: usize = 24;
 
-impl Island {
+impl CoupledIsland {
     /// Lets what hits rebound, and forms the problem of the substep anew with what that leaves of the velocities.
     pub(super) fn rebound(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings, h: f64, left: [f64; 2]) {
-        for _ in 0..MOST_BLOWS {
+        for _ in 0..MAX_BLOWS {
             if !self.is_hit(f64::from(settings.restitution_threshold)) {
                 break;
             }

@@ -11,7 +11,7 @@ use super::problem::{Problem, push_along, push_term, rate, speed};
 const MISSED: f64 = 1.0e-7;
 
 /// Refinements of a solve at most: two are enough where the matrix has an inverse at all.
-const MOST_REFINEMENTS: usize = 2;
+const MAX_REFINEMENTS: usize = 2;
 
 impl Problem {
     /// Solves for the unknowns in place, with the terms' G.
@@ -20,7 +20,7 @@ impl Problem {
         let mut residual = std::mem::take(&mut self.room.residual);
         super::passes::copy(&self.unknowns, &mut asked);
         self.factor.solve(&self.structure, &mut self.unknowns);
-        for _ in 0..MOST_REFINEMENTS {
+        for _ in 0..MAX_REFINEMENTS {
             if self.most_missed(&asked) <= MISSED {
                 break;
             }

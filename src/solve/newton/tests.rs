@@ -1,7 +1,7 @@
 //! The solver on plain arrays: what closed forms say of small problems.
 
 use super::factor::Vector;
-use super::problem::{Link, Mass, Problem};
+use super::problem::{BodyMass, JointBlock, Problem};
 use super::term::{FIXED, Law, Term};
 
 /// Length of a substep (s), and free fall in it (m/s).
@@ -14,7 +14,7 @@ const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 fn add_cube(problem: &mut Problem, mass: f64, before: Vector, free: Vector) {
     let moment = mass / 24.0;
     let angular = AXES.map(|axis| axis.map(|value| value * moment));
-    problem.masses.push(Mass { linear: [mass; 3], angular, ..Mass::default() });
+    problem.masses.push(BodyMass { linear: [mass; 3], angular, ..BodyMass::default() });
     problem.before.push(before);
     problem.free.push(free);
 }
@@ -132,7 +132,7 @@ fn joints_bear_what_hangs_on_them() {
     for (number, mass) in masses.into_iter().enumerate() {
         add_cube(&mut problem, mass, [0.0; 6], [0.0, -FALL, 0.0, 0.0, 0.0, 0.0]);
         let above = if number == 0 { FIXED } else { number as u32 - 1 };
-        let mut link = Link::new([above, number as u32]);
+        let mut link = JointBlock::new([above, number as u32]);
         link.rows = 3;
         for (axis, unit) in AXES.into_iter().enumerate() {
             link.jacobian[0][axis] = row(unit, [0.0, -0.25, 0.0], -1.0);
@@ -156,7 +156,7 @@ fn rows_that_repeat_one_another_share_their_load() {
     let mut problem = Problem::default();
     add_cube(&mut problem, 10.0, [0.0; 6], [0.0, -FALL, 0.0, 0.0, 0.0, 0.0]);
     for _ in 0..3 {
-        let mut link = Link::new([FIXED, 0]);
+        let mut link = JointBlock::new([FIXED, 0]);
         link.rows = 6;
         for (axis, unit) in AXES.into_iter().enumerate() {
             link.jacobian[1][axis] = row(unit, [0.0; 3], 1.0);

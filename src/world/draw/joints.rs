@@ -1,4 +1,4 @@
-//! Joints as they are drawn: frames, limits, loads.
+//! Draws joints: frames, limits, loads.
 
 use std::f32::consts::PI;
 

@@ -1,11 +1,11 @@
-//! What only this library has: long-range bounds, planes, unions, and what holds bodies up.
+//! Draws long-range bounds, planes, unions and supports.
 
 use glam::{DQuat, DVec3, Vec3};
 
 use super::Pen;
 use crate::debug::Color;
+use crate::joint_graph::support::verdict::Verdict;
 use crate::long_range::BoundState;
-use crate::span::support::verdict::Verdict;
 use crate::world::World;
 
 impl World {

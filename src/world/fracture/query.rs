@@ -1,4 +1,4 @@
-//! What the host sets, asks and is told of joints that break.
+//! Settings and results of fracture, for the host.
 
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};

@@ -1,4 +1,4 @@
-//! Holding bodies that joints connect and that lie still among others that do not.
+//! Holds articulations at rest among others that still move.
 //!
 //! A heap of ragdolls comes to rest but for a head that spins about its neck, or an arm that settles: it is one island, and none of it could
 //! sleep or be held. Of a *unit*, the free bodies that joints connect, those that lie still are held by themselves, with what they touch and
@@ -27,15 +27,15 @@ use crate::settings::Solver;
 pub(super) use crate::tuning::units::UNIT_CALM_SHARE;
 use crate::tuning::units::{AGAIN_STEPS, BLOW_SHARE, CALM_STEPS, LOAD_SHARE, OVERLAP_SHARE};
 use crate::world::World;
-use crate::world::group::{JointHead, NO_BODY};
-use crate::world::index::Marks;
-use crate::world::touches::Touch;
+use crate::world::body_shape_table::Marks;
+use crate::world::islands::{JointHead, NO_BODY};
+use crate::world::touching_pairs::TouchingPair;
 
 /// Steps between two looks for units that are calm.
 const LOOK_STEPS: u64 = 4;
 
 /// Bodies that a unit may have.
-const MOST_BODIES: usize = 64;
+const MAX_BODIES: usize = 64;
 
 /// A body of a unit that is held.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +59,7 @@ pub(in crate::world) struct Units {
     pub members: Marks,
     /// Of each body of a unit that is looked at: which unit, and its number there.
     places: Vec<(u32, u32)>,
-    looks: Vec<Look>,
+    looks: Vec<UnitCheck>,
     /// Manifolds of each body.
     manifolds: Vec<u16>,
     seen: Marks,
@@ -71,7 +71,7 @@ pub(in crate::world) struct Units {
 
 /// What a look at a unit finds.
 #[derive(Debug, Default)]
-struct Look {
+struct UnitCheck {
     bodies: Vec<Borne>,
     /// Momentum of a body beside it that strikes it (N·s).
     blow: f32,
@@ -123,7 +123,7 @@ impl World {
                     continue;
                 }
                 *let_go |= was_held;
-                self.census.note_held(body, stays);
+                self.summaries.note_held(body, stays);
                 let record = &mut self.bodies[body];
                 record.held = stays;
                 if stays {
@@ -153,7 +153,7 @@ impl World {
 
     /// Lets go of units of which something has been released, or no longer moves; whether there are any.
     fn drop_changed_units(&mut self, units: &mut Units) -> bool {
-        let Self { bodies, census, index, unions, .. } = self;
+        let Self { bodies, summaries, index, unions, .. } = self;
         let mut some_are = false;
         units.held.retain(|unit| {
             let goes_on = |body: u32| index.free.has(body) && bodies[body].held && unions.moving(body).is_none();
@@ -161,7 +161,7 @@ impl World {
             for held in unit.bodies.iter().filter(|_| !is_whole) {
                 if let Some(body) = bodies.get_mut(held.body).filter(|body| body.held) {
                     (body.held, body.calm_for, body.smooth_for) = (false, 0, 0);
-                    census.note_held(held.body, false);
+                    summaries.note_held(held.body, false);
                     some_are = true;
                 }
             }
@@ -172,11 +172,11 @@ impl World {
 
     /// Adds the units that have become calm to those that are held.
     fn find_units(&mut self, units: &mut Units) {
-        let Self { groups, census, bodies, joints, unions, index, .. } = self;
+        let Self { groups, summaries, bodies, joints, unions, index, .. } = self;
         let Units { held, seen, component, ends, .. } = units;
         seen.begin(bodies.slot_count());
         held.iter().flat_map(|unit| &unit.bodies).for_each(|held| seen.set(held.body));
-        let is_calm = |body: u32| census.of(body).calm_for >= CALM_STEPS && !census.of(body).is_held();
+        let is_calm = |body: u32| summaries.of(body).calm_for >= CALM_STEPS && !summaries.of(body).is_held();
         for &first in &groups.bound {
             if seen.has(first) || !is_calm(first) {
                 continue;
@@ -194,7 +194,7 @@ impl World {
                     may_be_held &= own.len() == 1;
                     ends.push(body);
                 }
-                may_be_held = may_be_held && component.len() <= MOST_BODIES && unions.moving(body).is_none();
+                may_be_held = may_be_held && component.len() <= MAX_BODIES && unions.moving(body).is_none();
                 for &id in own {
                     let slot = joints.slot_of(id);
                     let head = &groups.joint_heads[slot as usize];
@@ -205,7 +205,7 @@ impl World {
                         } else if !seen.has(other) {
                             seen.set(other);
                             component.push(other);
-                        } else if census.of(other).is_held() {
+                        } else if summaries.of(other).is_held() {
                             // Held with what is left of the unit: this is one of its ends.
                             may_be_held = false;
                         }
@@ -229,7 +229,7 @@ impl World {
         places.resize(bodies.slot_count(), (0, 0));
         manifolds.clear();
         manifolds.resize(bodies.slot_count(), 0);
-        looks.resize_with(looks.len().max(held.len()), Look::default);
+        looks.resize_with(looks.len().max(held.len()), UnitCheck::default);
         let gravity = def.gravity.length();
         for ((number, unit), look) in held.iter().enumerate().zip(&mut *looks) {
             let mut mass = 0.0;
@@ -263,7 +263,7 @@ impl World {
     }
 
     /// Adds the contacts of units to what is found of them, and counts those of all bodies; a body is told its unit, and its number there.
-    fn add_contacts(&self, looks: &mut [Look], manifolds: &mut [u16], place_of: impl Fn(u32) -> Option<(u32, u32)>) {
+    fn add_contacts(&self, looks: &mut [UnitCheck], manifolds: &mut [u16], place_of: impl Fn(u32) -> Option<(u32, u32)>) {
         let Self { colliders, touches, pairs, index, last_substep, .. } = self;
         let per_substep = if *last_substep > 0.0 { 1.0 / last_substep } else { 0.0 };
         for touch in touches.touching() {
@@ -277,7 +277,7 @@ impl World {
             }
             let pair = pairs.get(touch.slot);
             let shapes = <[u32; 2]>::from(pair.key.shapes());
-            let frames = shapes.map(|shape| index.stance(shape).frame());
+            let frames = shapes.map(|shape| index.collider_state(shape).frame());
             let deepest = -OVERLAP_SHARE * index.least_extent(pair.key);
             for side in 0..2 {
                 let (Some((unit, local)), other) = (places[side], touch.bodies[1 - side]) else { continue };
@@ -301,7 +301,7 @@ impl World {
     }
 
     /// Adds the joints of a body of a unit to bodies that are beside it.
-    fn add_joints(&self, look: &mut Look, manifolds: &[u16], (index, local): (u32, usize), is_beside: impl Fn(u32) -> bool) {
+    fn add_joints(&self, look: &mut UnitCheck, manifolds: &[u16], (index, local): (u32, usize), is_beside: impl Fn(u32) -> bool) {
         let Self { bodies, joints, groups, .. } = self;
         let body = &bodies[index];
         for &id in &body.joints {
@@ -340,7 +340,7 @@ impl World {
     /// Has the support analysis look once more at the contacts of units through which nothing moves.
     fn judge_what_came_to_rest(&mut self, members: &Marks) {
         let Self { support: Some(support), touches, bodies, .. } = self else { return };
-        let rests = |touch: &&Touch| {
+        let rests = |touch: &&TouchingPair| {
             touch.bodies.iter().any(|&body| members.has(body)) && !touch.bodies.iter().any(|&body| bodies[body].is_solved())
         };
         support.came_to_rest.extend(touches.touching().filter(rests).map(|touch| touch.slot));
@@ -361,7 +361,7 @@ fn lever_of(joint: &Joint, side: usize, body: &Body) -> Vec3 {
     body.rotation * (frame.position.as_vec3() - body.local_center)
 }
 
-impl Look {
+impl UnitCheck {
     fn add(&mut self, local: usize, force: Vec3, moment: Vec3) {
         let [sum, moments] = &mut self.bodies[local].load;
         *sum += force;

@@ -1,12 +1,12 @@
-//! A joint as the graph of joints sees it: what it ties together, and what it lets turn.
+//! A joint as the joint graph sees it: which points it ties together, and which rotations it leaves free.
 
 use glam::{Quat, Vec3};
 
 use crate::body::{Body, LockedAxes};
 use crate::id::{BodyId, Pool};
 use crate::joint::{Joint, JointDef, JointKind};
-use crate::span::graph::{Link, Turn};
-use crate::span::plane::{Hinge, HingeEnd};
+use crate::joint_graph::graph::{PointLink, Turn};
+use crate::joint_graph::plane::{Hinge, HingeEnd};
 use crate::world::unions::Unions;
 
 /// What a joint lets turn, if it holds its points together without give.
@@ -79,11 +79,11 @@ pub(in crate::world) fn ends_of(joint: &Joint, unions: &Unions, bodies: &Pool<Bo
 }
 
 /// The joint as a link between what moves as one. `None` for joints inside a union, and for those without bounds past them.
-pub(super) fn link_of(joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyId>) -> Option<Link> {
+pub(super) fn link_of(joint: &Joint, unions: &Unions, bodies: &Pool<Body, BodyId>) -> Option<PointLink> {
     let [a, b] = ends_of(joint, unions, bodies);
     if !joint.def.long_range || (a.0.is_some() && a.0 == b.0) {
         return None;
     }
     let turn = turn_of(&joint.def, [a.2, b.2])?;
-    Some(Link { bodies: [a.0, b.0], points: [a.1, b.1], turn })
+    Some(PointLink { bodies: [a.0, b.0], points: [a.1, b.1], turn })
 }

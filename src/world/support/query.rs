@@ -1,13 +1,13 @@
-//! What the support analysis says: of bodies, of what carries them, and of what would fall.
+//! Results of the support analysis for the host: of bodies, of what carries them, and of what would fall.
 
 use glam::DVec3;
 
-use super::{Frame, SupportState};
+use super::{PairFrame, SupportState};
 use crate::body::BodyKind;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::BodyId;
-use crate::span::support::verdict::{BodySupport, SupportChange, Verdict};
-use crate::span::support::{Link, Node, NodeKind};
+use crate::joint_graph::support::verdict::{BodySupport, SupportChange, Verdict};
+use crate::joint_graph::support::{NodeKind, SupportLink, SupportNode};
 use crate::world::World;
 
 /// Answers are those of the end of the last step. Every call fails if the analysis is off ([`set_support`](Self::set_support)),
@@ -65,7 +65,7 @@ impl World {
     pub fn support_hull(&self, body: BodyId) -> Result<Vec<DVec3>> {
         let index = self.bodies.find(body)?;
         let state = self.analysis()?;
-        let (Some(Frame { across: (u, v), .. }), Some(node)) = (state.frame, state.graph.node(index)) else {
+        let (Some(PairFrame { across: (u, v), .. }), Some(node)) = (state.frame, state.graph.node(index)) else {
             return Ok(Vec::new());
         };
         let center = self.bodies[index].center;
@@ -208,7 +208,7 @@ impl World {
         let (ties, anchors) = self.ties(|index| !is_gone(index) && is_known(index));
         graph.set_joints(&ties, &anchors);
         graph.update();
-        let is_supported = |node: Option<&Node>| node.is_some_and(Node::is_supported);
+        let is_supported = |node: Option<&SupportNode>| node.is_some_and(SupportNode::is_supported);
         let was = |index: u32| is_supported(state.graph.node(index)) || state.thrust.braces(index);
         let braced = if state.thrust.braces_any() { self.braced_in(&graph, state) } else { Vec::new() };
         let is = |index: u32| is_supported(graph.node(index)) || braced.get(index as usize).is_some_and(|&braced| braced);
@@ -249,7 +249,7 @@ impl World {
             Verdict::Braced
         } else if !node.hull().is_empty() {
             Verdict::OutsideHull
-        } else if links().any(|link: &Link| link.holds) {
+        } else if links().any(|link: &SupportLink| link.holds) {
             Verdict::OnUnsupported
         } else if links().next().is_some() {
             Verdict::Sliding
@@ -302,7 +302,7 @@ impl World {
         while next < queue.len() {
             let body = queue[next];
             next += 1;
-            let is_end = |node: &Node| node.kind == NodeKind::Ground || node.stands();
+            let is_end = |node: &SupportNode| node.kind == NodeKind::Ground || node.stands();
             if body != start && state.graph.node(body).is_some_and(is_end) {
                 let mut way = vec![body];
                 while came_from[way[way.len() - 1] as usize] != start {
@@ -328,7 +328,7 @@ impl World {
     }
 
     /// Weight that links pass on from above to below (N).
-    fn load_of(&self, state: &SupportState, frame: &Frame, links: impl Iterator<Item = u32>) -> f32 {
+    fn load_of(&self, state: &SupportState, frame: &PairFrame, links: impl Iterator<Item = u32>) -> f32 {
         let per_substep = if self.last_substep > 0.0 { 1.0 / self.last_substep } else { 0.0 };
         let links = links.map(|link| (state.graph.link(link).pair, state.graph.link(link).lower));
         let mut pairs: Vec<(u32, u32)> = links.filter(|&(slot, _)| self.has_pair(state, slot)).collect();
@@ -336,7 +336,7 @@ impl World {
         pairs.dedup();
         let load = |&(slot, lower): &(u32, u32)| {
             let pair = self.pairs.get(slot);
-            let site = super::Site::new(pair, slot, &self.colliders, &self.bodies);
+            let site = super::PairView::new(pair, slot, &self.colliders, &self.bodies);
             let on_b = site.force(frame);
             if site.shapes.1.body == lower { -on_b } else { on_b }
         };

@@ -1,9 +1,9 @@
-//! What the links of a pair were made from.
+//! The inputs from which the links of a pair were made.
 
 use smallvec::SmallVec;
 
 use crate::collide::pairs::{PairKey, Word};
-use crate::span::support::Graph;
+use crate::joint_graph::support::SupportGraph;
 
 /// A pair as it was looked at last.
 #[derive(Debug, Default)]
@@ -42,7 +42,7 @@ impl Record {
     }
 
     /// Forgets the pair, and takes its links out of the graph.
-    pub fn clear(&mut self, graph: &mut Graph) {
+    pub fn clear(&mut self, graph: &mut SupportGraph) {
         self.key = None;
         self.manifolds.drain(..).filter_map(|seen| seen.link).for_each(|link| graph.remove(link));
         self.has_links = false;

@@ -2,7 +2,7 @@ use glam::{Quat, Vec2, Vec3};
 
 use super::SupportState;
 use super::record::Seen;
-use crate::span::support::{Graph, Node, NodeKind, hull};
+use crate::joint_graph::support::{NodeKind, SupportGraph, SupportNode, hull};
 use crate::{BodyDef, BodyId, JointDef, JointKind, Pose, Shape, ShapeDef, World, WorldDef};
 
 /// A small generator for tests: numbers in 0…1 (xorshift).
@@ -89,13 +89,13 @@ fn made_anew(world: &World) -> SupportState {
 }
 
 /// How near to the edge of what a body stands on links that are kept may say the other thing than those made anew (m).
-fn close_to(node: &Node) -> f32 {
+fn close_to(node: &SupportNode) -> f32 {
     5e-3 * hull::reach(node.hull()).max(0.1)
 }
 
 /// Whether a body below stands on the edge itself, or a point that the body stands on is at the edge of where the one below can carry, or
 /// either is so of a body that this one stands on in turn, as many bodies down as `depth` says.
-fn stands_on_an_edge(graph: &Graph, node: &Node, depth: u32) -> bool {
+fn stands_on_an_edge(graph: &SupportGraph, node: &SupportNode, depth: u32) -> bool {
     node.below.iter().map(|&link| graph.link(link)).any(|link| {
         let lower = graph.node(link.lower).filter(|lower| lower.kind == NodeKind::Body);
         lower.is_some_and(|lower| {
@@ -131,8 +131,8 @@ impl Tally {
             self.supported += usize::from(kept.is_supported());
             if kept.is_supported() != fresh.is_supported() {
                 // Links follow a body in steps of a milliradian, and of a thousandth of its extent: on the edge that tells.
-                let near = |node: &Node| node.margin.abs() < close_to(node);
-                let on_edge = |graph: &Graph, unit: u32| {
+                let near = |node: &SupportNode| node.margin.abs() < close_to(node);
+                let on_edge = |graph: &SupportGraph, unit: u32| {
                     let mut mates = indices.iter().filter_map(|&mate| graph.node(mate)).filter(|mate| mate.unit == unit);
                     mates.any(|mate| near(mate) || stands_on_an_edge(graph, mate, 3))
                 };

@@ -1,4 +1,4 @@
-//! Making a union: what fixed joints connect to a body, the poses that satisfy them, and its mass.
+//! Builds a union: the bodies that fixed joints connect, the poses that satisfy them, and its mass.
 
 use std::sync::OnceLock;
 
@@ -6,9 +6,9 @@ use glam::DQuat;
 
 use super::{Anchor, CarriedUnion, Union, can_join, frame_of};
 use crate::body::{Anchored, BodyKind};
+use crate::joint_graph::union::matching::Covariances;
+use crate::joint_graph::union::{Compound, FixedLink, Pose64, RestState, UnionMotion};
 use crate::mass::MassProperties;
-use crate::span::union::matching::Covariances;
-use crate::span::union::{Compound, Frame, RestState, UnionMotion, Weld};
 use crate::world::World;
 use crate::world::union_loads::wants_load;
 
@@ -17,7 +17,7 @@ use crate::world::union_loads::wants_load;
 pub(super) struct Component {
     pub members: Vec<u32>,
     anchors: Vec<u32>,
-    welds: Vec<u32>,
+    fixed_links: Vec<u32>,
     /// Whether a joint holds it to the world itself.
     to_world: bool,
 }
@@ -46,10 +46,10 @@ impl World {
                     Some(other) if !self.bodies[other].is_dynamic() => component.anchors.push(other),
                     Some(_) => continue,
                 }
-                component.welds.push(slot);
+                component.fixed_links.push(slot);
             }
         }
-        for list in [&mut component.members, &mut component.anchors, &mut component.welds] {
+        for list in [&mut component.members, &mut component.anchors, &mut component.fixed_links] {
             list.sort_unstable();
             list.dedup();
         }
@@ -58,7 +58,7 @@ impl World {
 
     /// Makes a union of a component, where it is one; `carried` is the motion that it is known to have.
     pub(super) fn form(&mut self, component: Component, carried: Option<&CarriedUnion>) {
-        let Component { members, anchors, welds, to_world } = component;
+        let Component { members, anchors, fixed_links, to_world } = component;
         let driven = anchors.iter().any(|&index| self.bodies[index].kind == BodyKind::Kinematic);
         let anchor = match (&anchors[..], to_world) {
             ([], false) => Anchor::Free,
@@ -70,24 +70,24 @@ impl World {
         if members.len() < 2 && anchor == Anchor::Free {
             return;
         }
-        let rest = self.rest_state(&members, &anchors, &welds, anchor);
+        let rest = self.rest_state(&members, &anchors, &fixed_links, anchor);
         let frames = if anchor == Anchor::Free { &rest.frames[..] } else { &rest.frames[1..] };
         let masses: Vec<MassProperties> = members.iter().filter_map(|&index| self.bodies[index].mass).collect();
         let compound = Compound::new(frames, &masses);
-        let wanted = welds.iter().any(|&slot| wants_load(&self.joints[slot].def));
+        let wanted = fixed_links.iter().any(|&slot| wants_load(&self.joints[slot].def));
         let union = Union {
             lead: members[0],
             anchor,
             covariances: Covariances::new(&masses, &compound.places),
-            held: Frame { position: compound.center, rotation: DQuat::IDENTITY },
-            outer: self.outer_joints(&members, &welds),
+            held: Pose64 { position: compound.center, rotation: DQuat::IDENTITY },
+            outer: self.outer_joints(&members, &fixed_links),
             mass: compound.mass,
             residual: (rest.residual.0 as f32, rest.residual.1 as f32),
             motion: carried.map_or(UnionMotion::ORIGIN, |carried| carried.motion),
             before: carried.and_then(|carried| carried.before),
             members,
             anchors,
-            welds,
+            fixed_links,
             wanted,
             pushes: Vec::new(),
             jolts: Vec::new(),
@@ -111,20 +111,20 @@ impl World {
 
     /// Poses that satisfy all welds: of the anchor first, where there is one, then of the members, from centres of mass; further
     /// anchors follow.
-    fn rest_state(&self, members: &[u32], anchors: &[u32], welds: &[u32], anchor: Anchor) -> RestState {
+    fn rest_state(&self, members: &[u32], anchors: &[u32], fixed_links: &[u32], anchor: Anchor) -> RestState {
         let base = self.frame_of_anchor(anchors);
         let shift = u32::from(anchor != Anchor::Free);
         let number = |index: u32| members.binary_search(&index).ok().map(|place| place as u32 + shift);
-        let mut list = Vec::with_capacity(welds.len());
-        for &slot in welds {
+        let mut list = Vec::with_capacity(fixed_links.len());
+        for &slot in fixed_links {
             let joint = &self.joints[slot];
             let end = |side: usize| {
                 let frame = if side == 0 { &joint.def.frame_a } else { &joint.def.frame_b };
-                let own = Frame { position: frame.position, rotation: frame.rotation.as_dquat().normalize() };
+                let own = Pose64 { position: frame.position, rotation: frame.rotation.as_dquat().normalize() };
                 match joint.bodies[side] {
                     Some(index) if self.bodies[index].is_dynamic() => {
                         let center = self.bodies[index].local_center.as_dvec3();
-                        (number(index), Frame { position: own.position - center, ..own })
+                        (number(index), Pose64 { position: own.position - center, ..own })
                     }
                     // In the frame of the first anchor, without a detour through the world: a moving one would leave other bits of it
                     // wherever the union is formed, and a restored world would part from the one that was saved.
@@ -136,23 +136,23 @@ impl World {
             };
             let ((a, frame_a), (b, frame_b)) = (end(0), end(1));
             if let (Some(a), Some(b)) = (a, b) {
-                list.push(Weld { members: [a, b], frames: [frame_a, frame_b] });
+                list.push(FixedLink { members: [a, b], frames: [frame_a, frame_b] });
             }
         }
         RestState::conform(members.len() + shift as usize, &list)
     }
 
-    pub(super) fn frame_of_anchor(&self, anchors: &[u32]) -> Frame {
-        anchors.first().map_or(Frame::IDENTITY, |&index| frame_of(&self.bodies[index]))
+    pub(super) fn frame_of_anchor(&self, anchors: &[u32]) -> Pose64 {
+        anchors.first().map_or(Pose64::IDENTITY, |&index| frame_of(&self.bodies[index]))
     }
 
     /// Joints of members whose other end is elsewhere, but for those that hold the union to its anchor.
-    fn outer_joints(&self, members: &[u32], welds: &[u32]) -> Vec<u32> {
+    fn outer_joints(&self, members: &[u32], fixed_links: &[u32]) -> Vec<u32> {
         let mut outer = Vec::new();
         for slot in members.iter().flat_map(|&index| &self.bodies[index].joints).filter_map(|&id| self.joints.find(id).ok()) {
             let joint = &self.joints[slot];
             let inside = |body: &Option<u32>| body.is_some_and(|index| members.binary_search(&index).is_ok());
-            if !joint.bodies.iter().all(inside) && welds.binary_search(&slot).is_err() {
+            if !joint.bodies.iter().all(inside) && fixed_links.binary_search(&slot).is_err() {
                 outer.push(slot);
             }
         }

@@ -1,12 +1,12 @@
-//! How unions move: members that were put somewhere are taken in, and all of them follow.
+//! Moves unions: takes in members that were placed by the host, and lets all members follow.
 
 use glam::Vec3;
 
-use super::{Anchor, Place, Unions, shapes_follow};
+use super::{Anchor, UnionPlace, Unions, shapes_follow};
 use crate::body::{Anchored, Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, within_limit};
-use crate::span::union::loads::Wrench;
-use crate::span::union::matching::{Loose, fit_velocity};
-use crate::span::union::{UnionMotion, inertia_of};
+use crate::joint_graph::union::loads::Wrench;
+use crate::joint_graph::union::matching::{Loose, fit_velocity};
+use crate::joint_graph::union::{UnionMotion, inertia_of};
 use crate::world::World;
 use crate::world::union_loads::wants_load;
 use crate::world::wake::Edited;
@@ -93,7 +93,7 @@ impl World {
         for index in self.joints[slot].bodies.into_iter().flatten() {
             // What was found when asked for is what the records hold from now on.
             let lead = self.unions.of(index).filter(|union| !union.wanted).map(|union| union.lead);
-            for slot in lead.and_then(|lead| self.unions.of(lead)).map(|union| union.welds.clone()).unwrap_or_default() {
+            for slot in lead.and_then(|lead| self.unions.of(lead)).map(|union| union.fixed_links.clone()).unwrap_or_default() {
                 if let Some(load) = self.load_inside(slot) {
                     (self.joints[slot].force, self.joints[slot].torque) = load;
                 }
@@ -101,7 +101,7 @@ impl World {
             let joints = &self.joints;
             if let Some(union) = self.unions.of_mut(index) {
                 union.stiffness.take();
-                union.wanted = union.welds.iter().any(|&slot| wants_load(&joints[slot].def));
+                union.wanted = union.fixed_links.iter().any(|&slot| wants_load(&joints[slot].def));
             }
         }
     }
@@ -250,7 +250,7 @@ impl World {
 }
 
 /// Gives a member the motion that it has in its union.
-fn follow(body: &mut Body, union: &UnionMotion, place: &Place) {
+fn follow(body: &mut Body, union: &UnionMotion, place: &UnionPlace) {
     let motion = union.at(place.offset, place.rotation);
     (body.center, body.rotation) = (motion.center, motion.rotation);
     body.linear_velocity = within_limit(motion.linear, MAX_LINEAR_SPEED);

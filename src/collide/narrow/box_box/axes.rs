@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Pair, unit};
+use super::{BoxPair, unit};
 
 /// Squared sine between two edges below which they have no common normal of their own.
 const PARALLEL: f32 = 1.0e-8;
@@ -38,7 +38,7 @@ impl EdgeAxes {
     }
 }
 
-impl Pair {
+impl BoxPair {
     /// None if a face separates the boxes by more than `margin`.
     #[inline]
     pub(super) fn best_face(&self, margin: f32) -> Option<FaceAxis> {

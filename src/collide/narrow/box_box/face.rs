@@ -2,16 +2,16 @@
 
 use glam::{Vec2, Vec3};
 
-use super::super::clip::{Side, Vertex, clip};
-use super::super::reduce::{Candidate, reduce_into};
+use super::super::clip::{ClipLine, ClipVertex, clip};
+use super::super::reduce::{PointCandidate, reduce_into};
 use super::super::{MAX_POINTS, Manifold, ManifoldPoint};
 use super::axes::FaceAxis;
-use super::{AXIS_LEAD, FACE_OF_B, LONE, Pair, unit};
+use super::{AXIS_LEAD, BoxPair, FACE_OF_B, LONE, unit};
 
 /// Most vertices of a quadrilateral clipped to a rectangle.
 const MAX_CLIPPED: usize = 8;
 
-impl Pair {
+impl BoxPair {
     /// Fills `manifold` with the points over the face not further off than `margin`; returns the separation of the deepest,
     /// infinity if there is nothing over the face.
     #[inline]
@@ -29,7 +29,7 @@ impl Pair {
 
     /// Like [`on_face`](Self::on_face), for A's face across `axis`. Works in axes of which the third is the face's.
     fn over_face(&self, axis: usize, margin: f32, manifold: &mut Manifold) -> f32 {
-        let turn = Turn(axis);
+        let turn = AxisCycle(axis);
         let half = turn.to_face(self.a);
         let center = turn.to_face(self.center);
         let axes = [self.axes.x_axis, self.axes.y_axis, self.axes.z_axis].map(|axis| turn.to_face(axis));
@@ -40,14 +40,14 @@ impl Pair {
         let b = self.b.to_array();
         let middle = center - axes[k] * b[k].copysign(facing[k]);
         let (along_p, along_q) = (axes[p] * b[p], axes[q] * b[q]);
-        let vertex = |corner: Vec3, edge: u16| Vertex {
+        let vertex = |corner: Vec3, edge: u16| ClipVertex {
             at: Vec2::new(corner.x, corner.y),
             height: sign * corner.z - half.z,
             edge,
             spare: false,
         };
         let (low, high) = (middle - along_q, middle + along_q);
-        let mut polygon = Polygon { vertices: [Vertex::default(); MAX_CLIPPED], count: 4 };
+        let mut polygon = Polygon { vertices: [ClipVertex::default(); MAX_CLIPPED], count: 4 };
         polygon.vertices[0] = vertex(low - along_p, 0);
         polygon.vertices[1] = vertex(low + along_p, 1);
         polygon.vertices[2] = vertex(high + along_p, 2);
@@ -55,8 +55,8 @@ impl Pair {
         polygon.clip_to_rectangle(Vec2::new(half.x, half.y), self.slop);
 
         let names = (axis as u32) << 10 | u32::from(sign > 0.0) << 9 | (k as u32) << 7 | u32::from(facing[k] > 0.0) << 6;
-        let place = |vertex: &Vertex, feature: u32| {
-            let Vertex { at, height, .. } = *vertex;
+        let place = |vertex: &ClipVertex, feature: u32| {
+            let ClipVertex { at, height, .. } = *vertex;
             let from_center = Vec3::new(at.x, at.y, sign * (half.z + height)) - center;
             ManifoldPoint {
                 on_a: turn.back(Vec3::new(at.x, at.y, sign * half.z)),
@@ -85,11 +85,11 @@ impl Pair {
                 manifold.push(place(&vertices[usize::from(i)], feature));
             }
         } else {
-            let mut candidates = [Candidate::default(); MAX_CLIPPED];
+            let mut candidates = [PointCandidate::default(); MAX_CLIPPED];
             for (candidate, &(i, feature)) in candidates.iter_mut().zip(kept) {
-                let Vertex { at, height, .. } = vertices[usize::from(i)];
+                let ClipVertex { at, height, .. } = vertices[usize::from(i)];
                 let (on_a, on_b) = (Vec3::new(at.x, at.y, 0.0), Vec3::ZERO);
-                *candidate = Candidate { on_a, on_b, separation: height, feature: u32::from(i) << 16 | feature };
+                *candidate = PointCandidate { on_a, on_b, separation: height, feature: u32::from(i) << 16 | feature };
             }
             reduce_into(manifold, &candidates[..count], self.slop, |chosen| {
                 place(&vertices[(chosen.feature >> 16) as usize], chosen.feature & 0xffff)
@@ -119,9 +119,9 @@ impl Pair {
 
 /// Cyclic change of axes that makes this one the third.
 #[derive(Clone, Copy)]
-struct Turn(usize);
+struct AxisCycle(usize);
 
-impl Turn {
+impl AxisCycle {
     #[inline]
     fn to_face(self, v: Vec3) -> Vec3 {
         match self.0 {
@@ -143,7 +143,7 @@ impl Turn {
 
 /// A quadrilateral, cut to a rectangle.
 struct Polygon {
-    vertices: [Vertex; MAX_CLIPPED],
+    vertices: [ClipVertex; MAX_CLIPPED],
     count: usize,
 }
 
@@ -161,7 +161,7 @@ impl Polygon {
             }
             let from = Polygon { ..*self };
             self.count = 0;
-            clip(&from.vertices[..from.count], &Side { normal, offset, slop, edge }, |vertex| {
+            clip(&from.vertices[..from.count], &ClipLine { normal, offset, slop, edge }, |vertex| {
                 // A convex polygon gains one vertex a side; only rounding could offer a ninth.
                 if self.count < MAX_CLIPPED {
                     self.vertices[self.count] = vertex;

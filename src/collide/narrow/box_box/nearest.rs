@@ -6,11 +6,11 @@ use parry3d::shape::Cuboid;
 
 use super::super::Manifold;
 use super::super::capsule::Segment;
-use super::super::distance::{self, Gap};
+use super::super::distance::{self, ConvexGap};
 use super::axes::EdgeAxis;
-use super::{EDGES, LINE, LONE, Pair, edge, within};
+use super::{BoxPair, EDGES, LINE, LONE, edge, within};
 
-impl Pair {
+impl BoxPair {
     /// The contact of two crossing edges, or what is nearest where they do not face each other.
     pub(super) fn on_edges(&self, axis: &EdgeAxis, relative: &Pose3, margin: f32) -> Option<Manifold> {
         let normal = axis.normal;
@@ -57,7 +57,7 @@ impl Pair {
         let scale = 1.0 / self.a.max_element().min(self.b.max_element());
         let scaled = Pose3::from_parts(self.center * scale, relative.rotation);
         let gap = distance::apart(&Cuboid::new(self.a * scale), &Cuboid::new(self.b * scale), &scaled);
-        let gap = gap.map(|gap| Gap { on_a: gap.on_a / scale, on_b: gap.on_b / scale, ..gap });
+        let gap = gap.map(|gap| ConvexGap { on_a: gap.on_a / scale, on_b: gap.on_b / scale, ..gap });
         let gap = gap.filter(|gap| self.proves(gap)).or_else(|| self.nearest_features())?;
         if let Some(line) = self.along_edges(gap.normal) {
             return Some(line);
@@ -68,7 +68,7 @@ impl Pair {
     }
 
     /// Whether the boxes are as far apart along the normal as the points are from each other. GJK sometimes stops short.
-    fn proves(&self, gap: &Gap) -> bool {
+    fn proves(&self, gap: &ConvexGap) -> bool {
         let offset = gap.on_b - gap.on_a;
         let reach_a = self.a.dot(gap.normal.abs());
         let reach_b = self.b.dot((self.axes_in_b * gap.normal).abs());
@@ -77,7 +77,7 @@ impl Pair {
     }
 
     /// The nearest points, by trying every corner against every face and every edge against every edge.
-    fn nearest_features(&self) -> Option<Gap> {
+    fn nearest_features(&self) -> Option<ConvexGap> {
         let mut best = (f32::INFINITY, Vec3::ZERO, Vec3::ZERO);
         let mut offer = |on_a: Vec3, on_b: Vec3| {
             let squared = on_a.distance_squared(on_b);
@@ -102,7 +102,7 @@ impl Pair {
             }
         }
         let (_, on_a, on_b) = best;
-        Some(Gap { on_a, on_b, normal: (on_b - on_a).try_normalize()? })
+        Some(ConvexGap { on_a, on_b, normal: (on_b - on_a).try_normalize()? })
     }
 }
 

@@ -1,9 +1,9 @@
-//! Where the joints of a block are now: levers, gaps, and errors of directions.
+//! Present state of the joints of a block: levers, gaps, and errors of directions.
 
 use super::{DirectionBlock, Holds, JointLanes, PointBlock};
 use crate::lanes::wide::{Plain, Wide, Wide3};
+use crate::solve::body_gather::WidePoses;
 use crate::solve::contact::{LANES, Lane};
-use crate::solve::side::Stand;
 use crate::solve::state::BodyMotion;
 use crate::solve::wide_matrix::{WideQuat, arc_over_sine};
 
@@ -14,8 +14,8 @@ const MIN_SINE: f32 = 1.0e-6;
 pub(super) fn all<W: Wide>(lanes: &mut JointLanes, motions: &[BodyMotion]) {
     let JointLanes { points, directions, .. } = lanes;
     for block in points {
-        let (a, b) = (Stand::<W>::gather(&block.a, motions), Stand::<W>::gather(&block.b, motions));
-        let placed = Points::of(block, &a, &b);
+        let (a, b) = (WidePoses::<W>::gather(&block.a, motions), WidePoses::<W>::gather(&block.b, motions));
+        let placed = JointLevers::of(block, &a, &b);
         placed.levers.0.store(&mut block.lever[0]);
         placed.levers.1.store(&mut block.lever[1]);
         placed.gap.store(&mut block.gap);
@@ -35,8 +35,8 @@ pub(super) fn all<W: Wide>(lanes: &mut JointLanes, motions: &[BodyMotion]) {
 pub(super) fn worst_gap<W: Wide>(lanes: &JointLanes, motions: &[BodyMotion], worst: &mut f32) {
     let mut widest = W::zero();
     for block in &lanes.points {
-        let (a, b) = (Stand::<W>::gather(&block.a, motions), Stand::<W>::gather(&block.b, motions));
-        let gap = Points::of(block, &a, &b).gap;
+        let (a, b) = (WidePoses::<W>::gather(&block.a, motions), WidePoses::<W>::gather(&block.b, motions));
+        let gap = JointLevers::of(block, &a, &b).gap;
         widest = widest.max(gap.dot(gap));
     }
     let mut lanes = [0.0; LANES];
@@ -48,8 +48,8 @@ pub(super) fn worst_gap<W: Wide>(lanes: &JointLanes, motions: &[BodyMotion], wor
 pub(super) fn opening<W: Wide>(lanes: &JointLanes, motions: &[BodyMotion], widest: &mut f32) {
     let mut shares = W::zero();
     for block in &lanes.points {
-        let (a, b) = (Stand::<W>::gather(&block.a, motions), Stand::<W>::gather(&block.b, motions));
-        let gap = Points::of(block, &a, &b).gap * W::load(&block.shortness);
+        let (a, b) = (WidePoses::<W>::gather(&block.a, motions), WidePoses::<W>::gather(&block.b, motions));
+        let gap = JointLevers::of(block, &a, &b).gap * W::load(&block.shortness);
         shares = shares.max(gap.dot(gap));
     }
     let mut lanes = [0.0; LANES];
@@ -59,8 +59,8 @@ pub(super) fn opening<W: Wide>(lanes: &JointLanes, motions: &[BodyMotion], wides
 
 pub(super) fn each_opening(lanes: &JointLanes, motions: &[BodyMotion], tell: &mut impl FnMut([u32; 2], f32)) {
     for block in &lanes.points {
-        let (a, b) = (Stand::<Plain>::gather(&block.a, motions), Stand::<Plain>::gather(&block.b, motions));
-        let gap = Points::of(block, &a, &b).gap * Plain::load(&block.shortness);
+        let (a, b) = (WidePoses::<Plain>::gather(&block.a, motions), WidePoses::<Plain>::gather(&block.b, motions));
+        let gap = JointLevers::of(block, &a, &b).gap * Plain::load(&block.shortness);
         let mut shares = [0.0; LANES];
         gap.dot(gap).sqrt().store(&mut shares);
         for (l, &share) in shares.iter().enumerate().take(block.count as usize) {
@@ -70,14 +70,14 @@ pub(super) fn each_opening(lanes: &JointLanes, motions: &[BodyMotion], tell: &mu
 }
 
 /// Levers of the joint points, and the gap between them (m).
-pub(super) struct Points<W> {
+pub(super) struct JointLevers<W> {
     pub levers: (Wide3<W>, Wide3<W>),
     pub gap: Wide3<W>,
 }
 
-impl<W: Wide> Points<W> {
+impl<W: Wide> JointLevers<W> {
     #[inline(always)]
-    pub fn of(block: &PointBlock, a: &Stand<W>, b: &Stand<W>) -> Self {
+    pub fn of(block: &PointBlock, a: &WidePoses<W>, b: &WidePoses<W>) -> Self {
         let lever_a = a.rotation.rotate(Wide3::load(&block.local[0]));
         let lever_b = b.rotation.rotate(Wide3::load(&block.local[1]));
         let gap = Wide3::load(&block.offset) + (b.displacement - a.displacement) + (lever_b - lever_a);

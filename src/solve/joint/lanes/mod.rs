@@ -9,9 +9,9 @@
 //! masses and biases each time that rows are built. Multipliers and their sums stay in the block until the step ends.
 
 mod begin;
-mod course;
 mod project;
 pub(crate) mod rows;
+mod search_direction;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -22,8 +22,8 @@ use super::JointEntry;
 use crate::joint::{JointImpulses, JointKind, Limits, Motor, Softness};
 use crate::platform::in_lanes;
 use crate::solve::contact::{LANES, Lane, Lane3};
-use crate::solve::integrate::Outlook;
-use crate::solve::shared::Slots;
+use crate::solve::disjoint::Slots;
+use crate::solve::integrate::PredictedPose;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// How many directions a joint in lanes holds; joints of one block hold alike.
@@ -228,7 +228,7 @@ pub(crate) struct JointLanes {
     first: u32,
     points: Vec<PointBlock>,
     directions: Vec<DirectionBlock>,
-    course: course::Course,
+    search: search_direction::JointDirections,
 }
 
 impl JointLanes {
@@ -291,9 +291,9 @@ impl JointLanes {
         begin_all(self, motions);
     }
 
-    /// Builds the rows at the poses that `outlooks` predict from the velocities of now.
-    pub(crate) fn prepare(&mut self, velocities: &[BodyVelocity], outlooks: &[Outlook], h: f32) {
-        prepare_all(self, velocities, outlooks, h);
+    /// Builds the rows at the poses that `predicted_poses` predict from the velocities of now.
+    pub(crate) fn prepare(&mut self, velocities: &[BodyVelocity], predicted_poses: &[PredictedPose], h: f32) {
+        prepare_all(self, velocities, predicted_poses, h);
     }
 
     /// Applies the carried multipliers.
@@ -369,7 +369,7 @@ impl JointLanes {
 in_lanes!(opening_of, begin::opening, (lanes: &JointLanes, motions: &[BodyMotion], widest: &mut f32));
 in_lanes!(begin_all, begin::all, (lanes: &mut JointLanes, motions: &[BodyMotion]));
 in_lanes!(worst_gap_of, begin::worst_gap, (lanes: &JointLanes, motions: &[BodyMotion], worst: &mut f32));
-in_lanes!(prepare_all, rows::prepare, (lanes: &mut JointLanes, velocities: &[BodyVelocity], outlooks: &[Outlook], h: f32));
+in_lanes!(prepare_all, rows::prepare, (lanes: &mut JointLanes, velocities: &[BodyVelocity], predicted_poses: &[PredictedPose], h: f32));
 in_lanes!(warm_start_all, sweep::warm_start, (lanes: &JointLanes, velocities: &mut [BodyVelocity]));
 in_lanes!(
     sweep_range, sweep::sweep,

@@ -1,10 +1,10 @@
-//! Position rows of a block, at the poses of now.
+//! Position rows of a block at the present poses.
 
-use super::begin::{Points, Tilt};
+use super::begin::{JointLevers, Tilt};
 use super::{DirectionBlock, Holds, JointLanes};
 use crate::lanes::wide::{Wide, Wide3};
+use crate::solve::body_gather::{WidePoses, WideVelocities};
 use crate::solve::joint::MOMENTUM_RETURN_LIMIT;
-use crate::solve::side::{Side, Stand};
 use crate::solve::state::{BodyMotion, BodyVelocity, MAX_PUSH_TURN};
 
 #[inline(always)]
@@ -17,8 +17,9 @@ pub(super) fn project<W: Wide>(
     most: f32,
 ) {
     for block in &lanes.points[start..end] {
-        let (mut stand_a, mut stand_b) = (Stand::<W>::gather(&block.a, motions), Stand::<W>::gather(&block.b, motions));
-        let (mut a, mut b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
+        let (mut stand_a, mut stand_b) = (WidePoses::<W>::gather(&block.a, motions), WidePoses::<W>::gather(&block.b, motions));
+        let (mut a, mut b) =
+            (WideVelocities::<W>::gather(&block.a, velocities), WideVelocities::<W>::gather(&block.b, velocities));
         let (mut push_a, mut push_b) = (a.at_rest(), b.at_rest());
         if let Some(number) = block.directions {
             let block = &lanes.directions[number as usize];
@@ -26,7 +27,7 @@ pub(super) fn project<W: Wide>(
             push_a.turn(-torque);
             push_b.turn(torque);
         }
-        let points = Points::of(block, &stand_a, &stand_b);
+        let points = JointLevers::of(block, &stand_a, &stand_b);
         let half_gap = points.gap * W::splat(0.5);
         let (arm_a, arm_b) = (points.levers.0 + half_gap, points.levers.1 - half_gap);
         let moved = push_b.angular.cross(arm_b) - push_a.angular.cross(arm_a);
@@ -49,8 +50,8 @@ pub(super) fn project<W: Wide>(
 #[inline(always)]
 fn turn_back<W: Wide>(
     block: &DirectionBlock,
-    stands: (&Stand<W>, &Stand<W>),
-    (a, b): (&Side<W>, &Side<W>),
+    stands: (&WidePoses<W>, &WidePoses<W>),
+    (a, b): (&WideVelocities<W>, &WideVelocities<W>),
     most: f32,
 ) -> Wide3<W> {
     let tilt = Tilt::of(block, &stands.0.rotation, &stands.1.rotation);
@@ -65,7 +66,7 @@ fn turn_back<W: Wide>(
 /// As `keep_angular_momentum` of one pair: what moving bodies moves changes their angular momentum by is taken back.
 #[inline(always)]
 fn keep_angular_momentum<W: Wide>(
-    (a, b): (&mut Side<W>, &mut Side<W>),
+    (a, b): (&mut WideVelocities<W>, &mut WideVelocities<W>),
     impulse: Wide3<W>,
     (turn_a, turn_b): (Wide3<W>, Wide3<W>),
 ) {

@@ -3,18 +3,18 @@
 use super::begin::{arc_between, full_arc};
 use super::{DirectionBlock, Holds, JointLanes, PointBlock};
 use crate::lanes::wide::{Wide, Wide3};
-use crate::solve::integrate::Outlook;
+use crate::solve::body_gather::{WideVelocities, gather_turns};
+use crate::solve::integrate::PredictedPose;
 use crate::solve::joint::IMPLICIT_RANGE;
-use crate::solve::side::{Side, gather_turns};
 use crate::solve::state::BodyVelocity;
 use crate::solve::wide_matrix::WideQuat;
 
 #[inline(always)]
-pub(super) fn prepare<W: Wide>(lanes: &mut JointLanes, velocities: &[BodyVelocity], outlooks: &[Outlook], h: f32) {
+pub(super) fn prepare<W: Wide>(lanes: &mut JointLanes, velocities: &[BodyVelocity], predicted_poses: &[PredictedPose], h: f32) {
     let JointLanes { points, directions, .. } = lanes;
     for block in points {
-        let (a, b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
-        let turns = (gather_turns::<W>(&block.a, outlooks), gather_turns::<W>(&block.b, outlooks));
+        let (a, b) = (WideVelocities::<W>::gather(&block.a, velocities), WideVelocities::<W>::gather(&block.b, velocities));
+        let turns = (gather_turns::<W>(&block.a, predicted_poses), gather_turns::<W>(&block.b, predicted_poses));
         let implicit = hold_points(block, (&a, &b), (&turns.0, &turns.1), h);
         if let Some(number) = block.directions {
             let block = &mut directions[number as usize];
@@ -30,7 +30,7 @@ pub(super) fn prepare<W: Wide>(lanes: &mut JointLanes, velocities: &[BodyVelocit
 
 /// |r| tr(I⁻¹ across r), as `turning_ease` of one body.
 #[inline(always)]
-pub(crate) fn turning_ease<W: Wide>(side: &Side<W>, lever: Wide3<W>) -> W {
+pub(crate) fn turning_ease<W: Wide>(side: &WideVelocities<W>, lever: Wide3<W>) -> W {
     let squared = lever.dot(lever);
     let ease = squared * side.inverse_inertia.trace() - lever.dot(side.response(lever));
     W::select(squared.above(W::zero()), ease / squared.sqrt(), W::zero())
@@ -45,7 +45,12 @@ pub(crate) fn implicit_share<W: Wide>(stiffness: W) -> W {
 
 /// Rows that bring the joint points together; returns where between start and end of the substep the gradients are taken.
 #[inline(always)]
-fn hold_points<W: Wide>(block: &mut PointBlock, (a, b): (&Side<W>, &Side<W>), turns: (&WideQuat<W>, &WideQuat<W>), h: f32) -> W {
+fn hold_points<W: Wide>(
+    block: &mut PointBlock,
+    (a, b): (&WideVelocities<W>, &WideVelocities<W>),
+    turns: (&WideQuat<W>, &WideQuat<W>),
+    h: f32,
+) -> W {
     let (lever_a, lever_b) = (Wide3::load(&block.lever[0]), Wide3::load(&block.lever[1]));
     let gap = Wide3::load(&block.gap);
     let (way_a, way_b) = (turns.0.way_of(lever_a), turns.1.way_of(lever_b));
@@ -77,7 +82,7 @@ fn hold_points<W: Wide>(block: &mut PointBlock, (a, b): (&Side<W>, &Side<W>), tu
 #[inline(always)]
 fn hold_frames<W: Wide>(
     block: &mut DirectionBlock,
-    (a, b): (&Side<W>, &Side<W>),
+    (a, b): (&WideVelocities<W>, &WideVelocities<W>),
     turn_a: &WideQuat<W>,
     turn: &WideQuat<W>,
     implicit: W,
@@ -102,7 +107,7 @@ fn hold_frames<W: Wide>(
 #[inline(always)]
 fn hold_axes<W: Wide>(
     block: &mut DirectionBlock,
-    (a, b): (&Side<W>, &Side<W>),
+    (a, b): (&WideVelocities<W>, &WideVelocities<W>),
     turn_a: &WideQuat<W>,
     turn: &WideQuat<W>,
     implicit: W,

@@ -2,8 +2,8 @@
 
 use super::{DirectionBlock, JointLanes, PointBlock};
 use crate::lanes::wide::{Wide, Wide3};
+use crate::solve::body_gather::WideVelocities;
 use crate::solve::contact::Lane3;
-use crate::solve::side::Side;
 use crate::solve::state::BodyVelocity;
 use crate::solve::wide_matrix::Wide6;
 
@@ -18,7 +18,7 @@ pub(super) fn warm_start<W: Wide>(lanes: &JointLanes, velocities: &mut [BodyVelo
 /// Applies multipliers of a block: those on its points, and those on its directions where it has any.
 #[inline(always)]
 pub(super) fn apply<W: Wide>(block: &PointBlock, impulse: &Lane3, torque: Option<&Lane3>, velocities: &mut [BodyVelocity]) {
-    let (mut a, mut b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
+    let (mut a, mut b) = (WideVelocities::<W>::gather(&block.a, velocities), WideVelocities::<W>::gather(&block.b, velocities));
     let impulse = Wide3::load(impulse);
     let (mut torque_a, mut torque_b) = (Wide3::load(&block.arm[0]).cross(impulse), Wide3::load(&block.arm[1]).cross(impulse));
     if let Some(torque) = torque {
@@ -35,7 +35,8 @@ pub(super) fn apply<W: Wide>(block: &PointBlock, impulse: &Lane3, torque: Option
 pub(super) fn sweep<W: Wide>(lanes: &mut JointLanes, start: usize, end: usize, velocities: &mut [BodyVelocity], backwards: bool) {
     let JointLanes { points, directions, .. } = lanes;
     for block in &mut points[start..end] {
-        let (mut a, mut b) = (Side::<W>::gather(&block.a, velocities), Side::<W>::gather(&block.b, velocities));
+        let (mut a, mut b) =
+            (WideVelocities::<W>::gather(&block.a, velocities), WideVelocities::<W>::gather(&block.b, velocities));
         match block.directions {
             None => hold_points(block, &mut a, &mut b),
             Some(number) if backwards => {
@@ -53,7 +54,7 @@ pub(super) fn sweep<W: Wide>(lanes: &mut JointLanes, start: usize, end: usize, v
 }
 
 #[inline(always)]
-fn hold_points<W: Wide>(block: &mut PointBlock, a: &mut Side<W>, b: &mut Side<W>) {
+fn hold_points<W: Wide>(block: &mut PointBlock, a: &mut WideVelocities<W>, b: &mut WideVelocities<W>) {
     let (arm_a, arm_b) = (Wide3::load(&block.arm[0]), Wide3::load(&block.arm[1]));
     let impulse = Wide3::load(&block.impulse);
     let rate = b.linear + b.angular.cross(arm_b) - a.linear - a.angular.cross(arm_a);
@@ -65,7 +66,7 @@ fn hold_points<W: Wide>(block: &mut PointBlock, a: &mut Side<W>, b: &mut Side<W>
 }
 
 #[inline(always)]
-fn hold_directions<W: Wide>(block: &mut DirectionBlock, a: &mut Side<W>, b: &mut Side<W>) {
+fn hold_directions<W: Wide>(block: &mut DirectionBlock, a: &mut WideVelocities<W>, b: &mut WideVelocities<W>) {
     let impulse = Wide3::load(&block.impulse);
     let residual = b.angular - a.angular + Wide3::load(&block.bias) + impulse * W::load(&block.give.gamma);
     let change = -Wide6::load(&block.mass).mul(residual);
@@ -85,7 +86,7 @@ pub(super) fn push<W: Wide>(
     backwards: bool,
 ) {
     for block in &lanes.points[start..end] {
-        let (mut a, mut b) = (Side::<W>::gather(&block.a, pushes), Side::<W>::gather(&block.b, pushes));
+        let (mut a, mut b) = (WideVelocities::<W>::gather(&block.a, pushes), WideVelocities::<W>::gather(&block.b, pushes));
         let directions = block.directions.map(|number| &lanes.directions[number as usize]);
         if let Some(directions) = directions.filter(|_| !backwards) {
             push_directions(directions, &mut a, &mut b, most);
@@ -104,7 +105,7 @@ pub(super) fn push<W: Wide>(
 }
 
 #[inline(always)]
-fn push_directions<W: Wide>(block: &DirectionBlock, a: &mut Side<W>, b: &mut Side<W>, most: f32) {
+fn push_directions<W: Wide>(block: &DirectionBlock, a: &mut WideVelocities<W>, b: &mut WideVelocities<W>, most: f32) {
     let error = Wide3::load(&block.error).clamped(most);
     let torque = -Wide6::load(&block.mass).mul(b.angular - a.angular + error);
     a.turn(-torque);

@@ -7,11 +7,11 @@ use super::*;
 use crate::id::{BodyId, JointId, Pool, WorldTag};
 use crate::joint::{Joint, JointDef};
 use crate::lanes::wide::{Plain, Wide};
+use crate::solve::body_flags::BodyFlags;
 use crate::solve::color::Coloring;
 use crate::solve::joint::kinds::MotorRows;
 use crate::solve::joint::singles::Singles;
-use crate::solve::joint::{BatchJoints, JointLink, JointTraits, Moving};
-use crate::solve::role::Role;
+use crate::solve::joint::{BatchJoints, JointLink, JointTraits, MovingBodies};
 use crate::solve::state::{MotionKind, Symmetric};
 use crate::workers::Workers;
 
@@ -113,8 +113,8 @@ fn holds() -> impl Strategy<Value = Holds> {
     prop_oneof![Just(Holds::Points), Just(Holds::Axis), Just(Holds::Frame)]
 }
 
-fn outlooks(scene: &Scene) -> Vec<Outlook> {
-    scene.velocities.iter().zip(&scene.motions).map(|(velocity, motion)| Outlook::of(velocity, motion, H)).collect()
+fn predicted_poses(scene: &Scene) -> Vec<PredictedPose> {
+    scene.velocities.iter().zip(&scene.motions).map(|(velocity, motion)| PredictedPose::of(velocity, motion, H)).collect()
 }
 
 /// Everything that a substep's kernels leave behind, as bits.
@@ -125,7 +125,7 @@ fn run<W: Wide>(holds: Holds, scene: &Scene) -> Vec<u32> {
     let Scene { mut velocities, mut motions, .. } = scene.clone();
     let blocks = lanes.len();
     begin::all::<W>(&mut lanes, &motions);
-    rows::prepare::<W>(&mut lanes, &velocities, &outlooks(scene), H);
+    rows::prepare::<W>(&mut lanes, &velocities, &predicted_poses(scene), H);
     sweep::warm_start::<W>(&lanes, &mut velocities);
     sweep::sweep::<W>(&mut lanes, 0, blocks, &mut velocities, false);
     sweep::sweep::<W>(&mut lanes, 0, blocks, &mut velocities, true);
@@ -166,9 +166,10 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
     if in_lanes {
         let links = entries.iter().map(link_of).collect();
         let (mut joints, alone) = (BatchJoints { links, entries, ..BatchJoints::default() }, Workers::default());
-        let roles: Vec<Role> = velocities.iter().zip(&motions).map(|(velocity, motion)| Role::of(velocity, motion)).collect();
-        joints.lay_out((&pool, None), &alone, &mut Coloring::default(), (&velocities, &motions, &roles), H, 1);
-        let moving = Moving { velocities: &velocities, motions: &motions, outlooks: &outlooks(scene) };
+        let body_flags: Vec<BodyFlags> =
+            velocities.iter().zip(&motions).map(|(velocity, motion)| BodyFlags::of(velocity, motion)).collect();
+        joints.lay_out((&pool, None), &alone, &mut Coloring::default(), (&velocities, &motions, &body_flags), H, 1);
+        let moving = MovingBodies { velocities: &velocities, motions: &motions, predicted_poses: &predicted_poses(scene) };
         joints.prepare(&pool, &alone, &moving, H, false);
         joints.warm_start(&alone, &mut velocities);
         joints.sweep(&alone, &mut velocities, false);
@@ -178,7 +179,7 @@ fn ends(scene: &Scene, in_lanes: bool) -> (Vec<BodyVelocity>, Vec<BodyMotion>) {
         let all = 0..entries.len();
         let mut singles = Singles::default();
         singles.add(&Vec::from_iter(0..entries.len() as u32));
-        let moving = Moving { velocities: &velocities, motions: &motions, outlooks: &outlooks(scene) };
+        let moving = MovingBodies { velocities: &velocities, motions: &motions, predicted_poses: &predicted_poses(scene) };
         singles.prepare(&entries, &pool, &moving, (H, H), false);
         singles.warm_start(&mut velocities);
         singles.sweep(all.clone(), &mut velocities, false);

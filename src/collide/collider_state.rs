@@ -1,0 +1,118 @@
+//! The state of a collider in this step: everything that contact generation reads of a shape and its body.
+//!
+//! A pile has ten pairs for each body. Each asks for a few numbers of two shapes and two bodies, records of hundreds of bytes of which
+//! a large pile has more than the cache holds; these are two lines of it, and the first alone says that boxes do not meet.
+
+use glam::{DVec3, Quat, Vec3};
+use parry3d::bounding_volume::Aabb;
+
+use super::collider::{Collider, margin_of};
+use crate::body::Body;
+use crate::material::Material;
+
+/// Copies of what [`Collider`] and [`Body`] have when contacts are brought up to date.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(crate) struct ColliderState {
+    pub tight_box: Aabb,
+    pub body: u32,
+    pub least_extent: f32,
+    /// World position of the shape's origin (m).
+    pub position: DVec3,
+    /// Speed at which the farthest point of the shape turns (m/s).
+    pub turning: f32,
+    /// Factor on gravity; zero for what it does not pull.
+    fall: f32,
+    pub rotation: Quat,
+    pub velocity: Vec3,
+    /// From the body's centre of mass to the shape's origin (m, world axes).
+    pub offset: Vec3,
+    pub material: Material,
+    /// Whether nothing has moved the body since its contacts were made, or can.
+    pub still: bool,
+    /// Whether it is a ball or a shape of circles.
+    pub is_round: bool,
+}
+
+/// Way in a step from which on a body glides, over the lesser least extent: what goes less far loses nothing to speak of at a seam.
+const MIN_GLIDE: f32 = 1.0e-4;
+
+/// Speed, over that of what glides over it, below which a body is still.
+const STILLNESS: f32 = 0.01;
+
+const _: () = assert!(size_of::<ColliderState>() == 128);
+
+impl ColliderState {
+    /// In place of one that nobody has asked for yet.
+    pub(crate) const UNKNOWN: Self = Self {
+        tight_box: Aabb { mins: Vec3::ZERO, maxs: Vec3::ZERO },
+        body: u32::MAX,
+        least_extent: 0.0,
+        position: DVec3::ZERO,
+        turning: 0.0,
+        fall: 0.0,
+        rotation: Quat::IDENTITY,
+        velocity: Vec3::ZERO,
+        offset: Vec3::ZERO,
+        material: Material::PLAIN,
+        still: true,
+        is_round: false,
+    };
+
+    pub(crate) fn of(shape: &Collider, body: &Body) -> Self {
+        let is_mover = body.is_mover();
+        Self {
+            tight_box: shape.tight_box,
+            body: shape.body,
+            least_extent: shape.least_extent,
+            position: shape.place.0,
+            turning: body.angular_velocity.length() * shape.reach,
+            fall: if body.is_free() && is_mover { body.gravity_scale } else { 0.0 },
+            rotation: shape.place.1,
+            velocity: body.linear_velocity,
+            offset: shape.offset_on(body),
+            material: shape.material,
+            still: body.held || !is_mover,
+            is_round: shape.shape.is_round(),
+        }
+    }
+
+    /// How far two shapes can move against each other in a step (m).
+    pub(crate) fn motion_against(&self, other: &Self, gravity: Vec3, dt: f32) -> f32 {
+        let closing = other.velocity - self.velocity + other.falls_against(self, gravity, dt);
+        (closing.length() + self.turning + other.turning) * dt
+    }
+
+    /// What gravity changes of the velocity against another in a step (m/s).
+    pub(crate) fn falls_against(&self, other: &Self, gravity: Vec3, dt: f32) -> Vec3 {
+        gravity * ((self.fall - other.fall) * dt)
+    }
+
+    /// Speed of its farthest point at most (m/s).
+    fn speed(&self) -> f32 {
+        self.velocity.length() + self.turning
+    }
+
+    /// Whether the body moves along more slowly than another.
+    pub(crate) fn is_slower_than(&self, other: &Self) -> bool {
+        self.velocity.length_squared() < other.velocity.length_squared()
+    }
+
+    /// Whether the body moves along over another that hardly moves.
+    pub(crate) fn glides_over(&self, other: &Self, dt: f32) -> bool {
+        let way = MIN_GLIDE * self.least_extent.min(other.least_extent);
+        let speed_squared = self.velocity.length_squared();
+        let moves = speed_squared * (dt * dt) > way * way;
+        moves && other.speed() < STILLNESS * speed_squared.sqrt()
+    }
+
+    /// Distance at which two shapes become contacts even without relative motion (m).
+    pub(crate) fn contact_margin(&self, other: &Self) -> f32 {
+        margin_of(self.least_extent).min(margin_of(other.least_extent))
+    }
+
+    /// From the centre of mass to the shape's origin (m), and how the shape is turned.
+    pub(crate) fn frame(&self) -> (Vec3, Quat) {
+        (self.offset, self.rotation)
+    }
+}

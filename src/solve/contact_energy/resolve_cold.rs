@@ -1,0 +1,95 @@
+//! Solves a substep of some islands of a batch again, without warm start.
+
+use std::ops::Range;
+
+use super::super::batch::Batch;
+use super::super::contact::LANES;
+use super::super::contact_block::{ContactBlock, ContactBlocks};
+use super::super::parallel_contacts;
+use super::super::state::WORLD_SLOT;
+use super::{ContactEnergy, SweptIsland};
+use crate::workers::Workers;
+
+/// What a second solve works on.
+#[derive(Debug, Default)]
+pub(super) struct ColdSolve {
+    /// Whether each slot is of an island that is solved once more.
+    slots: Vec<bool>,
+    /// Their blocks of contacts, in which lanes of other islands are empty, and the batch's number of each.
+    blocks: ContactBlocks,
+    numbers: Vec<u32>,
+}
+
+impl ColdSolve {
+    /// Chooses the islands with these slots, of a batch that has so many.
+    pub(super) fn choose(&mut self, islands: impl Iterator<Item = Range<usize>>, count: usize) {
+        self.slots.clear();
+        self.slots.resize(count, false);
+        islands.for_each(|slots| self.slots[slots].fill(true));
+    }
+
+    /// Whether each slot is of an island that has been chosen.
+    pub(super) fn slots(&self) -> &[bool] {
+        &self.slots
+    }
+
+    /// Lanes of a block that are of those.
+    pub(super) fn lanes(&self, block: &ContactBlock) -> [bool; LANES] {
+        std::array::from_fn(|l| self.slots[block.a[l] as usize] || self.slots[block.b[l] as usize])
+    }
+
+    /// Takes the blocks of the chosen islands without their multipliers; returns how many of them are before `first_jointed`.
+    fn take(&mut self, contacts: &ContactBlocks, first_jointed: usize) -> usize {
+        self.blocks.clear();
+        self.numbers.clear();
+        let mut first = 0;
+        for (number, block) in contacts.blocks.iter().enumerate() {
+            let chosen = self.lanes(block);
+            if chosen == [false; LANES] {
+                continue;
+            }
+            let mut copy = self.blocks.add_copy(contacts, number);
+            copy.multipliers().for_each(|lambda| *lambda = [0.0; LANES]);
+            for l in (0..LANES).filter(|&l| !chosen[l]) {
+                (copy.block.a[l], copy.block.b[l]) = (WORLD_SLOT, WORLD_SLOT);
+            }
+            self.numbers.push(number as u32);
+            first += usize::from(number < first_jointed);
+        }
+        first
+    }
+
+    /// Hands the multipliers of the chosen islands back.
+    fn give_back(&mut self, contacts: &mut ContactBlocks) {
+        for (place, &number) in self.numbers.iter().enumerate() {
+            let chosen = self.lanes(&self.blocks.blocks[place]);
+            let (mut found, mut whole) = (self.blocks.whole(place), contacts.whole(number as usize));
+            for (lambda, found) in whole.multipliers().zip(found.multipliers()) {
+                (0..LANES).filter(|&l| chosen[l]).for_each(|l| lambda[l] = found[l]);
+            }
+        }
+    }
+}
+
+impl Batch {
+    /// Solves the substep once more for the islands that have gained too much.
+    pub(super) fn solve_afresh(&mut self, iterations: u32) {
+        let (alone, moving) = (Workers::default(), self.moving());
+        let Self { contact_energy: ContactEnergy { islands, before, cold_solve, .. }, velocities, contacts, direct, .. } = self;
+        let chosen = || islands.iter().filter(|island| island.is_to_be_solved_afresh()).map(SweptIsland::slots);
+        cold_solve.choose(chosen(), velocities.len());
+        chosen().for_each(|slots| velocities[slots.clone()].copy_from_slice(&before[slots]));
+        let first_jointed = cold_solve.take(contacts, self.first_jointed);
+        direct.drop_impulses(&cold_solve.slots);
+        for iteration in 0..iterations {
+            if iteration % 2 == 0 {
+                direct.sweep_on(&cold_solve.slots, velocities);
+                parallel_contacts::sweep(&mut cold_solve.blocks, first_jointed, &alone, (velocities, moving), false, true);
+            } else {
+                parallel_contacts::sweep(&mut cold_solve.blocks, first_jointed, &alone, (velocities, moving), true, true);
+                direct.sweep_on(&cold_solve.slots, velocities);
+            }
+        }
+        cold_solve.give_back(contacts);
+    }
+}

@@ -1,0 +1,325 @@
+//! Articulations whose joints all hold points together and do nothing else: chains, nets, rope bridges.
+//!
+//! Their system is that of [`super::system`], but its rows need not be written down. Of joint k between bodies a and b, with levers
+//! r from centres of mass to the point at which it pushes them, J = [−1, r_a×, 1, −r_b×], so that
+//!
+//! ```text
+//! J v           = v_b + ω_b × r_b − v_a − ω_a × r_a,
+//! M̃⁻¹ Jᵀ p      = ±(p/m, Ĩ⁻¹ (r × p)),
+//! J_k M̃⁻¹ J_lᵀ = ±(1/m + [r_k]ᵀ Ĩ⁻¹ [r_l])   over each body that both hold, + where it is on the same side of both.
+//! ```
+//!
+//! Nothing has a bound, so that one pass of one factor solves it.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::articulation::Articulation;
+use super::block::{Block3, Lanes, ZERO, add_scaled, block3_mut};
+use super::body::DirectBody;
+use super::factor::{BlockFactor, POINT};
+use super::narrowing;
+use super::redundancy::Redundancy;
+use super::refine::{Equations, refine};
+use super::system::{MAX_IMPULSE, Topology};
+use crate::platform::dispatched;
+use crate::solve::joint::JointEntry;
+use crate::solve::joint::LocalPose;
+use crate::solve::joint::rows::{Phase, Rate};
+
+/// Where a joint is: levers from the centres of mass to the points that it holds together, and from A's point to B's (m).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PointJoint {
+    pub levers: [DVec3; 2],
+    pub gap: DVec3,
+}
+
+impl PointJoint {
+    pub(super) fn of(entry: &JointEntry, a: &LocalPose, b: &LocalPose) -> Self {
+        let levers = [a.1 * entry.local_lever[0], b.1 * entry.local_lever[1]];
+        Self { levers, gap: entry.offset + (b.0 - a.0) + (levers[1] - levers[0]) }
+    }
+
+    /// Levers to the point where the bodies are pushed. Mostly that is halfway between the two: a gap costs no angular momentum then. If it
+    /// is `own`, each is pushed at its own point, which is the gradient of the gap.
+    fn pushed(&self, own: bool) -> [DVec3; 2] {
+        let share = if own { 0.0 } else { 0.5 };
+        [self.levers[0] + share * self.gap, self.levers[1] - share * self.gap]
+    }
+}
+
+/// A joint in one solve.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PointSolve {
+    bodies: [u32; 2],
+    levers: [DVec3; 2],
+    /// What J v must make up for (m/s, or m in a projection).
+    bias: DVec3,
+    /// Multiplier (N·s).
+    impulse: DVec3,
+}
+
+/// Ĩ⁻¹ (r × e) for the three axes e, side by side by component.
+pub(super) type Response = [Lanes; 3];
+
+/// The joints of an articulation that hold points, and room to solve them.
+#[derive(Debug, Clone, Default)]
+pub(super) struct BallJointSystem {
+    /// Where the joints are at the present poses, if that is known.
+    pub spots: Vec<PointJoint>,
+    pub is_known: bool,
+    /// Where they would be at the end of the substep without any joint.
+    pub ends: Vec<PointJoint>,
+    joints: Vec<PointSolve>,
+    responses: Vec<[Response; 2]>,
+    factor: BlockFactor,
+    /// Rows of each joint.
+    counts: Vec<u32>,
+    unknowns: Vec<Lanes>,
+    increments: Vec<Lanes>,
+    has_pushed: bool,
+    is_factored: bool,
+}
+
+impl BallJointSystem {
+    /// Takes the push of the last solve out of the rates.
+    pub(super) fn withdraw(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
+        if std::mem::replace(&mut self.has_pushed, true) {
+            for joint in &self.joints {
+                push(joint, -joint.impulse, bodies, rates);
+            }
+        }
+    }
+
+    /// Adds the push of the carried multipliers to the rates.
+    pub(super) fn warm_start(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
+        self.has_pushed = true;
+        for joint in &self.joints {
+            push(joint, joint.impulse, bodies, rates);
+        }
+    }
+
+    /// As [`super::system::System::drop_senseless`].
+    fn drop_senseless(&mut self) {
+        // Written so that one which is no number counts.
+        if !self.joints.iter().all(|joint| joint.impulse.abs().cmple(DVec3::splat(MAX_IMPULSE)).all()) {
+            self.drop_impulses();
+        }
+    }
+
+    /// Forgets all multipliers.
+    pub(super) fn drop_impulses(&mut self) {
+        self.joints.iter_mut().for_each(|joint| joint.impulse = DVec3::ZERO);
+    }
+
+    /// Solves for the multipliers of all joints and adds their push to the rates.
+    pub(super) fn solve(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
+        let Self { joints, responses, factor, counts, unknowns, increments, .. } = self;
+        if !std::mem::replace(&mut self.is_factored, true) {
+            counts.clear();
+            counts.resize(joints.len(), POINT as u32);
+            factor.start(&topology.plan, counts);
+            responses.resize(joints.len(), [[ZERO; 3]; 2]);
+            assemble(factor, responses, joints, topology, bodies);
+            super::factor::factorize(factor, &topology.plan);
+        }
+        joints.iter_mut().for_each(|joint| joint.impulse = DVec3::ZERO);
+        refine(&mut Gaps { joints, bodies, rates }, factor, &topology.plan, [0; 2], unknowns, increments, &mut false);
+    }
+}
+
+/// The equations of the joints, at rates that change as they are solved.
+struct Gaps<'a> {
+    joints: &'a mut [PointSolve],
+    bodies: &'a [DirectBody],
+    rates: &'a mut [Rate],
+}
+
+impl Equations for Gaps<'_> {
+    fn find_residuals(&self, _: &BlockFactor, residuals: &mut [Lanes]) -> f64 {
+        let mut worst = DVec3::ZERO;
+        for (joint, residual) in self.joints.iter().zip(residuals) {
+            let lack = joint.bias + approach(&joint.bodies, &joint.levers, self.rates);
+            worst = worst.max(lack.abs());
+            *residual = [-lack.x, -lack.y, -lack.z, 0.0];
+        }
+        worst.max_element()
+    }
+
+    fn find_added(&self, _: &BlockFactor, added: &mut [Lanes]) {
+        // Rows that repeat others have no multiplier here: see [`super::redundancy::Regularization::POINTS`].
+        added.fill(ZERO);
+    }
+
+    fn add_impulses(&mut self, _: &BlockFactor, increments: &[Lanes], share: f64) {
+        for (joint, &[x, y, z, _]) in self.joints.iter_mut().zip(increments) {
+            let impulse = DVec3::new(x, y, z) * share;
+            push(joint, impulse, self.bodies, self.rates);
+            joint.impulse += impulse;
+        }
+    }
+}
+
+/// J v of a joint.
+fn approach(bodies: &[u32; 2], levers: &[DVec3; 2], rates: &[Rate]) -> DVec3 {
+    let [a, b] = bodies.map(|body| &rates[body as usize]);
+    (b.linear + b.angular.cross(levers[1])) - (a.linear + a.angular.cross(levers[0]))
+}
+
+fn push(joint: &PointSolve, impulse: DVec3, bodies: &[DirectBody], rates: &mut [Rate]) {
+    for (side, impulse) in [-impulse, impulse].into_iter().enumerate() {
+        let number = joint.bodies[side] as usize;
+        let (body, rate) = (&bodies[number], &mut rates[number]);
+        rate.linear += body.inverse_mass * impulse;
+        rate.angular += body.inverse_inertia * joint.levers[side].cross(impulse);
+    }
+}
+
+dispatched!(
+    /// Forms J M̃⁻¹ Jᵀ, slightly regularised.
+    assemble, assemble_body,
+    (factor: &mut BlockFactor, responses: &mut [[Response; 2]], joints: &[PointSolve], topology: &Topology, bodies: &[DirectBody])
+);
+
+#[inline(always)]
+fn assemble_body(
+    factor: &mut BlockFactor,
+    responses: &mut [[Response; 2]],
+    joints: &[PointSolve],
+    topology: &Topology,
+    bodies: &[DirectBody],
+) {
+    for (number, (joint, responses)) in joints.iter().zip(responses.iter_mut()).enumerate() {
+        let mut sum = [ZERO; 3];
+        let guard = &topology.regularizations[Redundancy::Points as usize];
+        for side in 0..2 {
+            let (lever, body) = (joint.levers[side], &bodies[joint.bodies[side] as usize]);
+            responses[side] = response(&body.inverse_inertia, lever);
+            add(&mut sum, 1.0, body.inverse_mass, lever, &responses[side]);
+        }
+        #[expect(clippy::needless_range_loop, reason = "the index is that of a row and of a column")]
+        for i in 0..3 {
+            sum[i][i] += guard.added * sum[i][i];
+        }
+        factor.least[number] = [sum[0][0], sum[1][1], sum[2][2], 0.0].map(|diagonal| guard.noise * diagonal);
+        *block3_mut(factor.block_mut(topology.plan.diagonal(number))) = sum;
+    }
+    for coupling in &topology.couplings {
+        let (late, early) = (&joints[coupling.late as usize], &responses[coupling.early as usize]);
+        let (late_side, early_side) = (coupling.late_side as usize, coupling.early_side as usize);
+        let sign = if late_side == early_side { 1.0 } else { -1.0 };
+        let mass = bodies[coupling.body as usize].inverse_mass;
+        let block = block3_mut(factor.block_mut(coupling.start));
+        let mut sum = *block;
+        add(&mut sum, sign, mass, late.levers[late_side], &early[early_side]);
+        *block = sum;
+    }
+}
+
+/// Component i of Ĩ⁻¹ (r × e_j) is (row i of Ĩ⁻¹ × r)_j.
+#[inline(always)]
+fn response(inverse_inertia: &DMat3, lever: DVec3) -> Response {
+    let row = |row: DVec3| {
+        [row.y * lever.z - row.z * lever.y, row.z * lever.x - row.x * lever.z, row.x * lever.y - row.y * lever.x, 0.0]
+    };
+    [row(inverse_inertia.x_axis), row(inverse_inertia.y_axis), row(inverse_inertia.z_axis)]
+}
+
+/// Adds ±(1/m + [r]ᵀ Ĩ⁻¹ [r']), with the response of r'.
+#[inline(always)]
+fn add(sum: &mut Block3, sign: f64, mass: DVec3, lever: DVec3, response: &Response) {
+    let (mass, lever) = (mass * sign, lever * sign);
+    sum[0][0] += mass.x;
+    sum[1][1] += mass.y;
+    sum[2][2] += mass.z;
+    add_scaled(&mut sum[0], lever.z, &response[1]);
+    add_scaled(&mut sum[0], -lever.y, &response[2]);
+    add_scaled(&mut sum[1], lever.x, &response[2]);
+    add_scaled(&mut sum[1], -lever.z, &response[0]);
+    add_scaled(&mut sum[2], lever.y, &response[0]);
+    add_scaled(&mut sum[2], -lever.x, &response[1]);
+}
+
+impl Articulation {
+    /// Finds where the joints are at the present poses, if they have moved since that was found.
+    pub(super) fn find_spots(&mut self) {
+        let Self { points, entries, links, local_poses, .. } = self;
+        if !std::mem::replace(&mut points.is_known, true) {
+            points.spots.clear();
+            let spot = |(entry, [a, b]): (&JointEntry, [u32; 2])| {
+                PointJoint::of(entry, &local_poses[a as usize], &local_poses[b as usize])
+            };
+            points.spots.extend(entries.iter().zip(links.iter().map(|link| link.bodies)).map(spot));
+        }
+    }
+
+    /// Finds where the joints will be at the predicted poses; these are the present ones where nothing is predicted.
+    pub(super) fn find_ends(&mut self, predicts: bool) {
+        let Self { points, entries, links, predicted, .. } = self;
+        points.ends.clear();
+        if predicts {
+            let spot =
+                |(entry, [a, b]): (&JointEntry, [u32; 2])| PointJoint::of(entry, &predicted[a as usize], &predicted[b as usize]);
+            points.ends.extend(entries.iter().zip(links.iter().map(|link| link.bodies)).map(spot));
+        } else {
+            points.ends.extend_from_slice(&points.spots);
+        }
+    }
+
+    /// What the joints ask for; that of a velocity phase needs where they will be.
+    pub(super) fn ask_points(&mut self, phase: Phase) {
+        self.find_spots();
+        let Self { points, links, entries, rates, began, predicted, implicit, topology, .. } = self;
+        let BallJointSystem { spots, ends, joints, is_factored, has_pushed, .. } = points;
+        joints.clear();
+        (*is_factored, *has_pushed) = (false, false);
+        for (number, link) in links.iter().enumerate() {
+            let bodies = link.bodies;
+            // What is held by something that stays where it is would fall away from it by h² g in a substep without joints. Halfway there, the force
+            // on a taut piece points past its middle, by so much that the stiffness of its pull turns it about its own axis, ever faster.
+            let own = topology.loops > 0 && link.moves != [true; 2];
+            let carried = if matches!(phase, Phase::Position { .. }) { Vec3::ZERO } else { entries[number].impulses.point };
+            let impulse = carried.as_dvec3();
+            let (levers, bias) = match phase {
+                Phase::Velocity { h } => {
+                    let levers = match implicit[number] {
+                        1.0 => ends[number].pushed(own),
+                        0.0 => spots[number].pushed(own),
+                        share => {
+                            let between = |body: u32| {
+                                let (from, to) = (began.local_poses[body as usize], predicted[body as usize]);
+                                (from.0.lerp(to.0, share), from.1.lerp(to.1, share))
+                            };
+                            PointJoint::of(&entries[number], &between(bodies[0]), &between(bodies[1])).pushed(own)
+                        }
+                    };
+                    (levers, (ends[number].gap - spots[number].gap) / h - approach(&bodies, &levers, rates))
+                }
+                Phase::Tangent { .. } => (spots[number].pushed(own), DVec3::ZERO),
+                Phase::Position { most } => {
+                    (spots[number].pushed(own), spots[number].gap.clamp(DVec3::splat(-most), DVec3::splat(most)))
+                }
+            };
+            joints.push(PointSolve { bodies, levers, bias, impulse });
+        }
+    }
+
+    /// Worst component of any gap at the present poses (m), where one that is no number counts as the worst.
+    pub(super) fn worst_gap(&mut self) -> f64 {
+        self.find_spots();
+        let greater = |worst: f64, gap: f64| if gap <= worst { worst } else { gap };
+        let gaps = self.points.spots.iter().map(|spot| spot.gap.abs());
+        gaps.fold(0.0, |worst, gap| greater(greater(greater(worst, gap.x), gap.y), gap.z))
+    }
+
+    /// As [`Articulation::keep_impulses`].
+    pub(super) fn keep_point_impulses(&mut self, scale: f64) {
+        let (carried, steady) = (self.order.extrapolation, self.order.steady_share);
+        self.points.drop_senseless();
+        for (entry, joint) in self.entries.iter_mut().zip(&self.points.joints) {
+            let last = std::mem::replace(&mut entry.impulses.point, narrowing::impulse(joint.impulse * scale));
+            let acted = joint.impulse + last.as_dvec3() * steady + entry.acted[0].as_dvec3() * carried;
+            entry.acted[0] = narrowing::impulse(acted);
+            entry.linear_sum += entry.acted[0];
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Follows the points of one manifold through a step, for solvers that hold contacts by rows of their own.
+
+use glam::{DMat3, DVec3};
+
+use super::curved_contacts::{Curved, CurvedPoint, change};
+use super::history::rotation_vector;
+use crate::solve::contact::{ContactInput, POINTS};
+use crate::solve::joint::LocalPose;
+
+/// Where the points of a manifold were at the start of the step, as one of its bodies sees them.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TrackedPoints {
+    began: [CurvedPoint; POINTS],
+    pub count: usize,
+    /// How the surfaces curve, where that is known and they are not flat on each other.
+    curved: Option<Curved>,
+}
+
+impl TrackedPoints {
+    /// As B sees them, or else A.
+    pub(crate) fn of(input: &ContactInput, as_b: bool) -> Self {
+        let sign = if as_b { 1.0 } else { -1.0 };
+        let (own, others) = if as_b { (&input.lever_b, &input.lever_a) } else { (&input.lever_a, &input.lever_b) };
+        let began = std::array::from_fn(|i| CurvedPoint {
+            normal: input.normal.as_dvec3() * sign,
+            lever: own[i].as_dvec3(),
+            other_lever: others[i].as_dvec3(),
+            separation: if i < input.count { f64::from(input.separation[i]) } else { f64::INFINITY },
+        });
+        Self { began, count: input.count, curved: None }
+    }
+
+    /// Lets them follow surfaces with these shape operators in world axes, of the body and of the other (1/m); `reach` is how far they
+    /// may wander (m).
+    pub(crate) fn curve(&mut self, operators: [DMat3; 2], reach: f64) {
+        self.curved = Curved::new(operators, self.normal(), reach);
+    }
+
+    /// Brings points that are older than the poses to where the surfaces are tangent now, as B sees them: outward normals of A and of B at
+    /// each, and the way from A's point to B's (m).
+    pub(crate) fn settle(&mut self, at: &[(DVec3, DVec3, DVec3); POINTS]) {
+        let Some(curved) = self.curved else { return };
+        for (spot, &(of_a, of_b, offset)) in self.began[..self.count].iter_mut().zip(at) {
+            *spot = curved.settle(spot, [of_b, of_a], offset).unwrap_or(*spot);
+        }
+    }
+
+    /// The manifold's normal at the start of the step, towards the body.
+    pub(crate) fn normal(&self) -> DVec3 {
+        self.began[0].normal
+    }
+
+    pub(crate) fn curved(&self) -> Option<&Curved> {
+        self.curved.as_ref()
+    }
+
+    /// Mean distance of the points from their middle (m).
+    pub(crate) fn spread(&self) -> f64 {
+        let (share, spots) = (1.0 / self.count as f64, &self.began[..self.count]);
+        let center = spots.iter().map(|spot| spot.lever).sum::<DVec3>() * share;
+        spots.iter().map(|spot| (spot.lever - center).length()).sum::<f64>() * share
+    }
+
+    /// The points with the body and the other at these stances, each now and at the start of the step.
+    ///
+    /// Separations follow displacements and rotation vectors linearly where curvature is not known, as the rows do: a point that
+    /// turned with its body would leave the ground under a wheel that rolls and a link that spins.
+    pub(crate) fn at(&self, own: [&LocalPose; 2], other: [&LocalPose; 2]) -> [CurvedPoint; POINTS] {
+        let [own, other] = [own, other].map(|[now, began]| change(now, began));
+        let turns = [own.1, other.1].map(rotation_vector);
+        let mut spots = self.began;
+        for spot in &mut spots[..self.count] {
+            let curved = self.curved.and_then(|curved| curved.follow(spot, &own, &other));
+            *spot = curved.unwrap_or_else(|| {
+                let moved = own.0 + turns[0].cross(spot.lever) - other.0 - turns[1].cross(spot.other_lever);
+                CurvedPoint { separation: spot.separation + spot.normal.dot(moved), ..*spot }
+            });
+        }
+        spots
+    }
+}
+
+/// Greatest overlap of these points, zero where there is none (m).
+pub(crate) fn overlap(spots: &[CurvedPoint]) -> f64 {
+    spots.iter().fold(0.0, |worst, spot| worst.max(-spot.separation))
+}

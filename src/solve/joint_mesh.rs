@@ -1,0 +1,244 @@
+//! Joint meshes (sheets and lattices): sweeps along conjugate directions, continued until they converge.
+//!
+//! A sheet of n × n bodies is too much work for the direct solve, has no derived bounds, and needs some n² sweeps: what hangs below
+//! falls until the load has come up to what holds it. Left to two sweeps a substep, a net of 100 × 100 balls let go under seven
+//! that hold it fell for a second, tore its joints open by more than their levers, and what gaps there were then let on velocities
+//! whatever the sweeps did. So here sweeps are the preconditioner of a method that needs some n of them.
+//!
+//! **What is least.** All rows here are equations. With v* the velocities that forces leave, λ the multipliers, b the biases of the
+//! rows and v = v* + M⁻¹ Jᵀ λ, rows hold, J v + b = 0, where
+//!
+//! ```text
+//! F(λ) = ½ vᵀ M v + bᵀ λ
+//! ```
+//!
+//! is least: its gradient is J v + b. b is of second order, so F is all but the kinetic energy T, and what is left of an error is
+//! what T is greater by than it could be.
+//!
+//! **Sweeps.** One to and one fro change (v, λ) by d, at which they would stop: a symmetric preconditioner applied to the gradient.
+//! With p the change before that, the next point is the least of F over both,
+//!
+//! ```text
+//! p ← α d + β p,    | dᵀM d   dᵀM p | | α |     | vᵀM d + bᵀ d |
+//!                   | dᵀM p   pᵀM p | | β | = − | vᵀM p + bᵀ p |,
+//! ```
+//!
+//! of velocities or multipliers as the factor before asks. On one system this is the method of conjugate gradients (Hestenes, Stiefel
+//! 1952; in this form, which does not trust what was computed before, Takahashi 1965); p is kept through the substeps of a step, as
+//! multipliers, while systems change. It is left once such a move lowers F by less than a share (`ENOUGH`) of the energy that forces
+//! add to the sheet at rest, or of what it has (`SHARE_OF_MOTION`).
+//!
+//! **Across steps** p is kept as multipliers, by the joints, and the velocities that it stands for are found anew from the rows of each
+//! substep. Only its line counts, so what is kept may be anything.
+//!
+//! **Carried multipliers** λ₀ hold what load needs again, and what an error of the substep before needed once. The second is put on
+//! again and taken back: an error rings, as if the joints were springs. No more of λ₀ is taken than gives no energy: with w = M⁻¹ Jᵀ λ₀, T
+//! of v* + s w is least at s* = −v*ᵀ M w/(wᵀ M w) and what it was at 2 s*, and s = min(1, 2 s*). From there on F only falls.
+//!
+//! **Energy.** So T(v) is at most T(v*); but from rest, where v* = h a, that lets a whole sheet rise at h a/2 for ever, since
+//! T(−h a/2) = T(−h a/2 + h a). The work of forces in a substep is h aᵀ M (v₀ + v)/2, of the velocities v₀ before forces and v after all
+//! rows, and T(v) is at most T(v₀) and that: with c = h a/2,
+//!
+//! ```text
+//! T(v − c) ≤ T(v* − c),
+//! ```
+//!
+//! an equality where rows hold before and after. Where it fails, v is slowed to the share of it at which it holds. A sheet that nothing
+//! holds keeps its momentum instead.
+//!
+//! **Positions** are mended by displacements δ with J δ = −C, C the errors that a substep begins with, of one sweep to and one fro over
+//! the same rows, added once bodies have moved. Velocities do not hear of it.
+
+use glam::Vec3;
+
+use super::batch::Batch;
+use super::state::{BodyMotion, BodyVelocity};
+use super::wide_bodies::search_direction::{BodyDirections, Products};
+use crate::joint_graph::mesh::is_sheet;
+use crate::tight_vec::resize;
+use crate::workers::Workers;
+
+/// Moves in a substep at most: a sheet that is let go takes that many for some steps, one that hangs one to three.
+const MAX_MOVES: u32 = 16;
+
+/// Substeps that a sheet takes at least: in fewer it needs so many more moves that they take longer and leave more.
+const MIN_SUBSTEPS: u32 = 4;
+
+/// Share of the energy that forces add to the sheet at rest which a move has to be worth for another one.
+const ENOUGH: f64 = 0.01;
+
+/// Share of the energy that the sheet has which counts as if forces had added it.
+const SHARE_OF_MOTION: f64 = 1.0e-4;
+
+/// Least share of dᵀM d · pᵀM p that is left of it where d and p are two lines.
+const TWO_LINES: f64 = 1.0e-6;
+
+/// The sheet of a batch, if it is one.
+#[derive(Debug, Default)]
+pub(crate) struct JointMesh {
+    is_one: bool,
+    search: BodyDirections,
+    /// Sums of the pieces that threads go through.
+    sums: Vec<[f64; 3]>,
+}
+
+impl JointMesh {
+    pub(crate) fn is_one(&self) -> bool {
+        self.is_one
+    }
+}
+
+/// Shares of d and p that F is least at, and what it falls by.
+fn least(products: &Products, bias: [f64; 2]) -> ([f64; 2], f64) {
+    let Products { dd, dp, pp, vd, vp } = *products;
+    let (along_d, along_p) = (vd + bias[0], vp + bias[1]);
+    let determinant = dd * pp - dp * dp;
+    let shares = if determinant > TWO_LINES * dd * pp {
+        [(dp * along_p - pp * along_d) / determinant, (dp * along_d - dd * along_p) / determinant]
+    } else if dd > 0.0 {
+        [-along_d / dd, 0.0]
+    } else {
+        [0.0; 2]
+    };
+    (shares, -0.5 * (shares[0] * along_d + shares[1] * along_p))
+}
+
+/// Bodies that one thread goes through. Sums are those of pieces, so it must not depend on the number of threads.
+const PIECE: usize = 512;
+
+/// Sums over the bodies that move, by slot; `sums` is a buffer.
+fn sum(
+    threads: &Workers,
+    sums: &mut Vec<[f64; 3]>,
+    motions: &[BodyMotion],
+    of: impl Fn(usize, &BodyMotion) -> [f64; 3] + Sync,
+) -> [f64; 3] {
+    let add = |[a, b, c]: [f64; 3], [x, y, z]: [f64; 3]| [a + x, b + y, c + z];
+    sums.resize(motions.len().div_ceil(PIECE), [0.0; 3]);
+    threads.share(sums.iter_mut().zip(motions.chunks(PIECE)).zip((0..).step_by(PIECE)), |((sum, motions), first)| {
+        let moving = (first..).zip(motions).filter(|(_, motion)| motion.is_dynamic());
+        *sum = moving.map(|(slot, motion)| of(slot, motion)).fold([0.0; 3], add);
+    });
+    sums.iter().copied().fold([0.0; 3], add)
+}
+
+impl Batch {
+    /// Has what is a sheet, as far as is known before its rows are laid out, take at least [`MIN_SUBSTEPS`] where it would take so many, or
+    /// half of them where it is smooth; returns how many it takes.
+    pub(crate) fn refine_sheet(&mut self, substeps: u32, is_smooth: impl FnOnce(&Self) -> bool) -> u32 {
+        let is_one = is_sheet(self.joints.entries.len(), self.bodies.len() - 1)
+            && self.islands.len() == 1
+            && self.ends.is_empty()
+            && self.bound_slots.is_empty()
+            && self.chains.is_empty();
+        // What takes several at once has as many as it needs.
+        if !is_one || self.stride > 1.0 || substeps >= MIN_SUBSTEPS {
+            return substeps;
+        }
+        let least = if is_smooth(self) { MIN_SUBSTEPS / 2 } else { MIN_SUBSTEPS };
+        if substeps >= least {
+            return substeps;
+        }
+        let share = substeps as f32 / least as f32;
+        self.stride *= share;
+        for entry in &mut self.joints.entries {
+            entry.impulses = entry.impulses.scaled(share);
+            entry.acted = entry.acted.map(|acted| acted * share);
+        }
+        least
+    }
+
+    /// Finds out whether the batch is one sheet, and nothing else.
+    pub(crate) fn find_sheet(&mut self, threads: &Workers) {
+        let bodies = self.motions.len() - 1;
+        let has_other_rows = !self.contacts.is_empty() || !self.bounds.entries.is_empty() || !self.planes.entries.is_empty();
+        self.mesh.is_one = is_sheet(self.joints.entries.len(), bodies)
+            && self.islands.len() == 1
+            && self.joint_energy.slots().next().is_some()
+            && self.joints.are_all_in_lanes()
+            && !has_other_rows;
+        if self.mesh.is_one {
+            self.joints.begin_course(threads);
+        }
+    }
+
+    /// Warm start and sweeps of a substep of length `h`, from velocities to which forces have been added; says whether the energies of
+    /// those that it ends with have been found.
+    pub(crate) fn solve_sheet(&mut self, threads: &Workers, h: f32) -> bool {
+        let moving = self.moving();
+        let Self { mesh: JointMesh { search, sums, .. }, poses, joints, velocities, motions, pushes, joint_energy, .. } = self;
+        poses.begin_course(search, threads, velocities, motions);
+        let [added, had, _] = sum(threads, sums, motions, |slot, motion| {
+            let gain = motion.acceleration * h;
+            let added = 0.5 * f64::from(gain.length_squared() / velocities[slot].inverse_mass.x);
+            [added, f64::from(poses.energies[slot]), 0.0]
+        });
+        let enough = ENOUGH * (added + SHARE_OF_MOTION * had);
+
+        resize(pushes, velocities.len(), BodyVelocity::FIXED);
+        threads.share(pushes.chunks_mut(PIECE).zip(velocities.chunks(PIECE)), |(pushes, velocities)| {
+            pushes.iter_mut().zip(velocities).for_each(|(push, velocity)| *push = velocity.at_rest());
+        });
+        joints.apply_way(threads, pushes);
+        poses.take_way(search, threads, pushes);
+        threads.share(pushes.chunks_mut(PIECE), |pushes| {
+            pushes.iter_mut().for_each(|push| (push.linear, push.angular) = (Vec3::ZERO, Vec3::ZERO));
+        });
+        joints.push(threads, pushes, h);
+
+        poses.note_course(search, threads, velocities);
+        joints.warm_start(threads, velocities);
+        let Products { dd, vd, .. } = poses.weigh_course(search, threads, velocities);
+        if -2.0 * vd < dd {
+            let share = (-2.0 * vd / dd).max(0.0) as f32;
+            joints.scale_impulses(share);
+            for (velocity, before) in velocities.iter_mut().zip(joint_energy.noted()) {
+                velocity.linear = before.linear + (velocity.linear - before.linear) * share;
+                velocity.angular = before.angular + (velocity.angular - before.angular) * share;
+            }
+        }
+
+        for _ in 0..MAX_MOVES {
+            poses.note_course(search, threads, velocities);
+            let bias = joints.sweep_course(threads, velocities);
+            let (shares, fall) = least(&poses.weigh_course(search, threads, velocities), bias);
+            let shares = shares.map(|share| share as f32);
+            joints.steer_course(threads, shares);
+            poses.steer_course(search, threads, (&mut *velocities, moving), shares);
+            if fall.is_nan() || fall <= enough {
+                break;
+            }
+        }
+        self.free.is_empty() && !self.slow_sheet(threads, h, had)
+    }
+
+    /// Slows the sheet where it has more energy than forces have given it, of `had` with all that they add; says whether it had. Energies
+    /// are those before.
+    fn slow_sheet(&mut self, threads: &Workers, h: f32, had: f64) -> bool {
+        let Self { mesh: JointMesh { sums, .. }, joint_energy, poses, velocities, motions, .. } = self;
+        let noted = joint_energy.noted();
+        poses.find_energies(threads, velocities, motions);
+        let [has, given, taken] = sum(threads, sums, motions, |slot, motion| {
+            let half_gain = motion.acceleration * (0.5 * h / velocities[slot].inverse_mass.x);
+            let half_spin = motion.torque * (0.5 * h);
+            let product = |v: &BodyVelocity| f64::from(half_gain.dot(v.linear) + half_spin.dot(v.angular));
+            [f64::from(poses.energies[slot]), product(&velocities[slot]), product(&noted[slot])]
+        });
+        let allowed = had - taken;
+        let is_too_much = has - given > allowed;
+        if is_too_much {
+            let root = (given * given + 4.0 * has * allowed).max(0.0).sqrt();
+            let kept = ((given + root) / (2.0 * has)).clamp(0.0, 1.0) as f32;
+            for velocity in velocities.iter_mut() {
+                velocity.linear *= kept;
+                velocity.angular *= kept;
+            }
+        }
+        is_too_much
+    }
+
+    /// Takes errors out of positions, by displacements found when the substep began: all that moves of a sheet is in lanes.
+    pub(crate) fn push_sheet(&mut self, threads: &Workers) {
+        self.poses.displace(threads, &mut self.motions, &self.pushes);
+    }
+}

@@ -1,0 +1,196 @@
+//! Solves one large batch on several threads: blocks of one colour side by side, then bodies.
+//!
+//! Colours follow one another as they do on one thread, and within one no block sees what another does, so the bits are the same. It
+//! takes a team that is awake: a sweep over a colour is some 20 µs.
+
+use std::ops::Range;
+
+use smallvec::SmallVec;
+
+use super::batch::Batch;
+use super::contact_block::{BlockView, ContactBlocks};
+use super::contact_kernels;
+use super::contact_partition::{BlockPart, BlockRange, DividedBlocks};
+use super::disjoint::{DisjointMut, Shared};
+use super::state::{BodyMotion, BodyVelocity};
+use super::wide_bodies::WideBodies;
+use crate::workers::Workers;
+
+/// Blocks from which on several threads go through them.
+const SHARED_BLOCKS: usize = 64;
+
+/// Bodies of the same.
+const SHARED_BODIES: usize = 512;
+const MIN_BODIES: usize = 128;
+
+/// Sweeps over the contacts of bodies that joints hold, with each other and with what is fixed, between two sweeps over the joints. A
+/// contact sees of such a body its own mass alone: what a vehicle rests on its track with, or the track's pull round a sprocket, gets
+/// through links of a hundredth of its mass a little at a time. An odd number, to and fro, so that sweeps back are the exact reverse.
+const JOINTED_SWEEPS: u32 = 3;
+
+/// Goes through the blocks of a range with the velocities of bodies, so many of which move: colour after colour, or backwards.
+pub(super) fn in_colors(
+    contacts: &mut ContactBlocks,
+    range: Range<usize>,
+    threads: &Workers,
+    (velocities, moving): (&mut [BodyVelocity], usize),
+    backwards: bool,
+    work: impl Fn(&mut BlockPart<'_>, &mut DisjointMut<'_, BodyVelocity>) + Sync,
+) {
+    if range.is_empty() {
+        return;
+    }
+    if range.len() < SHARED_BLOCKS || !threads.has_team() {
+        return work(&mut contacts.part(range), &mut DisjointMut::alone(velocities, moving));
+    }
+    in_colors_shared(contacts, range, threads, (velocities, moving), backwards, work);
+}
+
+/// [`in_colors`] by several threads, out of the way of one that is alone.
+#[inline(never)]
+fn in_colors_shared(
+    contacts: &mut ContactBlocks,
+    range: Range<usize>,
+    threads: &Workers,
+    (velocities, moving): (&mut [BodyVelocity], usize),
+    backwards: bool,
+    work: impl Fn(&mut BlockPart<'_>, &mut DisjointMut<'_, BodyVelocity>) + Sync,
+) {
+    debug_assert!(contacts.are_apart(moving), "blocks of one colour share a moving body");
+    let shared = Shared::new(velocities, moving);
+    let pieces = contacts.colored_pieces(&range, threads.places());
+    let pieces = pieces.into_iter().map(|piece| (piece.phase, piece.place, piece.runs));
+    let work = |runs: SmallVec<[BlockRange<'_>; 2]>| {
+        // SAFETY: what is worked on at the same time is of one phase, the blocks of one colour, which share no moving body.
+        let mut hand = unsafe { shared.hand() };
+        let mut work = |mut run: BlockRange<'_>| work(&mut run.part, &mut hand);
+        if backwards { runs.into_iter().rev().for_each(work) } else { runs.into_iter().for_each(&mut work) }
+    };
+    if backwards {
+        threads.share_in_phases(pieces.rev(), work);
+    } else {
+        threads.share_in_phases(pieces, work);
+    }
+}
+
+/// Goes through all blocks in any order, each with the thread that goes through it in sweeps.
+pub(super) fn side_by_side(contacts: &mut ContactBlocks, threads: &Workers, work: impl Fn(BlockRange<'_>) + Sync) {
+    if threads.has_team() {
+        let pieces = contacts.colored_pieces(&(0..contacts.len()), threads.places());
+        threads.share_in_phases(pieces.into_iter().map(|piece| (0, piece.place, piece.runs)), |runs| {
+            runs.into_iter().for_each(&work)
+        });
+    } else {
+        let piece = threads.piece(contacts.len(), SHARED_BLOCKS);
+        threads.share(contacts.parts(piece).zip((0..).step_by(piece)), |(part, first)| work(BlockRange { first, part }));
+    }
+}
+
+/// Goes through the manifolds that have these lanes, in their order, each with the thread that goes through its block in sweeps;
+/// `places` is overwritten.
+pub(super) fn each_manifold(
+    contacts: &mut ContactBlocks,
+    threads: &Workers,
+    lanes: &[(u32, u32)],
+    places: &mut Vec<u8>,
+    work: impl Fn(&mut BlockView<'_>, usize, usize) + Sync,
+) {
+    let count = threads.places();
+    contacts.note_places(count, places);
+    let shared = DividedBlocks::new(contacts);
+    threads.share_among_all(0..count, |place| {
+        // SAFETY: each block has one place, and each place is one thread's.
+        let mut own = unsafe { shared.part() };
+        for (number, &(block, lane)) in lanes.iter().enumerate() {
+            if places.get(block as usize).is_some_and(|&own| usize::from(own) == place) {
+                work(&mut own.whole(block), lane as usize, number);
+            }
+        }
+    });
+}
+
+/// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold, which begin with the block `first_jointed`;
+/// backwards, all in the opposite order. Manifolds of free bodies end with their normal rows on the way back, and forth if `presses_last`.
+pub(super) fn sweep(
+    contacts: &mut ContactBlocks,
+    first_jointed: usize,
+    threads: &Workers,
+    (velocities, moving): (&mut [BodyVelocity], usize),
+    backwards: bool,
+    presses_last: bool,
+) {
+    let (free, jointed) = (0..first_jointed, first_jointed..contacts.len());
+    let mut sweep = |range: &Range<usize>, backwards: bool, presses_last: bool| {
+        in_colors(contacts, range.clone(), threads, (velocities, moving), backwards, |part, velocities| {
+            contact_kernels::sweep(part, velocities, backwards, presses_last);
+        });
+    };
+    if !backwards {
+        sweep(&free, false, presses_last);
+    }
+    for number in 0..JOINTED_SWEEPS {
+        sweep(&jointed, backwards != (number % 2 == 1), true);
+    }
+    if backwards {
+        sweep(&free, true, true);
+    }
+}
+
+/// Forms the masses of blocks anew of which the inertia of a body has been.
+pub(super) fn refresh_masses(
+    contacts: &mut ContactBlocks,
+    threads: &Workers,
+    velocities: &[BodyVelocity],
+    motions: &[BodyMotion],
+) {
+    side_by_side(contacts, threads, |BlockRange { part, .. }| {
+        for mut block in part.iter().filter(|whole| whole.block.is_refreshed(motions)) {
+            contact_kernels::set_masses(&mut block, velocities);
+        }
+    });
+}
+
+impl Batch {
+    /// Does the same to each body that is not moved in lanes, or only moved there.
+    pub(super) fn each_single(&mut self, threads: &Workers, work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync) {
+        self.each_listed(threads, |poses| &poses.singles, work);
+    }
+
+    /// Does the same to each body that is not moved in lanes.
+    pub(super) fn each_alone(&mut self, threads: &Workers, work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync) {
+        self.each_listed(threads, |poses| &poses.alone, work);
+    }
+
+    fn each_listed(
+        &mut self,
+        threads: &Workers,
+        list: impl Fn(&WideBodies) -> &[u32],
+        work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync,
+    ) {
+        let Self { poses, velocities, motions, .. } = self;
+        let mut rest = list(poses);
+        if rest.len() < SHARED_BODIES || !threads.has_team() {
+            rest.iter().for_each(|&slot| work(&mut velocities[slot as usize], &mut motions[slot as usize]));
+            return;
+        }
+        let piece = threads.piece(motions.len(), MIN_BODIES);
+        let pieces = velocities.chunks_mut(piece).zip(motions.chunks_mut(piece)).zip((0..).step_by(piece));
+        let pieces = pieces.map(|(bodies, first)| {
+            let own;
+            (own, rest) = rest.split_at(rest.partition_point(|&slot| (slot as usize) < first + piece));
+            (bodies, own, first)
+        });
+        threads.share(pieces, |((velocities, motions), own, first)| {
+            own.iter().map(|&slot| slot as usize - first).for_each(|place| work(&mut velocities[place], &mut motions[place]));
+        });
+    }
+
+    /// Moves bodies as they are pushed.
+    pub(super) fn displace(&mut self, threads: &Workers) {
+        let Self { pushes, motions, .. } = self;
+        let piece = if threads.has_team() { threads.piece(motions.len(), SHARED_BODIES) } else { motions.len() };
+        threads.share(pushes.chunks(piece).zip(motions.chunks_mut(piece)), |(pushes, motions)| {
+            pushes.iter().zip(motions).for_each(|(push, motion)| motion.displace(push.linear, push.angular));
+        });
+    }
+}

@@ -1,0 +1,151 @@
+//! Chooses the articulations of a batch that are solved directly, and gathers their records.
+
+use glam::{DMat3, DVec3, Mat3, Vec3};
+
+use super::BatchInput;
+use crate::collide::curvature::{normal_at, shape_operator, shape_operator_with_rims};
+use crate::settings::Solver;
+use crate::shape::Shape;
+use crate::solve::StepSettings;
+use crate::solve::batch::Batch;
+use crate::solve::direct::BatchRecords;
+use crate::solve::direct::history::History;
+use crate::solve::joint::{JointEntry, JointLink};
+use crate::solve::newton::{Contents, IslandRecords, Surfaces, Tangency};
+use crate::solve::state::WORLD_SLOT;
+use crate::workers::Workers;
+use crate::world::substep_multiplier::is_smooth;
+
+/// The records of what one batch has.
+struct Within<'a> {
+    world: &'a BatchInput<'a>,
+    /// Body of each slot.
+    bodies: &'a [u32],
+    manifolds: &'a [(u32, u32)],
+    /// By what carried multipliers grow, and how many substeps are taken at once.
+    scale: f32,
+    stride: f32,
+}
+
+impl BatchRecords for Within<'_> {
+    fn body(&self, slot: u32) -> (DVec3, History) {
+        let index = self.bodies[slot as usize];
+        let body = &self.world.bodies[index];
+        (self.world.unions.moving(index).map_or(body.center, |union| union.motion.center), body.history.get())
+    }
+
+    fn joint(&self, link: &JointLink) -> JointEntry {
+        self.world.joint_entry(link, self.scale, self.stride)
+    }
+
+    fn curvature(&self, contact: u32, of_b: bool) -> Option<([DMat3; 2], f64)> {
+        let (operators, reaches) = self.surfaces(contact, shape_operator)?;
+        Some((operators, reaches[usize::from(of_b)]))
+    }
+}
+
+impl IslandRecords for Within<'_> {
+    fn joint(&self, link: &JointLink) -> JointEntry {
+        self.world.joint_entry(link, self.scale, self.stride)
+    }
+
+    fn is_smooth(&self, contact: u32) -> bool {
+        let (a, b) = self.world.pairs.get(self.manifolds[contact as usize].0).key.shapes();
+        let is_round = |shape: u32| {
+            use crate::shape::Geometry::{Ball, Capsule, Cylinder, HalfSpace};
+            matches!(
+                self.world.colliders[shape].shape.geometry(),
+                Ball { .. } | Capsule { .. } | Cylinder { .. } | HalfSpace { .. }
+            )
+        };
+        is_round(a) && is_round(b)
+    }
+
+    fn surfaces(&self, contact: u32) -> Option<Surfaces> {
+        Within::surfaces(self, contact, shape_operator_with_rims)
+    }
+
+    fn tangency(&self, contact: u32) -> Tangency {
+        let (slot, manifold) = self.manifolds[contact as usize];
+        let pair = self.world.pairs.get(slot);
+        let manifold = pair.manifolds.get(manifold as usize);
+        let (a, b) = pair.key.shapes();
+        let [a, b] = [a, b].map(|shape| &self.world.colliders[shape]);
+        let [to_a, to_b] = [a, b].map(|collider| collider.place.1.as_dquat().normalize());
+        let along = to_a * manifold.normal.as_dvec3();
+        let seen_from_b = (to_b.conjugate() * -along).as_vec3();
+        std::array::from_fn(|i| {
+            let Some(point) = manifold.points.get(i) else { return (along, -along, DVec3::ZERO) };
+            let of_a = to_a * normal_at(&a.shape, point.on_a, manifold.normal).as_dvec3();
+            let of_b = to_b * normal_at(&b.shape, point.on_b, seen_from_b).as_dvec3();
+            let offset = b.place.0 - a.place.0 + to_b * point.on_b.as_dvec3() - to_a * point.on_a.as_dvec3();
+            (of_a, of_b, offset)
+        })
+    }
+}
+
+impl Within<'_> {
+    /// Surfaces of a contact, of which `operator` says how they bend.
+    fn surfaces(&self, contact: u32, operator: impl Fn(&Shape, Vec3, Vec3) -> Option<Mat3>) -> Option<Surfaces> {
+        let (slot, manifold) = self.manifolds[contact as usize];
+        let pair = self.world.pairs.get(slot);
+        let manifold = pair.manifolds.get(manifold as usize);
+        let (a, b) = pair.key.shapes();
+        let [a, b] = [a, b].map(|shape| &self.world.colliders[shape]);
+        let [to_a, to_b] = [a, b].map(|collider| Mat3::from_quat(collider.place.1));
+        let (point, along) = (&manifold.points[0], to_a * manifold.normal);
+        let of_a = operator(&a.shape, point.on_a, manifold.normal)?;
+        let other = operator(&b.shape, point.on_b, to_b.transpose() * -along)?;
+        let in_world = |to_world: Mat3, operator: Mat3| {
+            // In `f64`: what an edge bends by is a million times what other surfaces do.
+            let to_world = to_world.as_dmat3();
+            to_world * operator.as_dmat3() * to_world.transpose()
+        };
+        Some(([in_world(to_a, of_a), in_world(to_b, other)], [a.reach, b.reach].map(f64::from)))
+    }
+}
+
+impl BatchInput<'_> {
+    /// Moves what the direct solver can move by itself, and lays out rows for the rest.
+    pub(super) fn lay_out(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
+        let mut h = settings.dt / settings.substeps as f32;
+        let (scale, stride) = (self.scale_for(batch), batch.stride);
+        let first_replica = batch.moving() as u32 + 1;
+        let Batch { joints, direct, newton, islands, bodies, velocities, motions, body_flags, inputs, manifolds, .. } = batch;
+        let asks = |link: &JointLink| link.traits.solver == Solver::Direct;
+        let is_direct = self.solver != Solver::GaussSeidel || joints.links.iter().any(asks);
+        let grouped = if is_direct || self.some_are_fast { &joints.links[..] } else { &[] };
+        direct.group_slots(grouped, body_flags);
+        direct.solver = self.solver;
+        if !is_direct {
+            direct.clear();
+            newton.clear();
+        } else {
+            let is_swept = |slot: u32| {
+                let body = bodies[slot as usize];
+                slot != WORLD_SLOT && self.swept.get(body as usize).is_some_and(|&swept| swept)
+            };
+            if !self.swept.is_empty() {
+                joints.links.iter_mut().for_each(|link| link.is_withheld = is_swept(link.a) || is_swept(link.b));
+            }
+            let records = Within { world: self, bodies, manifolds, scale, stride };
+            let contents = Contents { islands, end: first_replica, velocities, motions, contacts: inputs };
+            newton.step(&mut joints.links, contents, &records, (self.joints, settings, threads));
+            direct.find_touching(inputs, motions);
+            direct.take(&mut joints.links, (velocities, motions), inputs, &records, threads);
+            direct.step(self.joints, velocities, motions, inputs, settings, threads);
+            let (direct, floor) = batch.direct_and_floor(threads);
+            direct.get_ready(floor, h);
+        }
+        self.write_entries(batch, threads);
+        let may_be_smooth = settings.articulations.error_target == 0.0;
+        let is_smooth = |&body: &u32| is_smooth(&self.bodies[body]);
+        let substeps = batch.refine_sheet(settings.substeps, |batch| may_be_smooth && batch.bodies[1..].iter().all(is_smooth));
+        h = settings.dt / substeps as f32;
+        batch.color_contacts();
+        let (scale, stride) = (self.scale_for(batch), batch.stride);
+        batch.set_contacts(threads, self.reach * (stride * stride), |coming, ends| self.contact_input(coming, ends, scale));
+        let Batch { joints, direct, coloring, velocities, motions, body_flags, .. } = batch;
+        joints.lay_out((self.joints, direct.left_over()), threads, coloring, (velocities, motions, body_flags), h, substeps);
+    }
+}

@@ -1,0 +1,260 @@
+//! Writes poses and velocities of bodies back, on all threads where there are many: each body has one slot.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use crate::body::{Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, SleepState, within_limit};
+use crate::collide::collider::Collider;
+use crate::id::{BodyId, Pool, ShapeId, Slot};
+use crate::joint_graph::union::UnionMotion;
+use crate::prefetch::{AHEAD, prefetch};
+use crate::settings::SleepSettings;
+use crate::solve::batch::Batch;
+use crate::solve::direct::history::History;
+use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
+use crate::solve::state::WORLD_SLOT;
+use crate::world::World;
+use crate::world::drift::is_slow;
+use crate::world::fast::Path;
+use crate::world::substep_multiplier::Smoothness;
+use crate::world::unions::{Anchor, Unions};
+
+/// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
+const ROTATION_TOLERANCE: f32 = 1.0e-3;
+
+/// Slots of a batch from which on all threads write its bodies back, and those that are worth another thread's while: some 5 µs.
+const SHARED_SLOTS: usize = 512;
+const MIN_SLOTS: usize = 128;
+
+/// What is noted of bodies as they are written back, for each piece of a batch.
+#[derive(Debug, Default)]
+pub(in crate::world) struct BodyNotes {
+    /// Bodies whose motion is no number.
+    broken: Vec<u32>,
+    /// Bodies that may have to be stopped on their paths.
+    paths: Vec<Path>,
+    /// Motions of unions, by a member.
+    unions: Vec<(u32, UnionMotion)>,
+    has_smooth_bodies: bool,
+}
+
+/// What the bodies of a batch are written back from.
+struct Moves<'a> {
+    number: usize,
+    batch: &'a Batch,
+    unions: &'a Unions,
+    /// Of bodies without joints and with joints.
+    calm_speeds: [f32; 2],
+    smoothness: Smoothness,
+    /// When bodies are quiet, where they may sleep or be held, and the length of the step (s).
+    sleep: Option<SleepSettings>,
+    dt: f32,
+    has_joints: bool,
+    may_stride: bool,
+    some_are_fast: bool,
+}
+
+/// Records that a thread writes, each body's by one of them.
+struct BodyRecords<'a> {
+    bodies: DisjointPart<'a, Slot<Body>>,
+    colliders: DisjointPart<'a, Slot<Collider>>,
+    /// Net force of contacts, by body.
+    forces: DisjointPart<'a, Vec3>,
+}
+
+impl BodyRecords<'_> {
+    fn body(&mut self, index: u32) -> Option<&mut Body> {
+        self.bodies.get_mut(index).value.as_mut()
+    }
+
+    /// Asks for the memory of the bodies that come next, and of their first shapes.
+    #[inline(always)]
+    fn ask_for_next(&self, coming: &[u32]) {
+        if let Some(&index) = coming.get(2 * AHEAD) {
+            prefetch(self.bodies.get(index));
+        }
+        if let Some(&id) = coming.get(AHEAD).and_then(|&index| self.bodies.get(index).value.as_ref()?.shapes.first()) {
+            prefetch(self.colliders.get(Pool::<Collider, ShapeId>::place_of(id)));
+        }
+    }
+
+    /// Has the shapes of a body follow it; how far they reach from its centre (m).
+    fn shapes_follow(&mut self, index: u32) -> f32 {
+        let Self { bodies, colliders, .. } = self;
+        let Some(body) = &bodies.get(index).value else { return 0.0 };
+        let mut reach = 0.0_f32;
+        for &id in &body.shapes {
+            if let Some(collider) = &mut colliders.get_mut(Pool::<Collider, ShapeId>::place_of(id)).value {
+                collider.follow(body);
+                reach = reach.max(collider.reach);
+            }
+        }
+        reach
+    }
+}
+
+impl World {
+    pub(super) fn store_bodies(&mut self, number: usize, dt: f32) {
+        let (calm_speeds, smoothness) = (self.calm_speeds(dt), self.smoothness(dt));
+        let sleep = Some(self.def.sleep).filter(|sleep| sleep.enabled || self.def.hold);
+        let Self {
+            batches,
+            bodies,
+            colliders,
+            joints,
+            unions,
+            index,
+            scratch,
+            has_smooth_bodies,
+            broken,
+            summaries,
+            threads,
+            ..
+        } = self;
+        let forces = index.forces_for(bodies.slot_count());
+        let batch = &batches[number];
+        let may_stride = batch.direct.sweeps_blocks() || batch.mesh.is_one();
+        let (has_joints, some_are_fast) = (joints.len() > 0, summaries.some_are_fast());
+        let moves = Moves { number, batch, unions, calm_speeds, smoothness, sleep, dt, has_joints, may_stride, some_are_fast };
+        let slots = batch.bodies.len();
+        let is_shared = slots >= SHARED_SLOTS && threads.has_team();
+        let piece = if is_shared { threads.piece(slots, MIN_SLOTS) } else { slots };
+        let pieces = slots.div_ceil(piece);
+        let noted = &mut scratch.noted;
+        noted.resize_with(pieces.max(noted.len()), BodyNotes::default);
+        let records =
+            (DisjointSlices::new(bodies.slots_mut()), DisjointSlices::new(colliders.slots_mut()), DisjointSlices::new(forces));
+        let write = |slots: Range<usize>, noted: &mut BodyNotes| {
+            // SAFETY: each body has one slot, which is in one piece, and each shape is on one body.
+            let (bodies, colliders, forces) = unsafe { (records.0.part(), records.1.part(), records.2.part()) };
+            let mut records = BodyRecords { bodies, colliders, forces };
+            for slot in slots.clone() {
+                // Not of bodies that another thread has.
+                records.ask_for_next(&batch.bodies[slot..slots.end]);
+                moves.write(slot, &mut records, noted);
+            }
+        };
+        if is_shared {
+            let ranges = (0..slots).step_by(piece).map(|first| first.max(1)..slots.min(first + piece));
+            threads.share(ranges.zip(&mut *noted), |(slots, noted)| write(slots, noted));
+        } else {
+            write(1..slots, &mut noted[0]);
+        }
+        for noted in &mut noted[..pieces] {
+            broken.append(&mut noted.broken);
+            scratch.sweeps.paths.append(&mut noted.paths);
+            *has_smooth_bodies |= std::mem::take(&mut noted.has_smooth_bodies);
+            for (member, motion) in noted.unions.drain(..) {
+                if let Some(union) = unions.of_mut(member).filter(|union| union.anchor == Anchor::Free) {
+                    union.motion = motion;
+                }
+            }
+        }
+        store_histories(batch, bodies);
+    }
+}
+
+impl Moves<'_> {
+    /// Writes back what has this slot: a body, or the members of a union.
+    fn write(&self, slot: usize, records: &mut BodyRecords<'_>, noted: &mut BodyNotes) {
+        let &Self { number, batch, unions, calm_speeds, has_joints, may_stride, some_are_fast, .. } = self;
+        let index = batch.bodies[slot];
+        let Some(lead) = records.body(index).filter(|body| body.is_free()) else { return };
+        let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
+        let union = unions.moving(index);
+        let members = union.map_or(std::slice::from_ref(&index), |union| &union.members);
+        let from = union.map_or(lead.center, |union| union.motion.center);
+        let to = UnionMotion {
+            center: from + motion.displacement.as_dvec3(),
+            rotation: motion.rotation,
+            linear: velocity.linear,
+            angular: velocity.angular,
+        };
+        let mut is_fast = false;
+        for &member in members {
+            if let Some(body) = records.body(member) {
+                (body.force, body.torque) = (Vec3::ZERO, Vec3::ZERO);
+                is_fast |= body.fast;
+            }
+            *records.forces.get_mut(member) = Vec3::ZERO;
+        }
+        let finite = motion.displacement.is_finite()
+            && (motion.rotation.length_squared() - 1.0).abs() < ROTATION_TOLERANCE
+            && velocity.linear.is_finite()
+            && velocity.angular.is_finite()
+            && to.center.abs().max_element() <= crate::check::MAX_COORDINATE;
+        if !finite {
+            noted.broken.extend_from_slice(members);
+            return;
+        }
+        // What is jointed to a fast body stops with it.
+        let is_swept = is_fast || (some_are_fast && batch.direct.is_jointed(slot as u32));
+        let steady = batch.momentum_pass.is_slow(slot);
+        for &member in members {
+            let Some(body) = records.body(member) else { continue };
+            if is_swept {
+                let group = (number as u32, batch.direct.group_of(slot as u32));
+                noted.paths.push(Path { group, body: member });
+            }
+            let own = match union {
+                Some(_) => unions.motion_of(member, &to),
+                None => to,
+            };
+            // Of what has no joints always: what is solved beside it makes no difference.
+            let may_be_smooth = if body.joints.is_empty() { has_joints } else { may_stride };
+            let before = may_be_smooth.then_some([body.linear_velocity, body.angular_velocity]);
+            self.note_drift(body, &own);
+            (body.center, body.rotation) = (own.center, own.rotation);
+            body.linear_velocity = within_limit(own.linear, MAX_LINEAR_SPEED);
+            body.angular_velocity = within_limit(own.angular, MAX_ANGULAR_SPEED);
+            body.history.forget();
+            body.age = body.age.saturating_add(1);
+            body.steady_for = if steady { body.steady_for.saturating_add(1) } else { 0 };
+            let reach = records.shapes_follow(member);
+            let Some(body) = records.body(member) else { continue };
+            let is_calm = own.linear.length() + own.angular.length() * reach < calm_speeds[usize::from(!body.joints.is_empty())];
+            body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
+            match before {
+                Some(before) => noted.has_smooth_bodies |= self.smoothness.count(body, before, reach) && may_stride,
+                None => body.smooth_for = 0,
+            }
+        }
+        if union.is_some() {
+            noted.unions.push((index, to));
+        }
+    }
+}
+
+impl Moves<'_> {
+    /// Has the drift of a quiet body follow its pose.
+    fn note_drift(&self, body: &mut Body, own: &UnionMotion) {
+        if !self.sleep.is_some_and(|limits| is_slow(&limits, own.linear, own.angular)) {
+            return;
+        }
+        if let SleepState::Awake { quiet_for, drift } = &mut body.sleep {
+            let poses = ((body.center, body.rotation), (own.center, own.rotation));
+            drift.follow(poses, self.dt, *quiet_for == 0.0);
+        }
+    }
+}
+
+/// Has bodies remember what a solver needs of them in the next step.
+fn store_histories(batch: &Batch, bodies: &mut Pool<Body, BodyId>) {
+    for (slot, lead) in batch.half_steps.told.iter().enumerate().filter_map(|(slot, lead)| Some((slot, (*lead)?))) {
+        bodies[batch.bodies[slot]].history.set(History::leading(lead));
+    }
+    for (slot, history) in batch.direct.histories() {
+        bodies[batch.bodies[slot as usize]].history.set(*history);
+    }
+    if batch.direct.sweeps_blocks() {
+        let swept_alone = batch.joints.entries.iter().flat_map(|entry| [entry.a, entry.b]);
+        let moved_alone = batch.direct.slots_moved_alone().chain(batch.newton.moved_slots());
+        for slot in moved_alone.chain(swept_alone).filter(|&slot| slot != WORLD_SLOT) {
+            bodies[batch.bodies[slot as usize]].smooth_for = 0;
+        }
+    }
+    for (slot, steps) in batch.direct.swept_steps() {
+        bodies[batch.bodies[slot as usize]].history.set_swept_steps(steps);
+    }
+}
