@@ -87,16 +87,30 @@ impl Batch {
     pub(crate) fn solve(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, settings: &StepSettings) {
         let h = settings.dt / settings.substeps as f32;
         if self.is_done() {
-            // What it says of the bodies is stored with them, and asked of those without joints.
-            match self.motions[1..].iter().all(|motion| motion.jointed) {
-                true => self.momentum_pass.clear(),
-                false => self.prepare_momentum_pass(threads, settings.gravity, h),
-            }
-            (0..settings.substeps).for_each(|_| self.add_to_tally());
-            self.penetration = self.direct.penetration().max(self.newton.penetration()) as f32;
-            self.joint_gap = self.direct.joint_gap(joints, &self.motions, threads).max(self.newton.joint_gap(joints));
+            self.report_unswept(joints, threads, settings, h);
             return;
         }
+        self.begin_step(threads, settings, h);
+        for substep in 0..settings.substeps {
+            self.take_substep(joints, threads, settings, h, substep);
+        }
+        self.end_step(joints, threads, settings, h);
+    }
+
+    /// What a batch reports whose bodies have all been moved by direct solves.
+    fn report_unswept(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, settings: &StepSettings, h: f32) {
+        // What it says of the bodies is stored with them, and asked of those without joints.
+        match self.motions[1..].iter().all(|motion| motion.jointed) {
+            true => self.momentum_pass.clear(),
+            false => self.prepare_momentum_pass(threads, settings.gravity, h),
+        }
+        (0..settings.substeps).for_each(|_| self.add_to_tally());
+        self.penetration = self.direct.penetration().max(self.newton.penetration()) as f32;
+        self.joint_gap = self.direct.joint_gap(joints, &self.motions, threads).max(self.newton.joint_gap(joints));
+    }
+
+    /// Prepares whatever acts on the bodies of the batch, for all substeps.
+    fn begin_step(&mut self, threads: &Workers, settings: &StepSettings, h: f32) {
         self.start_contacts(threads, settings.gravity, h);
         self.prepare_momentum_pass(threads, settings.gravity, h);
         self.prepare_exact(settings.gravity, h);
@@ -108,49 +122,55 @@ impl Batch {
         self.find_sheet(threads);
         self.prepare_carry();
         self.impacts.prepare(&self.contacts);
-        for substep in 0..settings.substeps {
-            let is_last = substep + 1 == settings.substeps;
-            self.joints.left = h * (settings.substeps - substep) as f32;
-            self.half_steps.begin_substep(&self.velocities, substep, settings.substeps);
-            self.apply_forces(joints, threads, h, substep, settings.substeps);
-            self.joint_energy.note(threads, &self.velocities, &self.poses);
-            self.note_impacts();
-            self.prepare_joints(joints, threads, h, false, true);
-            let is_weighed = self.mesh.is_one() && self.solve_sheet(threads, h);
-            if !self.mesh.is_one() {
-                self.sweep_all(joints, threads, h, settings.iterations, substep);
-            }
-            self.restrain(threads, is_weighed);
-            self.dissipate(threads, settings.iterations);
-            if substep == 0 {
-                self.half_steps.halve_start(self.joint_energy.slots(), &mut self.velocities);
-            }
-            self.joints.end_substep(threads);
-            self.bounds.add_loads();
-            self.wraps.add_loads();
-            self.taut.add_loads();
-            if is_last {
-                self.planes.fit_velocities(&mut self.velocities, &self.motions, &self.poses, h);
-            }
-            self.find_impacts(settings.restitution_threshold);
-            self.advance(threads, h);
-            self.joints.left -= h;
-            self.wraps.project(&self.velocities, &mut self.motions);
-            self.bounds.project(&self.velocities, &mut self.motions, h);
-            self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
-            if self.mesh.is_one() {
-                self.push_sheet(threads);
-            } else {
-                self.joints.project(joints, threads, &mut self.velocities, &mut self.motions, h);
-            }
-            if is_last {
-                self.flatten();
-            }
-            self.settle(joints, threads, false);
-            if !is_last {
-                self.rebound(settings.restitution_threshold);
-            }
+    }
+
+    /// One substep: forces, rows, sweeps, poses, position rows, impacts.
+    fn take_substep(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, settings: &StepSettings, h: f32, substep: u32) {
+        let is_last = substep + 1 == settings.substeps;
+        self.joints.left = h * (settings.substeps - substep) as f32;
+        self.half_steps.begin_substep(&self.velocities, substep, settings.substeps);
+        self.apply_forces(joints, threads, h, substep, settings.substeps);
+        self.joint_energy.note(threads, &self.velocities, &self.poses);
+        self.note_impacts();
+        self.prepare_joints(joints, threads, h, false, true);
+        let is_weighed = self.mesh.is_one() && self.solve_sheet(threads, h);
+        if !self.mesh.is_one() {
+            self.sweep_all(joints, threads, h, settings.iterations, substep);
         }
+        self.restrain(threads, is_weighed);
+        self.dissipate(threads, settings.iterations);
+        if substep == 0 {
+            self.half_steps.halve_start(self.joint_energy.slots(), &mut self.velocities);
+        }
+        self.joints.end_substep(threads);
+        self.bounds.add_loads();
+        self.wraps.add_loads();
+        self.taut.add_loads();
+        if is_last {
+            self.planes.fit_velocities(&mut self.velocities, &self.motions, &self.poses, h);
+        }
+        self.find_impacts(settings.restitution_threshold);
+        self.advance(threads, h);
+        self.joints.left -= h;
+        self.wraps.project(&self.velocities, &mut self.motions);
+        self.bounds.project(&self.velocities, &mut self.motions, h);
+        self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
+        if self.mesh.is_one() {
+            self.push_sheet(threads);
+        } else {
+            self.joints.project(joints, threads, &mut self.velocities, &mut self.motions, h);
+        }
+        if is_last {
+            self.flatten();
+        }
+        self.settle(joints, threads, false);
+        if !is_last {
+            self.rebound(settings.restitution_threshold);
+        }
+    }
+
+    /// Closes joints, recovers positions, and reads out multipliers and residuals.
+    fn end_step(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, settings: &StepSettings, h: f32) {
         if self.mesh.is_one() {
             self.joints.end_course(threads);
         } else {

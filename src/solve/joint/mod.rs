@@ -21,6 +21,7 @@ pub(crate) mod geometry;
 mod hinge;
 pub(crate) mod kinds;
 mod lanes;
+mod layout;
 mod link;
 pub(crate) mod motor;
 mod prismatic;
@@ -35,30 +36,22 @@ mod sweep;
 use domains::Strips;
 pub(crate) use domains::may_be_cut;
 use geometry::{Placement, WorldFrame};
+use lanes::JointLanes;
 pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lanes};
-use lanes::{Holds, JointLanes};
 pub(crate) use link::{JointLink, JointTraits};
 use singles::Singles;
 
-use super::body_flags::BodyFlags;
-use super::color::{Coloring, MAX_COLORS};
-use super::contact::LANES;
 use super::disjoint::DisjointSlices;
 use super::integrate::PredictedPose;
-use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
+use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
-use crate::joint::{Joint, JointImpulses, JointKind, Softness};
+use crate::joint::{Joint, JointImpulses, JointKind};
 use crate::joint_drive::DriveRates;
 use crate::joint_rebounds::Rebounds;
 use crate::workers::Workers;
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.
 const IMPLICIT_RANGE: (f32, f32) = (0.5, 2.0);
-
-/// What joints of one colour may hold, none of it in lanes among that; and groups by colour and that, the last for no colour. Each has
-/// a part for every strip, and one for what is in none.
-const KINDS: usize = 1 + Holds::ALL.len();
-const GROUPS: usize = KINDS * (MAX_COLORS + 1);
 
 /// Way of an angle in a step from which on it is read off the rotation again (rad).
 const MAX_SUMMED: f64 = 0.5;
@@ -156,112 +149,6 @@ pub(crate) struct MovingBodies<'a> {
 }
 
 impl BatchJoints {
-    /// Lays out rows of the joints in the order of their colours, for a step of `substeps` of length `h`; joints of one colour share no
-    /// moving body. `left` are what the entries were made from, where those are not all.
-    pub(crate) fn lay_out(
-        &mut self,
-        (joints, left): (&Pool<Joint, JointId>, Option<&[JointLink]>),
-        threads: &Workers,
-        coloring: &mut Coloring,
-        (velocities, motions, body_flags): (&[BodyVelocity], &[BodyMotion], &[BodyFlags]),
-        h: f32,
-        substeps: u32,
-    ) {
-        let dt = h * substeps as f32;
-        let Self { links, entries, domains, lanes, singles, visits, parts, places, left_over, order, .. } = self;
-        let links = left.unwrap_or(links);
-        domains.cut(links, motions.len());
-        lanes.clear(WORLD_SLOT);
-        singles.clear();
-        visits.clear();
-        parts.clear();
-        if entries.is_empty() {
-            return;
-        }
-        coloring.reset(motions.len());
-        let parts_each = domains.len() + 1;
-        places.clear();
-        places.resize(GROUPS * parts_each + 1, 0);
-        for (number, link) in links.iter().enumerate() {
-            let end = |slot: u32| (slot, body_flags[slot as usize].moves());
-            let color = coloring.assign(end(link.a), end(link.b));
-            let holds = color.filter(|_| !link.traits.has_friction).and_then(|_| {
-                // What most joints of a net are, said without a look at their records.
-                if link.traits.is_plain {
-                    return Some(Holds::Points);
-                }
-                if joints[link.joint].drive.is_some() {
-                    return None;
-                }
-                let kind = &joints[link.joint].def.kind;
-                let always = Holds::of(kind, u32::from(link.traits.most_rows), false);
-                let is_free = || reach::stops_are_out_of_reach(&entries[number], kind, velocities, motions, dt);
-                always.or_else(|| if is_free() { Holds::of(kind, u32::from(link.traits.most_rows), true) } else { None })
-            });
-            let group = color.unwrap_or(MAX_COLORS as u32) as usize * KINDS + holds.map_or(0, |holds| 1 + holds as usize);
-            let strip = holds.and_then(|_| domains.strip_of(link)).unwrap_or(domains.len());
-            let part = group * parts_each + strip;
-            parts.push(part as u32);
-            places[part + 1] += 1;
-        }
-        for part in 0..GROUPS * parts_each {
-            places[part + 1] += places[part];
-        }
-        order.resize(entries.len(), 0);
-        for (number, &part) in parts.iter().enumerate() {
-            let place = &mut places[part as usize];
-            order[*place as usize] = number as u32;
-            *place += 1;
-        }
-        // Each part begins where the one before ends by now.
-        let part = |number: usize| if number == 0 { 0 } else { places[number - 1] as usize }..places[number] as usize;
-        let holds_of = |group: usize| (group % KINDS).checked_sub(1).map(|holds| Holds::ALL[holds]);
-        let of_number = |&number: &u32| {
-            let entry = &entries[number as usize];
-            if entry.is_plain {
-                return (number, entry, [Softness::RIGID; 2]);
-            }
-            let def = &joints[entry.joint].def;
-            (number, entry, [def.linear, def.angular])
-        };
-        // Blocks of a strip are full; what is left over of them is solved with what is between strips.
-        let full = |own: &[u32], group: usize| if holds_of(group).is_some() { own.len() - own.len() % LANES } else { 0 };
-        threads.share(domains.all_mut().iter_mut().enumerate(), |(number, strip)| {
-            for group in 0..GROUPS {
-                let own = &order[part(group * parts_each + number)];
-                let own = &own[..full(own, group)];
-                if let Some(holds) = holds_of(group).filter(|_| !own.is_empty()) {
-                    let first_block = strip.lanes.len();
-                    strip.lanes.add(own.iter().map(of_number), holds, h);
-                    strip.visits.push(first_block..strip.lanes.len());
-                }
-            }
-        });
-        for group in 0..GROUPS {
-            let parts = group * parts_each..(group + 1) * parts_each;
-            if part(parts.start).start == part(parts.end - 1).end {
-                continue;
-            }
-            left_over.clear();
-            for own in parts.clone().take(domains.len()).map(|number| &order[part(number)]) {
-                left_over.extend_from_slice(&own[full(own, group)..]);
-            }
-            let between = &order[part(parts.end - 1)];
-            let rest = if left_over.is_empty() {
-                between
-            } else {
-                left_over.extend_from_slice(between);
-                &*left_over
-            };
-            let (blocks, first_single) = (lanes.len(), singles.len());
-            match holds_of(group) {
-                Some(holds) => lanes.add(rest.iter().map(of_number), holds, h),
-                None => singles.add(rest),
-            }
-            visits.push(Visit { blocks: blocks..lanes.len(), singles: first_single..singles.len() });
-        }
-    }
-
     /// Builds this substep's rows at the poses that `predicted_poses` predict from the velocities of now; multipliers go on from where they are.
     ///
     /// Done once more before the last sweep (`again`), so that the rows hold to second order at the poses that the substep ends in:
