@@ -14,7 +14,7 @@ use crate::collide::pairs::WorldManifold;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint::Joint;
 use crate::joint_graph::Derived;
-use crate::joint_graph::plane::{Chain, Member};
+use crate::joint_graph::plane::Chain;
 use crate::joint_graph::union::UnionMotion;
 use crate::long_range::LongRangeDef;
 use crate::material::PairMaterial;
@@ -24,7 +24,6 @@ use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, ContactEnds, JointEnd, REPLICA};
 use crate::solve::contact::ContactInput;
 use crate::solve::distance_bound::BoundEntry;
-use crate::solve::plane::{PlaneEntry, PlaneHold, PlaneMember};
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::taut_line::TautEntry;
 use crate::tight_vec::make_room;
@@ -33,6 +32,7 @@ use crate::world::support::told_by;
 
 mod direct;
 mod joints;
+mod planes;
 mod wrap;
 
 /// Relative difference of principal moments below which a body is taken as round.
@@ -418,40 +418,6 @@ impl BatchInput<'_> {
         let way = OUTPACED * dt * (2.0 * (pace.speed + pace.acceleration * dt) + pace.spin * levers);
         let lower_is_far = bound.lower <= 0.0 || distance - way > bound.lower;
         lower_is_far && distance + way < bound.upper
-    }
-
-    fn fill_planes(&self, batch: &mut Batch) {
-        batch.planes.parts = (self.long_range.plane_position, self.long_range.plane_axis);
-        for number in 0..batch.chains.len() {
-            let chain = &self.chains[batch.chains[number] as usize];
-            // What a direct solve has moved is flat already.
-            let is_solved = |member: &Member| batch.motions[self.place[member.body as usize].1 as usize].direct;
-            if chain.members.iter().all(is_solved) {
-                continue;
-            }
-            let first = batch.planes.members.len() as u32;
-            let mut reference = None;
-            for member in &chain.members {
-                let end = self.joint_end(batch, member.end.0, member.end.1 as usize);
-                let origin = end.origin - *reference.get_or_insert(end.origin);
-                let (velocity, motion) = (&batch.velocities[end.slot as usize], &batch.motions[end.slot as usize]);
-                let (mass, across) = PlaneMember::weigh(velocity, motion, member.axis);
-                let &Member { axis, height, .. } = member;
-                batch.planes.members.push(PlaneMember { slot: end.slot, axis, height, origin, mass, across });
-            }
-            let hold = chain.anchor.map(|anchor| {
-                let end = self.joint_end(batch, anchor.end.0, anchor.end.1 as usize);
-                PlaneHold {
-                    slot: end.slot,
-                    origin: end.origin - reference.unwrap_or(end.origin),
-                    lever: end.lever,
-                    axis: end.frame * Vec3::X * anchor.sign,
-                    height: anchor.height,
-                }
-            });
-            let members = (first, batch.planes.members.len() as u32);
-            batch.planes.entries.push(PlaneEntry { members, hold, size: chain.size });
-        }
     }
 
     fn find_free_islands(&self, batch: &mut Batch) {

@@ -73,7 +73,7 @@ pub(super) fn rows(
     if tension * bodies.map(lightness).iter().sum::<f64>() <= NEGLIGIBLE * length || length <= MIN_LENGTH {
         return None;
     }
-    let (u, v) = super::system::across(placement.gap / length);
+    let (u, v) = crate::solve::joint::rows::across(placement.gap / length);
     Some([u, v].map(|axis| {
         let jacobian =
             Jacobian { linear: axis, angular_a: placement.a.lever.cross(axis), angular_b: placement.b.lever.cross(axis) };

@@ -137,12 +137,12 @@ impl System {
     ) {
         let first = self.rows.len() as u32;
         if let Some(block) = point {
-            let mut axes = axes_of(block.held);
+            let mut axes = block.held.axes();
             let mut all = [repeats; 3];
             if repeats == Redundancy::InLine {
                 all = [Redundancy::Often; 3];
                 if let Some(rows::BlockRow { held: HeldDirections::Across(axis), .. }) = direction {
-                    let (u, v) = across(*axis);
+                    let (u, v) = rows::across(*axis);
                     (axes, all) = (([u, v, *axis], 3), [Redundancy::InLine, Redundancy::InLine, Redundancy::Often]);
                 }
             }
@@ -152,7 +152,7 @@ impl System {
             });
         }
         if let Some(block) = direction {
-            self.add_block(block, axes_of(block.held), [Redundancy::Often; 3], |axis| {
+            self.add_block(block, block.held.axes(), [Redundancy::Often; 3], |axis| {
                 (rows::Jacobian::angular(axis), Origin::Direction)
             });
         }
@@ -486,21 +486,4 @@ impl Equations for FreeRows<'_> {
     fn add_impulses(&mut self, factor: &BlockFactor, increments: &[Lanes], share: f64) {
         packed_rows::add_impulses(self.packed_rows, increments, share, self.nodes, factor, self.bodies, self.rates);
     }
-}
-
-/// Unit vectors that span what a block holds, and how many.
-fn axes_of(held: HeldDirections) -> ([DVec3; 3], usize) {
-    match held {
-        HeldDirections::All => (DVec3::AXES, 3),
-        HeldDirections::Across(axis) => {
-            let (u, v) = across(axis);
-            ([u, v, DVec3::ZERO], 2)
-        }
-    }
-}
-
-/// Two unit vectors orthogonal to `axis` and to each other.
-pub(super) fn across(axis: DVec3) -> (DVec3, DVec3) {
-    let u = axis.any_orthonormal_vector();
-    (u, axis.cross(u))
 }

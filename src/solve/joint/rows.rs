@@ -164,6 +164,25 @@ pub(crate) enum HeldDirections {
 }
 
 impl HeldDirections {
+    /// Unit vectors that span them, and how many there are.
+    pub(crate) fn axes(self) -> ([DVec3; 3], usize) {
+        match self {
+            Self::All => (DVec3::AXES, 3),
+            Self::Across(axis) => {
+                let (u, v) = across(axis);
+                ([u, v, DVec3::ZERO], 2)
+            }
+        }
+    }
+}
+
+/// Two unit vectors orthogonal to `axis` and to each other.
+pub(crate) fn across(axis: DVec3) -> (DVec3, DVec3) {
+    let u = axis.any_orthonormal_vector();
+    (u, axis.cross(u))
+}
+
+impl HeldDirections {
     fn project(self, v: DVec3) -> DVec3 {
         match self {
             Self::All => v,

@@ -152,7 +152,7 @@ impl Sink<'_> {
         let mut link = JointBlock::new(moved);
         if let Some(block) = point {
             rows.holds_points = matches!(block.held, HeldDirections::All);
-            let (axes, count) = axes_of(block.held);
+            let (axes, count) = block.held.axes();
             for axis in &axes[..count] {
                 let jacobian = [0, 1].map(|side| row(side, *axis, block.levers[side]));
                 let source = Source { place: MultiplierSlot::Point, linear: *axis, angular: block.levers[1].cross(*axis) };
@@ -160,7 +160,7 @@ impl Sink<'_> {
             }
         }
         if let Some(block) = direction {
-            let (axes, count) = axes_of(block.held);
+            let (axes, count) = block.held.axes();
             for axis in &axes[..count] {
                 let jacobian = [0, 1].map(|side| turning_row(side, *axis));
                 let source = Source { place: MultiplierSlot::Direction, linear: DVec3::ZERO, angular: *axis };
@@ -213,15 +213,4 @@ fn push_row(link: &mut JointBlock, jacobian: [[f64; 6]; 2], bias: f64, give: f64
     (link.bias[number], link.give[number]) = (bias, give);
     link.impulse[number] = impulse;
     link.rows += 1;
-}
-
-/// Unit vectors that span what a block holds, and how many.
-fn axes_of(held: HeldDirections) -> ([DVec3; 3], usize) {
-    match held {
-        HeldDirections::All => (DVec3::AXES, 3),
-        HeldDirections::Across(axis) => {
-            let u = axis.any_orthonormal_vector();
-            ([u, axis.cross(u), DVec3::ZERO], 2)
-        }
-    }
 }
