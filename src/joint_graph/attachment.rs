@@ -13,9 +13,9 @@ use std::collections::BinaryHeap;
 
 use super::bounds::{AngleRange, ChainReach};
 use super::graph::JointGraph;
+use super::joint_part::JointPart;
 use super::load::NodeId;
 use super::load_class::LoadClass;
-use super::part::JointPart;
 use super::{Bound, BoundKind, InnerJoint, JointSide};
 
 /// Attachments that a joint keeps bounds to, the nearest.

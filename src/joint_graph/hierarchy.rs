@@ -18,9 +18,9 @@ use std::collections::BinaryHeap;
 
 use super::bounds::{AngleRange, ChainReach};
 use super::graph::JointGraph;
+use super::joint_part::JointPart;
 use super::load::{LoadPaths, NodeId};
 use super::load_class::LoadClass;
-use super::part::JointPart;
 use super::{Bound, BoundKind, InnerJoint, JointSide};
 use crate::tuning::bounds::{LONG_EDGE, LONG_LINE, MIN_SPAN, MIN_SPAN_OF_BENT};
 

@@ -26,6 +26,7 @@ pub(crate) mod attachment;
 pub(crate) mod bounds;
 pub(crate) mod graph;
 pub(crate) mod hierarchy;
+mod joint_part;
 pub(crate) mod load;
 pub(crate) mod load_class;
 pub(crate) mod mesh;

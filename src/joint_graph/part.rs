@@ -5,6 +5,7 @@
 //! was edited has the same bounds, bit for bit and in the same order, as one that is derived anew.
 
 use super::graph::{JointGraph, PointLink};
+use super::joint_part::JointPart;
 use super::load::LoadPaths;
 use super::{Bound, Choice, InnerJoint, JointSide, attachment, hierarchy, load_class, mesh, soft};
 use crate::island::UnionFind;
@@ -87,19 +88,6 @@ impl BoundInput {
         }
         parts
     }
-}
-
-/// What is derived of one part. Links are numbers in `joints`.
-#[derive(Debug, Default)]
-pub(crate) struct JointPart {
-    /// Slots of its joints and of its bodies, in order.
-    pub joints: Vec<u32>,
-    pub bodies: Vec<u32>,
-    pub graph: JointGraph,
-    pub bounds: Vec<Bound>,
-    /// Joints on the paths of bounds.
-    pub inner: Vec<InnerJoint>,
-    pub paths: LoadPaths,
 }
 
 impl JointPart {

@@ -8,8 +8,8 @@ use std::collections::BinaryHeap;
 
 use super::bounds::{AngleRange, ChainReach};
 use super::graph::JointGraph;
+use super::joint_part::JointPart;
 use super::load::NodeId;
-use super::part::JointPart;
 use super::{Bound, BoundKind, JointSide};
 
 /// What the host asked for.

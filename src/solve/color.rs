@@ -3,6 +3,8 @@
 //! Greedy, in the order the constraints come: each takes the lowest colour that neither of its bodies has yet. The colours of
 //! an island do not depend on anything outside it.
 
+use std::ops::Range;
+
 /// Number of colours; what finds none free is solved alone, after the rest.
 pub(crate) const MAX_COLORS: usize = 64;
 
@@ -66,4 +68,16 @@ mod tests {
         let colored = (2..100).filter(|&b| coloring.assign((1, true), (b, true)).is_some()).count();
         assert_eq!(colored, MAX_COLORS);
     }
+}
+
+/// Blocks that follow one another and share no moving body; or, where they may, are gone through one by one.
+#[derive(Debug, Clone)]
+pub(crate) struct ColorRange {
+    pub blocks: Range<usize>,
+    /// The first of those with manifolds of one point. Up to it, and from it on, blocks are in the order of their bodies, where there are
+    /// cuts.
+    pub points: usize,
+    /// Which of the cuts are for it.
+    pub round: usize,
+    pub is_one: bool,
 }

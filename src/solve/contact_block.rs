@@ -14,8 +14,8 @@ use std::ops::Range;
 
 use glam::Vec3;
 
+use super::color::ColorRange;
 use super::contact::{ContactImpulses, ContactInput, LANES, Lane, Lane3, POINTS, tangents};
-use super::contact_partition::ColorRange;
 use super::state::BodyMotion;
 use crate::prefetch::prefetch;
 use crate::tight_vec::{make_room, resize};

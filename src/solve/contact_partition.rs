@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use smallvec::{SmallVec, smallvec};
 
+use super::color::ColorRange;
 use super::contact_block::{BlockView, ContactBlock, ContactBlocks, MaterialRows, MultiPointRows, NONE};
 use super::disjoint::{DisjointPart, DisjointSlices, Slots};
 use crate::prefetch::prefetch;
@@ -38,24 +39,6 @@ const MIN_CUT: usize = 16;
 const FAR_BLOCKS: usize = 2048;
 const BLOCKS_AHEAD: usize = 2;
 
-/// Blocks that follow one another and share no moving body; or, where they may, are gone through one by one.
-#[derive(Debug, Clone)]
-pub(crate) struct ColorRange {
-    pub blocks: Range<usize>,
-    /// The first of those with manifolds of one point. Up to it, and from it on, blocks are in the order of their bodies, where there are
-    /// cuts.
-    pub points: usize,
-    /// Which of the cuts are for it.
-    pub round: usize,
-    pub is_one: bool,
-}
-
-impl ColorRange {
-    fn is_worth_cutting(&self) -> bool {
-        self.is_one && self.blocks.len() >= MIN_CUT
-    }
-}
-
 impl ContactBlocks {
     /// Says of the next blocks, if there are any, that they share no moving body, or may; those without faces are of the colour
     /// before.
@@ -75,7 +58,7 @@ impl ContactBlocks {
         let Self { blocks, faces, extras, colors, cuts, firsts } = self;
         let mut ends = SmallVec::<[usize; 128]>::new();
         let colors = || colors.iter().filter(|color| range.contains(&color.blocks.start));
-        for color in colors().filter(|color| color.is_worth_cutting()) {
+        for color in colors().filter(|color| is_worth_cutting(color)) {
             for run in [color.blocks.start..color.points, color.points..color.blocks.end] {
                 let end = |place: usize| match cuts.get(color.round * CUTS + place * CUTS / places) {
                     Some(&cut) => firsts[run.clone()].partition_point(|&first| first < cut),
@@ -97,7 +80,7 @@ impl ContactBlocks {
         };
         let (mut phase, mut was_cut) = (0, true);
         for color in colors() {
-            let is_cut = color.is_worth_cutting();
+            let is_cut = is_worth_cutting(color);
             phase += u32::from(is_cut || was_cut);
             if is_cut {
                 let own = pieces.len();
@@ -337,4 +320,9 @@ mod tests {
         assert_eq!((blocks.len(), blocks.blocks[0].face, blocks.blocks[1].face), (2, 0, NONE));
         assert_eq!((blocks.blocks[1].a, blocks.blocks[1].count), ([0; 8], [0; 8]));
     }
+}
+
+/// Whether a colour is large enough to be cut for several threads.
+fn is_worth_cutting(color: &ColorRange) -> bool {
+    color.is_one && color.blocks.len() >= MIN_CUT
 }

@@ -4,12 +4,9 @@ use super::World;
 use super::drift::{WATCHED_AGAIN, quiet_after};
 use super::wake::Edited;
 use crate::body::{BodyKind, SleepState};
-use crate::collide::broad::still_near;
 use crate::collide::cache::Fate;
-use crate::collide::collider::Collider;
-use crate::collide::pairs::PairKey;
 use crate::error::{Error, ErrorKind, Result};
-use crate::id::{BodyId, Pool, ShapeId};
+use crate::id::BodyId;
 use crate::island::SleepingIsland;
 
 impl World {
@@ -193,12 +190,4 @@ impl World {
         }
         self.movers_sorted = false;
     }
-}
-
-/// Whether a pair that a sleeping island kept still is one: what is kinematic may have moved away from what sleeps beside it, or be
-/// gone.
-pub(super) fn is_whole(colliders: &Pool<Collider, ShapeId>, key: PairKey) -> bool {
-    let (a, b) = key.shapes();
-    let Some((a, b)) = colliders.get(a).zip(colliders.get(b)) else { return false };
-    still_near(&a.fat_box, &b.fat_box)
 }

@@ -5,9 +5,11 @@
 //! them rest on it: an edit of it wakes all that is jointed to it or near it, with their islands, and goes no further.
 
 use super::World;
-use super::sleep::is_whole;
 use crate::body::{Anchored, BodyKind, SleepState};
-use crate::id::ShapeId;
+use crate::collide::broad::still_near;
+use crate::collide::collider::Collider;
+use crate::collide::pairs::PairKey;
+use crate::id::{Pool, ShapeId};
 
 /// What an edit changes.
 #[derive(Debug, Clone, Copy)]
@@ -175,4 +177,12 @@ impl World {
             self.touches.outdate();
         }
     }
+}
+
+/// Whether a pair that a sleeping island kept still is one: what is kinematic may have moved away from what sleeps beside it, or be
+/// gone.
+pub(super) fn is_whole(colliders: &Pool<Collider, ShapeId>, key: PairKey) -> bool {
+    let (a, b) = key.shapes();
+    let Some((a, b)) = colliders.get(a).zip(colliders.get(b)) else { return false };
+    still_near(&a.fat_box, &b.fat_box)
 }

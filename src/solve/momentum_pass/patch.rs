@@ -1,5 +1,7 @@
 //! The support patch of a body in the pass: the manifolds and points that it stands on.
 
+use std::ops::{Add, Sub};
+
 use std::ops::Range;
 
 use glam::{DVec3, Vec3};
@@ -7,8 +9,42 @@ use glam::{DVec3, Vec3};
 use super::super::contact::{LANES, tangents};
 use super::super::contact_block::{ContactBlock, ContactBlocks};
 use super::super::state::BodyVelocity;
-use super::stack::Impulse;
 use crate::load_distribution::BoundedPoint;
+
+/// Momentum (N·s) and angular momentum about the centre of mass of the body that it is handed to (N·m·s).
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Impulse {
+    pub linear: DVec3,
+    pub angular: DVec3,
+}
+
+impl Add for Impulse {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self { linear: self.linear + other.linear, angular: self.angular + other.angular }
+    }
+}
+
+impl Sub for Impulse {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self { linear: self.linear - other.linear, angular: self.angular - other.angular }
+    }
+}
+
+impl Impulse {
+    /// A force's, by its lever.
+    pub(super) fn at(lever: Vec3, push: DVec3) -> Self {
+        Self { linear: push, angular: lever.as_dvec3().cross(push) }
+    }
+
+    /// Its power at a velocity (J).
+    pub(super) fn power(&self, linear: Vec3, angular: Vec3) -> f64 {
+        self.linear.dot(linear.as_dvec3()) + self.angular.dot(angular.as_dvec3())
+    }
+}
 
 /// A manifold through which `upper` stands on `lower`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

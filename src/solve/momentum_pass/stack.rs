@@ -1,6 +1,6 @@
 //! The part of a stack that one thread handles: bodies with the manifolds and points that they stand on.
 
-use std::ops::{Add, Range, Sub};
+use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
@@ -10,7 +10,7 @@ use super::super::contact_block::ContactBlocks;
 use super::super::disjoint::{DisjointPart, DisjointSlices, Slots};
 use super::super::state::{BodyMotion, BodyVelocity};
 use super::changes::LaneChanges;
-use super::patch::{BalanceRows, PatchPoint, SupportPatch};
+use super::patch::{BalanceRows, Impulse, PatchPoint, SupportPatch};
 use crate::load_distribution::{BoundedPoint, adjust};
 
 /// Place of a body that the pass does not move: it is fixed or kinematic.
@@ -18,41 +18,6 @@ pub(super) const NO_PLACE: u32 = u32::MAX;
 
 /// Share of what a body asks of its points that they may leave undone for it to be balanced on them.
 const UNBALANCED_SHARE: f64 = 0.1;
-
-/// Momentum (N·s) and angular momentum about the centre of mass of the body that it is handed to (N·m·s).
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Impulse {
-    pub linear: DVec3,
-    pub angular: DVec3,
-}
-
-impl Add for Impulse {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self { linear: self.linear + other.linear, angular: self.angular + other.angular }
-    }
-}
-
-impl Sub for Impulse {
-    type Output = Self;
-
-    fn sub(self, other: Self) -> Self {
-        Self { linear: self.linear - other.linear, angular: self.angular - other.angular }
-    }
-}
-
-impl Impulse {
-    /// A force's, by its lever.
-    fn at(lever: Vec3, push: DVec3) -> Self {
-        Self { linear: push, angular: lever.as_dvec3().cross(push) }
-    }
-
-    /// Its power at a velocity (J).
-    fn power(&self, linear: Vec3, angular: Vec3) -> f64 {
-        self.linear.dot(linear.as_dvec3()) + self.angular.dot(angular.as_dvec3())
-    }
-}
 
 /// A body that stands on others, or on which others stand.
 #[derive(Debug, Clone, Copy, Default)]
