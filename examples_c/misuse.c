@@ -425,6 +425,7 @@ static void sizes(LsWorld world)
     expect(LS_ERROR_NULL_ARGUMENT, ls_world_bodies_get(world, NULL, 1, &count), "room at NULL");
     expect(LS_ERROR_NULL_ARGUMENT, ls_world_bodies_get(world, &body, 1, NULL), "place for the number is NULL");
     expect(LS_ERROR_NULL_ARGUMENT, ls_world_moved(world, NULL, &count), "place for an array is NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_islands_get(world, NULL, &count), "place for islands is NULL");
     expect(LS_ERROR_BUFFER_TOO_SMALL, ls_world_save(world, &def, sizeof def, &count), "no room for a snapshot");
     expect(LS_ERROR_NULL_ARGUMENT, ls_world_save(world, NULL, 1, &count), "room for a snapshot at NULL");
     expect(LS_ERROR_NULL_ARGUMENT, ls_world_restore(world, NULL, 1), "snapshot is NULL");

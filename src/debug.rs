@@ -72,7 +72,7 @@ layers! {
     JOINT_LIMITS = 5;
     /// Force of each joint as a line on B and as a text (N), coloured by its share of the break force.
     JOINT_LOADS = 6;
-    /// A box around each island awake, in a colour of its own, and around each asleep, dim.
+    /// A box around each island awake, in a colour of its own, and around each asleep, dim; of those with joints how they are solved.
     ISLANDS = 7;
     /// Long-range bounds: taut ones with their tension (N), slack ones with what is left (m).
     BOUNDS = 8;

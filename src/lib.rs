@@ -86,8 +86,8 @@ pub use pose::Pose;
 pub use query::{Cast, Distance, MAX_CAST_TURN, MAX_QUERY_LENGTH, NearestPoint, NearestShape, QueryFilter, Ray, RayHit};
 pub use record::{Divergence, RecordedWorld, RecordingSink, Replay, Replayed};
 pub use report::{
-    ArticulationReport, Contact, ContactPair, ContactPoint, Hit, JointOverload, JointStop, Moved, Residuals, StepCounts,
-    StepReport, StepTimings,
+    ArticulationReport, Contact, ContactPair, ContactPoint, Hit, IslandPlan, IslandReport, JointOverload, JointStop, Moved,
+    Residuals, StepCounts, StepReport, StepTimings,
 };
 pub use settings::{ArticulationSettings, MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};

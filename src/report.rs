@@ -120,6 +120,47 @@ pub struct ArticulationReport {
     pub factor_size: u32,
 }
 
+/// How an island is solved in a step, and why.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(i32)]
+pub enum IslandPlan {
+    /// Joints meet contacts, or close a loop and bear more than a substep resolves: all of it is one problem.
+    Coupled,
+    /// No joint is in it: contacts are swept.
+    #[default]
+    Loose,
+    /// Nothing that joints hold touches anything: articulations take the step by themselves.
+    Apart,
+    /// The host asks for sweeps.
+    Swept,
+    /// A joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host.
+    Jointed,
+    /// Joints do more than hold points together, masses are alike, and nothing touches or nothing that is moved is held: sweeps and direct
+    /// solves carry loads between such bodies as well, for less.
+    Alike,
+    /// Something that joints hold touches, by less than a face, a shape that has edges: at those the normal jumps within a substep.
+    Edged,
+    /// Articulations touch one another: a heap.
+    Heaped,
+    /// It is so large that a factor would cost more than sweeps.
+    Large,
+}
+
+/// How an island was solved in the last step: bodies that joints and contacts connect.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct IslandReport {
+    /// One of its bodies.
+    pub body: BodyId,
+    /// Bodies that it moves.
+    pub bodies: u32,
+    /// Joints.
+    pub joints: u32,
+    /// How it was to be solved, and why.
+    pub plan: IslandPlan,
+    /// Whether the coupled solve did not reach a result that it could vouch for, so that sweeps and direct solves took the step.
+    pub given_up: bool,
+}
+
 /// Wall time of each stage (s).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StepTimings {
@@ -277,6 +318,7 @@ pub(crate) struct Events {
     pub sensor_ended: Vec<ContactPair>,
     pub quarantined: Vec<BodyId>,
     pub articulations: Vec<ArticulationReport>,
+    pub islands: Vec<IslandReport>,
     pub broken: Vec<JointBreak>,
     pub splits: Vec<Split>,
     pub pieces: Vec<Piece>,
@@ -297,6 +339,7 @@ impl Events {
         self.sensor_ended.clear();
         self.quarantined.clear();
         self.articulations.clear();
+        self.islands.clear();
         self.broken.clear();
         self.splits.clear();
         self.pieces.clear();

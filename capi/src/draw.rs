@@ -30,7 +30,7 @@ pub const LS_DRAW_JOINTS: u32 = 16;
 pub const LS_DRAW_JOINT_LIMITS: u32 = 32;
 /// Layer: force of each joint as a line on B and as a text (N), coloured by its share of the break force.
 pub const LS_DRAW_JOINT_LOADS: u32 = 64;
-/// Layer: a box around each island awake, in a colour of its own, and around each asleep, dim.
+/// Layer: a box around each island awake, in a colour of its own, and around each asleep, dim; of those with joints how they are solved.
 pub const LS_DRAW_ISLANDS: u32 = 128;
 /// Layer: long-range bounds: taut ones red with their tension (N), slack ones green with what is left (m).
 pub const LS_DRAW_BOUNDS: u32 = 256;

@@ -2,7 +2,7 @@
 //!
 //! Arrays of these structs are handed out by pointer, so their layout never changes.
 
-use ls_core::{ArticulationReport, BodyId, Contact, ContactPair, Hit, JointOverload, JointStop, Moved};
+use ls_core::{ArticulationReport, BodyId, Contact, ContactPair, Hit, IslandPlan, IslandReport, JointOverload, JointStop, Moved};
 
 use crate::handle::{LsBody, LsJoint, LsShape};
 use crate::math::LsPose;
@@ -58,6 +58,54 @@ pub struct LsArticulation {
     pub penetration: f32,
     /// Change of kinetic energy that the work of gravity and applied forces does not explain (N m); 0 where it was swept.
     pub energy_change: f32,
+}
+
+/// Plan of an island: joints meet contacts, or close a loop and bear more than a substep resolves: all of it is one problem.
+pub const LS_PLAN_COUPLED: i32 = 0;
+/// Plan of an island: no joint is in it: contacts are swept.
+pub const LS_PLAN_LOOSE: i32 = 1;
+/// Plan of an island: nothing that joints hold touches anything: articulations take the step by themselves.
+pub const LS_PLAN_APART: i32 = 2;
+/// Plan of an island: the host asks for sweeps.
+pub const LS_PLAN_SWEPT: i32 = 3;
+/// Plan of an island: a joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host.
+pub const LS_PLAN_JOINTED: i32 = 4;
+/// Plan of an island: joints do more than hold points together, masses are alike, and nothing touches or nothing that is moved is held: sweeps and direct solves carry loads between such bodies as well, for less.
+pub const LS_PLAN_ALIKE: i32 = 5;
+/// Plan of an island: something that joints hold touches, by less than a face, a shape that has edges: at those the normal jumps within a substep.
+pub const LS_PLAN_EDGED: i32 = 6;
+/// Plan of an island: articulations touch one another: a heap.
+pub const LS_PLAN_HEAPED: i32 = 7;
+/// Plan of an island: it is so large that a factor would cost more than sweeps.
+pub const LS_PLAN_LARGE: i32 = 8;
+
+// The numbers are those of the core.
+const _: () = {
+    assert!(LS_PLAN_COUPLED == IslandPlan::Coupled as i32);
+    assert!(LS_PLAN_LOOSE == IslandPlan::Loose as i32);
+    assert!(LS_PLAN_APART == IslandPlan::Apart as i32);
+    assert!(LS_PLAN_SWEPT == IslandPlan::Swept as i32);
+    assert!(LS_PLAN_JOINTED == IslandPlan::Jointed as i32);
+    assert!(LS_PLAN_ALIKE == IslandPlan::Alike as i32);
+    assert!(LS_PLAN_EDGED == IslandPlan::Edged as i32);
+    assert!(LS_PLAN_HEAPED == IslandPlan::Heaped as i32);
+    assert!(LS_PLAN_LARGE == IslandPlan::Large as i32);
+};
+
+/// How an island was solved in a step: bodies that joints and contacts connect. The layout of this struct never changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(C)]
+pub struct LsIsland {
+    /// One of its bodies.
+    pub body: LsBody,
+    /// Bodies that it moves.
+    pub bodies: u32,
+    /// Joints.
+    pub joints: u32,
+    /// How it was to be solved, and why: an LS_PLAN_ constant; later versions may have more.
+    pub plan: i32,
+    /// 1 if the coupled solve did not reach a result that it could vouch for, so that sweeps and direct solves took the step, else 0.
+    pub given_up: u32,
 }
 
 /// Two shapes that touch, or touched, and their bodies. The layout of this struct never changes.
@@ -149,6 +197,18 @@ pub struct LsContact {
     pub reserved: u32,
     /// The points; those beyond point_count are zero.
     pub points: [LsContactPoint; 4],
+}
+
+impl From<&IslandReport> for LsIsland {
+    fn from(report: &IslandReport) -> Self {
+        Self {
+            body: report.body.into(),
+            bodies: report.bodies,
+            joints: report.joints,
+            plan: report.plan as i32,
+            given_up: report.given_up.into(),
+        }
+    }
 }
 
 impl From<&ArticulationReport> for LsArticulation {

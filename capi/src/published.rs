@@ -6,7 +6,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use crate::access::Hosted;
-use crate::events::{LsArticulation, LsContactPair, LsHit, LsJointOverload, LsJointStop, LsMoved};
+use crate::events::{LsArticulation, LsContactPair, LsHit, LsIsland, LsJointOverload, LsJointStop, LsMoved};
 use crate::fracture::{LsJointBreak, LsPiece, LsSplit};
 use crate::handle::LsBody;
 
@@ -23,6 +23,7 @@ pub(crate) struct Published {
     pub sensed: Array<LsContactPair>,
     pub quarantined: Array<LsBody>,
     pub articulations: Array<LsArticulation>,
+    pub islands: Array<LsIsland>,
     pub broken: Array<LsJointBreak>,
     pub splits: Array<LsSplit>,
     pub pieces: Array<LsPiece>,
@@ -43,6 +44,7 @@ impl Published {
         self.sensed.expire();
         self.quarantined.expire();
         self.articulations.expire();
+        self.islands.expire();
         self.broken.expire();
         self.splits.expire();
         self.pieces.expire();

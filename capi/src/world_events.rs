@@ -4,7 +4,7 @@ use std::ffi::c_void;
 
 use crate::access::{Hosted, edit_hosted, edit_then_call_back, read_hosted};
 use crate::boundary::call;
-use crate::events::{LsArticulation, LsContactPair, LsHit, LsJointOverload, LsJointStop, LsMoved};
+use crate::events::{LsArticulation, LsContactPair, LsHit, LsIsland, LsJointOverload, LsJointStop, LsMoved};
 use crate::float_environment::as_host;
 use crate::handle::{LsBody, LsWorld};
 use crate::last_error::Message;
@@ -121,6 +121,23 @@ pub unsafe extern "C" fn ls_world_articulations(world: LsWorld, out: *mut *const
         publish(world, &out, &count, |hosted| {
             hosted.published.articulations.get(hosted.world.articulations().iter().map(LsArticulation::from))
         })
+    })
+}
+
+/// How each island with joints was solved in the last step, and why. Islands that sleep or are held, and those without joints, whose
+/// contacts are swept, are not among them.
+///
+/// @param world  the world; any value is safe
+/// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+///               destruction, edits leave it as it is; do not follow it if the count is 0
+/// @param count  number of elements
+/// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+/// Threads: read. Callbacks: allowed.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ls_world_islands_get(world: LsWorld, out: *mut *const LsIsland, count: *mut usize) -> LsResult {
+    call("ls_world_islands_get", || {
+        let (out, count) = (host!(Out::new, out), host!(Out::new, count));
+        publish(world, &out, &count, |hosted| hosted.published.islands.get(hosted.world.islands().iter().map(LsIsland::from)))
     })
 }
 

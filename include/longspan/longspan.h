@@ -228,6 +228,33 @@
 /** Which way a motor may push its coordinate: towards greater values alone, as a jack does. */
 #define LS_FORCE_PUSH 2
 
+/** Plan of an island: joints meet contacts, or close a loop and bear more than a substep resolves: all of it is one problem. */
+#define LS_PLAN_COUPLED 0
+
+/** Plan of an island: no joint is in it: contacts are swept. */
+#define LS_PLAN_LOOSE 1
+
+/** Plan of an island: nothing that joints hold touches anything: articulations take the step by themselves. */
+#define LS_PLAN_APART 2
+
+/** Plan of an island: the host asks for sweeps. */
+#define LS_PLAN_SWEPT 3
+
+/** Plan of an island: a joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host. */
+#define LS_PLAN_JOINTED 4
+
+/** Plan of an island: joints do more than hold points together, masses are alike, and nothing touches or nothing that is moved is held: sweeps and direct solves carry loads between such bodies as well, for less. */
+#define LS_PLAN_ALIKE 5
+
+/** Plan of an island: something that joints hold touches, by less than a face, a shape that has edges: at those the normal jumps within a substep. */
+#define LS_PLAN_EDGED 6
+
+/** Plan of an island: articulations touch one another: a heap. */
+#define LS_PLAN_HEAPED 7
+
+/** Plan of an island: it is so large that a factor would cost more than sweeps. */
+#define LS_PLAN_LARGE 8
+
 /** Solver: the library chooses per group of bodies. */
 #define LS_SOLVER_AUTO 0
 
@@ -273,7 +300,7 @@
 /** Layer: force of each joint as a line on B and as a text (N), coloured by its share of the break force. */
 #define LS_DRAW_JOINT_LOADS 64
 
-/** Layer: a box around each island awake, in a colour of its own, and around each asleep, dim. */
+/** Layer: a box around each island awake, in a colour of its own, and around each asleep, dim; of those with joints how they are solved. */
 #define LS_DRAW_ISLANDS 128
 
 /** Layer: long-range bounds: taut ones red with their tension (N), slack ones green with what is left (m). */
@@ -1266,6 +1293,20 @@ typedef struct LsArticulation {
     /** Change of kinetic energy that the work of gravity and applied forces does not explain (N m); 0 where it was swept. */
     float energy_change;
 } LsArticulation;
+
+/** How an island was solved in a step: bodies that joints and contacts connect. The layout of this struct never changes. */
+typedef struct LsIsland {
+    /** One of its bodies. */
+    struct LsBody body;
+    /** Bodies that it moves. */
+    uint32_t bodies;
+    /** Joints. */
+    uint32_t joints;
+    /** How it was to be solved, and why: an LS_PLAN_ constant; later versions may have more. */
+    int32_t plan;
+    /** 1 if the coupled solve did not reach a result that it could vouch for, so that sweeps and direct solves took the step, else 0. */
+    uint32_t given_up;
+} LsIsland;
 
 /**
  * How much work articulations may take: bodies that joints connect and that are solved at once. The layout of this struct never
@@ -2833,6 +2874,19 @@ LsResult ls_world_moved(LsWorld world, const LsMoved **out, size_t *count);
  * Threads: read. Callbacks: allowed.
  */
 LsResult ls_world_articulations(LsWorld world, const LsArticulation **out, size_t *count);
+
+/**
+ * How each island with joints was solved in the last step, and why. Islands that sleep or are held, and those without joints, whose
+ * contacts are swept, are not among them.
+ *
+ * @param world  the world; any value is safe
+ * @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
+ *               destruction, edits leave it as it is; do not follow it if the count is 0
+ * @param count  number of elements
+ * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
+ * Threads: read. Callbacks: allowed.
+ */
+LsResult ls_world_islands_get(LsWorld world, const LsIsland **out, size_t *count);
 
 /**
  * Pairs of shapes that began to touch in the last step.

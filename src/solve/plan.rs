@@ -5,32 +5,8 @@ use super::contact::ContactInput;
 use super::direct::stiffness::IMPLICIT_RANGE;
 use super::joint::JointLink;
 use super::state::{BodyMotion, BodyVelocity};
+use crate::report::IslandPlan;
 use crate::settings::Solver;
-
-/// What becomes of an island in a step.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) enum IslandPlan {
-    /// Joints meet contacts, or close a loop and bear more than a substep resolves: all of it is one problem.
-    Coupled,
-    /// No joint is in it: contacts are swept.
-    #[default]
-    Loose,
-    /// Nothing that joints hold touches anything: articulations take the step by themselves.
-    Apart,
-    /// The host asks for sweeps.
-    Swept,
-    /// A joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host.
-    Jointed,
-    /// Joints do more than hold points together, masses are alike, and nothing touches or nothing that is moved is held: sweeps and direct
-    /// solves carry loads between such bodies as well, for less.
-    Alike,
-    /// Something that joints hold touches, by less than a face, a shape that has edges: at those the normal jumps within a substep.
-    Edged,
-    /// Articulations touch one another: a heap.
-    Heaped,
-    /// It is so large that a factor would cost more than sweeps.
-    Large,
-}
 
 /// Bodies, and manifolds between two that move, of an island up to which it may be one problem.
 const MAX_BODIES: u32 = 200;
@@ -47,6 +23,8 @@ const FACE_POINTS: usize = 3;
 /// What is known of an island.
 #[derive(Debug, Clone, Copy, Default)]
 struct IslandTraits {
+    /// Its first slot.
+    first: u32,
     bodies: u32,
     joints: u32,
     /// Groups of two bodies and more that joints connect.
@@ -107,7 +85,14 @@ impl Planner {
                 (first..last).map(|slot| velocities[slot as usize].inverse_mass.max_element()).filter(|&mass| mass > 0.0);
             let inverse_masses = masses.fold([f32::INFINITY, 0.0_f32], |[least, most], mass| [least.min(mass), most.max(mass)]);
             let pulls = (first..last).map(|slot| pull(&velocities[slot as usize], &motions[slot as usize]));
-            IslandTraits { bodies: last - first, is_plain: true, inverse_masses, pull: pulls.sum(), ..IslandTraits::default() }
+            IslandTraits {
+                first,
+                bodies: last - first,
+                is_plain: true,
+                inverse_masses,
+                pull: pulls.sum(),
+                ..IslandTraits::default()
+            }
         }));
         for forest in [&mut *tied, &mut *grouped] {
             forest.clear();
@@ -159,6 +144,18 @@ impl Planner {
         }
         plans.clear();
         plans.extend(looks.iter().map(IslandTraits::plan));
+    }
+
+    /// Forgets the islands of the last step.
+    pub(crate) fn clear(&mut self) {
+        self.looks.clear();
+        self.plans.clear();
+    }
+
+    /// First slot, bodies, joints and plan of each island that has joints.
+    pub(crate) fn jointed(&self) -> impl Iterator<Item = (u32, u32, u32, IslandPlan)> {
+        let islands = self.looks.iter().zip(&self.plans);
+        islands.filter(|(look, _)| look.joints > 0).map(|(look, &plan)| (look.first, look.bodies, look.joints, plan))
     }
 
     /// The islands that are to be solved as one problem, by number, and whether joints of each close a loop.

@@ -10,7 +10,7 @@ use crate::collide::pairs::{PairKey, WorldManifold};
 use crate::collide::persistent_manifold::Carried;
 use crate::error::Result;
 use crate::id::BodyId;
-use crate::report::{ArticulationReport, Contact, ContactPair, ContactPoint, Hit, JointOverload, JointStop, Moved};
+use crate::report::{ArticulationReport, Contact, ContactPair, ContactPoint, Hit, IslandReport, JointOverload, JointStop, Moved};
 
 impl World {
     /// Bodies whose pose changed in the last step, those that fell asleep at its end included, in order of creation slot.
@@ -23,6 +23,13 @@ impl World {
     /// Islands that sleep or are held, and joints that are left to sweeps alone, are not among them.
     pub fn articulations(&self) -> &[ArticulationReport] {
         &self.events.articulations
+    }
+
+    /// How each island with joints was solved in the last step, and why.
+    ///
+    /// Islands that sleep or are held, and those without joints, whose contacts are swept, are not among them.
+    pub fn islands(&self) -> &[IslandReport] {
+        &self.events.islands
     }
 
     /// Pairs of shapes whose contact began in the last step.

@@ -170,6 +170,13 @@ impl World {
                 form::box_edges(min, max, &mut |from, to| pen.line(from.as_dvec3(), to.as_dvec3(), color));
             }
         }
+        for island in &self.events.islands {
+            let Ok(at) = self.bodies.find(island.body).map(|index| self.bodies[index].center) else { continue };
+            if pen.reaches(at, 0.0) {
+                let note = if island.given_up { ", given up" } else { "" };
+                pen.text(at, format_args!("{:?}{note}", island.plan), Color::WHITE);
+            }
+        }
     }
 }
 

@@ -97,6 +97,7 @@ impl World {
             sensor_ended: _,
             quarantined: _,
             articulations: _,
+            islands: _,
             broken: _,
             splits: _,
             pieces: _,

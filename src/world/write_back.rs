@@ -13,7 +13,7 @@ use crate::collide::collider::Collider;
 use crate::collide::pairs::Pair;
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::prefetch::{AHEAD, prefetch};
-use crate::report::Events;
+use crate::report::{Events, IslandReport};
 use crate::solve::contact::TOUCHED;
 use crate::solve::disjoint::{DisjointSlices, Slots};
 use crate::solve::integrate;
@@ -62,6 +62,10 @@ impl World {
                 let report = articulation.report(self.bodies.handle_of(batch.bodies[slot as usize]));
                 residuals.joint_angle = residuals.joint_angle.max(report.angle);
                 self.events.articulations.push(report);
+            }
+            for (slot, bodies, joints, plan, given_up) in batch.newton.plans() {
+                let body = self.bodies.handle_of(batch.bodies[slot as usize]);
+                self.events.islands.push(IslandReport { body, bodies, joints, plan, given_up });
             }
             for island in batch.newton.islands() {
                 let body = self.bodies.handle_of(batch.bodies[island.slots.start as usize]);

@@ -141,6 +141,7 @@ fn layouts() -> Vec<Layout> {
         LsContactPoint { position, separation, normal_force }
         LsContact { pair, normal, friction_force, point_count, reserved, points }
         LsJointOverload { joint, user_word, force, torque }
+        LsIsland { body, bodies, joints, plan, given_up }
         LsHit { pair, point, normal, approach_speed, impulse, reserved }
         LsJointStop { joint, user_word, axis, upper }
         LsCallbacks {
@@ -253,6 +254,7 @@ fn structs_have_the_sizes_that_version_1_promises() {
         ("LsContactPair", 32),
         ("LsContact", 192),
         ("LsJointOverload", 24),
+        ("LsIsland", 24),
         ("LsHit", 80),
         ("LsJointStop", 24),
         ("LsCallbacks", 72),

@@ -21,6 +21,7 @@ use super::plan::Planner;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
+use crate::report::IslandPlan;
 use crate::workers::Workers;
 
 mod admm;
@@ -89,10 +90,19 @@ impl Newton {
     pub(crate) fn clear(&mut self) {
         self.count = 0;
         self.held.clear();
+        self.planner.clear();
     }
 
     pub(crate) fn islands(&self) -> &[CoupledIsland] {
         &self.islands[..self.count]
+    }
+
+    /// First slot, bodies, joints and plan of each island with joints, and whether it was begun here and given up.
+    pub(crate) fn plans(&self) -> impl Iterator<Item = (u32, u32, u32, IslandPlan, bool)> {
+        self.planner.jointed().map(|(first, bodies, joints, plan)| {
+            let is_taken = self.islands().iter().any(|island| island.slots.start == first);
+            (first, bodies, joints, plan, plan == IslandPlan::Coupled && !is_taken)
+        })
     }
 
     /// Joints solved here, as their batch holds them.
