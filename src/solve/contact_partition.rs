@@ -244,6 +244,11 @@ impl SomeBlocks<'_> {
     }
 }
 
+/// Whether a colour is large enough to be cut for several threads.
+fn is_worth_cutting(color: &ColorRange) -> bool {
+    color.is_one && color.blocks.len() >= MIN_CUT
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -320,9 +325,4 @@ mod tests {
         assert_eq!((blocks.len(), blocks.blocks[0].face, blocks.blocks[1].face), (2, 0, NONE));
         assert_eq!((blocks.blocks[1].a, blocks.blocks[1].count), ([0; 8], [0; 8]));
     }
-}
-
-/// Whether a colour is large enough to be cut for several threads.
-fn is_worth_cutting(color: &ColorRange) -> bool {
-    color.is_one && color.blocks.len() >= MIN_CUT
 }
