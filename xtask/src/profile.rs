@@ -12,28 +12,35 @@ use crate::{Outcome, instructions, succeed};
 
 /// Stages, and what the paths of their files contain; the first that fits counts.
 const STAGES: &[(&str, &[&str])] = &[
-    ("broad phase", &["src/collide/broad", "src/collide/boxes", "src/collide/collider", "partitioning/bvh", "bounding_volume"]),
+    (
+        "broad phase",
+        &["src/collide/broad", "src/collide/aabb_set", "src/collide/collider.rs", "partitioning/bvh", "bounding_volume"],
+    ),
     ("narrow phase", &["src/collide/", "parry3d"]),
     ("lists of pairs", &["src/world/pairs"]),
-    ("islands and batches", &["src/world/group", "src/island", "src/solve/color"]),
+    ("islands and batches", &["src/world/islands", "src/island", "src/solve/color"]),
     ("filling of batches", &["src/world/solve_batches.rs", "src/solve/batch", "src/solve/contact.rs", "src/solve/contact_block"]),
     ("masses of contacts", &["contact_kernels/masses"]),
     ("sweeps of contacts", &["contact_kernels"]),
-    ("loads in stacks", &["src/solve/load_pass", "src/solve/exact", "src/solve/birth", "src/balance"]),
+    (
+        "loads in stacks",
+        &["src/solve/momentum_pass", "src/solve/contact_newton", "src/solve/initial_impulses", "src/load_distribution"],
+    ),
     (
         "motion of bodies",
-        &["src/solve/integrate", "src/solve/rotation", "src/solve/poses", "src/solve/state", "src/solve/mod", "src/body"],
+        &["src/solve/integrate", "src/solve/rotation", "src/solve/wide_bodies", "src/solve/state", "src/solve/mod", "src/body"],
     ),
-    ("joints in sweeps", &["src/solve/joint", "src/joint", "src/world/joints"]),
+    ("joints in sweeps", &["src/solve/joint", "src/joint.rs", "src/joint_drive", "src/joint_rebounds", "src/world/joints"]),
     ("direct solve", &["src/solve/direct", "src/linalg/"]),
-    ("bounds and taut lines", &["src/solve/bound", "src/solve/taut"]),
+    ("coupled solve", &["src/solve/newton", "src/solve/plan"]),
+    ("bounds and taut lines", &["src/solve/distance_bound", "src/solve/taut_line", "src/solve/wrapped_bound"]),
     ("planes and momentum", &["src/solve/plane", "src/solve/momentum", "src/world/planes"]),
     ("derivation of bounds", &["src/joint_graph/", "src/world/long_range", "src/world/chain"]),
     ("unions", &["src/world/union"]),
     ("support and hold", &["src/world/support", "src/world/hold"]),
     ("fracture", &["src/fracture", "src/world/fracture", "src/world/cells"]),
     ("sleep", &["src/world/sleep"]),
-    ("sensors", &["src/world/sense"]),
+    ("sensors", &["src/world/sensors"]),
     ("results and events", &["src/world"]),
 ];
 
