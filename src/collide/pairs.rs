@@ -276,7 +276,8 @@ impl Pair {
         if fresh.len() != 1 {
             self.told = ContactStatus::NOTHING;
         }
-        if fresh.is_empty() {
+        // Multipliers may have gone with the points that bore them, and the solver does not look at what neither side can move.
+        if self.pressed && !self.manifolds.are_pressed() {
             (self.pressed, self.touches) = (false, 0);
         }
     }
@@ -321,7 +322,7 @@ impl Pair {
 
     /// Brings up to date what is known of the multipliers without looking at them; `extent` is the lesser least extent of the two shapes (m).
     pub(super) fn note_pressed(&mut self, extent: f32) {
-        self.pressed = self.manifolds.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0));
+        self.pressed = self.manifolds.are_pressed();
         self.touches = pack_touching(self.manifolds.iter().map(|manifold| touching(&manifold, extent)));
         self.note_near(extent);
     }

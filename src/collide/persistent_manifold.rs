@@ -148,6 +148,11 @@ impl Manifolds {
         self.len() == 0
     }
 
+    /// Whether any normal multiplier is positive.
+    pub(super) fn are_pressed(&self) -> bool {
+        self.iter().any(|manifold| manifold.impulses.normal.iter().any(|&lambda| lambda > 0.0))
+    }
+
     pub(crate) fn get(&self, number: usize) -> Carried<'_> {
         match self {
             Self::Point(point) => point.read(),
