@@ -2,8 +2,10 @@
 
 use glam::DVec3;
 
+use super::island::settle_row;
 use super::joints::{Asking, JointAssembly, MultiplierSlot, Sink, Source};
-use super::problem::Problem;
+use super::problem::{JointBlock, Problem};
+use super::term::Term;
 use crate::id::{JointId, Pool};
 use crate::joint::Joint;
 use crate::joint_rebounds::Rebounds;
@@ -25,6 +27,8 @@ pub(super) struct JointSet {
     arguments: Vec<(MultiplierSlot, f64)>,
     argument_ranges: Vec<(u32, u32)>,
     asked: Vec<ScalarRow>,
+    /// Rows where bodies have moved to.
+    at_end: (Vec<JointBlock>, Vec<Term>, Vec<Source>),
 }
 
 /// Bodies as joints ask for them, by local number.
@@ -83,7 +87,7 @@ impl JointSet {
         h: f64,
         left: [f64; 2],
     ) {
-        let Self { entries, ends, rows, sources, asked, arguments, argument_ranges } = self;
+        let Self { entries, ends, rows, sources, asked, arguments, argument_ranges, .. } = self;
         rows.clear();
         sources.clear();
         let mut sink = Sink { links: &mut problem.links, terms: &mut problem.terms, sources, asked };
@@ -102,6 +106,25 @@ impl JointSet {
                 }
             }
         }
+    }
+
+    /// Takes the rows that always hold where the bodies are, after the multipliers of the substep have been kept. Overlaps stay as they are.
+    pub(super) fn follow_rows(&mut self, joints: &Pool<Joint, JointId>, problem: &mut Problem, of: Ends<'_>, h: f64, left: f64) {
+        let Self { entries, ends, rows, asked, at_end: (links, terms, sources), .. } = self;
+        (links.clear(), terms.clear(), sources.clear());
+        let mut sink = Sink { links, terms, sources, asked };
+        for (((entry, ends), rows), link) in entries.iter_mut().zip(&*ends).zip(&mut *rows).zip(&mut problem.links) {
+            let pressed = entry.pressed;
+            let found = sink.add(entry, &of.asking(joints, entry, ends, h, [left; 2]));
+            entry.pressed = pressed;
+            let Some(new) = sink.links.last().filter(|new| new.rows == link.rows) else { continue };
+            (rows.sources, link.jacobian) = (found.sources, new.jacobian);
+            for side in 0..2 {
+                let (body, rate) = (&of.bodies[ends[side]], &of.rates[ends[side]]);
+                link.jacobian[side][..link.rows].iter_mut().for_each(|row| _ = settle_row(row, body, rate));
+            }
+        }
+        problem.forget_overlaps();
     }
 
     /// Finds how far rows are off where the bodies have moved to in a substep of length `h` (s), `left` (s) from the end of the step; returns

@@ -450,7 +450,7 @@ impl CoupledIsland {
 }
 
 /// Takes locked axes of its body out of a row; the rate that it has by a body which rows do not move is returned.
-fn settle_row(row: &mut [f64; 6], body: &DirectBody, rate: &Rate) -> f64 {
+pub(super) fn settle_row(row: &mut [f64; 6], body: &DirectBody, rate: &Rate) -> f64 {
     if !body.is_dynamic() {
         return super::factor::dot(row, &vector(rate));
     }

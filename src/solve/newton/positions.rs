@@ -13,6 +13,12 @@ impl Problem {
         &self.unknowns[..self.masses.len().min(self.unknowns.len())]
     }
 
+    /// Leaves overlaps as they are, and takes a new factor for the rows as they are now.
+    pub(crate) fn forget_overlaps(&mut self) {
+        self.terms.iter_mut().for_each(|term| term.push = 0.0);
+        self.is_stale = true;
+    }
+
     /// Finds the displacements that take errors of joints and overlaps out of positions.
     pub(crate) fn find_displacements(&mut self) {
         let bodies = self.masses.len();
