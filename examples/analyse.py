@@ -46,11 +46,11 @@ STREAM_FRAME, STREAM_END = 0, 3
 
 def main(library_path, recording):
     library = ctypes.CDLL(library_path)
-    library.ls_last_error_message.restype = ctypes.c_char_p
+    library.ls_last_error_message_get.restype = ctypes.c_char_p
 
     def check(result):
         if result != 0:
-            sys.exit(library.ls_last_error_message().decode())
+            sys.exit(library.ls_last_error_message_get().decode())
 
     definition, reader, poll = ReaderDef(), Reader(), Poll()
     check(library.ls_stream_reader_def_init(ctypes.byref(definition), ctypes.c_size_t(ctypes.sizeof(definition))))
@@ -62,7 +62,7 @@ def main(library_path, recording):
         check(library.ls_stream_reader_next(reader, ctypes.byref(poll), ctypes.c_size_t(ctypes.sizeof(poll))))
         if poll.status != STREAM_FRAME:
             break
-        check(library.ls_stream_reader_bodies(reader, ctypes.byref(bodies), ctypes.byref(count)))
+        check(library.ls_stream_reader_bodies_get(reader, ctypes.byref(bodies), ctypes.byref(count)))
         energy, moving = 0.0, 0
         for body in bodies[: count.value]:
             squared = sum(v * v for v in body.linear_velocity)

@@ -2,7 +2,7 @@
  *
  *     cc bulk.c -I../include -L../target/release -l:liblongspan.a -lm -lpthread -ldl -o bulk && ./bulk
  *
- * A renderer usually wants what moved (ls_world_moved): sleeping bodies cost nothing, and the user word finds the picture of
+ * A renderer usually wants what moved (ls_world_moved_bodies_get): sleeping bodies cost nothing, and the user word finds the picture of
  * each body without a table. A host that wants certain bodies, moved or not, asks for them (ls_world_poses_get). */
 #include "sample.h"
 
@@ -50,7 +50,7 @@ int main(void)
     for (step = 0; step < 180; ++step) {
         const LsMoved *moved;
         check(ls_world_step(world, 1.0f / 60.0f));
-        check(ls_world_moved(world, &moved, &count));
+        check(ls_world_moved_bodies_get(world, &moved, &count));
         for (i = 0; i < count; ++i) {
             drawn[moved[i].user_word] = moved[i].pose;
         }

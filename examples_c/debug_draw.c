@@ -141,7 +141,7 @@ int main(void)
     size_t i;
     int step;
 
-    check(ls_support_enable(world, 1));
+    check(ls_support_enabled_set(world, 1));
     create_body(world, LS_BODY_STATIC, LS_SHAPE_BOX, 0, -0.5);
     crate = create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BOX, 0, 0.5);
     create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BOX, 0.2, 1.5);

@@ -162,7 +162,7 @@ int main(void)
     for (step = 0; step < 60; ++step) {
         for (i = 0; i < 1000; ++i) {
             const float push[3] = {0.0f, 0.001f, 0.0f};
-            check(ls_body_add_impulse(world, body, push));
+            check(ls_body_impulse_add(world, body, push));
         }
         check(ls_world_step(world, 1.0f / 60.0f));
     }

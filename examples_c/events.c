@@ -40,7 +40,7 @@ static void on_hits(LsWorld world, const LsHit *hits, size_t count, void *user)
     Seen *seen = (Seen *)user;
     const LsHit *same;
     size_t same_count;
-    check(ls_world_hits(world, &same, &same_count));
+    check(ls_world_hits_get(world, &same, &same_count));
     expect(same == hits && same_count == count, "the array is the same");
     if (seen->hits++ == 0) {
         seen->speed = hits[0].approach_speed;
@@ -110,7 +110,7 @@ int main(void)
     def.shapes = &trigger;
     def.shape_count = 1;
     check(ls_body_create(world, &def, &zone));
-    check(ls_world_cast_ray(world, &ray, NULL, &hit));
+    check(ls_world_ray_cast(world, &ray, NULL, &hit));
     expect(hit.shape.id == 0, "a ray passes through a sensor");
 
     check(ls_callbacks_init(&callbacks, sizeof callbacks));
@@ -124,7 +124,7 @@ int main(void)
 
     for (step = 0; step < 120; ++step) {
         check(ls_world_step(world, 1.0f / 60.0f));
-        check(ls_world_sensed(world, &inside, &count));
+        check(ls_world_sensor_overlaps_get(world, &inside, &count));
         was_inside += count == 1;
     }
     printf("the ball was in the trigger for %d steps: entered %d, left %d\n", was_inside, seen.entered, seen.left);

@@ -59,10 +59,10 @@ int main(void)
         parts[i] = create_block(world, HALF[i], CENTER[i][0], CENTER[i][1]);
     }
     step_for(world, 60);
-    check(ls_support_load(world, parts[LEFT], &load));
+    check(ls_support_load_get(world, parts[LEFT], &load));
     printf("the left post carries %.0f N\n", (double)load);
 
-    check(ls_support_lost_without(world, &parts[LEFT], 1, lost, PARTS, &count));
+    check(ls_support_loss_predict(world, &parts[LEFT], 1, lost, PARTS, &count));
     printf("without it, support is lost by %u:", (unsigned)count);
     for (k = 0; k < count; ++k) {
         for (i = 0; i < PARTS; ++i) {

@@ -15,10 +15,10 @@ static void expect(LsResult expected, LsResult result, const char *what)
 {
     const int as_expected = result == expected;
     failures += !as_expected;
-    printf("%-4s %-46s %-29s %s\n", as_expected ? "ok" : "BAD", what, ls_result_name(result),
-           result == LS_OK ? "" : ls_last_error_message());
+    printf("%-4s %-46s %-29s %s\n", as_expected ? "ok" : "BAD", what, ls_result_name_get(result),
+           result == LS_OK ? "" : ls_last_error_message_get());
     if (!as_expected) {
-        printf("     expected %s\n", ls_result_name(expected));
+        printf("     expected %s\n", ls_result_name_get(expected));
     }
 }
 
@@ -205,13 +205,13 @@ static void numbers(LsWorld world)
 
     vector[1] = (float)NAN;
     expect(LS_ERROR_NOT_FINITE, ls_body_linear_velocity_set(world, body, vector), "velocity is NaN");
-    expect(LS_ERROR_NOT_FINITE, ls_body_add_force(world, body, vector), "force is NaN");
+    expect(LS_ERROR_NOT_FINITE, ls_body_force_add(world, body, vector), "force is NaN");
     vector[1] = (float)INFINITY;
     expect(LS_ERROR_NOT_FINITE, ls_world_gravity_set(world, vector), "gravity is infinite");
     vector[1] = 1.0e5f;
     expect(LS_ERROR_OUT_OF_RANGE, ls_body_linear_velocity_set(world, body, vector), "velocity is too great");
-    expect(LS_ERROR_NOT_APPLICABLE, ls_body_add_force(world, ground, vector), "force on a static body");
-    expect(LS_ERROR_NULL_ARGUMENT, ls_body_add_force(world, body, NULL), "force is NULL");
+    expect(LS_ERROR_NOT_APPLICABLE, ls_body_force_add(world, ground, vector), "force on a static body");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_body_force_add(world, body, NULL), "force is NULL");
 
     mass.kind = LS_MASS_TOTAL;
     mass.properties.mass = 0.0f;
@@ -342,40 +342,40 @@ static void queries(LsWorld world)
     float path[3] = {1, 0, 0};
     size_t count;
 
-    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast_ray(world, NULL, NULL, &hit), "ray is NULL");
-    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast_ray(world, &ray, NULL, NULL), "hit to NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_ray_cast(world, NULL, NULL, &hit), "ray is NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_ray_cast(world, &ray, NULL, NULL), "hit to NULL");
     ray.direction[0] = 2.0f;
-    expect(LS_ERROR_NOT_UNIT, ls_world_cast_ray(world, &ray, NULL, &hit), "direction of a ray is not a unit vector");
+    expect(LS_ERROR_NOT_UNIT, ls_world_ray_cast(world, &ray, NULL, &hit), "direction of a ray is not a unit vector");
     ray.direction[0] = 1.0f;
     ray.length = -1.0f;
-    expect(LS_ERROR_OUT_OF_RANGE, ls_world_cast_rays(world, &ray, 1, NULL, &hit), "ray of negative length");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_rays_cast(world, &ray, 1, NULL, &hit), "ray of negative length");
     ray.length = (float)NAN;
-    expect(LS_ERROR_NOT_FINITE, ls_world_cast_ray_all(world, &ray, NULL, NULL, 0, &count), "ray of no known length");
+    expect(LS_ERROR_NOT_FINITE, ls_world_ray_cast_all(world, &ray, NULL, NULL, 0, &count), "ray of no known length");
     ray.length = 1.0f;
     memset(&filter, 0, sizeof filter);
-    expect(LS_ERROR_STRUCT_SIZE, ls_world_cast_ray(world, &ray, &filter, &hit), "filter filled with zeros");
+    expect(LS_ERROR_STRUCT_SIZE, ls_world_ray_cast(world, &ray, &filter, &hit), "filter filled with zeros");
     ls_query_filter_init(&filter, sizeof filter);
     filter.kinds = 8;
-    expect(LS_ERROR_INVALID_ENUM, ls_world_cast_ray(world, &ray, &filter, &hit), "unknown kind of body in a filter");
+    expect(LS_ERROR_INVALID_ENUM, ls_world_ray_cast(world, &ray, &filter, &hit), "unknown kind of body in a filter");
     filter.kinds = LS_QUERY_STATIC;
     filter.ignored_count = 2;
-    expect(LS_ERROR_NULL_ARGUMENT, ls_world_cast_ray(world, &ray, &filter, &hit), "two ignored bodies at NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_ray_cast(world, &ray, &filter, &hit), "two ignored bodies at NULL");
     ls_shape_def_init(&shape, sizeof shape);
     shape.kind = LS_SHAPE_HALF_SPACE;
-    expect(LS_ERROR_NOT_APPLICABLE, ls_world_cast_shape(world, &shape, &pose, path, NULL, &hit), "sweep of a half-space");
+    expect(LS_ERROR_NOT_APPLICABLE, ls_world_shape_cast(world, &shape, &pose, path, NULL, &hit), "sweep of a half-space");
     shape.kind = LS_SHAPE_BALL;
     path[0] = 1.0e8f;
-    expect(LS_ERROR_OUT_OF_RANGE, ls_world_cast_shape(world, &shape, &pose, path, NULL, &hit), "sweep too long");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_shape_cast(world, &shape, &pose, path, NULL, &hit), "sweep too long");
     pose.rotation[3] = 0.0f;
-    expect(LS_ERROR_NOT_UNIT, ls_world_overlap_shape(world, &shape, &pose, NULL, NULL, 0, &count), "overlap without a rotation");
-    expect(LS_ERROR_OUT_OF_RANGE, ls_world_overlap_box(world, corners, corners + 3, NULL, NULL, 0, &count), "box inside out");
-    expect(LS_ERROR_NOT_UNIT, ls_world_nearest_shape(world, &shape, &pose, 1.0f, NULL, &distance), "nearest to a solid without a rotation");
+    expect(LS_ERROR_NOT_UNIT, ls_world_shape_overlaps_get(world, &shape, &pose, NULL, NULL, 0, &count), "overlap without a rotation");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_box_overlaps_get(world, corners, corners + 3, NULL, NULL, 0, &count), "box inside out");
+    expect(LS_ERROR_NOT_UNIT, ls_world_nearest_shape_get(world, &shape, &pose, 1.0f, NULL, &distance), "nearest to a solid without a rotation");
     pose.rotation[3] = 1.0f;
-    expect(LS_ERROR_OUT_OF_RANGE, ls_world_nearest_shape(world, &shape, &pose, -1.0f, NULL, &distance), "nearest within less than nothing");
-    expect(LS_ERROR_NULL_ARGUMENT, ls_world_nearest_shape(world, &shape, &pose, 1.0f, NULL, NULL), "nearest shape to NULL");
-    expect(LS_ERROR_NULL_ARGUMENT, ls_world_nearest_shape(world, NULL, &pose, 1.0f, NULL, &distance), "nearest to no solid");
-    expect(LS_ERROR_NULL_HANDLE, ls_world_shape_distance(world, none, none, &distance), "distance between null shapes");
-    expect(LS_ERROR_NULL_ARGUMENT, ls_world_shape_distance(world, none, none, NULL), "distance to NULL");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_nearest_shape_get(world, &shape, &pose, -1.0f, NULL, &distance), "nearest within less than nothing");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_nearest_shape_get(world, &shape, &pose, 1.0f, NULL, NULL), "nearest shape to NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_nearest_shape_get(world, NULL, &pose, 1.0f, NULL, &distance), "nearest to no solid");
+    expect(LS_ERROR_NULL_HANDLE, ls_world_shape_distance_get(world, none, none, &distance), "distance between null shapes");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_shape_distance_get(world, none, none, NULL), "distance to NULL");
     expect(LS_ERROR_NULL_ARGUMENT, ls_cast_def_init(NULL, sizeof cast), "cast definition is NULL");
     memset(&cast, 0, sizeof cast);
     expect(LS_ERROR_STRUCT_SIZE, ls_world_cast(world, &cast, NULL, &met), "cast filled with zeros");
@@ -394,7 +394,7 @@ static void queries(LsWorld world)
     shape.kind = LS_SHAPE_HALF_SPACE;
     cast.shape = &shape;
     expect(LS_ERROR_NOT_APPLICABLE, ls_world_cast(world, &cast, NULL, &met), "cast of a half-space");
-    expect(LS_ERROR_OUT_OF_RANGE, ls_world_nearest_point(world, corners, -1.0f, NULL, &nearest), "negative distance");
+    expect(LS_ERROR_OUT_OF_RANGE, ls_world_nearest_point_get(world, corners, -1.0f, NULL, &nearest), "negative distance");
 }
 
 static void sizes(LsWorld world)
@@ -424,7 +424,7 @@ static void sizes(LsWorld world)
     expect(LS_ERROR_BUFFER_TOO_SMALL, ls_world_bodies_get(world, &body, 1, &count), "room for one body");
     expect(LS_ERROR_NULL_ARGUMENT, ls_world_bodies_get(world, NULL, 1, &count), "room at NULL");
     expect(LS_ERROR_NULL_ARGUMENT, ls_world_bodies_get(world, &body, 1, NULL), "place for the number is NULL");
-    expect(LS_ERROR_NULL_ARGUMENT, ls_world_moved(world, NULL, &count), "place for an array is NULL");
+    expect(LS_ERROR_NULL_ARGUMENT, ls_world_moved_bodies_get(world, NULL, &count), "place for an array is NULL");
     expect(LS_ERROR_NULL_ARGUMENT, ls_world_islands_get(world, NULL, &count), "place for islands is NULL");
     expect(LS_ERROR_BUFFER_TOO_SMALL, ls_world_save(world, &def, sizeof def, &count), "no room for a snapshot");
     expect(LS_ERROR_NULL_ARGUMENT, ls_world_save(world, NULL, 1, &count), "room for a snapshot at NULL");

@@ -25,7 +25,7 @@ int main(int argc, char **argv)
         create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BOX, 0.8, 0.5 + floor_number);
     }
     create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BALL, 0.0, 12.0);
-    check(ls_support_enable(world, 1));
+    check(ls_support_enabled_set(world, 1));
 
     result = ls_stream_def_init(&def, sizeof def);
     if (result == LS_ERROR_UNSUPPORTED) {

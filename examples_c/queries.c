@@ -37,7 +37,7 @@ int main(void)
         row[i] = create_body(world, i == 0 ? LS_BODY_STATIC : LS_BODY_DYNAMIC, LS_SHAPE_BOX, 2.0 * (double)i, 0.0);
     }
 
-    check(ls_world_cast_ray(world, &ray, NULL, &hit));
+    check(ls_world_ray_cast(world, &ray, NULL, &hit));
     printf("the ray meets its first box after %.2f m, at x = %.2f m\n", hit.distance, hit.point[0]);
     expect(hit.body.id == row[0].id && fabsf(hit.distance - 9.5f) < 1e-4f && hit.normal[0] == -1.0f, "it is the first of the row");
 
@@ -45,41 +45,41 @@ int main(void)
     filter.kinds = LS_QUERY_DYNAMIC;
     filter.ignored = &row[1];
     filter.ignored_count = 1;
-    check(ls_world_cast_ray(world, &ray, &filter, &hit));
+    check(ls_world_ray_cast(world, &ray, &filter, &hit));
     expect(hit.body.id == row[2].id, "without static bodies and the second box it is the third");
 
-    check(ls_world_cast_ray_all(world, &ray, NULL, hits, BOXES, &count));
+    check(ls_world_ray_cast_all(world, &ray, NULL, hits, BOXES, &count));
     expect(count == BOXES && hits[9].body.id == row[9].id, "all boxes, in order");
-    expect(ls_world_cast_ray_all(world, &ray, NULL, hits, 3, &count) == LS_ERROR_BUFFER_TOO_SMALL && count == BOXES,
+    expect(ls_world_ray_cast_all(world, &ray, NULL, hits, 3, &count) == LS_ERROR_BUFFER_TOO_SMALL && count == BOXES,
            "a buffer too small is told the number");
 
     check(ls_query_filter_init(&filter, sizeof filter));
     filter.accept = every_other;
     filter.user = &asked;
-    check(ls_world_cast_ray_all(world, &ray, &filter, hits, BOXES, &count));
+    check(ls_world_ray_cast_all(world, &ray, &filter, hits, BOXES, &count));
     printf("asked about %d shapes, the host accepted %u\n", asked, (unsigned)count);
     expect(asked == BOXES && count == BOXES / 2, "the host has the last word");
 
     check(ls_shape_def_init(&ball, sizeof ball));
-    check(ls_world_cast_shape(world, &ball, &pose, path, NULL, &hit));
+    check(ls_world_shape_cast(world, &ball, &pose, path, NULL, &hit));
     expect(hit.body.id == row[0].id && hit.distance > 9.0f && hit.distance < 9.5f && hit.normal[1] > 0.1f,
            "a ball of 0.5 m touches an upper edge");
-    check(ls_world_cast_shape_all(world, &ball, &pose, path, NULL, hits, BOXES, &count));
+    check(ls_world_shape_cast_all(world, &ball, &pose, path, NULL, hits, BOXES, &count));
     expect(count == BOXES, "going on, it would touch them all");
 
     pose.position[0] = 1.0;
     pose.position[1] = 0.0;
     ball.radius = 0.6f;
-    check(ls_world_overlap_shape(world, &ball, &pose, NULL, shapes, BOXES, &count));
+    check(ls_world_shape_overlaps_get(world, &ball, &pose, NULL, shapes, BOXES, &count));
     expect(count == 2, "a ball between two boxes overlaps both");
-    check(ls_world_overlap_box(world, min, max, NULL, shapes, BOXES, &count));
+    check(ls_world_box_overlaps_get(world, min, max, NULL, shapes, BOXES, &count));
     expect(count == 3, "three boxes are in the region");
 
-    check(ls_world_nearest_point(world, point, 10.0f, NULL, &nearest));
+    check(ls_world_nearest_point_get(world, point, 10.0f, NULL, &nearest));
     check(ls_shape_body_get(world, nearest.shape, &hit_body));
     printf("the nearest box is %.2f m away\n", nearest.distance);
     expect(hit_body.id == row[0].id && nearest.point[1] == 0.5, "the nearest point is on top of the first box");
-    check(ls_world_nearest_point(world, point, 1.0f, NULL, &nearest));
+    check(ls_world_nearest_point_get(world, point, 1.0f, NULL, &nearest));
     expect(nearest.shape.id == 0, "nothing is within 1 m");
 
     /* A plank 2 m long, held at one end above the row, is swung down by a quarter turn: the other end meets the third box. */
@@ -101,12 +101,12 @@ int main(void)
     printf("swung down, the plank is stopped after %.0f degrees\n", 90.0 * met.fraction);
     expect(met.body.id == row[2].id && met.fraction > 0.2 && met.fraction < 0.5 && met.part == LS_NO_INDEX, "a box is in its way");
 
-    check(ls_world_nearest_shape(world, &ball, &pose, 1.0f, NULL, &gap));
+    check(ls_world_nearest_shape_get(world, &ball, &pose, 1.0f, NULL, &gap));
     expect(gap.distance < 0.0 && fabs(gap.distance + 0.1) < 1e-6, "the ball between two boxes overlaps one by 0.1 m");
 
     rays[0] = rays[1] = ray;
     rays[1].direction[0] = -1.0f;
-    check(ls_world_cast_rays(world, rays, 2, NULL, hits));
+    check(ls_world_rays_cast(world, rays, 2, NULL, hits));
     expect(hits[0].body.id == row[0].id && hits[1].shape.id == 0, "one ray of two meets something");
     check(ls_world_destroy(world));
     return 0;

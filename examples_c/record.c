@@ -39,13 +39,13 @@ int main(void)
     int i, found = 0;
 
     create_body(world, LS_BODY_STATIC, LS_SHAPE_HALF_SPACE, 0, 0);
-    check(ls_world_record_start(world, keep, LS_RECORD_HASH_EVERY_CALL, &tape));
+    check(ls_world_recording_start(world, keep, LS_RECORD_HASH_EVERY_CALL, &tape));
     for (i = 0; i < 8; ++i) {
         boxes[i] = create_body(world, LS_BODY_DYNAMIC, LS_SHAPE_BOX, 0.05 * (i % 3), 0.5 + 1.01 * i);
     }
     for (i = 0; i < 90; ++i) {
         if (i == 30) {
-            check(ls_body_add_impulse(world, boxes[3], push));
+            check(ls_body_impulse_add(world, boxes[3], push));
         }
         if (i == 60) {
             check(ls_body_destroy(world, boxes[7]));
@@ -54,7 +54,7 @@ int main(void)
         check(ls_world_step(world, 1.0f / 60.0f));
     }
     check(ls_world_state_hash_get(world, &hash));
-    check(ls_world_record_stop(world));
+    check(ls_world_recording_stop(world));
     printf("%u bytes for 8 boxes and 90 steps\n", (unsigned)tape.size);
 
     check(ls_recording_replay(tape.bytes, tape.size, UINT64_MAX, &again, &report, sizeof report));
@@ -81,7 +81,7 @@ int main(void)
     expect(found, "the changed call is found");
     tape.bytes[17] ^= 1;
     expect(ls_recording_replay(tape.bytes, tape.size, 1, NULL, &report, sizeof report) == LS_ERROR_INVALID_SNAPSHOT, "foreign");
-    expect(ls_world_record_stop(world) == LS_ERROR_NOT_APPLICABLE, "there is none any more");
+    expect(ls_world_recording_stop(world) == LS_ERROR_NOT_APPLICABLE, "there is none any more");
     free(tape.bytes);
     check(ls_world_destroy(world));
     return 0;

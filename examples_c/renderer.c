@@ -66,9 +66,9 @@ static void draw(LsStreamReader reader, const LsStreamPoll *poll)
     const LsStreamShape *shapes;
     const LsStreamContact *contacts;
     size_t body_count, shape_count, contact_count, i;
-    check(ls_stream_reader_bodies(reader, &bodies, &body_count));
-    check(ls_stream_reader_shapes(reader, &shapes, &shape_count));
-    check(ls_stream_reader_contacts(reader, &contacts, &contact_count));
+    check(ls_stream_reader_bodies_get(reader, &bodies, &body_count));
+    check(ls_stream_reader_shapes_get(reader, &shapes, &shape_count));
+    check(ls_stream_reader_contacts_get(reader, &contacts, &contact_count));
     for (i = 0; i < ROWS; ++i) {
         memset(screen[i], i == ROWS - 1 ? '_' : ' ', COLUMNS);
         screen[i][COLUMNS] = 0;
@@ -112,7 +112,7 @@ int main(int argc, char **argv)
     while (plays || time(NULL) < end) {
         result = ls_stream_reader_poll(reader, plays ? 0.0f : 0.05f, &poll, sizeof poll);
         if (result == LS_ERROR_STREAM_CORRUPT || result == LS_ERROR_STREAM_INCOMPATIBLE) {
-            fprintf(stderr, "%s\n", ls_last_error_message());
+            fprintf(stderr, "%s\n", ls_last_error_message_get());
             continue;
         }
         check(result);

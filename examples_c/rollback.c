@@ -62,7 +62,7 @@ int main(void)
     if (ls_world_restore(world, snapshot, size) != LS_ERROR_INVALID_SNAPSHOT) {
         return 1;
     }
-    printf("%s\n", ls_last_error_message());
+    printf("%s\n", ls_last_error_message_get());
     free(snapshot);
     check(ls_world_destroy(world));
     return 0;

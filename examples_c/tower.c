@@ -91,11 +91,11 @@ int main(void)
 
     for (step = 0; step < 240; ++step) {
         if (step == 60) {
-            check(ls_support_count(world, &standing));
+            check(ls_support_count_get(world, &standing));
             throw_ball(world);
         }
         step_world(world, 1.0f / 60.0f);
-        check(ls_support_count(world, &supported));
+        check(ls_support_count_get(world, &supported));
         if (step >= 60 && supported < fewest) {
             fewest = supported;
         }

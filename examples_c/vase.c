@@ -45,7 +45,7 @@ static void on_split(LsWorld world, const LsSplit *split, void *user)
     const LsPiece *pieces;
     size_t count;
     uint32_t i;
-    check(ls_world_pieces(world, &pieces, &count));
+    check(ls_world_pieces_get(world, &pieces, &count));
     printf("step %3u  a union of %u pieces, %.1f kg, falls into %u:", (unsigned)split->step, split->body_count,
            (double)split->mass, split->piece_count);
     for (i = 0; i < split->piece_count; ++i) {

@@ -184,12 +184,12 @@ const ROWS: &[Row] = &[
     }),
     ("ls_body_can_sleep_set", &[Load], |s| s.world.set_can_sleep(s.link, false).unwrap()),
     ("ls_body_wake", &[Load], |s| s.world.wake(s.link).unwrap()),
-    ("ls_body_add_force", &[Load], |s| s.world.add_force(s.link, Vec3::X).unwrap()),
-    ("ls_body_add_force_at", &[Top], |s| s.world.add_force_at(s.crate_, Vec3::X, DVec3::new(9.0, 0.25, 0.0)).unwrap()),
-    ("ls_body_add_torque", &[Load], |s| s.world.add_torque(s.link, Vec3::X).unwrap()),
-    ("ls_body_add_impulse", &[Load], |s| s.world.add_impulse(s.link, Vec3::X).unwrap()),
-    ("ls_body_add_impulse_at", &[Top], |s| s.world.add_impulse_at(s.crate_, Vec3::X, DVec3::new(9.0, 0.25, 0.0)).unwrap()),
-    ("ls_body_add_angular_impulse", &[Load], |s| s.world.add_angular_impulse(s.link, Vec3::X).unwrap()),
+    ("ls_body_force_add", &[Load], |s| s.world.add_force(s.link, Vec3::X).unwrap()),
+    ("ls_body_force_add_at", &[Top], |s| s.world.add_force_at(s.crate_, Vec3::X, DVec3::new(9.0, 0.25, 0.0)).unwrap()),
+    ("ls_body_torque_add", &[Load], |s| s.world.add_torque(s.link, Vec3::X).unwrap()),
+    ("ls_body_impulse_add", &[Load], |s| s.world.add_impulse(s.link, Vec3::X).unwrap()),
+    ("ls_body_impulse_add_at", &[Top], |s| s.world.add_impulse_at(s.crate_, Vec3::X, DVec3::new(9.0, 0.25, 0.0)).unwrap()),
+    ("ls_body_angular_impulse_add", &[Load], |s| s.world.add_angular_impulse(s.link, Vec3::X).unwrap()),
     ("ls_shape_attach", &[Load], |s| s.world.attach_shape(s.link, &cube(0.05)).map(drop).unwrap()),
     ("ls_shape_attach", &[Top], |s| {
         let local_pose = longspan::LocalPose { position: Vec3::new(0.0, 1.1, 0.0), ..longspan::LocalPose::IDENTITY };
@@ -235,8 +235,8 @@ const ROWS: &[Row] = &[
     ("ls_joint_break_set", &[Load], |s| s.world.set_joint_break(s.hook, 1.0, 1.0).unwrap()),
     ("ls_joint_strength_set", &[Load], |s| s.world.set_joint_strength(s.hook, strong(1.0)).unwrap()),
     ("ls_joint_strength_set", &[Lamp], |s| s.world.set_joint_strength(s.weld, strong(1.0)).unwrap()),
-    ("ls_world_apply_fractures", &[Load], |s| s.world.apply_fractures(&[s.pin]).unwrap()),
-    ("ls_world_apply_fractures", &[Lamp], |s| s.world.apply_fractures(&[s.weld]).unwrap()),
+    ("ls_world_fractures_apply", &[Load], |s| s.world.apply_fractures(&[s.pin]).unwrap()),
+    ("ls_world_fractures_apply", &[Lamp], |s| s.world.apply_fractures(&[s.weld]).unwrap()),
     ("ls_world_soft_bound_set", &[Load], |s| {
         s.world.set_soft_bound(s.hook, s.pin, Some(SoftBound { share: 0.5, softness: GIVE })).unwrap();
     }),

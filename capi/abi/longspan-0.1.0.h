@@ -6,7 +6,7 @@
  *   Units are SI: metres, kilograms, seconds, newtons, radians. Axes are right-handed; gravity is a vector.
  *   Positions are doubles, everything else is float. A vector is three numbers x, y, z, a rotation four: x, y, z, w.
  *   Every call returns LS_OK or an LS_ERROR_ code; results come through pointers. A call that fails has changed nothing and
- *   has written nothing, unless it says otherwise. ls_last_error_message tells which argument was at fault, and why.
+ *   has written nothing, unless it says otherwise. ls_last_error_message_get tells which argument was at fault, and why.
  *
  * Handles
  *   64 bits, passed by value; all zero is null. Any bit pattern is safe to pass: null, stale, foreign and invented handles and
@@ -639,7 +639,7 @@ typedef struct LsJointOverload {
 } LsJointOverload;
 
 /**
- * Receives the joints that a step overloaded, one call each, in the order of ls_world_overloaded.
+ * Receives the joints that a step overloaded, one call each, in the order of ls_world_overloaded_joints_get.
  *
  * Called after the solve on the thread that steps, under its own floating-point settings. It must return normally (no
  * exception, no longjmp). Inside it, reads of the world work, on other threads too; edits return LS_ERROR_WORLD_LOCKED.
@@ -763,7 +763,7 @@ extern "C" {
  * @return a string that lives as long as the library, never NULL; "unknown result" for a value without a name
  * Threads: any thread at any time. Callbacks: allowed.
  */
-const char *ls_result_name(LsResult result);
+const char *ls_result_name_get(LsResult result);
 
 /**
  * Version of the library that the host runs with.
@@ -772,7 +772,7 @@ const char *ls_result_name(LsResult result);
  * @return LS_OK, LS_ERROR_NULL_ARGUMENT
  * Threads: any thread at any time. Callbacks: allowed.
  */
-LsResult ls_version(LsVersion *out);
+LsResult ls_version_get(LsVersion *out);
 
 /**
  * Message of the last call that failed on this thread: the function, the argument at fault and what is wrong with it. UTF-8,
@@ -782,7 +782,7 @@ LsResult ls_version(LsVersion *out);
  *         call on this thread or the end of the thread. Calls that succeed leave it as it is.
  * Threads: any thread at any time; each thread has its own. Callbacks: allowed.
  */
-const char *ls_last_error_message(void);
+const char *ls_last_error_message_get(void);
 
 /**
  * Sets the function that receives log messages of all worlds; at the start there is none.
@@ -1023,7 +1023,7 @@ LsResult ls_world_poses_get(LsWorld world, const LsBody *bodies, size_t count, L
 /**
  * Steps a world by dt, then calls its callbacks.
  *
- * A body that the step would have given a state that is NaN or infinite is quarantined (ls_world_quarantined); the rest goes on.
+ * A body that the step would have given a state that is NaN or infinite is quarantined (ls_world_quarantined_bodies_get); the rest goes on.
  * @param world  the world; any value is safe
  * @param dt     step (s), 1e-6 to 1; the same each time gives the best results, 1/60 is usual
  * @return LS_OK, a world error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_PANIC
@@ -1052,7 +1052,7 @@ LsResult ls_world_overload_callback_set(LsWorld world, LsOverloadCallback callba
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_moved(LsWorld world, const LsMoved **out, size_t *count);
+LsResult ls_world_moved_bodies_get(LsWorld world, const LsMoved **out, size_t *count);
 
 /**
  * Pairs of shapes that began to touch in the last step.
@@ -1064,7 +1064,7 @@ LsResult ls_world_moved(LsWorld world, const LsMoved **out, size_t *count);
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_contact_began(LsWorld world, const LsContactPair **out, size_t *count);
+LsResult ls_world_contacts_begun_get(LsWorld world, const LsContactPair **out, size_t *count);
 
 /**
  * Pairs of shapes that ceased to touch in the last step.
@@ -1076,7 +1076,7 @@ LsResult ls_world_contact_began(LsWorld world, const LsContactPair **out, size_t
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_contact_ended(LsWorld world, const LsContactPair **out, size_t *count);
+LsResult ls_world_contacts_ended_get(LsWorld world, const LsContactPair **out, size_t *count);
 
 /**
  * Joints that carried more than their break_force or break_torque in the last step. They are reported, not removed.
@@ -1088,7 +1088,7 @@ LsResult ls_world_contact_ended(LsWorld world, const LsContactPair **out, size_t
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_overloaded(LsWorld world, const LsJointOverload **out, size_t *count);
+LsResult ls_world_overloaded_joints_get(LsWorld world, const LsJointOverload **out, size_t *count);
 
 /**
  * Bodies that the last step would have given a state that is NaN or infinite. They stay where they were, without contacts, until
@@ -1101,7 +1101,7 @@ LsResult ls_world_overloaded(LsWorld world, const LsJointOverload **out, size_t 
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_quarantined(LsWorld world, const LsBody **out, size_t *count);
+LsResult ls_world_quarantined_bodies_get(LsWorld world, const LsBody **out, size_t *count);
 
 /* Bodies ---------------------------------------------------------------------------------------------------------- */
 
@@ -1291,7 +1291,7 @@ LsResult ls_body_angular_velocity_set(LsWorld world, LsBody body, const float an
  *         LS_ERROR_NOT_FINITE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_force(LsWorld world, LsBody body, const float force[3]);
+LsResult ls_body_force_add(LsWorld world, LsBody body, const float force[3]);
 
 /**
  * Adds a force at a point of a dynamic body, for the next step.
@@ -1304,7 +1304,7 @@ LsResult ls_body_add_force(LsWorld world, LsBody body, const float force[3]);
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_force_at(LsWorld world, LsBody body, const float *force, const double *point);
+LsResult ls_body_force_add_at(LsWorld world, LsBody body, const float *force, const double *point);
 
 /**
  * Adds a torque to a dynamic body, world axes, for the next step.
@@ -1316,7 +1316,7 @@ LsResult ls_body_add_force_at(LsWorld world, LsBody body, const float *force, co
  *         LS_ERROR_NOT_FINITE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_torque(LsWorld world, LsBody body, const float torque[3]);
+LsResult ls_body_torque_add(LsWorld world, LsBody body, const float torque[3]);
 
 /**
  * Adds an impulse at a dynamic body's centre of mass, at once.
@@ -1328,7 +1328,7 @@ LsResult ls_body_add_torque(LsWorld world, LsBody body, const float torque[3]);
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE (beyond 1e4 m/s or rad/s)
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_impulse(LsWorld world, LsBody body, const float impulse[3]);
+LsResult ls_body_impulse_add(LsWorld world, LsBody body, const float impulse[3]);
 
 /**
  * Adds an impulse at a point of a dynamic body, at once.
@@ -1341,7 +1341,7 @@ LsResult ls_body_add_impulse(LsWorld world, LsBody body, const float impulse[3])
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_impulse_at(LsWorld world, LsBody body, const float *impulse, const double *point);
+LsResult ls_body_impulse_add_at(LsWorld world, LsBody body, const float *impulse, const double *point);
 
 /**
  * Adds an angular impulse to a dynamic body, world axes, at once.
@@ -1353,7 +1353,7 @@ LsResult ls_body_add_impulse_at(LsWorld world, LsBody body, const float *impulse
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE (beyond 1e4 m/s or rad/s)
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_angular_impulse(LsWorld world, LsBody body, const float impulse[3]);
+LsResult ls_body_angular_impulse_add(LsWorld world, LsBody body, const float impulse[3]);
 
 /**
  * Mass properties of a dynamic body.
@@ -1464,7 +1464,7 @@ LsResult ls_body_wake(LsWorld world, LsBody body);
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_put_to_sleep(LsWorld world, LsBody body);
+LsResult ls_body_sleep(LsWorld world, LsBody body);
 
 /**
  * Net force of all contacts on a body in the last substep (N).

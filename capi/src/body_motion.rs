@@ -148,8 +148,8 @@ pub unsafe extern "C" fn ls_body_angular_velocity_set(world: LsWorld, body: LsBo
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 /// cbindgen:ptrs-as-arrays=[[force;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_body_add_force(world: LsWorld, body: LsBody, force: *const f32) -> LsResult {
-    call("ls_body_add_force", || {
+pub unsafe extern "C" fn ls_body_force_add(world: LsWorld, body: LsBody, force: *const f32) -> LsResult {
+    call("ls_body_force_add", || {
         let force = host!(vector, force);
         edit(world, |world| world.add_force(body.into(), force))
     })
@@ -166,8 +166,8 @@ pub unsafe extern "C" fn ls_body_add_force(world: LsWorld, body: LsBody, force: 
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 /// cbindgen:ptrs-as-arrays=[[force;3]; [point;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_body_add_force_at(world: LsWorld, body: LsBody, force: *const f32, point: *const f64) -> LsResult {
-    call("ls_body_add_force_at", || {
+pub unsafe extern "C" fn ls_body_force_add_at(world: LsWorld, body: LsBody, force: *const f32, point: *const f64) -> LsResult {
+    call("ls_body_force_add_at", || {
         let (force, point) = (host!(vector, force), host!(pointer::point, point));
         edit(world, |world| world.add_force_at(body.into(), force, point))
     })
@@ -183,8 +183,8 @@ pub unsafe extern "C" fn ls_body_add_force_at(world: LsWorld, body: LsBody, forc
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 /// cbindgen:ptrs-as-arrays=[[torque;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_body_add_torque(world: LsWorld, body: LsBody, torque: *const f32) -> LsResult {
-    call("ls_body_add_torque", || {
+pub unsafe extern "C" fn ls_body_torque_add(world: LsWorld, body: LsBody, torque: *const f32) -> LsResult {
+    call("ls_body_torque_add", || {
         let torque = host!(vector, torque);
         edit(world, |world| world.add_torque(body.into(), torque))
     })
@@ -200,8 +200,8 @@ pub unsafe extern "C" fn ls_body_add_torque(world: LsWorld, body: LsBody, torque
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 /// cbindgen:ptrs-as-arrays=[[impulse;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_body_add_impulse(world: LsWorld, body: LsBody, impulse: *const f32) -> LsResult {
-    call("ls_body_add_impulse", || {
+pub unsafe extern "C" fn ls_body_impulse_add(world: LsWorld, body: LsBody, impulse: *const f32) -> LsResult {
+    call("ls_body_impulse_add", || {
         let impulse = host!(vector, impulse);
         edit(world, |world| world.add_impulse(body.into(), impulse))
     })
@@ -218,13 +218,13 @@ pub unsafe extern "C" fn ls_body_add_impulse(world: LsWorld, body: LsBody, impul
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 /// cbindgen:ptrs-as-arrays=[[impulse;3]; [point;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_body_add_impulse_at(
+pub unsafe extern "C" fn ls_body_impulse_add_at(
     world: LsWorld,
     body: LsBody,
     impulse: *const f32,
     point: *const f64,
 ) -> LsResult {
-    call("ls_body_add_impulse_at", || {
+    call("ls_body_impulse_add_at", || {
         let (impulse, point) = (host!(vector, impulse), host!(pointer::point, point));
         edit(world, |world| world.add_impulse_at(body.into(), impulse, point))
     })
@@ -240,8 +240,8 @@ pub unsafe extern "C" fn ls_body_add_impulse_at(
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 /// cbindgen:ptrs-as-arrays=[[impulse;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_body_add_angular_impulse(world: LsWorld, body: LsBody, impulse: *const f32) -> LsResult {
-    call("ls_body_add_angular_impulse", || {
+pub unsafe extern "C" fn ls_body_angular_impulse_add(world: LsWorld, body: LsBody, impulse: *const f32) -> LsResult {
+    call("ls_body_angular_impulse_add", || {
         let impulse = host!(vector, impulse);
         edit(world, |world| world.add_angular_impulse(body.into(), impulse))
     })

@@ -219,8 +219,8 @@ pub extern "C" fn ls_body_wake(world: LsWorld, body: LsBody) -> LsResult {
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]
-pub extern "C" fn ls_body_put_to_sleep(world: LsWorld, body: LsBody) -> LsResult {
-    call("ls_body_put_to_sleep", || edit(world, |world| world.put_to_sleep(body.into())))
+pub extern "C" fn ls_body_sleep(world: LsWorld, body: LsBody) -> LsResult {
+    call("ls_body_sleep", || edit(world, |world| world.put_to_sleep(body.into())))
 }
 
 /// Net force of all contacts on a body in the last substep (N).

@@ -25,14 +25,14 @@ pub type LsPairsCallback =
 
 /// Receives the hits of a step; given in an LsCallbacks, see LsPairsCallback.
 /// @param world  the world that steps
-/// @param hits   count hits: the array of ls_world_hits
+/// @param hits   count hits: the array of ls_world_hits_get
 /// @param count  number of hits, > 0
 /// @param user   as given in the LsCallbacks
 pub type LsHitsCallback = Option<unsafe extern "C" fn(world: LsWorld, hits: *const LsHit, count: usize, user: *mut c_void)>;
 
 /// Receives the joints that came to a stop in a step; given in an LsCallbacks, see LsPairsCallback.
 /// @param world  the world that steps
-/// @param stops  count joints: the array of ls_world_joint_stops
+/// @param stops  count joints: the array of ls_world_joint_stops_get
 /// @param count  number of joints, > 0
 /// @param user   as given in the LsCallbacks
 pub type LsJointStopsCallback =
@@ -40,7 +40,7 @@ pub type LsJointStopsCallback =
 
 /// Receives the bodies that moved in a step; given in an LsCallbacks, see LsPairsCallback.
 /// @param world  the world that steps
-/// @param moved  count bodies: the array of ls_world_moved
+/// @param moved  count bodies: the array of ls_world_moved_bodies_get
 /// @param count  number of bodies, > 0
 /// @param user   as given in the LsCallbacks
 pub type LsMovedCallback = Option<unsafe extern "C" fn(world: LsWorld, moved: *const LsMoved, count: usize, user: *mut c_void)>;

@@ -23,8 +23,8 @@ use crate::strength::LsBondMaterial;
 ///         LS_ERROR_DEGENERATE, and what ls_shape_attach returns about a shape
 /// Threads: any thread at any time. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_cells_seeds(shape: *const LsShapeDef, count: usize, seed: u64, out: *mut f32) -> LsResult {
-    call("ls_cells_seeds", || {
+pub unsafe extern "C" fn ls_cell_seeds_get(shape: *const LsShapeDef, count: usize, seed: u64, out: *mut f32) -> LsResult {
+    call("ls_cell_seeds_get", || {
         let floats = count.checked_mul(3).ok_or_else(too_many)?;
         let out = host!(OutArray::new, out, floats);
         let shape = host!(sized::read, shape);

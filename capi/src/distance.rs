@@ -84,8 +84,13 @@ impl LsShapeDistance {
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_APPLICABLE (both are half-spaces)
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_shape_distance(world: LsWorld, a: LsShape, b: LsShape, out: *mut LsShapeDistance) -> LsResult {
-    call("ls_world_shape_distance", || {
+pub unsafe extern "C" fn ls_world_shape_distance_get(
+    world: LsWorld,
+    a: LsShape,
+    b: LsShape,
+    out: *mut LsShapeDistance,
+) -> LsResult {
+    call("ls_world_shape_distance_get", || {
         let out = host!(Out::new, out);
         read(world, |world| {
             let distance = world.shape_distance(a.into(), b.into())?;
@@ -97,7 +102,7 @@ pub unsafe extern "C" fn ls_world_shape_distance(world: LsWorld, a: LsShape, b: 
 /// The shape nearest to a solid, or the one that it overlaps deepest: shape_a; shape_b is null.
 ///
 /// @param world         the world; any value is safe
-/// @param shape         filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+/// @param shape         filled by ls_shape_def_init and changed as wanted; as in ls_world_shape_cast
 /// @param pose          where it is; positions (m)
 /// @param max_distance  how far to look (m), 0 to 1e7
 /// @param filter        which shapes count; NULL for all
@@ -106,7 +111,7 @@ pub unsafe extern "C" fn ls_world_shape_distance(world: LsWorld, a: LsShape, b: 
 ///         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_nearest_shape(
+pub unsafe extern "C" fn ls_world_nearest_shape_get(
     world: LsWorld,
     shape: *const LsShapeDef,
     pose: *const LsPose,
@@ -114,7 +119,7 @@ pub unsafe extern "C" fn ls_world_nearest_shape(
     filter: *const LsQueryFilter,
     out: *mut LsShapeDistance,
 ) -> LsResult {
-    call("ls_world_nearest_shape", || {
+    call("ls_world_nearest_shape_get", || {
         let out = host!(Out::new, out);
         // SAFETY: the header asks the host for valid pointers.
         let (shape, pose) = unsafe { solid(shape, pose) }?;

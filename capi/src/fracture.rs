@@ -36,7 +36,7 @@ pub struct LsJointBreak {
     pub torque: [f32; 3],
     /// Its load as a fraction of the limit that it broke at; above 1 if by load.
     pub share: f32,
-    /// LS_LIMIT_ constant: that limit.
+    /// LS_STRENGTH_ constant: that limit.
     pub limit: i32,
     /// LS_BREAK_ constant: why it broke.
     pub cause: i32,
@@ -63,7 +63,7 @@ pub struct LsSplit {
     pub linear_velocity: [f32; 3],
     /// 1 if a fixed joint tied it to the world or to a body that is not dynamic, else 0.
     pub anchored: u32,
-    /// Its first piece in the array of ls_world_pieces.
+    /// Its first piece in the array of ls_world_pieces_get.
     pub first_piece: u32,
     /// Number of its pieces.
     pub piece_count: u32,
@@ -77,7 +77,7 @@ pub struct LsPiece {
     pub first_body: LsBody,
     /// Its centre of mass at the end of the step (m).
     pub center: [f64; 3],
-    /// Its first member in the array of ls_world_piece_bodies.
+    /// Its first member in the array of ls_world_piece_bodies_get.
     pub first_member: u32,
     /// Number of its members.
     pub body_count: u32,
@@ -105,7 +105,7 @@ pub struct LsJointStress {
     pub torque: [f32; 3],
     /// Its load as a fraction of the nearest limit: 1 breaks; 0 without limits.
     pub share: f32,
-    /// LS_LIMIT_ constant: that limit.
+    /// LS_STRENGTH_ constant: that limit.
     pub limit: i32,
     /// Its wear, a fraction: 1 breaks.
     pub damage: f32,
@@ -116,7 +116,7 @@ unsafe impl Versioned for LsJointStress {
     const SIZES: &'static [usize] = &[36];
 }
 
-/// Receives the joints that broke in a step, one call each, in the order of ls_world_broken.
+/// Receives the joints that broke in a step, one call each, in the order of ls_world_joint_breaks_get.
 ///
 /// Called after the solve on the thread that steps, under its own floating-point settings. It must return normally (no
 /// exception, no longjmp). Inside it, reads of the world work, on other threads too; edits return LS_ERROR_WORLD_LOCKED.
@@ -125,9 +125,9 @@ unsafe impl Versioned for LsJointStress {
 /// @param user    as given to ls_world_break_callback_set
 pub type LsBreakCallback = Option<unsafe extern "C" fn(world: LsWorld, broken: *const LsJointBreak, user: *mut c_void)>;
 
-/// Receives the unions that fell into pieces in a step, one call each, in the order of ls_world_splits, after all broken joints.
+/// Receives the unions that fell into pieces in a step, one call each, in the order of ls_world_splits_get, after all broken joints.
 ///
-/// Called like LsBreakCallback; ls_world_pieces and ls_world_piece_bodies work inside it.
+/// Called like LsBreakCallback; ls_world_pieces_get and ls_world_piece_bodies_get work inside it.
 /// @param world  the world that steps
 /// @param split  the union, valid during the call
 /// @param user   as given to ls_world_split_callback_set
@@ -203,8 +203,8 @@ pub unsafe extern "C" fn ls_world_split_callback_set(world: LsWorld, callback: L
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_broken(world: LsWorld, out: *mut *const LsJointBreak, count: *mut usize) -> LsResult {
-    call("ls_world_broken", || {
+pub unsafe extern "C" fn ls_world_joint_breaks_get(world: LsWorld, out: *mut *const LsJointBreak, count: *mut usize) -> LsResult {
+    call("ls_world_joint_breaks_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, |hosted| hosted.published.broken.get(hosted.world.broken().iter().map(LsJointBreak::from)))
     })
@@ -219,8 +219,8 @@ pub unsafe extern "C" fn ls_world_broken(world: LsWorld, out: *mut *const LsJoin
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_splits(world: LsWorld, out: *mut *const LsSplit, count: *mut usize) -> LsResult {
-    call("ls_world_splits", || {
+pub unsafe extern "C" fn ls_world_splits_get(world: LsWorld, out: *mut *const LsSplit, count: *mut usize) -> LsResult {
+    call("ls_world_splits_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, |hosted| hosted.published.splits.get(hosted.world.splits().iter().map(LsSplit::from)))
     })
@@ -235,8 +235,8 @@ pub unsafe extern "C" fn ls_world_splits(world: LsWorld, out: *mut *const LsSpli
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_pieces(world: LsWorld, out: *mut *const LsPiece, count: *mut usize) -> LsResult {
-    call("ls_world_pieces", || {
+pub unsafe extern "C" fn ls_world_pieces_get(world: LsWorld, out: *mut *const LsPiece, count: *mut usize) -> LsResult {
+    call("ls_world_pieces_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, |hosted| hosted.published.pieces.get(hosted.world.pieces().iter().map(LsPiece::from)))
     })
@@ -251,8 +251,8 @@ pub unsafe extern "C" fn ls_world_pieces(world: LsWorld, out: *mut *const LsPiec
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_piece_bodies(world: LsWorld, out: *mut *const LsBody, count: *mut usize) -> LsResult {
-    call("ls_world_piece_bodies", || {
+pub unsafe extern "C" fn ls_world_piece_bodies_get(world: LsWorld, out: *mut *const LsBody, count: *mut usize) -> LsResult {
+    call("ls_world_piece_bodies_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, |hosted| {
             hosted.published.piece_bodies.get(hosted.world.piece_bodies().iter().copied().map(LsBody::from))
@@ -260,7 +260,7 @@ pub unsafe extern "C" fn ls_world_piece_bodies(world: LsWorld, out: *mut *const 
     })
 }
 
-/// Has joints break in the next step, where a step breaks joints: what ls_world_broken lists on a server makes a client that was
+/// Has joints break in the next step, where a step breaks joints: what ls_world_joint_breaks_get lists on a server makes a client that was
 /// in the same state before the step the same after it, bit for bit.
 ///
 /// The part of a handle that says which world it is of is not looked at. Joints that have been destroyed are passed over; lists
@@ -271,8 +271,8 @@ pub unsafe extern "C" fn ls_world_piece_bodies(world: LsWorld, out: *mut *const 
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_apply_fractures(world: LsWorld, joints: *const LsJoint, count: usize) -> LsResult {
-    call("ls_world_apply_fractures", || {
+pub unsafe extern "C" fn ls_world_fractures_apply(world: LsWorld, joints: *const LsJoint, count: usize) -> LsResult {
+    call("ls_world_fractures_apply", || {
         let joints: Vec<JointId> = host!(slice, joints, count).iter().map(|&joint| joint.into()).collect();
         edit(world, |world| world.apply_fractures(&joints))
     })
@@ -356,14 +356,14 @@ pub unsafe extern "C" fn ls_joint_shares_get(world: LsWorld, joints: *const LsJo
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_joints_near_breaking(
+pub unsafe extern "C" fn ls_world_joints_near_breaking_get(
     world: LsWorld,
     least: f32,
     out: *mut LsJoint,
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_world_joints_near_breaking", || {
+    call("ls_world_joints_near_breaking_get", || {
         let buffer = host!(Buffer::new, out, capacity, count);
         read(world, |world| {
             let near = world.joints_near_breaking(least)?;

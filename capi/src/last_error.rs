@@ -61,7 +61,7 @@ pub(crate) fn set(message: Message) {
 ///         call on this thread or the end of the thread. Calls that succeed leave it as it is.
 /// Threads: any thread at any time; each thread has its own. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub extern "C" fn ls_last_error_message() -> *const c_char {
+pub extern "C" fn ls_last_error_message_get() -> *const c_char {
     LAST.with(|last| last.as_ptr().cast())
 }
 

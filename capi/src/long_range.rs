@@ -47,7 +47,7 @@ pub struct LsLongRangeDef {
     pub reserved: u32,
     /// Not 0: bounds asked for with ls_world_soft_bound_set act; default 1.
     pub soft: u32,
-    /// Not 0: bodies that rigid fixed joints connect move as one, see ls_body_union; default 1.
+    /// Not 0: bodies that rigid fixed joints connect move as one, see ls_body_union_get; default 1.
     pub unions: u32,
     /// Not 0: chains of hinges with parallel axes are kept in one plane; default 1.
     pub plane_position: u32,

@@ -21,13 +21,13 @@ use crate::sized;
 ///         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_cast_ray(
+pub unsafe extern "C" fn ls_world_ray_cast(
     world: LsWorld,
     ray: *const LsRay,
     filter: *const LsQueryFilter,
     out: *mut LsRayHit,
 ) -> LsResult {
-    call("ls_world_cast_ray", || {
+    call("ls_world_ray_cast", || {
         let (ray, out) = (host!(pointer::read, ray), host!(Out::new, out));
         // SAFETY: the header asks the host for a valid filter or NULL.
         let hit = unsafe { ask(world, filter, |world, filter| world.cast_ray(&ray.into(), filter)) }?;
@@ -47,7 +47,7 @@ pub unsafe extern "C" fn ls_world_cast_ray(
 ///         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_cast_ray_all(
+pub unsafe extern "C" fn ls_world_ray_cast_all(
     world: LsWorld,
     ray: *const LsRay,
     filter: *const LsQueryFilter,
@@ -55,7 +55,7 @@ pub unsafe extern "C" fn ls_world_cast_ray_all(
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_world_cast_ray_all", || {
+    call("ls_world_ray_cast_all", || {
         let (ray, buffer) = (host!(pointer::read, ray), host!(Buffer::new, out, capacity, count));
         let mut hits = Vec::new();
         // SAFETY: the header asks the host for a valid filter or NULL.
@@ -75,14 +75,14 @@ pub unsafe extern "C" fn ls_world_cast_ray_all(
 ///         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_cast_rays(
+pub unsafe extern "C" fn ls_world_rays_cast(
     world: LsWorld,
     rays: *const LsRay,
     count: usize,
     filter: *const LsQueryFilter,
     out: *mut LsRayHit,
 ) -> LsResult {
-    call("ls_world_cast_rays", || {
+    call("ls_world_rays_cast", || {
         let (rays, out) = (host!(slice, rays, count), host!(OutArray::new, out, count));
         let rays: Vec<_> = rays.iter().map(|&ray| ray.into()).collect();
         let mut hits = vec![None; rays.len()];
@@ -107,7 +107,7 @@ pub unsafe extern "C" fn ls_world_cast_rays(
 /// Threads: read. Callbacks: allowed.
 /// cbindgen:ptrs-as-arrays=[[path;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_cast_shape(
+pub unsafe extern "C" fn ls_world_shape_cast(
     world: LsWorld,
     shape: *const LsShapeDef,
     pose: *const LsPose,
@@ -115,7 +115,7 @@ pub unsafe extern "C" fn ls_world_cast_shape(
     filter: *const LsQueryFilter,
     out: *mut LsRayHit,
 ) -> LsResult {
-    call("ls_world_cast_shape", || {
+    call("ls_world_shape_cast", || {
         let (path, out) = (host!(vector, path), host!(Out::new, out));
         // SAFETY: the header asks the host for valid pointers.
         let (shape, pose) = unsafe { solid(shape, pose) }?;
@@ -128,7 +128,7 @@ pub unsafe extern "C" fn ls_world_cast_shape(
 /// Every shape that a solid meets on a straight path, without turning, nearest first.
 ///
 /// @param world     the world; any value is safe
-/// @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+/// @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_shape_cast
 /// @param pose      where it starts
 /// @param path      three floats: how far it goes (m), together at most 1e7
 /// @param filter    which shapes count; NULL for all
@@ -140,7 +140,7 @@ pub unsafe extern "C" fn ls_world_cast_shape(
 /// Threads: read. Callbacks: allowed.
 /// cbindgen:ptrs-as-arrays=[[path;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_cast_shape_all(
+pub unsafe extern "C" fn ls_world_shape_cast_all(
     world: LsWorld,
     shape: *const LsShapeDef,
     pose: *const LsPose,
@@ -150,7 +150,7 @@ pub unsafe extern "C" fn ls_world_cast_shape_all(
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_world_cast_shape_all", || {
+    call("ls_world_shape_cast_all", || {
         let (path, buffer) = (host!(vector, path), host!(Buffer::new, out, capacity, count));
         // SAFETY: the header asks the host for valid pointers.
         let (shape, pose) = unsafe { solid(shape, pose) }?;
@@ -164,7 +164,7 @@ pub unsafe extern "C" fn ls_world_cast_shape_all(
 /// Every shape that a solid overlaps or touches, in a fixed order.
 ///
 /// @param world     the world; any value is safe
-/// @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+/// @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_shape_cast
 /// @param pose      where it is; positions (m)
 /// @param filter    which shapes count; NULL for all
 /// @param out       room for capacity shapes, filled on LS_OK, in a fixed order; may be NULL if capacity is 0
@@ -174,7 +174,7 @@ pub unsafe extern "C" fn ls_world_cast_shape_all(
 ///         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE, LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_overlap_shape(
+pub unsafe extern "C" fn ls_world_shape_overlaps_get(
     world: LsWorld,
     shape: *const LsShapeDef,
     pose: *const LsPose,
@@ -183,7 +183,7 @@ pub unsafe extern "C" fn ls_world_overlap_shape(
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_world_overlap_shape", || {
+    call("ls_world_shape_overlaps_get", || {
         let buffer = host!(Buffer::new, out, capacity, count);
         // SAFETY: the header asks the host for valid pointers.
         let (shape, pose) = unsafe { solid(shape, pose) }?;
@@ -194,7 +194,7 @@ pub unsafe extern "C" fn ls_world_overlap_shape(
     })
 }
 
-/// Every shape whose world box meets a box, in a fixed order; cheaper than ls_world_overlap_shape and less exact.
+/// Every shape whose world box meets a box, in a fixed order; cheaper than ls_world_shape_overlaps_get and less exact.
 ///
 /// @param world     the world; any value is safe
 /// @param min       three doubles: the least corner (m)
@@ -208,7 +208,7 @@ pub unsafe extern "C" fn ls_world_overlap_shape(
 /// Threads: read. Callbacks: allowed.
 /// cbindgen:ptrs-as-arrays=[[min;3]; [max;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_overlap_box(
+pub unsafe extern "C" fn ls_world_box_overlaps_get(
     world: LsWorld,
     min: *const f64,
     max: *const f64,
@@ -217,7 +217,7 @@ pub unsafe extern "C" fn ls_world_overlap_box(
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_world_overlap_box", || {
+    call("ls_world_box_overlaps_get", || {
         let (min, max) = (host!(pointer::point, min), host!(pointer::point, max));
         let buffer = host!(Buffer::new, out, capacity, count);
         let mut shapes = Vec::new();
@@ -239,14 +239,14 @@ pub unsafe extern "C" fn ls_world_overlap_box(
 /// Threads: read. Callbacks: allowed.
 /// cbindgen:ptrs-as-arrays=[[point;3]]
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_nearest_point(
+pub unsafe extern "C" fn ls_world_nearest_point_get(
     world: LsWorld,
     point: *const f64,
     max_distance: f32,
     filter: *const LsQueryFilter,
     out: *mut LsNearestPoint,
 ) -> LsResult {
-    call("ls_world_nearest_point", || {
+    call("ls_world_nearest_point_get", || {
         let (point, out) = (host!(pointer::point, point), host!(Out::new, out));
         // SAFETY: the header asks the host for a valid filter or NULL.
         let nearest = unsafe { ask(world, filter, |world, filter| world.nearest_point(point, max_distance, filter)) }?;

@@ -24,7 +24,7 @@ pub const LS_QUERY_DYNAMIC: u32 = 4;
 
 /// Has the last word on a shape whose box a query meets.
 ///
-/// Called during the query under the host's floating-point settings, in any order, in ls_world_cast_rays on any thread of the
+/// Called during the query under the host's floating-point settings, in any order, in ls_world_rays_cast on any thread of the
 /// world. It must return normally (no exception, no longjmp). Inside it, reads of the world work; edits return
 /// LS_ERROR_WORLD_BUSY.
 /// @param shape  the shape

@@ -19,13 +19,13 @@ use crate::sized::{SizedOut, Versioned};
 /// much as reading all bodies, for each call.
 pub const LS_RECORD_HASH_EVERY_CALL: u32 = 1;
 
-/// Takes the next bytes of a recording; given to ls_world_record_start.
+/// Takes the next bytes of a recording; given to ls_world_recording_start.
 ///
 /// Called on the thread whose call is recorded, under its own floating-point settings, while the world is held: inside it every
 /// call with that world returns LS_ERROR_WORLD_BUSY. It must return normally (no exception, no longjmp).
 /// @param data  valid during the call
 /// @param size  number of bytes
-/// @param user  as given to ls_world_record_start
+/// @param user  as given to ls_world_recording_start
 /// @return 0; anything else ends the recording
 pub type LsRecordCallback = Option<unsafe extern "C" fn(data: *const c_void, size: usize, user: *mut c_void) -> i32>;
 
@@ -135,20 +135,20 @@ fn hash_every_call(flags: u32) -> Outcome<bool> {
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_INVALID_ENUM, LS_ERROR_UNSUPPORTED (the callback refused)
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_record_start(
+pub unsafe extern "C" fn ls_world_recording_start(
     world: LsWorld,
     callback: LsRecordCallback,
     flags: u32,
     user: *mut c_void,
 ) -> LsResult {
-    call("ls_world_record_start", || {
+    call("ls_world_recording_start", || {
         let callback = callback.ok_or_else(|| null("callback"))?;
         let hashed = hash_every_call(flags)?;
         edit(world, |world| world.record(Box::new(Sink { callback, user }), hashed))
     })
 }
 
-/// As ls_world_record_start, into a file: what was there before is gone.
+/// As ls_world_recording_start, into a file: what was there before is gone.
 ///
 /// Each call is written when it is made, so that the file of a program that crashed holds all calls but the one that crashed.
 /// @param world  the world; any value is safe
@@ -158,8 +158,8 @@ pub unsafe extern "C" fn ls_world_record_start(
 ///         LS_ERROR_OTHER (the file cannot be made)
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_record_to_file(world: LsWorld, path: *const c_char, flags: u32) -> LsResult {
-    call("ls_world_record_to_file", || {
+pub unsafe extern "C" fn ls_world_recording_start_to_file(world: LsWorld, path: *const c_char, flags: u32) -> LsResult {
+    call("ls_world_recording_start_to_file", || {
         if path.is_null() {
             return Err(null("path"));
         }
@@ -183,8 +183,8 @@ pub unsafe extern "C" fn ls_world_record_to_file(world: LsWorld, path: *const c_
 ///         refused a part of the recording, which ended there)
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]
-pub extern "C" fn ls_world_record_stop(world: LsWorld) -> LsResult {
-    call("ls_world_record_stop", || edit(world, |world| world.stop_recording()))
+pub extern "C" fn ls_world_recording_stop(world: LsWorld) -> LsResult {
+    call("ls_world_recording_stop", || edit(world, |world| world.stop_recording()))
 }
 
 /// Plays a recording in a world of its own, to its end or to the first call that comes out otherwise than recorded.

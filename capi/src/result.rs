@@ -118,7 +118,7 @@ fn code_of(kind: ErrorKind) -> LsResult {
 /// @return a string that lives as long as the library, never NULL; "unknown result" for a value without a name
 /// Threads: any thread at any time. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub extern "C" fn ls_result_name(result: LsResult) -> *const c_char {
+pub extern "C" fn ls_result_name_get(result: LsResult) -> *const c_char {
     let name = match result {
         LS_OK => c"LS_OK",
         LS_ERROR_NULL_ARGUMENT => c"LS_ERROR_NULL_ARGUMENT",

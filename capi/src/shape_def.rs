@@ -127,7 +127,7 @@ pub struct LsShapeDef {
     pub filter: LsCollisionFilter,
     /// The host's own word; the library only hands it back.
     pub user_word: u64,
-    /// Not 0: a sensor, which only tells what it overlaps (ls_world_sensor_began): it touches nothing, no query finds it, and it
+    /// Not 0: a sensor, which only tells what it overlaps (ls_world_sensor_overlaps_begun_get): it touches nothing, no query finds it, and it
     /// has no mass; default 0.
     pub sensor: u32,
     /// Not used; 0.

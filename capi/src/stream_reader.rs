@@ -128,8 +128,8 @@ pub unsafe extern "C" fn ls_stream_reader_seek(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_world(reader: LsStreamReader, out: *mut LsStreamWorld) -> LsResult {
-    streaming!("ls_stream_reader_world", [reader, out], {
+pub unsafe extern "C" fn ls_stream_reader_world_get(reader: LsStreamReader, out: *mut LsStreamWorld) -> LsResult {
+    streaming!("ls_stream_reader_world_get", [reader, out], {
         let out = host!(Out::new, out);
         reading::with(reader, |state| out.write(*state.reader.scene().world()))
     })
@@ -145,12 +145,12 @@ pub unsafe extern "C" fn ls_stream_reader_world(reader: LsStreamReader, out: *mu
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_bodies(
+pub unsafe extern "C" fn ls_stream_reader_bodies_get(
     reader: LsStreamReader,
     out: *mut *const LsStreamBody,
     count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_bodies", [reader, out, count], {
+    streaming!("ls_stream_reader_bodies_get", [reader, out, count], {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.bodies();
@@ -170,12 +170,12 @@ pub unsafe extern "C" fn ls_stream_reader_bodies(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_shapes(
+pub unsafe extern "C" fn ls_stream_reader_shapes_get(
     reader: LsStreamReader,
     out: *mut *const LsStreamShape,
     count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_shapes", [reader, out, count], {
+    streaming!("ls_stream_reader_shapes_get", [reader, out, count], {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.shapes();
@@ -195,12 +195,12 @@ pub unsafe extern "C" fn ls_stream_reader_shapes(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_joints(
+pub unsafe extern "C" fn ls_stream_reader_joints_get(
     reader: LsStreamReader,
     out: *mut *const LsStreamJoint,
     count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_joints", [reader, out, count], {
+    streaming!("ls_stream_reader_joints_get", [reader, out, count], {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.joints();
@@ -220,12 +220,12 @@ pub unsafe extern "C" fn ls_stream_reader_joints(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_contacts(
+pub unsafe extern "C" fn ls_stream_reader_contacts_get(
     reader: LsStreamReader,
     out: *mut *const LsStreamContact,
     count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_contacts", [reader, out, count], {
+    streaming!("ls_stream_reader_contacts_get", [reader, out, count], {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.contacts();
@@ -245,12 +245,12 @@ pub unsafe extern "C" fn ls_stream_reader_contacts(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_joint_loads(
+pub unsafe extern "C" fn ls_stream_reader_joint_loads_get(
     reader: LsStreamReader,
     out: *mut *const LsStreamJointLoad,
     count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_joint_loads", [reader, out, count], {
+    streaming!("ls_stream_reader_joint_loads_get", [reader, out, count], {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.joint_loads();
@@ -270,12 +270,12 @@ pub unsafe extern "C" fn ls_stream_reader_joint_loads(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_bounds(
+pub unsafe extern "C" fn ls_stream_reader_bounds_get(
     reader: LsStreamReader,
     out: *mut *const LsStreamBound,
     count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_bounds", [reader, out, count], {
+    streaming!("ls_stream_reader_bounds_get", [reader, out, count], {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.bounds();
@@ -295,12 +295,12 @@ pub unsafe extern "C" fn ls_stream_reader_bounds(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_planes(
+pub unsafe extern "C" fn ls_stream_reader_planes_get(
     reader: LsStreamReader,
     out: *mut *const LsStreamPlane,
     count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_planes", [reader, out, count], {
+    streaming!("ls_stream_reader_planes_get", [reader, out, count], {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.planes();
@@ -320,12 +320,12 @@ pub unsafe extern "C" fn ls_stream_reader_planes(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_events(
+pub unsafe extern "C" fn ls_stream_reader_events_get(
     reader: LsStreamReader,
     out: *mut *const LsStreamEvent,
     count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_events", [reader, out, count], {
+    streaming!("ls_stream_reader_events_get", [reader, out, count], {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.events();
@@ -345,12 +345,12 @@ pub unsafe extern "C" fn ls_stream_reader_events(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_breaks(
+pub unsafe extern "C" fn ls_stream_reader_breaks_get(
     reader: LsStreamReader,
     out: *mut *const LsStreamBreak,
     count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_breaks", [reader, out, count], {
+    streaming!("ls_stream_reader_breaks_get", [reader, out, count], {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.breaks();
@@ -370,12 +370,12 @@ pub unsafe extern "C" fn ls_stream_reader_breaks(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_pieces(
+pub unsafe extern "C" fn ls_stream_reader_pieces_get(
     reader: LsStreamReader,
     out: *mut *const LsStreamPiece,
     count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_pieces", [reader, out, count], {
+    streaming!("ls_stream_reader_pieces_get", [reader, out, count], {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         reading::with(reader, |state| {
             let found = state.pieces();
@@ -398,7 +398,7 @@ pub unsafe extern "C" fn ls_stream_reader_pieces(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_mesh(
+pub unsafe extern "C" fn ls_stream_reader_mesh_get(
     reader: LsStreamReader,
     shape: u64,
     part: u32,
@@ -407,7 +407,7 @@ pub unsafe extern "C" fn ls_stream_reader_mesh(
     triangles: *mut *const [u32; 3],
     triangle_count: *mut usize,
 ) -> LsResult {
-    streaming!("ls_stream_reader_mesh", [reader, shape, part, vertices, vertex_count, triangles, triangle_count], {
+    streaming!("ls_stream_reader_mesh_get", [reader, shape, part, vertices, vertex_count, triangles, triangle_count], {
         let (vertices, vertex_count) = (host!(Out::new, vertices), host!(Out::new, vertex_count));
         let (triangles, triangle_count) = (host!(Out::new, triangles), host!(Out::new, triangle_count));
         reading::with(reader, |state| {
@@ -430,8 +430,8 @@ pub unsafe extern "C" fn ls_stream_reader_mesh(
 ///         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
 /// Threads: one thread at a time for each reader. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_stream_reader_hash(reader: LsStreamReader, out: *mut u64) -> LsResult {
-    streaming!("ls_stream_reader_hash", [reader, out], {
+pub unsafe extern "C" fn ls_stream_reader_hash_get(reader: LsStreamReader, out: *mut u64) -> LsResult {
+    streaming!("ls_stream_reader_hash_get", [reader, out], {
         let out = host!(Out::new, out);
         reading::with(reader, |state| out.write(state.reader.scene().hash()))
     })

@@ -3,21 +3,21 @@
 use ls_core::{BondMaterial, BreakCause, BreakLimit, Damage, FractureSettings, Strength};
 
 /// Limit of a joint: pulled apart along its axis.
-pub const LS_LIMIT_TENSION: i32 = 0;
+pub const LS_STRENGTH_TENSION: i32 = 0;
 /// Limit of a joint: pressed together along its axis.
-pub const LS_LIMIT_COMPRESSION: i32 = 1;
+pub const LS_STRENGTH_COMPRESSION: i32 = 1;
 /// Limit of a joint: pushed across its axis.
-pub const LS_LIMIT_SHEAR: i32 = 2;
+pub const LS_STRENGTH_SHEAR: i32 = 2;
 /// Limit of a joint: bent across its axis.
-pub const LS_LIMIT_BENDING: i32 = 3;
+pub const LS_STRENGTH_BENDING: i32 = 3;
 /// Limit of a joint: twisted about its axis.
-pub const LS_LIMIT_TORSION: i32 = 4;
+pub const LS_STRENGTH_TORSION: i32 = 4;
 
 /// Cause of a break: the mean load passed a limit.
 pub const LS_BREAK_LOAD: i32 = 0;
 /// Cause of a break: the joint was worn out.
 pub const LS_BREAK_DAMAGE: i32 = 1;
-/// Cause of a break: ls_world_apply_fractures named the joint, and it had not passed a limit.
+/// Cause of a break: ls_world_fractures_apply named the joint, and it had not passed a limit.
 pub const LS_BREAK_APPLIED: i32 = 2;
 
 /// What a joint bears before it breaks. Loads are those on body B in axes of the joint's frame on A, whose x axis is taken to
@@ -77,7 +77,7 @@ pub struct LsBondMaterial {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C)]
 pub struct LsFractureSettings {
-    /// Not 0: joints break by their own load; default 1. If 0, only what ls_world_apply_fractures names does, as on a client.
+    /// Not 0: joints break by their own load; default 1. If 0, only what ls_world_fractures_apply names does, as on a client.
     pub by_load: u32,
     /// Most joints that break in a step, >= 1; the rest do in the steps after, in order of their handles; default 4096.
     pub most: u32,
@@ -138,11 +138,11 @@ impl From<FractureSettings> for LsFractureSettings {
 
 pub(crate) fn from_limit(limit: BreakLimit) -> i32 {
     match limit {
-        BreakLimit::Tension => LS_LIMIT_TENSION,
-        BreakLimit::Compression => LS_LIMIT_COMPRESSION,
-        BreakLimit::Shear => LS_LIMIT_SHEAR,
-        BreakLimit::Bending => LS_LIMIT_BENDING,
-        BreakLimit::Torsion => LS_LIMIT_TORSION,
+        BreakLimit::Tension => LS_STRENGTH_TENSION,
+        BreakLimit::Compression => LS_STRENGTH_COMPRESSION,
+        BreakLimit::Shear => LS_STRENGTH_SHEAR,
+        BreakLimit::Bending => LS_STRENGTH_BENDING,
+        BreakLimit::Torsion => LS_STRENGTH_TORSION,
     }
 }
 

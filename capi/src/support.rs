@@ -90,8 +90,8 @@ impl From<&SupportChange> for LsSupportChange {
 /// @return LS_OK, a world error
 /// Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
 #[unsafe(no_mangle)]
-pub extern "C" fn ls_support_enable(world: LsWorld, on: u32) -> LsResult {
-    call("ls_support_enable", || {
+pub extern "C" fn ls_support_enabled_set(world: LsWorld, on: u32) -> LsResult {
+    call("ls_support_enabled_set", || {
         edit(world, |world| {
             world.set_support(on != 0);
             Ok(())
@@ -108,8 +108,8 @@ pub extern "C" fn ls_support_enable(world: LsWorld, on: u32) -> LsResult {
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_support_of(world: LsWorld, bodies: *const LsBody, count: usize, out: *mut LsSupport) -> LsResult {
-    call("ls_support_of", || {
+pub unsafe extern "C" fn ls_support_get(world: LsWorld, bodies: *const LsBody, count: usize, out: *mut LsSupport) -> LsResult {
+    call("ls_support_get", || {
         // SAFETY: the header asks the host for as many bodies, and for room for as many verdicts.
         let (bodies, out) = unsafe { (pointer::slice(bodies, count, "bodies")?, OutArray::new(out, count, "out")?) };
         read(world, |world| {
@@ -128,8 +128,8 @@ pub unsafe extern "C" fn ls_support_of(world: LsWorld, bodies: *const LsBody, co
 /// @return LS_OK, a world error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_support_count(world: LsWorld, out: *mut usize) -> LsResult {
-    call("ls_support_count", || {
+pub unsafe extern "C" fn ls_support_count_get(world: LsWorld, out: *mut usize) -> LsResult {
+    call("ls_support_count_get", || {
         let out = host!(Out::new, out);
         read(world, |world| out.write(world.supported_count()?))
     })
@@ -145,13 +145,13 @@ pub unsafe extern "C" fn ls_support_count(world: LsWorld, out: *mut usize) -> Ls
 ///         LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_support_changes(
+pub unsafe extern "C" fn ls_support_changes_get(
     world: LsWorld,
     out: *mut LsSupportChange,
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_support_changes", || {
+    call("ls_support_changes_get", || {
         let out = host!(Buffer::new, out, capacity, count);
         read(world, |world| {
             let changes = world.support_changes()?;
@@ -171,14 +171,14 @@ pub unsafe extern "C" fn ls_support_changes(
 ///         LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_support_hull(
+pub unsafe extern "C" fn ls_support_hull_get(
     world: LsWorld,
     body: LsBody,
     out: *mut [f64; 3],
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_support_hull", || {
+    call("ls_support_hull_get", || {
         let out = host!(Buffer::new, out, capacity, count);
         read(world, |world| {
             let hull = world.support_hull(body.into())?;
@@ -198,14 +198,14 @@ pub unsafe extern "C" fn ls_support_hull(
 ///         LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_support_from(
+pub unsafe extern "C" fn ls_support_carriers_get(
     world: LsWorld,
     body: LsBody,
     out: *mut LsBody,
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_support_from", || {
+    call("ls_support_carriers_get", || {
         let out = host!(Buffer::new, out, capacity, count);
         read(world, |world| fill(&out, &world.supporters(body.into())?))
     })
@@ -222,14 +222,14 @@ pub unsafe extern "C" fn ls_support_from(
 ///         LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_support_to(
+pub unsafe extern "C" fn ls_support_carried_get(
     world: LsWorld,
     body: LsBody,
     out: *mut LsBody,
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_support_to", || {
+    call("ls_support_carried_get", || {
         let out = host!(Buffer::new, out, capacity, count);
         read(world, |world| fill(&out, &world.supported_by(body.into())?))
     })
@@ -247,14 +247,14 @@ pub unsafe extern "C" fn ls_support_to(
 ///         LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_support_path(
+pub unsafe extern "C" fn ls_support_path_get(
     world: LsWorld,
     body: LsBody,
     out: *mut LsBody,
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_support_path", || {
+    call("ls_support_path_get", || {
         let out = host!(Buffer::new, out, capacity, count);
         read(world, |world| fill(&out, &world.path_to_ground(body.into())?))
     })
@@ -268,8 +268,8 @@ pub unsafe extern "C" fn ls_support_path(
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_support_load(world: LsWorld, body: LsBody, out: *mut f32) -> LsResult {
-    call("ls_support_load", || {
+pub unsafe extern "C" fn ls_support_load_get(world: LsWorld, body: LsBody, out: *mut f32) -> LsResult {
+    call("ls_support_load_get", || {
         let out = host!(Out::new, out);
         read(world, |world| out.write(world.load_on(body.into())?))
     })
@@ -284,8 +284,8 @@ pub unsafe extern "C" fn ls_support_load(world: LsWorld, body: LsBody, out: *mut
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_support_load_between(world: LsWorld, upper: LsBody, lower: LsBody, out: *mut f32) -> LsResult {
-    call("ls_support_load_between", || {
+pub unsafe extern "C" fn ls_support_load_between_get(world: LsWorld, upper: LsBody, lower: LsBody, out: *mut f32) -> LsResult {
+    call("ls_support_load_between_get", || {
         let out = host!(Out::new, out);
         read(world, |world| out.write(world.load_between(upper.into(), lower.into())?))
     })
@@ -305,7 +305,7 @@ pub unsafe extern "C" fn ls_support_load_between(world: LsWorld, upper: LsBody, 
 ///         LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_support_lost_without(
+pub unsafe extern "C" fn ls_support_loss_predict(
     world: LsWorld,
     removed: *const LsBody,
     removed_count: usize,
@@ -313,7 +313,7 @@ pub unsafe extern "C" fn ls_support_lost_without(
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_support_lost_without", || {
+    call("ls_support_loss_predict", || {
         // SAFETY: the header asks the host for as many bodies.
         let removed = unsafe { pointer::slice(removed, removed_count, "removed")? };
         let out = host!(Buffer::new, out, capacity, count);

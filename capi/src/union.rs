@@ -77,8 +77,8 @@ impl LsUnion {
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_body_union(world: LsWorld, body: LsBody, out: *mut LsUnion) -> LsResult {
-    call("ls_body_union", || {
+pub unsafe extern "C" fn ls_body_union_get(world: LsWorld, body: LsBody, out: *mut LsUnion) -> LsResult {
+    call("ls_body_union_get", || {
         let out = host!(Out::new, out);
         read(world, |world| {
             let union = world.union_of(body.into())?;
@@ -97,14 +97,14 @@ pub unsafe extern "C" fn ls_body_union(world: LsWorld, body: LsBody, out: *mut L
 /// @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_body_union_members(
+pub unsafe extern "C" fn ls_body_union_members_get(
     world: LsWorld,
     body: LsBody,
     out: *mut LsBody,
     capacity: usize,
     count: *mut usize,
 ) -> LsResult {
-    call("ls_body_union_members", || {
+    call("ls_body_union_members_get", || {
         let buffer = host!(Buffer::new, out, capacity, count);
         read(world, |world| {
             drop(world.union_members(body.into())?);
@@ -122,8 +122,8 @@ pub unsafe extern "C" fn ls_body_union_members(
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_unions(world: LsWorld, out: *mut LsUnion, capacity: usize, count: *mut usize) -> LsResult {
-    call("ls_world_unions", || {
+pub unsafe extern "C" fn ls_world_unions_get(world: LsWorld, out: *mut LsUnion, capacity: usize, count: *mut usize) -> LsResult {
+    call("ls_world_unions_get", || {
         let buffer = host!(Buffer::new, out, capacity, count);
         read(world, |world| buffer.fill(|| world.unions().map(|union| LsUnion::from(&union))))
     })

@@ -34,8 +34,8 @@ pub struct LsVersion {
 /// @return LS_OK, LS_ERROR_NULL_ARGUMENT
 /// Threads: any thread at any time. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_version(out: *mut LsVersion) -> LsResult {
-    call("ls_version", || {
+pub unsafe extern "C" fn ls_version_get(out: *mut LsVersion) -> LsResult {
+    call("ls_version_get", || {
         host!(Out::new, out).write(LsVersion {
             major: LS_VERSION_MAJOR,
             minor: LS_VERSION_MINOR,

@@ -87,9 +87,9 @@ pub struct LsWorldDef {
     pub reserved: u32,
     /// Not 0: groups that stand still on supporting contacts are held where they are until anything touches them; default 1.
     pub hold: u32,
-    /// Not 0: every step ends with the support analysis, as after ls_support_enable; default 0.
+    /// Not 0: every step ends with the support analysis, as after ls_support_enabled_set; default 0.
     pub support: u32,
-    /// Approach speed above which contacts are listed by ls_world_hits (m/s), >= 0; default INFINITY, which is never and costs
+    /// Approach speed above which contacts are listed by ls_world_hits_get (m/s), >= 0; default INFINITY, which is never and costs
     /// nothing.
     pub hit_threshold: f32,
     /// Whether and how fast joints break.

@@ -12,7 +12,7 @@ use crate::log;
 use crate::pointer::{Out, host};
 use crate::result::{LsResult, Outcome};
 
-/// Receives the joints that a step overloaded, one call each, in the order of ls_world_overloaded.
+/// Receives the joints that a step overloaded, one call each, in the order of ls_world_overloaded_joints_get.
 ///
 /// Called after the solve on the thread that steps, under its own floating-point settings. It must return normally (no
 /// exception, no longjmp). Inside it, reads of the world work, on other threads too; edits return LS_ERROR_WORLD_LOCKED.
@@ -33,7 +33,7 @@ unsafe impl Sync for OverloadHandler {}
 
 /// Steps a world by dt, then calls its callbacks.
 ///
-/// A body that the step would have given a state that is NaN or infinite is quarantined (ls_world_quarantined); the rest goes on.
+/// A body that the step would have given a state that is NaN or infinite is quarantined (ls_world_quarantined_bodies_get); the rest goes on.
 /// @param world  the world; any value is safe
 /// @param dt     step (s), 1e-6 to 1; the same each time gives the best results, 1/60 is usual
 /// @return LS_OK, a world error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_PANIC
@@ -98,8 +98,8 @@ pub unsafe extern "C" fn ls_world_overload_callback_set(
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_moved(world: LsWorld, out: *mut *const LsMoved, count: *mut usize) -> LsResult {
-    call("ls_world_moved", || {
+pub unsafe extern "C" fn ls_world_moved_bodies_get(world: LsWorld, out: *mut *const LsMoved, count: *mut usize) -> LsResult {
+    call("ls_world_moved_bodies_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, Hosted::moved)
     })
@@ -115,8 +115,12 @@ pub unsafe extern "C" fn ls_world_moved(world: LsWorld, out: *mut *const LsMoved
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_articulations(world: LsWorld, out: *mut *const LsArticulation, count: *mut usize) -> LsResult {
-    call("ls_world_articulations", || {
+pub unsafe extern "C" fn ls_world_articulations_get(
+    world: LsWorld,
+    out: *mut *const LsArticulation,
+    count: *mut usize,
+) -> LsResult {
+    call("ls_world_articulations_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, |hosted| {
             hosted.published.articulations.get(hosted.world.articulations().iter().map(LsArticulation::from))
@@ -150,8 +154,12 @@ pub unsafe extern "C" fn ls_world_islands_get(world: LsWorld, out: *mut *const L
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_contact_began(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
-    call("ls_world_contact_began", || {
+pub unsafe extern "C" fn ls_world_contacts_begun_get(
+    world: LsWorld,
+    out: *mut *const LsContactPair,
+    count: *mut usize,
+) -> LsResult {
+    call("ls_world_contacts_begun_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, Hosted::contact_began)
     })
@@ -166,8 +174,12 @@ pub unsafe extern "C" fn ls_world_contact_began(world: LsWorld, out: *mut *const
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_contact_ended(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
-    call("ls_world_contact_ended", || {
+pub unsafe extern "C" fn ls_world_contacts_ended_get(
+    world: LsWorld,
+    out: *mut *const LsContactPair,
+    count: *mut usize,
+) -> LsResult {
+    call("ls_world_contacts_ended_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, Hosted::contact_ended)
     })
@@ -182,8 +194,12 @@ pub unsafe extern "C" fn ls_world_contact_ended(world: LsWorld, out: *mut *const
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_overloaded(world: LsWorld, out: *mut *const LsJointOverload, count: *mut usize) -> LsResult {
-    call("ls_world_overloaded", || {
+pub unsafe extern "C" fn ls_world_overloaded_joints_get(
+    world: LsWorld,
+    out: *mut *const LsJointOverload,
+    count: *mut usize,
+) -> LsResult {
+    call("ls_world_overloaded_joints_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, Hosted::overloaded)
     })
@@ -199,8 +215,8 @@ pub unsafe extern "C" fn ls_world_overloaded(world: LsWorld, out: *mut *const Ls
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_quarantined(world: LsWorld, out: *mut *const LsBody, count: *mut usize) -> LsResult {
-    call("ls_world_quarantined", || {
+pub unsafe extern "C" fn ls_world_quarantined_bodies_get(world: LsWorld, out: *mut *const LsBody, count: *mut usize) -> LsResult {
+    call("ls_world_quarantined_bodies_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, Hosted::quarantined)
     })
@@ -215,8 +231,8 @@ pub unsafe extern "C" fn ls_world_quarantined(world: LsWorld, out: *mut *const L
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_hits(world: LsWorld, out: *mut *const LsHit, count: *mut usize) -> LsResult {
-    call("ls_world_hits", || {
+pub unsafe extern "C" fn ls_world_hits_get(world: LsWorld, out: *mut *const LsHit, count: *mut usize) -> LsResult {
+    call("ls_world_hits_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, Hosted::hits)
     })
@@ -231,8 +247,8 @@ pub unsafe extern "C" fn ls_world_hits(world: LsWorld, out: *mut *const LsHit, c
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_joint_stops(world: LsWorld, out: *mut *const LsJointStop, count: *mut usize) -> LsResult {
-    call("ls_world_joint_stops", || {
+pub unsafe extern "C" fn ls_world_joint_stops_get(world: LsWorld, out: *mut *const LsJointStop, count: *mut usize) -> LsResult {
+    call("ls_world_joint_stops_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, Hosted::joint_stops)
     })
@@ -249,8 +265,12 @@ pub unsafe extern "C" fn ls_world_joint_stops(world: LsWorld, out: *mut *const L
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_sensor_began(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
-    call("ls_world_sensor_began", || {
+pub unsafe extern "C" fn ls_world_sensor_overlaps_begun_get(
+    world: LsWorld,
+    out: *mut *const LsContactPair,
+    count: *mut usize,
+) -> LsResult {
+    call("ls_world_sensor_overlaps_begun_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, Hosted::sensor_began)
     })
@@ -266,8 +286,12 @@ pub unsafe extern "C" fn ls_world_sensor_began(world: LsWorld, out: *mut *const 
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_sensor_ended(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
-    call("ls_world_sensor_ended", || {
+pub unsafe extern "C" fn ls_world_sensor_overlaps_ended_get(
+    world: LsWorld,
+    out: *mut *const LsContactPair,
+    count: *mut usize,
+) -> LsResult {
+    call("ls_world_sensor_overlaps_ended_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, Hosted::sensor_ended)
     })
@@ -282,8 +306,12 @@ pub unsafe extern "C" fn ls_world_sensor_ended(world: LsWorld, out: *mut *const 
 /// @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
 /// Threads: read. Callbacks: allowed.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ls_world_sensed(world: LsWorld, out: *mut *const LsContactPair, count: *mut usize) -> LsResult {
-    call("ls_world_sensed", || {
+pub unsafe extern "C" fn ls_world_sensor_overlaps_get(
+    world: LsWorld,
+    out: *mut *const LsContactPair,
+    count: *mut usize,
+) -> LsResult {
+    call("ls_world_sensor_overlaps_get", || {
         let (out, count) = (host!(Out::new, out), host!(Out::new, count));
         publish(world, &out, &count, Hosted::sensed)
     })

@@ -47,7 +47,7 @@ pub unsafe extern "C" fn ls_world_sleep_settings_set(world: LsWorld, settings: *
     })
 }
 
-/// Sets the approach speed above which contacts are listed by ls_world_hits.
+/// Sets the approach speed above which contacts are listed by ls_world_hits_get.
 ///
 /// @param world  the world; any value is safe
 /// @param speed  (m/s), >= 0; INFINITY for never

@@ -6,7 +6,7 @@
  *   Units are SI: metres, kilograms, seconds, newtons, radians. Axes are right-handed; gravity is a vector.
  *   Positions are doubles, everything else is float. A vector is three numbers x, y, z, a rotation four: x, y, z, w.
  *   Every call returns LS_OK or an LS_ERROR_ code; results come through pointers. A call that fails has changed nothing and
- *   has written nothing, unless it says otherwise. ls_last_error_message tells which argument was at fault, and why.
+ *   has written nothing, unless it says otherwise. ls_last_error_message_get tells which argument was at fault, and why.
  *
  * Handles
  *   64 bits, passed by value; all zero is null. Any bit pattern is safe to pass: null, stale, foreign and invented handles and
@@ -164,19 +164,19 @@
 #define LS_LOCK_ROTATION_Z 32
 
 /** Limit of a joint: pulled apart along its axis. */
-#define LS_LIMIT_TENSION 0
+#define LS_STRENGTH_TENSION 0
 
 /** Limit of a joint: pressed together along its axis. */
-#define LS_LIMIT_COMPRESSION 1
+#define LS_STRENGTH_COMPRESSION 1
 
 /** Limit of a joint: pushed across its axis. */
-#define LS_LIMIT_SHEAR 2
+#define LS_STRENGTH_SHEAR 2
 
 /** Limit of a joint: bent across its axis. */
-#define LS_LIMIT_BENDING 3
+#define LS_STRENGTH_BENDING 3
 
 /** Limit of a joint: twisted about its axis. */
-#define LS_LIMIT_TORSION 4
+#define LS_STRENGTH_TORSION 4
 
 /** Cause of a break: the mean load passed a limit. */
 #define LS_BREAK_LOAD 0
@@ -184,7 +184,7 @@
 /** Cause of a break: the joint was worn out. */
 #define LS_BREAK_DAMAGE 1
 
-/** Cause of a break: ls_world_apply_fractures named the joint, and it had not passed a limit. */
+/** Cause of a break: ls_world_fractures_apply named the joint, and it had not passed a limit. */
 #define LS_BREAK_APPLIED 2
 
 /** Joint kind: nothing moves. */
@@ -687,7 +687,7 @@ typedef struct LsShapeDef {
     /** The host's own word; the library only hands it back. */
     uint64_t user_word;
     /**
-     * Not 0: a sensor, which only tells what it overlaps (ls_world_sensor_began): it touches nothing, no query finds it, and it
+     * Not 0: a sensor, which only tells what it overlaps (ls_world_sensor_overlaps_begun_get): it touches nothing, no query finds it, and it
      * has no mass; default 0.
      */
     uint32_t sensor;
@@ -953,7 +953,7 @@ typedef struct LsSleepSettings {
 
 /** Whether and how fast joints break. The layout of this struct never changes. */
 typedef struct LsFractureSettings {
-    /** Not 0: joints break by their own load; default 1. If 0, only what ls_world_apply_fractures names does, as on a client. */
+    /** Not 0: joints break by their own load; default 1. If 0, only what ls_world_fractures_apply names does, as on a client. */
     uint32_t by_load;
     /** Most joints that break in a step, >= 1; the rest do in the steps after, in order of their handles; default 4096. */
     uint32_t most;
@@ -988,10 +988,10 @@ typedef struct LsWorldDef {
     uint32_t reserved;
     /** Not 0: groups that stand still on supporting contacts are held where they are until anything touches them; default 1. */
     uint32_t hold;
-    /** Not 0: every step ends with the support analysis, as after ls_support_enable; default 0. */
+    /** Not 0: every step ends with the support analysis, as after ls_support_enabled_set; default 0. */
     uint32_t support;
     /**
-     * Approach speed above which contacts are listed by ls_world_hits (m/s), >= 0; default INFINITY, which is never and costs
+     * Approach speed above which contacts are listed by ls_world_hits_get (m/s), >= 0; default INFINITY, which is never and costs
      * nothing.
      */
     float hit_threshold;
@@ -1057,7 +1057,7 @@ typedef struct LsHit {
 /**
  * Receives the hits of a step; given in an LsCallbacks, see LsPairsCallback.
  * @param world  the world that steps
- * @param hits   count hits: the array of ls_world_hits
+ * @param hits   count hits: the array of ls_world_hits_get
  * @param count  number of hits, > 0
  * @param user   as given in the LsCallbacks
  */
@@ -1087,7 +1087,7 @@ typedef struct LsJointStop {
 /**
  * Receives the joints that came to a stop in a step; given in an LsCallbacks, see LsPairsCallback.
  * @param world  the world that steps
- * @param stops  count joints: the array of ls_world_joint_stops
+ * @param stops  count joints: the array of ls_world_joint_stops_get
  * @param count  number of joints, > 0
  * @param user   as given in the LsCallbacks
  */
@@ -1114,7 +1114,7 @@ typedef struct LsMoved {
 /**
  * Receives the bodies that moved in a step; given in an LsCallbacks, see LsPairsCallback.
  * @param world  the world that steps
- * @param moved  count bodies: the array of ls_world_moved
+ * @param moved  count bodies: the array of ls_world_moved_bodies_get
  * @param count  number of bodies, > 0
  * @param user   as given in the LsCallbacks
  */
@@ -1251,7 +1251,7 @@ typedef struct LsJointOverload {
 } LsJointOverload;
 
 /**
- * Receives the joints that a step overloaded, one call each, in the order of ls_world_overloaded.
+ * Receives the joints that a step overloaded, one call each, in the order of ls_world_overloaded_joints_get.
  *
  * Called after the solve on the thread that steps, under its own floating-point settings. It must return normally (no
  * exception, no longjmp). Inside it, reads of the world work, on other threads too; edits return LS_ERROR_WORLD_LOCKED.
@@ -1365,7 +1365,7 @@ typedef void (*LsZoneCallback)(const char *name, void *user);
 /**
  * Has the last word on a shape whose box a query meets.
  *
- * Called during the query under the host's floating-point settings, in any order, in ls_world_cast_rays on any thread of the
+ * Called during the query under the host's floating-point settings, in any order, in ls_world_rays_cast on any thread of the
  * world. It must return normally (no exception, no longjmp). Inside it, reads of the world work; edits return
  * LS_ERROR_WORLD_BUSY.
  * @param shape  the shape
@@ -1573,13 +1573,13 @@ typedef struct LsDraw {
 } LsDraw;
 
 /**
- * Takes the next bytes of a recording; given to ls_world_record_start.
+ * Takes the next bytes of a recording; given to ls_world_recording_start.
  *
  * Called on the thread whose call is recorded, under its own floating-point settings, while the world is held: inside it every
  * call with that world returns LS_ERROR_WORLD_BUSY. It must return normally (no exception, no longjmp).
  * @param data  valid during the call
  * @param size  number of bytes
- * @param user  as given to ls_world_record_start
+ * @param user  as given to ls_world_recording_start
  * @return 0; anything else ends the recording
  */
 typedef int32_t (*LsRecordCallback)(const void *data, size_t size, void *user);
@@ -1692,7 +1692,7 @@ typedef struct LsLongRangeDef {
     uint32_t reserved;
     /** Not 0: bounds asked for with ls_world_soft_bound_set act; default 1. */
     uint32_t soft;
-    /** Not 0: bodies that rigid fixed joints connect move as one, see ls_body_union; default 1. */
+    /** Not 0: bodies that rigid fixed joints connect move as one, see ls_body_union_get; default 1. */
     uint32_t unions;
     /** Not 0: chains of hinges with parallel axes are kept in one plane; default 1. */
     uint32_t plane_position;
@@ -1827,7 +1827,7 @@ typedef struct LsJointBreak {
     float torque[3];
     /** Its load as a fraction of the limit that it broke at; above 1 if by load. */
     float share;
-    /** LS_LIMIT_ constant: that limit. */
+    /** LS_STRENGTH_ constant: that limit. */
     int32_t limit;
     /** LS_BREAK_ constant: why it broke. */
     int32_t cause;
@@ -1836,7 +1836,7 @@ typedef struct LsJointBreak {
 } LsJointBreak;
 
 /**
- * Receives the joints that broke in a step, one call each, in the order of ls_world_broken.
+ * Receives the joints that broke in a step, one call each, in the order of ls_world_joint_breaks_get.
  *
  * Called after the solve on the thread that steps, under its own floating-point settings. It must return normally (no
  * exception, no longjmp). Inside it, reads of the world work, on other threads too; edits return LS_ERROR_WORLD_LOCKED.
@@ -1865,16 +1865,16 @@ typedef struct LsSplit {
     float linear_velocity[3];
     /** 1 if a fixed joint tied it to the world or to a body that is not dynamic, else 0. */
     uint32_t anchored;
-    /** Its first piece in the array of ls_world_pieces. */
+    /** Its first piece in the array of ls_world_pieces_get. */
     uint32_t first_piece;
     /** Number of its pieces. */
     uint32_t piece_count;
 } LsSplit;
 
 /**
- * Receives the unions that fell into pieces in a step, one call each, in the order of ls_world_splits, after all broken joints.
+ * Receives the unions that fell into pieces in a step, one call each, in the order of ls_world_splits_get, after all broken joints.
  *
- * Called like LsBreakCallback; ls_world_pieces and ls_world_piece_bodies work inside it.
+ * Called like LsBreakCallback; ls_world_pieces_get and ls_world_piece_bodies_get work inside it.
  * @param world  the world that steps
  * @param split  the union, valid during the call
  * @param user   as given to ls_world_split_callback_set
@@ -1887,7 +1887,7 @@ typedef struct LsPiece {
     struct LsBody first_body;
     /** Its centre of mass at the end of the step (m). */
     double center[3];
-    /** Its first member in the array of ls_world_piece_bodies. */
+    /** Its first member in the array of ls_world_piece_bodies_get. */
     uint32_t first_member;
     /** Number of its members. */
     uint32_t body_count;
@@ -1913,7 +1913,7 @@ typedef struct LsJointStress {
     float torque[3];
     /** Its load as a fraction of the nearest limit: 1 breaks; 0 without limits. */
     float share;
-    /** LS_LIMIT_ constant: that limit. */
+    /** LS_STRENGTH_ constant: that limit. */
     int32_t limit;
     /** Its wear, a fraction: 1 breaks. */
     float damage;
@@ -2309,7 +2309,7 @@ typedef struct LsStreamBreak {
     float torque[3];
     /** Its load as a fraction of the limit that it broke at; above 1 if by load. */
     float share;
-    /** LS_LIMIT_ constant: that limit. */
+    /** LS_STRENGTH_ constant: that limit. */
     int32_t limit;
     /** LS_BREAK_ constant: why it broke. */
     int32_t cause;
@@ -2521,7 +2521,7 @@ extern "C" {
  * @return a string that lives as long as the library, never NULL; "unknown result" for a value without a name
  * Threads: any thread at any time. Callbacks: allowed.
  */
-const char *ls_result_name(LsResult result);
+const char *ls_result_name_get(LsResult result);
 
 /**
  * Version of the library that the host runs with.
@@ -2530,7 +2530,7 @@ const char *ls_result_name(LsResult result);
  * @return LS_OK, LS_ERROR_NULL_ARGUMENT
  * Threads: any thread at any time. Callbacks: allowed.
  */
-LsResult ls_version(LsVersion *out);
+LsResult ls_version_get(LsVersion *out);
 
 /**
  * Message of the last call that failed on this thread: the function, the argument at fault and what is wrong with it. UTF-8,
@@ -2540,7 +2540,7 @@ LsResult ls_version(LsVersion *out);
  *         call on this thread or the end of the thread. Calls that succeed leave it as it is.
  * Threads: any thread at any time; each thread has its own. Callbacks: allowed.
  */
-const char *ls_last_error_message(void);
+const char *ls_last_error_message_get(void);
 
 /**
  * Sets whether a mistake ends the process (abort) where it happens, after it was logged, so that a debugger stops there.
@@ -2831,7 +2831,7 @@ LsResult ls_world_poses_get(LsWorld world, const LsBody *bodies, size_t count, L
 /**
  * Steps a world by dt, then calls its callbacks.
  *
- * A body that the step would have given a state that is NaN or infinite is quarantined (ls_world_quarantined); the rest goes on.
+ * A body that the step would have given a state that is NaN or infinite is quarantined (ls_world_quarantined_bodies_get); the rest goes on.
  * @param world  the world; any value is safe
  * @param dt     step (s), 1e-6 to 1; the same each time gives the best results, 1/60 is usual
  * @return LS_OK, a world error, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_PANIC
@@ -2860,7 +2860,7 @@ LsResult ls_world_overload_callback_set(LsWorld world, LsOverloadCallback callba
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_moved(LsWorld world, const LsMoved **out, size_t *count);
+LsResult ls_world_moved_bodies_get(LsWorld world, const LsMoved **out, size_t *count);
 
 /**
  * How each articulation was solved in the last step: bodies that joints connect and that are solved at once. Islands that sleep
@@ -2873,7 +2873,7 @@ LsResult ls_world_moved(LsWorld world, const LsMoved **out, size_t *count);
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_articulations(LsWorld world, const LsArticulation **out, size_t *count);
+LsResult ls_world_articulations_get(LsWorld world, const LsArticulation **out, size_t *count);
 
 /**
  * How each island with joints was solved in the last step, and why. Islands that sleep or are held, and those without joints, whose
@@ -2898,7 +2898,7 @@ LsResult ls_world_islands_get(LsWorld world, const LsIsland **out, size_t *count
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_contact_began(LsWorld world, const LsContactPair **out, size_t *count);
+LsResult ls_world_contacts_begun_get(LsWorld world, const LsContactPair **out, size_t *count);
 
 /**
  * Pairs of shapes that ceased to touch in the last step.
@@ -2910,7 +2910,7 @@ LsResult ls_world_contact_began(LsWorld world, const LsContactPair **out, size_t
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_contact_ended(LsWorld world, const LsContactPair **out, size_t *count);
+LsResult ls_world_contacts_ended_get(LsWorld world, const LsContactPair **out, size_t *count);
 
 /**
  * Joints that carried more than their break_force or break_torque in the last step. They are reported, not removed.
@@ -2922,7 +2922,7 @@ LsResult ls_world_contact_ended(LsWorld world, const LsContactPair **out, size_t
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_overloaded(LsWorld world, const LsJointOverload **out, size_t *count);
+LsResult ls_world_overloaded_joints_get(LsWorld world, const LsJointOverload **out, size_t *count);
 
 /**
  * Bodies that the last step would have given a state that is NaN or infinite. They stay where they were, without contacts, until
@@ -2935,7 +2935,7 @@ LsResult ls_world_overloaded(LsWorld world, const LsJointOverload **out, size_t 
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_quarantined(LsWorld world, const LsBody **out, size_t *count);
+LsResult ls_world_quarantined_bodies_get(LsWorld world, const LsBody **out, size_t *count);
 
 /**
  * Contacts of the last step whose shapes met faster than the world's hit_threshold, with the impulse.
@@ -2947,7 +2947,7 @@ LsResult ls_world_quarantined(LsWorld world, const LsBody **out, size_t *count);
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_hits(LsWorld world, const LsHit **out, size_t *count);
+LsResult ls_world_hits_get(LsWorld world, const LsHit **out, size_t *count);
 
 /**
  * Joints that came to a stop of theirs in the last step: a limit that did not press before it presses now.
@@ -2959,7 +2959,7 @@ LsResult ls_world_hits(LsWorld world, const LsHit **out, size_t *count);
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_joint_stops(LsWorld world, const LsJointStop **out, size_t *count);
+LsResult ls_world_joint_stops_get(LsWorld world, const LsJointStop **out, size_t *count);
 
 /**
  * Shapes that began to overlap a sensor in the last step; of each pair, the sensor comes first.
@@ -2973,7 +2973,7 @@ LsResult ls_world_joint_stops(LsWorld world, const LsJointStop **out, size_t *co
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_sensor_began(LsWorld world, const LsContactPair **out, size_t *count);
+LsResult ls_world_sensor_overlaps_begun_get(LsWorld world, const LsContactPair **out, size_t *count);
 
 /**
  * Shapes that ceased to overlap a sensor in the last step, or of which either was destroyed since the step before it; of each
@@ -2986,7 +2986,7 @@ LsResult ls_world_sensor_began(LsWorld world, const LsContactPair **out, size_t 
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_sensor_ended(LsWorld world, const LsContactPair **out, size_t *count);
+LsResult ls_world_sensor_overlaps_ended_get(LsWorld world, const LsContactPair **out, size_t *count);
 
 /**
  * Everything that overlapped a sensor at the end of the last step; of each pair, the sensor comes first.
@@ -2998,7 +2998,7 @@ LsResult ls_world_sensor_ended(LsWorld world, const LsContactPair **out, size_t 
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_sensed(LsWorld world, const LsContactPair **out, size_t *count);
+LsResult ls_world_sensor_overlaps_get(LsWorld world, const LsContactPair **out, size_t *count);
 
 /**
  * Sets how much work a step does, from the next step on.
@@ -3032,7 +3032,7 @@ LsResult ls_world_articulation_settings_set(LsWorld world, const LsArticulationS
 LsResult ls_world_sleep_settings_set(LsWorld world, const LsSleepSettings *settings);
 
 /**
- * Sets the approach speed above which contacts are listed by ls_world_hits.
+ * Sets the approach speed above which contacts are listed by ls_world_hits_get.
  *
  * @param world  the world; any value is safe
  * @param speed  (m/s), >= 0; INFINITY for never
@@ -3140,13 +3140,13 @@ LsResult ls_world_cast_all(LsWorld world,
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_APPLICABLE (both are half-spaces)
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_shape_distance(LsWorld world, LsShape a, LsShape b, LsShapeDistance *out);
+LsResult ls_world_shape_distance_get(LsWorld world, LsShape a, LsShape b, LsShapeDistance *out);
 
 /**
  * The shape nearest to a solid, or the one that it overlaps deepest: shape_a; shape_b is null.
  *
  * @param world         the world; any value is safe
- * @param shape         filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+ * @param shape         filled by ls_shape_def_init and changed as wanted; as in ls_world_shape_cast
  * @param pose          where it is; positions (m)
  * @param max_distance  how far to look (m), 0 to 1e7
  * @param filter        which shapes count; NULL for all
@@ -3155,12 +3155,12 @@ LsResult ls_world_shape_distance(LsWorld world, LsShape a, LsShape b, LsShapeDis
  *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_nearest_shape(LsWorld world,
-                                const LsShapeDef *shape,
-                                const LsPose *pose,
-                                float max_distance,
-                                const LsQueryFilter *filter,
-                                LsShapeDistance *out);
+LsResult ls_world_nearest_shape_get(LsWorld world,
+                                    const LsShapeDef *shape,
+                                    const LsPose *pose,
+                                    float max_distance,
+                                    const LsQueryFilter *filter,
+                                    LsShapeDistance *out);
 
 /* Queries --------------------------------------------------------------------------------------------------------- */
 
@@ -3175,7 +3175,7 @@ LsResult ls_world_nearest_shape(LsWorld world,
  *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_cast_ray(LsWorld world, const LsRay *ray, const LsQueryFilter *filter, LsRayHit *out);
+LsResult ls_world_ray_cast(LsWorld world, const LsRay *ray, const LsQueryFilter *filter, LsRayHit *out);
 
 /**
  * Every shape that a ray meets, nearest first, where the ray first meets it.
@@ -3190,7 +3190,7 @@ LsResult ls_world_cast_ray(LsWorld world, const LsRay *ray, const LsQueryFilter 
  *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_cast_ray_all(LsWorld world,
+LsResult ls_world_ray_cast_all(LsWorld world,
                                const LsRay *ray,
                                const LsQueryFilter *filter,
                                LsRayHit *out,
@@ -3209,7 +3209,7 @@ LsResult ls_world_cast_ray_all(LsWorld world,
  *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_cast_rays(LsWorld world,
+LsResult ls_world_rays_cast(LsWorld world,
                             const LsRay *rays,
                             size_t count,
                             const LsQueryFilter *filter,
@@ -3229,7 +3229,7 @@ LsResult ls_world_cast_rays(LsWorld world,
  *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_cast_shape(LsWorld world,
+LsResult ls_world_shape_cast(LsWorld world,
                              const LsShapeDef *shape,
                              const LsPose *pose,
                              const float path[3],
@@ -3240,7 +3240,7 @@ LsResult ls_world_cast_shape(LsWorld world,
  * Every shape that a solid meets on a straight path, without turning, nearest first.
  *
  * @param world     the world; any value is safe
- * @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+ * @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_shape_cast
  * @param pose      where it starts
  * @param path      three floats: how far it goes (m), together at most 1e7
  * @param filter    which shapes count; NULL for all
@@ -3251,7 +3251,7 @@ LsResult ls_world_cast_shape(LsWorld world,
  *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE, LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_cast_shape_all(LsWorld world,
+LsResult ls_world_shape_cast_all(LsWorld world,
                                  const LsShapeDef *shape,
                                  const LsPose *pose,
                                  const float path[3],
@@ -3264,7 +3264,7 @@ LsResult ls_world_cast_shape_all(LsWorld world,
  * Every shape that a solid overlaps or touches, in a fixed order.
  *
  * @param world     the world; any value is safe
- * @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_cast_shape
+ * @param shape     filled by ls_shape_def_init and changed as wanted; as in ls_world_shape_cast
  * @param pose      where it is; positions (m)
  * @param filter    which shapes count; NULL for all
  * @param out       room for capacity shapes, filled on LS_OK, in a fixed order; may be NULL if capacity is 0
@@ -3274,16 +3274,16 @@ LsResult ls_world_cast_shape_all(LsWorld world,
  *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_NOT_UNIT, LS_ERROR_DEGENERATE, LS_ERROR_NOT_APPLICABLE, LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_overlap_shape(LsWorld world,
-                                const LsShapeDef *shape,
-                                const LsPose *pose,
-                                const LsQueryFilter *filter,
-                                LsShape *out,
-                                size_t capacity,
-                                size_t *count);
+LsResult ls_world_shape_overlaps_get(LsWorld world,
+                                     const LsShapeDef *shape,
+                                     const LsPose *pose,
+                                     const LsQueryFilter *filter,
+                                     LsShape *out,
+                                     size_t capacity,
+                                     size_t *count);
 
 /**
- * Every shape whose world box meets a box, in a fixed order; cheaper than ls_world_overlap_shape and less exact.
+ * Every shape whose world box meets a box, in a fixed order; cheaper than ls_world_shape_overlaps_get and less exact.
  *
  * @param world     the world; any value is safe
  * @param min       three doubles: the least corner (m)
@@ -3296,13 +3296,13 @@ LsResult ls_world_overlap_shape(LsWorld world,
  *         LS_ERROR_OUT_OF_RANGE, LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_overlap_box(LsWorld world,
-                              const double *min,
-                              const double *max,
-                              const LsQueryFilter *filter,
-                              LsShape *out,
-                              size_t capacity,
-                              size_t *count);
+LsResult ls_world_box_overlaps_get(LsWorld world,
+                                   const double *min,
+                                   const double *max,
+                                   const LsQueryFilter *filter,
+                                   LsShape *out,
+                                   size_t capacity,
+                                   size_t *count);
 
 /**
  * The shape nearest to a point.
@@ -3316,11 +3316,11 @@ LsResult ls_world_overlap_box(LsWorld world,
  *         LS_ERROR_OUT_OF_RANGE
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_nearest_point(LsWorld world,
-                                const double point[3],
-                                float max_distance,
-                                const LsQueryFilter *filter,
-                                LsNearestPoint *out);
+LsResult ls_world_nearest_point_get(LsWorld world,
+                                    const double point[3],
+                                    float max_distance,
+                                    const LsQueryFilter *filter,
+                                    LsNearestPoint *out);
 
 /* Drawing --------------------------------------------------------------------------------------------------------- */
 
@@ -3389,10 +3389,10 @@ LsResult ls_world_restore(LsWorld world, const void *snapshot, size_t snapshot_s
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_INVALID_ENUM, LS_ERROR_UNSUPPORTED (the callback refused)
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_world_record_start(LsWorld world, LsRecordCallback callback, uint32_t flags, void *user);
+LsResult ls_world_recording_start(LsWorld world, LsRecordCallback callback, uint32_t flags, void *user);
 
 /**
- * As ls_world_record_start, into a file: what was there before is gone.
+ * As ls_world_recording_start, into a file: what was there before is gone.
  *
  * Each call is written when it is made, so that the file of a program that crashed holds all calls but the one that crashed.
  * @param world  the world; any value is safe
@@ -3402,7 +3402,7 @@ LsResult ls_world_record_start(LsWorld world, LsRecordCallback callback, uint32_
  *         LS_ERROR_OTHER (the file cannot be made)
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_world_record_to_file(LsWorld world, const char *path, uint32_t flags);
+LsResult ls_world_recording_start_to_file(LsWorld world, const char *path, uint32_t flags);
 
 /**
  * Ends the recording of a world.
@@ -3412,7 +3412,7 @@ LsResult ls_world_record_to_file(LsWorld world, const char *path, uint32_t flags
  *         refused a part of the recording, which ended there)
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_world_record_stop(LsWorld world);
+LsResult ls_world_recording_stop(LsWorld world);
 
 /**
  * Plays a recording in a world of its own, to its end or to the first call that comes out otherwise than recorded.
@@ -3636,7 +3636,7 @@ LsResult ls_body_angular_velocity_set(LsWorld world, LsBody body, const float an
  *         LS_ERROR_NOT_FINITE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_force(LsWorld world, LsBody body, const float force[3]);
+LsResult ls_body_force_add(LsWorld world, LsBody body, const float force[3]);
 
 /**
  * Adds a force at a point of a dynamic body, for the next step.
@@ -3649,7 +3649,7 @@ LsResult ls_body_add_force(LsWorld world, LsBody body, const float force[3]);
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_force_at(LsWorld world, LsBody body, const float *force, const double *point);
+LsResult ls_body_force_add_at(LsWorld world, LsBody body, const float *force, const double *point);
 
 /**
  * Adds a torque to a dynamic body, world axes, for the next step.
@@ -3661,7 +3661,7 @@ LsResult ls_body_add_force_at(LsWorld world, LsBody body, const float *force, co
  *         LS_ERROR_NOT_FINITE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_torque(LsWorld world, LsBody body, const float torque[3]);
+LsResult ls_body_torque_add(LsWorld world, LsBody body, const float torque[3]);
 
 /**
  * Adds an impulse at a dynamic body's centre of mass, at once.
@@ -3673,7 +3673,7 @@ LsResult ls_body_add_torque(LsWorld world, LsBody body, const float torque[3]);
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE (beyond 1e4 m/s or rad/s)
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_impulse(LsWorld world, LsBody body, const float impulse[3]);
+LsResult ls_body_impulse_add(LsWorld world, LsBody body, const float impulse[3]);
 
 /**
  * Adds an impulse at a point of a dynamic body, at once.
@@ -3686,7 +3686,7 @@ LsResult ls_body_add_impulse(LsWorld world, LsBody body, const float impulse[3])
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_impulse_at(LsWorld world, LsBody body, const float *impulse, const double *point);
+LsResult ls_body_impulse_add_at(LsWorld world, LsBody body, const float *impulse, const double *point);
 
 /**
  * Adds an angular impulse to a dynamic body, world axes, at once.
@@ -3698,7 +3698,7 @@ LsResult ls_body_add_impulse_at(LsWorld world, LsBody body, const float *impulse
  *         LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE (beyond 1e4 m/s or rad/s)
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_add_angular_impulse(LsWorld world, LsBody body, const float impulse[3]);
+LsResult ls_body_angular_impulse_add(LsWorld world, LsBody body, const float impulse[3]);
 
 /**
  * Mass properties of a dynamic body.
@@ -3865,7 +3865,7 @@ LsResult ls_body_wake(LsWorld world, LsBody body);
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_body_put_to_sleep(LsWorld world, LsBody body);
+LsResult ls_body_sleep(LsWorld world, LsBody body);
 
 /**
  * Net force of all contacts on a body in the last substep (N).
@@ -4256,7 +4256,7 @@ LsResult ls_joint_user_word_set(LsWorld world, LsJoint joint, uint64_t word);
  * @return LS_OK, a world error
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_support_enable(LsWorld world, uint32_t on);
+LsResult ls_support_enabled_set(LsWorld world, uint32_t on);
 
 /**
  * Whether bodies are held up, or why not.
@@ -4268,7 +4268,7 @@ LsResult ls_support_enable(LsWorld world, uint32_t on);
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_support_of(LsWorld world, const LsBody *bodies, size_t count, LsSupport *out);
+LsResult ls_support_get(LsWorld world, const LsBody *bodies, size_t count, LsSupport *out);
 
 /**
  * Number of dynamic bodies that have support, by the changes told so far.
@@ -4278,7 +4278,7 @@ LsResult ls_support_of(LsWorld world, const LsBody *bodies, size_t count, LsSupp
  * @return LS_OK, a world error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_support_count(LsWorld world, size_t *out);
+LsResult ls_support_count_get(LsWorld world, size_t *out);
 
 /**
  * Dynamic bodies that gained or lost support in the last step. A loss is told at once, a gain when it has lasted for six steps.
@@ -4291,7 +4291,7 @@ LsResult ls_support_count(LsWorld world, size_t *out);
  *         LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_support_changes(LsWorld world, LsSupportChange *out, size_t capacity, size_t *count);
+LsResult ls_support_changes_get(LsWorld world, LsSupportChange *out, size_t capacity, size_t *count);
 
 /**
  * Corners of the hull of a body's supporting contacts, seen along gravity: in the plane through its centre of mass across gravity.
@@ -4305,7 +4305,7 @@ LsResult ls_support_changes(LsWorld world, LsSupportChange *out, size_t capacity
  *         LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_support_hull(LsWorld world, LsBody body, double (*out)[3], size_t capacity, size_t *count);
+LsResult ls_support_hull_get(LsWorld world, LsBody body, double (*out)[3], size_t capacity, size_t *count);
 
 /**
  * Bodies that carry a body, through supporting contacts or joints.
@@ -4319,7 +4319,7 @@ LsResult ls_support_hull(LsWorld world, LsBody body, double (*out)[3], size_t ca
  *         LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_support_from(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
+LsResult ls_support_carriers_get(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
 
 /**
  * Bodies that a body carries through supporting contacts, or that hang on it by joints.
@@ -4333,7 +4333,7 @@ LsResult ls_support_from(LsWorld world, LsBody body, LsBody *out, size_t capacit
  *         LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_support_to(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
+LsResult ls_support_carried_get(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
 
 /**
  * The way that a body's weight takes to the ground: the body itself, then always what carries most of the one before, to a body
@@ -4348,7 +4348,7 @@ LsResult ls_support_to(LsWorld world, LsBody body, LsBody *out, size_t capacity,
  *         LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_support_path(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
+LsResult ls_support_path_get(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
 
 /**
  * Force with which everything that stands on a body presses it down, along gravity, in the last substep.
@@ -4359,7 +4359,7 @@ LsResult ls_support_path(LsWorld world, LsBody body, LsBody *out, size_t capacit
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_support_load(LsWorld world, LsBody body, float *out);
+LsResult ls_support_load_get(LsWorld world, LsBody body, float *out);
 
 /**
  * Force with which one body presses another down through their contacts, along gravity, in the last substep.
@@ -4371,7 +4371,7 @@ LsResult ls_support_load(LsWorld world, LsBody body, float *out);
  * @return LS_OK, a world error, a handle error, LS_ERROR_NOT_APPLICABLE (the analysis is off), LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_support_load_between(LsWorld world, LsBody upper, LsBody lower, float *out);
+LsResult ls_support_load_between_get(LsWorld world, LsBody upper, LsBody lower, float *out);
 
 /**
  * Bodies that are supported now and would not be without some others. The world stays as it is.
@@ -4388,7 +4388,7 @@ LsResult ls_support_load_between(LsWorld world, LsBody upper, LsBody lower, floa
  *         LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_support_lost_without(LsWorld world,
+LsResult ls_support_loss_predict(LsWorld world,
                                  const LsBody *removed,
                                  size_t removed_count,
                                  LsBody *out,
@@ -4518,7 +4518,7 @@ LsResult ls_chain_links_get(LsWorld world,
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_body_union(LsWorld world, LsBody body, LsUnion *out);
+LsResult ls_body_union_get(LsWorld world, LsBody body, LsUnion *out);
 
 /**
  * Dynamic bodies of the union that a body belongs to, in order of their slots; none where it belongs to none.
@@ -4531,7 +4531,7 @@ LsResult ls_body_union(LsWorld world, LsBody body, LsUnion *out);
  * @return LS_OK, a world error, a handle error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_body_union_members(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
+LsResult ls_body_union_members_get(LsWorld world, LsBody body, LsBody *out, size_t capacity, size_t *count);
 
 /**
  * Every union of a world, by lead.
@@ -4543,7 +4543,7 @@ LsResult ls_body_union_members(LsWorld world, LsBody body, LsBody *out, size_t c
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_unions(LsWorld world, LsUnion *out, size_t capacity, size_t *count);
+LsResult ls_world_unions_get(LsWorld world, LsUnion *out, size_t capacity, size_t *count);
 
 /**
  * Sets the function that receives broken joints; at the start there is none.
@@ -4577,7 +4577,7 @@ LsResult ls_world_split_callback_set(LsWorld world, LsSplitCallback callback, vo
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_broken(LsWorld world, const LsJointBreak **out, size_t *count);
+LsResult ls_world_joint_breaks_get(LsWorld world, const LsJointBreak **out, size_t *count);
 
 /**
  * Unions that fell into pieces in the last step, by their lowest member.
@@ -4589,7 +4589,7 @@ LsResult ls_world_broken(LsWorld world, const LsJointBreak **out, size_t *count)
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_splits(LsWorld world, const LsSplit **out, size_t *count);
+LsResult ls_world_splits_get(LsWorld world, const LsSplit **out, size_t *count);
 
 /**
  * The pieces of all splits of the last step, split by split.
@@ -4601,7 +4601,7 @@ LsResult ls_world_splits(LsWorld world, const LsSplit **out, size_t *count);
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_pieces(LsWorld world, const LsPiece **out, size_t *count);
+LsResult ls_world_pieces_get(LsWorld world, const LsPiece **out, size_t *count);
 
 /**
  * The members of all pieces of the last step, piece by piece.
@@ -4613,10 +4613,10 @@ LsResult ls_world_pieces(LsWorld world, const LsPiece **out, size_t *count);
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_piece_bodies(LsWorld world, const LsBody **out, size_t *count);
+LsResult ls_world_piece_bodies_get(LsWorld world, const LsBody **out, size_t *count);
 
 /**
- * Has joints break in the next step, where a step breaks joints: what ls_world_broken lists on a server makes a client that was
+ * Has joints break in the next step, where a step breaks joints: what ls_world_joint_breaks_get lists on a server makes a client that was
  * in the same state before the step the same after it, bit for bit.
  *
  * The part of a handle that says which world it is of is not looked at. Joints that have been destroyed are passed over; lists
@@ -4627,7 +4627,7 @@ LsResult ls_world_piece_bodies(LsWorld world, const LsBody **out, size_t *count)
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NULL_HANDLE, LS_ERROR_INVALID_HANDLE
  * Threads: edit. Callbacks: LS_ERROR_WORLD_LOCKED.
  */
-LsResult ls_world_apply_fractures(LsWorld world, const LsJoint *joints, size_t count);
+LsResult ls_world_fractures_apply(LsWorld world, const LsJoint *joints, size_t count);
 
 /**
  * Sets whether and how fast joints break.
@@ -4686,7 +4686,7 @@ LsResult ls_joint_shares_get(LsWorld world, const LsJoint *joints, size_t count,
  * @return LS_OK, a world error, LS_ERROR_NULL_ARGUMENT, LS_ERROR_NOT_FINITE, LS_ERROR_OUT_OF_RANGE, LS_ERROR_BUFFER_TOO_SMALL
  * Threads: read. Callbacks: allowed.
  */
-LsResult ls_world_joints_near_breaking(LsWorld world, float least, LsJoint *out, size_t capacity, size_t *count);
+LsResult ls_world_joints_near_breaking_get(LsWorld world, float least, LsJoint *out, size_t capacity, size_t *count);
 
 /**
  * Points spread evenly at random through a box or a convex hull, to cut it by; the same for the same seed on every machine.
@@ -4699,7 +4699,7 @@ LsResult ls_world_joints_near_breaking(LsWorld world, float least, LsJoint *out,
  *         LS_ERROR_DEGENERATE, and what ls_shape_attach returns about a shape
  * Threads: any thread at any time. Callbacks: allowed.
  */
-LsResult ls_cells_seeds(const LsShapeDef *shape, size_t count, uint64_t seed, float *out);
+LsResult ls_cell_seeds_get(const LsShapeDef *shape, size_t count, uint64_t seed, float *out);
 
 /**
  * Cuts a box or a convex hull into the Voronoi cells of seeds: a body with a convex hull for each cell, and a fixed joint at each
@@ -4886,7 +4886,7 @@ LsResult ls_stream_reader_seek(LsStreamReader reader, uint64_t step, LsStreamPol
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_world(LsStreamReader reader, LsStreamWorld *out);
+LsResult ls_stream_reader_world_get(LsStreamReader reader, LsStreamWorld *out);
 
 /**
  * Bodies as the last frame left them, by handle.
@@ -4899,7 +4899,7 @@ LsResult ls_stream_reader_world(LsStreamReader reader, LsStreamWorld *out);
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_bodies(LsStreamReader reader, const LsStreamBody **out, size_t *count);
+LsResult ls_stream_reader_bodies_get(LsStreamReader reader, const LsStreamBody **out, size_t *count);
 
 /**
  * Shapes, by handle and part.
@@ -4912,7 +4912,7 @@ LsResult ls_stream_reader_bodies(LsStreamReader reader, const LsStreamBody **out
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_shapes(LsStreamReader reader, const LsStreamShape **out, size_t *count);
+LsResult ls_stream_reader_shapes_get(LsStreamReader reader, const LsStreamShape **out, size_t *count);
 
 /**
  * Joints, by handle.
@@ -4925,7 +4925,7 @@ LsResult ls_stream_reader_shapes(LsStreamReader reader, const LsStreamShape **ou
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_joints(LsStreamReader reader, const LsStreamJoint **out, size_t *count);
+LsResult ls_stream_reader_joints_get(LsStreamReader reader, const LsStreamJoint **out, size_t *count);
 
 /**
  * Contacts of the last frame; none unless the stream has LS_STREAM_LAYER_CONTACTS.
@@ -4938,7 +4938,7 @@ LsResult ls_stream_reader_joints(LsStreamReader reader, const LsStreamJoint **ou
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_contacts(LsStreamReader reader, const LsStreamContact **out, size_t *count);
+LsResult ls_stream_reader_contacts_get(LsStreamReader reader, const LsStreamContact **out, size_t *count);
 
 /**
  * What joints carry in the last frame; none unless the stream has LS_STREAM_LAYER_JOINT_LOADS.
@@ -4951,7 +4951,7 @@ LsResult ls_stream_reader_contacts(LsStreamReader reader, const LsStreamContact 
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_joint_loads(LsStreamReader reader, const LsStreamJointLoad **out, size_t *count);
+LsResult ls_stream_reader_joint_loads_get(LsStreamReader reader, const LsStreamJointLoad **out, size_t *count);
 
 /**
  * Long-range bounds of the last frame; none unless the stream has LS_STREAM_LAYER_BOUNDS.
@@ -4964,7 +4964,7 @@ LsResult ls_stream_reader_joint_loads(LsStreamReader reader, const LsStreamJoint
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_bounds(LsStreamReader reader, const LsStreamBound **out, size_t *count);
+LsResult ls_stream_reader_bounds_get(LsStreamReader reader, const LsStreamBound **out, size_t *count);
 
 /**
  * Planes of hinge chains in the last frame; none unless the stream has LS_STREAM_LAYER_PLANES.
@@ -4977,7 +4977,7 @@ LsResult ls_stream_reader_bounds(LsStreamReader reader, const LsStreamBound **ou
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_planes(LsStreamReader reader, const LsStreamPlane **out, size_t *count);
+LsResult ls_stream_reader_planes_get(LsStreamReader reader, const LsStreamPlane **out, size_t *count);
 
 /**
  * What happened, as far as the last call of ls_stream_reader_poll, _next or _seek brought it: the oldest first.
@@ -4990,7 +4990,7 @@ LsResult ls_stream_reader_planes(LsStreamReader reader, const LsStreamPlane **ou
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_events(LsStreamReader reader, const LsStreamEvent **out, size_t *count);
+LsResult ls_stream_reader_events_get(LsStreamReader reader, const LsStreamEvent **out, size_t *count);
 
 /**
  * Joints that broke since the last call of ls_stream_reader_poll, _next or _seek, the oldest first.
@@ -5003,7 +5003,7 @@ LsResult ls_stream_reader_events(LsStreamReader reader, const LsStreamEvent **ou
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_breaks(LsStreamReader reader, const LsStreamBreak **out, size_t *count);
+LsResult ls_stream_reader_breaks_get(LsStreamReader reader, const LsStreamBreak **out, size_t *count);
 
 /**
  * Pieces of unions that fell apart since the last call of ls_stream_reader_poll, _next or _seek, the oldest first.
@@ -5016,7 +5016,7 @@ LsResult ls_stream_reader_breaks(LsStreamReader reader, const LsStreamBreak **ou
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_pieces(LsStreamReader reader, const LsStreamPiece **out, size_t *count);
+LsResult ls_stream_reader_pieces_get(LsStreamReader reader, const LsStreamPiece **out, size_t *count);
 
 /**
  * Triangles of a part of a shape that a few numbers do not describe: a hull, a mesh, a height field.
@@ -5032,13 +5032,13 @@ LsResult ls_stream_reader_pieces(LsStreamReader reader, const LsStreamPiece **ou
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_mesh(LsStreamReader reader,
-                               uint64_t shape,
-                               uint32_t part,
-                               const float (**vertices)[3],
-                               size_t *vertex_count,
-                               const uint32_t (**triangles)[3],
-                               size_t *triangle_count);
+LsResult ls_stream_reader_mesh_get(LsStreamReader reader,
+                                   uint64_t shape,
+                                   uint32_t part,
+                                   const float (**vertices)[3],
+                                   size_t *vertex_count,
+                                   const uint32_t (**triangles)[3],
+                                   size_t *triangle_count);
 
 /**
  * Hash of what the reader knows: the step, and handles, poses, velocities and flags of all bodies, and the joints. The same frame
@@ -5050,7 +5050,7 @@ LsResult ls_stream_reader_mesh(LsStreamReader reader,
  *         LS_ERROR_WORLD_BUSY, LS_ERROR_NULL_ARGUMENT
  * Threads: one thread at a time for each reader. Callbacks: allowed.
  */
-LsResult ls_stream_reader_hash(LsStreamReader reader, uint64_t *out);
+LsResult ls_stream_reader_hash_get(LsStreamReader reader, uint64_t *out);
 
 /**
  * Records from now on all that the reader takes in.
@@ -5080,3 +5080,85 @@ LsResult ls_stream_reader_recording_get(LsStreamReader reader, LsStreamRecording
 #endif  // __cplusplus
 
 #endif  /* LONGSPAN_H */
+
+/* Names of before version 0.1.0, for hosts written against them. Define LONGSPAN_NO_OLD_NAMES to leave them out. */
+#ifndef LONGSPAN_NO_OLD_NAMES
+#define ls_world_moved ls_world_moved_bodies_get
+#define ls_world_articulations ls_world_articulations_get
+#define ls_world_contact_began ls_world_contacts_begun_get
+#define ls_world_contact_ended ls_world_contacts_ended_get
+#define ls_world_overloaded ls_world_overloaded_joints_get
+#define ls_world_quarantined ls_world_quarantined_bodies_get
+#define ls_world_hits ls_world_hits_get
+#define ls_world_joint_stops ls_world_joint_stops_get
+#define ls_world_sensor_began ls_world_sensor_overlaps_begun_get
+#define ls_world_sensor_ended ls_world_sensor_overlaps_ended_get
+#define ls_world_sensed ls_world_sensor_overlaps_get
+#define ls_world_shape_distance ls_world_shape_distance_get
+#define ls_world_nearest_shape ls_world_nearest_shape_get
+#define ls_world_nearest_point ls_world_nearest_point_get
+#define ls_world_cast_ray ls_world_ray_cast
+#define ls_world_cast_ray_all ls_world_ray_cast_all
+#define ls_world_cast_rays ls_world_rays_cast
+#define ls_world_cast_shape ls_world_shape_cast
+#define ls_world_cast_shape_all ls_world_shape_cast_all
+#define ls_world_overlap_shape ls_world_shape_overlaps_get
+#define ls_world_overlap_box ls_world_box_overlaps_get
+#define ls_world_record_start ls_world_recording_start
+#define ls_world_record_to_file ls_world_recording_start_to_file
+#define ls_world_record_stop ls_world_recording_stop
+#define ls_world_unions ls_world_unions_get
+#define ls_world_broken ls_world_joint_breaks_get
+#define ls_world_splits ls_world_splits_get
+#define ls_world_pieces ls_world_pieces_get
+#define ls_world_piece_bodies ls_world_piece_bodies_get
+#define ls_world_apply_fractures ls_world_fractures_apply
+#define ls_world_joints_near_breaking ls_world_joints_near_breaking_get
+#define ls_body_add_force ls_body_force_add
+#define ls_body_add_force_at ls_body_force_add_at
+#define ls_body_add_torque ls_body_torque_add
+#define ls_body_add_impulse ls_body_impulse_add
+#define ls_body_add_impulse_at ls_body_impulse_add_at
+#define ls_body_add_angular_impulse ls_body_angular_impulse_add
+#define ls_body_put_to_sleep ls_body_sleep
+#define ls_body_union ls_body_union_get
+#define ls_body_union_members ls_body_union_members_get
+#define ls_support_enable ls_support_enabled_set
+#define ls_support_of ls_support_get
+#define ls_support_count ls_support_count_get
+#define ls_support_changes ls_support_changes_get
+#define ls_support_hull ls_support_hull_get
+#define ls_support_from ls_support_carriers_get
+#define ls_support_to ls_support_carried_get
+#define ls_support_path ls_support_path_get
+#define ls_support_load ls_support_load_get
+#define ls_support_load_between ls_support_load_between_get
+#define ls_support_lost_without ls_support_loss_predict
+#define ls_cells_seeds ls_cell_seeds_get
+#define ls_stream_reader_world ls_stream_reader_world_get
+#define ls_stream_reader_bodies ls_stream_reader_bodies_get
+#define ls_stream_reader_shapes ls_stream_reader_shapes_get
+#define ls_stream_reader_joints ls_stream_reader_joints_get
+#define ls_stream_reader_contacts ls_stream_reader_contacts_get
+#define ls_stream_reader_joint_loads ls_stream_reader_joint_loads_get
+#define ls_stream_reader_bounds ls_stream_reader_bounds_get
+#define ls_stream_reader_planes ls_stream_reader_planes_get
+#define ls_stream_reader_events ls_stream_reader_events_get
+#define ls_stream_reader_breaks ls_stream_reader_breaks_get
+#define ls_stream_reader_pieces ls_stream_reader_pieces_get
+#define ls_stream_reader_mesh ls_stream_reader_mesh_get
+#define ls_stream_reader_hash ls_stream_reader_hash_get
+#define ls_version ls_version_get
+#define ls_result_name ls_result_name_get
+#define ls_last_error_message ls_last_error_message_get
+/** Old name of LS_STRENGTH_TENSION. */
+#define LS_LIMIT_TENSION LS_STRENGTH_TENSION
+/** Old name of LS_STRENGTH_COMPRESSION. */
+#define LS_LIMIT_COMPRESSION LS_STRENGTH_COMPRESSION
+/** Old name of LS_STRENGTH_SHEAR. */
+#define LS_LIMIT_SHEAR LS_STRENGTH_SHEAR
+/** Old name of LS_STRENGTH_BENDING. */
+#define LS_LIMIT_BENDING LS_STRENGTH_BENDING
+/** Old name of LS_STRENGTH_TORSION. */
+#define LS_LIMIT_TORSION LS_STRENGTH_TORSION
+#endif

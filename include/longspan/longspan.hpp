@@ -38,7 +38,7 @@ private:
 /// Throws if a call failed.
 inline void check(LsResult result) {
     if (result != LS_OK) {
-        throw Error(result, ls_last_error_message());
+        throw Error(result, ls_last_error_message_get());
     }
 }
 
@@ -254,7 +254,7 @@ public:
     void set_pose(LsBody body, const LsPose &pose) { check(ls_body_pose_set(world_, body, &pose)); }
     void add_impulse(LsBody body, float x, float y, float z) {
         const float impulse[3] = {x, y, z};
-        check(ls_body_add_impulse(world_, body, impulse));
+        check(ls_body_impulse_add(world_, body, impulse));
     }
     void set_friction(LsJoint joint, float friction) { check(ls_joint_friction_set(world_, joint, friction)); }
     LsJointState state(LsJoint joint) const {
@@ -276,21 +276,21 @@ public:
     std::vector<LsContact> contacts(LsBody body) const { return list<LsContact>(ls_body_contacts_get, body); }
 
     /// Arrays of the last step, valid until the next one.
-    Span<LsMoved> moved() const { return array<LsMoved>(ls_world_moved); }
-    Span<LsContactPair> contact_began() const { return array<LsContactPair>(ls_world_contact_began); }
-    Span<LsContactPair> contact_ended() const { return array<LsContactPair>(ls_world_contact_ended); }
-    Span<LsJointOverload> overloaded() const { return array<LsJointOverload>(ls_world_overloaded); }
-    Span<LsBody> quarantined() const { return array<LsBody>(ls_world_quarantined); }
-    Span<LsArticulation> articulations() const { return array<LsArticulation>(ls_world_articulations); }
-    Span<LsHit> hits() const { return array<LsHit>(ls_world_hits); }
-    Span<LsJointStop> joint_stops() const { return array<LsJointStop>(ls_world_joint_stops); }
-    Span<LsContactPair> sensor_began() const { return array<LsContactPair>(ls_world_sensor_began); }
-    Span<LsContactPair> sensor_ended() const { return array<LsContactPair>(ls_world_sensor_ended); }
-    Span<LsContactPair> sensed() const { return array<LsContactPair>(ls_world_sensed); }
-    Span<LsJointBreak> broken() const { return array<LsJointBreak>(ls_world_broken); }
-    Span<LsSplit> splits() const { return array<LsSplit>(ls_world_splits); }
-    Span<LsPiece> pieces() const { return array<LsPiece>(ls_world_pieces); }
-    Span<LsBody> piece_bodies() const { return array<LsBody>(ls_world_piece_bodies); }
+    Span<LsMoved> moved() const { return array<LsMoved>(ls_world_moved_bodies_get); }
+    Span<LsContactPair> contact_began() const { return array<LsContactPair>(ls_world_contacts_begun_get); }
+    Span<LsContactPair> contact_ended() const { return array<LsContactPair>(ls_world_contacts_ended_get); }
+    Span<LsJointOverload> overloaded() const { return array<LsJointOverload>(ls_world_overloaded_joints_get); }
+    Span<LsBody> quarantined() const { return array<LsBody>(ls_world_quarantined_bodies_get); }
+    Span<LsArticulation> articulations() const { return array<LsArticulation>(ls_world_articulations_get); }
+    Span<LsHit> hits() const { return array<LsHit>(ls_world_hits_get); }
+    Span<LsJointStop> joint_stops() const { return array<LsJointStop>(ls_world_joint_stops_get); }
+    Span<LsContactPair> sensor_began() const { return array<LsContactPair>(ls_world_sensor_overlaps_begun_get); }
+    Span<LsContactPair> sensor_ended() const { return array<LsContactPair>(ls_world_sensor_overlaps_ended_get); }
+    Span<LsContactPair> sensed() const { return array<LsContactPair>(ls_world_sensor_overlaps_get); }
+    Span<LsJointBreak> broken() const { return array<LsJointBreak>(ls_world_joint_breaks_get); }
+    Span<LsSplit> splits() const { return array<LsSplit>(ls_world_splits_get); }
+    Span<LsPiece> pieces() const { return array<LsPiece>(ls_world_pieces_get); }
+    Span<LsBody> piece_bodies() const { return array<LsBody>(ls_world_piece_bodies_get); }
 
     /// What joints bear. `create_cells` cuts a box or convex hull along the cells of these seeds (x, y, z of each, in its frame).
     void set_strength(LsJoint joint, const LsStrength &strength) { check(ls_joint_strength_set(world_, joint, &strength)); }
@@ -299,8 +299,8 @@ public:
         check(ls_joint_stress_get(world_, joint, &stress, sizeof stress));
         return stress;
     }
-    void apply_fractures(Span<LsJoint> joints) { check(ls_world_apply_fractures(world_, joints.data(), joints.size())); }
-    std::vector<LsJoint> near_breaking(float least) const { return list<LsJoint>(ls_world_joints_near_breaking, least); }
+    void apply_fractures(Span<LsJoint> joints) { check(ls_world_fractures_apply(world_, joints.data(), joints.size())); }
+    std::vector<LsJoint> near_breaking(float least) const { return list<LsJoint>(ls_world_joints_near_breaking_get, least); }
     Cells create_cells(const LsBodyDef &body, const LsShapeDef &shape, const std::vector<float> &seeds, const LsBondMaterial &material) {
         const std::size_t count = seeds.size() / 3;
         Cells cells{std::vector<LsBody>(count), std::vector<LsJoint>(count * 8)};
@@ -323,11 +323,11 @@ public:
     /// What fixed joints make one body; a body of no union has one of a null lead.
     LsUnion union_of(LsBody body) const {
         LsUnion found;
-        check(ls_body_union(world_, body, &found));
+        check(ls_body_union_get(world_, body, &found));
         return found;
     }
-    std::vector<LsBody> union_members(LsBody body) const { return list<LsBody>(ls_body_union_members, body); }
-    std::vector<LsUnion> unions() const { return list<LsUnion>(ls_world_unions); }
+    std::vector<LsBody> union_members(LsBody body) const { return list<LsBody>(ls_body_union_members_get, body); }
+    std::vector<LsUnion> unions() const { return list<LsUnion>(ls_world_unions_get); }
 
     /// Long-range constraints.
     LongRangeDef long_range() const {
@@ -341,18 +341,18 @@ public:
     std::vector<LsBound> bounds() const { return list<LsBound>(ls_world_bounds_get); }
 
     /// What holds bodies up, once it is switched on.
-    void enable_support(bool on = true) { check(ls_support_enable(world_, on)); }
+    void enable_support(bool on = true) { check(ls_support_enabled_set(world_, on)); }
     LsSupport support(LsBody body) const {
         LsSupport support;
-        check(ls_support_of(world_, &body, 1, &support));
+        check(ls_support_get(world_, &body, 1, &support));
         return support;
     }
-    std::vector<LsSupportChange> support_changes() const { return list<LsSupportChange>(ls_support_changes); }
-    std::vector<LsBody> supporters(LsBody body) const { return list<LsBody>(ls_support_from, body); }
-    std::vector<LsBody> supported_by(LsBody body) const { return list<LsBody>(ls_support_to, body); }
-    std::vector<LsBody> path_to_ground(LsBody body) const { return list<LsBody>(ls_support_path, body); }
+    std::vector<LsSupportChange> support_changes() const { return list<LsSupportChange>(ls_support_changes_get); }
+    std::vector<LsBody> supporters(LsBody body) const { return list<LsBody>(ls_support_carriers_get, body); }
+    std::vector<LsBody> supported_by(LsBody body) const { return list<LsBody>(ls_support_carried_get, body); }
+    std::vector<LsBody> path_to_ground(LsBody body) const { return list<LsBody>(ls_support_path_get, body); }
     std::vector<LsBody> lost_without(Span<LsBody> removed) const {
-        return list<LsBody>(ls_support_lost_without, removed.data(), removed.size());
+        return list<LsBody>(ls_support_loss_predict, removed.data(), removed.size());
     }
 
     /// Hands the layers (LS_DRAW_) of what the world holds to a painter.
@@ -365,15 +365,15 @@ public:
     /// The first shape that a ray meets; its shape is null if there is none.
     LsRayHit cast_ray(const LsRay &ray, const LsQueryFilter *filter = nullptr) const {
         LsRayHit hit;
-        check(ls_world_cast_ray(world_, &ray, filter, &hit));
+        check(ls_world_ray_cast(world_, &ray, filter, &hit));
         return hit;
     }
 
     std::vector<LsRayHit> cast_ray_all(const LsRay &ray, const LsQueryFilter *filter = nullptr) const {
-        return list<LsRayHit>(ls_world_cast_ray_all, &ray, filter);
+        return list<LsRayHit>(ls_world_ray_cast_all, &ray, filter);
     }
     std::vector<LsShape> overlap(const LsShapeDef &shape, const LsPose &pose, const LsQueryFilter *filter = nullptr) const {
-        return list<LsShape>(ls_world_overlap_shape, &shape, &pose, filter);
+        return list<LsShape>(ls_world_shape_overlaps_get, &shape, &pose, filter);
     }
 
     /// The whole world as bytes; the vector's memory is used again.
@@ -391,7 +391,7 @@ public:
     void restore(const std::vector<unsigned char> &snapshot) { check(ls_world_restore(world_, snapshot.data(), snapshot.size())); }
 
     /// Writes every change from now on to a file, or behind what is in a vector, which must live until stop_recording.
-    void record(const char *file, std::uint32_t flags = 0) { check(ls_world_record_to_file(world_, file, flags)); }
+    void record(const char *file, std::uint32_t flags = 0) { check(ls_world_recording_start_to_file(world_, file, flags)); }
     void record(std::vector<unsigned char> &recording, std::uint32_t flags = 0) {
         const LsRecordCallback append = [](const void *data, std::size_t size, void *user) noexcept -> std::int32_t {
             try {
@@ -403,9 +403,9 @@ public:
                 return 1;
             }
         };
-        check(ls_world_record_start(world_, append, flags, &recording));
+        check(ls_world_recording_start(world_, append, flags, &recording));
     }
-    void stop_recording() { check(ls_world_record_stop(world_)); }
+    void stop_recording() { check(ls_world_recording_stop(world_)); }
 
     /// A world in which a recording was played, as far as it goes or for so many steps, and what came of it.
     static std::pair<World, LsReplay> replay(const std::vector<unsigned char> &recording, std::uint64_t most_steps = UINT64_MAX) {
@@ -489,13 +489,13 @@ public:
         check(ls_stream_reader_poll(reader_, timeout, &poll, sizeof poll));
         return poll;
     }
-    Span<LsStreamBody> bodies() const { return detail::array<LsStreamBody>(ls_stream_reader_bodies, reader_); }
-    Span<LsStreamShape> shapes() const { return detail::array<LsStreamShape>(ls_stream_reader_shapes, reader_); }
-    Span<LsStreamJoint> joints() const { return detail::array<LsStreamJoint>(ls_stream_reader_joints, reader_); }
-    Span<LsStreamContact> contacts() const { return detail::array<LsStreamContact>(ls_stream_reader_contacts, reader_); }
-    Span<LsStreamBound> bounds() const { return detail::array<LsStreamBound>(ls_stream_reader_bounds, reader_); }
-    Span<LsStreamPlane> planes() const { return detail::array<LsStreamPlane>(ls_stream_reader_planes, reader_); }
-    Span<LsStreamEvent> events() const { return detail::array<LsStreamEvent>(ls_stream_reader_events, reader_); }
+    Span<LsStreamBody> bodies() const { return detail::array<LsStreamBody>(ls_stream_reader_bodies_get, reader_); }
+    Span<LsStreamShape> shapes() const { return detail::array<LsStreamShape>(ls_stream_reader_shapes_get, reader_); }
+    Span<LsStreamJoint> joints() const { return detail::array<LsStreamJoint>(ls_stream_reader_joints_get, reader_); }
+    Span<LsStreamContact> contacts() const { return detail::array<LsStreamContact>(ls_stream_reader_contacts_get, reader_); }
+    Span<LsStreamBound> bounds() const { return detail::array<LsStreamBound>(ls_stream_reader_bounds_get, reader_); }
+    Span<LsStreamPlane> planes() const { return detail::array<LsStreamPlane>(ls_stream_reader_planes_get, reader_); }
+    Span<LsStreamEvent> events() const { return detail::array<LsStreamEvent>(ls_stream_reader_events_get, reader_); }
 
 private:
     LsStreamReader reader_ = {0};

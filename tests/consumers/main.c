@@ -14,7 +14,7 @@ int main(void)
     LsVersion version;
     int step;
 
-    if (ls_version(&version) != LS_OK || version.abi != LS_ABI_VERSION) {
+    if (ls_version_get(&version) != LS_OK || version.abi != LS_ABI_VERSION) {
         return 2;
     }
     ls_world_def_init(&world_def, sizeof world_def);
@@ -23,7 +23,7 @@ int main(void)
     def.shapes = &shape;
     def.shape_count = 1;
     if (ls_world_create(&world_def, &world) != LS_OK || ls_body_create(world, &def, &ball) != LS_OK) {
-        fprintf(stderr, "%s\n", ls_last_error_message());
+        fprintf(stderr, "%s\n", ls_last_error_message_get());
         return 1;
     }
     for (step = 0; step < 60; ++step) {

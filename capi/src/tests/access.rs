@@ -14,7 +14,7 @@ use crate::handle::{LsBody, LsJoint, LsWorld};
 use crate::joint::ls_joint_break_set;
 use crate::result::*;
 use crate::world::{ls_world_destroy, ls_world_gravity_set, ls_world_step_count_get};
-use crate::world_events::{ls_world_overload_callback_set, ls_world_overloaded, ls_world_step};
+use crate::world_events::{ls_world_overload_callback_set, ls_world_overloaded_joints_get, ls_world_step};
 
 /// What calls from inside a callback got, on the stepping thread and on another.
 #[derive(Debug, PartialEq, Default)]
@@ -65,7 +65,7 @@ unsafe extern "C" fn on_overload(world: LsWorld, overload: *const LsJointOverloa
         thread::spawn(move || (reads(world, body), edits(world, body, joint))).join().expect("the library does not unwind");
     let (mut list, mut count) = (ptr::null(), 0);
     // SAFETY: both pointers are valid.
-    assert_eq!(unsafe { ls_world_overloaded(world, &mut list, &mut count) }, LS_OK);
+    assert_eq!(unsafe { ls_world_overloaded_joints_get(world, &mut list, &mut count) }, LS_OK);
     scene.seen.listed = count;
 }
 

@@ -7,7 +7,7 @@ use crate::access::{edit_hosted, read};
 use crate::body_def::LS_BODY_DYNAMIC;
 use crate::boundary::call;
 use crate::handle::LsWorld;
-use crate::last_error::ls_last_error_message;
+use crate::last_error::ls_last_error_message_get;
 use crate::result::*;
 use crate::world::{ls_world_destroy, ls_world_step_count_get};
 use crate::world_events::ls_world_step;
@@ -29,7 +29,7 @@ extern "C" fn ls_test_fail(world: LsWorld, during: During) -> LsResult {
 
 fn last_message() -> String {
     // SAFETY: the message is never null and ends with a NUL.
-    unsafe { CStr::from_ptr(ls_last_error_message()) }.to_string_lossy().into_owned()
+    unsafe { CStr::from_ptr(ls_last_error_message_get()) }.to_string_lossy().into_owned()
 }
 
 #[test]

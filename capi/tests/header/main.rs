@@ -9,13 +9,13 @@ use std::path::Path;
 
 /// Where a new part of the header begins: its first function, and its name.
 const PARTS: [(&str, &str); 11] = [
-    ("ls_result_name", "The library"),
+    ("ls_result_name_get", "The library"),
     ("ls_shape_def_init", "Definitions"),
     ("ls_world_create", "Worlds"),
-    ("ls_world_cast_ray", "Queries"),
+    ("ls_world_ray_cast", "Queries"),
     ("ls_draw_init", "Drawing"),
     ("ls_world_save", "Snapshots"),
-    ("ls_world_record_start", "Recordings"),
+    ("ls_world_recording_start", "Recordings"),
     ("ls_body_create", "Bodies"),
     ("ls_shape_attach", "Shapes"),
     ("ls_joint_create", "Joints"),

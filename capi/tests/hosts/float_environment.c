@@ -40,7 +40,7 @@ static void check(LsResult result)
     const unsigned found = get_settings();
     set_settings(USUAL);
     if (result != LS_OK) {
-        printf("%s: %s\n", ls_result_name(result), ls_last_error_message());
+        printf("%s: %s\n", ls_result_name_get(result), ls_last_error_message_get());
         exit(1);
     }
     if (found != expected) {

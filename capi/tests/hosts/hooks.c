@@ -12,7 +12,7 @@
 static void expect(int holds, const char *what)
 {
     if (!holds) {
-        fprintf(stderr, "not so: %s (%s)\n", what, ls_last_error_message());
+        fprintf(stderr, "not so: %s (%s)\n", what, ls_last_error_message_get());
         exit(1);
     }
 }

@@ -12,7 +12,7 @@
 static void check(LsResult result)
 {
     if (result != LS_OK) {
-        fprintf(stderr, "%s: %s\n", ls_result_name(result), ls_last_error_message());
+        fprintf(stderr, "%s: %s\n", ls_result_name_get(result), ls_last_error_message_get());
         exit(1);
     }
 }

@@ -70,7 +70,7 @@ static void walls_and_support() {
     const LsBody lower = world.create_body(longspan::BodyDef(LS_BODY_DYNAMIC).at(-5, 0.5, 0).with(cube));
     const LsBody upper = world.create_body(longspan::BodyDef(LS_BODY_DYNAMIC).at(-5, 1.5, 0).with(cube));
     std::vector<float> seeds(3 * 12);
-    longspan::check(ls_cells_seeds(&wall, 12, 7, seeds.data()));
+    longspan::check(ls_cell_seeds_get(&wall, 12, 7, seeds.data()));
     const LsBondMaterial mortar = {2e5f, 2e6f, 2e5f, 1.0f / 60.0f, 0, 0.5f, 1.0f, 1e9f};
     const longspan::Cells cells = world.create_cells(longspan::BodyDef(LS_BODY_DYNAMIC).at(5, 0.5, 0), wall, seeds, mortar);
     expect(cells.bodies.size() == 12 && cells.joints.size() >= 11, "a wall of twelve cells");

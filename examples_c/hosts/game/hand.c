@@ -25,7 +25,7 @@ int hand_grab(Game *game, const Camera *camera, int x, int y)
     hand_release(game);
     check(ls_query_filter_init(&filter, sizeof filter));
     filter.kinds = LS_QUERY_DYNAMIC;
-    check(ls_world_cast_ray(game->world, &ray, &filter, &hit));
+    check(ls_world_ray_cast(game->world, &ray, &filter, &hit));
     if (hit.shape.id == 0) {
         return 0;
     }

@@ -14,7 +14,7 @@
 void check(LsResult result)
 {
     if (result != LS_OK) {
-        fprintf(stderr, "%s: %s\n", ls_result_name(result), ls_last_error_message());
+        fprintf(stderr, "%s: %s\n", ls_result_name_get(result), ls_last_error_message_get());
         exit(1);
     }
 }
@@ -234,14 +234,14 @@ void scene_step(Game *game)
         game->things[i].before = game->things[i].now;
     }
     check(ls_world_step(game->world, STEP));
-    check(ls_world_moved(game->world, &moved, &count));
+    check(ls_world_moved_bodies_get(game->world, &moved, &count));
     for (i = 0; i < count; ++i) {
         if (moved[i].user_word > 0 && moved[i].user_word <= game->count) {
             game->things[moved[i].user_word - 1].now = moved[i].pose;
         }
     }
     /* Mortar gives way. */
-    check(ls_world_overloaded(game->world, &overloaded, &count));
+    check(ls_world_overloaded_joints_get(game->world, &overloaded, &count));
     for (i = 0; i < count; ++i) {
         if (ls_joint_destroy(game->world, overloaded[i].joint) == LS_OK) {
             ++game->bricks_broken;

@@ -66,7 +66,7 @@ pub struct LsStreamBreak {
     pub torque: [f32; 3],
     /// Its load as a fraction of the limit that it broke at; above 1 if by load.
     pub share: f32,
-    /// LS_LIMIT_ constant: that limit.
+    /// LS_STRENGTH_ constant: that limit.
     pub limit: i32,
     /// LS_BREAK_ constant: why it broke.
     pub cause: i32,

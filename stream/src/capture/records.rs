@@ -166,7 +166,7 @@ pub(super) fn plane(plane: &PlaneState) -> LsStreamPlane {
     }
 }
 
-/// `LS_LIMIT_…`.
+/// `LS_STRENGTH_…`.
 fn limit(limit: BreakLimit) -> i32 {
     match limit {
         BreakLimit::Tension => 0,

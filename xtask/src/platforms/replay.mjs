@@ -3,7 +3,7 @@ import { readFileSync } from 'node:fs';
 
 const [module, ...recordings] = process.argv.slice(2);
 const { instance } = await WebAssembly.instantiate(readFileSync(module), {});
-const { memory, ls_recording_replay, ls_last_error_message } = instance.exports;
+const { memory, ls_recording_replay, ls_last_error_message_get } = instance.exports;
 
 const PAGE = 65536, REPORT = 112, ALL = 0xffffffffffffffffn;
 const contents = recordings.map(path => readFileSync(path));
@@ -24,7 +24,7 @@ recordings.forEach((path, number) => {
     const view = new DataView(memory.buffer, report, REPORT);
     const steps = Number(view.getBigUint64(16, true)), differs = view.getUint32(24, true) + view.getUint32(28, true);
     if (result !== 0 || differs !== 0 || steps === 0) {
-        console.log(`${path}: result ${result} ${result ? text(ls_last_error_message()) : ''}, ${steps} steps, differs ${differs}`);
+        console.log(`${path}: result ${result} ${result ? text(ls_last_error_message_get()) : ''}, ${steps} steps, differs ${differs}`);
         failed += 1;
     }
 });
