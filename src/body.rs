@@ -8,13 +8,8 @@ use crate::id::{JointId, ShapeId};
 use crate::mass::{Mass, MassProperties};
 use crate::pose::Pose;
 use crate::shape::ShapeDef;
-use crate::solve::direct::history::StepHistory;
-
-/// Greatest linear speed of a body (m/s); faster input is refused, faster motion is clamped.
-pub const MAX_LINEAR_SPEED: f32 = 1.0e4;
-
-/// Greatest angular speed of a body (rad/s); faster input is refused, faster motion is clamped.
-pub const MAX_ANGULAR_SPEED: f32 = 1.0e4;
+use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
+use crate::step_history::StepHistory;
 
 /// How a body moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -17,7 +17,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::joint::{Joint, JointDef, JointKind, Limits};
+use crate::joint::{JointDef, JointKind, Limits};
 use crate::pose::Pose;
 
 /// Numbers of the rows of stops; the lower one of a coordinate, the upper one after it.
@@ -121,13 +121,6 @@ impl JointDrive {
         }
         *self = Self { stops, frames, found: now, carried, solved: carried };
         change
-    }
-}
-
-impl Joint {
-    /// How fast its stops and frames move in this step, if at all.
-    pub(crate) fn drive(&self) -> Option<&DriveRates> {
-        self.drive.as_ref().map(|drive| &drive.solved)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::collide::pairs::{PairKey, PairScratch};
 use crate::error::Result;
 use crate::id::{BodyId, JointId, Pool, ShapeId, WorldTag};
 use crate::island::{SleepingIslands, UnionFind};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::platform::Moment;
 use crate::report::{Events, StepReport};
 use crate::settings::WorldDef;

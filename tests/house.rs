@@ -20,6 +20,7 @@ const FLOORS: &[&[&str]] = &[
         "platform",
         "pose",
         "prefetch",
+        "speed_limits",
         "tight_vec",
         "tuning",
         "workers",
@@ -34,6 +35,7 @@ const FLOORS: &[&[&str]] = &[
         "joint",
         "joint_drive",
         "joint_rebounds",
+        "joint_record",
         "long_range",
         "mass",
         "material",
@@ -41,6 +43,7 @@ const FLOORS: &[&[&str]] = &[
         "report",
         "settings",
         "shape",
+        "step_history",
         "surface",
     ],
     // Contacts, questions, and what follows from the graph of joints.

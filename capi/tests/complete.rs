@@ -29,6 +29,54 @@ const OTHERWISE: &[(&str, &str)] = &[
     ("path_to_ground", "ls_support_path_get"),
     ("would_lose_support", "ls_support_loss_predict"),
     ("union_of", "ls_body_union_get"),
+    ("apply_fractures", "ls_world_fractures_apply"),
+    ("broken", "ls_world_joint_breaks_get"),
+    ("contact_began", "ls_world_contacts_begun_get"),
+    ("contact_ended", "ls_world_contacts_ended_get"),
+    ("moved", "ls_world_moved_bodies_get"),
+    ("overlap_box", "ls_world_box_overlaps_get"),
+    ("overlap_shape", "ls_world_shape_overlaps_get"),
+    ("overloaded", "ls_world_overloaded_joints_get"),
+    ("put_to_sleep", "ls_body_sleep"),
+    ("quarantined", "ls_world_quarantined_bodies_get"),
+    ("sensed", "ls_world_sensor_overlaps_get"),
+    ("sensor_began", "ls_world_sensor_overlaps_begun_get"),
+    ("sensor_ended", "ls_world_sensor_overlaps_ended_get"),
+];
+
+/// What a function does, at the end of its name.
+const VERBS: &[&str] = &[
+    "add",
+    "add_at",
+    "apply",
+    "attach",
+    "cast",
+    "cast_all",
+    "close",
+    "create",
+    "destroy",
+    "draw",
+    "get",
+    "init",
+    "move_to",
+    "next",
+    "open",
+    "poll",
+    "predict",
+    "record",
+    "remove",
+    "replay",
+    "restore",
+    "save",
+    "seek",
+    "serve",
+    "set",
+    "sleep",
+    "start",
+    "start_to_file",
+    "step",
+    "stop",
+    "wake",
 ];
 
 /// Methods that only streams need.
@@ -66,7 +114,8 @@ fn functions() -> BTreeSet<String> {
     names.map(str::to_owned).collect()
 }
 
-/// The names that a method may have in C: `ls_<noun>_<what>`, with `_get` or `_set` where it is a value.
+/// The names that a method may have in C: `ls_<noun>_<what>`, with `_get` or `_set` where it is a value; `add_force_at` is
+/// `ls_body_force_add_at`.
 fn candidates(method: &str) -> Vec<String> {
     let (what, verb) = match method.strip_prefix("set_") {
         Some(what) => (what, "_set"),
@@ -78,6 +127,11 @@ fn candidates(method: &str) -> Vec<String> {
         for what in [Some(what), bare].into_iter().flatten() {
             let what = what.trim_end_matches('_');
             names.extend([format!("ls_{noun}_{what}"), format!("ls_{noun}_{what}{verb}")]);
+            if let Some((first, rest)) = what.split_once('_').filter(|(first, _)| ["add", "cast"].contains(first)) {
+                let (object, how) =
+                    ["_at", "_all"].into_iter().find_map(|how| Some((rest.strip_suffix(how)?, how))).unwrap_or((rest, ""));
+                names.push(format!("ls_{noun}_{object}_{first}{how}"));
+            }
         }
     }
     names
@@ -98,4 +152,13 @@ fn every_public_method_of_a_world_has_a_function_in_c() {
     println!("{} methods, {} functions", methods.len(), functions.len());
     assert!(methods.len() > 80, "only {} methods were found", methods.len());
     assert!(missing.is_empty(), "without a function in C, or one that this test does not find: {missing:?}");
+}
+
+#[test]
+fn names_of_functions_end_with_what_they_do() {
+    let functions = functions();
+    let odd: Vec<&String> =
+        functions.iter().filter(|name| !VERBS.iter().any(|verb| name.ends_with(&format!("_{verb}")))).collect();
+    assert!(functions.len() > 150, "only {} functions were found", functions.len());
+    assert!(odd.is_empty(), "no verb at the end, or one that this test does not know: {odd:?}");
 }

@@ -27,8 +27,8 @@ use parry3d::math::Pose3;
 use super::collider_state::ColliderState;
 use super::narrow::{self, Manifold, NarrowScratch};
 use super::persistent_manifold::Manifolds;
+use crate::linalg::rotation32::rotated_far;
 use crate::shape::{Geometry, Shape};
-use crate::solve::integrate::rotated_far;
 
 /// Way ahead below which the pose at the step's start is as good, over the lesser least extent of the two: less than manifolds are kept for.
 const NO_MOTION: f32 = 5.0e-4;

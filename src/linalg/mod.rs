@@ -6,10 +6,14 @@
 //! | `order.rs` | the order of elimination, by least degree |
 //! | `factor.rs` | sparse Cholesky factor of a matrix in blocks, and substitution |
 //! | `eigen.rs` | eigenvalues of a symmetric 3×3 matrix |
+//! | `rotation32.rs` | rotations in `f32` by power series, and what is next to nothing |
+//! | `narrowing.rs` | writes `f64` results into `f32` state |
 
 pub(crate) mod block;
 pub(crate) mod eigen;
 pub(crate) mod factor;
+pub(crate) mod narrowing;
 #[cfg(test)]
 pub(crate) mod noise;
 mod order;
+pub(crate) mod rotation32;

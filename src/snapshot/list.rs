@@ -14,10 +14,11 @@ use crate::collide::pairs::PairKey;
 use crate::fracture::strain::{ImpulseSpan, Strain};
 use crate::fracture::{Damage, FractureSettings, Strength};
 use crate::id::{JointId, Slot};
-use crate::joint::{Axis, Drive, ForceSide, Joint, JointDef, JointImpulses, JointKind, Limits, Motor, Softness, SphericalMotor};
+use crate::joint::{Axis, Drive, ForceSide, JointDef, JointKind, Limits, Motor, Softness, SphericalMotor};
 use crate::joint_drive::{DriveRates, JointDrive};
 use crate::joint_graph::union::UnionMotion;
 use crate::joint_rebounds::Rebounds;
+use crate::joint_record::{Joint, JointImpulses};
 use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
 use crate::material::{CombineRule, Material};
@@ -25,7 +26,7 @@ use crate::pose::Pose;
 use crate::report::ContactPair;
 use crate::settings::{ArticulationSettings, SleepSettings, Solver, WorldDef};
 use crate::shape::{CollisionFilter, ShapeDef};
-use crate::solve::direct::history::History;
+use crate::step_history::{History, StepHistory};
 use crate::world::{AskedBound, CarriedBound, CarriedUnion, HeldBody, HeldUnit};
 
 /// What a world has besides its tables.
@@ -206,6 +207,34 @@ stored!(Collider {
 });
 stored!(Material { friction, restitution, rolling_friction, spinning_friction, friction_rule, restitution_rule });
 stored!(CollisionFilter { member_of, collides_with });
+
+stored!(History {
+    h,
+    substeps,
+    swept_steps,
+    displacement,
+    turn,
+    spin_turn,
+    linear_before,
+    momentum_before,
+    acceleration,
+    torque,
+    jerk,
+    linear,
+    angular
+});
+
+impl Stored for StepHistory {
+    fn put(&self, out: &mut Writer) {
+        self.get().put(out);
+    }
+    fn take(input: &mut Reader) -> Option<Self> {
+        let before = input.words;
+        let history = History::take(input)?;
+        let is_known = before[..before.len() - input.words.len()].iter().any(|&word| word != 0);
+        Some(if is_known { Self::new(history) } else { Self::default() })
+    }
+}
 
 stored!(Joint { def, bodies, impulses, angles, force, torque, acted, strain, pressed, drive, motors, rebounds });
 stored!(Rebounds { rows, speeds });

@@ -22,8 +22,8 @@ use glam::Vec3;
 use super::batch::Batch;
 use super::integrate;
 use super::state::{BodyMotion, BodyVelocity, Symmetric};
-use super::velocity_half_step::Twist;
 use crate::joint_graph::mesh;
+use crate::step_history::Twist;
 use crate::tight_vec::resize;
 use crate::workers::Workers;
 

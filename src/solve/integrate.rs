@@ -1,12 +1,11 @@
 //! Moving bodies through a substep: forces into velocities, velocities into poses.
 
-use glam::{Mat3, Quat, Vec3, Vec4};
+use glam::{Mat3, Quat, Vec3};
 
 use super::rotation::{self, MAX_TURN};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
-use super::wide_matrix::WideQuat;
-use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
-use crate::lanes::wide::{Wide, Wide3};
+use crate::linalg::rotation32::{NEGLIGIBLE_SPEED, quaternion_of, rotated, settled};
+use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
 /// Rotation since the last refresh, times the ratio of greatest to least inertia, after which the world inertia of an unjointed
 /// body is formed anew (rad). A needle's response along its axis leaks across it as it turns; left alone it gains energy.
@@ -19,16 +18,6 @@ pub(crate) const NEGLIGIBLE_TUMBLE: f32 = 1.0e-4;
 /// One half is off by the cube of it over 24: here by 5e-6 rad.
 pub(crate) const SPLIT_TUMBLE: f32 = 5.0e-2;
 pub(crate) const SAFE_TUMBLE: f32 = 1.0e-1;
-
-/// Speeds below this are taken as zero (m/s, rad/s), so that neither they nor their squares
-/// become denormal numbers, which cost ten times as much.
-pub(crate) const NEGLIGIBLE_SPEED: f32 = 1.0e-9;
-
-/// Components of rotations, and of ways, below this are taken as zero (m, rad), for the same reason.
-pub(crate) const NEGLIGIBLE_WAY: f32 = 1.0e-12;
-
-/// The same of what a body is pushed by at once (m, rad), of which power series have fourth powers.
-pub(crate) const NEGLIGIBLE_PUSH: f32 = 1.0e-8;
 
 /// Adds a substep's forces to a body's velocity; what is in lanes gets them there.
 pub(crate) fn apply_forces(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32) {
@@ -193,55 +182,6 @@ pub(crate) fn skew(v: Vec3) -> Mat3 {
     Mat3::from_cols(Vec3::new(0.0, v.z, -v.y), Vec3::new(-v.z, 0.0, v.x), Vec3::new(v.y, -v.x, 0.0))
 }
 
-/// Ratios of the terms of the power series of sin φ/φ and of cos φ to the terms before, over −φ².
-const SINE_TERMS: [f32; 4] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0];
-const COSINE_TERMS: [f32; 5] = [1.0 / 2.0, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0];
-
-/// `rotation` turned by a rotation vector in world axes (rad).
-///
-/// Sine and cosine of the half angle are power series: exact to rounding up to [`MAX_TURN`], and the same bits on every platform.
-pub(crate) fn rotated(rotation: Quat, vector: Vec3) -> Quat {
-    let rotation = Vec4::from(quaternion_of(vector) * rotation);
-    Quat::from_vec4(Vec4::select(rotation.abs().cmpgt(Vec4::splat(NEGLIGIBLE_WAY)), rotation, Vec4::ZERO)).normalize()
-}
-
-/// The same for a rotation vector of any length, in pieces of less than a radian.
-pub(crate) fn rotated_far(rotation: Quat, turn: Vec3) -> Quat {
-    let pieces = turn.length().ceil().max(1.0);
-    (0..pieces as u32).fold(rotation, |rotation, _| rotated(rotation, turn / pieces))
-}
-
-/// The rotation by a rotation vector.
-fn quaternion_of(vector: Vec3) -> Quat {
-    let half = vector * 0.5;
-    let x = half.length_squared();
-    let series = |terms: &[f32]| terms.iter().rev().fold(1.0, |sum, term| 1.0 - x * term * sum);
-    let (sine_over_angle, cosine) = (series(&SINE_TERMS), series(&COSINE_TERMS));
-    let axis = half * sine_over_angle;
-    Quat::from_xyzw(axis.x, axis.y, axis.z, cosine)
-}
-
-/// As [`rotated`], to the same bits.
-#[inline(always)]
-pub(crate) fn rotated_in_lanes<W: Wide>(rotation: &WideQuat<W>, vector: Wide3<W>) -> WideQuat<W> {
-    let (one, half) = (W::splat(1.0), vector * W::splat(0.5));
-    let x = half.dot(half);
-    let (mut sine_over_angle, mut cosine) = (one, one);
-    for term in SINE_TERMS.into_iter().rev() {
-        sine_over_angle = one - x * W::splat(term) * sine_over_angle;
-    }
-    for term in COSINE_TERMS.into_iter().rev() {
-        cosine = one - x * W::splat(term) * cosine;
-    }
-    let (v, w, u) = (half * sine_over_angle, cosine, rotation.v);
-    // In the order of the product of two `Quat`, which that of lanes is not.
-    let x = w * u.x + v.x * rotation.w + v.y * u.z - v.z * u.y;
-    let y = w * u.y - v.x * u.z + v.y * rotation.w + v.z * u.x;
-    let z = w * u.z + v.x * u.y - v.y * u.x + v.z * rotation.w;
-    let w = w * rotation.w - v.x * u.x - v.y * u.y - v.z * u.z;
-    WideQuat { v: Wide3::new(x, y, z), w }.settled(NEGLIGIBLE_WAY).normalized()
-}
-
 /// Forms the world inertia that rows respond with.
 ///
 /// A body that turns by θ in a substep smears its axes by θ²: the response about a light axis, I⁻¹, would act across it as θ² I⁻¹
@@ -271,9 +211,4 @@ fn settle(velocity: Vec3, limit: f32) -> Vec3 {
         return velocity * (limit / squared.sqrt());
     }
     settled(velocity, NEGLIGIBLE_SPEED)
-}
-
-/// Zero where a component is no greater than `least`.
-pub(crate) fn settled(v: Vec3, least: f32) -> Vec3 {
-    Vec3::select(v.abs().cmpgt(Vec3::splat(least)), v, Vec3::ZERO)
 }

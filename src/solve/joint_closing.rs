@@ -9,7 +9,7 @@ use super::plane::Planes;
 use super::state::{BodyMotion, BodyVelocity};
 use super::wide_bodies::WideBodies;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::tight_vec::resize;
 use crate::workers::Workers;
 

@@ -52,7 +52,7 @@ use joint_closing::OpenJoints;
 
 pub(crate) use crate::contact::status;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::workers::Workers;
 
 /// Sweeps in a substep from which rows of bounds are built anew before the last one, as rows of joints always are. A substep of few

@@ -26,11 +26,11 @@
 
 use glam::{DMat3, DQuat, DVec3, Vec3};
 
-use super::integrate;
 use super::momentum::{Inertia, Moments, Whole, times};
 use super::state::{BodyMotion, BodyVelocity};
 use super::wide_bodies::WideBodies;
 use crate::linalg::eigen::symmetric_eigen;
+use crate::linalg::rotation32;
 
 /// Distance from the plane below which nothing is done, over the chain's mean lever.
 const FLAT: f64 = 3.0e-4;
@@ -337,7 +337,7 @@ impl Planes {
                 let turn = if parts.1 { turn_onto(state.axis, plane.normal) } else { DVec3::ZERO };
                 motion.displacement += shift.as_vec3();
                 motion.turn += turn.as_vec3();
-                motion.rotation = integrate::rotated(motion.rotation, turn.as_vec3());
+                motion.rotation = rotation32::rotated(motion.rotation, turn.as_vec3());
                 poses.refresh_inertia_of(member.slot, motion);
                 state.center = member.origin + motion.displacement.as_dvec3();
                 state.inertia = poses.inertia_of(member.slot, motion);

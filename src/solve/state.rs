@@ -4,8 +4,8 @@
 
 use glam::{Mat3, Quat, Vec3};
 
-use super::integrate::{NEGLIGIBLE_PUSH, rotated, settled};
 use super::rotation::Top;
+use crate::linalg::rotation32::{NEGLIGIBLE_PUSH, rotated, settled};
 
 /// Slot of everything static.
 pub(crate) const WORLD_SLOT: u32 = 0;

@@ -13,12 +13,8 @@
 //! if nothing had been said; in the first step of an island, when nothing has been told yet, the first substep keeps half of δ. That
 //! is the leapfrog, of second order in h, with the velocities of its whole steps.
 
-use glam::Vec3;
-
 use super::state::{BodyMotion, BodyVelocity};
-
-/// Linear and angular velocity (m/s, rad/s), or a change of it.
-pub(crate) type Twist = [Vec3; 2];
+use crate::step_history::Twist;
 
 fn twist(velocity: &BodyVelocity) -> Twist {
     [velocity.linear, velocity.angular]

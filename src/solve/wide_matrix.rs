@@ -6,6 +6,7 @@ use glam::Mat3;
 
 use super::contact::Lane;
 use crate::lanes::wide::{Wide, Wide3};
+use crate::linalg::rotation32::{COSINE_TERMS, NEGLIGIBLE_WAY, SINE_TERMS};
 
 /// Share of the product of its diagonal below which a determinant is that of a matrix without inverse.
 const SINGULAR: f32 = 1.0e-7;
@@ -290,6 +291,27 @@ pub(crate) fn arc_over_sine<W: Wide>(s: W) -> W {
     far = far * s + W::splat(std::f32::consts::FRAC_PI_2);
     let far = (W::splat(std::f32::consts::FRAC_PI_2) - (one - s).sqrt() * far) / s;
     W::select(s.above(W::splat(0.5)), far, near)
+}
+
+/// As [`rotated`](crate::linalg::rotation32::rotated), to the same bits.
+#[inline(always)]
+pub(crate) fn rotated_in_lanes<W: Wide>(rotation: &WideQuat<W>, vector: Wide3<W>) -> WideQuat<W> {
+    let (one, half) = (W::splat(1.0), vector * W::splat(0.5));
+    let x = half.dot(half);
+    let (mut sine_over_angle, mut cosine) = (one, one);
+    for term in SINE_TERMS.into_iter().rev() {
+        sine_over_angle = one - x * W::splat(term) * sine_over_angle;
+    }
+    for term in COSINE_TERMS.into_iter().rev() {
+        cosine = one - x * W::splat(term) * cosine;
+    }
+    let (v, w, u) = (half * sine_over_angle, cosine, rotation.v);
+    // In the order of the product of two `Quat`, which that of lanes is not.
+    let x = w * u.x + v.x * rotation.w + v.y * u.z - v.z * u.y;
+    let y = w * u.y - v.x * u.z + v.y * rotation.w + v.z * u.x;
+    let z = w * u.z + v.x * u.y - v.y * u.x + v.z * rotation.w;
+    let w = w * rotation.w - v.x * u.x - v.y * u.y - v.z * u.z;
+    WideQuat { v: Wide3::new(x, y, z), w }.settled(NEGLIGIBLE_WAY).normalized()
 }
 
 #[cfg(test)]

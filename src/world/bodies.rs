@@ -4,13 +4,14 @@ use glam::Vec3;
 
 use super::World;
 use super::wake::Edited;
-use crate::body::{Anchored, Body, BodyDef, BodyKind, LockedAxes, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, checked_velocity};
+use crate::body::{Anchored, Body, BodyDef, BodyKind, LockedAxes, checked_velocity};
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::BodyId;
 use crate::mass::Mass;
 use crate::pose::Pose;
 use crate::shape::{self, ShapeDef};
+use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
 impl World {
     /// Makes a body with its shapes.

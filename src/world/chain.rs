@@ -13,7 +13,7 @@ use super::World;
 use super::long_range::{ends_of, holds_points};
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::JointId;
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::long_range::{ChainLink, ChainState};
 
 /// A joint on a path, by slot, and the side on which the path leaves it.

@@ -20,7 +20,8 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::World;
 use crate::body::{Body, Drift, SleepState};
-use crate::joint::{Axis, Joint, JointKind, Motor, Softness, SphericalMotor};
+use crate::joint::{Axis, JointKind, Motor, Softness, SphericalMotor};
+use crate::joint_record::Joint;
 use crate::settings::SleepSettings;
 use crate::solve::joint::{gap_of, placement_of};
 pub(super) use crate::tuning::drift::WATCHED_AGAIN;

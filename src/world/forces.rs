@@ -5,10 +5,11 @@ use glam::{DVec3, Vec3};
 use super::World;
 use super::unions::Anchor;
 use super::wake::Edited;
-use crate::body::{Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, checked_velocity};
+use crate::body::{Body, checked_velocity};
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::BodyId;
+use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
 impl World {
     /// Pushes a body at its centre of mass with `force` (N) during the next step, and wakes it.

@@ -16,11 +16,13 @@ use super::World;
 use super::union_loads::halfway;
 use super::unions::Anchor;
 use super::wake::Edited;
-use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, SleepState, within_limit};
+use crate::body::{SleepState, within_limit};
 use crate::fracture::strain::Judgement;
 use crate::fracture::{BreakCause, JointBreak, JointLoad, Piece, Split, Strength};
 use crate::id::JointId;
-use crate::joint::{Joint, JointKind};
+use crate::joint::JointKind;
+use crate::joint_record::Joint;
+use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
 mod query;
 

@@ -4,7 +4,7 @@ use super::World;
 use super::unions::Anchor;
 use crate::id::{JointId, Pool};
 use crate::island::UnionFind;
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::solve::batch::Batch;
 use crate::solve::joint::JointTraits;
 

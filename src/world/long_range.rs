@@ -6,12 +6,13 @@ use super::World;
 use super::wake::Edited;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{JointId, Pool};
-use crate::joint::{Joint, Softness};
+use crate::joint::Softness;
 use crate::joint_graph::graph::PointLink;
 use crate::joint_graph::load::NodeId;
 use crate::joint_graph::plane::{Chain, Hinge, find_chains};
 use crate::joint_graph::soft::Request;
 use crate::joint_graph::{Bound, BoundInput, Choice, Derived, JointSide, PartBounds};
+use crate::joint_record::Joint;
 use crate::long_range::{BoundKind, BoundState, LongRangeDef, SoftBound};
 
 mod links;

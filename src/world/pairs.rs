@@ -17,7 +17,7 @@ use crate::collide::collider_state::ColliderState;
 use crate::collide::pairs::{Pair, PairKey, PairScratch, WorldManifold};
 use crate::collide::predict::{Follow, Step};
 use crate::id::{BodyId, JointId, Pool, ShapeId};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::prefetch::{AHEAD, prefetch};
 use crate::report::{Contact, Hit};
 use crate::solve::disjoint::{DisjointSlices, Slots};

@@ -16,7 +16,7 @@ use crate::collide::pairs::Pair;
 use crate::error::Result;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::island::{SleepingIsland, SleepingIslands};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::report::{Events, StepReport};
 use crate::settings::WorldDef;
 use crate::snapshot::contacts;

@@ -17,7 +17,7 @@ use glam::{Quat, Vec3};
 
 use super::World;
 use super::wake::Edited;
-use crate::body::{Anchored, Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, within_limit};
+use crate::body::{Anchored, Body, within_limit};
 use crate::collide::collider::Collider;
 use crate::id::{Pool, ShapeId};
 use crate::joint::JointKind;
@@ -25,6 +25,7 @@ use crate::joint_graph::union::loads::{BondStiffness, Wrench};
 use crate::joint_graph::union::matching::{Covariances, Loose};
 use crate::joint_graph::union::{Pose64, UnionMotion};
 use crate::mass::MassProperties;
+use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
 mod flood;
 mod motion;

@@ -12,11 +12,11 @@ use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::Pair;
 use crate::id::{BodyId, Pool, ShapeId};
+use crate::linalg::rotation32;
 use crate::prefetch::{AHEAD, prefetch};
 use crate::report::{Events, IslandReport};
 use crate::solve::contact::TOUCHED;
 use crate::solve::disjoint::{DisjointSlices, Slots};
-use crate::solve::integrate;
 
 pub(super) mod bodies;
 pub(super) mod joints;
@@ -197,7 +197,7 @@ impl World {
             } else {
                 body.center += body.linear_velocity.as_dvec3() * f64::from(dt);
                 let turn = body.angular_velocity * dt;
-                body.rotation = integrate::rotated_far(body.rotation, turn);
+                body.rotation = rotation32::rotated_far(body.rotation, turn);
             }
             // It stops at the edge of the space that positions may be in.
             let edge = glam::DVec3::splat(crate::check::MAX_COORDINATE);

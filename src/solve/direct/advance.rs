@@ -3,9 +3,10 @@
 use super::articulation::{Articulation, Mode, SOLVES_PER_HALVING, SavedJoint, TOLERANCE};
 use super::buckle;
 use super::contacts::ArticulationContact;
-use super::history::{History, SecondOrder};
+use super::multistep::SecondOrder;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
+use crate::step_history::History;
 
 /// How often a substep may be halved.
 const MAX_HALVINGS: u32 = 4;

@@ -24,15 +24,15 @@ use super::body::DirectBody;
 use super::composite::ServoParts;
 use super::contacts::ArticulationContact;
 use super::factor_reuse::ReusedFactor;
-use super::history::{History, LocalError, SecondOrder};
 use super::layout::NodeBodies;
-use super::narrowing;
+use super::multistep::{LocalError, SecondOrder};
 use super::rotor::Rotor;
 use super::system::{System, Topology};
 use super::wide_integrator::{self, Bodies4};
 use crate::id::{BodyId, JointId, Pool};
-use crate::joint::{Joint, JointImpulses};
 use crate::joint_rebounds::Rebounds;
+use crate::joint_record::{Joint, JointImpulses};
+use crate::linalg::narrowing;
 use crate::report::ArticulationReport;
 use crate::solve::StepSettings;
 use crate::solve::disjoint::Slots;
@@ -40,6 +40,7 @@ use crate::solve::joint::reach::FarStops;
 use crate::solve::joint::rows::{self, Rate};
 use crate::solve::joint::{JointEntry, LocalPose};
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
+use crate::step_history::History;
 
 /// Error that a substep may leave, over the mean distance of joint points from centres of mass.
 pub(super) const TOLERANCE: f64 = 2.0e-3;

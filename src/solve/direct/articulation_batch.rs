@@ -12,7 +12,7 @@ use super::interleaved_system::{self, InterleavedSystem};
 use super::row::{Row, RowState};
 use super::system::{PASSES, System, Topology};
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::solve::disjoint::Slots;
 use crate::solve::joint::rows::Rate;
 use crate::solve::state::{BodyMotion, BodyVelocity};

@@ -5,7 +5,7 @@ use super::Direct;
 use super::articulation::Articulation;
 use super::articulation_batch::ArticulationBatch;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
 use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::workers::Workers;

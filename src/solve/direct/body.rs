@@ -145,8 +145,8 @@ impl DirectBody {
 
     /// No speed is beyond what the world allows.
     pub(crate) fn limit_speed(&self, rate: &mut Rate) {
-        rate.linear = rate.linear.clamp_length_max(f64::from(crate::body::MAX_LINEAR_SPEED));
-        rate.angular = rate.angular.clamp_length_max(f64::from(crate::body::MAX_ANGULAR_SPEED));
+        rate.linear = rate.linear.clamp_length_max(f64::from(crate::speed_limits::MAX_LINEAR_SPEED));
+        rate.angular = rate.angular.clamp_length_max(f64::from(crate::speed_limits::MAX_ANGULAR_SPEED));
     }
 
     /// Rotation through a substep at this rate.

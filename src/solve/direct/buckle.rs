@@ -34,7 +34,7 @@ use super::row::{Origin, RowState};
 use super::stiffness;
 use super::system::PROJECTION_PASSES;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::solve::joint::rows::{MAX_RECOVERY_SPEED, Phase, Rate};
 use crate::solve::rotation;
 

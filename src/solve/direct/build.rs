@@ -8,7 +8,6 @@ use glam::DVec3;
 use super::articulation::Articulation;
 use super::carried_bodies::CarriedBodies;
 use super::contacts::ArticulationContact;
-use super::history::History;
 use super::{BatchRecords, Direct, NO_GROUP, root};
 use crate::settings::Solver;
 use crate::solve::body_flags::BodyFlags;
@@ -17,6 +16,7 @@ use crate::solve::contact::ContactInput;
 use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
 use crate::solve::joint::JointLink;
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
+use crate::step_history::History;
 use crate::workers::Workers;
 
 /// Articulations that are worth another thread's while to take in: some 10 µs.

@@ -10,7 +10,7 @@ use glam::{DMat3, DVec3};
 use super::articulation::Articulation;
 use super::layout::NodeBodies;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::solve::joint::kinds;
 use crate::solve::joint::motor::BodyResponse;
 use crate::solve::joint::rows::Rate;

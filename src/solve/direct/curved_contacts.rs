@@ -21,7 +21,7 @@
 
 use glam::{DMat2, DMat3, DQuat, DVec2, DVec3};
 
-use super::history::rotation_vector;
+use super::multistep::rotation_vector;
 use crate::solve::joint::LocalPose;
 
 /// Curvature of both surfaces together, times the reach of the body, below which they are flat on each other.

@@ -18,10 +18,11 @@ use glam::{DVec3, Vec3};
 
 use super::articulation::Articulation;
 use super::layout::NodeBodies;
-use super::narrowing;
 use super::project::{Errors, greater, greatest};
 use crate::id::{JointId, Pool};
-use crate::joint::{Joint, JointKind, Limits, Motor, SphericalMotor};
+use crate::joint::{JointKind, Limits, Motor, SphericalMotor};
+use crate::joint_record::Joint;
+use crate::linalg::narrowing;
 use crate::solve::disjoint::Slots;
 use crate::solve::joint::kinds;
 use crate::solve::joint::rows::Rate;

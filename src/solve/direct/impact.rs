@@ -20,13 +20,13 @@
 use glam::{DMat3, DVec3};
 
 use super::articulation::Articulation;
-use super::narrowing;
 use super::row::{Origin, RowState};
 use super::system::PASSES;
 use super::wide_integrator;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
 use crate::joint_rebounds::Rebounds;
+use crate::joint_record::Joint;
+use crate::linalg::narrowing;
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds::{self, RowSink};
 use crate::solve::joint::rows::{Phase, Rate, RowRates};

@@ -11,14 +11,13 @@
 //! | `ball_joint_system` | the same for articulations of ball joints alone |
 //! | `redundancy` | rows that repeat others |
 //! | `body`, `stiffness`, `distance_stiffness`, `composite` | inertia, geometric stiffness, what a motor moves |
-//! | `history`, `rotor`, `rotors` | second order in time; bodies that spin fast |
+//! | `multistep`, `rotor`, `rotors` | second order in time; bodies that spin fast |
 //! | `project`, `projection_energy`, `buckle` | position correction, and the energy that it may not add |
 //! | `impact` | stops that are met |
 //! | `contacts`, `contact_rows`, `tracked_points`, `curved_contacts`, `speculative_contacts`, `carried_bodies` | contacts |
 //! | `block_constraint`, `block_constraints`, `factor_reuse` | articulations that touch moving bodies, swept with contacts |
 //! | `articulation_batch`, `interleaved_system` | four of those at a time |
 //! | `wide_integrator`, `fours` | bodies, four at a time |
-//! | `narrowing` | `f64` results into the `f32` state |
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -31,7 +30,7 @@ use super::contact::{ContactImpulses, ContactInput};
 use super::joint::{JointEntry, JointLink, worst_gap};
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 #[cfg(test)]
 use crate::linalg::noise;
 use crate::linalg::{block, factor};
@@ -56,11 +55,10 @@ pub(crate) mod curved_contacts;
 mod distance_stiffness;
 mod factor_reuse;
 mod fours;
-pub(crate) mod history;
 mod impact;
 mod interleaved_system;
 mod layout;
-pub(crate) mod narrowing;
+mod multistep;
 mod packed_rows;
 mod project;
 mod projection_energy;
@@ -78,13 +76,13 @@ mod system;
 pub(crate) mod tracked_points;
 mod wide_integrator;
 
+use crate::step_history::History;
 use articulation::Articulation;
 use articulation_batch::ArticulationBatches;
 pub(crate) use block_constraints::SolveContext;
 use build::ArticulationCandidate;
 use carried_bodies::CarriedBodies;
 use contacts::ArticulationContact;
-use history::History;
 use rejection_cache::RejectionCache;
 
 /// Group of a joint that moves nothing.

@@ -31,10 +31,10 @@
 
 use glam::{DQuat, DVec3};
 
-use super::history::History;
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
 use crate::solve::rotation;
+use crate::step_history::History;
 
 /// Spin in a step from which a body is taken as a rotor (rad), and below which it no longer is: 3 and 1.8 rad/s at 60 steps a second. A
 /// gyroscope that the spin holds up against gravity falls by 2 cm in a second at 30 rad/s and 240 steps a second, 0.12 rad, if it is not.

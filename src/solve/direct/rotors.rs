@@ -3,10 +3,10 @@
 use glam::DVec3;
 
 use super::articulation::{Articulation, Mode};
-use super::history::rotation_vector;
-use super::narrowing;
+use super::multistep::rotation_vector;
 use super::rotor::{self, Rotor};
 use super::wide_integrator;
+use crate::linalg::narrowing;
 use crate::solve::rotation;
 
 /// Share by which the error of passes must fall in each; where it does not, velocities before joints act stay as they are.

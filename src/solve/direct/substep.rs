@@ -4,14 +4,14 @@ use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::{Articulation, Mode};
 use super::distance_stiffness::DistanceLine;
-use super::history::{LocalError, SecondOrder};
-use super::narrowing;
+use super::multistep::{LocalError, SecondOrder};
 use super::row::Origin;
 use super::stiffness::{self, IMPLICIT_RANGE};
 use super::system::{CONTACT_PASSES, PASSES};
 use super::wide_integrator::{self, Start};
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
+use crate::linalg::narrowing;
 use crate::solve::joint::rows::Phase;
 use crate::solve::momentum::{Inertia, Whole};
 use crate::solve::rotation;

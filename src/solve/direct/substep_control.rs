@@ -10,9 +10,9 @@
 use glam::DVec3;
 
 use super::articulation::{Articulation, Mode};
-use super::history::LocalError;
+use super::multistep::LocalError;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::solve::StepSettings;
 
 /// Change of velocity beyond a steady one that a second-order substep of the default effort may have in an articulation of one

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::curved_contacts::{Curved, CurvedPoint, change};
-use super::history::rotation_vector;
+use super::multistep::rotation_vector;
 use crate::solve::contact::{ContactInput, POINTS};
 use crate::solve::joint::LocalPose;
 

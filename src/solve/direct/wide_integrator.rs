@@ -5,13 +5,14 @@ use glam::{DMat3, DVec3, Vec3};
 use super::articulation::Began;
 use super::body::DirectBody;
 use super::fours::{Quatx4, Sym3x4, Vec3x4};
-use super::history::{History, SecondOrder, rotation_vector_near};
-use super::narrowing;
+use super::multistep::{SecondOrder, rotation_vector_near};
 use super::stiffness;
 use crate::lanes::four::{Four, Plain};
+use crate::linalg::narrowing;
 use crate::platform::in_fours;
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
+use crate::step_history::History;
 
 /// Passes in which the angular velocity at the end of a substep is found from an angular momentum.
 const MOMENTUM_PASSES: usize = 2;
@@ -22,8 +23,8 @@ const NEGLIGIBLE_TURN: f64 = 1.0e-9;
 /// Relative gain of rotational energy beyond which a body's angular momentum is not carried into its new pose.
 const MAX_GAIN: f64 = 1.0e-6;
 
-const MAX_SPEED: f64 = crate::body::MAX_LINEAR_SPEED as f64;
-const MAX_SPIN: f64 = crate::body::MAX_ANGULAR_SPEED as f64;
+const MAX_SPEED: f64 = crate::speed_limits::MAX_LINEAR_SPEED as f64;
+const MAX_SPIN: f64 = crate::speed_limits::MAX_ANGULAR_SPEED as f64;
 
 /// Four bodies that move, and what stays as it is for a step; where there are fewer, the first takes the places of the others.
 #[derive(Debug, Clone, Copy)]

@@ -5,9 +5,10 @@ use glam::{DQuat, DVec3, Vec3};
 use super::geometry::{Placement, WorldFrame};
 use super::{IMPLICIT_RANGE, LocalPose, angles, driven, kinds, stance};
 use crate::id::{JointId, Pool};
-use crate::joint::{Joint, JointImpulses, JointKind};
+use crate::joint::JointKind;
 use crate::joint_drive::DriveRates;
 use crate::joint_rebounds::Rebounds;
+use crate::joint_record::{Joint, JointImpulses};
 use crate::solve::integrate::PredictedPose;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 

@@ -25,7 +25,8 @@ use glam::DVec3;
 
 use super::kinds::RowSink;
 use super::rows::{Demand, Jacobian, Phase, ScalarRow, SoftParams};
-use crate::joint::{JointDef, JointKind, Limits, MAX_SCALAR_ROWS};
+use crate::joint::{JointDef, JointKind, Limits};
+use crate::joint_record::MAX_SCALAR_ROWS;
 
 /// Multiplier of the friction of axis 0; those of a six-axis joint follow.
 pub(crate) const OF_AXES: u8 = 18;

@@ -8,8 +8,9 @@ use super::friction;
 use super::geometry::{JointGeometry, Placement};
 use super::motor::BodyResponse;
 use super::rows::{BlockRow, Demand, Error1, Error3, HeldDirections, Jacobian, Phase, RowRates, ScalarRow, SoftParams};
-use crate::joint::{JointDef, JointImpulses, JointKind, Limits, Motor, SphericalMotor};
+use crate::joint::{JointDef, JointKind, Limits, Motor, SphericalMotor};
 use crate::joint_rebounds::Rebounds;
+use crate::joint_record::JointImpulses;
 
 /// Rows of one joint for one substep, as its kind asks for them.
 pub(crate) struct RowSink<'a> {

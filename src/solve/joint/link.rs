@@ -1,7 +1,7 @@
 //! What sorting reads of a joint, in a few bytes.
 
 use super::{friction, kinds};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::settings::Solver;
 
 /// What follows from the definition of a joint.

@@ -47,7 +47,8 @@ use super::disjoint::DisjointSlices;
 use super::integrate::PredictedPose;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
-use crate::joint::{Joint, JointKind};
+use crate::joint::JointKind;
+use crate::joint_record::Joint;
 use crate::workers::Workers;
 
 /// Transverse stiffness κ below which the Jacobian is taken at the start, and above which it is taken at the predicted pose.

@@ -26,7 +26,8 @@ use super::angles::nearest;
 use super::geometry::Placement;
 use super::rows::Rate;
 use super::spherical::swing;
-use crate::joint::{JointImpulses, JointKind, Limits, Motor, SphericalMotor};
+use crate::joint::{JointKind, Limits, Motor, SphericalMotor};
+use crate::joint_record::JointImpulses;
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// How much faster a joint may come to turn within a step, and by how much a blow may turn it besides (rad).
@@ -162,7 +163,7 @@ mod tests {
     use glam::{DQuat, DVec3, Vec3};
 
     use super::*;
-    use crate::joint::JointImpulses;
+    use crate::joint_record::JointImpulses;
     use crate::solve::joint::kinds::MotorRows;
 
     const DT: f32 = 1.0 / 60.0;

@@ -14,8 +14,8 @@ use super::rows::{self, Phase, Rate, RowRates};
 use super::sweep::{self, BlockRow, ScalarRow};
 use super::{JointEntry, MOMENTUM_RETURN_LIMIT, MovingBodies};
 use crate::id::{JointId, Pool};
-use crate::joint::{Joint, JointImpulses};
 use crate::joint_rebounds::Rebounds;
+use crate::joint_record::{Joint, JointImpulses};
 use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// Passes over the rows of a joint that has scalar ones: they are solved one by one, and see each other only so.

@@ -3,7 +3,7 @@
 use super::held::Ends;
 use super::island::{CoupledIsland, rate_of};
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 
 /// Shares of what takes errors out of positions that are tried, one after the other.
 const SHARES: [f64; 3] = [1.0, 0.3, 0.09];

@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::patch::{row, turning_row};
 use super::problem::JointBlock;
 use super::term::{Law, Term};
-use crate::joint::{Joint, JointImpulses};
+use crate::joint_record::{Joint, JointImpulses};
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
 use crate::solve::joint::kinds::{self, RowSink};

@@ -20,7 +20,7 @@ use super::joint::{JointEntry, JointLink};
 use super::plan::Planner;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::report::IslandPlan;
 use crate::workers::Workers;
 

@@ -2,7 +2,7 @@
 
 use super::island::{CoupledIsland, rate_of};
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::solve::StepSettings;
 
 /// Impacts of a substep at most: what one throws may be about to hit the next, as balls do that hang in a row.

@@ -2,15 +2,16 @@
 
 use super::PoseBlock;
 use super::turn::turn;
-use crate::body::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::lanes::wide::{Wide, Wide3};
+use crate::linalg::rotation32::{NEGLIGIBLE_SPEED, NEGLIGIBLE_WAY};
 use crate::solve::body_gather::{WidePoses, WideVelocities, gather_rotations, scatter_outlooks};
 use crate::solve::contact::{LANES, Lane};
 use crate::solve::disjoint::{DisjointMut, Slots};
-use crate::solve::integrate::{NEGLIGIBLE_SPEED, NEGLIGIBLE_WAY, PredictedPose, SAFE_TUMBLE, SPLIT_TUMBLE};
+use crate::solve::integrate::{PredictedPose, SAFE_TUMBLE, SPLIT_TUMBLE};
 use crate::solve::rotation::{self, MAX_TURN};
 use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::solve::wide_matrix::{Wide6, WideQuat};
+use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
 #[inline(always)]
 pub(super) fn apply_forces<W: Wide>(

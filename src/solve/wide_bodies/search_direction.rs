@@ -2,12 +2,13 @@
 
 use super::{PoseBlock, WideBodies};
 use crate::lanes::wide::{Wide, Wide3};
+use crate::linalg::rotation32::NEGLIGIBLE_PUSH;
 use crate::platform::in_lanes;
 use crate::solve::body_gather::{WidePoses, WideVelocities, gather_rotations};
 use crate::solve::contact::{Lane, Lane3};
 use crate::solve::disjoint::{DisjointMut, Shared};
-use crate::solve::integrate::{NEGLIGIBLE_PUSH, rotated_in_lanes};
 use crate::solve::state::{BodyMotion, BodyVelocity, MAX_PUSH_TURN};
+use crate::solve::wide_matrix::rotated_in_lanes;
 use crate::solve::wide_matrix::{Wide6, WideQuat};
 use crate::workers::Workers;
 

@@ -7,7 +7,8 @@ use glam::{DVec3, Quat, Vec3};
 use super::Pen;
 use crate::debug::form::arc_from;
 use crate::debug::{Color, DrawLayers};
-use crate::joint::{Joint, JointKind, Limits};
+use crate::joint::{JointKind, Limits};
+use crate::joint_record::Joint;
 use crate::world::World;
 
 /// Radius of the arc of an angle's limits, and half the length of a mark across a sliding joint, in marks.

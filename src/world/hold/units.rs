@@ -22,7 +22,7 @@ use super::Hold;
 use crate::body::Body;
 use crate::collide::pairs::WorldManifold;
 use crate::id::{JointId, Pool};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::settings::Solver;
 pub(super) use crate::tuning::units::UNIT_CALM_SHARE;
 use crate::tuning::units::{AGAIN_STEPS, BLOW_SHARE, CALM_STEPS, LOAD_SHARE, OVERLAP_SHARE};

@@ -4,9 +4,10 @@ use glam::{Quat, Vec3};
 
 use crate::body::{Body, LockedAxes};
 use crate::id::{BodyId, Pool};
-use crate::joint::{Joint, JointDef, JointKind};
+use crate::joint::{JointDef, JointKind};
 use crate::joint_graph::graph::{PointLink, Turn};
 use crate::joint_graph::plane::{Hinge, HingeEnd};
+use crate::joint_record::Joint;
 use crate::world::unions::Unions;
 
 /// What a joint lets turn, if it holds its points together without give.

@@ -9,10 +9,10 @@ use crate::shape::Shape;
 use crate::solve::StepSettings;
 use crate::solve::batch::Batch;
 use crate::solve::direct::BatchRecords;
-use crate::solve::direct::history::History;
 use crate::solve::joint::{JointEntry, JointLink};
 use crate::solve::newton::{Contents, IslandRecords, Surfaces, Tangency};
 use crate::solve::state::WORLD_SLOT;
+use crate::step_history::History;
 use crate::workers::Workers;
 use crate::world::substep_multiplier::is_smooth;
 

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{BatchInput, REPLICA};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::solve::batch::{Batch, JointEnd};
 use crate::solve::joint::kinds::MotorRows;
 use crate::solve::joint::{BatchJoints, JointEntry, JointLink, angles, kinds};

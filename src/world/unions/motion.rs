@@ -3,10 +3,11 @@
 use glam::Vec3;
 
 use super::{Anchor, UnionPlace, Unions, shapes_follow};
-use crate::body::{Anchored, Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, within_limit};
+use crate::body::{Anchored, Body, within_limit};
 use crate::joint_graph::union::loads::Wrench;
 use crate::joint_graph::union::matching::{Loose, fit_velocity};
 use crate::joint_graph::union::{UnionMotion, inertia_of};
+use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::world::World;
 use crate::world::union_loads::wants_load;
 use crate::world::wake::Edited;

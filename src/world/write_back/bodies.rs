@@ -4,16 +4,17 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use crate::body::{Body, MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED, SleepState, within_limit};
+use crate::body::{Body, SleepState, within_limit};
 use crate::collide::collider::Collider;
 use crate::id::{BodyId, Pool, ShapeId, Slot};
 use crate::joint_graph::union::UnionMotion;
 use crate::prefetch::{AHEAD, prefetch};
 use crate::settings::SleepSettings;
 use crate::solve::batch::Batch;
-use crate::solve::direct::history::History;
 use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
 use crate::solve::state::WORLD_SLOT;
+use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
+use crate::step_history::History;
 use crate::world::World;
 use crate::world::drift::is_slow;
 use crate::world::fast::Path;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::id::{JointId, Pool, Slot};
-use crate::joint::Joint;
+use crate::joint_record::Joint;
 use crate::report::{Events, JointOverload, JointStop};
 use crate::solve::batch::Batch;
 use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};

@@ -19,7 +19,8 @@ mod tests;
 use glam::Vec3;
 
 use super::JointEntry;
-use crate::joint::{JointImpulses, JointKind, Limits, Motor, Softness};
+use crate::joint::{JointKind, Limits, Motor, Softness};
+use crate::joint_record::JointImpulses;
 use crate::platform::in_lanes;
 use crate::solve::contact::{LANES, Lane, Lane3};
 use crate::solve::disjoint::Slots;

@@ -5,7 +5,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::id::{BodyId, JointId, Pool, WorldTag};
-use crate::joint::{Joint, JointDef};
+use crate::joint::JointDef;
+use crate::joint_record::Joint;
 use crate::lanes::wide::{Plain, Wide};
 use crate::solve::body_flags::BodyFlags;
 use crate::solve::color::Coloring;

@@ -33,10 +33,9 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3, Vec3};
 
-use super::narrowing;
-use crate::snapshot::stored::{Reader, Stored, Writer};
+use crate::linalg::narrowing;
 use crate::solve::joint::rows::Rate;
-use crate::solve::velocity_half_step::Twist;
+use crate::step_history::History;
 
 /// Ratios of the lengths of two substeps at which the second may be of second order.
 const RATIOS: std::ops::RangeInclusive<f64> = 0.2..=2.2;
@@ -87,86 +86,7 @@ pub(super) struct LocalError {
     pub worst: f64,
 }
 
-/// Length of the substep where nothing is known but a lead: see [`crate::solve::velocity_half_step`].
-const TOLD: f32 = -1.0;
-
-/// A body's last substep, as its record keeps it from one step to the next.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct History {
-    /// Length of the substep (s); zero where nothing is known.
-    pub h: f32,
-    /// Substeps that the articulation should take in the next step.
-    pub substeps: u32,
-    /// Steps for which its articulation's contacts are swept, as rows of the same system they did not settle.
-    pub swept_steps: u32,
-    /// Displacement (m) and rotation vector (rad).
-    pub(super) displacement: Vec3,
-    pub(super) turn: Vec3,
-    /// Of a fast rotor the angle about its axis (rad), which is no part of the rotation vector then; else zero.
-    pub(super) spin_turn: f32,
-    /// Velocity and angular momentum at its start (m/s, N·m·s); or a lead of the velocities (m/s, rad/s).
-    pub(super) linear_before: Vec3,
-    pub(super) momentum_before: Vec3,
-    /// Rates of both at its end, as the substep took them (m/s², N·m).
-    pub(super) acceleration: Vec3,
-    pub(super) torque: Vec3,
-    /// Second derivative of its velocity, averaged over the length of a step (m/s³); zero where nothing is known.
-    pub(super) jerk: Vec3,
-    /// Velocities at its end: others mean that the body has been struck or edited since.
-    pub(super) linear: Vec3,
-    pub(super) angular: Vec3,
-}
-
-crate::snapshot::stored::stored!(History {
-    h,
-    substeps,
-    swept_steps,
-    displacement,
-    turn,
-    spin_turn,
-    linear_before,
-    momentum_before,
-    acceleration,
-    torque,
-    jerk,
-    linear,
-    angular
-});
-
 impl History {
-    pub(crate) const NONE: Self = Self {
-        h: 0.0,
-        substeps: 0,
-        swept_steps: 0,
-        displacement: Vec3::ZERO,
-        turn: Vec3::ZERO,
-        spin_turn: 0.0,
-        linear_before: Vec3::ZERO,
-        momentum_before: Vec3::ZERO,
-        acceleration: Vec3::ZERO,
-        torque: Vec3::ZERO,
-        jerk: Vec3::ZERO,
-        linear: Vec3::ZERO,
-        angular: Vec3::ZERO,
-    };
-
-    /// Of a body that sweeps have moved, and whose velocity was told with this lead.
-    pub(crate) fn leading([linear, angular]: Twist) -> Self {
-        Self { h: TOLD, linear_before: linear, momentum_before: angular, ..Self::NONE }
-    }
-
-    /// What its velocity was told with, if with anything.
-    pub(crate) fn lead(&self) -> Option<Twist> {
-        (self.h == TOLD).then_some([self.linear_before, self.momentum_before])
-    }
-
-    /// Forgets a lead: the body is at rest.
-    pub(crate) fn forget_lead(&mut self) {
-        if self.h == TOLD {
-            *self = Self::NONE;
-        }
-    }
-
     /// Whether the body has moved at this rate ever since, and no other.
     pub(crate) fn leads_to(&self, rate: &Rate) -> bool {
         self.h > 0.0 && self.linear == narrowing::speed(rate.linear) && self.angular == narrowing::speed(rate.angular)
@@ -181,56 +101,6 @@ impl History {
         let jerk = if self.jerk == Vec3::ZERO { found } else { known + (found - known) * (h / dt).min(1.0) };
         self.jerk = jerk.as_vec3();
         jerk
-    }
-}
-
-/// The last substep of a body, in room of its own: most bodies never have one to keep.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct StepHistory(Option<Box<History>>);
-
-impl StepHistory {
-    pub(crate) fn get(&self) -> History {
-        self.0.as_deref().copied().unwrap_or(History::NONE)
-    }
-
-    pub(crate) fn lead(&self) -> Option<Twist> {
-        self.0.as_ref()?.lead()
-    }
-
-    pub(crate) fn set(&mut self, history: History) {
-        match &mut self.0 {
-            Some(kept) => **kept = history,
-            None => self.0 = Some(Box::new(history)),
-        }
-    }
-
-    pub(crate) fn set_swept_steps(&mut self, steps: u32) {
-        self.set(History { swept_steps: steps, ..self.get() });
-    }
-
-    /// Forgets everything; the room is kept, for a step that is to come.
-    pub(crate) fn forget(&mut self) {
-        if let Some(kept) = &mut self.0 {
-            **kept = History::NONE;
-        }
-    }
-
-    pub(crate) fn forget_lead(&mut self) {
-        if let Some(kept) = &mut self.0 {
-            kept.forget_lead();
-        }
-    }
-}
-
-impl Stored for StepHistory {
-    fn put(&self, out: &mut Writer) {
-        self.get().put(out);
-    }
-    fn take(input: &mut Reader) -> Option<Self> {
-        let before = input.words;
-        let history = History::take(input)?;
-        let is_known = before[..before.len() - input.words.len()].iter().any(|&word| word != 0);
-        Some(Self(is_known.then(|| Box::new(history))))
     }
 }
 

@@ -6,7 +6,7 @@
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 
-use crate::solve::integrate::{NEGLIGIBLE_SPEED, NEGLIGIBLE_WAY};
+use super::rotation32::{NEGLIGIBLE_SPEED, NEGLIGIBLE_WAY};
 
 /// Other numbers are taken as zero where nothing could be multiplied with them.
 const NEGLIGIBLE: f64 = 1.0e-30;
