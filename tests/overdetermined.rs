@@ -4,7 +4,11 @@
 
 use common::Run;
 use longspan::glam::{DMat4, DQuat, DVec3, EulerRot, Vec3};
-use longspan::{BodyDef, BodyId, JointDef, JointId, JointKind, Mass, Pose, Shape, ShapeDef, SleepSettings, World, WorldDef};
+use longspan::{
+    BodyDef, BodyId, JointDef, JointId, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, SleepSettings, Solver, World,
+    WorldDef,
+};
+use longspan_scenes::Random;
 
 mod common;
 
@@ -258,4 +262,54 @@ fn a_loop_of_six_hinges_keeps_its_momentum() {
     run.keeps("lin_momentum_err_pct", 4e-4, "%");
     run.keeps("ang_momentum_err_pct", 6e-3, "%");
     Run::of("hinge_loop", &[("n", "40")]).keeps("ang_momentum_err_pct", 1e-3, "%");
+}
+
+/// A light and a heavy body on three or four joints to the world and to each other, whose frames lie up to 3 m off in any direction.
+fn contradiction(solver: Solver, ratio: f32, seed: u64) -> (World, [BodyId; 2]) {
+    let mut random = Random::new(seed);
+    let mut world = World::new(&WorldDef { solver, ..WorldDef::default() }).expect("a valid world");
+    let bodies = [(0.0, 0.113), (2.0, 0.113 * ratio)].map(|(x, mass)| {
+        let mut shape = ShapeDef::new(Shape::cuboid(Vec3::splat(0.5)).expect("a valid shape"));
+        shape.filter.collides_with = 0;
+        let def = BodyDef::dynamic(Pose::at_xyz(x, 0.0, 0.0)).with_shape(shape).with_mass(Mass::Total(mass));
+        world.create_body(&def).expect("a valid body")
+    });
+    for number in 0..3 + random.index(2) {
+        let kinds = [
+            JointKind::Fixed,
+            JointKind::HINGE,
+            JointKind::SPHERICAL,
+            JointKind::Prismatic { limits: Limits::NONE, motor: Motor::Off },
+        ];
+        let ends = [[BodyId::NULL, bodies[0]], [BodyId::NULL, bodies[1]], bodies][number % 3];
+        let mut frame = || Pose { position: random.vector(3.0).as_dvec3(), rotation: random.rotation() };
+        let (frame_a, frame_b) = (frame(), frame());
+        let def = JointDef { frame_a, frame_b, ..JointDef::new(kinds[random.index(4)], ends[0], ends[1]) };
+        world.create_joint(&def).expect("a valid joint");
+    }
+    (world, bodies)
+}
+
+#[test]
+fn joints_that_contradict_each_other_fling_nothing_about() {
+    // Whatever moves has fallen: a light body between joints that cannot be held goes no faster than what it hangs between, from which it has
+    // its energy. The heavy one falls for three seconds at most, to 29 m/s; a point at the end of a lever of 5 m is faster than its body's middle.
+    const BOUND: f32 = 36.0;
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        for (rate, ratio) in [(60, 7540.0), (30, 0.1), (30, 1000.0), (240, 1.0e5)] {
+            for seed in 0..16 {
+                let (mut world, bodies) = contradiction(solver, ratio, seed);
+                let mut fastest: f32 = 0.0;
+                for _ in 0..3 * rate {
+                    world.step(1.0 / rate as f32).expect("a valid step");
+                    fastest = bodies
+                        .iter()
+                        .map(|&body| world.linear_velocity(body).expect("bodies stay").length())
+                        .fold(fastest, f32::max);
+                }
+                let what = format!("{solver:?}, {rate} Hz, ratio {ratio}, seed {seed}");
+                assert!(fastest < BOUND, "{what}: {fastest} m/s, bound {BOUND} m/s");
+            }
+        }
+    }
 }

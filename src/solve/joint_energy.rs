@@ -22,17 +22,28 @@
 //! ```text
 //! v ← s v,    s² T' = T + s W.
 //! ```
+//!
+//! **What rows do not hold.** A light body between joints that contradict each other, or between the world and what is thousands of
+//! times heavier, is flung about within T where a few sweeps come nowhere near what its rows ask for. So in an island that hangs on
+//! something fixed, √(2T/m) of a body that its joints do not hold (`UNHELD`) is kept to the greatest of all before the sweeps, but for
+//! what motors do. A whip's end is held, and may be faster.
 
 use super::batch::Batch;
+use super::joint::JointEntry;
 use super::momentum::FreeIslands;
 use super::state::{BodyMotion, BodyVelocity};
 use super::wide_bodies::WideBodies;
+use crate::id::{JointId, Pool};
+use crate::joint_record::Joint;
 use crate::tight_vec::resize;
-use crate::tuning::energy::TORN;
+use crate::tuning::energy::{TORN, UNHELD};
 use crate::workers::Workers;
 
 /// Growth of kinetic energy by the sweeps of a substep that is let be, as a share of it: rounding of `f32`.
 const LET_BE: f64 = 1.0e-6;
+
+/// Growth of a body's energy over that of the fastest that is let be: rounding of `f32`.
+const FASTER: f32 = 1.0 + 1.0e-4;
 
 /// An island whose joints and bounds give no energy but by motors: a range of slots.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +53,8 @@ struct WatchedIsland {
     /// Kinetic energy before and after the sweeps (J).
     before: f64,
     after: f64,
+    /// Of its bodies before, the greatest energy for a mass (J/kg).
+    fastest: f32,
     /// Whether it has motors, and what they have done in the substep (J).
     has_motors: bool,
     work: f64,
@@ -86,6 +99,8 @@ pub(crate) struct JointEnergy {
     before: Vec<BodyVelocity>,
     /// Whether the multipliers on each slot are given up.
     torn: Vec<bool>,
+    /// Slots of bodies with a joint that does not hold them.
+    unheld: Vec<u32>,
 }
 
 /// Velocities that are worth another thread's while: some 5 µs.
@@ -118,12 +133,49 @@ impl JointEnergy {
         resize(before, velocities.len(), BodyVelocity::FIXED);
         let piece = threads.piece(velocities.len(), MIN_NOTED);
         threads.share(before.chunks_mut(piece).zip(velocities.chunks(piece)), |(before, now)| before.copy_from_slice(now));
-        islands.iter_mut().for_each(|island| island.before = island.sum(&poses.energies));
+        for island in islands {
+            island.before = island.sum(&poses.energies);
+            let own = velocities[island.slots()].iter().zip(&poses.energies[island.slots()]);
+            island.fastest = own.map(|(velocity, energy)| energy * velocity.inverse_mass.max_element()).fold(0.0, f32::max);
+        }
     }
 
     /// Velocities that forces have left, of all slots.
     pub(crate) fn noted(&self) -> &[BodyVelocity] {
         &self.before
+    }
+
+    /// Slows what is faster than anything in its island was and not held by its joints; energies are those of now.
+    fn slow_unheld(
+        &mut self,
+        (joints, entries): (&Pool<Joint, JointId>, &[JointEntry]),
+        (velocities, motions): (&mut [BodyVelocity], &[BodyMotion]),
+        poses: &mut WideBodies,
+        free: &FreeIslands,
+    ) {
+        let Self { islands, unheld, .. } = self;
+        unheld.clear();
+        let mut looked = false;
+        for island in islands.iter() {
+            let most = |ease: f32| island.fastest + island.work.max(0.0) as f32 * ease;
+            for slot in island.slots() {
+                let ease = velocities[slot].inverse_mass.max_element();
+                let (pace, most) = (poses.energies[slot] * ease, most(ease));
+                if pace <= most * FASTER || free.begins_at(island.first) {
+                    continue;
+                }
+                if !std::mem::replace(&mut looked, true) {
+                    let loose = |entry: &&JointEntry| entry.missed(&joints[entry.joint].def.kind, velocities, motions) > UNHELD;
+                    unheld.extend(entries.iter().filter(loose).flat_map(|entry| [entry.a, entry.b]));
+                }
+                if unheld.contains(&(slot as u32)) {
+                    let kept = most / pace;
+                    let velocity = &mut velocities[slot];
+                    (velocity.linear, velocity.angular) = (velocity.linear * kept.sqrt(), velocity.angular * kept.sqrt());
+                    poses.energies[slot] *= kept;
+                }
+            }
+        }
     }
 
     /// Takes out what sweeps have added; says on which slots multipliers are given up, if on any. Energies are found anew unless those of
@@ -134,15 +186,17 @@ impl JointEnergy {
         (velocities, motions): (&mut [BodyVelocity], &[BodyMotion]),
         poses: &mut WideBodies,
         free: &FreeIslands,
+        of_joints: (&Pool<Joint, JointId>, &[JointEntry]),
         is_weighed: bool,
     ) -> Option<&[bool]> {
-        let Self { islands, before, torn, .. } = self;
-        if islands.is_empty() {
+        if self.islands.is_empty() {
             return None;
         }
         if !is_weighed {
             poses.find_energies(threads, velocities, motions);
         }
+        self.slow_unheld(of_joints, (velocities, motions), poses, free);
+        let Self { islands, before, torn, .. } = self;
         islands.iter_mut().for_each(|island| island.after = island.sum(&poses.energies));
         torn.clear();
         for island in islands.iter().filter(|island| island.has_grown()) {
@@ -171,8 +225,8 @@ impl Batch {
     /// Finds the islands whose rows give no energy but by motors: joints and bounds without give, on bodies moved in lanes.
     pub(crate) fn find_passive_islands(&mut self) {
         let first_driver = self.moving() + 1;
-        let Self { joint_energy: JointEnergy { islands, owner, driven, motorised, .. }, motions, inputs, direct, bounds, .. } =
-            self;
+        let Self { joint_energy, motions, inputs, direct, bounds, .. } = self;
+        let JointEnergy { islands, owner, driven, motorised, .. } = joint_energy;
         islands.clear();
         if self.joints.entries.is_empty() {
             return;
@@ -182,7 +236,15 @@ impl Batch {
         owner.resize(motions.len(), NOBODY);
         for (number, &first) in self.islands.iter().enumerate() {
             let end = self.islands.get(number + 1).map_or(motions.len(), |&next| next as usize);
-            islands.push(WatchedIsland { first, end: end as u32, before: 0.0, after: 0.0, has_motors: false, work: 0.0 });
+            islands.push(WatchedIsland {
+                first,
+                end: end as u32,
+                before: 0.0,
+                after: 0.0,
+                fastest: 0.0,
+                has_motors: false,
+                work: 0.0,
+            });
             let own = || (first as usize..end).filter(|&slot| motions[slot].is_dynamic());
             own().for_each(|slot| owner[slot] = number as u32);
             driven.push(own().any(|slot| !motions[slot].in_lanes));
@@ -211,10 +273,11 @@ impl Batch {
     }
 
     /// Takes the energy out again that the sweeps of this substep have added; `is_weighed` where energies of now have been found.
-    pub(crate) fn restrain(&mut self, threads: &Workers, is_weighed: bool) {
+    pub(crate) fn restrain(&mut self, all: &Pool<Joint, JointId>, threads: &Workers, is_weighed: bool) {
         self.find_motor_work();
         let Self { joint_energy, velocities, motions, poses, free, joints, bounds, taut, .. } = self;
-        if let Some(torn) = joint_energy.restrain(threads, (velocities, motions), poses, free, is_weighed) {
+        let of_joints = (all, &*joints.entries);
+        if let Some(torn) = joint_energy.restrain(threads, (velocities, motions), poses, free, of_joints, is_weighed) {
             joints.give_up(torn);
             bounds.give_up(torn);
             taut.give_up(torn);

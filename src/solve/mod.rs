@@ -137,7 +137,7 @@ impl Batch {
         if !self.mesh.is_one() {
             self.sweep_all(joints, threads, h, settings.iterations, substep);
         }
-        self.restrain(threads, is_weighed);
+        self.restrain(joints, threads, is_weighed);
         self.dissipate(threads, settings.iterations);
         if substep == 0 {
             self.half_steps.halve_start(self.joint_energy.slots(), &mut self.velocities);

@@ -266,6 +266,11 @@ impl FreeIslands {
 }
 
 impl FreeIslands {
+    /// Whether a free island begins with this slot.
+    pub(crate) fn begins_at(&self, first: u32) -> bool {
+        self.islands.iter().any(|&(start, ..)| self.members[start].0 == first)
+    }
+
     /// Slows the motion of the members of the free island that begins with this slot against one another, to the share that `kept` says
     /// where the kinetic energy of that motion has grown (J, from and to); `false` if no free island begins there.
     pub(crate) fn slow(

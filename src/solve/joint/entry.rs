@@ -77,6 +77,28 @@ impl JointEntry {
         points.gap.length() / levers.max(f64::MIN_POSITIVE)
     }
 
+    /// What of the motion of its two sides its rows leave against each other: of the speeds of its points in directions that it holds, over
+    /// the greater of the two, and of spins likewise, the greater share.
+    pub(crate) fn missed(&self, kind: &JointKind, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> f32 {
+        let placement = self.placement(motions[self.a as usize].stance(), motions[self.b as usize].stance());
+        let half_gap = placement.gap * 0.5;
+        let arms = [placement.a.lever + half_gap, placement.b.lever - half_gap].map(|arm| arm.as_vec3());
+        let [a, b] = [self.a, self.b].map(|slot| &velocities[slot as usize]);
+        let points = [a.linear + a.angular.cross(arms[0]), b.linear + b.angular.cross(arms[1])];
+        let axis = (placement.a.frame * DVec3::X).as_vec3();
+        let (rate, turn) = (points[1] - points[0], b.angular - a.angular);
+        let across = |v: Vec3| v - axis * axis.dot(v);
+        let (open, askew) = match kind {
+            JointKind::Fixed => (rate, turn),
+            JointKind::Hinge { .. } => (rate, across(turn)),
+            JointKind::Spherical { .. } => (rate, Vec3::ZERO),
+            JointKind::Prismatic { .. } => (across(rate), turn),
+            JointKind::Distance { .. } | JointKind::Generic { .. } => (Vec3::ZERO, Vec3::ZERO),
+        };
+        let share = |missed: Vec3, [a, b]: [Vec3; 2]| missed.length() / a.length().max(b.length()).max(f32::MIN_POSITIVE);
+        share(open, points).max(share(askew, [a.angular, b.angular]))
+    }
+
     pub(crate) fn placement(&self, a: LocalPose, b: LocalPose) -> Placement {
         let side = |rotation: DQuat, i: usize| WorldFrame {
             lever: rotation * self.local_lever[i],
