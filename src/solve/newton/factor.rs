@@ -4,6 +4,7 @@
 //! pivots keep their sign (Vanderbei 1995); [`Elimination`](super::elimination::Elimination) chooses one in which none is tiny.
 
 use super::elimination::{Elimination, WIDTH};
+use crate::platform::dispatched;
 
 /// A block of rows of one node and columns of another.
 pub(crate) type Block = [[f64; WIDTH]; WIDTH];
@@ -14,8 +15,9 @@ const NOTHING: Block = [[0.0; WIDTH]; WIDTH];
 /// The matrix of a system, then its factor.
 #[derive(Debug, Default)]
 pub(crate) struct Factor {
+    /// Column by column, so that products of two blocks go over whole lines.
     blocks: Vec<Block>,
-    /// Blocks times the inverse of the pivot above.
+    /// Blocks times the inverse of the pivot above, column by column.
     scaled: Vec<Block>,
     diagonal: Vec<Block>,
     inverse: Vec<Block>,
@@ -25,12 +27,13 @@ impl Factor {
     /// Begins a new matrix of this structure.
     pub(crate) fn start(&mut self, structure: &Elimination) {
         let (nodes, blocks) = (structure.node_count(), structure.block_count());
-        for (list, count) in
-            [(&mut self.blocks, blocks), (&mut self.scaled, blocks), (&mut self.diagonal, nodes), (&mut self.inverse, nodes)]
-        {
+        for (list, count) in [(&mut self.blocks, blocks), (&mut self.diagonal, nodes)] {
             list.clear();
             list.resize(count, NOTHING);
         }
+        // What is read of them is written before.
+        self.scaled.resize(blocks, NOTHING);
+        self.inverse.resize(nodes, NOTHING);
     }
 
     pub(crate) fn diagonal_mut(&mut self, node: u32) -> &mut Block {
@@ -44,7 +47,7 @@ impl Factor {
         let [rows, columns] = [a, b].map(|node| usize::from(structure.sizes[node as usize]));
         for row in 0..rows {
             for column in 0..columns {
-                let entry = if in_order { &mut block[row][column] } else { &mut block[column][row] };
+                let entry = if in_order { &mut block[column][row] } else { &mut block[row][column] };
                 *entry += value(row, column);
             }
         }
@@ -52,73 +55,107 @@ impl Factor {
 
     /// Factorises the matrix in place.
     pub(crate) fn factorize(&mut self, structure: &Elimination) {
-        for (place, &node) in structure.order.iter().enumerate() {
-            let size = usize::from(structure.sizes[node as usize]);
-            let inverse = inverse_of(&self.diagonal[node as usize], size);
-            self.inverse[node as usize] = inverse;
-            for number in structure.below_of(node) {
-                let rows = usize::from(structure.sizes[structure.below[number] as usize]);
-                let (block, scaled) = (&self.blocks[number], &mut self.scaled[number]);
-                for row in 0..rows {
-                    let mut sums = [0.0; WIDTH];
-                    for (value, line) in block[row][..size].iter().zip(&inverse) {
-                        for (sum, entry) in sums.iter_mut().zip(line) {
-                            *sum += value * entry;
-                        }
-                    }
-                    scaled[row] = sums;
+        factorize(self, structure);
+    }
+
+    /// Solves for one right-hand side, in place.
+    pub(crate) fn solve(&self, structure: &Elimination, values: &mut [Vector]) {
+        substitute(self, structure, values);
+    }
+}
+
+dispatched!(
+    /// See [`Factor::factorize`].
+    factorize, factorize_body, (factor: &mut Factor, structure: &Elimination)
+);
+
+dispatched!(
+    /// See [`Factor::solve`].
+    substitute, substitute_body, (factor: &Factor, structure: &Elimination, values: &mut [Vector])
+);
+
+#[inline(always)]
+fn factorize_body(factor: &mut Factor, structure: &Elimination) {
+    let Factor { blocks, scaled, diagonal, inverse } = factor;
+    let size_of = |node: u32| usize::from(structure.sizes[node as usize]);
+    for (place, &node) in structure.order.iter().enumerate() {
+        let size = size_of(node);
+        let own = inverse_of(&diagonal[node as usize], size);
+        inverse[node as usize] = own;
+        for number in structure.below_of(node) {
+            let (block, scaled) = (&blocks[number], &mut scaled[number]);
+            for (column, sums) in scaled[..size].iter_mut().enumerate() {
+                *sums = [0.0; WIDTH];
+                for (line, factors) in block[..size].iter().zip(&own) {
+                    add_product(sums, factors[column], line);
                 }
             }
-            let range = structure.first_update[place] as usize..structure.first_update[place + 1] as usize;
-            for update in &structure.updates[range] {
-                let (x, b) = (self.scaled[update.rows as usize], &self.blocks[update.columns as usize]);
-                // Columns of the product as rows, for sums side by side.
-                let mut columns = NOTHING;
-                for (i, line) in b.iter().enumerate() {
-                    for (column, entry) in columns.iter_mut().zip(line) {
-                        column[i] = *entry;
+        }
+        let range = structure.first_update[place] as usize..structure.first_update[place + 1] as usize;
+        for update in &structure.updates[range] {
+            let (rows, columns) = (&scaled[update.rows as usize], blocks[update.columns as usize]);
+            match (update.target as usize).checked_sub(blocks.len()) {
+                Some(target) => {
+                    for (row, line) in diagonal[target][..size_of(target as u32)].iter_mut().enumerate() {
+                        for (factors, other) in rows[..size].iter().zip(&columns) {
+                            subtract_product(line, factors[row], other);
+                        }
                     }
                 }
-                let target = match (update.target as usize).checked_sub(self.blocks.len()) {
-                    Some(node) => &mut self.diagonal[node],
-                    None => &mut self.blocks[update.target as usize],
-                };
-                // Rows beyond a joint's own are empty.
-                let rows = usize::from(structure.sizes[structure.below[update.rows as usize] as usize]);
-                for (line, x) in target.iter_mut().zip(&x).take(rows) {
-                    for (value, column) in x[..size].iter().zip(&columns) {
-                        for (entry, other) in line.iter_mut().zip(column) {
-                            *entry -= value * other;
+                None => {
+                    let count = size_of(structure.below[update.columns as usize]);
+                    for (column, line) in blocks[update.target as usize][..count].iter_mut().enumerate() {
+                        for (other, factors) in rows[..size].iter().zip(&columns) {
+                            subtract_product(line, factors[column], other);
                         }
                     }
                 }
             }
         }
     }
+}
 
-    /// Solves for one right-hand side, in place.
-    pub(crate) fn solve(&self, structure: &Elimination, values: &mut [Vector]) {
-        for &node in &structure.order {
-            let own = values[node as usize];
-            for number in structure.below_of(node) {
-                let other = &mut values[structure.below[number] as usize];
-                for (entry, line) in other.iter_mut().zip(&self.scaled[number]) {
-                    *entry -= dot(line, &own);
+#[inline(always)]
+fn substitute_body(factor: &Factor, structure: &Elimination, values: &mut [Vector]) {
+    for &node in &structure.order {
+        let (own, size) = (values[node as usize], usize::from(structure.sizes[node as usize]));
+        for number in structure.below_of(node) {
+            let mut sums = [0.0; WIDTH];
+            for (line, value) in factor.scaled[number][..size].iter().zip(&own) {
+                add_product(&mut sums, *value, line);
+            }
+            let other = &mut values[structure.below[number] as usize];
+            for (entry, sum) in other.iter_mut().zip(&sums) {
+                *entry -= sum;
+            }
+        }
+    }
+    for &node in structure.order.iter().rev() {
+        let size = usize::from(structure.sizes[node as usize]);
+        let mut found = factor.inverse[node as usize].map(|line| dot(&line, &values[node as usize]));
+        for number in structure.below_of(node) {
+            let other = &values[structure.below[number] as usize];
+            for (entry, line) in found[..size].iter_mut().zip(&factor.scaled[number]) {
+                for (value, factor) in other.iter().zip(line) {
+                    *entry -= factor * value;
                 }
             }
         }
-        for &node in structure.order.iter().rev() {
-            let mut found = self.inverse[node as usize].map(|line| dot(&line, &values[node as usize]));
-            for number in structure.below_of(node) {
-                let other = &values[structure.below[number] as usize];
-                for (line, value) in self.scaled[number].iter().zip(other) {
-                    for (entry, factor) in found.iter_mut().zip(line) {
-                        *entry -= factor * value;
-                    }
-                }
-            }
-            values[node as usize] = found;
-        }
+        values[node as usize] = found;
+    }
+}
+
+#[inline(always)]
+fn add_product(sums: &mut Vector, factor: f64, line: &Vector) {
+    for (sum, entry) in sums.iter_mut().zip(line) {
+        *sum += factor * entry;
+    }
+}
+
+#[inline(always)]
+fn subtract_product(sums: &mut Vector, factor: f64, line: &Vector) {
+    for (sum, entry) in sums.iter_mut().zip(line) {
+        *sum -= factor * entry;
     }
 }
 
