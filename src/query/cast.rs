@@ -192,20 +192,8 @@ fn last_stretch(
 
 #[cfg(test)]
 mod tests {
-    use glam::DMat3;
-
-    use super::super::part::{PartForm, PartPose};
+    use super::super::part::{PartForm, tests::part};
     use super::*;
-
-    fn part(form: PartForm<'static>, origin: DVec3, [x, y, z]: [DVec3; 3]) -> ConvexPart<'static> {
-        ConvexPart {
-            form,
-            place: PartPose { origin, axes: DMat3::from_cols(x, y, z) },
-            rounding: 0.0,
-            part: None,
-            triangle: None,
-        }
-    }
 
     /// Random casts whose search came so near to the surface that the way to the other part seemed to lead back.
     #[test]

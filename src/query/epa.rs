@@ -215,21 +215,9 @@ fn points(face: &EpaFace, corners: &[SimplexVertex]) -> (DVec3, DVec3) {
 
 #[cfg(test)]
 mod tests {
-    use glam::DMat3;
-
     use super::super::gap;
-    use super::super::part::{PartForm, PartPose};
+    use super::super::part::{PartForm, tests::part};
     use super::*;
-
-    fn part(form: PartForm<'static>, origin: DVec3, [x, y, z]: [DVec3; 3]) -> ConvexPart<'static> {
-        ConvexPart {
-            form,
-            place: PartPose { origin, axes: DMat3::from_cols(x, y, z) },
-            rounding: 0.0,
-            part: None,
-            triangle: None,
-        }
-    }
 
     /// A random pair whose search folded its surface at a needle in its last steps.
     #[test]

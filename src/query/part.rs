@@ -247,3 +247,19 @@ impl<'a> ConvexPart<'a> {
         Self { place, ..*self }
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A part of a form without rounding, with its axes in the frame of the query.
+    pub(in super::super) fn part(form: PartForm<'static>, origin: DVec3, [x, y, z]: [DVec3; 3]) -> ConvexPart<'static> {
+        ConvexPart {
+            form,
+            place: PartPose { origin, axes: DMat3::from_cols(x, y, z) },
+            rounding: 0.0,
+            part: None,
+            triangle: None,
+        }
+    }
+}
