@@ -53,6 +53,7 @@ mod solve_batches;
 mod step_skip;
 mod substep_multiplier;
 mod support;
+mod surface_energy;
 mod touching_pairs;
 mod union_loads;
 mod union_query;
@@ -128,6 +129,9 @@ struct StepScratch {
     /// Pairs of which one body moves over the other, for each piece of the pairs.
     glides: Vec<Vec<seams::Glide>>,
     seams: seams::Seams,
+    /// Balls that press on surfaces of triangles, for each piece of the pairs and in order.
+    found_balls: Vec<Vec<surface_energy::BallOnSurface>>,
+    balls_on_surfaces: Vec<surface_energy::BallOnSurface>,
     /// What is noted of bodies, and of joints, for each piece of a batch.
     noted: Vec<write_back::bodies::BodyNotes>,
     noted_joints: Vec<write_back::joints::JointNotes>,
@@ -237,6 +241,7 @@ impl World {
         clock.enter(c"finish");
         self.store_results(dt);
         self.stop_fast_bodies();
+        self.keep_energy_on_surfaces(dt);
         self.report_splits();
         self.prepare_support();
         if stirs {

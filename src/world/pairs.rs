@@ -7,6 +7,7 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::World;
 use super::seams::Glide;
+use super::surface_energy::BallOnSurface;
 use super::touching_pairs::TouchingPair;
 use super::unions::Unions;
 use crate::body::Body;
@@ -195,9 +196,11 @@ impl World {
         let parts = active.len().div_ceil(piece);
         scratch.pairs.resize_with(scratch.pairs.len().max(parts), PairScratch::default);
         scratch.glides.resize_with(scratch.glides.len().max(parts), Vec::new);
+        scratch.found_balls.resize_with(scratch.found_balls.len().max(parts), Vec::new);
         let (updated, slots) = (AtomicUsize::new(0), DisjointSlices::new(slots));
-        let pieces = active.chunks(piece).zip(&mut scratch.pairs).zip(touches.begin(parts)).zip(&mut scratch.glides);
-        threads.share(pieces, |(((active, scratch), touches), glides)| {
+        let noted = scratch.glides.iter_mut().zip(&mut scratch.found_balls);
+        let pieces = active.chunks(piece).zip(&mut scratch.pairs).zip(touches.begin(parts)).zip(noted);
+        threads.share(pieces, |(((active, scratch), touches), (glides, balls))| {
             // SAFETY: each active pair has a slot of its own, and is in one piece.
             let mut pairs = unsafe { slots.part() };
             let mut own = 0;
@@ -218,7 +221,9 @@ impl World {
                 update(pair, scratch);
                 own += usize::from(pair.updated);
                 let (a, b) = key.shapes();
-                glides.extend(Glide::of(key, slot, pair, (index.collider_state(a), index.collider_state(b)), dt));
+                let states = (index.collider_state(a), index.collider_state(b));
+                glides.extend(Glide::of(key, slot, pair, states, dt));
+                balls.extend(BallOnSurface::of(slot, pair, states, colliders, bodies));
                 extend_tightly(touches, TouchingPair::of(key, slot, pair, index).into_iter());
             }
             updated.fetch_add(own, Ordering::Relaxed);
