@@ -87,6 +87,7 @@ pub use mass::{MASS_RANGE, Mass, MassProperties};
 pub use material::{CombineRule, Material};
 pub use pose::Pose;
 pub use query::{Cast, Distance, MAX_CAST_TURN, MAX_QUERY_LENGTH, NearestPoint, NearestShape, QueryFilter, Ray, RayHit};
+pub use rayon;
 pub use record::{Divergence, RecordedWorld, RecordingSink, Replay, Replayed};
 pub use report::{
     ArticulationReport, Contact, ContactPair, ContactPoint, Hit, IslandPlan, IslandReport, JointOverload, JointStop, Moved,
@@ -95,4 +96,6 @@ pub use report::{
 pub use settings::{ArticulationSettings, MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};
 pub use workers::ParallelFor;
+#[cfg(feature = "trace")]
+pub use workers::trace;
 pub use world::{Profiler, UnionInfo, World};

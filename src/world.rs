@@ -300,6 +300,20 @@ impl World {
         self.threads.set_host(jobs);
     }
 
+    /// Has the threads of a pool do the independent parts of steps, instead of the world's own, or again so many as the world was made with. From
+    /// a step's first part that is shared to its end they do nothing else; where they are busy, the step goes on without them. The bits of
+    /// a step do not depend on it.
+    ///
+    /// # Errors
+    /// [`CapacityExceeded`](crate::ErrorKind::CapacityExceeded) when the world asks for threads again and the system gives none.
+    pub fn set_thread_pool(&mut self, pool: Option<Arc<rayon::ThreadPool>>) -> Result<()> {
+        match pool {
+            Some(pool) => self.threads.set_pool(pool),
+            None => self.threads.set_own(self.def.threads)?,
+        }
+        Ok(())
+    }
+
     /// Has a profiler told where steps are, or no longer. The bits of a step do not depend on it.
     pub fn set_profiler(&mut self, profiler: Option<Arc<dyn Profiler>>) {
         self.profiler = profiler;

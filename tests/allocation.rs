@@ -5,7 +5,7 @@ mod common;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use common::Run;
+use common::{Run, scene};
 use longspan::glam::Vec3;
 use longspan::{BodyDef, BodyId, Geometry, JointDef, JointKind, Mass, Pose, Shape, ShapeDef, Solver, World, WorldDef};
 use longspan_scenes::DT;
@@ -99,6 +99,19 @@ fn a_swinging_chain_takes_no_memory() {
 #[test]
 fn a_bridge_under_its_load_takes_no_memory() {
     takes_no_memory("footbridge", &[("seconds", "6")]);
+}
+
+#[test]
+fn a_step_on_threads_of_a_pool_takes_the_note_that_calls_them_and_no_more() {
+    let mut run = Run::on_threads(scene("many_pyramids", &[("seconds", "0.2")]), 3);
+    let counts: Vec<u64> = (0..10)
+        .map(|_| {
+            let before = TAKEN.get();
+            run.engine.world_mut().step(DT).expect("the step length is valid");
+            TAKEN.get() - before
+        })
+        .collect();
+    assert!(counts.iter().all(|&count| count <= 1), "allocations of steps on three threads, bound 1 each: {counts:?}");
 }
 
 #[test]

@@ -92,6 +92,27 @@ fn any_job_system_and_any_number_of_threads_give_one_island_the_same_bits() {
 }
 
 #[test]
+fn a_pool_of_the_host_gives_the_same_bits_whoever_makes_the_step() {
+    let pool = Arc::new(longspan::rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("the system gives threads"));
+    let run = |pool: Option<Arc<longspan::rayon::ThreadPool>>| {
+        let mut run = Run::on_threads(scene("large_pyramid", &[("base", "40"), ("seconds", "0.02")]), 1);
+        let world = run.engine.world_mut();
+        world.set_thread_pool(pool).expect("a pool that is there is taken");
+        (0..10).for_each(|_| _ = world.step(longspan_scenes::DT).expect("the step length is valid"));
+        world.set_thread_pool(None).expect("one thread is there");
+        world.step(longspan_scenes::DT).expect("the step length is valid");
+        run.world().state_hash()
+    };
+    let one = run(None);
+    assert_eq!(run(Some(pool.clone())), one, "state hashes in a pool and on one thread");
+    assert_eq!(
+        pool.install(|| run(Some(pool.clone()))),
+        one,
+        "state hashes of a step made by the pool's own thread and on one thread"
+    );
+}
+
+#[test]
 fn a_tower_has_the_same_bits_on_any_number_of_threads_while_it_stands_and_falls() {
     same_on_any_number_of_threads("tower", &[("seconds", "11")]);
 }

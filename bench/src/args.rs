@@ -54,6 +54,9 @@ pub enum Command {
         #[arg(long, default_value_t = 51, value_parser = at_least_one)]
         repeats: usize,
     },
+    /// Says how a scene's steps would scale: what is serial in them, what is divided, and how long so many threads would take by a model
+    #[cfg(feature = "trace")]
+    Trace(Trace),
     /// Runs a scene on our engine and draws its end
     Picture(Picture),
     /// Runs a scene on our engine and writes its end as a snapshot, which ls_world_restore reads
@@ -151,6 +154,19 @@ impl Run {
     pub fn engines(&self) -> Vec<String> {
         if self.engines.is_empty() { built_in().map(str::to_owned).collect() } else { self.engines.clone() }
     }
+}
+
+#[cfg(feature = "trace")]
+#[derive(Debug, Args)]
+pub struct Trace {
+    #[command(flatten)]
+    pub chosen: Chosen,
+    /// Numbers of threads; stages are printed for the last
+    #[arg(long, value_delimiter = ',', default_value = "1,2,4,8,16", value_parser = at_least_one)]
+    pub threads: Vec<usize>,
+    /// Steps at the start that are left out
+    #[arg(long, default_value_t = 10)]
+    pub skip: usize,
 }
 
 #[derive(Debug, Args)]

@@ -9,6 +9,8 @@ mod line;
 mod plot;
 mod session;
 mod stress_table;
+#[cfg(feature = "trace")]
+mod trace;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -26,6 +28,8 @@ fn main() -> ExitCode {
         Command::StressTable { seeds } => stress_table::print(seeds as u64),
         Command::DeriveTable => derive_table::print(),
         Command::HostTable { repeats } => host_table::print(repeats),
+        #[cfg(feature = "trace")]
+        Command::Trace(options) => trace::run(&options),
         Command::Picture(picture) => draw::picture(&picture),
         Command::Save { chosen, out } => save(&chosen, &out),
         Command::Draw { file, out, size } => draw::draw_file(&file, &out, size),

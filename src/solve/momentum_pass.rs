@@ -21,7 +21,8 @@
 //! matter.
 //!
 //! Bodies of one storey neither stand on each other nor hand anything to each other: several threads go through a wide one side by
-//! side, and each body adds up what it is handed in the order of the bodies above.
+//! side, and each body adds up what it is handed in the order of the bodies above. A thread goes on to its part of the next storey when
+//! those parts are done whose bodies stand on it, or under it, without waiting for the rest.
 
 mod changes;
 mod order;
@@ -207,22 +208,31 @@ impl MomentumPass {
     fn find_targets(&mut self, batch: &Batch, threads: &Workers) {
         let stacks = self.stacks.divide();
         let up = self.axes[0];
-        threads.share_in_phases(self.order.pieces().rev(), |places: Range<u32>| {
-            // SAFETY: what is worked on at the same time is of one storey, and of places that are one piece's alone.
-            let mut stacks = unsafe { stacks.part() };
-            places.rev().for_each(|place| stacks.find_target(place, batch, up));
-        });
+        let pieces = self.order.pieces().rev();
+        threads.share_in_flow(
+            pieces,
+            |number, need| self.order.each_below(number, need),
+            |places: Range<u32>| {
+                // SAFETY: each body is of one piece, and a piece waits for those whose bodies stand on its own, or under them.
+                let mut stacks = unsafe { stacks.part() };
+                places.rev().for_each(|place| stacks.find_target(place, batch, up));
+            },
+        );
     }
 
     /// Finds changes of multipliers that give every body its velocity, from the top.
     fn hand_down(&mut self, batch: &Batch, threads: &Workers) {
         let stacks = self.stacks.divide();
         let Self { order, changes, axes: [up, ..], .. } = self;
-        threads.share_in_phases(order.pieces(), |places: Range<u32>| {
-            // SAFETY: as above.
-            let mut stacks = unsafe { stacks.part() };
-            places.for_each(|place| stacks.hand_down(place, order.above(place), batch, *up, changes));
-        });
+        threads.share_in_flow(
+            order.pieces(),
+            |number, need| order.each_above(number, need),
+            |places: Range<u32>| {
+                // SAFETY: as above.
+                let mut stacks = unsafe { stacks.part() };
+                places.for_each(|place| stacks.hand_down(place, order.above(place), batch, *up, changes));
+            },
+        );
     }
 
     /// Finds the share of the changes at which the energy of the rows of each island is least.

@@ -16,8 +16,9 @@ use super::state::{BodyMotion, BodyVelocity};
 use super::wide_bodies::WideBodies;
 use crate::workers::Workers;
 
-/// Blocks from which on several threads go through them.
+/// Blocks from which on several threads go through them, and how long one thread takes for one (µs): 3 µs for 16.
 const SHARED_BLOCKS: usize = 64;
+const BLOCK_TIME: f32 = 0.2;
 
 /// Bodies of the same.
 const SHARED_BODIES: usize = 512;
@@ -27,6 +28,11 @@ const MIN_BODIES: usize = 128;
 /// contact sees of such a body its own mass alone: what a vehicle rests on its track with, or the track's pull round a sprocket, gets
 /// through links of a hundredth of its mass a little at a time. An odd number, to and fro, so that sweeps back are the exact reverse.
 const JOINTED_SWEEPS: u32 = 3;
+
+/// Threads that sweeps over the contacts feed: the same for all ranges and purposes, so that each keeps its blocks and bodies.
+fn useful_places(contacts: &ContactBlocks, threads: &Workers) -> usize {
+    threads.places_for(contacts.len() as f32 * BLOCK_TIME, contacts.colors.len())
+}
 
 /// Goes through the blocks of a range with the velocities of bodies, so many of which move: colour after colour, or backwards.
 pub(super) fn in_colors(
@@ -58,7 +64,8 @@ fn in_colors_shared(
 ) {
     debug_assert!(contacts.are_apart(moving), "blocks of one colour share a moving body");
     let shared = Shared::new(velocities, moving);
-    let pieces = contacts.colored_pieces(&range, threads.places());
+    let places = useful_places(contacts, threads);
+    let pieces = contacts.colored_pieces(&range, places);
     let pieces = pieces.into_iter().map(|piece| (piece.phase, piece.place, piece.runs));
     let work = |runs: SmallVec<[BlockRange<'_>; 2]>| {
         // SAFETY: what is worked on at the same time is of one phase, the blocks of one colour, which share no moving body.
@@ -76,7 +83,8 @@ fn in_colors_shared(
 /// Goes through all blocks in any order, each with the thread that goes through it in sweeps.
 pub(super) fn side_by_side(contacts: &mut ContactBlocks, threads: &Workers, work: impl Fn(BlockRange<'_>) + Sync) {
     if threads.has_team() {
-        let pieces = contacts.colored_pieces(&(0..contacts.len()), threads.places());
+        let places = useful_places(contacts, threads);
+        let pieces = contacts.colored_pieces(&(0..contacts.len()), places);
         threads.share_in_phases(pieces.into_iter().map(|piece| (0, piece.place, piece.runs)), |runs| {
             runs.into_iter().for_each(&work)
         });
@@ -95,7 +103,7 @@ pub(super) fn each_manifold(
     places: &mut Vec<u8>,
     work: impl Fn(&mut BlockView<'_>, usize, usize) + Sync,
 ) {
-    let count = threads.places();
+    let count = useful_places(contacts, threads);
     contacts.note_places(count, places);
     let shared = DividedBlocks::new(contacts);
     threads.share_among_all(0..count, |place| {

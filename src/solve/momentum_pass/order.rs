@@ -15,10 +15,11 @@ use crate::load_distribution::BoundedPoint;
 use crate::tight_vec::resize;
 use crate::workers::Workers;
 
-/// Bodies in stacks from which on several threads go through them, and bodies of a storey that are worth another thread's while: some
-/// 1 µs.
+/// Bodies in stacks from which on several threads go through them, bodies of a storey that are worth another thread's while, some 1 µs, and
+/// how long one thread takes for one (µs).
 const SHARED_BODIES: usize = 256;
 const MIN_BODIES: usize = 4;
+const BODY_TIME: f32 = 0.25;
 
 /// Blocks that are worth another thread's while to look through.
 const MIN_BLOCKS: usize = 64;
@@ -38,6 +39,14 @@ pub(super) struct Order {
     /// By their phases, and by their places.
     pieces: Vec<BodyRange>,
     by_place: Vec<BodyRange>,
+    /// By piece, which others bodies stand in that stand on its own, and which those in that its own stand on.
+    above_piece: Buckets,
+    below_piece: Buckets,
+    /// Those, each with the piece below first.
+    waits: Vec<(u32, u32)>,
+    /// Piece of each place, and for which piece each has been seen last.
+    piece_of: Vec<u32>,
+    seen_for: Vec<u32>,
     /// Place of each slot.
     places: Vec<u32>,
     /// Lanes by the place of the lower body.
@@ -96,16 +105,54 @@ impl Order {
         self.above.of(place)
     }
 
-    /// The places, upper before lower, in pieces: those of one phase share no bodies that stand on each other.
-    pub(super) fn pieces(&self) -> impl DoubleEndedIterator<Item = (u32, usize, Range<u32>)> {
-        self.pieces.iter().map(|piece| (piece.phase, piece.owner as usize, piece.first..piece.end))
+    /// The places, upper before lower, in pieces, each with whose it is.
+    pub(super) fn pieces(&self) -> impl DoubleEndedIterator<Item = (usize, Range<u32>)> {
+        self.pieces.iter().map(|piece| (piece.owner as usize, piece.first..piece.end))
+    }
+
+    /// Calls a function for each piece of another owner whose bodies stand on those of a piece.
+    pub(super) fn each_above(&self, piece: usize, need: &mut dyn FnMut(usize)) {
+        self.above_piece.of(piece as u32).iter().for_each(|&above| need(above as usize));
+    }
+
+    /// The same for those that they stand on, where pieces are numbered from the last one.
+    pub(super) fn each_below(&self, piece: usize, need: &mut dyn FnMut(usize)) {
+        let number = |piece: usize| self.pieces.len() - 1 - piece;
+        self.below_piece.of(number(piece) as u32).iter().for_each(|&below| need(number(below as usize)));
+    }
+
+    /// Finds which pieces of different owners have bodies that stand on each other.
+    fn find_waits(&mut self) {
+        let Self { stands, pieces, above_piece, below_piece, waits, piece_of, seen_for, places, above, .. } = self;
+        waits.clear();
+        if pieces.iter().any(|piece| piece.owner > 0) {
+            piece_of.clear();
+            piece_of.resize(pieces.iter().map(|piece| piece.end as usize).max().unwrap_or(0), 0);
+            for (number, piece) in (0..).zip(&*pieces) {
+                piece_of[piece.first as usize..piece.end as usize].fill(number);
+            }
+            seen_for.clear();
+            seen_for.resize(pieces.len(), u32::MAX);
+            for (number, piece) in (0..).zip(&*pieces) {
+                for &lane in (piece.first..piece.end).flat_map(|place| above.of(place)) {
+                    let upper = piece_of[places[stands[lane as usize].upper as usize] as usize];
+                    let is_new = std::mem::replace(&mut seen_for[upper as usize], number) != number;
+                    if is_new && pieces[upper as usize].owner != piece.owner {
+                        waits.push((number, upper));
+                    }
+                }
+            }
+        }
+        above_piece.sort(pieces.len(), waits.iter().copied());
+        below_piece.sort(pieces.len(), waits.iter().map(|&(below, above)| (above, below)));
     }
 
     /// Cuts storeys that are wide for several threads; what is between them is gone through by one.
     fn cut(&mut self, threads: &Workers) {
         let Self { pieces, slots, level, .. } = self;
         pieces.clear();
-        let places = if slots.len() >= SHARED_BODIES { places_of(threads) } else { 1 };
+        let is_shared = slots.len() >= SHARED_BODIES && threads.has_team();
+        let places = if is_shared { threads.places_for(slots.len() as f32 * BODY_TIME, 0) } else { 1 };
         let (mut first, mut phase, mut is_narrow) = (0, 0, false);
         for bodies in slots.chunk_by(|&above, &slot| level[above as usize] == level[slot as usize]) {
             let (count, cuts) = (bodies.len() as u32, places.min(bodies.len() / MIN_BODIES).max(1) as u32);
@@ -252,6 +299,7 @@ impl MomentumPass {
         for (changes, stands) in changes.iter_mut().zip(stands.chunks(LANES)) {
             changes.begin(stands.iter().map(|stand| if is_placed(stand) { island[stand.upper as usize] } else { NO_ISLAND }));
         }
+        order.find_waits();
     }
 
     /// Describes what bodies stand on, each with the thread that goes through it later.

@@ -1,0 +1,81 @@
+//! Records the regions of steps, as they would be cut for some number of threads, on one: for `longspan-bench trace`.
+//!
+//! Only there with the feature `trace`. A world made while [`simulate`] asks for threads has none; each of its pieces is done by the calling
+//! thread, in order, and its time is noted.
+
+use std::cell::{Cell, RefCell};
+use std::panic::Location;
+use std::time::{Duration, Instant};
+
+use super::region::Needs;
+
+/// A part of a step that is divided among threads.
+#[derive(Debug, Clone)]
+pub struct Region {
+    /// Where it is shared out.
+    pub at: &'static Location<'static>,
+    /// When it began to be cut into pieces, and when the last of them was done.
+    pub time: [Instant; 2],
+    /// Its pieces, in their order.
+    pub pieces: Vec<Piece>,
+    /// Whether pieces wait for some others, not for all of an earlier phase.
+    pub is_flow: bool,
+}
+
+/// What one thread does at a time.
+#[derive(Debug, Clone)]
+pub struct Piece {
+    /// Phase that it is of.
+    pub phase: usize,
+    /// Thread that it is meant for.
+    pub owner: usize,
+    /// How long it took.
+    pub time: Duration,
+    /// Earlier pieces that it waits for, beside those of its own thread.
+    pub needs: Vec<usize>,
+}
+
+thread_local! {
+    static THREADS: Cell<Option<usize>> = const { Cell::new(None) };
+    static BEGUN: Cell<Option<Instant>> = const { Cell::new(None) };
+    static REGIONS: RefCell<Vec<Region>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Has worlds that this thread makes from now on be cut for so many threads without having any, or no longer.
+pub fn simulate(threads: Option<usize>) {
+    THREADS.set(threads);
+}
+
+/// The regions that this thread has gone through since the last call.
+pub fn take() -> Vec<Region> {
+    REGIONS.take()
+}
+
+pub(super) fn simulated() -> Option<usize> {
+    THREADS.get()
+}
+
+/// A region begins to be cut into pieces.
+pub(super) fn begin() {
+    BEGUN.set(Some(Instant::now()));
+}
+
+/// Works on the pieces of a region, each by its phase and owner, and notes it.
+pub(super) fn record(at: &'static Location<'static>, (places, needs): (&[(u8, u8)], Option<Needs<'_>>), task: &dyn Fn(usize)) {
+    let begun = BEGUN.get().unwrap_or_else(Instant::now);
+    let mut last = Instant::now();
+    let mut pieces = Vec::with_capacity(places.len());
+    for (number, &(phase, owner)) in places.iter().enumerate() {
+        task(number);
+        let now = Instant::now();
+        let mut own = Vec::new();
+        if let Some(needs) = needs {
+            needs(number, &mut |earlier| own.push(earlier));
+        }
+        pieces.push(Piece { phase: usize::from(phase), owner: usize::from(owner), time: now - last, needs: own });
+        last = Instant::now();
+    }
+    let region = Region { at, time: [begun, last], pieces, is_flow: needs.is_some() };
+    REGIONS.with_borrow_mut(|regions| regions.push(region));
+    begin();
+}
