@@ -140,7 +140,8 @@ struct StepScratch {
     /// What of each part of the pairs that touch is of other batches than the largest.
     others: Vec<Vec<u32>>,
     /// Forces of the manifolds of a batch.
-    pulls: Vec<write_back::Pull>,
+    pulls: Vec<write_back::contacts::Pull>,
+    runs: write_back::runs::Runs,
     slots: Vec<u32>,
     islands: UnionFind,
 }

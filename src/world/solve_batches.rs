@@ -84,6 +84,7 @@ struct BatchInput<'a> {
 impl World {
     /// Fills every batch, prepares its rows and moves its bodies through the step.
     pub(super) fn solve_batches(&mut self, dt: f32) {
+        self.scratch.runs.find(&[], &self.threads);
         if self.batch_count == 0 {
             return;
         }
@@ -135,6 +136,7 @@ impl World {
         self.threads.share(batches.chunks_mut(piece), |batches| {
             batches.iter_mut().filter(|batch| !is_large(batch)).for_each(|batch| work(batch, &alone));
         });
+        self.scratch.runs.find(&self.batches[..self.batch_count], &self.threads);
     }
 }
 

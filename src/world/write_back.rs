@@ -1,11 +1,8 @@
 //! Stages after the solve: write results into the world's records, stop fast bodies, list events.
 
-use std::ops::Range;
-
 use glam::Vec3;
 
 use super::World;
-use super::body_shape_table::BodyShapeTable;
 use super::pairs::contact_pair;
 use super::support::PairView;
 use crate::body::{Body, BodyKind};
@@ -13,30 +10,17 @@ use crate::collide::collider::Collider;
 use crate::collide::pairs::Pair;
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::linalg::rotation32;
-use crate::prefetch::{AHEAD, prefetch};
 use crate::report::{Events, IslandReport};
-use crate::solve::contact::TOUCHED;
-use crate::solve::disjoint::{DisjointSlices, Slots};
 
 pub(super) mod bodies;
+pub(super) mod contacts;
 pub(super) mod joints;
 mod moved;
+pub(super) mod runs;
 
 /// Pairs that are reported before those of them that touch are judged: few enough to be still in the cache, and enough for reads of
 /// pairs to overlap, which they do not from one judgement to the next.
 const REPORTED_AT_ONCE: usize = 64;
-
-/// Manifolds of a batch from which on their multipliers are written back by all threads, and those that are worth another thread's while.
-const SHARED_MANIFOLDS: usize = 1024;
-const MIN_MANIFOLDS: usize = 128;
-
-/// Force of a manifold on the second of two bodies (N), and whether its pair presses that did not, or no longer does.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Pull {
-    bodies: [u32; 2],
-    force: Vec3,
-    has_changed: bool,
-}
 
 impl World {
     /// Writes poses, velocities and multipliers back.
@@ -47,6 +31,11 @@ impl World {
         self.note_starts();
         self.scratch.changed.clear();
         self.has_smooth_bodies = false;
+        if !self.scratch.runs.is_empty() {
+            self.store_bodies_of_runs(dt);
+            self.store_contacts_of_runs(dt);
+            self.store_joints_of_runs();
+        }
         for number in 0..self.batch_count {
             self.store_bodies(number, dt);
             self.store_contacts(number, dt);
@@ -82,88 +71,6 @@ impl World {
         self.carry_anchored();
         self.report.counts.bodies_asleep = self.sleeping.body_count() as u32;
         self.report.residuals.joint_gap = self.report.residuals.joint_gap.max(self.sleeping.worst_gap());
-    }
-
-    fn store_contacts(&mut self, number: usize, dt: f32) {
-        self.store_blows(number);
-        let substep = dt / self.def.substeps as f32;
-        let Self { batches, pairs, index, support, scratch, threads, .. } = self;
-        let is_judged = support.as_ref().is_some_and(|support| support.is_awake());
-        let batch = &batches[number];
-        let share = 1.0 / batch.stride;
-        // Keeps the multipliers of a manifold, and returns its force on the second shape.
-        let store = |i: usize, pair: &mut Pair, index: &BodyShapeTable| {
-            let mut impulses = batch.contact_impulses(i).scaled(share);
-            let manifold = batch.manifolds[i].1 as usize;
-            let pressed = impulses.normal.iter().sum::<f32>();
-            let rebound = if pressed > 0.0 { 0.0 } else { batch.contact_rebound(i) };
-            if rebound > 0.0 {
-                impulses.normal[0] = TOUCHED;
-            }
-            if !impulses.normal.iter().sum::<f32>().is_finite() || !impulses.friction.is_finite() {
-                pair.forget_impulses();
-                return Vec3::ZERO;
-            }
-            if is_judged {
-                let key = pair.key;
-                pair.store_told(manifold, impulses, batch.contact_told(i), || index.least_extent(key));
-            } else {
-                pair.store(manifold, impulses);
-            }
-            (batch.contact_normal(i) * (pressed + rebound) + impulses.friction) / substep
-        };
-        let pull = |i: usize, pair: &mut Pair, index: &BodyShapeTable| Pull {
-            bodies: <[u32; 2]>::from(pair.key.shapes()).map(|shape| index.body_of(shape)),
-            force: store(i, pair, index),
-            has_changed: pair.pressed != pair.in_contact,
-        };
-        let changed = &mut scratch.changed;
-        let mut note = |index: &mut BodyShapeTable, slot: u32, pull: &Pull| {
-            index.add_contact(pull.bodies, pull.force);
-            if pull.has_changed {
-                changed.push(slot);
-            }
-        };
-        if batch.manifolds.len() < SHARED_MANIFOLDS || !threads.has_team() {
-            for (i, &(slot, _)) in batch.manifolds.iter().enumerate() {
-                ask_for_next(&batch.manifolds[i..], &*pairs.slots_mut());
-                batch.ask_for_contact(i + AHEAD);
-                let pull = pull(i, pairs.get_mut(slot), index);
-                note(index, slot, &pull);
-            }
-            return;
-        }
-        scratch.pulls.clear();
-        scratch.pulls.resize(batch.manifolds.len(), Pull::default());
-        let slots = DisjointSlices::new(pairs.slots_mut());
-        let pieces = pieces_by_pair(&batch.manifolds, threads.piece(batch.manifolds.len(), MIN_MANIFOLDS));
-        let mut rest = &mut scratch.pulls[..];
-        let pieces = pieces.map(|range| (rest.split_off_mut(..range.len()).unwrap_or_default(), range));
-        threads.share(pieces, |(pulls, range)| {
-            // SAFETY: all manifolds of a pair are in one piece.
-            let mut pairs = unsafe { slots.part() };
-            for (place, i) in pulls.iter_mut().zip(range.clone()) {
-                ask_for_next(&batch.manifolds[i..range.end], &pairs);
-                batch.ask_for_contact(i + AHEAD);
-                *place = pull(i, pairs.get_mut(batch.manifolds[i].0), index);
-            }
-        });
-        scratch.pulls.iter().zip(&batch.manifolds).for_each(|(pull, &(slot, _))| note(index, slot, pull));
-    }
-
-    /// Adds what contacts have given to the hits under way.
-    fn store_blows(&mut self, number: usize) {
-        let Self { batches, pairs, .. } = self;
-        if pairs.blows.is_empty() {
-            return;
-        }
-        let batch = &batches[number];
-        for (i, &(slot, _)) in batch.manifolds.iter().enumerate() {
-            if let Some(blow) = pairs.blows.get_mut(slot) {
-                let impulse = batch.contact_blow(i);
-                blow.impulse += if impulse.is_finite() { impulse } else { 0.0 };
-            }
-        }
     }
 
     /// Takes a body out of the simulation where it last was, at rest, and says so.
@@ -249,17 +156,6 @@ impl World {
     }
 }
 
-/// Asks for the memory of the pairs of manifolds that come next, and of their multipliers.
-#[inline(always)]
-fn ask_for_next(coming: &[(u32, u32)], pairs: &(impl Slots<Pair> + ?Sized)) {
-    if let Some(&(slot, _)) = coming.get(2 * AHEAD) {
-        prefetch(pairs.get(slot));
-    }
-    if let Some(&(slot, _)) = coming.get(AHEAD) {
-        pairs.get(slot).manifolds.prefetch_impulses();
-    }
-}
-
 /// Says that the contact of a pair began or ended, if it has.
 fn report_contact(pair: &mut Pair, colliders: &Pool<Collider, ShapeId>, bodies: &Pool<Body, BodyId>, events: &mut Events) {
     if pair.pressed != pair.in_contact {
@@ -267,17 +163,4 @@ fn report_contact(pair: &mut Pair, colliders: &Pool<Collider, ShapeId>, bodies: 
         let list = if pair.in_contact { &mut events.contact_began } else { &mut events.contact_ended };
         list.push(contact_pair(colliders, bodies, pair.key));
     }
-}
-
-/// Ranges of so many manifolds, and a few more where others of the same pair follow.
-fn pieces_by_pair(manifolds: &[(u32, u32)], length: usize) -> impl Iterator<Item = Range<usize>> + '_ {
-    let mut next = 0;
-    std::iter::from_fn(move || {
-        let first = next;
-        next = manifolds.len().min(first + length);
-        while next < manifolds.len() && manifolds[next].0 == manifolds[next - 1].0 {
-            next += 1;
-        }
-        (first < next).then_some(first..next)
-    })
 }

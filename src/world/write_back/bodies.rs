@@ -16,6 +16,7 @@ use crate::solve::state::WORLD_SLOT;
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::step_history::History;
 use crate::world::World;
+use crate::world::body_shape_table::BodyShapeTable;
 use crate::world::drift::is_slow;
 use crate::world::fast::Path;
 use crate::world::substep_multiplier::Smoothness;
@@ -25,8 +26,8 @@ use crate::world::unions::{Anchor, Unions};
 const ROTATION_TOLERANCE: f32 = 1.0e-3;
 
 /// Slots of a batch from which on all threads write its bodies back, and those that are worth another thread's while: some 5 µs.
-const SHARED_SLOTS: usize = 512;
-const MIN_SLOTS: usize = 128;
+pub(super) const SHARED_SLOTS: usize = 512;
+pub(super) const MIN_SLOTS: usize = 128;
 
 /// What is noted of bodies as they are written back, for each piece of a batch.
 #[derive(Debug, Default)]
@@ -40,11 +41,9 @@ pub(in crate::world) struct BodyNotes {
     has_smooth_bodies: bool,
 }
 
-/// What the bodies of a batch are written back from.
-struct Moves<'a> {
-    number: usize,
-    batch: &'a Batch,
-    unions: &'a Unions,
+/// What the bodies of any batch are written back by.
+#[derive(Clone, Copy)]
+struct Limits {
     /// Of bodies without joints and with joints.
     calm_speeds: [f32; 2],
     smoothness: Smoothness,
@@ -52,8 +51,44 @@ struct Moves<'a> {
     sleep: Option<SleepSettings>,
     dt: f32,
     has_joints: bool,
-    may_stride: bool,
     some_are_fast: bool,
+}
+
+/// What the bodies of a batch are written back from.
+struct Moves<'a> {
+    limits: Limits,
+    number: usize,
+    batch: &'a Batch,
+    unions: &'a Unions,
+    may_stride: bool,
+}
+
+/// Records of which each thread writes those of other bodies.
+struct SharedRecords<'a> {
+    bodies: DisjointSlices<'a, Slot<Body>>,
+    colliders: DisjointSlices<'a, Slot<Collider>>,
+    forces: DisjointSlices<'a, Vec3>,
+}
+
+impl<'a> SharedRecords<'a> {
+    fn new(
+        bodies: &'a mut Pool<Body, BodyId>,
+        colliders: &'a mut Pool<Collider, ShapeId>,
+        index: &'a mut BodyShapeTable,
+    ) -> Self {
+        let forces = DisjointSlices::new(index.forces_for(bodies.slot_count()));
+        Self { bodies: DisjointSlices::new(bodies.slots_mut()), colliders: DisjointSlices::new(colliders.slots_mut()), forces }
+    }
+
+    /// Those of some bodies, for one thread.
+    ///
+    /// # Safety
+    /// While they live no other part is used for a body that these are used for, or for a shape of one.
+    unsafe fn part(&self) -> BodyRecords<'_> {
+        // SAFETY: each body has its own record and force, and each shape is on one body.
+        let (bodies, colliders, forces) = unsafe { (self.bodies.part(), self.colliders.part(), self.forces.part()) };
+        BodyRecords { bodies, colliders, forces }
+    }
 }
 
 /// Records that a thread writes, each body's by one of them.
@@ -96,53 +131,37 @@ impl BodyRecords<'_> {
 }
 
 impl World {
-    pub(super) fn store_bodies(&mut self, number: usize, dt: f32) {
-        let (calm_speeds, smoothness) = (self.calm_speeds(dt), self.smoothness(dt));
-        let sleep = Some(self.def.sleep).filter(|sleep| sleep.enabled || self.def.hold);
-        let Self {
-            batches,
-            bodies,
-            colliders,
-            joints,
-            unions,
-            index,
-            scratch,
-            has_smooth_bodies,
-            broken,
-            summaries,
-            threads,
-            ..
-        } = self;
-        let forces = index.forces_for(bodies.slot_count());
-        let batch = &batches[number];
-        let may_stride = batch.direct.sweeps_blocks() || batch.mesh.is_one();
-        let (has_joints, some_are_fast) = (joints.len() > 0, summaries.some_are_fast());
-        let moves = Moves { number, batch, unions, calm_speeds, smoothness, sleep, dt, has_joints, may_stride, some_are_fast };
-        let slots = batch.bodies.len();
-        let is_shared = slots >= SHARED_SLOTS && threads.has_team();
-        let piece = if is_shared { threads.piece(slots, MIN_SLOTS) } else { slots };
-        let pieces = slots.div_ceil(piece);
-        let noted = &mut scratch.noted;
-        noted.resize_with(pieces.max(noted.len()), BodyNotes::default);
-        let records =
-            (DisjointSlices::new(bodies.slots_mut()), DisjointSlices::new(colliders.slots_mut()), DisjointSlices::new(forces));
-        let write = |slots: Range<usize>, noted: &mut BodyNotes| {
-            // SAFETY: each body has one slot, which is in one piece, and each shape is on one body.
-            let (bodies, colliders, forces) = unsafe { (records.0.part(), records.1.part(), records.2.part()) };
-            let mut records = BodyRecords { bodies, colliders, forces };
-            for slot in slots.clone() {
-                // Not of bodies that another thread has.
-                records.ask_for_next(&batch.bodies[slot..slots.end]);
-                moves.write(slot, &mut records, noted);
-            }
-        };
-        if is_shared {
-            let ranges = (0..slots).step_by(piece).map(|first| first.max(1)..slots.min(first + piece));
-            threads.share(ranges.zip(&mut *noted), |(slots, noted)| write(slots, noted));
-        } else {
-            write(1..slots, &mut noted[0]);
+    fn write_limits(&self, dt: f32) -> Limits {
+        Limits {
+            calm_speeds: self.calm_speeds(dt),
+            smoothness: self.smoothness(dt),
+            sleep: Some(self.def.sleep).filter(|sleep| sleep.enabled || self.def.hold),
+            dt,
+            has_joints: self.joints.len() > 0,
+            some_are_fast: self.summaries.some_are_fast(),
         }
-        for noted in &mut noted[..pieces] {
+    }
+
+    /// Writes back the bodies of runs of small batches.
+    pub(super) fn store_bodies_of_runs(&mut self, dt: f32) {
+        let limits = self.write_limits(dt);
+        let Self { batches, bodies, colliders, unions, index, scratch, threads, .. } = self;
+        let (records, unions) = (SharedRecords::new(bodies, colliders, index), &*unions);
+        scratch.runs.each(threads, |run, notes| {
+            for number in run {
+                let moves = Moves::new(limits, number, &batches[number], unions);
+                // SAFETY: each body is in one batch.
+                let mut records = unsafe { records.part() };
+                moves.write_some(1..moves.batch.bodies.len(), &mut records, &mut notes.bodies);
+            }
+        });
+    }
+
+    pub(super) fn store_bodies(&mut self, number: usize, dt: f32) {
+        let limits = self.write_limits(dt);
+        let Self { batches, bodies, colliders, unions, index, scratch, has_smooth_bodies, broken, threads, .. } = self;
+        let batch = &batches[number];
+        let mut tell = |noted: &mut BodyNotes, unions: &mut Unions| {
             broken.append(&mut noted.broken);
             scratch.sweeps.paths.append(&mut noted.paths);
             *has_smooth_bodies |= std::mem::take(&mut noted.has_smooth_bodies);
@@ -151,15 +170,58 @@ impl World {
                     union.motion = motion;
                 }
             }
+        };
+        if scratch.runs.has(number) {
+            if let Some(notes) = scratch.runs.notes_from(number) {
+                tell(&mut notes.bodies, unions);
+            }
+            return store_histories(batch, bodies);
         }
+        let slots = batch.bodies.len();
+        let is_shared = slots >= SHARED_SLOTS && threads.has_team();
+        let piece = if is_shared { threads.piece(slots, MIN_SLOTS) } else { slots };
+        let pieces = slots.div_ceil(piece);
+        let noted = &mut scratch.noted;
+        noted.resize_with(pieces.max(noted.len()), BodyNotes::default);
+        let records = SharedRecords::new(bodies, colliders, index);
+        let moves = Moves::new(limits, number, batch, unions);
+        let write = |slots: Range<usize>, noted: &mut BodyNotes| {
+            // SAFETY: each body has one slot, which is in one piece.
+            let mut records = unsafe { records.part() };
+            moves.write_some(slots, &mut records, noted);
+        };
+        if is_shared {
+            let ranges = (0..slots).step_by(piece).map(|first| first.max(1)..slots.min(first + piece));
+            threads.share(ranges.zip(&mut *noted), |(slots, noted)| write(slots, noted));
+        } else {
+            write(1..slots, &mut noted[0]);
+        }
+        noted[..pieces].iter_mut().for_each(|noted| tell(noted, unions));
         store_histories(batch, bodies);
+    }
+}
+
+impl<'a> Moves<'a> {
+    fn new(limits: Limits, number: usize, batch: &'a Batch, unions: &'a Unions) -> Self {
+        let may_stride = batch.direct.sweeps_blocks() || batch.mesh.is_one();
+        Self { limits, number, batch, unions, may_stride }
+    }
+
+    /// Writes back what has some slots.
+    fn write_some(&self, slots: Range<usize>, records: &mut BodyRecords<'_>, noted: &mut BodyNotes) {
+        for slot in slots.clone() {
+            // Not of bodies that another thread has.
+            records.ask_for_next(&self.batch.bodies[slot..slots.end]);
+            self.write(slot, records, noted);
+        }
     }
 }
 
 impl Moves<'_> {
     /// Writes back what has this slot: a body, or the members of a union.
     fn write(&self, slot: usize, records: &mut BodyRecords<'_>, noted: &mut BodyNotes) {
-        let &Self { number, batch, unions, calm_speeds, has_joints, may_stride, some_are_fast, .. } = self;
+        let &Self { limits, number, batch, unions, may_stride } = self;
+        let Limits { calm_speeds, has_joints, some_are_fast, .. } = limits;
         let index = batch.bodies[slot];
         let Some(lead) = records.body(index).filter(|body| body.is_free()) else { return };
         let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
@@ -217,7 +279,7 @@ impl Moves<'_> {
             let is_calm = own.linear.length() + own.angular.length() * reach < calm_speeds[usize::from(!body.joints.is_empty())];
             body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
             match before {
-                Some(before) => noted.has_smooth_bodies |= self.smoothness.count(body, before, reach) && may_stride,
+                Some(before) => noted.has_smooth_bodies |= limits.smoothness.count(body, before, reach) && may_stride,
                 None => body.smooth_for = 0,
             }
         }
@@ -230,12 +292,12 @@ impl Moves<'_> {
 impl Moves<'_> {
     /// Has the drift of a quiet body follow its pose.
     fn note_drift(&self, body: &mut Body, own: &UnionMotion) {
-        if !self.sleep.is_some_and(|limits| is_slow(&limits, own.linear, own.angular)) {
+        if !self.limits.sleep.is_some_and(|limits| is_slow(&limits, own.linear, own.angular)) {
             return;
         }
         if let SleepState::Awake { quiet_for, drift } = &mut body.sleep {
             let poses = ((body.center, body.rotation), (own.center, own.rotation));
-            drift.follow(poses, self.dt, *quiet_for == 0.0);
+            drift.follow(poses, self.limits.dt, *quiet_for == 0.0);
         }
     }
 }

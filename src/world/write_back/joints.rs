@@ -12,7 +12,7 @@ use crate::workers::Workers;
 use crate::world::World;
 
 /// Joints of a batch from which on all threads write them back, and those that are worth another thread's while: some 5 µs.
-const SHARED_JOINTS: usize = 512;
+pub(super) const SHARED_JOINTS: usize = 512;
 const MIN_JOINTS: usize = 64;
 
 /// What is noted of joints as they are written back, for each piece of a batch: each joint by its slot.
@@ -43,44 +43,67 @@ impl World {
     /// Finds what each joint has borne in the mean of the step, as far as its rows say.
     pub(in crate::world) fn read_row_loads(&mut self, dt: f32) {
         let Self { batches, batch_count, joints, scratch, threads, .. } = self;
-        for batch in &batches[..*batch_count] {
-            each_joint(batch, joints, threads, &mut scratch.noted_joints, |entry, joint, _| {
-                (joint.force, joint.torque) = (entry.linear_sum / dt, entry.angular_sum / dt);
-                if entry.has_motor || joint.motors != [0.0; 6] {
-                    joint.motors = entry.motors.map(|impulse| if impulse.is_finite() { impulse / dt } else { 0.0 });
-                }
-                if !joint.force.is_finite() || !joint.torque.is_finite() {
-                    (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
-                }
-            });
+        let write = |entry: &JointEntry, joint: &mut Joint| {
+            (joint.force, joint.torque) = (entry.linear_sum / dt, entry.angular_sum / dt);
+            if entry.has_motor || joint.motors != [0.0; 6] {
+                joint.motors = entry.motors.map(|impulse| if impulse.is_finite() { impulse / dt } else { 0.0 });
+            }
+            if !joint.force.is_finite() || !joint.torque.is_finite() {
+                (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
+            }
+        };
+        if !scratch.runs.is_empty() {
+            scratch.runs.each_joint(batches, joints, threads, |_, entry, joint, _| write(entry, joint));
         }
+        for (number, batch) in batches[..*batch_count].iter().enumerate() {
+            if !scratch.runs.has(number) {
+                each_joint(batch, joints, threads, &mut scratch.noted_joints, |entry, joint, _| write(entry, joint));
+            }
+        }
+    }
+
+    /// Writes back the joints of runs of small batches.
+    pub(super) fn store_joints_of_runs(&mut self) {
+        let Self { batches, joints, scratch, threads, .. } = self;
+        scratch.runs.each_joint(batches, joints, threads, |batch, entry, joint, noted| {
+            store_joint(1.0 / batch.stride, entry, joint, noted);
+        });
     }
 
     pub(super) fn store_joints(&mut self, number: usize) {
         let Self { batches, joints, events, scratch, threads, .. } = self;
+        if scratch.runs.has(number) {
+            if let Some(notes) = scratch.runs.notes_from(number) {
+                notes.joints.tell(joints, events);
+            }
+            return;
+        }
         let share = 1.0 / batches[number].stride;
         let noted = &mut scratch.noted_joints;
-        each_joint(&batches[number], joints, threads, noted, |entry, joint, noted| {
-            (joint.impulses, joint.acted) = (entry.impulses.scaled(share), entry.acted.map(|acted| acted * share));
-            if entry.counts_turns && entry.angles.iter().all(|angle| angle.is_finite()) {
-                joint.angles = entry.angles;
-            }
-            joint.rebounds = entry.rebounds;
-            if !entry.impulses.is_finite() {
-                return joint.forget_impulses();
-            }
-            // A stop that was met and left within the step has pressed too.
-            let pressed = if entry.pressed == 0 { 0 } else { joint.stops_of(entry.pressed) };
-            if pressed & !joint.pressed != 0 {
-                noted.stops.push((entry.joint, pressed & !joint.pressed));
-            }
-            joint.pressed = pressed;
-            let is_overloaded = || joint.force.length() > joint.def.break_force || joint.torque.length() > joint.def.break_torque;
-            if entry.can_be_overloaded && is_overloaded() {
-                noted.overloaded.push(entry.joint);
-            }
-        });
+        each_joint(&batches[number], joints, threads, noted, |entry, joint, noted| store_joint(share, entry, joint, noted));
         noted.iter_mut().for_each(|noted| noted.tell(joints, events));
+    }
+}
+
+/// Keeps what a joint has done in the step, of whose multipliers one of the world's substeps has a share.
+fn store_joint(share: f32, entry: &JointEntry, joint: &mut Joint, noted: &mut JointNotes) {
+    (joint.impulses, joint.acted) = (entry.impulses.scaled(share), entry.acted.map(|acted| acted * share));
+    if entry.counts_turns && entry.angles.iter().all(|angle| angle.is_finite()) {
+        joint.angles = entry.angles;
+    }
+    joint.rebounds = entry.rebounds;
+    if !entry.impulses.is_finite() {
+        return joint.forget_impulses();
+    }
+    // A stop that was met and left within the step has pressed too.
+    let pressed = if entry.pressed == 0 { 0 } else { joint.stops_of(entry.pressed) };
+    if pressed & !joint.pressed != 0 {
+        noted.stops.push((entry.joint, pressed & !joint.pressed));
+    }
+    joint.pressed = pressed;
+    let is_overloaded = || joint.force.length() > joint.def.break_force || joint.torque.length() > joint.def.break_torque;
+    if entry.can_be_overloaded && is_overloaded() {
+        noted.overloaded.push(entry.joint);
     }
 }
 
