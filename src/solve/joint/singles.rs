@@ -220,7 +220,7 @@ impl Singles {
             let direction = direction.map(|row| BlockRow::direction(&row, bodies));
             self.scalars.extend(self.asked.iter().map(|row| ScalarRow::new(row, bodies)));
             let scalars = (first, self.scalars.len() as u32);
-            let leans = entry.has_friction;
+            let leans = point.is_some() && first != scalars.1 || entry.has_friction;
             if leans {
                 sweep::lean(&mut self.scalars[first as usize..], point.as_ref(), bodies);
             }
