@@ -14,6 +14,10 @@
 //! A single edit, however far, carries nothing: its error is taken out of positions, and leaves no velocity. A motion that goes on is
 //! carried from its second step on, at any speed, scale and rate of steps, without a threshold. A motion that grows faster is carried
 //! as it was a step ago, and what is missing is taken out of positions.
+//!
+//! **Fewer edits than steps.** A host that edits once in several steps, as where physics goes at a rate of its own, moves at the way of
+//! an edit over the time since the last one, if that is not long ago (`MAX_PAUSE`). Stop and frame go on at that speed until as much
+//! time has passed again, when the next edit is due: they arrive that much later (`behind`), and never jump.
 
 use glam::{DVec3, Vec3};
 
@@ -30,6 +34,13 @@ const NOTICEABLE: f32 = 1.0e-4;
 /// Share of the greater of two rates by which they must differ for the change to be a blow and no smooth motion.
 const SUDDEN: f32 = 0.5;
 
+/// Time between two edits up to which they belong to one motion (s). Why: hosts edit at 30 times a second or more, and some skip a few;
+/// what is put elsewhere twice in so short a time looks like a motion too. Test: tests/stops.rs.
+const MAX_PAUSE: f32 = 0.1;
+
+/// Share of a step that counts as a whole one: times are sums of `f32`.
+const ALMOST: f32 = 0.999;
+
 /// How fast stops and frames of a joint move.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DriveRates {
@@ -37,13 +48,26 @@ pub(crate) struct DriveRates {
     pub stops: [f32; STOP_ROWS],
     /// Velocity of each joint point and angular velocity of each frame, in the axes of its body, or of the world (m/s, rad/s).
     pub frames: [[Vec3; 2]; 2],
+    /// How long after the end of the step they arrive where the host has put them (s).
+    pub behind: f32,
 }
 
 impl DriveRates {
-    pub(crate) const NONE: Self = Self { stops: [0.0; STOP_ROWS], frames: [[Vec3::ZERO; 2]; 2] };
+    pub(crate) const NONE: Self = Self { stops: [0.0; STOP_ROWS], frames: [[Vec3::ZERO; 2]; 2], behind: 0.0 };
 
     pub(crate) fn is_finite(&self) -> bool {
-        self.stops.iter().all(|rate| rate.is_finite()) && self.frames.iter().flatten().all(|rate| rate.is_finite())
+        self.stops.iter().all(|rate| rate.is_finite())
+            && self.frames.iter().flatten().all(|rate| rate.is_finite())
+            && (0.0..=MAX_PAUSE).contains(&self.behind)
+    }
+
+    /// The same motion that arrives so much after the end of the step, at another share of its speed.
+    fn at(&self, share: f32, behind: f32) -> Self {
+        Self {
+            stops: self.stops.map(|rate| rate * share),
+            frames: self.frames.map(|frame| frame.map(|rate| rate * share)),
+            behind,
+        }
     }
 }
 
@@ -53,8 +77,9 @@ pub(crate) struct JointDrive {
     /// Where they were at the end of the last step.
     pub(crate) stops: [f32; STOP_ROWS],
     pub(crate) frames: [Pose; 2],
-    /// How fast they moved in it.
+    /// How fast the last edit moved them, and how long ago the step was that it came before (s).
     pub(crate) found: DriveRates,
+    pub(crate) since: f32,
     /// How fast they move in this one, as far as it is carried.
     pub(crate) carried: DriveRates,
     /// The same with frames in the axes of what the solver moves: unions in place of members, the world in place of static bodies.
@@ -64,7 +89,7 @@ pub(crate) struct JointDrive {
 /// What the motion of a joint's stops and frames means for the step to come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct DriveChange {
-    /// It has stopped, in the step before this one already.
+    /// It has stopped, for longer than a motion pauses.
     pub is_over: bool,
     /// Its rate has changed suddenly: what bodies did before says nothing of what they do now.
     pub is_sudden: bool,
@@ -79,6 +104,7 @@ impl JointDrive {
             stops: stops_of(&def.kind),
             frames: [def.frame_a, def.frame_b],
             found: DriveRates::NONE,
+            since: 0.0,
             carried: DriveRates::NONE,
             solved: DriveRates::NONE,
         }
@@ -94,20 +120,29 @@ impl JointDrive {
         let rates = [&self.found, &self.carried, &self.solved];
         let stops_are_numbers = self.stops.iter().all(|stop| !stop.is_nan());
         let frames = |pose: &Pose| pose.checked("frame", "frame").is_ok();
-        stops_are_numbers && self.frames.iter().all(frames) && rates.iter().all(|rates| rates.is_finite())
+        let is_time = self.since >= 0.0 && self.since.is_finite();
+        stops_are_numbers && is_time && self.frames.iter().all(frames) && rates.iter().all(|rates| rates.is_finite())
     }
 
     /// Begins a step of length `dt` (s), at whose end stops and frames are as `def` has them.
     pub(crate) fn begin_step(&mut self, def: &JointDef, dt: f32) -> DriveChange {
         let (stops, frames) = (stops_of(&def.kind), [def.frame_a, def.frame_b]);
+        let is_edited = stops != self.stops || frames != self.frames;
+        if !is_edited && self.carried.behind > 0.0 {
+            return self.go_on(dt);
+        }
+        // Between edits of one motion it goes on for as long as there was between the last two.
+        let goes_on = self.since == 0.0 || self.since + dt <= MAX_PAUSE;
+        let (found, pause) = if goes_on { (self.found, self.since + dt) } else { (DriveRates::NONE, dt) };
         let mut now = DriveRates::NONE;
         for ((rate, &after), &before) in now.stops.iter_mut().zip(&stops).zip(&self.stops) {
-            *rate = if after.is_finite() && before.is_finite() { (after - before) / dt } else { 0.0 };
+            *rate = if after.is_finite() && before.is_finite() { (after - before) / pause } else { 0.0 };
         }
-        now.frames = [0, 1].map(|side| rate_of(&self.frames[side], &frames[side], dt));
-        let (found, before) = (self.found, self.carried);
-        let carried = sustained(&now, &found);
-        let mut change = DriveChange { is_over: now == DriveRates::NONE && found == now, is_sudden: false, is_put: false };
+        now.frames = [0, 1].map(|side| rate_of(&self.frames[side], &frames[side], pause));
+        let before = self.carried;
+        let behind = if is_edited { (pause - dt).max(0.0) } else { 0.0 };
+        let carried = DriveRates { behind, ..sustained(&now, &found) };
+        let mut change = DriveChange { is_over: !is_edited && found == DriveRates::NONE, is_sudden: false, is_put: false };
         let parts = |rates: &DriveRates| {
             let [[a, b], [c, d]] = rates.frames;
             [a, b, c, d]
@@ -119,8 +154,23 @@ impl JointDrive {
         for (&carried, &before) in carried.stops.iter().zip(&before.stops) {
             change.is_sudden |= is_sudden(Vec3::X * (carried - before), Vec3::X * carried, Vec3::X * before);
         }
-        *self = Self { stops, frames, found: now, carried, solved: carried };
+        let (found, since) = if is_edited { (now, 0.0) } else { (found, self.since + dt) };
+        *self = Self { stops, frames, found, since, carried, solved: carried };
         change
+    }
+
+    /// Goes on for a step in which the host says nothing.
+    fn go_on(&mut self, dt: f32) -> DriveChange {
+        let left = self.carried.behind;
+        // A step that is longer than what is left ends where the host has put it.
+        self.carried =
+            if left < dt * ALMOST { self.carried.at(left / dt, 0.0) } else { self.carried.at(1.0, (left - dt).max(0.0)) };
+        if self.carried.behind < dt * (1.0 - ALMOST) {
+            self.carried.behind = 0.0;
+        }
+        self.solved = self.carried;
+        self.since += dt;
+        DriveChange { is_over: false, is_sudden: false, is_put: false }
     }
 }
 
@@ -193,8 +243,8 @@ mod tests {
         let mut drive = JointDrive::from(&rope(5.0));
         let first = drive.begin_step(&rope(4.0), dt);
         assert_eq!((drive.carried, first.is_sudden, first.is_over), (DriveRates::NONE, false, false), "put from 5 m to 4 m");
-        drive.begin_step(&rope(4.0), dt);
-        assert!(drive.begin_step(&rope(4.0), dt).is_over, "at rest for two steps");
+        let steps = (0..20).take_while(|_| !drive.begin_step(&rope(4.0), dt).is_over).count();
+        assert!((5..=6).contains(&steps), "over after {steps} steps at rest");
         let mut length = 4.0;
         for step in 0..4 {
             length -= 0.02;
@@ -204,5 +254,22 @@ mod tests {
         assert!((drive.carried.stops[1] + 1.2).abs() < 1.0e-4, "carried {} of -1.2 m/s", drive.carried.stops[1]);
         assert!(drive.begin_step(&rope(length), dt).is_sudden, "held again");
         assert_eq!(drive.carried, DriveRates::NONE);
+    }
+
+    #[test]
+    fn a_motion_by_edits_once_in_several_steps_goes_on_between_them() {
+        let dt = 1.0 / 240.0;
+        let mut drive = JointDrive::from(&rope(5.0));
+        let mut place = 5.0_f32;
+        for step in 0..60 {
+            // 1.2 m/s in edits of 60 a second.
+            let length = 5.0 - 0.02 * (step / 4) as f32;
+            drive.begin_step(&rope(length), dt);
+            let end = length - drive.carried.stops[1] * drive.carried.behind;
+            if step >= 8 {
+                assert!((end - place + 1.2 * dt).abs() < 1.0e-4, "step {step}: from {place} m to {end} m");
+            }
+            place = end;
+        }
     }
 }

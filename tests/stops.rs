@@ -111,6 +111,27 @@ fn a_stop_that_is_met_leaves_no_speed_wherever_in_the_step_that_is() {
 }
 
 #[test]
+fn a_door_rests_where_it_has_met_its_stop() {
+    // Its middle is half a metre from the hinge: what the stop takes of its spin, the hinge takes of its momentum.
+    for (rate, solver) in RATES.into_iter().flat_map(|rate| SOLVERS.map(|solver| (rate, solver))) {
+        for (open, spin) in [(1.7_f32, 0.7_f32), (3.1, 2.0), (4.0, 10.0)] {
+            let mut world = world(solver, 0.0);
+            let door = body(&mut world, Vec3::Y * 0.5, 20.0);
+            let kind = JointKind::Hinge { limits: Limits::new(0.0, open), motor: Motor::Off };
+            let joint = JointDef::new(kind, BodyId::NULL, door).at(Vec3::ZERO, Vec3::Y * -0.5);
+            let joint = world.create_joint(&joint).expect("a valid joint");
+            world.set_angular_velocity(door, Vec3::X * spin).expect("a body of the world");
+            world.set_linear_velocity(door, Vec3::Z * (0.5 * spin)).expect("a body of the world");
+            steps(&mut world, 1.0 / rate, open / spin + 1.0);
+            let state = world.joint_state(joint).expect("it stays");
+            let what = format!("{solver:?}, {rate}/s, open to {open} rad at {spin} rad/s");
+            assert!((state.position - open).abs() < 2.0e-3, "{what}: at {} rad a second later, bound 2 mrad", state.position);
+            assert!(state.velocity.abs() < 1.0e-3 * spin, "{what}: leaves at {} rad/s, bound 0.1 %", state.velocity);
+        }
+    }
+}
+
+#[test]
 fn a_stop_between_two_free_bodies_shares_their_momentum() {
     for stop in Stop::ALL {
         for (rate, solver) in RATES.into_iter().flat_map(|rate| SOLVERS.map(|solver| (rate, solver))) {
@@ -148,6 +169,34 @@ fn a_rope_reeled_in_by_its_limit_speeds_up_as_angular_momentum_demands() {
         // The first step of a motion carries no speed yet: it costs 1/(5 m · rate) of the momentum.
         let what = format!("{solver:?}, {rate}/s");
         assert!((across - 5.0).abs() < 0.05, "{what}: {across} m/s across, 5 by momentum, bound 1 %");
+        assert!((inwards - 1.0).abs() < 0.06, "{what}: {inwards} m/s inwards, the rope shortens by 1 m/s");
+    }
+}
+
+#[test]
+fn a_host_that_edits_once_in_several_steps_moves_a_limit_as_well() {
+    for (rate, every, solver) in
+        [(240, 4, Solver::Auto), (240, 4, Solver::GaussSeidel), (120, 2, Solver::Auto), (60, 2, Solver::Auto)]
+    {
+        let (dt, mut length) = (1.0 / rate as f32, 5.0);
+        let mut world = world(solver, 0.0);
+        let ball = body(&mut world, Vec3::X * 5.0, 3.0);
+        world.set_linear_velocity(ball, Vec3::Y * 2.0).expect("a body of the world");
+        let rope = |max: f32| JointKind::Distance { limits: Limits::new(0.0, max), spring_length: None, motor: Motor::Off };
+        let joint = world.create_joint(&JointDef::new(rope(length), BodyId::NULL, ball)).expect("a valid joint");
+        for step in 0..3 * rate {
+            if step % every == 0 {
+                length -= dt * every as f32;
+                world.set_joint_kind(joint, rope(length)).expect("a valid limit");
+            }
+            world.step(dt).expect("a valid step");
+        }
+        let (place, speed) =
+            (world.pose(ball).expect("it stays").position.as_vec3(), world.linear_velocity(ball).expect("it stays"));
+        let (across, inwards) = (place.cross(speed).z / place.length(), -place.dot(speed) / place.length());
+        // What the first two edits cost, before which the host might as well have put the limit there.
+        let what = format!("{solver:?}, {rate}/s, an edit in {every} steps");
+        assert!((across - 5.0).abs() < 0.1, "{what}: {across} m/s across, 5 by momentum, bound 2 %");
         assert!((inwards - 1.0).abs() < 0.06, "{what}: {inwards} m/s inwards, the rope shortens by 1 m/s");
     }
 }

@@ -238,8 +238,8 @@ impl Stored for StepHistory {
 
 stored!(Joint { def, bodies, impulses, angles, force, torque, acted, strain, pressed, drive, motors, rebounds });
 stored!(Rebounds { rows, speeds });
-stored!(JointDrive { stops, frames, found, carried, solved });
-stored!(DriveRates { stops, frames });
+stored!(JointDrive { stops, frames, found, since, carried, solved });
+stored!(DriveRates { stops, frames, behind });
 stored!(Strain { spans, damage, condemned });
 stored!(ImpulseSpan { time, linear, angular });
 stored!(Strength { tension, compression, shear, bending, torsion, window, damage });

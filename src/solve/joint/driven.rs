@@ -1,6 +1,7 @@
 //! A joint whose stops or frames the host moves, within a substep: see [`crate::joint_drive`].
 //!
-//! At the end of the step stops and frames are where the host has put them; `left` (s) before, where they came from at their rates. With
+//! Stops and frames are where the host has put them at the end of the step, or somewhat later; `left` (s) before, where they came from at
+//! their rates. With
 //! u what that motion alone does to a coordinate, Ċ = J v + u, and rows ask of J v + u what they would ask of J v.
 
 use super::LocalPose;
@@ -15,7 +16,7 @@ pub(crate) struct DrivenParts<'a> {
     /// Velocities of the two bodies that would move the frames as they move.
     pub rates: [Rate; 2],
     stops: &'a [f32; STOP_ROWS],
-    /// How far the start and the end of the substep are from the end of the step (s).
+    /// How long before they arrive the start and the end of the substep are (s).
     left: [f64; 2],
 }
 
@@ -27,10 +28,10 @@ impl<'a> DrivenParts<'a> {
             let [linear, angular] = drive.frames[side].map(|rate| local_poses[side].1 * rate.as_dvec3());
             Rate { linear: linear - angular.cross(levers[side]), angular }
         });
-        Self { rates, stops: &drive.stops, left }
+        Self { rates, stops: &drive.stops, left: left.map(|left| left + f64::from(drive.behind)) }
     }
 
-    /// Where the stop of this row is at the start and at the end of the substep, which is at `value` at the end of the step, and its rate.
+    /// Where the stop of this row is at the start and at the end of the substep, which the host has put at `value`, and its rate.
     pub(crate) fn stop(&self, value: f64, row: u8) -> ([f64; 2], f64) {
         let rate = f64::from(self.stops[row as usize]);
         (self.left.map(|left| value - rate * left), rate)
@@ -40,6 +41,7 @@ impl<'a> DrivenParts<'a> {
 /// A placement as it is `left` (s) before the end of the step, of bodies that stand so; of a joint that nothing drives as it is.
 pub(crate) fn before(mut placement: Placement, drive: Option<&DriveRates>, local_poses: [&LocalPose; 2], left: f64) -> Placement {
     let Some(drive) = drive else { return placement };
+    let left = left + f64::from(drive.behind);
     for (side, sign) in [(0, 1.0), (1, -1.0)] {
         let [linear, angular] = drive.frames[side].map(|rate| local_poses[side].1 * rate.as_dvec3());
         let own = if side == 0 { &mut placement.a } else { &mut placement.b };
