@@ -95,6 +95,7 @@ pub use report::{
 };
 pub use settings::{ArticulationSettings, MAX_EFFORT, MAX_THREADS, SleepSettings, Solver, WorldDef};
 pub use shape::{CollisionFilter, EXTENT_RANGE, Geometry, LocalPose, MAX_HULL_POINTS, Shape, ShapeDef};
+pub use speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 pub use workers::ParallelFor;
 #[cfg(feature = "trace")]
 pub use workers::trace;

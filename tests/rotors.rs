@@ -128,7 +128,7 @@ fn way_off_level_of(rate: f32, error_target: f32, seconds: usize, gyroscope: imp
 
 #[test]
 fn a_gyroscope_keeps_its_height() {
-    for (rate, seconds) in [(30.0, 10), (60.0, 10), (240.0, 2)] {
+    for (rate, seconds) in [(30.0, 10), (60.0, 10), (240.0, 2), (960.0, 1)] {
         for spin in [30.0, 50.0, 100.0, 200.0, 1000.0] {
             for arm in [0.05, 1.0] {
                 let off = way_off_level(rate, spin, arm, 0.0, seconds);

@@ -36,10 +36,10 @@ use crate::solve::joint::rows::Rate;
 use crate::solve::rotation;
 use crate::step_history::History;
 
-/// Spin in a step from which a body is taken as a rotor (rad), and below which it no longer is: 3 and 1.8 rad/s at 60 steps a second. A
-/// gyroscope that the spin holds up against gravity falls by 2 cm in a second at 30 rad/s and 240 steps a second, 0.12 rad, if it is not.
-const MIN_SPIN: f64 = 5.0e-2;
-const MIN_SPIN_OF_ROTOR: f64 = 3.0e-2;
+/// Spin from which a body is taken as a rotor, and below which it no longer is (rad/s). A gyroscope that the spin holds up against gravity
+/// falls by 1.4 cm in a second at 30 rad/s if it is not, even at 960 steps a second. Test: tests/rotors.rs.
+const MIN_SPIN: f64 = 3.0;
+const MIN_SPIN_OF_ROTOR: f64 = 1.8;
 
 /// Spin over the rest of the angular velocity from which a body is taken as a rotor; it stays one as long as the spin is the greater. A
 /// link that swings as fast as it spins is none.
@@ -113,16 +113,15 @@ pub(super) struct Rotor {
 }
 
 impl Rotor {
-    /// Of the body with this number, if it is one in steps of `dt` (s) with substeps of `h` (s).
+    /// Of the body with this number, if it is one in substeps of `h` (s).
     pub fn of(
         body: usize,
         own: &super::body::DirectBody,
         (stance, rate): (&LocalPose, &Rate),
         known: bool,
-        dt: f64,
         h: f64,
     ) -> Option<Self> {
-        let least = if known { MIN_SPIN_OF_ROTOR } else { MIN_SPIN } / dt;
+        let least = if known { MIN_SPIN_OF_ROTOR } else { MIN_SPIN };
         if rate.angular.length_squared() <= least * least || own.free_mass().is_none() || own.top.round {
             return None;
         }

@@ -31,7 +31,7 @@ impl Articulation {
         for number in 0..self.bodies.len() {
             let state = (&self.local_poses[number], &self.rates[number]);
             let known = self.histories[number].spin_turn != 0.0;
-            self.rotors.extend(Rotor::of(number, &self.bodies[number], state, known, self.dt, self.world_substep));
+            self.rotors.extend(Rotor::of(number, &self.bodies[number], state, known, self.world_substep));
         }
         if !self.rotors.is_empty() {
             self.find_shafts();
