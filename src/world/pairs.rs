@@ -218,12 +218,14 @@ impl World {
                     }
                 }
                 let pair = pairs.get_mut(slot);
+                let was_pressed = pair.pressed;
                 update(pair, scratch);
                 own += usize::from(pair.updated);
                 let (a, b) = key.shapes();
                 let states = (index.collider_state(a), index.collider_state(b));
                 glides.extend(Glide::of(key, slot, pair, states, dt));
-                balls.extend(BallOnSurface::of(slot, pair, states, colliders, bodies));
+                let on_surface = was_pressed.then(|| BallOnSurface::of(slot, key, states, colliders, bodies));
+                balls.extend(on_surface.flatten());
                 extend_tightly(touches, TouchingPair::of(key, slot, pair, index).into_iter());
             }
             updated.fetch_add(own, Ordering::Relaxed);

@@ -21,7 +21,7 @@ use super::body_shape_table::BodyShapeTable;
 use crate::body::{Body, LockedAxes};
 use crate::collide::collider::Collider;
 use crate::collide::collider_state::ColliderState;
-use crate::collide::pairs::Pair;
+use crate::collide::pairs::{Pair, PairKey};
 use crate::contact::TOUCHED;
 use crate::id::{BodyId, Pool, ShapeId};
 use crate::material::PairMaterial;
@@ -49,20 +49,20 @@ pub(super) struct BallOnSurface {
 }
 
 impl BallOnSurface {
-    /// Of a pair whose contacts have been brought up to date.
+    /// Of a pair that presses as the step begins; the ball's next triangle need not yet.
     pub(super) fn of(
         slot: u32,
-        pair: &Pair,
+        key: PairKey,
         (a, b): (&ColliderState, &ColliderState),
         colliders: &Pool<Collider, ShapeId>,
         bodies: &Pool<Body, BodyId>,
     ) -> Option<Self> {
         let is_second = a.still;
         let (ball, surface) = if is_second { (b, a) } else { (a, b) };
-        if !pair.pressed || !ball.is_round || ball.still || !surface.still || ball.offset != Vec3::ZERO {
+        if !ball.is_round || ball.still || !surface.still || ball.offset != Vec3::ZERO {
             return None;
         }
-        let (lower, upper) = pair.key.shapes();
+        let (lower, upper) = key.shapes();
         let (shape, under) = if is_second { (upper, lower) } else { (lower, upper) };
         let Geometry::Ball { radius } = *colliders[shape].shape.geometry() else { return None };
         let is_surface =
