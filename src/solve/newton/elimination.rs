@@ -1,8 +1,11 @@
 //! The order in which bodies and joints are eliminated, and which blocks of the factor that fills.
 //!
 //! Nodes are bodies, of six unknowns each, and joints, of one for each row. A joint's own block is −ε, next to nothing, until one of its
-//! bodies has been eliminated; so it becomes eligible then, and is taken at once: after both it is as definite as a body is before.
-//! Among what is eligible the node with the fewest neighbours goes first (minimum degree), the lowest number among equals.
+//! bodies has been eliminated. What is eliminated answers then as if all other bodies were fixed: two joints of one body that has gone
+//! before both its neighbours hold it twice along the line between them, and the second has a pivot of −ε, though neither is redundant. So what
+//! has been eliminated together leans on one other body at most, as a rigid body does on one that is fixed, which adds nothing to what
+//! it holds within itself; the world counts as a body that is never eliminated. No pivot is smaller then than the rows are independent.
+//! Among what is eligible joints go before bodies, then the node with the fewest neighbours (minimum degree), the lowest number among equals.
 
 /// Unknowns of a body, and the most of a joint.
 pub(crate) const WIDTH: usize = 6;
@@ -40,9 +43,17 @@ pub(crate) struct Elimination {
     pub work: u64,
     neighbours: Vec<Vec<u32>>,
     eliminated: Vec<Vec<u32>>,
-    eligible: Vec<bool>,
+    /// Bodies of each joint: the second may be the world.
+    ends: Vec<[u32; 2]>,
+    /// Groups of bodies that eliminated joints connect, by one of each, and what body each group leans on.
+    grouped: Vec<u32>,
+    leans_on: Vec<u32>,
     merged: Vec<u32>,
 }
+
+/// No body, and the one that is never eliminated.
+const NONE: u32 = u32::MAX;
+const WORLD: u32 = u32::MAX - 1;
 
 impl Elimination {
     /// Finds the structure for nodes of these sizes, the first of which are bodies, and these edges, which must be sorted, without
@@ -98,8 +109,16 @@ impl Elimination {
             self.neighbours[b as usize].push(a);
         }
         self.neighbours.iter_mut().for_each(|list| list.sort_unstable());
-        self.eligible.clear();
-        self.eligible.extend((0..count).map(|node| node < self.bodies));
+        self.ends.clear();
+        self.ends.extend(self.neighbours[self.bodies..count].iter().map(|bodies| match bodies[..] {
+            [a, b] => [a, b],
+            [a] => [a, WORLD],
+            _ => [WORLD, WORLD],
+        }));
+        self.grouped.clear();
+        self.grouped.extend(0..self.bodies as u32);
+        self.leans_on.clear();
+        self.leans_on.resize(self.bodies, NONE);
         self.order.clear();
         self.place.clear();
         self.place.resize(count, u32::MAX);
@@ -107,15 +126,62 @@ impl Elimination {
             let node = self.next_node();
             self.place[node as usize] = self.order.len() as u32;
             self.order.push(node);
+            self.connect(node);
             let own = std::mem::take(&mut self.neighbours[node as usize]);
             for &other in &own {
-                self.eligible[other as usize] = true;
                 self.join(other, &own, node);
             }
             let kept = &mut self.eliminated[node as usize];
             kept.extend_from_slice(&own);
             self.neighbours[node as usize] = own;
             self.neighbours[node as usize].clear();
+        }
+    }
+
+    fn is_eliminated(&self, body: u32) -> bool {
+        body != WORLD && self.place[body as usize] != u32::MAX
+    }
+
+    /// What one end of a joint leans on, were the joint eliminated now: the body itself where it is not.
+    fn leaning(&self, body: u32) -> u32 {
+        if self.is_eliminated(body) { self.leans_on[self.grouped[body as usize] as usize] } else { body }
+    }
+
+    /// Puts the bodies of one group into another.
+    fn regroup(&mut self, from: u32, to: u32) {
+        self.leans_on[from as usize] = NONE;
+        self.grouped.iter_mut().filter(|group| **group == from).for_each(|group| *group = to);
+    }
+
+    /// Whether a node may be eliminated: of joints, one that leaves what has been eliminated leaning on no more than one body.
+    fn is_eligible(&self, node: usize) -> bool {
+        let Some(joint) = node.checked_sub(self.bodies) else { return true };
+        let ends = self.ends[joint];
+        let [a, b] = ends.map(|body| self.leaning(body));
+        ends.iter().any(|&body| self.is_eliminated(body)) && (a == b || a == NONE || b == NONE)
+    }
+
+    /// Notes what an eliminated node connects.
+    fn connect(&mut self, node: u32) {
+        let Some(joint) = (node as usize).checked_sub(self.bodies) else {
+            // What leans on a body that is eliminated goes with it.
+            for group in 0..self.bodies as u32 {
+                if self.leans_on[group as usize] == node {
+                    self.regroup(group, node);
+                }
+            }
+            return;
+        };
+        let ends = self.ends[joint];
+        let leaning = ends.map(|body| self.leaning(body));
+        let on = if leaning[0] == NONE { leaning[1] } else { leaning[0] };
+        let [first, other] = ends.map(|body| if self.is_eliminated(body) { self.grouped[body as usize] } else { NONE });
+        let (kept, other) = if first == NONE { (other, first) } else { (first, other) };
+        if other != NONE && other != kept {
+            self.regroup(other, kept);
+        }
+        if kept != NONE {
+            self.leans_on[kept as usize] = on;
         }
     }
 
@@ -126,7 +192,7 @@ impl Elimination {
             (node < self.bodies, size)
         };
         let left = || (0..self.sizes.len()).filter(|&node| self.place[node] == u32::MAX);
-        let best = left().filter(|&node| self.eligible[node]).min_by_key(|&node| weight(node));
+        let best = left().filter(|&node| self.is_eligible(node)).min_by_key(|&node| weight(node));
         // A joint between what does not move has no neighbour that could make it eligible.
         best.or_else(|| left().next()).expect("nodes are left") as u32
     }

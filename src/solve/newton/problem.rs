@@ -136,7 +136,8 @@ impl Problem {
         sizes.extend(links.iter().map(|link| link.rows as u8));
         edges.clear();
         for (number, link) in links.iter().enumerate() {
-            let moved = link.bodies.into_iter().filter(|&body| body != FIXED);
+            // A joint that only bounds has no rows to eliminate.
+            let moved = link.bodies.into_iter().filter(|&body| body != FIXED && link.rows > 0);
             edges.extend(moved.map(|body| [body, (bodies + number) as u32]));
             // What bounds a joint acts between its bodies.
             edges.push(link.bodies);
@@ -221,7 +222,7 @@ impl Problem {
                 }
             }
         }
-        for (number, link) in links.iter().enumerate() {
+        for (number, link) in links.iter().enumerate().filter(|(_, link)| link.rows > 0) {
             let node = (masses.len() + number) as u32;
             let block = factor.diagonal_mut(node);
             for row in 0..link.rows {

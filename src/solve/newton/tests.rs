@@ -1,5 +1,7 @@
 //! The solver on plain arrays: what closed forms say of small problems.
 
+use glam::{DMat3, DVec3};
+
 use super::factor::Vector;
 use super::problem::{BodyMass, JointBlock, Problem};
 use super::term::{FIXED, Law, Term};
@@ -193,5 +195,68 @@ fn out_of_budget_the_state_stays_bounded() {
         };
         let (before, after) = (energy(&problem.before), energy(&problem.velocity));
         assert!(after < 1.2 * before, "{after} J of {before} J with {budget} factorisations");
+    }
+}
+
+/// A net of rods between knots, held at its corners: up to three rods are tied to a fourth at one point of it.
+fn net(cells: usize) -> Problem {
+    let mut problem = Problem::default();
+    let knot = |[row, column]: [usize; 2]| {
+        let [u, v] = [row, column].map(|index| 2.0 * index as f64 / cells as f64 - 1.0);
+        DVec3::new(u, u * u * v * v, v) * (0.135 * cells as f64)
+    };
+    let mut held: Vec<Option<(u32, DVec3)>> = vec![None; (cells + 1) * (cells + 1)];
+    let corner = |at: [usize; 2]| at.iter().all(|&index| index == 0 || index == cells);
+    let ends = (0..=cells).flat_map(|row| (0..=cells).map(move |column| [row, column]));
+    let rods = ends.flat_map(|[row, column]| [([row, column], [row + 1, column]), ([row, column], [row, column + 1])]);
+    for (from, to) in rods.filter(|(_, to)| to.iter().all(|&index| index <= cells)) {
+        let (middle, way) = (0.5 * (knot(from) + knot(to)), knot(to) - knot(from));
+        let (along, rod) = (way.normalize(), problem.masses.len() as u32);
+        let angular = DMat3::from_diagonal(DVec3::splat(1.5e-3)) - outer(along) * (1.5e-3 - 4.0e-5);
+        problem.masses.push(BodyMass { linear: [0.2; 3], angular: angular.to_cols_array_2d(), ..BodyMass::default() });
+        // Speeds of up to a metre a second, and turns of up to three radians, that no two rods have alike.
+        let speed = |axis: u32| f64::from((rod * 7 + axis * 5) % 13) / 6.0 - 1.0;
+        problem.before.push(std::array::from_fn(|axis| speed(axis as u32) * if axis < 3 { 1.0 } else { 3.0 }));
+        problem.free.push(problem.before[rod as usize]);
+        for (at, lever) in [(from, knot(from) - middle), (to, knot(to) - middle)] {
+            let place = &mut held[at[0] * (cells + 1) + at[1]];
+            let other = if corner(at) { Some((FIXED, DVec3::ZERO)) } else { *place };
+            let Some((other, reach)) = other else {
+                *place = Some((rod, lever));
+                continue;
+            };
+            let mut link = JointBlock::new([other, rod]);
+            for axis in AXES {
+                link.jacobian[0][link.rows] = row(axis, reach.to_array(), -1.0);
+                link.jacobian[1][link.rows] = row(axis, lever.to_array(), 1.0);
+                link.rows += 1;
+            }
+            problem.links.push(link);
+        }
+    }
+    problem
+}
+
+fn outer(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
+}
+
+/// A pivot next to nothing left rows apart by half a metre a second, and gave velocities the energy of a bomb.
+#[test]
+fn a_net_whose_knots_hold_four_rods_is_stopped_by_its_joints_and_gains_nothing() {
+    for cells in [2, 3, 6] {
+        let mut problem = net(cells);
+        problem.find_structure(&[]);
+        problem.begin();
+        let energy = |problem: &Problem, of: &[Vector]| {
+            let mut product = Vec::new();
+            problem.times(of, &mut product);
+            product.iter().zip(of).map(|(a, b)| super::factor::dot(a, b)).sum::<f64>()
+        };
+        let before = energy(&problem, &problem.before);
+        problem.solve(12);
+        let (after, strain) = (energy(&problem, &problem.velocity), problem.strain());
+        assert!(strain < 1.0e-6, "{cells} cells: rows part by {strain} m/s, bound 1e-6 m/s");
+        assert!(after <= before, "{cells} cells: {after} J after the joints have stopped {before} J");
     }
 }
