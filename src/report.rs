@@ -133,15 +133,13 @@ pub enum IslandPlan {
     Apart,
     /// The host asks for sweeps.
     Swept,
-    /// A joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host.
+    /// Joints have stops on angles, as limbs do, and form a tree that nothing fixed holds: sweeps and direct solves carry its loads for less.
     Jointed,
-    /// Joints do more than hold points together, masses are alike, and nothing touches or nothing that is moved is held: sweeps and direct
-    /// solves carry loads between such bodies as well, for less.
+    /// Joints do more than hold points together and masses are alike, in a tree that nothing fixed holds or a loop that does not stand: sweeps
+    /// and direct solves carry loads between such bodies as well, for less.
     Alike,
-    /// Something that joints hold touches, by less than a face, a shape that has edges: at those the normal jumps within a substep.
-    Edged,
-    /// Articulations touch one another: a heap.
-    Heaped,
+    /// Articulations touch one another that nothing fixed holds, or with more contacts than joints: a heap.
+    Heaped = 7,
     /// It is so large that a factor would cost more than sweeps.
     Large,
 }

@@ -189,7 +189,8 @@ fn a_ragdoll_that_lands_is_swept_for_a_second_at_a_time_and_does_not_sink() {
     for _ in 0..360 {
         engine.step(1.0 / 60.0);
         let [report] = engine.world().articulations() else { panic!("one ragdoll is one articulation") };
-        was_swept.push(report.swept);
+        // But for a head beside what is held of the ragdoll.
+        was_swept.push(report.swept || report.bodies == 1);
         worst_gap = worst_gap.max(engine.world().report().residuals.joint_gap);
     }
     let landed = was_swept.iter().position(|&swept| swept).expect("it lands on more of its limbs than rows settle for");

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Run, scene};
 use longspan::glam::{DVec3, Vec3};
-use longspan::{ArticulationSettings, JointKind, Limits, World};
+use longspan::{ArticulationSettings, BodyDef, BodyKind, JointKind, Limits, Mass, World};
 use longspan_scenes::{Effort, Engine, LongspanEngine, Scene};
 
 /// Substeps in which each swept articulation was solved in the last step.
@@ -12,9 +12,11 @@ fn substeps_of(world: &World) -> Vec<u32> {
     world.articulations().iter().filter(|report| report.swept).map(|report| report.safe).collect()
 }
 
-/// An excavator whose hinges have stops, wide of where it goes: with what it lifts, it is swept.
+/// An excavator on a mass that hangs in space, whose hinges have stops wide of where it goes: a free machine, swept with what it lifts.
 fn excavator(keys: &[(&str, &str)]) -> Scene {
     let mut scene = scene("excavator", keys);
+    let base = &mut scene.bodies[0];
+    *base = BodyDef { kind: BodyKind::Dynamic, mass: Mass::Total(1.0e9), gravity_scale: 0.0, ..base.clone() };
     for joint in &mut scene.joints {
         if let JointKind::Hinge { limits, .. } = &mut joint.def.kind {
             *limits = Limits { min: -3.0, max: 3.0 };

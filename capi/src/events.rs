@@ -68,13 +68,11 @@ pub const LS_PLAN_LOOSE: i32 = 1;
 pub const LS_PLAN_APART: i32 = 2;
 /// Plan of an island: the host asks for sweeps.
 pub const LS_PLAN_SWEPT: i32 = 3;
-/// Plan of an island: a joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host.
+/// Plan of an island: joints have stops on angles, as limbs do, and form a tree that nothing fixed holds: sweeps and direct solves carry its loads for less.
 pub const LS_PLAN_JOINTED: i32 = 4;
-/// Plan of an island: joints do more than hold points together, masses are alike, and nothing touches or nothing that is moved is held: sweeps and direct solves carry loads between such bodies as well, for less.
+/// Plan of an island: joints do more than hold points together and masses are alike, in a tree that nothing fixed holds or a loop that does not stand: sweeps and direct solves carry loads between such bodies as well, for less.
 pub const LS_PLAN_ALIKE: i32 = 5;
-/// Plan of an island: something that joints hold touches, by less than a face, a shape that has edges: at those the normal jumps within a substep.
-pub const LS_PLAN_EDGED: i32 = 6;
-/// Plan of an island: articulations touch one another: a heap.
+/// Plan of an island: articulations touch one another that nothing fixed holds, or with more contacts than joints: a heap.
 pub const LS_PLAN_HEAPED: i32 = 7;
 /// Plan of an island: it is so large that a factor would cost more than sweeps.
 pub const LS_PLAN_LARGE: i32 = 8;
@@ -87,7 +85,6 @@ const _: () = {
     assert!(LS_PLAN_SWEPT == IslandPlan::Swept as i32);
     assert!(LS_PLAN_JOINTED == IslandPlan::Jointed as i32);
     assert!(LS_PLAN_ALIKE == IslandPlan::Alike as i32);
-    assert!(LS_PLAN_EDGED == IslandPlan::Edged as i32);
     assert!(LS_PLAN_HEAPED == IslandPlan::Heaped as i32);
     assert!(LS_PLAN_LARGE == IslandPlan::Large as i32);
 };

@@ -240,16 +240,13 @@
 /** Plan of an island: the host asks for sweeps. */
 #define LS_PLAN_SWEPT 3
 
-/** Plan of an island: a joint in it has stops on angles, holds a distance, gives back what it is met with, or is moved by the host. */
+/** Plan of an island: joints have stops on angles, as limbs do, and form a tree that nothing fixed holds: sweeps and direct solves carry its loads for less. */
 #define LS_PLAN_JOINTED 4
 
-/** Plan of an island: joints do more than hold points together, masses are alike, and nothing touches or nothing that is moved is held: sweeps and direct solves carry loads between such bodies as well, for less. */
+/** Plan of an island: joints do more than hold points together and masses are alike, in a tree that nothing fixed holds or a loop that does not stand: sweeps and direct solves carry loads between such bodies as well, for less. */
 #define LS_PLAN_ALIKE 5
 
-/** Plan of an island: something that joints hold touches, by less than a face, a shape that has edges: at those the normal jumps within a substep. */
-#define LS_PLAN_EDGED 6
-
-/** Plan of an island: articulations touch one another: a heap. */
+/** Plan of an island: articulations touch one another that nothing fixed holds, or with more contacts than joints: a heap. */
 #define LS_PLAN_HEAPED 7
 
 /** Plan of an island: it is so large that a factor would cost more than sweeps. */

@@ -12,13 +12,13 @@ use crate::settings::Solver;
 const MAX_BODIES: u32 = 200;
 const MAX_MEETINGS: u32 = 400;
 
-/// Greatest mass over the least up to which sweeps carry the loads of a machine that nothing fixed holds. Sweeps take a body that is pushed
-/// for as heavy as it is alone. What joints hold to the world is as heavy as the world in all directions but those it may move in: fingers
-/// of a kilogram on a moved palm drop two kilograms by 25 mm at any ratio. What is free is no heavier than all of it.
+/// Greatest mass over the least up to which sweeps carry the loads of what nothing fixed holds, and direct solves those of a loop that touches
+/// nothing. Sweeps take a body that is pushed for as heavy as it is alone. What joints hold to the world is as heavy as the world in all
+/// directions but those it may move in: fingers of a kilogram on a moved palm drop two kilograms by 25 mm at any ratio. What is free is no
+/// heavier than all of it, and keeps its angular momentum in sweeps and direct solves, where geometric stiffness resists turns of the whole:
+/// a free loop of six hinges that touches itself loses nearly all of it. A loop that stands on something fixed has none to keep: a tower of
+/// struts and cables of like masses sinks by 3 to 5 cm where it is swept.
 const ALIKE: f32 = 5.0;
-
-/// Points from which on a manifold is between faces.
-const FACE_POINTS: usize = 3;
 
 /// What is known of an island.
 #[derive(Debug, Clone, Copy, Default)]
@@ -40,7 +40,8 @@ struct IslandTraits {
     /// What gravity and the host pull its bodies with, all together (N), and the most that any joint is stiff by for each newton (1/N).
     pull: f64,
     stiffness: f64,
-    is_jointed: bool,
+    /// Whether a joint has stops on angles.
+    is_limbed: bool,
     /// Whether a joint is with something that rows do not move.
     is_anchored: bool,
     /// Whether all joints hold points together and do nothing else.
@@ -48,7 +49,8 @@ struct IslandTraits {
     /// Least and greatest inverse mass of what moves (1/kg).
     inverse_masses: [f32; 2],
     touches: bool,
-    is_edged: bool,
+    /// Whether what joints hold touches anything that is fixed or moved.
+    stands: bool,
     rebounds: bool,
 }
 
@@ -65,16 +67,15 @@ pub(crate) struct Planner {
 }
 
 impl Planner {
-    /// Plans of islands that begin with these slots and end before `end`; `is_smooth` says of a contact by its number whether
-    /// neither shape has edges but rims, and `stiffness` how stiffly a force of 1 N in a joint turns its bodies in a substep (1/N), and
-    /// what force the joint bore last (N).
+    /// Plans of islands that begin with these slots and end before `end`; `is_anchor` says whether an end of a joint is fixed or
+    /// moved by the host, and `stiffness` how stiffly a force of 1 N in it turns its bodies in a substep (1/N), and what force it bore last (N).
     pub(crate) fn plan(
         &mut self,
         firsts: &[u32],
         end: u32,
         links: &[JointLink],
         (velocities, motions, contacts): (&[BodyVelocity], &[BodyMotion], &[ContactInput]),
-        (is_smooth, stiffness): (impl Fn(usize) -> bool, impl Fn(&JointLink) -> [f64; 2]),
+        (is_anchor, stiffness): (impl Fn(&JointLink) -> bool, impl Fn(&JointLink) -> [f64; 2]),
         settings: &StepSettings,
     ) {
         let Self { looks, plans, tied, grouped, sizes } = self;
@@ -108,9 +109,9 @@ impl Planner {
             look.joints += 1;
             look.is_swept |= link.is_withheld || link.traits.solver == Solver::GaussSeidel;
             look.is_plain &= link.traits.is_plain;
-            look.is_jointed |= !link.traits.is_steady;
+            look.is_limbed |= link.traits.limits_angles;
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
-            look.is_anchored |= ends.contains(&0);
+            look.is_anchored |= ends.contains(&0) && is_anchor(link);
             look.is_looped |= !join(tied, ends);
             if ends[0] != 0 && ends[1] != 0 {
                 join(grouped, ends);
@@ -130,16 +131,16 @@ impl Planner {
             let first = firsts[number];
             looks[number].articulations = count_groups(grouped, first..first + looks[number].bodies, sizes);
         }
-        for (number, contact) in contacts.iter().enumerate() {
+        for contact in contacts {
             let Some(look) = island_of([contact.a, contact.b]).map(|number| &mut looks[number]) else { continue };
             let ends = [contact.a, contact.b].map(|slot| &motions[slot as usize]);
             look.meetings += u32::from(ends.iter().all(|motion| motion.is_dynamic()));
             if !contact.presses() && !may_meet(contact, velocities, settings) {
                 continue;
             }
-            let is_jointed = ends.iter().any(|motion| motion.jointed);
-            look.touches |= is_jointed;
-            look.is_edged |= is_jointed && contact.count < FACE_POINTS && !is_smooth(number);
+            if ends.iter().any(|motion| motion.jointed) {
+                (look.touches, look.stands) = (true, look.stands | ends.iter().any(|motion| !motion.is_dynamic()));
+            }
             look.rebounds |= rebounds(contact, velocities, settings);
         }
         plans.clear();
@@ -177,22 +178,31 @@ impl IslandTraits {
         self.bodies > MAX_BODIES || self.meetings > MAX_MEETINGS
     }
 
+    /// Whether the least and the greatest mass are within [`ALIKE`], and joints do more than hold points together.
+    fn is_alike(&self) -> bool {
+        let [least, most] = self.inverse_masses;
+        !self.is_plain && most <= ALIKE * least
+    }
+
+    /// Whether articulations that touch one another are better swept: nothing that is fixed holds them, or there is more to press than to
+    /// hold, as in a heap of ragdolls.
+    fn is_heap(&self) -> bool {
+        self.articulations >= 2 && (!self.is_anchored || self.meetings > self.joints)
+    }
+
     fn plan(&self) -> IslandPlan {
         match self {
             Self { joints: 0, .. } => IslandPlan::Loose,
             Self { is_swept: true, .. } => IslandPlan::Swept,
             Self { touches: false, .. } if !self.is_stiff_loop() => IslandPlan::Apart,
-            // The blow goes through the joints, whatever else is better left to others.
-            Self { rebounds: true, .. } if !self.is_large() => IslandPlan::Coupled,
-            Self { is_jointed: true, .. } => IslandPlan::Jointed,
-            Self { is_plain: false, inverse_masses: [least, most], .. }
-                if *most <= ALIKE * *least && !(self.is_anchored && self.touches) =>
-            {
-                IslandPlan::Alike
-            }
-            Self { is_edged: true, .. } => IslandPlan::Edged,
-            Self { articulations: 2.., .. } => IslandPlan::Heaped,
             _ if self.is_large() => IslandPlan::Large,
+            // The blow goes through the joints, whatever else is better left to others.
+            Self { rebounds: true, .. } => IslandPlan::Coupled,
+            Self { touches: false, .. } if self.is_alike() => IslandPlan::Alike,
+            _ if self.is_heap() => IslandPlan::Heaped,
+            Self { is_anchored: true, .. } | Self { is_looped: true, stands: true, .. } => IslandPlan::Coupled,
+            Self { is_limbed: true, .. } => IslandPlan::Jointed,
+            _ if self.is_alike() => IslandPlan::Alike,
             _ => IslandPlan::Coupled,
         }
     }

@@ -193,16 +193,14 @@ pub(crate) fn is_plain(kind: &JointKind, most_rows: u32) -> bool {
     matches!(kind, JointKind::Spherical { .. }) && most_rows == 3
 }
 
-/// Whether rows as they are at the start of a substep hold what a joint of this kind does: stops of angles, and what acts along a line, turn
-/// with their bodies within it.
-pub(crate) fn is_steady(kind: &JointKind) -> bool {
+/// Whether a joint of this kind has stops on angles, as limbs have.
+pub(crate) fn limits_angles(kind: &JointKind) -> bool {
     let stops = |limits: &Limits| limits.min < limits.max && *limits != Limits::NONE;
     match kind {
-        JointKind::Fixed | JointKind::Prismatic { .. } => true,
-        JointKind::Hinge { limits, .. } => !stops(limits),
-        JointKind::Spherical { swing_limit, twist_limits, .. } => *swing_limit >= std::f32::consts::PI && !stops(twist_limits),
-        JointKind::Generic { angular, .. } => !angular.iter().any(|axis| stops(&axis.limits)),
-        JointKind::Distance { .. } => false,
+        JointKind::Fixed | JointKind::Prismatic { .. } | JointKind::Distance { .. } => false,
+        JointKind::Hinge { limits, .. } => stops(limits),
+        JointKind::Spherical { swing_limit, twist_limits, .. } => *swing_limit < std::f32::consts::PI || stops(twist_limits),
+        JointKind::Generic { angular, .. } => angular.iter().any(|axis| stops(&axis.limits)),
     }
 }
 

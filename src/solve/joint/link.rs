@@ -11,8 +11,8 @@ pub(crate) struct JointTraits {
     pub most_rows: u8,
     /// Whether it holds points rigidly together and does nothing else.
     pub is_plain: bool,
-    /// Whether rows of a substep's start hold it, the host moves nothing of it, and none of its stops gives anything back.
-    pub is_steady: bool,
+    /// Whether it has stops on angles.
+    pub limits_angles: bool,
     /// Whether it has friction.
     pub has_friction: bool,
     /// Whether it gives energy by its motors alone, if by anything, and whether it has one.
@@ -28,7 +28,7 @@ impl JointTraits {
     pub(crate) const NONE: Self = Self {
         most_rows: 0,
         is_plain: false,
-        is_steady: false,
+        limits_angles: false,
         has_friction: false,
         gives_by_motors_alone: false,
         has_motor: false,
@@ -41,7 +41,7 @@ impl JointTraits {
         Self {
             most_rows: most_rows as u8,
             is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0 && !is_driven,
-            is_steady: kinds::is_steady(&def.kind) && !is_driven && def.restitution == 0.0,
+            limits_angles: kinds::limits_angles(&def.kind),
             has_friction: friction::rows_of(def) > 0,
             // What the host moves does work.
             gives_by_motors_alone: kinds::gives_by_motors_alone(def) && !is_driven,

@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use super::island::settle_row;
 use super::joints::{Asking, JointAssembly, MultiplierSlot, Sink, Source};
 use super::problem::{JointBlock, Problem};
 use super::term::Term;
@@ -196,10 +195,12 @@ impl JointSet {
         argument_ranges.extend(rows.iter().map(|rows| rows.terms));
     }
 
-    /// Mean distance of joint points from the centres of mass of what moves (m).
+    /// Mean distance of joint points from the centres of mass of what moves, and of the ends of lines from each other (m).
     pub(super) fn mean_lever(&self) -> f64 {
         let levers = self.entries.iter().flat_map(|entry| entry.local_lever).map(|lever| lever.length());
-        let (count, sum) = levers.filter(|&lever| lever > 0.0).fold((0.0, 0.0), |(count, sum), lever| (count + 1.0, sum + lever));
+        let lines = self.entries.iter().zip(&self.rows).filter(|(entry, _)| entry.is_distance).map(|(_, rows)| rows.gap.length());
+        let (count, sum) =
+            levers.chain(lines).filter(|&lever| lever > 0.0).fold((0.0, 0.0), |(count, sum), lever| (count + 1.0, sum + lever));
         if count > 0.0 { sum / count } else { f64::INFINITY }
     }
 
@@ -219,4 +220,20 @@ impl JointSet {
             gap_of(&joints[entry.joint].def.kind, &entry.placement(a, b))
         })
     }
+}
+
+/// Takes locked axes of its body out of a row; the rate that it has by a body which rows do not move is returned.
+pub(super) fn settle_row(row: &mut [f64; 6], body: &DirectBody, rate: &Rate) -> f64 {
+    if !body.is_dynamic() {
+        return super::factor::dot(row, &vector(rate));
+    }
+    if !body.is_free() {
+        row.iter_mut().zip(body.free_axes()).for_each(|(entry, free)| *entry *= free);
+    }
+    0.0
+}
+
+pub(super) fn vector(rate: &Rate) -> [f64; 6] {
+    let (v, w) = (rate.linear, rate.angular);
+    [v.x, v.y, v.z, w.x, w.y, w.z]
 }

@@ -38,18 +38,38 @@ impl Term {
 enum Part {
     /// Takes none.
     Absent,
-    /// Touches, or may be touched, within the substep: a contact's normal.
-    Contact,
-    /// A stop.
+    /// Touches, or may be touched, within the substep, and gives back where it is met faster than this (m/s, rad/s): a contact's normal, or
+    /// a stop with restitution.
+    Hit(f64),
+    /// A stop without.
     Stop,
     /// Friction of a contact.
     Friction(Law),
 }
 
+impl Part {
+    fn is_hit(self) -> bool {
+        matches!(self, Self::Hit(_))
+    }
+}
+
 impl Problem {
     /// Whether something hits in this substep that is to rebound: contacts' terms begin at `first`.
     pub(super) fn strikes(&self, first: usize, threshold: f64) -> bool {
-        self.terms[first..].iter().any(|term| term.restitution > 0.0 && self.touches(term) && self.closing(term) > threshold)
+        let hits = |(number, term): (usize, &Term)| {
+            term.restitution > 0.0 && self.touches(term) && self.closing(term) > self.least(term, number < first, threshold)
+        };
+        self.terms.iter().enumerate().any(hits)
+    }
+
+    /// Speed above which a term gives back. A stop goes on pressing that would be left more slowly than the forces bring back within a
+    /// substep.
+    fn least(&self, term: &Term, is_stop: bool, threshold: f64) -> f64 {
+        if !is_stop {
+            return threshold;
+        }
+        let gained = speed(term, &self.before)[0] - speed(term, &self.free)[0];
+        gained.max(0.0) / term.restitution
     }
 
     /// Whether a one-sided term is closed within the substep.
@@ -65,7 +85,7 @@ impl Problem {
     /// Solves the impact: the velocity is what it leaves, and λ of contacts' normals what they have been hit with. The problem is no
     /// longer that of the substep.
     pub(super) fn strike(&mut self, first: usize, threshold: f64) {
-        let parts = self.take_parts(first);
+        let parts = self.take_parts(first, threshold);
         self.aim(&parts);
         self.velocity.clone_from(&self.before);
         for _ in 0..MAX_ROUNDS {
@@ -73,12 +93,12 @@ impl Problem {
             self.before.clone_from(&self.velocity);
             for (number, part) in parts.iter().enumerate() {
                 let hits = match part {
-                    Part::Contact => self.closing(&self.terms[number]) > threshold,
+                    Part::Hit(least) => self.closing(&self.terms[number]) > *least,
                     Part::Stop => true,
                     _ => false,
                 };
                 self.terms[number].law = Law::Between(0.0, if hits { f64::INFINITY } else { 0.0 });
-                any |= hits && *part == Part::Contact;
+                any |= hits && part.is_hit();
             }
             if !any {
                 break;
@@ -88,24 +108,24 @@ impl Problem {
         }
         for (term, part) in self.terms.iter_mut().zip(&parts) {
             match *part {
-                Part::Contact | Part::Stop => term.law = Law::Between(0.0, f64::INFINITY),
+                Part::Hit(_) | Part::Stop => term.law = Law::Between(0.0, f64::INFINITY),
                 Part::Friction(law) => term.law = law,
                 Part::Absent => {}
             }
         }
         self.project();
         for (term, part) in self.terms.iter_mut().zip(&parts) {
-            term.impulse[0] = if *part == Part::Contact { term.hit + term.impulse[0] } else { 0.0 };
+            term.impulse[0] = if part.is_hit() { term.hit + term.impulse[0] } else { 0.0 };
         }
     }
 
     /// Takes out of the problem what takes no part in an impact.
-    fn take_parts(&mut self, first: usize) -> Vec<Part> {
+    fn take_parts(&mut self, first: usize, threshold: f64) -> Vec<Part> {
         let part = |(number, term): (usize, &Term)| match term.law {
             law @ Law::Leaning { .. } if number >= first => Part::Friction(law),
             _ if !self.touches(term) => Part::Absent,
-            _ if number < first => Part::Stop,
-            _ => Part::Contact,
+            _ if number < first && term.restitution == 0.0 => Part::Stop,
+            _ => Part::Hit(self.least(term, number < first, threshold)),
         };
         let parts: Vec<_> = self.terms.iter().enumerate().map(part).collect();
         for (term, part) in self.terms.iter_mut().zip(&parts) {
@@ -142,7 +162,7 @@ impl Problem {
             self.project();
             self.before = before;
             let Self { terms, velocity, before, .. } = self;
-            for (term, _) in terms.iter_mut().zip(parts).filter(|(_, part)| **part == Part::Contact) {
+            for (term, _) in terms.iter_mut().zip(parts).filter(|(_, part)| part.is_hit()) {
                 let (was, is) = (speed(term, before)[0], speed(term, velocity)[0]);
                 let (square, closing) = (term.restitution * term.restitution, was + term.bias[0]);
                 if closing < 0.0 {
@@ -178,7 +198,7 @@ impl Problem {
         let Self { unknowns, terms, links, .. } = self;
         unknowns.clear();
         unknowns.resize(bodies, [0.0; 6]);
-        for (term, _) in terms.iter_mut().zip(parts).filter(|(_, part)| **part == Part::Contact) {
+        for (term, _) in terms.iter_mut().zip(parts).filter(|(_, part)| part.is_hit()) {
             let returned = term.restitution * term.impulse[0];
             push_term(term, [returned, 0.0], unknowns);
             term.hit += term.impulse[0] + returned;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
-use super::held::{Ends, JointSet};
+use super::held::{Ends, JointSet, settle_row, vector};
 use super::joints::MultiplierSlot;
 use super::passes::{Effort, MAX_FACTORS};
 use super::patch::Patch;
@@ -450,17 +450,6 @@ impl CoupledIsland {
     }
 }
 
-/// Takes locked axes of its body out of a row; the rate that it has by a body which rows do not move is returned.
-pub(super) fn settle_row(row: &mut [f64; 6], body: &DirectBody, rate: &Rate) -> f64 {
-    if !body.is_dynamic() {
-        return super::factor::dot(row, &vector(rate));
-    }
-    if !body.is_free() {
-        row.iter_mut().zip(body.free_axes()).for_each(|(entry, free)| *entry *= free);
-    }
-    0.0
-}
-
 fn settle_term(term: &mut super::term::Term, ends: [usize; 2], bodies: &[DirectBody], rates: &[Rate]) {
     for side in 0..2 {
         for row in 0..term.rows {
@@ -487,11 +476,6 @@ fn mass_of(body: &DirectBody, stance: &LocalPose, h: f64) -> BodyMass {
     );
     let angular = (masked + DMat3::from_diagonal(DVec3::ONE - turning)).inverse();
     BodyMass { linear, angular: angular.to_cols_array_2d(), ..BodyMass::default() }
-}
-
-fn vector(rate: &Rate) -> [f64; 6] {
-    let (v, w) = (rate.linear, rate.angular);
-    [v.x, v.y, v.z, w.x, w.y, w.z]
 }
 
 pub(super) fn rate_of(v: &[f64; 6]) -> Rate {

@@ -184,6 +184,9 @@ impl Sink<'_> {
             term.bias[0] = scalar.bias;
             term.give = scalar.gamma;
             term.expected[0] = f64::from(scalar.impulse);
+            if scalar.is_stop() && scalar.gamma == 0.0 && asking.joint.drive().is_none() {
+                (term.restitution, term.ahead) = (f64::from(asking.joint.def.restitution), scalar.bias.max(0.0));
+            }
             self.terms.push(term);
             self.sources.push(source);
         }

@@ -60,8 +60,8 @@ pub(crate) struct Newton {
 pub(crate) trait IslandRecords {
     /// A joint as it is solved.
     fn joint(&self, link: &JointLink) -> JointEntry;
-    /// Whether neither shape of the contact of this number has edges but rims.
-    fn is_smooth(&self, contact: u32) -> bool;
+    /// Whether an end of a joint is the world or a body that is not dynamic: what is held where it is for now is neither.
+    fn is_anchor(&self, link: &JointLink) -> bool;
     /// Both surfaces of the contact of this number, where it is known how both bend.
     fn surfaces(&self, contact: u32) -> Option<Surfaces>;
     /// Where both surfaces are at the points of the contact of this number.
@@ -159,7 +159,6 @@ impl Newton {
             return;
         }
         let Self { islands, count, held, planner } = self;
-        let is_smooth = |contact: usize| records.is_smooth(contact as u32);
         let (rates, moving): (&[BodyVelocity], &[BodyMotion]) = (velocities, motions);
         let h = f64::from(settings.dt) / f64::from(settings.substeps);
         let stiffness = |link: &JointLink| {
@@ -170,7 +169,7 @@ impl Newton {
             };
             [h * h * (ease(0) + ease(1)), f64::from(entry.impulses.point.length()) / h]
         };
-        planner.plan(firsts, end, links, (rates, moving, contacts), (is_smooth, stiffness), settings);
+        planner.plan(firsts, end, links, (rates, moving, contacts), (|link| records.is_anchor(link), stiffness), settings);
         for (number, is_looped) in planner.coupled() {
             let last = firsts.get(number + 1).copied().unwrap_or(end);
             if *count == islands.len() {

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::BatchInput;
+use crate::body::BodyKind;
 use crate::collide::curvature::{normal_at, shape_operator, shape_operator_with_rims};
 use crate::settings::Solver;
 use crate::shape::Shape;
@@ -14,6 +15,7 @@ use crate::solve::newton::{Contents, IslandRecords, Surfaces, Tangency};
 use crate::solve::state::WORLD_SLOT;
 use crate::step_history::History;
 use crate::workers::Workers;
+use crate::world::islands::NO_BODY;
 use crate::world::substep_multiplier::is_smooth;
 
 /// The records of what one batch has.
@@ -49,16 +51,9 @@ impl IslandRecords for Within<'_> {
         self.world.joint_entry(link, self.scale, self.stride)
     }
 
-    fn is_smooth(&self, contact: u32) -> bool {
-        let (a, b) = self.world.pairs.get(self.manifolds[contact as usize].0).key.shapes();
-        let is_round = |shape: u32| {
-            use crate::shape::Geometry::{Ball, Capsule, Cylinder, HalfSpace};
-            matches!(
-                self.world.colliders[shape].shape.geometry(),
-                Ball { .. } | Capsule { .. } | Cylinder { .. } | HalfSpace { .. }
-            )
-        };
-        is_round(a) && is_round(b)
+    fn is_anchor(&self, link: &JointLink) -> bool {
+        let is_fixed = |&body: &u32| body == NO_BODY || self.world.bodies[body].kind != BodyKind::Dynamic;
+        self.world.joint_heads[link.joint as usize].bodies.iter().any(is_fixed)
     }
 
     fn surfaces(&self, contact: u32) -> Option<Surfaces> {
