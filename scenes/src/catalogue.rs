@@ -5,8 +5,9 @@ use longspan::glam::DVec3;
 use crate::params::{Params, SceneError};
 use crate::scene::Scene;
 use crate::{
-    arm, branching, bridge, cable_car, cantilever, chain, closed_form, crossbow, crowd, footbridge, fracture, free, friction,
-    gallery, hinge_loop, idle, impact, machines, masonry, pile, ragdoll, stack, stress, track, vase, violent,
+    arm, branching, bridge, bridge_car, cable_car, cantilever, chain, closed_form, crossbow, crowd, drums, footbridge, fracture,
+    free, friction, gallery, hinge_loop, hoists, idle, impact, machines, masonry, net, pile, ragdoll, stack, stress, tensegrity,
+    track, vase, violent,
 };
 
 /// A scene that can be built.
@@ -34,6 +35,16 @@ pub const CATALOGUE: &[Entry] = &[
     entry("arm", "an arm of seven servo hinges with a payload", arm::arm),
     entry("crane", "a slewing jib with a load on a rope", machines::crane),
     entry("excavator", "an arm of servo hinges that lifts a stack on a fork", machines::excavator),
+    entry("elevator", "a platform on a motor with a loose crate on it", hoists::elevator),
+    entry("gripper", "two fingers that hold a cube by friction as it is shaken", hoists::gripper),
+    entry("scissor_lift", "a scissor lift of light arms under a crate", hoists::scissor_lift),
+    entry("bollard", "a tied rope over a fixed bollard, with a load", drums::bollard),
+    entry("capstan", "a rope over a fixed post with unequal loads, held by friction", drums::capstan),
+    entry("winch", "a drum that winds up a rope with a load", drums::winch),
+    entry("pulley", "a rope over a drum on a hinge, with unequal loads", drums::pulley),
+    entry("bridge_car", "a car that drives over a bridge of tied planks", bridge_car::bridge_car),
+    entry("tensegrity", "a tower of struts that cables hold apart, under a load", tensegrity::tensegrity),
+    entry("net", "a net of ropes that hangs by its corners, and boxes dropped into it", net::net),
     entry("ragdoll_pile", "ragdolls dropped into a pit", ragdoll::ragdoll_pile),
     entry("track", "a track of 132 links driven over a step by its sprockets", track::track),
     entry("crossbow", "a bow of limited hinges, modelled bent, with its arrow", crossbow::crossbow),
@@ -49,6 +60,7 @@ pub const CATALOGUE: &[Entry] = &[
     entry("many_pyramids", "small pyramids side by side", crowd::many_pyramids),
     entry("ragdoll_rain", "ragdolls that fall onto open ground", crowd::ragdoll_rain),
     entry("arch", "a semicircular arch of wedges without mortar", masonry::arch),
+    entry("lamp_arch", "an arch of wedges with a lamp on a chain at its keystone", masonry::lamp_arch),
     entry("support_gallery", "the stacks of the paper's figures, and whether each stone is supported", gallery::support_gallery),
     entry("wedge", "a wedge hung between two blocks", masonry::wedge),
     entry("card_house", "a house of cards", masonry::card_house),

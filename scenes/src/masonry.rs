@@ -2,12 +2,13 @@
 
 use std::f32::consts::PI;
 
-use longspan::glam::{Quat, Vec3};
+use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, Geometry, Pose, ShapeDef};
 
-use crate::metrics::{Moved, Stood, Verdicts};
+use crate::assemble::{INTANGIBLE, filtered, rod, solid};
+use crate::metrics::{JointGap, Moved, Reading, Stood, Verdicts};
 use crate::params::{Params, SceneError};
-use crate::scene::{Scene, cuboid, floor, shape, start, with_friction};
+use crate::scene::{Scene, ball, cuboid, floor, shape, start, start_at_rate, with_friction};
 
 const ARCH_INNER: f32 = 2.0;
 const ARCH_OUTER: f32 = 2.6;
@@ -41,6 +42,48 @@ fn voussoir(from: f32, to: f32, friction: f32) -> Result<BodyDef, SceneError> {
     }
     let wedge = ShapeDef { density: 2000.0, ..with_friction(shape(Geometry::ConvexHull { points })?, friction) };
     Ok(BodyDef::dynamic(Pose::at(middle.as_dvec3())).with_shape(wedge))
+}
+
+const LAMP_LINKS: usize = 12;
+const LAMP_PITCH: f64 = 0.12;
+const LAMP_RADIUS: f64 = 0.25;
+
+/// An arch as above, on pillars, with a lamp of `lamp` kg that swings at 1 m/s on a chain of twelve links of 0.3 kg at its keystone.
+/// `sunk_m` is how far the keystone has come from where it was made.
+pub(crate) fn lamp_arch(params: &mut Params) -> Result<Scene, SceneError> {
+    let n = params.count("n", 13, 3..=101)?;
+    let lamp = params.number("lamp", 30.0, 1.0e-3..=1.0e6)?;
+    let friction = params.number("friction", 0.7, 0.0..=10.0)? as f32;
+    let (mut scene, _) = start_at_rate(params, 4.0)?;
+    scene.body(floor(20.0, 0.0, friction)?);
+    let mut key = 0;
+    for index in 0..n {
+        let [from, to] = [index, index + 1].map(|edge| PI * edge as f32 / n as f32);
+        let stone = scene.body(voussoir(from, to, friction)?);
+        if index == n / 2 {
+            key = stone;
+        }
+    }
+    // Chain and lamp touch nothing; the chain hangs from under the keystone's middle.
+    let start = scene.bodies[key].pose.position;
+    let top = start - DVec3::Y * f64::from(0.5 * (ARCH_OUTER - ARCH_INNER) + 0.05);
+    let mut last = key;
+    for link in 0..LAMP_LINKS {
+        let [from, to] = [link, link + 1].map(|end| top - DVec3::Y * (LAMP_PITCH * end as f64));
+        let body = scene.body(filtered(rod(from, to, 0.02, 0.3)?, INTANGIBLE));
+        scene.tie(last, body, from);
+        last = body;
+    }
+    let end = top - DVec3::Y * (LAMP_PITCH * LAMP_LINKS as f64);
+    let at = Pose::at(end - DVec3::Y * LAMP_RADIUS);
+    let mut def = filtered(solid(at, ball(LAMP_RADIUS as f32)?, lamp as f32), INTANGIBLE);
+    def.linear_velocity = Vec3::X;
+    let body = scene.body(def);
+    scene.tie(last, body, end);
+    let steps = scene.steps;
+    scene.judge(Reading::worst_of_last(steps, "sunk_m", move |view| (view.engine.pose(key).position - start).length()));
+    scene.judge(JointGap::over_last(steps));
+    Ok(scene)
 }
 
 /// Half thickness, half height and half width of a leaning card (m), and how far it leans from the vertical (rad).

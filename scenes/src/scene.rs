@@ -158,6 +158,16 @@ pub(crate) fn start_in(mut world: WorldDef, params: &mut Params, seconds: f64) -
     Ok(Scene::new(world, steps))
 }
 
+/// A sleepless world and scene of `seconds`, stepped at the key `rate` (1/s), which is returned too.
+pub(crate) fn start_at_rate(params: &mut Params, seconds: f64) -> Result<(Scene, f64), SceneError> {
+    let rate = params.number("rate", 60.0, 1.0..=1.0e4)?;
+    let mut world = sleepless();
+    params.apply_common(&mut world)?;
+    let dt = (1.0 / rate) as f32;
+    let steps = params.steps(seconds, dt)?;
+    Ok((Scene { dt, ..Scene::new(world, steps) }, rate))
+}
+
 /// One shape with default surface and density.
 pub(crate) fn shape(geometry: Geometry) -> Result<ShapeDef, SceneError> {
     Ok(ShapeDef::new(Shape::new(geometry)?))

@@ -1,0 +1,134 @@
+//! What joints span and contacts load: bridges, towers of struts and cables, nets, arches, lifts.
+
+mod common;
+
+use common::Run;
+use longspan::glam::{DVec3, Quat, Vec3};
+use longspan::{
+    BodyDef, BodyId, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef, SleepSettings, World,
+    WorldDef,
+};
+
+/// Where wheels of 50 kg bear a hull of 1.3 t, sweeps let them sink into planks of 20 kg by 5 cm, and the car runs off its line by 0.3 m.
+/// At 4 m/s and 30 Hz a wheel goes on by 33 mm in a substep, which a plank that rises by 0.06 more than the last meets by 2 mm.
+#[test]
+fn a_car_drives_over_a_bridge_of_planks_and_stays_on_it() {
+    for rate in ["30", "60", "120"] {
+        for keys in [[("planks", "8"), ("speed", "4")], [("planks", "10"), ("speed", "0")]] {
+            let run = Run::of("bridge_car", &[keys[0], keys[1], ("rate", rate), ("seconds", "2.5")]);
+            run.keeps("deep_m", 2.0e-3, "m");
+            run.keeps("joint_gap_m", 1.0e-3, "m");
+            run.keeps("aside_m", 1.0e-2, "m");
+            run.keeps("tilt_deg", 0.2, "degrees");
+        }
+    }
+}
+
+/// Its cables have no tension where it is made: struts turn by a few milliradians until they have. By sweeps it lies down.
+#[test]
+fn a_tower_of_struts_and_cables_bears_its_load() {
+    for rate in ["30", "60", "120"] {
+        for (storeys, load) in [("3", "0"), ("4", "100"), ("6", "100")] {
+            let run = Run::of("tensegrity", &[("storeys", storeys), ("load", load), ("rate", rate), ("seconds", "2")]);
+            run.keeps("sunk_m", 0.02, "m");
+            run.keeps("joint_gap_m", 1.0e-3, "m");
+        }
+    }
+}
+
+/// By sweeps all four fall through.
+#[test]
+fn a_net_holds_the_boxes_that_fall_into_it() {
+    for rate in ["30", "60", "120"] {
+        let run = Run::of("net", &[("cells", "3"), ("boxes", "4"), ("rate", rate), ("seconds", "1.5")]);
+        run.is("fallen", 0.0);
+        run.keeps("joint_gap_m", 1.0e-3, "m");
+        run.keeps("energy_growth_pct", 0.1, "%");
+    }
+}
+
+/// Stones of an arch under load lean on edges.
+#[test]
+fn an_arch_of_many_stones_bears_its_lamp_at_few_steps_a_second() {
+    for (stones, lamp) in [("17", "37"), ("20", "300"), ("31", "1000")] {
+        Run::of("lamp_arch", &[("n", stones), ("lamp", lamp), ("rate", "30")]).keeps("sunk_m", 1.0e-3, "m");
+    }
+}
+
+/// What stands on a platform that stops at 1 m/s leaves it by v²/2g, and comes down on it again.
+#[test]
+fn a_lift_that_runs_against_its_stop_stays_exact() {
+    for rate in ["30", "60", "120"] {
+        let run = Run::of("elevator", &[("stop", "on"), ("rate", rate)]);
+        run.keeps("behind_m", 1.0e-3, "m");
+        run.keeps("load_err_pct", 0.1, "%");
+        let (hop, expected) = (run.error("hop_m"), 1.0 / (2.0 * 9.81));
+        assert!((hop - expected).abs() < 3.0e-3, "at {rate} Hz the crate leaves by {hop} m, expected {expected} m");
+    }
+}
+
+/// A box of this mass beside a smooth wall that touches its side, so that contacts are in its island.
+fn box_at_a_wall(mass: f32, at: DVec3) -> (World, BodyId) {
+    let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+    let mut world = World::new(&WorldDef { sleep, ..WorldDef::default() }).unwrap();
+    let shape = |half_extents: Vec3| {
+        let material = Material { friction: 0.0, ..Material::default() };
+        ShapeDef { material, ..ShapeDef::new(Shape::new(Geometry::Box { half_extents }).unwrap()) }
+    };
+    world.create_body(&BodyDef::fixed(Pose::at(at - DVec3::Z * 0.6)).with_shape(shape(Vec3::new(9.0, 9.0, 0.5)))).unwrap();
+    let def = BodyDef { mass: Mass::Total(mass), ..BodyDef::dynamic(Pose::at(at)) };
+    let body = world.create_body(&def.with_shape(shape(Vec3::splat(0.1)))).unwrap();
+    (world, body)
+}
+
+/// It falls by a metre, or turns a quarter down, on the stop of its joint; the wall must take nothing of that.
+#[test]
+fn what_falls_on_a_stop_comes_up_as_restitution_says_with_contacts_beside_it() {
+    for rate in [30.0_f32, 60.0, 120.0, 240.0] {
+        for (mass, restitution) in [(100.0, 1.0_f32), (1.0, 0.6)] {
+            for is_hinge in [false, true] {
+                let start = if is_hinge { DVec3::X } else { DVec3::Y };
+                let (mut world, body) = box_at_a_wall(mass, start);
+                let limits = Limits::new(0.0, f32::INFINITY);
+                let mut def = if is_hinge {
+                    let limits = Limits::new(-std::f32::consts::FRAC_PI_2, f32::INFINITY);
+                    JointDef::new(JointKind::Hinge { limits, motor: Motor::Off }, BodyId::NULL, body)
+                } else {
+                    JointDef::new(JointKind::Prismatic { limits, motor: Motor::Off }, BodyId::NULL, body)
+                };
+                let axes = if is_hinge {
+                    Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2)
+                } else {
+                    Quat::from_rotation_z(std::f32::consts::FRAC_PI_2)
+                };
+                def.frame_a = Pose { position: DVec3::ZERO, rotation: axes };
+                def.frame_b = Pose { position: if is_hinge { -start } else { DVec3::ZERO }, rotation: axes };
+                def.restitution = restitution;
+                world.create_joint(&def).unwrap();
+                let energy = |world: &World| {
+                    let speed = world.linear_velocity(body).unwrap().length_squared();
+                    let spin = world.angular_velocity(body).unwrap().length_squared() * 0.04 / 6.0;
+                    let bottom = if is_hinge { -1.0 } else { 0.0 };
+                    world.pose(body).unwrap().position.y - bottom + f64::from(speed + spin) / (2.0 * 9.81)
+                };
+                let fell = |world: &World| {
+                    if is_hinge { world.angular_velocity(body).unwrap().z } else { world.linear_velocity(body).unwrap().y }
+                };
+                let mut before = energy(&world);
+                let mut after = f64::NAN;
+                for _ in 0..(1.1 * rate) as usize {
+                    world.step(1.0 / rate).unwrap();
+                    if fell(&world) > 0.0 {
+                        after = energy(&world);
+                        break;
+                    }
+                    before = energy(&world);
+                }
+                let (share, expected) = (after / before, f64::from(restitution * restitution));
+                let what = format!("{mass} kg, restitution {restitution}, hinge: {is_hinge}, at {rate} Hz");
+                assert!((share - expected).abs() < 0.02, "{what}: {share} of the energy is left, expected {expected}");
+                assert!(before > 0.93, "{what}: it has lost energy on its way, {before} m of 1 are left");
+            }
+        }
+    }
+}
