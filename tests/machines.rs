@@ -368,8 +368,10 @@ fn a_piston_throws_a_crate_no_faster_than_itself() {
 
 #[test]
 fn a_car_with_steered_hubs_drives_in_a_circle() {
-    for rate in [30.0, 60.0, 120.0, 240.0] {
-        let mut world = world(GRAVITY, Solver::Auto);
+    let by_rows = [30.0, 60.0, 120.0, 240.0].map(|rate| (rate, Solver::Auto));
+    // Sweeps hold a hub that is so much lighter than its car from 240 steps a second on.
+    for (rate, solver) in by_rows.into_iter().chain([(240.0, Solver::GaussSeidel)]) {
+        let mut world = world(GRAVITY, solver);
         let floor = ShapeDef::new(Shape::cuboid(Vec3::new(50.0, 0.5, 50.0)).expect("a valid shape"));
         world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, -0.5, 0.0)).with_shape(floor)).expect("a valid body");
         let chassis = ghost(&mut world, DVec3::Y * 0.6, Vec3::new(1.2, 0.15, 0.5), 600.0);
@@ -398,7 +400,7 @@ fn a_car_with_steered_hubs_drives_in_a_circle() {
         steps(&mut world, rate, 4.0);
         let (speed, turning) = (world.linear_velocity(chassis), world.angular_velocity(chassis));
         let (speed, turning) = (speed.expect("bodies stay").length(), turning.expect("bodies stay").y);
-        let what = format!("{rate}/s");
+        let what = format!("{solver:?}, {rate}/s");
         assert!((1.6..2.6).contains(&speed), "{what}: drives at {speed} m/s, its wheels at 2.1");
         let expected = circle.hypot(0.5 * wheelbase);
         let radius = speed / turning;
