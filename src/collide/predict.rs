@@ -72,6 +72,9 @@ struct PairApproach<'a> {
     b: &'a ColliderState,
     /// Angular velocities of their bodies in the frames of the shapes (rad/s).
     spins: [Vec3; 2],
+    /// Angular velocities of their bodies (rad/s, world axes), and whether the host turns them.
+    angular: [Vec3; 2],
+    is_turned: [bool; 2],
     step: Step,
 }
 
@@ -104,6 +107,8 @@ pub(crate) struct Follow<'a> {
     pub angular: Vec3,
     /// Whether joints hold the body: it does not go on as it moves, and articulations follow bent surfaces by themselves.
     pub is_jointed: bool,
+    /// Whether the host moves the body.
+    pub is_driven: bool,
 }
 
 /// What the manifolds of all pairs in a step have in common.
@@ -177,7 +182,9 @@ pub(super) fn collide(
             true => Vec3::ZERO,
             false => collider_state.rotation.conjugate() * of.angular,
         };
-    let approach = PairApproach { a, b, spins: [spin_of(a, of_a, of_b.shape), spin_of(b, of_b, of_a.shape)], step };
+    let spins = [spin_of(a, of_a, of_b.shape), spin_of(b, of_b, of_a.shape)];
+    let is_turned = [of_a, of_b].map(|of| of.is_driven && of.angular != Vec3::ZERO);
+    let approach = PairApproach { a, b, spins, angular: [of_a.angular, of_b.angular], is_turned, step };
     let is_followed = match is_round {
         true => reach.is_pressed || found.manifolds.is_empty() || approach.may_meet(found),
         false => approach.would_press(found),
@@ -392,6 +399,33 @@ impl PairApproach<'_> {
             let lever_b = applied(turns[1], offsets[1] + point.on_b);
             (point.on_a, point.on_b) = (lever_a - offsets[0], lever_b - offsets[1]);
             point.separation -= t * (closing + swing[1].dot(lever_b) - swing[0].dot(lever_a));
+        }
+        if self.is_turned != [false; 2] {
+            self.carry_back(manifold, t);
+        }
+    }
+
+    /// Puts the points on a side that the host turns where the contact is at the start: rows of friction take them for that, see
+    /// `contact_kernels/warm_start.rs`. What lies on it at several points goes with its own points there, else with its centre.
+    fn carry_back(&self, manifold: &mut Manifold, t: f32) {
+        let normal = self.a.rotation * manifold.normal;
+        let is_face = manifold.count > 1;
+        let count = usize::from(manifold.count);
+        for point in &mut manifold.points[..count] {
+            let own = |side: &ColliderState, angular: Vec3, on: Vec3| match is_face {
+                true => side.velocity + angular.cross(side.offset + side.rotation * on),
+                false => side.velocity,
+            };
+            let back = |side: &ColliderState, contact: Vec3| {
+                side.rotation.conjugate() * (contact - side.velocity).reject_from_normalized(normal) * t
+            };
+            let contacts = [own(self.b, self.angular[1], point.on_b), own(self.a, self.angular[0], point.on_a)];
+            if self.is_turned[0] {
+                point.on_a -= back(self.a, contacts[0]);
+            }
+            if self.is_turned[1] {
+                point.on_b -= back(self.b, contacts[1]);
+            }
         }
     }
 }

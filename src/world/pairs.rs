@@ -176,7 +176,8 @@ impl World {
         let moving = |slot: u32| {
             let collider = &colliders[slot];
             let body = &bodies[collider.body];
-            Follow { shape: &collider.shape, angular: body.angular_velocity, is_jointed: !body.joints.is_empty() }
+            let is_driven = body.is_mover() && !body.is_free();
+            Follow { shape: &collider.shape, angular: body.angular_velocity, is_jointed: !body.joints.is_empty(), is_driven }
         };
         let step = Step { dt, substeps: def.substeps, gravity: def.gravity };
         let update = |pair: &mut Pair, scratch: &mut PairScratch| {
