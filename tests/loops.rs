@@ -178,7 +178,7 @@ fn a_crate_goes_along_on_a_four_bar_of_light_links() {
     }
 }
 
-/// It sags by √(span × what its joints have opened by / 2).
+/// It sags by √(span × what its joints have opened by / 2). What closing its joints lifts is no energy from nothing: no step is given up.
 #[test]
 fn a_straight_bridge_of_planks_bears_tonnes_at_any_rate() {
     for (load, rate) in [(800.0, 30.0), (8000.0, 30.0), (8000.0, 60.0), (8000.0, 120.0), (800.0, 240.0), (8000.0, 240.0)] {
@@ -194,10 +194,15 @@ fn a_straight_bridge_of_planks_bears_tonnes_at_any_rate() {
         }
         hinge(&mut world, [last, BodyId::NULL], DVec3::X * 3.0, Motor::Off);
         let crate_ = block(&mut world, load, Pose::at_xyz(0.0, 0.49, 0.0), Vec3::splat(0.4), true);
-        run(&mut world, 3.0, rate);
+        let mut given_up = 0;
+        for _ in 0..(3.0 * rate) as usize {
+            world.step(1.0 / rate).unwrap();
+            given_up += world.islands().iter().filter(|island| island.given_up).count();
+        }
         let sag = 0.48 - world.pose(crate_).unwrap().position.y;
         let gap = world.report().residuals.joint_gap;
         let what = format!("{load} kg at {rate} Hz");
+        assert_eq!(given_up, 0, "{what}: steps of which the coupled solve was given up");
         assert!((0.0..3.0e-3).contains(&sag), "{what}: it sags by {sag} m");
         assert!(gap < 1.0e-6, "{what}: joints are {gap} m open");
     }

@@ -171,6 +171,10 @@ impl Problem {
                 self.linearize(is_first);
                 self.find_step();
                 effort.factors += 1;
+                // What is no number compares as no error: it would end the solve.
+                if !self.unknowns.iter().flatten().all(|value| value.is_finite()) {
+                    break;
+                }
                 let ends = self.take_step(is_first);
                 is_first = false;
                 if ends {
