@@ -2,8 +2,8 @@
 
 use longspan::glam::{Quat, Vec3};
 use longspan::{
-    BodyDef, BodyId, BodyKind, ErrorKind, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef,
-    Solver, World, WorldDef,
+    BodyDef, BodyId, BodyKind, CollisionFilter, ErrorKind, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose,
+    Shape, ShapeDef, Solver, World, WorldDef,
 };
 
 const DT: f32 = 1.0 / 60.0;
@@ -218,4 +218,50 @@ fn a_kind_that_a_body_cannot_have_is_refused() {
     let mut saved = Vec::new();
     world.save(&mut saved);
     world.restore(&saved).unwrap();
+}
+
+/// A ball that lies on the floor, awake.
+fn ball_on_the_floor() -> (World, BodyId) {
+    let mut world = world(1.0);
+    let ball = ball(&mut world, 0.5, 0.0);
+    run(&mut world, 20);
+    assert_eq!(world.contacts().count(), 1, "contacts of the ball at rest");
+    (world, ball)
+}
+
+#[test]
+fn contacts_that_edits_end_are_told_after_the_next_step() {
+    type Edit = fn(&mut World, BodyId);
+    let edits: [(&str, Edit); 3] = [
+        ("a body destroyed", |world, body| world.destroy_body(body).expect("alive")),
+        ("a body teleported", |world, body| world.set_pose(body, Pose::at_xyz(0.0, 5.0, 0.0)).expect("a pose")),
+        ("a filter changed", |world, body| {
+            let shape = world.body_shapes(body).expect("alive")[0];
+            world.set_filter(shape, CollisionFilter { member_of: 1, collides_with: 0 }).expect("alive");
+        }),
+    ];
+    for (what, edit) in edits {
+        let (mut world, body) = ball_on_the_floor();
+        edit(&mut world, body);
+        assert!(world.contact_ended().is_empty(), "{what}: the last step's list stays as it was");
+        world.step(DT).expect("a step");
+        let ended: Vec<_> = world.contact_ended().iter().map(|pair| [pair.body_a, pair.body_b]).collect();
+        assert!(ended.len() == 1 && ended[0].contains(&body), "{what}: contacts ended {ended:?}");
+        world.step(DT).expect("a step");
+        assert!(world.contact_ended().is_empty(), "{what}: told once");
+    }
+}
+
+#[test]
+fn a_world_asleep_moves_nothing() {
+    let (mut world, _) = ball_on_the_floor();
+    run(&mut world, 120);
+    assert_eq!(world.awake_body_count(), 0, "bodies awake after two seconds at rest");
+    let before = world.state_hash();
+    for _ in 0..60 {
+        let report = world.step(DT).expect("a step");
+        assert_eq!((report.counts.moved, report.counts.islands, report.counts.pairs), (0, 0, 0), "moved, islands, pairs");
+        assert!(world.moved().is_empty(), "bodies moved");
+    }
+    assert_eq!(world.state_hash(), before, "state hash of a world asleep");
 }
