@@ -110,9 +110,12 @@ mod tests {
 
     #[test]
     fn small_batches_are_in_one_run_each_and_large_ones_in_none() {
-        let batches: Vec<Batch> = (0..40)
-            .map(|number| Batch { bodies: vec![0; if number == 17 { SHARED_SLOTS } else { 60 }], ..Batch::default() })
-            .collect();
+        let batch = |number| {
+            let mut batch = Batch::default();
+            batch.bodies.resize(if number == 17 { SHARED_SLOTS } else { 60 }, 0);
+            batch
+        };
+        let batches: Vec<Batch> = (0..40).map(batch).collect();
         let threads = Workers::new(2).unwrap();
         let mut runs = Runs::default();
         runs.find(&batches, &threads);
