@@ -5078,7 +5078,7 @@ LsResult ls_stream_reader_recording_get(LsStreamReader reader, LsStreamRecording
 
 #endif  /* LONGSPAN_H */
 
-/* Names of before version 0.1.0, for hosts written against them. Define LONGSPAN_NO_OLD_NAMES to leave them out. */
+/* Names that functions had before version 0.1.0, for hosts that use them. Define LONGSPAN_NO_OLD_NAMES to leave them out. */
 #ifndef LONGSPAN_NO_OLD_NAMES
 #define ls_world_moved ls_world_moved_bodies_get
 #define ls_world_articulations ls_world_articulations_get

@@ -78,7 +78,8 @@ pub(crate) fn net(params: &mut Params) -> Result<Scene, SceneError> {
     let floor = -width;
     scene.judge(JointGap::over_last(steps));
     scene.judge(Reading::after(steps, "fallen", move |view| {
-        fallen.iter().filter(|&&body| !(view.engine.pose(body).position.y > floor)).count() as f64
+        let heights = fallen.iter().map(|&body| view.engine.pose(body).position.y);
+        heights.filter(|&height| height <= floor || height.is_nan()).count() as f64
     }));
     scene.judge(EnergyGrowth::default());
     scene.judge(Reading::worst_of_last(rate as u32, "speed_m_s", |view| {

@@ -70,7 +70,7 @@ impl BallOnSurface {
         let material = PairMaterial::combine(&ball.material, &surface.material);
         let body = &bodies[ball.body];
         let is_plain = material.rolling == 0.0 && material.spinning == 0.0 && is_moved_by_gravity_alone(body);
-        (is_surface && is_plain).then(|| Self {
+        (is_surface && is_plain).then_some(Self {
             ball: ball.body,
             slot,
             is_second,

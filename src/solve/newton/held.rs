@@ -110,7 +110,9 @@ impl JointSet {
     /// Takes the rows that always hold where the bodies are, after the multipliers of the substep have been kept. Overlaps stay as they are.
     pub(super) fn follow_rows(&mut self, joints: &Pool<Joint, JointId>, problem: &mut Problem, of: Ends<'_>, h: f64, left: f64) {
         let Self { entries, ends, rows, asked, at_end: (links, terms, sources), .. } = self;
-        (links.clear(), terms.clear(), sources.clear());
+        links.clear();
+        terms.clear();
+        sources.clear();
         let mut sink = Sink { links, terms, sources, asked };
         for (((entry, ends), rows), link) in entries.iter_mut().zip(&*ends).zip(&mut *rows).zip(&mut problem.links) {
             let pressed = entry.pressed;
