@@ -205,13 +205,13 @@ pub fn each(probes: usize, mut case: impl FnMut(&mut Dice, (usize, usize), f64) 
     let mut count = 0;
     for (number, scale) in scales() {
         for target in chosen("LONGSPAN_QUERY_TARGETS", KINDS.len()) {
-            for probe in 0..probes {
+            for (probe, name) in KINDS.iter().enumerate().take(probes) {
                 let mut dice = dice(number * 100 + target * 10 + probe);
                 for round in 0..cases() {
                     count += 1;
                     if let Err(problem) = case(&mut dice, (target, probe), scale) {
                         wrong += 1;
-                        first.push(format!("{} and {}, {scale} m, case {round}: {problem}", KINDS[target], KINDS[probe]));
+                        first.push(format!("{} and {}, {scale} m, case {round}: {problem}", KINDS[target], name));
                     }
                 }
             }
