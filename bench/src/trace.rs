@@ -7,8 +7,9 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 use std::ffi::CStr;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use cpu_time::ThreadTime;
 use longspan::Profiler;
 use longspan::trace::{Region, simulate, take};
 use longspan_scenes::{Effort, LongspanEngine, build, time};
@@ -19,19 +20,24 @@ use crate::args::Trace;
 const REGION_COST: f64 = 0.38;
 const PHASE_COST: f64 = 0.11;
 
+/// Time that this thread has had of a processor.
+fn clock() -> Duration {
+    ThreadTime::now().as_duration()
+}
+
 /// Zone of a whole step.
 const STEP: &CStr = c"longspan step";
 
 /// Zones as they begin, by the calling thread.
 #[derive(Default)]
-struct Zones(Mutex<Vec<(Instant, &'static CStr)>>);
+struct Zones(Mutex<Vec<(Duration, &'static CStr)>>);
 
 impl Zones {
     fn note(&self, zone: &'static CStr) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push((Instant::now(), zone));
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push((clock(), zone));
     }
 
-    fn take(&self) -> Vec<(Instant, &'static CStr)> {
+    fn take(&self) -> Vec<(Duration, &'static CStr)> {
         std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
@@ -118,9 +124,9 @@ fn print_stages(threads: usize, all: BTreeMap<String, Share>, count: f64) {
 /// The steps of a scene, cut for so many threads.
 fn record(options: &Trace, threads: usize) -> Result<Vec<Step>, Box<dyn std::error::Error>> {
     let scene = build(&options.chosen.scene, &options.chosen.keys())?;
-    simulate(Some(threads));
+    simulate(Some(threads), clock);
     let engine = LongspanEngine::new(&scene.world, Effort::Default, threads);
-    simulate(None);
+    simulate(None, clock);
     let mut engine = engine?;
     let zones = Arc::new(Zones::default());
     engine.world_mut().set_profiler(Some(zones.clone()));
@@ -139,7 +145,7 @@ fn record(options: &Trace, threads: usize) -> Result<Vec<Step>, Box<dyn std::err
 }
 
 /// What of a step lies between regions, by the stage and the region before.
-fn step(zones: &[(Instant, &'static CStr)], regions: Vec<Region>) -> Step {
+fn step(zones: &[(Duration, &'static CStr)], regions: Vec<Region>) -> Step {
     let (mut serial, mut named) = (Vec::new(), Vec::new());
     let mut regions = regions.into_iter().peekable();
     for window in zones.windows(2) {
@@ -148,14 +154,14 @@ fn step(zones: &[(Instant, &'static CStr)], regions: Vec<Region>) -> Step {
         let mut after = "begin".to_owned();
         while let Some(region) = regions.next_if(|region| region.time[0] < to) {
             let [begun, ended] = region.time;
-            serial.push((format!("{zone}: after {after}"), micros(begun.saturating_duration_since(from))));
+            serial.push((format!("{zone}: after {after}"), micros(begun.saturating_sub(from))));
             let at = format!("{}:{}", region.at.file().trim_start_matches("src/"), region.at.line());
             let inside: Duration = region.pieces.iter().map(|piece| piece.time).sum();
-            serial.push((format!("{zone}: cutting for {at}"), micros((ended - begun).saturating_sub(inside))));
+            serial.push((format!("{zone}: cutting for {at}"), micros(ended.saturating_sub(begun).saturating_sub(inside))));
             named.push((format!("{zone}: {at}"), region));
             (from, after) = (ended, at);
         }
-        serial.push((format!("{zone}: after {after}"), micros(to.saturating_duration_since(from))));
+        serial.push((format!("{zone}: after {after}"), micros(to.saturating_sub(from))));
     }
     Step { serial, regions: named }
 }
@@ -259,7 +265,7 @@ mod tests {
             time: Duration::from_micros(time),
             needs: needs.to_vec(),
         };
-        Region { at: Location::caller(), time: [Instant::now(); 2], pieces: pieces.iter().map(piece).collect(), is_flow }
+        Region { at: Location::caller(), time: [Duration::ZERO; 2], pieces: pieces.iter().map(piece).collect(), is_flow }
     }
 
     #[test]

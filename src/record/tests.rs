@@ -11,7 +11,7 @@ use super::{RecordedWorld, Replay, calls};
 use crate::{BodyDef, Geometry, JointDef, JointKind, Pose, Shape, ShapeDef, World, WorldDef};
 
 /// Methods that change nothing of what a replay sees: who does the work, and who watches.
-const NOT_STATE: [&str; 3] = ["set_parallel_for", "set_profiler", "set_thread_pool"];
+const NOT_STATE: [&str; 4] = ["set_parallel_for", "set_thread_pool", "set_profiler", "set_thread_pool"];
 
 /// Made of calls each of which is recorded.
 const COMPOSED: [&str; 1] = ["create_cells"];

@@ -5,7 +5,7 @@
 
 use std::cell::{Cell, RefCell};
 use std::panic::Location;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::region::Needs;
 
@@ -14,8 +14,8 @@ use super::region::Needs;
 pub struct Region {
     /// Where it is shared out.
     pub at: &'static Location<'static>,
-    /// When it began to be cut into pieces, and when the last of them was done.
-    pub time: [Instant; 2],
+    /// When it began to be cut into pieces, and when the last of them was done, by the clock.
+    pub time: [Duration; 2],
     /// Its pieces, in their order.
     pub pieces: Vec<Piece>,
     /// Whether pieces wait for some others, not for all of an earlier phase.
@@ -37,13 +37,20 @@ pub struct Piece {
 
 thread_local! {
     static THREADS: Cell<Option<usize>> = const { Cell::new(None) };
-    static BEGUN: Cell<Option<Instant>> = const { Cell::new(None) };
+    static CLOCK: Cell<fn() -> Duration> = const { Cell::new(|| Duration::ZERO) };
+    static BEGUN: Cell<Duration> = const { Cell::new(Duration::ZERO) };
     static REGIONS: RefCell<Vec<Region>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Has worlds that this thread makes from now on be cut for so many threads without having any, or no longer.
-pub fn simulate(threads: Option<usize>) {
+/// Has worlds that this thread makes from now on be cut for so many threads without having any, or no longer. `clock` says how much time
+/// the calling thread has had of a processor: where others want it too, wall time would be theirs.
+pub fn simulate(threads: Option<usize>, clock: fn() -> Duration) {
     THREADS.set(threads);
+    CLOCK.set(clock);
+}
+
+fn now() -> Duration {
+    CLOCK.get()()
 }
 
 /// The regions that this thread has gone through since the last call.
@@ -57,23 +64,23 @@ pub(super) fn simulated() -> Option<usize> {
 
 /// A region begins to be cut into pieces.
 pub(super) fn begin() {
-    BEGUN.set(Some(Instant::now()));
+    BEGUN.set(now());
 }
 
 /// Works on the pieces of a region, each by its phase and owner, and notes it.
 pub(super) fn record(at: &'static Location<'static>, (places, needs): (&[(u8, u8)], Option<Needs<'_>>), task: &dyn Fn(usize)) {
-    let begun = BEGUN.get().unwrap_or_else(Instant::now);
-    let mut last = Instant::now();
+    let begun = BEGUN.get();
+    let mut last = now();
     let mut pieces = Vec::with_capacity(places.len());
     for (number, &(phase, owner)) in places.iter().enumerate() {
         task(number);
-        let now = Instant::now();
+        let done = now();
         let mut own = Vec::new();
         if let Some(needs) = needs {
             needs(number, &mut |earlier| own.push(earlier));
         }
-        pieces.push(Piece { phase: usize::from(phase), owner: usize::from(owner), time: now - last, needs: own });
-        last = Instant::now();
+        pieces.push(Piece { phase: usize::from(phase), owner: usize::from(owner), time: done.saturating_sub(last), needs: own });
+        last = now();
     }
     let region = Region { at, time: [begun, last], pieces, is_flow: needs.is_some() };
     REGIONS.with_borrow_mut(|regions| regions.push(region));
