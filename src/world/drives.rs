@@ -49,6 +49,10 @@ impl World {
                 self.bodies[index].history.forget();
             }
         }
+        if change.is_over {
+            // It may weld its bodies again, from the next step on.
+            self.joint_changed(slot);
+        }
         // Whether a joint is driven decides how it is solved.
         self.groups.joint_changed(slot, &self.joints[slot]);
         !change.is_over

@@ -90,7 +90,7 @@ impl World {
                     self.bodies[index].sleep = now;
                 }
             }
-            if quiet >= limits.time && !members.is_empty() {
+            if quiet >= WATCHED_AGAIN * limits.time && !members.is_empty() {
                 sleepy.push(island as u32);
             }
         }
@@ -100,7 +100,8 @@ impl World {
         self.put_islands_to_sleep(islands);
     }
 
-    /// Whether an island that has been quiet for long enough is at rest; where it goes somewhere, it is watched anew before it is asked again.
+    /// Whether an island that is watched has been at rest for long enough. Where it goes somewhere, the watch begins anew: what swings
+    /// stands still where it turns back, so that no single step tells.
     fn is_at_rest(&mut self, island: u32) -> bool {
         let Some(members) = self.groups.members_of(island) else { return false };
         let quiet = |&index: &u32| match self.bodies[index].sleep {
@@ -108,12 +109,13 @@ impl World {
             SleepState::Asleep { .. } => f32::INFINITY,
         };
         let quiet_for = members.iter().map(quiet).fold(f32::INFINITY, f32::min);
+        let (since, is_due) = (WATCHED_AGAIN * self.def.sleep.time, quiet_for >= self.def.sleep.time);
         // As if it had been watched for ever, and as it was: springs may want it to be watched for longer.
-        if !self.goes_somewhere(members, f32::INFINITY) && !self.rests_on_a_mover(members) {
-            return !self.goes_somewhere(members, quiet_for);
+        if !self.goes_somewhere(members, f32::INFINITY) && !(is_due && self.rests_on_a_mover(members)) {
+            return is_due && !self.goes_somewhere(members, quiet_for - since);
         }
         if let SleepState::Awake { quiet_for, .. } = &mut self.bodies[members[0]].sleep {
-            *quiet_for = WATCHED_AGAIN * self.def.sleep.time;
+            *quiet_for = since;
         }
         false
     }

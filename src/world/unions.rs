@@ -208,10 +208,14 @@ fn can_join(body: &Body) -> bool {
 impl World {
     /// Whether a joint leaves its bodies no freedom at all, and nothing but unions has to know of it.
     fn is_weld(&self, slot: u32) -> bool {
-        let def = &self.joints[slot].def;
+        let joint = &self.joints[slot];
+        let def = &joint.def;
         let rigid = matches!(def.kind, JointKind::Fixed) && def.linear.compliance == 0.0 && def.angular.compliance == 0.0;
+        // One by which the host drags its body along gives it a speed.
+        let drags =
+            joint.drive.is_some() && joint.bodies.iter().any(|body| body.is_none_or(|body| !self.bodies[body].is_dynamic()));
         // A soft bound ends at joints, and needs bodies on both sides.
-        rigid && def.long_range && !self.long_range.is_asked_at(self.joints.handle_of(slot))
+        rigid && !drags && def.long_range && !self.long_range.is_asked_at(self.joints.handle_of(slot))
     }
 
     /// Says that a joint is new, about to go, or another than it was.

@@ -190,11 +190,13 @@ fn euler_angles(r: &DMat3, near: [f64; 3]) -> [f64; 3] {
     if way(&one) <= way(&other) { one } else { other }
 }
 
-/// Whether a joint of this kind has angles that count turns.
+/// Whether a joint of this kind has angles that count turns. A ball joint that may swing right round has no twist to count.
 pub(crate) fn counts_turns(kind: &JointKind) -> bool {
     match kind {
         JointKind::Hinge { .. } => true,
-        JointKind::Spherical { twist_limits, .. } => *twist_limits != Limits::NONE,
+        JointKind::Spherical { swing_limit, twist_limits, .. } => {
+            *swing_limit < std::f32::consts::PI || *twist_limits != Limits::NONE
+        }
         JointKind::Generic { angular, .. } => angular.iter().any(|axis| axis.limits.min < axis.limits.max),
         JointKind::Fixed | JointKind::Distance { .. } | JointKind::Prismatic { .. } => false,
     }

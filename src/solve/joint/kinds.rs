@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::angles::nearest;
+use super::distance::ties_points;
 use super::driven::DrivenParts;
 use super::friction;
 use super::geometry::{JointGeometry, Placement};
@@ -109,6 +110,7 @@ pub(crate) fn most_rows(def: &JointDef) -> u32 {
             let drive = if *motor == SphericalMotor::Off { 0 } else { 3 };
             3 + u32::from(*swing_limit < std::f32::consts::PI) + stops(twist_limits) + drive
         }
+        JointKind::Distance { .. } if ties_points(def) => 3,
         JointKind::Distance { limits, spring_length, motor } => {
             stops(limits) + u32::from(spring_length.is_some()) + driven(motor)
         }
@@ -209,9 +211,9 @@ pub(crate) fn is_hinge(kind: &JointKind) -> bool {
     matches!(kind, JointKind::Hinge { .. })
 }
 
-/// Whether a joint of this kind holds a distance.
-pub(crate) fn is_distance(kind: &JointKind) -> bool {
-    matches!(kind, JointKind::Distance { .. })
+/// Whether a joint has rows along the line between its points.
+pub(crate) fn is_distance(def: &JointDef) -> bool {
+    matches!(def.kind, JointKind::Distance { .. }) && !ties_points(def)
 }
 
 /// A coordinate of a joint: its gradient, what it is at the substep's start and what it is predicted to be at its end (m or rad).

@@ -181,10 +181,15 @@ impl RowSink<'_> {
         }
     }
 
+    /// Whether the rows are for sweeps, which close a part of what a motor has left.
+    fn is_swept(&self) -> bool {
+        self.closing_share < 1.0
+    }
+
     /// Adds the row of a coordinate's motor, whose multiplier is `id`; all rows that the joint holds have been added before.
     pub(super) fn drive(&mut self, coordinate: &JointCoordinate, limits: Limits, motor: &Motor, id: u8) {
         let Some(drive) = motor.drive() else { return };
-        let &JointCoordinate { jacobian, start, factor, .. } = coordinate;
+        let &JointCoordinate { jacobian, start, predicted, factor } = coordinate;
         let h = self.phase.h();
         let bounds = drive.bounds().map(|force| force * h);
         let Some(target) = drive.target else {
@@ -194,14 +199,19 @@ impl RowSink<'_> {
             let wanted = f64::from(drive.velocity);
             self.arrives |= u32::from(wanted < least) << (id - 2) | u32::from(wanted > most) << (id - 1);
             let target = wanted.clamp(least, most) * factor;
-            return self.scalar(jacobian, Demand::Speed { target, bounds }, SoftParams::rigid(self.phase), id);
+            let give = SoftParams::rigid(self.phase);
+            let error = Error1 { start: start * factor, predicted: predicted * factor };
+            // Swept, a row is of the substep's start; what swings round on a winch is drawn in all the same. A direct solve looks at its end.
+            let curvature =
+                if self.is_swept() { give.curvature(error, self.rates.read(|rates| jacobian.rate(rates), 0.0)) } else { 0.0 };
+            return self.scalar(jacobian, Demand::Speed { target: target - curvature, bounds }, give, id);
         };
         if matches!(self.phase, Phase::Position { .. }) {
             return;
         }
         let speed = f64::from(drive.velocity);
         let target = f64::from(target.clamp(limits.min, limits.max)) - speed * (self.left + h / self.share);
-        let error = Error1 { start: (start - target) * factor, predicted: (coordinate.predicted - target) * factor };
+        let error = Error1 { start: (start - target) * factor, predicted: (predicted - target) * factor };
         let speed = speed * factor;
         if drive.softness.compliance > 0.0 {
             self.pull(&jacobian, error, speed, &drive, bounds, id);
@@ -224,8 +234,9 @@ impl RowSink<'_> {
             let (bias, gamma) = give.spring(error, speed, self.rates.read(|rates| jacobian.rate(rates), 0.0));
             let impulse = (-(rate + bias) / (ease.ease + gamma)).clamp(bounds[0], bounds[1]);
             let (reached, way) = (rate + ease.ease * impulse, impulse.signum());
+            // A second-order substep goes on with 4/3 of what this one has gained, and a spring does not brake.
+            self.is_under_way |= reached * way > 0.5 * most;
             if reached * way > most {
-                self.is_under_way = true;
                 let left = -(way * most + bias) / gamma;
                 let bounds = [left.min(0.0).max(bounds[0]), left.max(0.0).min(bounds[1])];
                 return self.scalar(*jacobian, Demand::Speed { target: way * most, bounds }, SoftParams::rigid(self.phase), id);

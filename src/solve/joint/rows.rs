@@ -89,7 +89,7 @@ impl SoftParams {
     }
 
     /// What the error changes by in a substep at the present velocity, over its length, less the rate: the path's curvature.
-    fn curvature(&self, error: Error1, [rate, driven]: [f64; 2]) -> f64 {
+    pub(crate) fn curvature(&self, error: Error1, [rate, driven]: [f64; 2]) -> f64 {
         match self.phase {
             Phase::Velocity { h } => (error.predicted - error.start) / h - (rate + driven),
             Phase::Tangent { .. } | Phase::Position { .. } => 0.0,

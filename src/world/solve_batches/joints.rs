@@ -137,7 +137,7 @@ impl BatchInput<'_> {
             most_rows: traits.most_rows,
             is_plain: traits.is_plain,
             is_hinge: kinds::is_hinge(&def.kind),
-            is_distance: kinds::is_distance(&def.kind),
+            is_distance: kinds::is_distance(def),
             counts_turns: angles::counts_turns(&def.kind),
             gives_by_motors_alone: traits.gives_by_motors_alone,
             has_motor: traits.has_motor,
