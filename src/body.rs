@@ -5,6 +5,7 @@ use glam::{DVec3, Mat3, Quat, Vec3};
 use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{JointId, ShapeId};
+use crate::kinematic_path::KinematicPath;
 use crate::mass::{Mass, MassProperties};
 use crate::pose::Pose;
 use crate::shape::ShapeDef;
@@ -166,8 +167,6 @@ pub(crate) struct Body {
     pub can_sleep: bool,
     pub fast: bool,
     pub user_word: u64,
-    /// Pose a kinematic body shall have at the end of the next step.
-    pub target: Option<Pose>,
     /// Whether the velocity comes from a target, so that it ends with it.
     pub driven: bool,
     pub shapes: Vec<ShapeId>,
@@ -189,6 +188,8 @@ pub(crate) struct Body {
     pub anchored: Anchored,
     /// Last substep, for stepping to second order.
     pub history: StepHistory,
+    /// Where one that the host moves is going.
+    pub path: Option<Box<KinematicPath>>,
     /// Taken out of the simulation because a step gave it a non-finite state.
     pub quarantined: bool,
 }
@@ -247,7 +248,6 @@ impl Body {
             can_sleep: def.can_sleep,
             fast: def.fast,
             user_word: def.user_word,
-            target: None,
             driven: false,
             shapes: Vec::new(),
             joints: Vec::new(),
@@ -260,6 +260,7 @@ impl Body {
             held: false,
             anchored: Anchored::No,
             history: StepHistory::default(),
+            path: None,
             quarantined: false,
         }
     }
@@ -292,14 +293,26 @@ impl Body {
             BodyKind::Static => false,
             BodyKind::Dynamic => self.is_awake() && !self.quarantined,
             BodyKind::Kinematic => {
-                self.target.is_some() || self.linear_velocity != Vec3::ZERO || self.angular_velocity != Vec3::ZERO
+                self.linear_velocity != Vec3::ZERO
+                    || self.angular_velocity != Vec3::ZERO
+                    || self.path.as_ref().is_some_and(|path| path.target.is_some() || path.bends())
             }
         }
     }
 
+    /// Pose a kinematic body shall have at the end of the next step.
+    pub(crate) fn target(&self) -> Option<Pose> {
+        self.path.as_ref().and_then(|path| path.target)
+    }
+
+    /// The same, no longer kept.
+    pub(crate) fn take_target(&mut self) -> Option<Pose> {
+        self.path.as_mut().and_then(|path| path.target.take())
+    }
+
     /// Whether it has arrived where it was told to move to, and stands from the next step on.
     pub(crate) fn stops(&self) -> bool {
-        self.kind == BodyKind::Kinematic && self.driven && self.target.is_none()
+        self.kind == BodyKind::Kinematic && self.driven && self.target().is_none()
     }
 
     /// Whether this step solves for its motion: free, awake and not held.

@@ -41,6 +41,7 @@ mod joint_drive;
 mod joint_graph;
 mod joint_rebounds;
 mod joint_record;
+mod kinematic_path;
 mod lanes;
 mod linalg;
 mod load_distribution;

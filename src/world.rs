@@ -209,7 +209,7 @@ impl World {
         let mut clock = Clock::start(self.profiler.clone());
         clock.enter(c"find pairs");
         self.begin_step(dt);
-        self.form_unions();
+        self.form_unions(dt);
         self.drive_joints(dt);
         let stirs = self.stirs();
         if stirs {

@@ -36,6 +36,7 @@ const FLOORS: &[&[&str]] = &[
         "joint_drive",
         "joint_rebounds",
         "joint_record",
+        "kinematic_path",
         "long_range",
         "mass",
         "material",

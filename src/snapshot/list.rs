@@ -19,6 +19,7 @@ use crate::joint_drive::{DriveRates, JointDrive};
 use crate::joint_graph::union::UnionMotion;
 use crate::joint_rebounds::Rebounds;
 use crate::joint_record::{Joint, JointImpulses};
+use crate::kinematic_path::KinematicPath;
 use crate::long_range::{BoundKind, BoundKindDef, LongRangeDef, SoftBound};
 use crate::mass::{Mass, MassProperties};
 use crate::material::{CombineRule, Material};
@@ -162,13 +163,13 @@ stored!(Body {
     can_sleep,
     fast,
     user_word,
-    target,
     driven,
     shapes,
     joints,
     sleep,
     quarantined,
     history,
+    path,
     age,
     steady_for,
     calm_for,
@@ -238,6 +239,7 @@ impl Stored for StepHistory {
 
 stored!(Joint { def, bodies, impulses, angles, force, torque, acted, strain, pressed, drive, motors, rebounds });
 stored!(Rebounds { rows, speeds });
+stored!(KinematicPath { target, step, dt, velocity, change, slope });
 stored!(JointDrive { stops, frames, found, since, carried, solved });
 stored!(DriveRates { stops, frames, behind });
 stored!(Strain { spans, damage, condemned });

@@ -127,6 +127,7 @@ impl Batch {
     /// One substep: forces, rows, sweeps, poses, position rows, impacts.
     fn take_substep(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, settings: &StepSettings, h: f32, substep: u32) {
         let is_last = substep + 1 == settings.substeps;
+        self.bend_paths(h, substep, settings.substeps);
         self.joints.left = h * (settings.substeps - substep) as f32;
         self.half_steps.begin_substep(&self.velocities, substep, settings.substeps);
         self.apply_forces(joints, threads, h, substep, settings.substeps);
@@ -351,6 +352,17 @@ impl Batch {
             self.poses.find_inertia(&self.motions);
             let Self { free, velocities, motions, poses, impacts, islands, .. } = self;
             free.restore(velocities, motions, poses, |slot| !is_end && impacts.has_struck(islands, slot));
+        }
+    }
+
+    /// Gives what the host moves the mean velocity of this substep of length `h` (s), one of so many.
+    fn bend_paths(&mut self, h: f32, substep: u32, substeps: u32) {
+        let first = self.moving() + 1;
+        // The first substep begins with the mean of the whole step.
+        let ahead = if substep == 0 { -0.5 * (substeps - 1) as f32 * h } else { h };
+        for (velocity, motion) in self.velocities[first..].iter_mut().zip(&self.motions[first..]) {
+            velocity.linear += motion.acceleration * ahead;
+            velocity.angular += motion.torque * ahead;
         }
     }
 

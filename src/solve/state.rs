@@ -119,9 +119,9 @@ pub(crate) struct BodyMotion {
     pub angular_damping: f32,
     /// Rotation now.
     pub rotation: Quat,
-    /// Acceleration by gravity and by the host's forces (m/s²).
+    /// Acceleration by gravity and by the host's forces, or of a path that the host gives (m/s²).
     pub acceleration: Vec3,
-    /// The host's torque (N·m).
+    /// The host's torque (N·m), or the angular acceleration of a path (rad/s²).
     pub torque: Vec3,
     /// Principal moments of inertia (kg·m²).
     pub inertia: Vec3,

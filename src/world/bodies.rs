@@ -69,7 +69,7 @@ impl World {
         self.wake_for(Edited::Place(index));
         let record = &mut self.bodies[index];
         record.set_pose(pose);
-        record.target = None;
+        record.take_target();
         record.age = 0;
         let (returned, follows) = (std::mem::take(&mut record.quarantined), !record.is_free());
         if returned {
@@ -126,11 +126,12 @@ impl World {
         let at = record.pose();
         if at.position == target.position && (at.rotation == target.rotation || at.rotation == -target.rotation) {
             // It stands, and what lies on it may sleep: a velocity that it has ends as the next step begins.
-            (record.target, record.driven) = (None, true);
+            record.take_target();
+            record.driven = true;
             return Ok(());
         }
         let stood = !record.is_mover();
-        record.target = Some(target);
+        record.path.get_or_insert_default().target = Some(target);
         if stood {
             self.wake_for(Edited::Body(index));
         }
@@ -273,7 +274,7 @@ impl World {
         self.movers_sorted = false;
     }
 
-    /// Gives kinematic bodies the velocity that takes them to their target in `dt` seconds.
+    /// Gives kinematic bodies the velocity that takes them to their target in `dt` seconds, and finds how it goes on within the step.
     pub(super) fn drive_kinematic_bodies(&mut self, dt: f32) {
         if self.movers_sorted && !self.some_are_driven {
             return;
@@ -284,7 +285,7 @@ impl World {
                 continue;
             }
             let body = &mut self.bodies[index];
-            match body.target {
+            match body.target() {
                 Some(target) => {
                     let center = target.transform_point(body.local_center);
                     body.linear_velocity = ((center - body.center) / f64::from(dt)).as_vec3().clamp_length_max(MAX_LINEAR_SPEED);
@@ -300,6 +301,8 @@ impl World {
                 }
                 None => {}
             }
+            let velocity = [body.linear_velocity, body.angular_velocity];
+            body.path.get_or_insert_default().begin_step(self.report.step, dt, velocity);
         }
         self.movers_sorted = false;
     }

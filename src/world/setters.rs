@@ -76,7 +76,7 @@ impl World {
         self.forget_joints_of(index);
         let record = &mut self.bodies[index];
         record.kind = kind;
-        (record.target, record.driven, record.age) = (None, false, 0);
+        (record.driven, record.age, record.path) = (false, 0, None);
         record.history.forget();
         if kind == BodyKind::Static {
             (record.linear_velocity, record.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);

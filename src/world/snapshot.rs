@@ -343,7 +343,7 @@ impl Image {
             && crate::check::lever("local_center", body.local_center).is_ok()
             && body.is_dynamic() == body.mass.is_some()
             && body.mass.is_none_or(|mass| mass.checked().is_ok())
-            && body.target.is_none_or(|target| target.checked("target", "target").is_ok())
+            && body.path.as_ref().is_none_or(|path| path.is_finite() && !body.is_free())
             && (body.anchored == Anchored::No || body.is_dynamic())
             && body.shapes.iter().all(own_shape)
             && body.joints.iter().all(own_joint)

@@ -239,10 +239,15 @@ impl BatchInput<'_> {
         };
         let mass = body.mass.as_ref();
         let inertia = mass.map_or(Vec3::ONE, |mass| mass.principal_inertia);
+        let [acceleration, torque] = match body.acts_as() {
+            BodyKind::Dynamic => [self.gravity * body.gravity_scale + body.force * body.inverse_mass(), body.torque],
+            BodyKind::Kinematic => body.path.as_ref().map_or([Vec3::ZERO; 2], |path| path.slope),
+            BodyKind::Static => [Vec3::ZERO; 2],
+        };
         let motion = BodyMotion {
             rotation: body.rotation,
-            acceleration: self.gravity * body.gravity_scale + body.force * body.inverse_mass(),
-            torque: body.torque,
+            acceleration,
+            torque,
             linear_damping: body.linear_damping,
             angular_damping: body.angular_damping,
             inertia,

@@ -297,7 +297,7 @@ impl World {
         }
         self.wake_for(Edited::Body(index));
         let body = &mut self.bodies[index];
-        body.anchored = anchored;
+        (body.anchored, body.path) = (anchored, None);
         if anchored != Anchored::No {
             // Where joints want to know, a velocity becomes a blow to them.
             if anchored == Anchored::Driven || !wanted {
@@ -313,9 +313,9 @@ impl World {
     }
 
     /// Brings unions up to date with the joints, and their motion with what was done to members.
-    pub(super) fn form_unions(&mut self) {
+    pub(super) fn form_unions(&mut self, dt: f32) {
         self.flood_unions();
-        self.drive_anchored(false);
+        self.drive_anchored(Some(dt));
         self.gather_members(false);
         self.settle_movers();
     }
@@ -323,7 +323,7 @@ impl World {
     /// The same within a step, where joints have broken: unions that are left have their motion and forces of this step already.
     pub(super) fn form_unions_again(&mut self) {
         self.flood_unions();
-        self.drive_anchored(true);
+        self.drive_anchored(None);
         self.gather_members(true);
         self.settle_movers();
     }

@@ -99,7 +99,7 @@ impl World {
             if body.kind != BodyKind::Kinematic {
                 continue;
             }
-            if let Some(target) = body.target.take() {
+            if let Some(target) = body.take_target() {
                 body.set_pose(target);
             } else {
                 body.center += body.linear_velocity.as_dvec3() * f64::from(dt);

@@ -89,6 +89,8 @@ pub(crate) struct Articulation {
     anchors: Vec<(u32, u32)>,
     pub(super) bodies: Vec<DirectBody>,
     pub(super) bodies4: Vec<Bodies4>,
+    /// Those of them whose velocity changes within the step, by number, and their mean one.
+    bent: Vec<(u32, Rate)>,
     /// Where the bodies stood at the start of the step (m).
     pub(super) origins: Vec<DVec3>,
     pub(super) rates: Vec<Rate>,
@@ -347,6 +349,10 @@ impl Articulation {
         settings: &StepSettings,
     ) {
         self.load(velocities, motions);
+        let Self { bent, anchors, bodies, rates, .. } = self;
+        let own = anchors.iter().map(|&(_, number)| number as usize).filter(|&number| bodies[number].is_bent());
+        bent.clear();
+        bent.extend(own.map(|number| (number as u32, rates[number])));
         self.dt = f64::from(settings.dt);
         self.left = self.dt;
         self.world_substep = self.dt / f64::from(settings.substeps);
@@ -402,6 +408,14 @@ impl Articulation {
         self.local_poses.extend(slots().map(|slot| motions.get(slot).stance()));
         self.points.is_known = false;
         self.find_loops();
+    }
+
+    /// Gives what the host moves the mean velocity of a substep of length `h` (s) that begins now.
+    pub(super) fn bend_paths(&mut self, h: f64) {
+        let ahead = 0.5 * (self.dt + h) - self.left;
+        for (number, mean) in &self.bent {
+            self.rates[*number as usize] = self.bodies[*number as usize].bent(mean, ahead);
+        }
     }
 
     /// How far the body with this slot and number has moved and turned in the step.

@@ -32,6 +32,7 @@ pub(crate) struct DirectBody {
     /// I where it responds (kg·m²).
     pub(super) inertia: DMat3,
     pub(super) top: Top,
+    /// Acceleration, and torque; of what the host moves, linear and angular acceleration.
     pub(super) acceleration: DVec3,
     pub(super) torque: DVec3,
     pub(super) linear_damping: f64,
@@ -122,6 +123,16 @@ impl DirectBody {
     /// How readily a force across `lever` turns the body, over the lever's length: |r| tr(I⁻¹ across r) (1/(kg·m)), with I round.
     pub(crate) fn turning_ease(&self, lever: DVec3) -> f64 {
         if self.is_dynamic() { 2.0 * lever.length() / self.top.inertia.max_element() } else { 0.0 }
+    }
+
+    /// Whether the host moves it, at a velocity that changes within the step.
+    pub(crate) fn is_bent(&self) -> bool {
+        !self.is_dynamic() && (self.acceleration != DVec3::ZERO || self.torque != DVec3::ZERO)
+    }
+
+    /// Its velocity so long after the middle of the step (s), through which it moves at this mean one.
+    pub(crate) fn bent(&self, mean: &Rate, after: f64) -> Rate {
+        Rate { linear: mean.linear + self.acceleration * after, angular: mean.angular + self.torque * after }
     }
 
     /// Adds a substep's forces.

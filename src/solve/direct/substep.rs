@@ -23,6 +23,7 @@ impl Articulation {
     /// Moves the bodies; returns the angular momentum that they should have, where joints alone act on them.
     pub(super) fn substep(&mut self, joints: &Pool<Joint, JointId>, full: f64, mode: Mode) -> Option<DVec3> {
         self.h = full;
+        self.bend_paths(full);
         let momentum = self.expected_momentum(full);
         if self.is_points {
             self.find_spots();

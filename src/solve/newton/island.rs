@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
-use super::held::{Ends, JointSet, rate_of, settle_row, settle_term, vector};
+use super::held::{Ends, JointSet, settle_row, vector};
 use super::joints::MultiplierSlot;
 use super::passes::{Effort, MAX_FACTORS};
 use super::patch::Patch;
@@ -20,8 +20,10 @@ use crate::solve::direct::body::DirectBody;
 use crate::solve::direct::stiffness;
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
-use crate::solve::plan::FREE_FACTORS;
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
+
+/// Factorisations that a substep may always take: with three all scenes tried stay bounded.
+const FREE_FACTORS: u32 = 3;
 
 /// Change of the inertia with which a body answers, over what it was, from which on the substep is solved once more.
 const STIFFER: f64 = 0.5;
@@ -61,8 +63,6 @@ struct CoupledOutcome {
     kinetic: f64,
     /// Greatest speed at which rows that always hold have been left to part (m/s, rad/s).
     strain: f64,
-    /// Whether a factorisation takes more work than it may: the step has not been begun.
-    is_large: bool,
 }
 
 /// An island: see the [module](self).
@@ -70,16 +70,15 @@ struct CoupledOutcome {
 pub(crate) struct CoupledIsland {
     /// Slots of the bodies that it moves.
     pub slots: Range<u32>,
-    /// Most multiplications that a factorisation may take.
-    most_work: u64,
     /// Whether its joints close a loop.
     pub(super) is_looped: bool,
     pub(super) held: JointSet,
     pub(super) bodies: Vec<DirectBody>,
     /// Number of each in the problem.
     pub(super) moved: Vec<u32>,
-    /// Slots of kinematic bodies, by local number from the first of them.
+    /// Slots of kinematic bodies, by local number from the first of them, and mean velocities of those in the step.
     anchors: Vec<u32>,
+    means: Vec<Rate>,
     pub(super) rates: Vec<Rate>,
     pub(super) local_poses: Vec<LocalPose>,
     began: Vec<LocalPose>,
@@ -101,14 +100,8 @@ pub(crate) struct CoupledIsland {
 
 impl CoupledIsland {
     /// Begins to take in the bodies of these slots.
-    pub(crate) fn begin(
-        &mut self,
-        slots: Range<u32>,
-        (is_looped, most_work): (bool, u64),
-        velocities: &[BodyVelocity],
-        motions: &[BodyMotion],
-    ) {
-        (self.slots, self.is_looped, self.most_work) = (slots.clone(), is_looped, most_work);
+    pub(crate) fn begin(&mut self, slots: Range<u32>, is_looped: bool, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
+        (self.slots, self.is_looped) = (slots.clone(), is_looped);
         self.held.clear();
         self.bodies.clear();
         self.anchors.clear();
@@ -154,14 +147,18 @@ impl CoupledIsland {
         self.number_bodies();
         self.outcome.gaps[0] = self.joint_gap(joints);
         let (before, mut budget) = (self.energy(), None);
+        let first_anchor = self.bodies.len() - self.anchors.len();
+        self.means.clear();
+        self.means.extend_from_slice(&self.rates[first_anchor..]);
         for substep in 0..settings.substeps {
             let left = [0, 1].map(|end| h * f64::from(settings.substeps - substep - end));
-            self.build(joints, h, left);
-            if self.is_large() {
-                return;
+            let ahead = 0.5 * (f64::from(settings.dt) - left[0] - left[1]);
+            for (number, mean) in (first_anchor..).zip(&self.means) {
+                if self.bodies[number].is_bent() {
+                    self.rates[number] = self.bodies[number].bent(mean, ahead);
+                }
             }
-            // What is begun is brought to its end, whatever rows come.
-            self.most_work = u64::MAX;
+            self.build(joints, h, left);
             self.rebound(joints, settings, h, left);
             let budget = budget.get_or_insert_with(|| self.budget(settings));
             let kept_back = FREE_FACTORS * (settings.substeps - 1 - substep);
@@ -217,11 +214,6 @@ impl CoupledIsland {
         work
     }
 
-    /// Whether a factorisation takes more work than it may.
-    pub(crate) fn is_large(&self) -> bool {
-        self.outcome.is_large
-    }
-
     /// Whether the step has gained energy that nothing has given, has no end, or has rows that contradict one another: it is left to the
     /// other solvers then, as if it had not been taken.
     pub(crate) fn is_rejected(&self) -> bool {
@@ -231,7 +223,7 @@ impl CoupledIsland {
         let [gap, opened] = self.outcome.gaps;
         let is_held = opened <= gap.max(MAX_GAP * self.held.mean_lever());
         // Written so that what is no number is rejected.
-        self.is_large() || !(self.outcome.gain <= allowed && self.outcome.strain <= MAX_STRAIN && is_held)
+        !(self.outcome.gain <= allowed && self.outcome.strain <= MAX_STRAIN && is_held)
     }
 
     /// Number of the next patch, in the order in which they were taken in.
@@ -282,8 +274,8 @@ impl CoupledIsland {
         }
         self.mask();
         self.find_stiffness(h);
-        let Self { problem, pairs, most_work, outcome, .. } = self;
-        outcome.is_large = !problem.find_structure(pairs, *most_work);
+        let Self { problem, pairs, .. } = self;
+        problem.find_structure(pairs);
         problem.begin();
     }
 
@@ -474,6 +466,14 @@ impl CoupledIsland {
     }
 }
 
+fn settle_term(term: &mut super::term::Term, ends: [usize; 2], bodies: &[DirectBody], rates: &[Rate]) {
+    for side in 0..2 {
+        for row in 0..term.rows {
+            term.bias[row] += settle_row(&mut term.jacobian[side][row], &bodies[ends[side]], &rates[ends[side]]);
+        }
+    }
+}
+
 /// Mass of a body with its damping; locked axes have one that nothing pushes.
 fn mass_of(body: &DirectBody, stance: &LocalPose, h: f64) -> BodyMass {
     let free = body.free_axes();
@@ -492,4 +492,8 @@ fn mass_of(body: &DirectBody, stance: &LocalPose, h: f64) -> BodyMass {
     );
     let angular = (masked + DMat3::from_diagonal(DVec3::ONE - turning)).inverse();
     BodyMass { linear, angular: angular.to_cols_array_2d(), ..BodyMass::default() }
+}
+
+pub(super) fn rate_of(v: &[f64; 6]) -> Rate {
+    Rate { linear: DVec3::new(v[0], v[1], v[2]), angular: DVec3::new(v[3], v[4], v[5]) }
 }

@@ -1,7 +1,6 @@
 //! What hits in a substep with restitution leaves again before the substep: see [`impact`](super::impact).
 
-use super::held::rate_of;
-use super::island::CoupledIsland;
+use super::island::{CoupledIsland, rate_of};
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::solve::StepSettings;

@@ -162,8 +162,9 @@ impl World {
         }
     }
 
-    /// Gives what kinematic bodies hold their velocity.
-    pub(super) fn drive_anchored(&mut self, again: bool) {
+    /// Gives what kinematic bodies hold their velocity in a step of length `dt` (s), or again in the same step.
+    pub(super) fn drive_anchored(&mut self, dt: Option<f32>) {
+        let step = self.report.step;
         for number in 0..self.unions.order.len() {
             let Some(union) = &self.unions.records[self.unions.order[number] as usize] else { continue };
             let Anchor::Driven(anchor) = union.anchor else { continue };
@@ -177,7 +178,7 @@ impl World {
                 union.before = match union.before {
                     // One that is new has moved like this before.
                     None => Some(union.motion),
-                    Some(before) if again => Some(before),
+                    Some(before) if dt.is_none() => Some(before),
                     Some(_) => Some(old),
                 };
             }
@@ -189,6 +190,12 @@ impl World {
                 let linear = linear + angular.cross((body.center - center).as_vec3());
                 body.linear_velocity = within_limit(linear, MAX_LINEAR_SPEED);
                 body.angular_velocity = angular;
+                if let Some(dt) = dt
+                    && (was_mover || body.is_mover())
+                {
+                    let velocity = [body.linear_velocity, body.angular_velocity];
+                    body.path.get_or_insert_default().begin_step(step, dt, velocity);
+                }
                 match (was_mover, body.is_mover()) {
                     (false, true) => self.movers.push(index),
                     (true, false) => self.rest_boxes(index),
