@@ -22,6 +22,7 @@ use super::momentum::FreeIslands;
 use super::momentum_pass::MomentumPass;
 use super::newton::Newton;
 use super::plane::Planes;
+use super::slides::Slides;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::status::ContactStatus;
 use super::taut_line::TautRows;
@@ -129,6 +130,7 @@ pub(crate) struct Batch {
     pub initial_impulses: InitialImpulses,
     pub momentum_pass: MomentumPass,
     pub contact_newton: ContactNewton,
+    pub slides: Slides,
     pub impacts: Impacts,
     pub closing: JointClosing,
     pub carry: BodyWarmStart,
@@ -172,6 +174,7 @@ impl Batch {
         self.half_steps.clear();
         self.direct.clear();
         self.newton.clear();
+        self.slides.clear();
         self.lanes.clear();
         self.tally.clear();
         self.told.clear();

@@ -36,6 +36,7 @@ pub(crate) mod plan;
 pub(crate) mod plane;
 mod recovery;
 mod rotation;
+pub(crate) mod slides;
 pub(crate) mod state;
 pub(crate) mod taut_line;
 pub(crate) mod velocity_half_step;
@@ -178,6 +179,7 @@ impl Batch {
             self.close_joints(joints, threads, h);
         }
         self.rebound(settings.restitution_threshold);
+        self.slides.find(&self.contacts, &self.velocities, &self.motions, (h, settings.substeps));
         self.recover_positions(threads, settings.dt);
         self.settle(joints, threads, true);
         self.half_steps.tell(self.joint_energy.slots(), &mut self.velocities, &self.motions);

@@ -227,9 +227,11 @@ impl Moves<'_> {
         let (velocity, motion) = (&batch.velocities[slot], &batch.motions[slot]);
         let union = unions.moving(index);
         let members = union.map_or(std::slice::from_ref(&index), |union| &union.members);
-        let from = union.map_or(lead.center, |union| union.motion.center);
+        let (from, before) =
+            union.map_or((lead.center, lead.linear_velocity), |union| (union.motion.center, union.motion.linear));
+        let slid = batch.slides.way(slot, velocity.linear - before);
         let to = UnionMotion {
-            center: from + motion.displacement.as_dvec3(),
+            center: from + (motion.displacement + slid).as_dvec3(),
             rotation: motion.rotation,
             linear: velocity.linear,
             angular: velocity.angular,
