@@ -140,7 +140,7 @@ pub enum IslandPlan {
     Alike,
     /// Articulations touch one another that nothing fixed holds, or with more contacts than joints: a heap.
     Heaped = 7,
-    /// It is so large that a factor would cost more than sweeps.
+    /// A factor of it takes more work than the world's budget allows: see `ArticulationSettings::halving_budget`.
     Large,
 }
 

@@ -48,7 +48,8 @@ pub struct ArticulationSettings {
     /// target 16.
     pub most_substeps: u32,
     /// Multiplications that halved substeps, and long searches for active sets, may take in a step of an articulation, in millions,
-    /// 0 to 1e6. Once they are spent, joints may stay open until a later step, and contacts are swept; energy does not grow.
+    /// 0 to 1e6. Once they are spent, joints may stay open until a later step, and contacts are swept; energy does not grow. An island of joints
+    /// and contacts is solved as one problem if a few factorisations of it a substep are within this.
     pub halving_budget: f32,
 }
 

@@ -74,7 +74,7 @@ pub const LS_PLAN_JOINTED: i32 = 4;
 pub const LS_PLAN_ALIKE: i32 = 5;
 /// Plan of an island: articulations touch one another that nothing fixed holds, or with more contacts than joints: a heap.
 pub const LS_PLAN_HEAPED: i32 = 7;
-/// Plan of an island: it is so large that a factor would cost more than sweeps.
+/// Plan of an island: a factor of it takes more work than `halving_budget` allows.
 pub const LS_PLAN_LARGE: i32 = 8;
 
 // The numbers are those of the core.

@@ -44,7 +44,8 @@ pub struct LsArticulationSettings {
     pub most_substeps: u32,
     /// Multiplications that the factorisations of halved substeps, and of long searches for active sets, may take in a step of an
     /// articulation, in millions, 0 to 1e6; default 10. Once they are spent, joints may stay open until a later step, and contacts
-    /// are swept; energy does not grow.
+    /// are swept; energy does not grow. An island of joints and contacts is solved as one problem if a few factorisations of it a
+    /// substep are within this.
     pub halving_budget: f32,
 }
 

@@ -249,7 +249,7 @@
 /** Plan of an island: articulations touch one another that nothing fixed holds, or with more contacts than joints: a heap. */
 #define LS_PLAN_HEAPED 7
 
-/** Plan of an island: it is so large that a factor would cost more than sweeps. */
+/** Plan of an island: a factor of it takes more work than `halving_budget` allows. */
 #define LS_PLAN_LARGE 8
 
 /** Solver: the library chooses per group of bodies. */
@@ -1323,7 +1323,8 @@ typedef struct LsArticulationSettings {
     /**
      * Multiplications that the factorisations of halved substeps, and of long searches for active sets, may take in a step of an
      * articulation, in millions, 0 to 1e6; default 10. Once they are spent, joints may stay open until a later step, and contacts
-     * are swept; energy does not grow.
+     * are swept; energy does not grow. An island of joints and contacts is solved as one problem if a few factorisations of it a
+     * substep are within this.
      */
     float halving_budget;
 } LsArticulationSettings;

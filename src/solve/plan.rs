@@ -8,9 +8,22 @@ use super::state::{BodyMotion, BodyVelocity};
 use crate::report::IslandPlan;
 use crate::settings::Solver;
 
-/// Bodies, and manifolds between two that move, of an island up to which it may be one problem.
-const MAX_BODIES: u32 = 200;
-const MAX_MEETINGS: u32 = 400;
+/// Multiplications that a factorisation takes for each body at least: those of a link at the end of a chain, held at one point.
+const LEAST_WORK: u64 = 567;
+
+/// Mass of what presses over that of what a joint holds against it from which on sweeps do not bear it. A net of rods of 0.2 kg and 316 knots bears
+/// boxes of 8 kg by sweeps, and lets all of 30 kg fall through; planks of 10 kg bear walkers of 100 kg.
+const HEAVY: f32 = 50.0;
+
+/// Factorisations that a substep may always take: with three all scenes tried stay bounded.
+pub(crate) const FREE_FACTORS: u32 = 3;
+
+/// Multiplications that a factorisation may take: so many that the factorisations which every substep may take are within the world's budget
+/// of a step, or, where sweeps do not bear the load, the one that each needs at rest.
+fn most_work(settings: &StepSettings, is_pressed: bool) -> u64 {
+    let factors = settings.substeps * if is_pressed { 1 } else { FREE_FACTORS };
+    (f64::from(settings.articulations.halving_budget) * 1.0e6 / f64::from(factors)) as u64
+}
 
 /// Greatest mass over the least up to which sweeps carry the loads of what nothing fixed holds, and direct solves those of a loop that touches
 /// nothing. Sweeps take a body that is pushed for as heavy as it is alone. What joints hold to the world is as heavy as the world in all
@@ -52,6 +65,8 @@ struct IslandTraits {
     /// Whether what joints hold touches anything that is fixed or moved.
     stands: bool,
     rebounds: bool,
+    /// Most multiplications that a factorisation may take: more where something presses that is [`HEAVY`] times what joints hold against it.
+    most_work: u64,
 }
 
 /// Finds the plan of each island of a batch.
@@ -92,6 +107,7 @@ impl Planner {
                 is_plain: true,
                 inverse_masses,
                 pull: pulls.sum(),
+                most_work: most_work(settings, false),
                 ..IslandTraits::default()
             }
         }));
@@ -121,7 +137,7 @@ impl Planner {
         for link in links {
             let Some(number) = island_of([link.a, link.b]) else { continue };
             let look = &mut looks[number];
-            if look.is_looped && !look.is_stiff && look.bodies <= MAX_BODIES {
+            if look.is_looped && !look.is_stiff && !look.is_large() {
                 let [stiffness, force] = stiffness(link);
                 (look.is_loaded, look.is_stiff) = (look.is_loaded | (force > 0.0), stiffness * force > IMPLICIT_RANGE.0);
                 look.stiffness = look.stiffness.max(stiffness);
@@ -141,6 +157,7 @@ impl Planner {
             if ends.iter().any(|motion| motion.jointed) {
                 (look.touches, look.stands) = (true, look.stands | ends.iter().any(|motion| !motion.is_dynamic()));
             }
+            look.most_work = look.most_work.max(most_work(settings, weighs_down(contact, velocities, motions)));
             look.rebounds |= rebounds(contact, velocities, settings);
         }
         plans.clear();
@@ -159,10 +176,19 @@ impl Planner {
         islands.filter(|(look, _)| look.joints > 0).map(|(look, &plan)| (look.first, look.bodies, look.joints, plan))
     }
 
-    /// The islands that are to be solved as one problem, by number, and whether joints of each close a loop.
-    pub(crate) fn coupled(&self) -> impl Iterator<Item = (usize, bool)> {
+    /// Notes that the factor of the island that begins with this slot takes more work than the budget allows.
+    pub(crate) fn enlarge(&mut self, first: u32) {
+        let number = self.looks.partition_point(|look| look.first < first);
+        self.plans[number] = IslandPlan::Large;
+    }
+
+    /// The islands that are to be solved as one problem, by number, whether joints of each close a loop, and the most multiplications that a
+    /// factorisation may take.
+    pub(crate) fn coupled(&self) -> impl Iterator<Item = (usize, (bool, u64))> {
         let islands = self.plans.iter().zip(&self.looks).enumerate();
-        islands.filter(|(_, (plan, _))| **plan == IslandPlan::Coupled).map(|(number, (_, look))| (number, look.is_looped))
+        islands
+            .filter(|(_, (plan, _))| **plan == IslandPlan::Coupled)
+            .map(|(number, (_, look))| (number, (look.is_looped, look.most_work)))
     }
 }
 
@@ -174,8 +200,9 @@ impl IslandTraits {
         self.is_looped && is_stiff
     }
 
+    /// Whether its factor takes more work than the world's budget allows, whatever touches what in it.
     fn is_large(&self) -> bool {
-        self.bodies > MAX_BODIES || self.meetings > MAX_MEETINGS
+        u64::from(self.bodies) * LEAST_WORK > self.most_work
     }
 
     /// Whether the least and the greatest mass are within [`ALIKE`], and joints do more than hold points together.
@@ -257,6 +284,13 @@ fn may_meet(contact: &ContactInput, velocities: &[BodyVelocity], settings: &Step
     let dt = settings.dt;
     let fall = settings.gravity.length() * dt * dt;
     (0..contact.count).any(|point| contact.separation[point] <= fall - opening(contact, point, velocities).min(0.0) * dt)
+}
+
+/// Whether one body of a contact is held by joints and [`HEAVY`] times lighter than the other, which moves too.
+fn weighs_down(contact: &ContactInput, velocities: &[BodyVelocity], motions: &[BodyMotion]) -> bool {
+    let [a, b] = [contact.a, contact.b].map(|slot| velocities[slot as usize].inverse_mass.max_element());
+    let is_light = |slot: u32, own: f32, other: f32| motions[slot as usize].jointed && other > 0.0 && own > HEAVY * other;
+    is_light(contact.a, a, b) || is_light(contact.b, b, a)
 }
 
 /// Whether a contact is to rebound in the step.

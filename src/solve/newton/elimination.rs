@@ -5,7 +5,11 @@
 //! before both its neighbours hold it twice along the line between them, and the second has a pivot of −ε, though neither is redundant. So what
 //! has been eliminated together leans on one other body at most, as a rigid body does on one that is fixed, which adds nothing to what
 //! it holds within itself; the world counts as a body that is never eliminated. No pivot is smaller then than the rows are independent.
-//! Among what is eligible joints go before bodies, then the node with the fewest neighbours (minimum degree), the lowest number among equals.
+//! Among what is eligible the node goes first whose elimination takes the least work, the lowest number among equals. A joint is no edge
+//! between its bodies: a part that is eliminated is left with rows of the joints around it, fewer than their bodies have unknowns.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// Unknowns of a body, and the most of a joint.
 pub(crate) const WIDTH: usize = 6;
@@ -45,9 +49,16 @@ pub(crate) struct Elimination {
     eliminated: Vec<Vec<u32>>,
     /// Bodies of each joint: the second may be the world.
     ends: Vec<[u32; 2]>,
-    /// Groups of bodies that eliminated joints connect, by one of each, and what body each group leans on.
+    /// Groups of bodies that eliminated joints connect, as a forest, and what body each root's group leans on.
     grouped: Vec<u32>,
     leans_on: Vec<u32>,
+    /// Nodes that may be next by the work that they take, some of them with a work that is no longer true; the work of each node now, and
+    /// whether it is in the queue with that.
+    queue: BinaryHeap<Reverse<(u64, u32)>>,
+    costs: Vec<u64>,
+    is_queued: Vec<bool>,
+    /// Joints that are not eligible before each body has been eliminated, or another one.
+    waiting: Vec<Vec<u32>>,
     merged: Vec<u32>,
 }
 
@@ -57,19 +68,25 @@ const WORLD: u32 = u32::MAX - 1;
 
 impl Elimination {
     /// Finds the structure for nodes of these sizes, the first of which are bodies, and these edges, which must be sorted, without
-    /// repeats, lower node first. Does nothing where they are those of the last time.
-    pub(crate) fn prepare(&mut self, bodies: usize, sizes: &[u8], edges: &[[u32; 2]]) {
-        if self.bodies == bodies && self.sizes == sizes && self.edges == edges {
-            return;
+    /// repeats, lower node first. Does nothing where they are those of the last time. Whether a factorisation takes `most` multiplications or
+    /// fewer: there is no structure where it does not.
+    pub(crate) fn prepare(&mut self, bodies: usize, sizes: &[u8], edges: &[[u32; 2]], most: u64) -> bool {
+        let is_known = self.bodies == bodies && self.sizes == sizes && self.edges == edges;
+        if is_known && (self.work > most || self.order.len() == sizes.len()) {
+            return self.work <= most;
         }
         self.bodies = bodies;
         self.sizes.clear();
         self.sizes.extend_from_slice(sizes);
         self.edges.clear();
         self.edges.extend_from_slice(edges);
-        self.find_order();
+        self.find_order(most);
+        if self.work > most {
+            return false;
+        }
         self.list_blocks();
         self.list_updates();
+        true
     }
 
     pub(crate) fn node_count(&self) -> usize {
@@ -90,7 +107,9 @@ impl Elimination {
     fn find(&self, later: u32, earlier: u32) -> usize {
         let range = self.below_of(earlier);
         let place = |node: u32| self.place[node as usize];
-        range.start + self.below[range].partition_point(|&node| place(node) < place(later))
+        let number = range.start + self.below[range].partition_point(|&node| place(node) < place(later));
+        debug_assert!(self.below.get(number) == Some(&later), "no rows connect nodes {later} and {earlier}");
+        number
     }
 
     /// Blocks below a node.
@@ -98,103 +117,177 @@ impl Elimination {
         self.first_below[node as usize] as usize..self.first_below[node as usize + 1] as usize
     }
 
-    fn find_order(&mut self) {
-        let count = self.sizes.len();
+    /// Finds the order, until it takes more than `most` multiplications.
+    fn find_order(&mut self, most: u64) {
+        self.begin_order();
+        self.work = 0;
+        while let Some(Reverse((cost, node))) = self.queue.pop() {
+            let number = node as usize;
+            if self.place[number] != u32::MAX || !self.is_queued[number] || cost != self.costs[number] {
+                continue;
+            }
+            self.is_queued[number] = false;
+            if let Some(leaning) = self.held_up_by(number) {
+                leaning.into_iter().filter(|&body| body != WORLD).for_each(|body| self.waiting[body as usize].push(node));
+                continue;
+            }
+            self.place[number] = self.order.len() as u32;
+            self.order.push(node);
+            if number < self.bodies {
+                while let Some(joint) = self.waiting[number].pop() {
+                    self.enqueue(joint);
+                }
+            } else {
+                self.connect(number - self.bodies);
+            }
+            self.work += self.work_of(node);
+            if self.work > most {
+                return;
+            }
+            self.remove(node);
+        }
+        debug_assert!(self.order.len() == self.sizes.len(), "joints that nothing makes eligible");
+    }
+
+    /// Multiplications of the elimination of a node.
+    fn work_of(&self, node: u32) -> u64 {
+        let size = |node: u32| u64::from(self.sizes[node as usize]);
+        let sums = |(sum, squares): (u64, u64), &other: &u32| (sum + size(other), squares + size(other).pow(2));
+        let (around, squares) = self.neighbours[node as usize].iter().fold((0, 0), sums);
+        let own = size(node);
+        own.pow(3) + own.pow(2) * around + own * (around * around + squares) / 2
+    }
+
+    /// Lists the neighbours of all nodes, and puts those in the queue that may be first.
+    fn begin_order(&mut self) {
+        let (count, bodies) = (self.sizes.len(), self.bodies);
         for lists in [&mut self.neighbours, &mut self.eliminated] {
             lists.resize_with(count.max(lists.len()), || Vec::with_capacity(ROOM));
             lists.iter_mut().for_each(Vec::clear);
         }
+        self.waiting.resize_with(bodies.max(self.waiting.len()), || Vec::with_capacity(ROOM));
+        self.waiting.iter_mut().for_each(Vec::clear);
         for &[a, b] in &self.edges {
             self.neighbours[a as usize].push(b);
             self.neighbours[b as usize].push(a);
         }
         self.neighbours.iter_mut().for_each(|list| list.sort_unstable());
         self.ends.clear();
-        self.ends.extend(self.neighbours[self.bodies..count].iter().map(|bodies| match bodies[..] {
+        self.ends.extend(self.neighbours[bodies..count].iter().map(|bodies| match bodies[..] {
             [a, b] => [a, b],
             [a] => [a, WORLD],
             _ => [WORLD, WORLD],
         }));
         self.grouped.clear();
-        self.grouped.extend(0..self.bodies as u32);
+        self.grouped.extend(0..bodies as u32);
         self.leans_on.clear();
-        self.leans_on.resize(self.bodies, NONE);
+        self.leans_on.resize(bodies, NONE);
         self.order.clear();
+        self.queue.clear();
+        self.queue.reserve(ROOM / 4 * count);
         self.place.clear();
         self.place.resize(count, u32::MAX);
-        while self.order.len() < count {
-            let node = self.next_node();
-            self.place[node as usize] = self.order.len() as u32;
-            self.order.push(node);
-            self.connect(node);
-            let own = std::mem::take(&mut self.neighbours[node as usize]);
-            for &other in &own {
-                self.join(other, &own, node);
-            }
-            let kept = &mut self.eliminated[node as usize];
-            kept.extend_from_slice(&own);
-            self.neighbours[node as usize] = own;
-            self.neighbours[node as usize].clear();
+        self.costs.clear();
+        self.costs.resize(count, 0);
+        self.is_queued.clear();
+        self.is_queued.resize(count, false);
+        for node in 0..count as u32 {
+            self.costs[node as usize] = self.cost(node);
+            self.enqueue(node);
         }
+    }
+
+    /// Puts a node in the queue that is not in it.
+    fn enqueue(&mut self, node: u32) {
+        let number = node as usize;
+        if !self.is_queued[number] && self.place[number] == u32::MAX {
+            self.is_queued[number] = true;
+            self.queue.push(Reverse((self.costs[number], node)));
+        }
+    }
+
+    /// Multiplications of what the elimination of a node subtracts, next to all of its work.
+    fn cost(&self, node: u32) -> u64 {
+        let size = |node: u32| u64::from(self.sizes[node as usize]);
+        let around: u64 = self.neighbours[node as usize].iter().map(|&other| size(other)).sum();
+        size(node) * around * around
+    }
+
+    /// Takes a node out of the graph: what is around it are neighbours then.
+    fn remove(&mut self, node: u32) {
+        let own = std::mem::take(&mut self.neighbours[node as usize]);
+        for &other in &own {
+            self.join(other, &own, node);
+        }
+        for &other in &own {
+            let (number, cost) = (other as usize, self.cost(other));
+            if cost != self.costs[number] {
+                self.costs[number] = cost;
+                if std::mem::take(&mut self.is_queued[number]) {
+                    self.enqueue(other);
+                }
+            }
+        }
+        self.eliminated[node as usize].extend_from_slice(&own);
+        self.neighbours[node as usize] = own;
+        self.neighbours[node as usize].clear();
     }
 
     fn is_eliminated(&self, body: u32) -> bool {
         body != WORLD && self.place[body as usize] != u32::MAX
     }
 
-    /// What one end of a joint leans on, were the joint eliminated now: the body itself where it is not.
-    fn leaning(&self, body: u32) -> u32 {
-        if self.is_eliminated(body) { self.leans_on[self.grouped[body as usize] as usize] } else { body }
+    /// Root of the group of an eliminated body.
+    fn group(&mut self, body: u32) -> u32 {
+        let mut body = body as usize;
+        while self.grouped[body] as usize != body {
+            self.grouped[body] = self.grouped[self.grouped[body] as usize];
+            body = self.grouped[body] as usize;
+        }
+        body as u32
     }
 
-    /// Puts the bodies of one group into another.
-    fn regroup(&mut self, from: u32, to: u32) {
-        self.leans_on[from as usize] = NONE;
-        self.grouped.iter_mut().filter(|group| **group == from).for_each(|group| *group = to);
-    }
-
-    /// Whether a node may be eliminated: of joints, one that leaves what has been eliminated leaning on no more than one body.
-    fn is_eligible(&self, node: usize) -> bool {
-        let Some(joint) = node.checked_sub(self.bodies) else { return true };
-        let ends = self.ends[joint];
-        let [a, b] = ends.map(|body| self.leaning(body));
-        ends.iter().any(|&body| self.is_eliminated(body)) && (a == b || a == NONE || b == NONE)
-    }
-
-    /// Notes what an eliminated node connects.
-    fn connect(&mut self, node: u32) {
-        let Some(joint) = (node as usize).checked_sub(self.bodies) else {
-            // What leans on a body that is eliminated goes with it.
-            for group in 0..self.bodies as u32 {
-                if self.leans_on[group as usize] == node {
-                    self.regroup(group, node);
-                }
+    /// What one end of a joint leans on, were the joint eliminated now: the body itself where it is not. A group that leans on a body which has
+    /// been eliminated since has gone with it.
+    fn leaning(&mut self, mut body: u32) -> u32 {
+        while self.is_eliminated(body) {
+            let group = self.group(body);
+            let on = self.leans_on[group as usize];
+            if on == NONE || !self.is_eliminated(on) {
+                return on;
             }
-            return;
-        };
+            self.leans_on[group as usize] = NONE;
+            self.grouped[group as usize] = self.group(on);
+            body = on;
+        }
+        body
+    }
+
+    /// The two bodies on which what has been eliminated would lean with a joint, if that may not be eliminated now.
+    fn held_up_by(&mut self, node: usize) -> Option<[u32; 2]> {
+        let [a, b] = self.ends[node.checked_sub(self.bodies)?];
+        if a == WORLD && b == WORLD {
+            return None;
+        }
+        let leaning = [self.leaning(a), self.leaning(b)];
+        let is_sound = leaning[0] == leaning[1] || leaning.contains(&NONE);
+        (!is_sound).then_some(leaning)
+    }
+
+    /// Notes what an eliminated joint connects.
+    fn connect(&mut self, joint: usize) {
         let ends = self.ends[joint];
         let leaning = ends.map(|body| self.leaning(body));
         let on = if leaning[0] == NONE { leaning[1] } else { leaning[0] };
-        let [first, other] = ends.map(|body| if self.is_eliminated(body) { self.grouped[body as usize] } else { NONE });
+        let [first, other] = ends.map(|body| if self.is_eliminated(body) { self.group(body) } else { NONE });
         let (kept, other) = if first == NONE { (other, first) } else { (first, other) };
         if other != NONE && other != kept {
-            self.regroup(other, kept);
+            self.leans_on[other as usize] = NONE;
+            self.grouped[other as usize] = kept;
         }
         if kept != NONE {
             self.leans_on[kept as usize] = on;
         }
-    }
-
-    /// The node to eliminate next: a joint that is eligible before any body, the one with the fewest neighbours of either.
-    fn next_node(&self) -> u32 {
-        let weight = |node: usize| {
-            let size: usize = self.neighbours[node].iter().map(|&other| usize::from(self.sizes[other as usize])).sum();
-            (node < self.bodies, size)
-        };
-        let left = || (0..self.sizes.len()).filter(|&node| self.place[node] == u32::MAX);
-        let best = left().filter(|&node| self.is_eligible(node)).min_by_key(|&node| weight(node));
-        // A joint between what does not move has no neighbour that could make it eligible.
-        best.or_else(|| left().next()).expect("nodes are left") as u32
     }
 
     /// Makes all of `own` neighbours of `other`, and takes `node` from them.
@@ -237,24 +330,17 @@ impl Elimination {
         updates.clear();
         firsts.clear();
         firsts.push(0);
-        self.work = 0;
-        let size = |node: u32| u64::from(self.sizes[node as usize]);
-        let mut work = 0;
         for &node in &self.order {
             let range = self.below_of(node);
-            work += size(node).pow(3);
             for rows in range.clone() {
-                work += size(node).pow(2) * size(self.below[rows]);
                 for columns in range.start..=rows {
                     let (i, j) = (self.below[rows], self.below[columns]);
-                    work += size(i) * size(j) * size(node);
                     let target = if i == j { self.below.len() as u32 + i } else { self.find(i, j) as u32 };
                     updates.push(Update { rows: rows as u32, columns: columns as u32, target });
                 }
             }
             firsts.push(updates.len() as u32);
         }
-        self.work = work;
         (self.updates, self.first_update) = (updates, firsts);
     }
 }

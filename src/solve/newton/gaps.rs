@@ -1,7 +1,7 @@
 //! Gaps of an island's joints, and overlaps of its contacts, taken out of its positions.
 
-use super::held::Ends;
-use super::island::{CoupledIsland, rate_of};
+use super::held::{Ends, rate_of};
+use super::island::CoupledIsland;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 

@@ -235,7 +235,20 @@ pub(super) fn settle_row(row: &mut [f64; 6], body: &DirectBody, rate: &Rate) -> 
     0.0
 }
 
+/// The same for all rows of a term between these bodies, whose rates go into its biases.
+pub(super) fn settle_term(term: &mut Term, ends: [usize; 2], bodies: &[DirectBody], rates: &[Rate]) {
+    for side in 0..2 {
+        for row in 0..term.rows {
+            term.bias[row] += settle_row(&mut term.jacobian[side][row], &bodies[ends[side]], &rates[ends[side]]);
+        }
+    }
+}
+
 pub(super) fn vector(rate: &Rate) -> [f64; 6] {
     let (v, w) = (rate.linear, rate.angular);
     [v.x, v.y, v.z, w.x, w.y, w.z]
+}
+
+pub(super) fn rate_of(v: &[f64; 6]) -> Rate {
+    Rate { linear: DVec3::new(v[0], v[1], v[2]), angular: DVec3::new(v[3], v[4], v[5]) }
 }

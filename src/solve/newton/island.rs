@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
-use super::held::{Ends, JointSet, settle_row, vector};
+use super::held::{Ends, JointSet, rate_of, settle_row, settle_term, vector};
 use super::joints::MultiplierSlot;
 use super::passes::{Effort, MAX_FACTORS};
 use super::patch::Patch;
@@ -20,10 +20,8 @@ use crate::solve::direct::body::DirectBody;
 use crate::solve::direct::stiffness;
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
+use crate::solve::plan::FREE_FACTORS;
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
-
-/// Factorisations that a substep may always take: with three all scenes tried stay bounded.
-const FREE_FACTORS: u32 = 3;
 
 /// Change of the inertia with which a body answers, over what it was, from which on the substep is solved once more.
 const STIFFER: f64 = 0.5;
@@ -63,6 +61,8 @@ struct CoupledOutcome {
     kinetic: f64,
     /// Greatest speed at which rows that always hold have been left to part (m/s, rad/s).
     strain: f64,
+    /// Whether a factorisation takes more work than it may: the step has not been begun.
+    is_large: bool,
 }
 
 /// An island: see the [module](self).
@@ -70,6 +70,8 @@ struct CoupledOutcome {
 pub(crate) struct CoupledIsland {
     /// Slots of the bodies that it moves.
     pub slots: Range<u32>,
+    /// Most multiplications that a factorisation may take.
+    most_work: u64,
     /// Whether its joints close a loop.
     pub(super) is_looped: bool,
     pub(super) held: JointSet,
@@ -100,8 +102,14 @@ pub(crate) struct CoupledIsland {
 
 impl CoupledIsland {
     /// Begins to take in the bodies of these slots.
-    pub(crate) fn begin(&mut self, slots: Range<u32>, is_looped: bool, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
-        (self.slots, self.is_looped) = (slots.clone(), is_looped);
+    pub(crate) fn begin(
+        &mut self,
+        slots: Range<u32>,
+        (is_looped, most_work): (bool, u64),
+        velocities: &[BodyVelocity],
+        motions: &[BodyMotion],
+    ) {
+        (self.slots, self.is_looped, self.most_work) = (slots.clone(), is_looped, most_work);
         self.held.clear();
         self.bodies.clear();
         self.anchors.clear();
@@ -159,6 +167,11 @@ impl CoupledIsland {
                 }
             }
             self.build(joints, h, left);
+            if self.is_large() {
+                return;
+            }
+            // What is begun is brought to its end, whatever rows come.
+            self.most_work = u64::MAX;
             self.rebound(joints, settings, h, left);
             let budget = budget.get_or_insert_with(|| self.budget(settings));
             let kept_back = FREE_FACTORS * (settings.substeps - 1 - substep);
@@ -214,6 +227,11 @@ impl CoupledIsland {
         work
     }
 
+    /// Whether a factorisation takes more work than it may.
+    pub(crate) fn is_large(&self) -> bool {
+        self.outcome.is_large
+    }
+
     /// Whether the step has gained energy that nothing has given, has no end, or has rows that contradict one another: it is left to the
     /// other solvers then, as if it had not been taken.
     pub(crate) fn is_rejected(&self) -> bool {
@@ -223,7 +241,7 @@ impl CoupledIsland {
         let [gap, opened] = self.outcome.gaps;
         let is_held = opened <= gap.max(MAX_GAP * self.held.mean_lever());
         // Written so that what is no number is rejected.
-        !(self.outcome.gain <= allowed && self.outcome.strain <= MAX_STRAIN && is_held)
+        self.is_large() || !(self.outcome.gain <= allowed && self.outcome.strain <= MAX_STRAIN && is_held)
     }
 
     /// Number of the next patch, in the order in which they were taken in.
@@ -274,8 +292,8 @@ impl CoupledIsland {
         }
         self.mask();
         self.find_stiffness(h);
-        let Self { problem, pairs, .. } = self;
-        problem.find_structure(pairs);
+        let Self { problem, pairs, most_work, outcome, .. } = self;
+        outcome.is_large = !problem.find_structure(pairs, *most_work);
         problem.begin();
     }
 
@@ -466,14 +484,6 @@ impl CoupledIsland {
     }
 }
 
-fn settle_term(term: &mut super::term::Term, ends: [usize; 2], bodies: &[DirectBody], rates: &[Rate]) {
-    for side in 0..2 {
-        for row in 0..term.rows {
-            term.bias[row] += settle_row(&mut term.jacobian[side][row], &bodies[ends[side]], &rates[ends[side]]);
-        }
-    }
-}
-
 /// Mass of a body with its damping; locked axes have one that nothing pushes.
 fn mass_of(body: &DirectBody, stance: &LocalPose, h: f64) -> BodyMass {
     let free = body.free_axes();
@@ -492,8 +502,4 @@ fn mass_of(body: &DirectBody, stance: &LocalPose, h: f64) -> BodyMass {
     );
     let angular = (masked + DMat3::from_diagonal(DVec3::ONE - turning)).inverse();
     BodyMass { linear, angular: angular.to_cols_array_2d(), ..BodyMass::default() }
-}
-
-pub(super) fn rate_of(v: &[f64; 6]) -> Rate {
-    Rate { linear: DVec3::new(v[0], v[1], v[2]), angular: DVec3::new(v[3], v[4], v[5]) }
 }

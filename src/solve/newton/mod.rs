@@ -170,12 +170,12 @@ impl Newton {
             [h * h * (ease(0) + ease(1)), f64::from(entry.impulses.point.length()) / h]
         };
         planner.plan(firsts, end, links, (rates, moving, contacts), (|link| records.is_anchor(link), stiffness), settings);
-        for (number, is_looped) in planner.coupled() {
+        for (number, traits) in planner.coupled() {
             let last = firsts.get(number + 1).copied().unwrap_or(end);
             if *count == islands.len() {
                 islands.push(CoupledIsland::default());
             }
-            islands[*count].begin(firsts[number]..last, is_looped, velocities, motions);
+            islands[*count].begin(firsts[number]..last, traits, velocities, motions);
             *count += 1;
         }
         if *count == 0 {
@@ -203,6 +203,7 @@ impl Newton {
         threads.share(taken.chunks_mut(piece), |islands| {
             islands.iter_mut().for_each(|island| island.step(joints, settings));
         });
+        taken.iter().filter(|island| island.is_large()).for_each(|island| planner.enlarge(island.slots.start));
         *count = keep_accepted(taken);
         let taken = &mut islands[..*count];
         links.retain(|link| owner([link.a, link.b], taken).is_none());

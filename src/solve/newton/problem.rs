@@ -37,6 +37,8 @@ pub(crate) struct BodyMass {
 pub(crate) struct JointBlock {
     pub bodies: [u32; 2],
     pub rows: usize,
+    /// Whether it may have terms or stiffness, which act on its bodies outright.
+    pub acts_between: bool,
     /// By side and row.
     pub jacobian: [[Vector; 6]; 2],
     pub bias: Vector,
@@ -54,6 +56,7 @@ impl JointBlock {
         Self {
             bodies,
             rows: 0,
+            acts_between: false,
             jacobian: [[[0.0; 6]; 6]; 2],
             bias: [0.0; 6],
             give: [0.0; 6],
@@ -127,8 +130,9 @@ impl Problem {
         self.stiff.clear();
     }
 
-    /// Finds the structure for the joints' rows as they are, and bodies that `pairs` connect.
-    pub(crate) fn find_structure(&mut self, pairs: &[[u32; 2]]) {
+    /// Finds the structure for the joints' rows as they are, and bodies that `pairs` connect. Whether a factorisation takes `most` multiplications
+    /// or fewer: there is no structure where it does not.
+    pub(crate) fn find_structure(&mut self, pairs: &[[u32; 2]], most: u64) -> bool {
         let Self { sizes, edges, links, masses, structure, .. } = self;
         let bodies = masses.len();
         sizes.clear();
@@ -139,8 +143,9 @@ impl Problem {
             // A joint that only bounds has no rows to eliminate.
             let moved = link.bodies.into_iter().filter(|&body| body != FIXED && link.rows > 0);
             edges.extend(moved.map(|body| [body, (bodies + number) as u32]));
-            // What bounds a joint acts between its bodies.
-            edges.push(link.bodies);
+            if link.acts_between {
+                edges.push(link.bodies);
+            }
         }
         edges.extend_from_slice(pairs);
         edges.retain_mut(|edge| {
@@ -149,7 +154,7 @@ impl Problem {
         });
         edges.sort_unstable();
         edges.dedup();
-        structure.prepare(bodies, sizes, edges);
+        structure.prepare(bodies, sizes, edges, most)
     }
 
     /// Prepares the first solve: how readily rows answer, and the right-hand side.

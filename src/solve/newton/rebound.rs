@@ -1,6 +1,7 @@
 //! What hits in a substep with restitution leaves again before the substep: see [`impact`](super::impact).
 
-use super::island::{CoupledIsland, rate_of};
+use super::held::rate_of;
+use super::island::CoupledIsland;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::solve::StepSettings;

@@ -53,7 +53,7 @@ fn stand(problem: &mut Problem, below: u32, above: u32, friction: f64, pressed: 
 
 fn solve(problem: &mut Problem) -> u32 {
     let pairs: Vec<_> = problem.terms.iter().map(|term| term.bodies).collect();
-    problem.find_structure(&pairs);
+    assert!(problem.find_structure(&pairs, u64::MAX));
     problem.begin();
     let effort = problem.solve(12);
     assert!(!effort.is_capped, "{effort:?}");
@@ -187,7 +187,7 @@ fn out_of_budget_the_state_stays_bounded() {
             stand(&mut problem, below, above, 0.5, [0.0; 4]);
         }
         let pairs: Vec<_> = problem.terms.iter().map(|term| term.bodies).collect();
-        problem.find_structure(&pairs);
+        assert!(problem.find_structure(&pairs, u64::MAX));
         problem.begin();
         problem.solve(budget);
         let energy = |v: &[Vector]| -> f64 {
@@ -246,7 +246,7 @@ fn outer(v: DVec3) -> DMat3 {
 fn a_net_whose_knots_hold_four_rods_is_stopped_by_its_joints_and_gains_nothing() {
     for cells in [2, 3, 6] {
         let mut problem = net(cells);
-        problem.find_structure(&[]);
+        assert!(problem.find_structure(&[], u64::MAX));
         problem.begin();
         let energy = |problem: &Problem, of: &[Vector]| {
             let mut product = Vec::new();
