@@ -90,6 +90,37 @@ fn a_rotor_coasts_on_a_hinge_at_any_speed() {
     }
 }
 
+/// Out of balance a wheel turns its joint's load with it, and a substep no longer takes what the axis does to it for nothing.
+#[test]
+fn a_flywheel_out_of_balance_coasts_where_a_substep_turns_it_by_half_a_radian() {
+    // Distance of the centre of mass from the axis (m), spin (rad/s), steps a second, and what is left of the spin after 4 s.
+    let solved = [
+        (0.45, 50.0, 60.0, 0.985),
+        (0.45, 100.0, 60.0, 0.94),
+        (0.45, 100.0, 120.0, 0.985),
+        (0.1, 100.0, 60.0, 0.98),
+        (0.05, 200.0, 60.0, 0.94),
+        (0.02, 200.0, 60.0, 0.98),
+        (0.45, 50.0, 30.0, 0.965),
+        (0.45, 100.0, 30.0, 0.75),
+    ];
+    let swept = [(0.45, 50.0, 60.0, 0.985), (0.45, 100.0, 60.0, 0.70), (0.45, 100.0, 30.0, 0.35)];
+    let all = solved.map(|case| (Solver::Auto, case)).into_iter().chain(swept.map(|case| (Solver::GaussSeidel, case)));
+    for (solver, (lever, speed, rate, least)) in all {
+        let mut world = world(0.0, solver);
+        let spin = [Vec3::Y * lever * speed, Vec3::Z * speed];
+        let wheel = body(&mut world, f64::from(lever), 1.0, Vec3::splat(0.07), spin);
+        let mut def = hinge(Motor::Off, BodyId::NULL, wheel).at(Vec3::ZERO, Vec3::NEG_X * lever);
+        let about_z = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+        (def.frame_a.rotation, def.frame_b.rotation) = (about_z, about_z);
+        world.create_joint(&def).expect("a valid joint");
+        steps(&mut world, rate, 4.0);
+        let kept = world.angular_velocity(wheel).expect("it stays").z / speed;
+        let what = format!("{lever} m from its axis at {speed} rad/s and {rate} steps a second by {solver:?}");
+        assert!((least..=1.001).contains(&kept), "{what}: keeps {kept}, bound {least}");
+    }
+}
+
 /// A disc of 2 kg on a hinge at the end of an arm of 0.5 m on a ball joint, in level precession; the rotor is returned.
 fn gyroscope(world: &mut World, spin: f32, arm: f32) -> BodyId {
     let across = arm * 0.25 / 12.0;
