@@ -201,9 +201,10 @@ impl RowSink<'_> {
             let target = wanted.clamp(least, most) * factor;
             let give = SoftParams::rigid(self.phase);
             let error = Error1 { start: start * factor, predicted: predicted * factor };
-            // Swept, a row is of the substep's start; what swings round on a winch is drawn in all the same. A direct solve looks at its end.
-            let curvature =
-                if self.is_swept() { give.curvature(error, self.rates.read(|rates| jacobian.rate(rates), 0.0)) } else { 0.0 };
+            // Swept, a row is of the substep's start; what swings round on a winch is drawn in all the same. A direct solve looks at its end, and
+            // a turn by more than its axis bears in a substep tells nothing.
+            let bends = self.is_swept() && jacobian.linear != DVec3::ZERO;
+            let curvature = if bends { give.curvature(error, self.rates.read(|rates| jacobian.rate(rates), 0.0)) } else { 0.0 };
             return self.scalar(jacobian, Demand::Speed { target: target - curvature, bounds }, give, id);
         };
         if matches!(self.phase, Phase::Position { .. }) {
