@@ -388,7 +388,6 @@ fn unequal_loads_over_a_drum_fall_as_an_atwood_machine() {
     }
 }
 
-/// Fingers as heavy as what they hold and lighter ones, with one and a half times the force that they need and more.
 #[test]
 fn a_gripper_holds_whatever_its_fingers_weigh() {
     for (load, finger, force, rate) in [

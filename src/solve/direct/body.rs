@@ -130,9 +130,9 @@ impl DirectBody {
         !self.is_dynamic() && (self.acceleration != DVec3::ZERO || self.torque != DVec3::ZERO)
     }
 
-    /// Its velocity so long after the middle of the step (s), through which it moves at this mean one.
-    pub(crate) fn bent(&self, mean: &Rate, after: f64) -> Rate {
-        Rate { linear: mean.linear + self.acceleration * after, angular: mean.angular + self.torque * after }
+    /// Its velocity so long (s) after it had this one.
+    pub(crate) fn bent(&self, rate: &Rate, after: f64) -> Rate {
+        Rate { linear: rate.linear + self.acceleration * after, angular: rate.angular + self.torque * after }
     }
 
     /// Adds a substep's forces.

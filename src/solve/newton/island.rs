@@ -78,9 +78,8 @@ pub(crate) struct CoupledIsland {
     pub(super) bodies: Vec<DirectBody>,
     /// Number of each in the problem.
     pub(super) moved: Vec<u32>,
-    /// Slots of kinematic bodies, by local number from the first of them, and mean velocities of those in the step.
+    /// Slots of kinematic bodies, by local number from the first of them.
     anchors: Vec<u32>,
-    means: Vec<Rate>,
     pub(super) rates: Vec<Rate>,
     pub(super) local_poses: Vec<LocalPose>,
     began: Vec<LocalPose>,
@@ -155,17 +154,11 @@ impl CoupledIsland {
         self.number_bodies();
         self.outcome.gaps[0] = self.joint_gap(joints);
         let (before, mut budget) = (self.energy(), None);
-        let first_anchor = self.bodies.len() - self.anchors.len();
-        self.means.clear();
-        self.means.extend_from_slice(&self.rates[first_anchor..]);
         for substep in 0..settings.substeps {
             let left = [0, 1].map(|end| h * f64::from(settings.substeps - substep - end));
-            let ahead = 0.5 * (f64::from(settings.dt) - left[0] - left[1]);
-            for (number, mean) in (first_anchor..).zip(&self.means) {
-                if self.bodies[number].is_bent() {
-                    self.rates[number] = self.bodies[number].bent(mean, ahead);
-                }
-            }
+            let ahead = if substep == 0 { 0.5 * (h - f64::from(settings.dt)) } else { h };
+            let bent = self.bodies.iter().zip(&mut self.rates).filter(|(body, _)| body.is_bent());
+            bent.for_each(|(body, rate)| *rate = body.bent(rate, ahead));
             self.build(joints, h, left);
             if self.is_large() {
                 return;
