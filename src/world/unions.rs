@@ -247,8 +247,8 @@ impl World {
     /// Takes a union apart, and has its members looked at in the next flood. Does nothing where there is none.
     fn dissolve_union(&mut self, slot: u32) {
         let Some(union) = self.unions.dissolve(slot) else { return };
+        self.set_anchored(&union.members, Anchored::No);
         for &member in &union.members {
-            self.set_anchored(member, Anchored::No);
             self.revisit_shapes(member);
         }
         self.unions.stale.extend_from_slice(&union.members);
@@ -289,27 +289,32 @@ impl World {
         }
     }
 
-    fn set_anchored(&mut self, index: u32, anchored: Anchored) {
-        let wanted = self.unions.of(index).is_some_and(|union| union.wanted);
-        let Some(body) = self.bodies.get(index) else { return };
-        if body.anchored == anchored {
-            return;
+    /// Says what bodies are anchored to: all members of a union at once, as each wakes what is around all of them.
+    fn set_anchored(&mut self, members: &[u32], anchored: Anchored) {
+        let is_other = |&index: &u32| self.bodies.get(index).is_some_and(|body| body.anchored != anchored);
+        let changed: Vec<u32> = members.iter().copied().filter(is_other).collect();
+        for &index in &changed {
+            self.wake_for(Edited::Body(index));
         }
-        self.wake_for(Edited::Body(index));
-        let body = &mut self.bodies[index];
-        (body.anchored, body.path) = (anchored, None);
-        if anchored != Anchored::No {
-            // Where joints want to know, a velocity becomes a blow to them.
-            if anchored == Anchored::Driven || !wanted {
-                (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+        for &index in &changed {
+            let wanted = self.unions.of(index).is_some_and(|union| union.wanted);
+            let body = &mut self.bodies[index];
+            (body.anchored, body.path) = (anchored, None);
+            if anchored != Anchored::No {
+                // Where joints want to know, a velocity becomes a blow to them.
+                if anchored == Anchored::Driven || !wanted {
+                    (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+                }
+                (body.held, body.calm_for) = (false, 0);
             }
-            (body.held, body.calm_for) = (false, 0);
         }
         self.movers_sorted = false;
-        self.wake_for(Edited::Place(index));
-        self.rest_boxes(index);
-        self.note_mover(index);
-        self.topology_changed();
+        self.wake_for_places(&changed);
+        for &index in &changed {
+            self.rest_boxes(index);
+            self.note_mover(index);
+            self.topology_changed();
+        }
     }
 
     /// Brings unions up to date with the joints, and their motion with what was done to members.

@@ -31,17 +31,10 @@ impl World {
             Edited::Body(index) => {
                 self.wake_body(index);
                 if !self.is_in_island(index) {
-                    self.wake_around_hub(index);
+                    self.wake_around_hubs(&[index]);
                 }
             }
-            Edited::Place(index) => {
-                self.wake_body(index);
-                if self.is_in_island(index) {
-                    self.wake_near(&self.bodies[index].shapes.clone());
-                } else {
-                    self.wake_around_hub(index);
-                }
-            }
+            Edited::Place(index) => self.wake_for_places(&[index]),
             Edited::Shape(shape) => {
                 if let Ok(slot) = self.colliders.find(shape) {
                     self.wake_body(self.colliders[slot].body);
@@ -53,7 +46,7 @@ impl World {
                     self.wake_body(index);
                     // What hangs on a union bears on the joints inside it.
                     if self.bodies[index].anchored != Anchored::No {
-                        self.wake_around_hub(index);
+                        self.wake_around_hubs(&[index]);
                     }
                 }
             }
@@ -65,12 +58,32 @@ impl World {
         self.bodies[index].is_free() && !self.bodies[index].quarantined
     }
 
-    /// Wakes what is jointed to a body that is in no island, or to what is welded to it, and what is near these.
-    fn wake_around_hub(&mut self, index: u32) {
-        let mut hubs = vec![index];
-        let is_anchored = |other: &u32| self.bodies[*other].anchored != Anchored::No;
-        let welded = self.jointed_to(index).filter(is_anchored).chain([index]);
-        hubs.extend(welded.filter_map(|other| self.unions.of(other)).flat_map(|union| union.members.iter().copied()));
+    /// As [`wake_for`](Self::wake_for) says of [`Edited::Place`], of several bodies.
+    pub(super) fn wake_for_places(&mut self, edited: &[u32]) {
+        let mut hubs = Vec::new();
+        for &index in edited {
+            self.wake_body(index);
+            if self.is_in_island(index) {
+                self.wake_near(&self.bodies[index].shapes.clone());
+            } else {
+                hubs.push(index);
+            }
+        }
+        self.wake_around_hubs(&hubs);
+    }
+
+    /// Wakes what is jointed to bodies that are in no island, or to what is welded to them, and what is near these.
+    fn wake_around_hubs(&mut self, edited: &[u32]) {
+        let mut unions = Vec::new();
+        for &index in edited {
+            let is_anchored = |other: &u32| self.bodies[*other].anchored != Anchored::No;
+            let welded = self.jointed_to(index).filter(is_anchored).chain([index]);
+            unions.extend(welded.filter_map(|other| self.unions.of(other)).map(|union| union.lead));
+        }
+        unions.sort_unstable();
+        unions.dedup();
+        let mut hubs = edited.to_vec();
+        hubs.extend(unions.iter().filter_map(|&lead| self.unions.of(lead)).flat_map(|union| union.members.iter().copied()));
         hubs.sort_unstable();
         hubs.dedup();
         for hub in hubs {

@@ -45,10 +45,13 @@ impl Factor {
         let (number, in_order) = structure.block(a, b);
         let block = &mut self.blocks[number];
         let [rows, columns] = [a, b].map(|node| usize::from(structure.sizes[node as usize]));
-        for row in 0..rows {
-            for column in 0..columns {
-                let entry = if in_order { &mut block[column][row] } else { &mut block[row][column] };
-                *entry += value(row, column);
+        if in_order {
+            for (column, line) in block[..columns].iter_mut().enumerate() {
+                line[..rows].iter_mut().enumerate().for_each(|(row, entry)| *entry += value(row, column));
+            }
+        } else {
+            for (row, line) in block[..rows].iter_mut().enumerate() {
+                line[..columns].iter_mut().enumerate().for_each(|(column, entry)| *entry += value(row, column));
             }
         }
     }
@@ -80,7 +83,14 @@ fn factorize_body(factor: &mut Factor, structure: &Elimination) {
     let size_of = |node: u32| usize::from(structure.sizes[node as usize]);
     for (place, &node) in structure.order.iter().enumerate() {
         let size = size_of(node);
-        let own = inverse_of(&diagonal[node as usize], size);
+        let block = &diagonal[node as usize];
+        // Loops of known length are unrolled: most nodes are bodies, balls and hinges.
+        let own = match size {
+            6 => inverse_of::<6>(block),
+            5 => inverse_of::<5>(block),
+            3 => inverse_of::<3>(block),
+            _ => inverse_within(block, size),
+        };
         inverse[node as usize] = own;
         for number in structure.below_of(node) {
             let (block, scaled) = (&blocks[number], &mut scaled[number]);
@@ -163,8 +173,15 @@ pub(crate) fn dot(a: &Vector, b: &Vector) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// As [`inverse_within`], of a block of known size.
+#[inline(always)]
+fn inverse_of<const SIZE: usize>(block: &Block) -> Block {
+    inverse_within(block, SIZE)
+}
+
 /// Inverse of a definite symmetric block of either sign, by its own LDLᵀ; zero beyond `size`.
-fn inverse_of(block: &Block, size: usize) -> Block {
+#[inline(always)]
+fn inverse_within(block: &Block, size: usize) -> Block {
     let mut lower = NOTHING;
     let (mut pivots, mut reciprocal) = ([0.0; WIDTH], [0.0; WIDTH]);
     for column in 0..size {

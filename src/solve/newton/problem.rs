@@ -388,6 +388,7 @@ fn add_row(factor: &mut Factor, structure: &Elimination, bodies: [u32; 2], jacob
         }
     }
     if bodies[0] != FIXED && bodies[1] != FIXED {
-        factor.add(structure, bodies[0], bodies[1], |i, j| gain * jacobian[0][i] * jacobian[1][j]);
+        let scaled = jacobian[0].map(|entry| gain * entry);
+        factor.add(structure, bodies[0], bodies[1], |i, j| scaled[i] * jacobian[1][j]);
     }
 }

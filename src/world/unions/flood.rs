@@ -103,9 +103,7 @@ impl World {
             self.begin_free(members[0]);
             return;
         }
-        for &index in &members {
-            self.set_anchored(index, if anchor == Anchor::Still { Anchored::Still } else { Anchored::Driven });
-        }
+        self.set_anchored(&members, if anchor == Anchor::Still { Anchored::Still } else { Anchored::Driven });
         self.put_anchored(members[0]);
     }
 

@@ -10,7 +10,6 @@ use crate::joint_graph::union::{UnionMotion, inertia_of};
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::world::World;
 use crate::world::union_loads::wants_load;
-use crate::world::wake::Edited;
 
 impl World {
     /// Takes the members of a new free union as they are.
@@ -235,10 +234,10 @@ impl World {
         let motion = self.anchored_motion(lead);
         self.place_members(lead, motion);
         let members = self.unions.of(lead).map(|union| union.members.clone()).unwrap_or_default();
-        for index in members {
+        for &index in &members {
             self.take_boxes_along(index);
-            self.wake_for(Edited::Place(index));
         }
+        self.wake_for_places(&members);
     }
 
     /// Gives a union this pose, and its members with it; velocities stay.
