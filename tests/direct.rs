@@ -216,6 +216,24 @@ fn ragdolls_that_lie_on_many_limbs_are_swept_and_do_not_sink() {
 }
 
 #[test]
+fn limbs_that_land_are_swept_from_the_first() {
+    let mut engine = LongspanEngine::start(&common::scene("ragdoll_rain", &[("n", "6")])).expect("its world is valid");
+    let (mut swept, mut rows) = (0, 0);
+    for _ in 0..60 {
+        engine.step(1.0 / 60.0);
+        for report in engine.world().articulations() {
+            swept += usize::from(report.swept);
+            rows += usize::from(!report.swept && report.safe > 0 && report.penetration > 0.0);
+        }
+    }
+    assert!(swept > 50, "{swept} times a ragdoll was swept in the second in which six land");
+    assert!(
+        rows < swept / 20,
+        "rows were tried {rows} times on limbs that land, which were swept {swept} times, bound a twentieth"
+    );
+}
+
+#[test]
 fn a_track_stays_on_its_sprockets() {
     let run = Run::of("track", &[("seconds", "4")]);
     run.keeps("links_off", 0.0, "links");

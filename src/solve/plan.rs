@@ -293,8 +293,12 @@ fn weighs_down(contact: &ContactInput, velocities: &[BodyVelocity], motions: &[B
     is_light(contact.a, a, b) || is_light(contact.b, b, a)
 }
 
+/// Whether a point of a contact closes faster than this (m/s).
+pub(crate) fn closes(contact: &ContactInput, velocities: &[BodyVelocity], speed: f32) -> bool {
+    (0..contact.count).any(|point| -opening(contact, point, velocities) > speed)
+}
+
 /// Whether a contact is to rebound in the step.
 fn rebounds(contact: &ContactInput, velocities: &[BodyVelocity], settings: &StepSettings) -> bool {
-    contact.material.restitution > 0.0
-        && (0..contact.count).any(|point| -opening(contact, point, velocities) > settings.restitution_threshold)
+    contact.material.restitution > 0.0 && closes(contact, velocities, settings.restitution_threshold)
 }

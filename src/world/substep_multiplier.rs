@@ -1,10 +1,10 @@
 //! Chooses how many of the world's substeps an island takes at once.
 //!
-//! Where joints are swept with contacts, or as a sheet, a substep costs the same whether anything happens in it or not. Multipliers that
-//! are carried are exact where forces stay what they were, and sweeps have to find only what has changed along the substep. So an island
-//! takes two substeps at once once it has been *smooth* for [`SMOOTH_STEPS`] steps:
+//! Where joints are swept with contacts, or as a sheet, or solved as one with contacts, a substep costs the same whether anything happens
+//! in it or not. Multipliers that are carried are exact where forces stay what they were, and only what has changed along the substep has to be
+//! found. So an island takes two substeps at once once it has been *smooth* for [`SMOOTH_STEPS`] steps:
 //!
-//! * all its joints are those of articulations that are swept as blocks with their contacts, or all of it is one sheet;
+//! * all its joints are those of articulations that are swept as blocks with their contacts, or all of it is one sheet or one problem;
 //! * no velocity has changed in a step by more than [`SMOOTH_SHARE`] of what gravity adds in it, at the centre or by turning at the
 //!   reach of the body's shapes: what has been struck, falls or slips is not smooth;
 //! * no body has turned by more than [`SMOOTH_TURN`], so that rows of joints last for the step;

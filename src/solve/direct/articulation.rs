@@ -120,9 +120,13 @@ pub(crate) struct Articulation {
     /// Bodies that spin fast, and room for velocities before joints act.
     pub(super) rotors: Vec<Rotor>,
     pub(super) rotor_base: Vec<Rate>,
+    /// Moment of the forces of joints on each body, as if all pulled along their levers (N·m).
+    pub(super) rotor_loads: Vec<f64>,
     /// Of each joint, where it is swept: whether its stops are out of reach.
     pub(super) stops: Vec<FarStops>,
     pub(super) stiffness: Vec<DMat3>,
+    /// Axis of each body's length in its frame, zero where it is not slender.
+    pub(super) slender: Vec<DVec3>,
     /// Rate at which the forces on each body turn with what it slides around (rad/s).
     pub(super) turning: Vec<DVec3>,
     /// State at the start of the substep.
@@ -317,8 +321,12 @@ impl Articulation {
     }
 
     /// Whether its contacts are swept from the first, so many manifolds with what does not move: where they are too many for an active
-    /// set, or have not settled as rows a short while ago.
-    pub(crate) fn sweeps_contacts(&mut self, manifolds: usize) -> bool {
+    /// set, or have not settled as rows a short while ago, or where limbs land: these change stops and contacts at once, so that rows do not
+    /// settle either, after five times the work of sweeps.
+    pub(crate) fn sweeps_contacts(&mut self, manifolds: usize, lands: bool) -> bool {
+        if lands && self.mass_ratio() <= ALIKE_MASSES {
+            self.swept_steps = SWEPT_STEPS;
+        }
         let has_failed = self.swept_steps > 0;
         self.swept_steps = self.swept_steps.saturating_sub(1);
         let most_ratio = match manifolds {

@@ -15,6 +15,11 @@ use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 /// Largest rotation by which a projection turns a body at once (rad); beyond it a lever's direction has no meaning.
 const MAX_PROJECTED_TURN: f64 = 0.5;
 
+/// Greatest over least moment of inertia beyond which a body counts as slender: a rod, a shaft, a blade. A small tilt of its momentum is a
+/// large spin about its length, so its axis is always its length, and the momentum about that is extrapolated by itself. Taken as others
+/// are, with 76 a gyroscope lost all its spin in a second.
+const MAX_SHEAR: f64 = 4.0;
+
 /// One body: what stays as it is for a substep.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DirectBody {
@@ -120,6 +125,15 @@ impl DirectBody {
         self.inverse_inertia * (self.inertia * rate.angular * self.weights(h)[1])
     }
 
+    /// Axis of its length in its frame, zero where it is not slender.
+    pub(super) fn length(&self) -> DVec3 {
+        let moments = &self.top.inertia;
+        if !self.is_dynamic() || self.top.round || !is_slender(moments) {
+            return DVec3::ZERO;
+        }
+        self.top.frame * DVec3::AXES[thinnest(moments)]
+    }
+
     /// How readily a force across `lever` turns the body, over the lever's length: |r| tr(I⁻¹ across r) (1/(kg·m)), with I round.
     pub(crate) fn turning_ease(&self, lever: DVec3) -> f64 {
         if self.is_dynamic() { 2.0 * lever.length() / self.top.inertia.max_element() } else { 0.0 }
@@ -210,6 +224,15 @@ impl DirectBody {
         let axes = stance.1 * self.top.frame;
         axes * ((axes.conjugate() * rate.angular) * self.top.inertia)
     }
+}
+
+/// Number of the principal axis about which a slender body has the least moment: its length.
+pub(super) fn thinnest(moments: &DVec3) -> usize {
+    (0..3).fold(0, |least, axis| if moments[axis] < moments[least] { axis } else { least })
+}
+
+pub(super) fn is_slender(moments: &DVec3) -> bool {
+    moments.max_element() > MAX_SHEAR * moments.min_element()
 }
 
 /// The matrix without the rows and columns of locked axes.

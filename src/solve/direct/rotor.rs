@@ -31,6 +31,7 @@
 
 use glam::{DQuat, DVec3};
 
+use super::body::{is_slender, thinnest};
 use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
 use crate::solve::rotation;
@@ -49,11 +50,6 @@ const MIN_SHARE: f64 = 2.0;
 /// momentum goes round with the spin, and comes to nothing over a turn.
 const ALIKE: f64 = 1.0e-3;
 
-/// Greatest over least moment of inertia beyond which a body counts as slender: a rod, a shaft, a blade. A small tilt of its momentum is a
-/// large spin about its length, so its axis is always its length, and the momentum about that is extrapolated by itself. Taken as others
-/// are, with 76 a gyroscope lost all its spin in a second.
-const MAX_SHEAR: f64 = 4.0;
-
 /// Most that the axis of a rotor turns by in a substep of the world (rad): what is extrapolated of it is slow.
 const MAX_AXIS_TURN: f64 = 0.5;
 
@@ -64,15 +60,6 @@ const BLURRED_SPIN: f64 = 1.0;
 fn unlike(moments: &DVec3, axis: usize) -> f64 {
     let (i, j) = (moments[(axis + 1) % 3], moments[(axis + 2) % 3]);
     (i - j).abs() / (i + j)
-}
-
-/// Number of the principal axis about which a slender body has the least moment: its length.
-pub(super) fn thinnest(moments: &DVec3) -> usize {
-    (0..3).fold(0, |least, axis| if moments[axis] < moments[least] { axis } else { least })
-}
-
-pub(super) fn is_slender(moments: &DVec3) -> bool {
-    moments.max_element() > MAX_SHEAR * moments.min_element()
 }
 
 /// A body that spins fast about an axis of symmetry.
@@ -227,9 +214,6 @@ impl Rotor {
     /// What the rest of an angular velocity, across the axis, changes of the spin in a time of `h` (s) where the moments across differ
     /// (rad/s): (I₂ − I₃) ω₂ ω₃ h / C.
     fn coupling(&self, rotation: DQuat, rest: DVec3, h: f64) -> f64 {
-        if self.uneven == 0.0 {
-            return 0.0;
-        }
         let local = (rotation * self.frame).conjugate() * rest;
         self.uneven * local[(self.number + 1) % 3] * local[(self.number + 2) % 3] * (h / self.along)
     }
@@ -250,6 +234,9 @@ impl Rotor {
         let (spin, rest) = self.split(angular);
         let change = rotation::quaternion_of(rest * h) * self.first - self.held;
         let across = (change - self.held * change.dot(self.held)) * (-self.along * spin / self.across);
+        if self.uneven == 0.0 {
+            return across;
+        }
         across + self.held * self.coupling(self.turned(angular, h), rest, h)
     }
 

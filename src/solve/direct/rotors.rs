@@ -3,8 +3,10 @@
 use glam::DVec3;
 
 use super::articulation::{Articulation, Mode};
+use super::body::{is_slender, thinnest};
 use super::multistep::rotation_vector;
-use super::rotor::{self, Rotor};
+use super::rotor::Rotor;
+use super::stiffness::IMPLICIT_RANGE;
 use super::wide_integrator;
 use crate::linalg::narrowing;
 use crate::solve::rotation;
@@ -21,6 +23,10 @@ const AXIS_ERROR: f64 = 1.0e-7;
 /// Gain of kinetic energy in a safe substep that is rounding.
 const ROUNDING: f64 = 1.0e-6;
 
+/// Angular momentum of a spin, over that with which the forces of joints swing its axis, up to which these hold the axis where they turn it
+/// faster than a substep resolves: the rods of a falling tree under boxes of ten tonnes are at 0.01, gyroscopes above one. Test: tests/rotors.rs.
+const MIN_MOMENT: f64 = 0.1;
+
 /// Passes that a substep may take for its rotors.
 const MAX_PASSES: usize = 6;
 
@@ -32,6 +38,9 @@ impl Articulation {
             let state = (&self.local_poses[number], &self.rates[number]);
             let known = self.histories[number].spin_turn != 0.0;
             self.rotors.extend(Rotor::of(number, &self.bodies[number], state, known, self.world_substep));
+        }
+        if !self.rotors.is_empty() {
+            self.leave_held_rotors();
         }
         if !self.rotors.is_empty() {
             self.find_shafts();
@@ -47,8 +56,8 @@ impl Articulation {
                 // It spins no faster than others: both ways in one vector again.
                 let (top, rotation) = (&self.bodies[number].top, self.local_poses[number].1);
                 let spun = f64::from(history.spin_turn);
-                let spun = if rotor::is_slender(&top.inertia) {
-                    rotation * top.frame * DVec3::AXES[rotor::thinnest(&top.inertia)] * spun
+                let spun = if is_slender(&top.inertia) {
+                    rotation * top.frame * DVec3::AXES[thinnest(&top.inertia)] * spun
                 } else {
                     self.rates[number].angular.normalize_or_zero() * spun.abs()
                 };
@@ -61,16 +70,44 @@ impl Articulation {
         }
     }
 
-    /// Takes slender bodies that are no rotors along with those that are, all in the order of their bodies.
-    fn find_shafts(&mut self) {
-        let spinning = self.rotors.len();
-        for number in 0..self.bodies.len() {
-            if self.rotors[..spinning].binary_search_by_key(&number, |rotor| rotor.body).is_err() {
-                let state = (&self.local_poses[number], &self.rates[number]);
-                self.rotors.extend(Rotor::of_shaft(number, &self.bodies[number], state, self.world_substep));
+    /// Leaves out rotors whose axes the forces of joints turn faster than a substep resolves, and by far more than spin does: the light rods of
+    /// a tree under tonnes. With f the forces at levers r, (A f r)^½ is the moment of momentum with which the axis swings in them.
+    fn leave_held_rotors(&mut self) {
+        let Self { rotors, links, entries, rates, local_poses, rotor_loads, world_substep, .. } = self;
+        rotor_loads.clear();
+        rotor_loads.resize(rates.len(), 0.0);
+        for (link, entry) in links.iter().zip(&*entries) {
+            let force = f64::from(entry.impulses.point.length()) / *world_substep;
+            for side in 0..2 {
+                rotor_loads[link.bodies[side] as usize] += force * entry.local_lever[side].length();
             }
         }
-        self.rotors.sort_unstable_by_key(|rotor| rotor.body);
+        rotors.retain(|rotor| {
+            let load = rotor_loads[rotor.body];
+            let spin = rates[rotor.body].angular.dot(local_poses[rotor.body].1 * rotor.axis);
+            let is_held = load * *world_substep * *world_substep > IMPLICIT_RANGE.1 * rotor.across;
+            !is_held || (rotor.along * spin).powi(2) > MIN_MOMENT * MIN_MOMENT * rotor.across * load
+        });
+    }
+
+    /// Takes slender bodies in joints with rotors along with these, all in the order of their bodies.
+    fn find_shafts(&mut self) {
+        let Self { rotors, links, bodies, rates, local_poses, world_substep, .. } = self;
+        let spinning = rotors.len();
+        for link in &*links {
+            let ends = link.bodies.map(|body| body as usize);
+            let spins = ends.map(|body| rotors[..spinning].binary_search_by_key(&body, |rotor| rotor.body).is_ok());
+            let number = match spins {
+                [true, false] => ends[1],
+                [false, true] => ends[0],
+                _ => continue,
+            };
+            if rotors[spinning..].iter().all(|shaft| shaft.body != number) {
+                let state = (&local_poses[number], &rates[number]);
+                rotors.extend(Rotor::of_shaft(number, &bodies[number], state, *world_substep));
+            }
+        }
+        rotors.sort_unstable_by_key(|rotor| rotor.body);
     }
 
     /// Puts rotors where the Euler part, `h` long, of a substep starts, and finds where it leads to without joints.

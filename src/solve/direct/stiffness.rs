@@ -34,6 +34,19 @@ pub(crate) fn of_impulse(impulse: DVec3, lever: DVec3) -> DMat3 {
     DMat3::from_cols(DVec3::new(diagonal.x, xy, xz), DVec3::new(xy, diagonal.y, yz), DVec3::new(xz, yz, diagonal.z))
 }
 
+/// What joins [`of_impulse`] for a slender body with its length along `axis`, a unit vector, where its spin about that is counted apart
+/// from how the axis turns.
+///
+/// The second derivative depends on the coordinates wherever there is a torque. With R = exp(θ) exp(φ a) and θ across a, it is that of the
+/// rotation vector θ + φ a and ½ ((τ×a) aᵀ + a (τ×a)ᵀ), τ = r × f: a force at a lever along a never spins the body. With the rotation
+/// vector alone, a rod that whips would be spun by half the torque times the turn, over the little that it weighs about its length.
+pub(crate) fn about_axis(impulse: DVec3, lever: DVec3, axis: DVec3) -> DMat3 {
+    let w = (impulse * lever.dot(axis) - lever * impulse.dot(axis)) * 0.5;
+    let (xy, xz, yz) = (w.x * axis.y + w.y * axis.x, w.x * axis.z + w.z * axis.x, w.y * axis.z + w.z * axis.y);
+    let diagonal = 2.0 * w * axis;
+    DMat3::from_cols(DVec3::new(diagonal.x, xy, xz), DVec3::new(xy, diagonal.y, yz), DVec3::new(xz, yz, diagonal.z))
+}
+
 /// The same matrices with no negative eigenvalue, but for rounding and what a few Newton steps leave on the safe side.
 ///
 /// p(λ) = det(A − λ) is convex and positive left of the lowest root, so that Newton's steps from a lower bound (Gershgorin's) never
@@ -60,6 +73,8 @@ pub(super) fn without_negative<F: Four>(g: Sym3x4<F>) -> Sym3x4<F> {
 
 #[cfg(test)]
 mod tests {
+    use glam::DQuat;
+
     use super::*;
     use crate::lanes::four::Plain;
 
@@ -67,6 +82,29 @@ mod tests {
     fn tension_along_the_lever_stiffens_only_across_it() {
         let g = of_impulse(DVec3::new(0.0, -3.0, 0.0), DVec3::new(0.0, -0.5, 0.0));
         assert_eq!(g, DMat3::from_diagonal(DVec3::new(1.5, 0.0, 1.5)));
+    }
+
+    #[test]
+    fn a_slender_body_has_the_stiffness_of_a_turn_of_its_axis_followed_by_a_spin() {
+        let (axis, across) = (DVec3::Z, [DVec3::X, DVec3::Y]);
+        let (force, lever) = (DVec3::new(3.0, -1.0, 5.0), DVec3::new(0.1, 0.2, 0.7));
+        let work = |turn: DVec3| {
+            let tilt = DQuat::from_scaled_axis(turn - axis * turn.dot(axis));
+            force.dot(tilt * (DQuat::from_axis_angle(axis, turn.dot(axis)) * lever))
+        };
+        let found = of_impulse(force, lever) + about_axis(force, lever, axis);
+        let step = 1.0e-4;
+        for a in [axis, across[0], across[1]] {
+            for b in [axis, across[0], across[1]] {
+                let [more, less] =
+                    [step, -step].map(|step| work((a + b) * step) - work(a * step) - work(b * step) + work(DVec3::ZERO));
+                let expected = -0.5 * (more + less) / (step * step);
+                let given = a.dot(found * b);
+                assert!((given - expected).abs() < 1.0e-6, "{given} for {expected} N·m along {a} and {b}");
+            }
+        }
+        let on_axis = of_impulse(force, axis) + about_axis(force, axis, axis);
+        assert!((on_axis * axis).length() < 1.0e-12, "a force at the end of a rod spins it: {on_axis:?}");
     }
 
     /// Whether no principal minor is below `least`.

@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3, Vec3};
 
 use super::articulation::{Articulation, Mode};
+use super::body::DirectBody;
 use super::distance_stiffness::DistanceLine;
 use super::multistep::{LocalError, SecondOrder};
 use super::row::Origin;
@@ -236,6 +237,7 @@ impl Articulation {
     pub(super) fn find_stiffness(&mut self, h: f64, mode: Mode, share: f64) {
         self.stiffness.clear();
         self.stiffness.resize(self.bodies.len(), DMat3::ZERO);
+        self.find_slender();
         self.turning.clear();
         self.turning.resize(self.bodies.len(), DVec3::ZERO);
         self.implicit.clear();
@@ -268,10 +270,29 @@ impl Articulation {
                 continue;
             }
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
-                self.stiffness[link.bodies[side] as usize] +=
-                    stiffness::of_impulse(impulse * sign, levers[side]) * (h * implicit);
+                let body = link.bodies[side] as usize;
+                let (impulse, lever) = (impulse * sign, levers[side]);
+                let mut stiffness = stiffness::of_impulse(impulse, lever);
+                let slender = self.slender[body];
+                if slender != DVec3::ZERO {
+                    let ahead = self.is_points && mode != Mode::Safe;
+                    let pose = if ahead { &self.predicted[body] } else { &self.local_poses[body] };
+                    stiffness += stiffness::about_axis(impulse, lever, pose.1 * slender);
+                }
+                self.stiffness[body] += stiffness * (h * implicit);
             }
         }
+    }
+
+    /// Finds the slender bodies that forces at points alone act on. Where a joint bears moments, or a contact pushes, what the forces of joints
+    /// turn a body by is no torque that is left over.
+    fn find_slender(&mut self) {
+        let Self { slender, bodies, links, touches, .. } = self;
+        slender.clear();
+        slender.extend(bodies.iter().map(DirectBody::length));
+        let moments = links.iter().filter(|link| !link.is_plain).flat_map(|link| link.bodies);
+        let contacts = touches.iter().flat_map(|touch| [touch.body, touch.other]);
+        moments.chain(contacts).for_each(|body| slender[body as usize] = DVec3::ZERO);
     }
 
     /// Line of a distance joint that pulls, at the poses of now.

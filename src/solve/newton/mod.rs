@@ -110,11 +110,6 @@ impl Newton {
         self.islands().iter().flat_map(|island| &island.held.entries)
     }
 
-    /// Slots of the bodies that it moves.
-    pub(crate) fn moved_slots(&self) -> impl Iterator<Item = u32> {
-        self.islands().iter().flat_map(|island| island.slots.clone())
-    }
-
     fn patch(&self, number: usize) -> Option<&Patch> {
         let (island, patch) = (*self.held.get(number)?)?;
         Some(&self.islands[island as usize].patches[patch as usize])

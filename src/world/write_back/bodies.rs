@@ -203,7 +203,7 @@ impl World {
 
 impl<'a> Moves<'a> {
     fn new(limits: Limits, number: usize, batch: &'a Batch, unions: &'a Unions) -> Self {
-        let may_stride = batch.direct.sweeps_blocks() || batch.mesh.is_one();
+        let may_stride = batch.direct.sweeps_blocks() || batch.mesh.is_one() || !batch.newton.islands().is_empty();
         Self { limits, number, batch, unions, may_stride }
     }
 
@@ -312,9 +312,9 @@ fn store_histories(batch: &Batch, bodies: &mut Pool<Body, BodyId>) {
     for (slot, history) in batch.direct.histories() {
         bodies[batch.bodies[slot as usize]].history.set(*history);
     }
-    if batch.direct.sweeps_blocks() {
+    if batch.direct.sweeps_blocks() || !batch.newton.islands().is_empty() {
         let swept_alone = batch.joints.entries.iter().flat_map(|entry| [entry.a, entry.b]);
-        let moved_alone = batch.direct.slots_moved_alone().chain(batch.newton.moved_slots());
+        let moved_alone = batch.direct.slots_moved_alone();
         for slot in moved_alone.chain(swept_alone).filter(|&slot| slot != WORLD_SLOT) {
             bodies[batch.bodies[slot as usize]].smooth_for = 0;
         }
