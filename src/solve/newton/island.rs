@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 
 use super::held::{Ends, JointSet, rate_of, settle_row, settle_term, vector};
 use super::joints::MultiplierSlot;
+use super::masses::mass_of;
 use super::passes::{Effort, MAX_FACTORS};
 use super::patch::Patch;
 use super::problem::{BodyMass, Problem, Stiff};
@@ -61,7 +62,8 @@ struct CoupledOutcome {
     kinetic: f64,
     /// Greatest speed at which rows that always hold have been left to part (m/s, rad/s).
     strain: f64,
-    /// Whether a factorisation takes more work than it may: the step has not been begun.
+    /// Most multiplications that a factorisation may take, and whether one takes more: the step has not been begun then.
+    most_work: u64,
     is_large: bool,
 }
 
@@ -70,8 +72,6 @@ struct CoupledOutcome {
 pub(crate) struct CoupledIsland {
     /// Slots of the bodies that it moves.
     pub slots: Range<u32>,
-    /// Most multiplications that a factorisation may take.
-    most_work: u64,
     /// Whether its joints close a loop.
     pub(super) is_looped: bool,
     pub(super) held: JointSet,
@@ -108,14 +108,14 @@ impl CoupledIsland {
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
     ) {
-        (self.slots, self.is_looped, self.most_work) = (slots.clone(), is_looped, most_work);
+        (self.slots, self.is_looped) = (slots.clone(), is_looped);
         self.held.clear();
         self.bodies.clear();
         self.anchors.clear();
         self.rates.clear();
         self.local_poses.clear();
         self.patches.clear();
-        (self.outcome, self.handed_out) = (CoupledOutcome::default(), 0);
+        (self.outcome, self.handed_out) = (CoupledOutcome { most_work, ..CoupledOutcome::default() }, 0);
         self.enlist(WORLD_SLOT, velocities, motions);
         for slot in slots {
             self.enlist(slot, velocities, motions);
@@ -164,7 +164,7 @@ impl CoupledIsland {
                 return;
             }
             // What is begun is brought to its end, whatever rows come.
-            self.most_work = u64::MAX;
+            self.outcome.most_work = u64::MAX;
             self.rebound(joints, settings, h, left);
             let budget = budget.get_or_insert_with(|| self.budget(settings));
             let kept_back = FREE_FACTORS * (settings.substeps - 1 - substep);
@@ -285,8 +285,8 @@ impl CoupledIsland {
         }
         self.mask();
         self.find_stiffness(h);
-        let Self { problem, pairs, most_work, outcome, .. } = self;
-        outcome.is_large = !problem.find_structure(pairs, *most_work);
+        let Self { problem, pairs, outcome, .. } = self;
+        outcome.is_large = !problem.find_structure(pairs, outcome.most_work);
         problem.begin();
     }
 
@@ -475,24 +475,4 @@ impl CoupledIsland {
             factor_size: 36 * (self.problem.structure.block_count() + self.problem.structure.node_count()) as u32,
         }
     }
-}
-
-/// Mass of a body with its damping; locked axes have one that nothing pushes.
-fn mass_of(body: &DirectBody, stance: &LocalPose, h: f64) -> BodyMass {
-    let free = body.free_axes();
-    let inverse = body.inverse_mass.to_array();
-    let linear = std::array::from_fn(|i| if free[i] == 0.0 { 1.0 } else { 1.0 / inverse[i] });
-    let inertia = body.inertia_at(stance) * body.weights(h)[1];
-    let turning = DVec3::new(free[3], free[4], free[5]);
-    if turning == DVec3::ONE {
-        return BodyMass { linear, angular: inertia.to_cols_array_2d(), ..BodyMass::default() };
-    }
-    let answer = inertia.inverse();
-    let masked = DMat3::from_cols(
-        answer.x_axis * turning * turning.x,
-        answer.y_axis * turning * turning.y,
-        answer.z_axis * turning * turning.z,
-    );
-    let angular = (masked + DMat3::from_diagonal(DVec3::ONE - turning)).inverse();
-    BodyMass { linear, angular: angular.to_cols_array_2d(), ..BodyMass::default() }
 }

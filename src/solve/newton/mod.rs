@@ -6,8 +6,9 @@
 //! factorisation a substep. The derivation is in *docs/reference/coupled.md*.
 //!
 //! `elimination`, `factor`, `refine`, `term`, `problem`, `passes`, `admm` and `impact` are numbers on plain arrays and know nothing of the engine;
-//! `positions` is what they do for errors of positions. `joints` (of `held`) and `patch` make joints and manifolds their rows, `stiffness` says how
-//! forces turn, `island` takes the step, `rebound` what hits in it, and `gaps` closes what it leaves open. Which islands are solved here is said by [`plan`](crate::solve::plan).
+//! `positions` is what they do for errors of positions. `joints` (of `held`), `patch` and `masses` make joints, manifolds and bodies theirs,
+//! `stiffness` says how forces turn, `island` takes the step, `rebound` what hits in it, and `gaps` closes what it leaves open. Which islands
+//! are solved here is said by [`plan`](crate::solve::plan).
 
 #![expect(clippy::needless_range_loop, reason = "an index names a row or a column of several arrays alike")]
 
@@ -32,6 +33,7 @@ mod held;
 mod impact;
 mod island;
 mod joints;
+mod masses;
 mod passes;
 mod patch;
 mod positions;

@@ -1,0 +1,27 @@
+//! Bodies of an island as its problem knows them.
+
+use glam::{DMat3, DVec3};
+
+use super::problem::BodyMass;
+use crate::solve::direct::body::DirectBody;
+use crate::solve::joint::LocalPose;
+
+/// Mass of a body with its damping; locked axes have one that nothing pushes.
+pub(super) fn mass_of(body: &DirectBody, stance: &LocalPose, h: f64) -> BodyMass {
+    let free = body.free_axes();
+    let inverse = body.inverse_mass.to_array();
+    let linear = std::array::from_fn(|i| if free[i] == 0.0 { 1.0 } else { 1.0 / inverse[i] });
+    let inertia = body.inertia_at(stance) * body.weights(h)[1];
+    let turning = DVec3::new(free[3], free[4], free[5]);
+    if turning == DVec3::ONE {
+        return BodyMass { linear, angular: inertia.to_cols_array_2d(), ..BodyMass::default() };
+    }
+    let answer = inertia.inverse();
+    let masked = DMat3::from_cols(
+        answer.x_axis * turning * turning.x,
+        answer.y_axis * turning * turning.y,
+        answer.z_axis * turning * turning.z,
+    );
+    let angular = (masked + DMat3::from_diagonal(DVec3::ONE - turning)).inverse();
+    BodyMass { linear, angular: angular.to_cols_array_2d(), ..BodyMass::default() }
+}
