@@ -3,6 +3,7 @@
 use glam::{DVec3, Mat3, Quat, Vec3};
 
 use crate::check;
+use crate::dwell_time::{DwellTime, Settling};
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{JointId, ShapeId};
 use crate::kinematic_path::KinematicPath;
@@ -172,14 +173,12 @@ pub(crate) struct Body {
     pub shapes: Vec<ShapeId>,
     pub joints: Vec<JointId>,
     pub sleep: SleepState,
-    /// Number of steps, at most 255, since it was made or put somewhere.
-    pub age: u8,
-    /// Number of steps, at most 255, for which nothing in its island has moved fast across gravity.
-    pub steady_for: u8,
-    /// Number of steps for which it has been calm, at most 255.
-    pub calm_for: u8,
-    /// Number of steps, at most 255, for which it has moved smoothly: by itself, or in an articulation that is swept with contacts.
-    pub smooth_for: u8,
+    /// How far it is from lying where it was put.
+    pub settling: Settling,
+    /// For how long it has been calm.
+    pub calm_for: DwellTime,
+    /// For how long it has moved smoothly: by itself, or in an articulation that is swept with contacts.
+    pub smooth_for: DwellTime,
     /// Whether it keeps its pose in this step because nothing could move it.
     pub held: bool,
     /// Whether it has woken since what moved was last listed.
@@ -252,10 +251,9 @@ impl Body {
             shapes: Vec::new(),
             joints: Vec::new(),
             sleep: SleepState::AWAKE,
-            age: 0,
-            steady_for: u8::MAX,
-            calm_for: 0,
-            smooth_for: 0,
+            settling: Settling::NEW,
+            calm_for: DwellTime::NONE,
+            smooth_for: DwellTime::NONE,
             woke: false,
             held: false,
             anchored: Anchored::No,

@@ -31,6 +31,7 @@ mod check;
 mod collide;
 mod contact;
 mod debug;
+mod dwell_time;
 mod error;
 mod fracture;
 mod hull;

@@ -15,8 +15,8 @@ pub(crate) struct History {
     pub h: f32,
     /// Substeps that the articulation should take in the next step.
     pub substeps: u32,
-    /// Steps for which its articulation's contacts are swept, as rows of the same system they did not settle.
-    pub swept_steps: u32,
+    /// Further time for which its articulation's contacts are swept, as rows of the same system they did not settle (s).
+    pub swept_for: f32,
     /// Displacement (m) and rotation vector (rad).
     pub(crate) displacement: Vec3,
     pub(crate) turn: Vec3,
@@ -39,7 +39,7 @@ impl History {
     pub(crate) const NONE: Self = Self {
         h: 0.0,
         substeps: 0,
-        swept_steps: 0,
+        swept_for: 0.0,
         displacement: Vec3::ZERO,
         turn: Vec3::ZERO,
         spin_turn: 0.0,
@@ -94,8 +94,8 @@ impl StepHistory {
         }
     }
 
-    pub(crate) fn set_swept_steps(&mut self, steps: u32) {
-        self.set(History { swept_steps: steps, ..self.get() });
+    pub(crate) fn set_swept_for(&mut self, time: f32) {
+        self.set(History { swept_for: time, ..self.get() });
     }
 
     /// Forgets everything; the room is kept, for a step that is to come.

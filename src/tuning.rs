@@ -6,16 +6,16 @@
 
 /// Islands that stand still and are not solved: see `world/hold.rs`.
 pub(crate) mod hold {
-    /// Steps for which all bodies of an island must be calm, where every one of them is supported.
-    /// Why: half a second at 60 Hz, as long as an island must be quiet to sleep.
+    /// Time for which all bodies of an island must be calm, where every one of them is supported (s).
+    /// Why: as long as an island must be quiet to sleep.
     /// Scenes: tower, tower loose=on, column, heavy_on_light.
     /// Test: tests/hold.rs
-    pub(crate) const CALM_STEPS: u8 = 30;
-    /// Steps after which it is enough that every contact below the bodies holds: stones of an arch, a ball in a dent.
+    pub(crate) const CALM_TIME: f32 = 0.5;
+    /// Time after which it is enough that every contact below the bodies holds: stones of an arch, a ball in a dent (s).
     /// Why: what is out of balance has left by then; a box on its edge doubles its lean every tenth of a second.
     /// Scenes: arch, card_house, pile.
     /// Test: tests/hold.rs
-    pub(crate) const STILL_STEPS: u8 = 150;
+    pub(crate) const STILL_TIME: f32 = 2.5;
     /// Speed below which a body is calm: share of what gravity adds in a step.
     /// Why: a falling body has a hundred times as much after one step.
     /// Scenes: tower, arch, card_house.
@@ -40,16 +40,21 @@ pub(crate) mod units {
     /// Scenes: ragdoll_pile, ragdoll_rain (3, 5 and 8 mm/s were tried: docs/lab/support.md).
     /// Test: tests/held_units.rs
     pub(crate) const UNIT_CALM_SHARE: f32 = 3.0e-2;
-    /// Steps for which bodies must be calm before a unit is first held.
-    /// Why: with 30 steps a third fewer bodies of a heap were held.
+    /// Time for which bodies must be calm before a unit is first held (s).
+    /// Why: with half a second a third fewer bodies of a heap were held.
     /// Scenes: ragdoll_rain.
     /// Test: tests/held_units.rs
-    pub(crate) const CALM_STEPS: u8 = 10;
-    /// Steps for which bodies must be calm where another load has ended a hold.
+    pub(crate) const CALM_TIME: f32 = 1.0 / 6.0;
+    /// Time for which bodies must be calm where another load has ended a hold (s).
     /// Why: the unit is known to lie still; only its load is new.
     /// Scenes: ragdoll_rain.
     /// Test: tests/held_units.rs
-    pub(crate) const AGAIN_STEPS: u8 = 3;
+    pub(crate) const AGAIN_TIME: f32 = 0.05;
+    /// Time between two looks at a body that is calm and not held (s).
+    /// Why: each costs a walk through its unit; what stops a unit from being held, a spinning end or a blow, lasts for tenths of a second.
+    /// Scenes: ragdoll_rain, ragdoll_pile.
+    /// Test: tests/held_units.rs
+    pub(crate) const LOOK_TIME: f32 = 1.0 / 15.0;
     /// Change of the load of a body that ends a hold: share of what it bears and weighs.
     /// Why: with 2 and 5 % of the unit's weight less than half as many bodies of a heap were held.
     /// Scenes: ragdoll_rain.
@@ -69,11 +74,11 @@ pub(crate) mod units {
 
 /// Substeps that a smooth island takes at once: see `world/substep_multiplier.rs`.
 pub(crate) mod stride {
-    /// Steps for which an island must have been smooth.
+    /// Time for which an island must have been smooth (s).
     /// Why: carried multipliers are exact only where forces have stayed what they were.
     /// Scenes: excavator, joint_grid.
     /// Test: tests/strides.rs
-    pub(crate) const SMOOTH_STEPS: u8 = 10;
+    pub(crate) const SMOOTH_TIME: f32 = 0.167;
     /// Change of velocity in a step: share of what gravity adds.
     /// Why: the load of the next step is known to a twentieth.
     /// Scenes: excavator, joint_grid.
@@ -179,11 +184,11 @@ pub(crate) mod support {
     /// Scenes: support_gallery.
     /// Test: tests/support.rs
     pub(crate) const EDGE_SHARE: f32 = 1.0e-3;
-    /// Steps for which a body must be supported before that is an event.
+    /// Time for which a body must be supported before that is an event (s).
     /// Why: contacts come and go while something settles.
     /// Scenes: pile, tower.
     /// Test: tests/support.rs
-    pub(crate) const GAIN_STEPS: u8 = 6;
+    pub(crate) const GAIN_TIME: f32 = 0.1;
 }
 
 /// What stands by thrust: see `world/support/arch_stability.rs`.
@@ -295,16 +300,12 @@ pub(crate) mod stacks {
     /// Scenes: tower hit by a ball, 44 seeds.
     /// Test: tests/stacks.rs
     pub(crate) const SIDEWAYS_TIME: f32 = 0.05;
-    /// Age up to which a body is being put where it is (steps).
-    /// Why: a loosely built tower settles in 0.2 s; after four seconds at 60 Hz nothing is being built any more.
-    /// Scenes: tower loose=on, 20 seeds.
+    /// Time for which a body is being put where it is, once it was made or put there, if it stays below the sideways speed; and for which one
+    /// that did not must stay below it (s).
+    /// Why: a loosely built tower settles in 0.2 s; after four seconds nothing is being built any more, and a thrown body never qualifies.
+    /// Scenes: tower loose=on, 20 seeds; tower hit by a ball, 44 seeds.
     /// Test: tests/stacks.rs
-    pub(crate) const YOUNG_STEPS: u8 = 240;
-    /// Steps an island must stay below the sideways speed.
-    /// Why: at least `YOUNG_STEPS`, so that a thrown body never qualifies.
-    /// Scenes: tower hit by a ball, 44 seeds.
-    /// Test: tests/stacks.rs
-    pub(crate) const STEADY_STEPS: u8 = 240;
+    pub(crate) const SETTLING_TIME: f32 = 4.0;
     /// Least energy that the pass must take out of an island: share of what gravity puts into it in a substep.
     /// Why: the sweeps do as well with less, and leave a stack that is loaded already as it is.
     /// Scenes: tower loose=on (a thousandth was tried: 2.1 s to settle instead of 0.17).

@@ -12,6 +12,7 @@ const FLOORS: &[&[&str]] = &[
     &[
         "load_distribution",
         "check",
+        "dwell_time",
         "error",
         "id",
         "island",

@@ -11,6 +11,7 @@ use super::stored::{Reader, Stored, Writer, stored, stored_enum};
 use crate::body::{Anchored, Body, BodyDef, BodyKind, Drift, LockedAxes, SleepState};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::PairKey;
+use crate::dwell_time::{DwellTime, Settling};
 use crate::fracture::strain::{ImpulseSpan, Strain};
 use crate::fracture::{Damage, FractureSettings, Strength};
 use crate::id::{JointId, Slot};
@@ -47,7 +48,7 @@ pub(crate) struct WorldRow {
     pub sensed: Vec<ContactPair>,
     /// Bodies of which it was said that they are supported, and those of which something else may be said soon.
     pub said_supported: Runs,
-    pub watched: Vec<(u32, u8)>,
+    pub watched: Vec<(u32, DwellTime)>,
     /// Whether long-range bounds are to be derived anew.
     pub bounds_stale: bool,
     /// Bodies whose unions are to be made anew.
@@ -170,8 +171,7 @@ stored!(Body {
     quarantined,
     history,
     path,
-    age,
-    steady_for,
+    settling,
     calm_for,
     smooth_for,
     held,
@@ -212,7 +212,7 @@ stored!(CollisionFilter { member_of, collides_with });
 stored!(History {
     h,
     substeps,
-    swept_steps,
+    swept_for,
     displacement,
     turn,
     spin_turn,
@@ -352,6 +352,24 @@ impl<T: Stored> Stored for Slot<T> {
     }
     fn take(input: &mut Reader) -> Option<Self> {
         Some(Self { generation: Stored::take(input)?, value: Stored::take(input)? })
+    }
+}
+
+impl Stored for DwellTime {
+    fn put(&self, out: &mut Writer) {
+        self.seconds().put(out);
+    }
+    fn take(input: &mut Reader) -> Option<Self> {
+        Self::from_seconds(Stored::take(input)?)
+    }
+}
+
+impl Stored for Settling {
+    fn put(&self, out: &mut Writer) {
+        self.seconds().put(out);
+    }
+    fn take(input: &mut Reader) -> Option<Self> {
+        Self::from_seconds(Stored::take(input)?)
     }
 }
 

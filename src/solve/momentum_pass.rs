@@ -16,8 +16,8 @@
 //! Only contacts whose friction cone holds the vertical take part. Momentum across gravity counts as much as along it: friction has a
 //! moment at every storey, and left to the sweeps it makes the multipliers that are carried over a spring on which a tower sways.
 //!
-//! The pass is for islands that are being put together: with a body younger than [`YOUNG_STEPS`], and in which nothing has moved fast
-//! across gravity of late (thrown things are not stopped by handing their momentum straight down). How fast things fall does not
+//! The pass is for islands that are being put together: with a body that was made or put where it is less than `SETTLING_TIME` ago, and in
+//! which nothing has moved fast across gravity of late (thrown things are not stopped by handing their momentum straight down). How fast things fall does not
 //! matter.
 //!
 //! Bodies of one storey neither stand on each other nor hand anything to each other: several threads go through a wide one side by
@@ -40,7 +40,6 @@ use super::parallel_contacts;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::tight_vec::resize;
 use crate::tuning::stacks::{MIN_LEVELS, SIDEWAYS_TIME, WORTHWHILE_SHARE};
-pub(crate) use crate::tuning::stacks::{STEADY_STEPS, YOUNG_STEPS};
 use crate::workers::Workers;
 use changes::LaneChanges;
 use order::Order;

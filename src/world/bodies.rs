@@ -70,7 +70,7 @@ impl World {
         let record = &mut self.bodies[index];
         record.set_pose(pose);
         record.take_target();
-        record.age = 0;
+        record.settling.put();
         let (returned, follows) = (std::mem::take(&mut record.quarantined), !record.is_free());
         if returned {
             self.topology_changed();

@@ -4,7 +4,9 @@
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use super::World;
+use super::substep_multiplier::is_smooth;
 use crate::body::{Body, BodyKind};
+use crate::tuning::{hold, units};
 
 /// Bodies from which on all threads are at it, and those that are worth another thread's while: some 5 µs.
 const SHARED_MOVERS: usize = 1024;
@@ -14,9 +16,6 @@ const MIN_SLOTS: usize = 512;
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct BodySummary {
     flags: u8,
-    /// As [`Body::calm_for`] and [`Body::smooth_for`].
-    pub calm_for: u8,
-    pub smooth_for: u8,
 }
 
 impl BodySummary {
@@ -25,6 +24,9 @@ impl BodySummary {
     const HELD: u8 = 4;
     const JOINTED: u8 = 8;
     const FAST: u8 = 16;
+    const SMOOTH: u8 = 32;
+    const CALM: u8 = 64;
+    const CALM_UNIT: u8 = 128;
     /// What is told of all bodies together.
     const TOLD: u8 = Self::DRIVES | Self::FAST;
 
@@ -36,9 +38,12 @@ impl BodySummary {
             (body.held, Self::HELD),
             (!body.joints.is_empty(), Self::JOINTED),
             (body.fast, Self::FAST),
+            (is_smooth(body), Self::SMOOTH),
+            (body.calm_for.reaches(hold::CALM_TIME), Self::CALM),
+            (body.calm_for.reaches(units::CALM_TIME), Self::CALM_UNIT),
         ];
         let flags = flags.into_iter().map(|(is_so, flag)| if is_so { flag } else { 0 }).sum();
-        Self { flags, calm_for: body.calm_for, smooth_for: body.smooth_for }
+        Self { flags }
     }
 
     /// As [`Body::is_free`].
@@ -52,6 +57,21 @@ impl BodySummary {
 
     pub(super) fn is_jointed(self) -> bool {
         self.flags & Self::JOINTED != 0
+    }
+
+    /// Whether it has been calm for long enough to be held with its island.
+    pub(super) fn is_calm(self) -> bool {
+        self.flags & Self::CALM != 0
+    }
+
+    /// Whether it has been calm for long enough to be held with its unit.
+    pub(super) fn is_calm_in_unit(self) -> bool {
+        self.flags & Self::CALM_UNIT != 0
+    }
+
+    /// Whether it has moved smoothly for long enough.
+    pub(super) fn is_smooth(self) -> bool {
+        self.flags & Self::SMOOTH != 0
     }
 }
 

@@ -3,7 +3,7 @@
 //! This is the long-range constraint of the paper's §3.6, from every supported body to the ground, for whole islands. The solver
 //! has found multipliers under which nothing moves, so solving again would find them again. What makes it safe is when it ends:
 //!
-//! * **Engaged** only if for [`CALM_STEPS`] steps no body has kept more speed than [`CALM_SHARE`] of what gravity adds in a step, the
+//! * **Engaged** only if for [`CALM_TIME`] no body has kept more speed than [`CALM_SHARE`] of what gravity adds in a step, the
 //!   support analysis finds every body standing on contacts that hold, by a margin, and nothing overlaps noticeably. Joints and
 //!   their springs, motors and friction are never held.
 //! * **Released** whole, before the step is solved, by anything that could change the answer: an edit of a body or of what it
@@ -20,8 +20,9 @@ use super::World;
 use super::body_summary::BodySummary;
 use super::support::{PairFrame, PairView, kind_of};
 use crate::body::BodyKind;
+use crate::dwell_time::DwellTime;
 use crate::joint_graph::support::{SupportGraph, hull};
-use crate::tuning::hold::{CALM_SHARE, CALM_STEPS, MARGIN_SHARE, OVERLAP_SHARE, STILL_STEPS};
+use crate::tuning::hold::{CALM_SHARE, CALM_TIME, MARGIN_SHARE, OVERLAP_SHARE, STILL_TIME};
 pub(crate) use units::{HeldBody, HeldUnit};
 use units::{UNIT_CALM_SHARE, Units};
 
@@ -47,7 +48,7 @@ impl World {
     /// Lets go of a body that is held; its island follows in the next step.
     pub(super) fn release(&mut self, index: u32) {
         let body = &mut self.bodies[index];
-        (body.held, body.calm_for, body.smooth_for) = (false, 0, 0);
+        (body.held, body.calm_for, body.smooth_for) = (false, DwellTime::NONE, DwellTime::NONE);
     }
 
     pub(super) fn release_all(&mut self) {
@@ -67,7 +68,7 @@ impl World {
             let ends = [colliders[a].body, colliders[b].body];
             if pairs.get(slot).has_points() && ends.iter().any(|&index| drives(&bodies[index])) {
                 for index in ends {
-                    (bodies[index].held, bodies[index].calm_for) = (false, 0);
+                    (bodies[index].held, bodies[index].calm_for) = (false, DwellTime::NONE);
                 }
             }
         }
@@ -81,15 +82,18 @@ impl World {
         hold.let_go = false;
         self.hold_units(&mut hold);
         let mut any = false;
-        let summaries = &self.summaries;
+        let Self { summaries, bodies, last_dt, .. } = &*self;
         for members in self.groups.islands() {
             let known = || members.iter().map(|&index| summaries.of(index));
             let is_held = known().all(BodySummary::is_held);
             hold.let_go |=
                 !is_held && members.iter().any(|&index| summaries.of(index).is_held() && !hold.units.members.has(index));
-            let calm_for = known().map(|known| known.calm_for).min().unwrap_or(0);
-            let is_due = calm_for == u8::MAX || (calm_for > 0 && calm_for % CALM_STEPS == 0);
-            let may_be_candidate = !is_held && is_due && !known().any(BodySummary::is_jointed);
+            let is_due = || {
+                let calm_for = members.iter().map(|&index| bodies[index].calm_for).fold(DwellTime::LONGEST, DwellTime::min);
+                calm_for.completes(CALM_TIME, *last_dt)
+            };
+            let is_calm = |known: BodySummary| known.is_calm() && !known.is_jointed();
+            let may_be_candidate = !is_held && known().all(is_calm) && is_due();
             // What is embedded comes out without a velocity.
             let is_candidate = may_be_candidate && !members.iter().any(|&index| self.creeps(index));
             hold.islands.push(is_held);
@@ -127,12 +131,12 @@ impl World {
         for (number, members) in groups.islands().enumerate().filter(|&(number, _)| hold.candidates[number]) {
             let stands = |&index: &u32| {
                 hold.graph.node(index).is_some_and(|node| {
-                    let is_still = bodies[index].calm_for >= STILL_STEPS && !node.below.is_empty();
+                    let is_still = bodies[index].calm_for.reaches(STILL_TIME) && !node.below.is_empty();
                     let is_supported = node.margin > MARGIN_SHARE * hull::reach(node.hull());
                     (is_still || is_supported) && node.below.iter().all(|&link| hold.graph.link(link).holds)
                 })
             };
-            // Checked again every so many steps while it stays calm.
+            // Checked again each half second while it stays calm.
             hold.islands[number] = hold.candidates[number] && members.iter().all(stands);
         }
     }

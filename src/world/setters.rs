@@ -76,7 +76,8 @@ impl World {
         self.forget_joints_of(index);
         let record = &mut self.bodies[index];
         record.kind = kind;
-        (record.driven, record.age, record.path) = (false, 0, None);
+        (record.driven, record.path) = (false, None);
+        record.settling.put();
         record.history.forget();
         if kind == BodyKind::Static {
             (record.linear_velocity, record.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);

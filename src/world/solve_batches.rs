@@ -220,8 +220,8 @@ impl BatchInput<'_> {
             inertia,
             inertia_frame: mass.inertia_frame,
             kind: if is_round(inertia) { MotionKind::Round } else { MotionKind::Tumbling },
-            steady: lead.steady_for >= crate::solve::momentum_pass::STEADY_STEPS,
-            young: lead.age < crate::solve::momentum_pass::YOUNG_STEPS,
+            steady: lead.settling.is_steady(),
+            young: lead.settling.is_young(),
             jointed,
             constrained: jointed,
             ..BodyMotion::FIXED
@@ -259,8 +259,8 @@ impl BatchInput<'_> {
                 BodyKind::Dynamic if is_round(inertia) => MotionKind::Round,
                 BodyKind::Dynamic => MotionKind::Tumbling,
             },
-            steady: body.steady_for >= crate::solve::momentum_pass::STEADY_STEPS,
-            young: body.age < crate::solve::momentum_pass::YOUNG_STEPS,
+            steady: body.settling.is_steady(),
+            young: body.settling.is_young(),
             jointed: !body.joints.is_empty(),
             constrained: !body.joints.is_empty(),
             ..BodyMotion::FIXED

@@ -2,7 +2,7 @@
 //!
 //! Where joints are swept with contacts, or as a sheet, or solved as one with contacts, a substep costs the same whether anything happens
 //! in it or not. Multipliers that are carried are exact where forces stay what they were, and only what has changed along the substep has to be
-//! found. So an island takes two substeps at once once it has been *smooth* for [`SMOOTH_STEPS`] steps:
+//! found. So an island takes two substeps at once once it has been *smooth* for [`SMOOTH_TIME`]:
 //!
 //! * all its joints are those of articulations that are swept as blocks with their contacts, or all of it is one sheet or one problem;
 //! * no velocity has changed in a step by more than [`SMOOTH_SHARE`] of what gravity adds in it, at the centre or by turning at the
@@ -18,7 +18,7 @@ use glam::Vec3;
 
 use super::World;
 use crate::body::Body;
-use crate::tuning::stride::{SMOOTH_OVERLAP, SMOOTH_SHARE, SMOOTH_STEPS, SMOOTH_TURN};
+use crate::tuning::stride::{SMOOTH_OVERLAP, SMOOTH_SHARE, SMOOTH_TIME, SMOOTH_TURN};
 
 /// Substeps that a smooth island takes at once, and the least that a world must have for that.
 const STRIDE: u32 = 2;
@@ -33,19 +33,19 @@ pub(super) struct Smoothness {
 }
 
 impl Smoothness {
-    /// Counts a step in which a body of this reach (m) had these velocities before, and now has those of its record; whether it has
+    /// Counts a step of `dt` (s) in which a body of this reach (m) had these velocities before, and now has those of its record; whether it has
     /// been smooth for long enough.
-    pub(super) fn count(&self, body: &mut Body, [linear, angular]: [Vec3; 2], reach: f32) -> bool {
+    pub(super) fn count(&self, body: &mut Body, [linear, angular]: [Vec3; 2], reach: f32, dt: f32) -> bool {
         let change = (body.linear_velocity - linear).length() + (body.angular_velocity - angular).length() * reach;
         let keeps_on = change < self.change && body.angular_velocity.length() < self.spin;
-        body.smooth_for = if keeps_on { body.smooth_for.saturating_add(1) } else { 0 };
+        body.smooth_for.count(keeps_on, dt);
         is_smooth(body)
     }
 }
 
 /// Whether a body has been smooth for long enough.
 pub(super) fn is_smooth(body: &Body) -> bool {
-    body.smooth_for >= SMOOTH_STEPS
+    body.smooth_for.reaches(SMOOTH_TIME)
 }
 
 impl World {
@@ -62,7 +62,7 @@ impl World {
         let may_stride = def.substeps >= MIN_SUBSTEPS && def.substeps % STRIDE == 0 && def.articulations.error_target == 0.0;
         if may_stride && *has_smooth_bodies {
             strides.extend(groups.islands().map(|members| {
-                let is_smooth = |&index: &u32| summaries.of(index).smooth_for >= SMOOTH_STEPS && unions.moving(index).is_none();
+                let is_smooth = |&index: &u32| summaries.of(index).is_smooth() && unions.moving(index).is_none();
                 let is_jointed = |&index: &u32| summaries.of(index).is_jointed();
                 let is_still = |index: &u32| hold.units.members.has(*index);
                 if members.iter().all(|index| is_still(index) || is_smooth(index)) && members.iter().any(is_jointed) {

@@ -18,11 +18,12 @@ use super::World;
 use crate::body::{Body, BodyKind};
 use crate::collide::cache::put_in_places;
 use crate::collide::pairs::Word;
+use crate::dwell_time::DwellTime;
 use crate::joint::{Axis, JointKind, Motor};
 use crate::joint_graph::support::verdict::SupportChange;
 use crate::joint_graph::support::{NodeKind, SupportGraph, SupportNode};
 use crate::joint_record::Joint;
-use crate::tuning::support::GAIN_STEPS;
+use crate::tuning::support::GAIN_TIME;
 use arch_stability::Thrust;
 use dirty_pairs::TURNED;
 pub(super) use pair_view::{PairFrame, PairView, told_by};
@@ -64,8 +65,8 @@ pub(super) struct SupportState {
     is_new: bool,
     pub bodies_changed: bool,
     pub joints_changed: bool,
-    /// Bodies whose verdict is not what was last said of them, and for how many steps.
-    watched: Vec<(u32, u8)>,
+    /// Bodies whose verdict is not what was last said of them, and for how long.
+    watched: Vec<(u32, DwellTime)>,
     said: Vec<bool>,
     pub supported_count: u32,
     pub events: Vec<SupportChange>,
@@ -78,7 +79,7 @@ impl SupportState {
     }
 
     /// Bodies that were said to be supported, and those whose verdict is watched: what a snapshot keeps.
-    pub(super) fn said(&self) -> (Vec<u32>, Vec<(u32, u8)>) {
+    pub(super) fn said(&self) -> (Vec<u32>, Vec<(u32, DwellTime)>) {
         let supported = (0..self.said.len() as u32).filter(|&body| self.said[body as usize]);
         (supported.collect(), self.watched.clone())
     }
@@ -95,7 +96,8 @@ impl SupportState {
         self.graph.clear();
         self.thrust.clear();
         self.begin_anew();
-        self.watched.extend((0..self.said.len() as u32).filter(|&body| self.said[body as usize]).map(|body| (body, 0)));
+        self.watched
+            .extend((0..self.said.len() as u32).filter(|&body| self.said[body as usize]).map(|body| (body, DwellTime::NONE)));
     }
 
     /// Looks at everything in the next update.
@@ -214,7 +216,7 @@ impl World {
     }
 
     /// Makes the analysis anew after a restore, with what was said of bodies before.
-    pub(super) fn restart_support(&mut self, said: &[u32], watched: Vec<(u32, u8)>) {
+    pub(super) fn restart_support(&mut self, said: &[u32], watched: Vec<(u32, DwellTime)>) {
         let on = self.def.support;
         (self.def.support, self.support) = (false, None);
         self.set_support(on);
@@ -400,17 +402,17 @@ impl World {
         let has_frame = frame.is_some();
         let is_supported =
             |index: u32| has_frame && (graph.node(index).is_some_and(SupportNode::is_supported) || thrust.braces(index));
-        watched.extend(graph.changed().iter().map(|&index| (index, 0)));
-        // Of a body that is watched already, the number of steps stays.
-        watched.sort_unstable_by_key(|&(index, steps)| (index, std::cmp::Reverse(steps)));
+        watched.extend(graph.changed().iter().map(|&index| (index, DwellTime::NONE)));
+        // Of a body that is watched already, the time stays.
+        watched.sort_unstable_by(|(a, a_for), (b, b_for)| a.cmp(b).then(b_for.total_cmp(a_for)));
         watched.dedup_by_key(|&mut (index, _)| index);
-        watched.retain_mut(|(index, steps)| {
+        watched.retain_mut(|(index, lasted)| {
             let now = is_supported(*index);
             if now == said[*index as usize] || self.bodies.get(*index).is_none() {
                 return false;
             }
-            *steps += 1;
-            if now && *steps < GAIN_STEPS {
+            lasted.count(true, self.last_dt);
+            if now && !lasted.reaches(GAIN_TIME) {
                 return true;
             }
             said[*index as usize] = now;

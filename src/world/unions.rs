@@ -19,6 +19,7 @@ use super::World;
 use super::wake::Edited;
 use crate::body::{Anchored, Body, within_limit};
 use crate::collide::collider::Collider;
+use crate::dwell_time::DwellTime;
 use crate::id::{Pool, ShapeId};
 use crate::joint::JointKind;
 use crate::joint_graph::union::loads::{BondStiffness, Wrench};
@@ -305,7 +306,7 @@ impl World {
                 if anchored == Anchored::Driven || !wanted {
                     (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
                 }
-                (body.held, body.calm_for) = (false, 0);
+                (body.held, body.calm_for) = (false, DwellTime::NONE);
             }
         }
         self.movers_sorted = false;

@@ -9,6 +9,7 @@ use crate::body::{Anchored, BodyKind, SleepState};
 use crate::collide::broad::still_near;
 use crate::collide::collider::Collider;
 use crate::collide::pairs::PairKey;
+use crate::dwell_time::DwellTime;
 use crate::id::{Pool, ShapeId};
 
 /// What an edit changes.
@@ -112,7 +113,7 @@ impl World {
                 for &member in &island.bodies {
                     let body = &mut self.bodies[member];
                     body.sleep = SleepState::AWAKE;
-                    (body.held, body.calm_for, body.smooth_for, body.woke) = (false, 0, 0, true);
+                    (body.held, body.calm_for, body.smooth_for, body.woke) = (false, DwellTime::NONE, DwellTime::NONE, true);
                     for &id in &body.shapes {
                         if let Ok(shape) = self.colliders.find(id) {
                             self.broad.revisit(shape);

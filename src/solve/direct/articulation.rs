@@ -54,8 +54,8 @@ pub(super) const SOLVES_PER_HALVING: u32 = 4;
 const MIN_PASSES: f64 = 8.0;
 const MAX_PASSES: f64 = 400.0;
 
-/// Steps for which contacts are swept once they have not settled as rows: what lands or tumbles soon does not settle again.
-const SWEPT_STEPS: u32 = 60;
+/// Time for which contacts are swept once they have not settled as rows (s): what lands or tumbles soon does not settle again.
+const SWEPT_TIME: f32 = 1.0;
 
 /// Greatest mass over the least up to which sweeps carry an articulation on its contacts nearly as well as rows do, for a while.
 const EVEN_MASSES: f64 = 100.0;
@@ -192,8 +192,8 @@ pub(crate) struct Articulation {
     /// Whether it touches what moves and is not carried, or its contacts have not settled as rows, so that its joints are swept with the
     /// contacts.
     pub coupled: bool,
-    /// Further steps for which its contacts are swept although they might be rows.
-    pub swept_steps: u32,
+    /// Further time for which its contacts are swept although they might be rows (s).
+    pub swept_for: f32,
     /// Solves that this step may still spend on halvings and long projections.
     solves_left: u32,
     /// Passes of active sets that this step may still spend beyond those that each substep has free.
@@ -247,7 +247,7 @@ pub(super) struct SavedJoint {
 impl Articulation {
     /// Empties it but keeps its memory, and the structure of its matrix in case it stays the same.
     pub(crate) fn clear(&mut self) {
-        self.swept_steps = 0;
+        self.swept_for = 0.0;
         self.entries.clear();
         self.ends.clear();
         self.anchors.clear();
@@ -278,7 +278,7 @@ impl Articulation {
         velocity: &BodyVelocity,
         motion: &BodyMotion,
     ) -> u32 {
-        self.swept_steps = self.swept_steps.max(history.swept_steps);
+        self.swept_for = self.swept_for.max(history.swept_for);
         self.origins.push(origin);
         self.histories.push(history);
         let body = DirectBody::new(slot, velocity, motion);
@@ -325,10 +325,9 @@ impl Articulation {
     /// settle either, after five times the work of sweeps.
     pub(crate) fn sweeps_contacts(&mut self, manifolds: usize, lands: bool) -> bool {
         if lands && self.mass_ratio() <= ALIKE_MASSES {
-            self.swept_steps = SWEPT_STEPS;
+            self.swept_for = SWEPT_TIME;
         }
-        let has_failed = self.swept_steps > 0;
-        self.swept_steps = self.swept_steps.saturating_sub(1);
+        let has_failed = self.swept_for > 0.0;
         let most_ratio = match manifolds {
             0 => return false,
             _ if has_failed => EVEN_MASSES,
@@ -437,7 +436,7 @@ impl Articulation {
     /// Leaves the step to the sweeps, as if it had not been taken.
     pub(crate) fn give_up(&mut self) {
         if self.outcome.unsettled && self.may_sweep_contacts() {
-            self.swept_steps = SWEPT_STEPS;
+            self.swept_for = SWEPT_TIME;
         }
         self.entries.clone_from(&self.untouched);
         self.touches.clear();

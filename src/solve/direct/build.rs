@@ -258,7 +258,6 @@ impl<R: BatchRecords> BuildInput<'_, R> {
             }
         }
         let has_rows = fixed > 0 || carries;
-        // Asked in every step, as it counts them.
         let lands = hits && self.links[joints.clone()].iter().any(|link| link.traits.limits_angles);
         let may_sweep = taker.articulation.sweeps_contacts(fixed, lands);
         taker.articulation.coupled = presses || (may_sweep && !carries) || (has_rows && taker.articulation.is_rigid());

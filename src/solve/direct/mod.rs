@@ -160,10 +160,15 @@ impl Direct {
         self.articulations().iter().filter(|articulation| !articulation.coupled).flat_map(Articulation::histories)
     }
 
-    /// Bodies whose contacts are swept in the next steps too although they might be rows, by slot, and for how many steps.
-    pub(crate) fn swept_steps(&self) -> impl Iterator<Item = (u32, u32)> {
-        let swept = self.articulations().iter().filter(|articulation| articulation.coupled && articulation.swept_steps > 0);
-        swept.flat_map(|articulation| articulation.moved_slots().map(|slot| (slot, articulation.swept_steps)))
+    /// Bodies whose contacts are swept in the next steps too although they might be rows, by slot, and for how long once a step of `dt` (s) is over (s).
+    pub(crate) fn swept_for(&self, dt: f32) -> impl Iterator<Item = (u32, f32)> {
+        let swept = self.articulations().iter().filter(|articulation| articulation.coupled && articulation.swept_for > 0.0);
+        swept.flat_map(move |articulation| {
+            let left = articulation.swept_for - dt;
+            // To the nearest step, whatever rounding leaves.
+            let left = if left < 0.5 * dt { 0.0 } else { left };
+            articulation.moved_slots().map(move |slot| (slot, left))
+        })
     }
 
     /// Whether the contact of this number needs no rows of its own.

@@ -283,7 +283,7 @@ fn note_body<F: Four>(
             histories[quad.at(j)] = History {
                 h: h as f32,
                 substeps: 0,
-                swept_steps: 0,
+                swept_for: 0.0,
                 displacement: narrowing::way(displacement[j]),
                 turn: narrowing::way(turn),
                 spin_turn: 0.0,

@@ -8,12 +8,12 @@
 //! asked of them, within their limits, and nothing moves. So a unit keeps what *loads* each of its bodies from outside, the sum of the forces
 //! of contacts and joints with other bodies that are free, and of their moments:
 //!
-//! * **Engaged** once all of its bodies have been calm for [`CALM_STEPS`] steps, at [`UNIT_CALM_SHARE`] of what gravity adds in a step, but for
+//! * **Engaged** once all of its bodies have been calm for [`CALM_TIME`], at [`UNIT_CALM_SHARE`] of what gravity adds in a step, but for
 //!   ends that hang on one joint each, fewer than half of them; it touches something, nothing overlaps by more than [`OVERLAP_SHARE`], and its
 //!   joints are passive: rigid, without motors and friction, none of which can break.
 //! * **Released** whole, before the step is solved, by whatever releases an island, by an end that touches more than one thing, by a body
 //!   beside it that brings more momentum than [`BLOW_SHARE`] of what gravity gives the unit in a step, and once the load of a body is
-//!   another one by [`LOAD_SHARE`] of what it bears and weighs. It is held again where it is still calm some steps later, under what
+//!   another one by [`LOAD_SHARE`] of what it bears and weighs. It is held again where it is still calm [`AGAIN_TIME`] later, under what
 //!   loads it then.
 
 use glam::Vec3;
@@ -21,18 +21,16 @@ use glam::Vec3;
 use super::Hold;
 use crate::body::Body;
 use crate::collide::pairs::WorldManifold;
+use crate::dwell_time::DwellTime;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::settings::Solver;
 pub(super) use crate::tuning::units::UNIT_CALM_SHARE;
-use crate::tuning::units::{AGAIN_STEPS, BLOW_SHARE, CALM_STEPS, LOAD_SHARE, OVERLAP_SHARE};
+use crate::tuning::units::{AGAIN_TIME, BLOW_SHARE, CALM_TIME, LOAD_SHARE, LOOK_TIME, OVERLAP_SHARE};
 use crate::world::World;
 use crate::world::body_shape_table::Marks;
 use crate::world::islands::{JointHead, NO_BODY};
 use crate::world::touching_pairs::TouchingPair;
-
-/// Steps between two looks for units that are calm.
-const LOOK_STEPS: u64 = 4;
 
 /// Bodies that a unit may have.
 const MAX_BODIES: usize = 64;
@@ -100,7 +98,7 @@ impl World {
         // has just come to rest.
         let is_exact = self.def.solver != Solver::GaussSeidel && self.long_range.soft.is_empty();
         let may_hold = self.def.hold && is_exact && !self.def.support_by_thrust;
-        if may_hold && self.report.step.is_multiple_of(LOOK_STEPS) {
+        if may_hold {
             self.find_units(units);
         }
         if units.held.is_empty() {
@@ -131,9 +129,12 @@ impl World {
                     (record.linear_velocity, record.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
                     record.history.forget_lead();
                 } else if look.is_disturbed {
-                    (record.calm_for, record.smooth_for) = (0, if was_held { 0 } else { record.smooth_for });
+                    record.calm_for = DwellTime::NONE;
+                    if was_held {
+                        record.smooth_for = DwellTime::NONE;
+                    }
                 } else {
-                    record.calm_for = CALM_STEPS - AGAIN_STEPS;
+                    record.calm_for = DwellTime::short_of(CALM_TIME, AGAIN_TIME);
                 }
             }
             stays
@@ -160,7 +161,7 @@ impl World {
             let is_whole = unit.bodies.iter().all(|held| goes_on(held.body));
             for held in unit.bodies.iter().filter(|_| !is_whole) {
                 if let Some(body) = bodies.get_mut(held.body).filter(|body| body.held) {
-                    (body.held, body.calm_for, body.smooth_for) = (false, 0, 0);
+                    (body.held, body.calm_for, body.smooth_for) = (false, DwellTime::NONE, DwellTime::NONE);
                     summaries.note_held(held.body, false);
                     some_are = true;
                 }
@@ -172,13 +173,15 @@ impl World {
 
     /// Adds the units that have become calm to those that are held.
     fn find_units(&mut self, units: &mut Units) {
-        let Self { groups, summaries, bodies, joints, unions, index, .. } = self;
+        let Self { groups, summaries, bodies, joints, unions, index, last_dt, .. } = self;
         let Units { held, seen, component, ends, .. } = units;
         seen.begin(bodies.slot_count());
         held.iter().flat_map(|unit| &unit.bodies).for_each(|held| seen.set(held.body));
-        let is_calm = |body: u32| summaries.of(body).calm_for >= CALM_STEPS && !summaries.of(body).is_held();
+        let is_calm = |body: u32| summaries.of(body).is_calm_in_unit() && !summaries.of(body).is_held();
+        // A walk starts from each of its bodies, at a time of its own, and not in every step.
+        let is_due = |body: u32| bodies[body].calm_for.completes(LOOK_TIME, *last_dt);
         for &first in &groups.bound {
-            if seen.has(first) || !is_calm(first) {
+            if seen.has(first) || !is_calm(first) || !is_due(first) {
                 continue;
             }
             component.clear();

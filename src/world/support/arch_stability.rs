@@ -26,6 +26,7 @@ use super::pair_view::{MIN_RISE, PairFrame};
 use super::record::Record;
 use crate::body::Body;
 use crate::collide::pairs::WorldManifold;
+use crate::dwell_time::DwellTime;
 use crate::joint_graph::support::cone::{Carriers, PushPoint, carriers};
 use crate::joint_graph::support::{NodeKind, SupportGraph, SupportNode};
 use crate::tuning::thrust::{QUIET_TIME, UNBALANCED_SHARE};
@@ -180,7 +181,7 @@ impl World {
                 let index = thrust.judged[number];
                 let is_braced = thrust.unit_of(index).is_some_and(|unit| thrust.units[unit as usize].stands);
                 if thrust.say(index, is_braced) {
-                    state.watched.push((index, 0));
+                    state.watched.push((index, DwellTime::NONE));
                 }
             }
             let Thrust { judged, units, places, faces, .. } = &mut thrust;

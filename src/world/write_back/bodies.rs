@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::body::{Body, SleepState, within_limit};
 use crate::collide::collider::Collider;
+use crate::dwell_time::DwellTime;
 use crate::id::{BodyId, Pool, ShapeId, Slot};
 use crate::joint_graph::union::UnionMotion;
 use crate::prefetch::{AHEAD, prefetch};
@@ -175,7 +176,7 @@ impl World {
             if let Some(notes) = scratch.runs.notes_from(number) {
                 tell(&mut notes.bodies, unions);
             }
-            return store_histories(batch, bodies);
+            return store_histories(batch, bodies, dt);
         }
         let slots = batch.bodies.len();
         let is_shared = slots >= SHARED_SLOTS && threads.has_team();
@@ -197,7 +198,7 @@ impl World {
             write(1..slots, &mut noted[0]);
         }
         noted[..pieces].iter_mut().for_each(|noted| tell(noted, unions));
-        store_histories(batch, bodies);
+        store_histories(batch, bodies, dt);
     }
 }
 
@@ -274,15 +275,14 @@ impl Moves<'_> {
             body.linear_velocity = within_limit(own.linear, MAX_LINEAR_SPEED);
             body.angular_velocity = within_limit(own.angular, MAX_ANGULAR_SPEED);
             body.history.forget();
-            body.age = body.age.saturating_add(1);
-            body.steady_for = if steady { body.steady_for.saturating_add(1) } else { 0 };
+            body.settling.count(steady, limits.dt);
             let reach = records.shapes_follow(member);
             let Some(body) = records.body(member) else { continue };
             let is_calm = own.linear.length() + own.angular.length() * reach < calm_speeds[usize::from(!body.joints.is_empty())];
-            body.calm_for = if is_calm { body.calm_for.saturating_add(1) } else { 0 };
+            body.calm_for.count(is_calm, limits.dt);
             match before {
-                Some(before) => noted.has_smooth_bodies |= limits.smoothness.count(body, before, reach) && may_stride,
-                None => body.smooth_for = 0,
+                Some(before) => noted.has_smooth_bodies |= limits.smoothness.count(body, before, reach, limits.dt) && may_stride,
+                None => body.smooth_for = DwellTime::NONE,
             }
         }
         if union.is_some() {
@@ -305,7 +305,7 @@ impl Moves<'_> {
 }
 
 /// Has bodies remember what a solver needs of them in the next step.
-fn store_histories(batch: &Batch, bodies: &mut Pool<Body, BodyId>) {
+fn store_histories(batch: &Batch, bodies: &mut Pool<Body, BodyId>, dt: f32) {
     for (slot, lead) in batch.half_steps.told.iter().enumerate().filter_map(|(slot, lead)| Some((slot, (*lead)?))) {
         bodies[batch.bodies[slot]].history.set(History::leading(lead));
     }
@@ -316,10 +316,10 @@ fn store_histories(batch: &Batch, bodies: &mut Pool<Body, BodyId>) {
         let swept_alone = batch.joints.entries.iter().flat_map(|entry| [entry.a, entry.b]);
         let moved_alone = batch.direct.slots_moved_alone();
         for slot in moved_alone.chain(swept_alone).filter(|&slot| slot != WORLD_SLOT) {
-            bodies[batch.bodies[slot as usize]].smooth_for = 0;
+            bodies[batch.bodies[slot as usize]].smooth_for = DwellTime::NONE;
         }
     }
-    for (slot, steps) in batch.direct.swept_steps() {
-        bodies[batch.bodies[slot as usize]].history.set_swept_steps(steps);
+    for (slot, time) in batch.direct.swept_for(dt) {
+        bodies[batch.bodies[slot as usize]].history.set_swept_for(time);
     }
 }
