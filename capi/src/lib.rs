@@ -22,6 +22,8 @@ mod body_def;
 
 mod strength;
 
+mod motor_def;
+
 mod joint_def;
 
 mod events;

@@ -5,7 +5,7 @@ use ls_core::{BoundKind, BoundKindDef, BoundState, LongRangeDef, PlaneState, Sof
 use crate::access::{edit, read};
 use crate::boundary::call;
 use crate::handle::{LsJoint, LsWorld};
-use crate::joint_def::LsSoftness;
+use crate::motor_def::LsSoftness;
 use crate::pointer::{self, Buffer, host};
 use crate::result::LsResult;
 use crate::sized::{self, Definition, SizedOut, Versioned};

@@ -187,6 +187,24 @@
 /** Cause of a break: ls_world_fractures_apply named the joint, and it had not passed a limit. */
 #define LS_BREAK_APPLIED 2
 
+/** Motor mode: nothing drives the coordinate. */
+#define LS_MOTOR_OFF 0
+
+/** Motor mode: holds a speed with at most the greatest force or torque. */
+#define LS_MOTOR_VELOCITY 1
+
+/** Motor mode: pulls towards a value as a spring and damper, with at most the greatest force or torque. */
+#define LS_MOTOR_POSITION 2
+
+/** Which way a motor may push its coordinate: both ways. */
+#define LS_FORCE_BOTH 0
+
+/** Which way a motor may push its coordinate: towards lesser values alone, as a winch or a muscle does. */
+#define LS_FORCE_PULL 1
+
+/** Which way a motor may push its coordinate: towards greater values alone, as a jack does. */
+#define LS_FORCE_PUSH 2
+
 /** Joint kind: nothing moves. */
 #define LS_JOINT_FIXED 0
 
@@ -209,24 +227,6 @@
  * locked, these two are one axis at y = 90 degrees: what is asked of them fades there.
  */
 #define LS_JOINT_GENERIC 5
-
-/** Motor mode: nothing drives the coordinate. */
-#define LS_MOTOR_OFF 0
-
-/** Motor mode: holds a speed with at most the greatest force or torque. */
-#define LS_MOTOR_VELOCITY 1
-
-/** Motor mode: pulls towards a value as a spring and damper, with at most the greatest force or torque. */
-#define LS_MOTOR_POSITION 2
-
-/** Which way a motor may push its coordinate: both ways. */
-#define LS_FORCE_BOTH 0
-
-/** Which way a motor may push its coordinate: towards lesser values alone, as a winch or a muscle does. */
-#define LS_FORCE_PULL 1
-
-/** Which way a motor may push its coordinate: towards greater values alone, as a jack does. */
-#define LS_FORCE_PUSH 2
 
 /** Plan of an island: joints meet contacts, or close a loop and bear more than a substep resolves: all of it is one problem. */
 #define LS_PLAN_COUPLED 0
@@ -858,6 +858,8 @@ typedef struct LsDrive {
     /** Not used; 0. */
     uint32_t reserved;
 } LsDrive;
+/** Nothing more. */
+#define LsDrive_NONE (LsDrive){ .target_velocity = 0.0, .max_speed = f32_INFINITY, .side = LS_FORCE_BOTH, .reserved = 0 }
 
 /**
  * Everything a joint starts with. Fill it with ls_joint_def_init first.

@@ -21,6 +21,7 @@ use crate::joint_def::*;
 use crate::long_range::*;
 use crate::math::*;
 use crate::memory::*;
+use crate::motor_def::*;
 use crate::query_def::*;
 use crate::record::*;
 use crate::report::*;
@@ -64,6 +65,11 @@ macro_rules! layouts {
 }
 
 fn layouts() -> Vec<Layout> {
+    [of_definitions(), of_worlds(), of_streams()].into_iter().flatten().collect()
+}
+
+/// What bodies and joints are made of.
+fn of_definitions() -> Vec<Layout> {
     layouts! {
         LsVersion { major, minor, patch, abi }
         LsWorld { id }
@@ -100,6 +106,12 @@ fn layouts() -> Vec<Layout> {
             angular_axes, strength, long_range, reserved, solver, reserved_too, friction, axis_friction, restitution,
             motor_drive, axis_drives
         }
+    }
+}
+
+/// What a world is made of, and what it tells.
+fn of_worlds() -> Vec<Layout> {
+    layouts! {
         LsStrength {
             tension, compression, shear, bending, torsion, window, wears, damage_from, damage_time, damage_half_life
         }
@@ -164,6 +176,12 @@ fn layouts() -> Vec<Layout> {
         LsShapeDistance {
             shape_a, shape_b, point_a, point_b, distance, normal, part_a, part_b, triangle_a, triangle_b, reserved
         }
+    }
+}
+
+/// What streams are made of, and what they carry.
+fn of_streams() -> Vec<Layout> {
+    layouts! {
         LsStream { id }
         LsStreamReader { id }
         LsStreamDef { struct_size, every, name, domain, layers, readers, body_capacity, state_hash }
