@@ -78,7 +78,7 @@ pub(crate) mod stride {
     /// Why: carried multipliers are exact only where forces have stayed what they were.
     /// Scenes: excavator, joint_grid.
     /// Test: tests/strides.rs
-    pub(crate) const SMOOTH_TIME: f32 = 0.167;
+    pub(crate) const SMOOTH_TIME: f32 = 0.16;
     /// Change of velocity in a step: share of what gravity adds.
     /// Why: the load of the next step is known to a twentieth.
     /// Scenes: excavator, joint_grid.
