@@ -152,18 +152,18 @@ impl Hull {
 
     /// The corner that is farthest along a direction.
     pub(crate) fn farthest(&self, direction: DVec3) -> u32 {
-        let along = |index: u32| self.surface.points[index as usize].as_dvec3().dot(direction);
         if self.starts.is_empty() {
-            let count = self.surface.points.len() as u32;
-            return (1..count).fold(0, |best, index| if along(index) > along(best) { index } else { best });
+            return highest(&self.surface.points, direction);
         }
         // On a convex surface, whoever has no higher neighbour is the highest.
-        let mut best = self.extremes.into_iter().fold(self.extremes[0], |a, b| if along(b) > along(a) { b } else { a });
+        let along = |index: u32| (self.surface.points[index as usize].as_dvec3().dot(direction), index);
+        let higher = |a: (f64, u32), b: &u32| Some(along(*b)).filter(|b| b.0 > a.0).unwrap_or(a);
+        let mut best = self.extremes.iter().fold(along(self.extremes[0]), higher);
         loop {
-            let linked = &self.links[self.starts[best as usize] as usize..self.starts[best as usize + 1] as usize];
-            let next = linked.iter().fold(best, |a, &b| if along(b) > along(a) { b } else { a });
-            if next == best {
-                return best;
+            let [from, to] = [0, 1].map(|next| self.starts[best.1 as usize + next] as usize);
+            let next = self.links[from..to].iter().fold(best, higher);
+            if next.1 == best.1 {
+                return best.1;
             }
             best = next;
         }
@@ -182,6 +182,27 @@ impl Hull {
             *extreme = (0..points.len() as u32).fold(0, |a, b| if along(b) > along(a) { b } else { a });
         }
     }
+}
+
+/// The first of the points that are highest along a direction. Four are looked at abreast, so that none waits for the one before.
+fn highest(points: &[Vec3], direction: DVec3) -> u32 {
+    let mut heights = [f64::NEG_INFINITY; 4];
+    let mut found = [0_u64; 4];
+    let mut look = |points: &[Vec3], first: usize| {
+        for (lane, point) in points.iter().enumerate() {
+            let height = point.as_dvec3().dot(direction);
+            let is_higher = height > heights[lane];
+            heights[lane] = if is_higher { height } else { heights[lane] };
+            found[lane] = if is_higher { (first + lane) as u64 } else { found[lane] };
+        }
+    };
+    let (fours, rest) = points.as_chunks::<4>();
+    for (four, first) in fours.iter().zip((0..).step_by(4)) {
+        look(four, first);
+    }
+    look(rest, 4 * fours.len());
+    let better = |a: usize, b: usize| heights[b] > heights[a] || (heights[b] == heights[a] && found[b] < found[a]);
+    found[(1..4).fold(0, |a, b| if better(a, b) { b } else { a })] as u32
 }
 
 impl SupportMap for Hull {

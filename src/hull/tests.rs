@@ -1,7 +1,7 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::weight::{principal_axes, weigh};
-use super::{Hull, Triangulation};
+use super::{Hull, Triangulation, highest};
 
 fn spiral(count: u32) -> impl Iterator<Item = DVec3> {
     (0..count).map(move |i| {
@@ -104,6 +104,20 @@ fn the_farthest_corner_is_found_from_neighbour_to_neighbour() {
             let best = hull.points().iter().map(height).fold(f64::MIN, f64::max);
             let found = height(&hull.points()[hull.farthest(direction) as usize]);
             assert!(best - found < 1.0e-12, "{found} m of {best} m along {direction}");
+        }
+    }
+}
+
+#[test]
+fn of_a_few_points_the_first_of_the_highest_is_found() {
+    for count in 1..20 {
+        // Whole numbers, so that several are as high.
+        let points: Vec<Vec3> =
+            (0..count).map(|i| Vec3::new((i * 7 % 5) as f32, (i * 3 % 4) as f32, (i * 5 % 3) as f32)).collect();
+        for direction in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z, DVec3::ONE, DVec3::new(1.0, -1.0, 0.0), DVec3::ZERO] {
+            let height = |i: usize| points[i].as_dvec3().dot(direction);
+            let first = (0..count).fold(0, |best, i| if height(i) > height(best) { i } else { best });
+            assert_eq!(highest(&points, direction), first as u32, "of {count} points along {direction}");
         }
     }
 }
