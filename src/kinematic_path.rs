@@ -84,8 +84,8 @@ fn limited(now: Vec3, before: Vec3) -> Vec3 {
     let q = now.dot(before) / square;
     let smooth = 0.5 * (3.0 - q);
     let bound = (2.0 * q).min(4.0 - 2.0 * q);
-    // Written so that what is no number, as from squares that overflow, gives none.
-    if !(bound > 0.0) {
+    // Squares that overflow give none.
+    if bound.is_nan() || bound <= 0.0 {
         return Vec3::ZERO;
     }
     (now * 1.5 - before * 0.5) * (bound / smooth).min(1.0)

@@ -111,7 +111,7 @@ impl World {
         let quiet_for = members.iter().map(quiet).fold(f32::INFINITY, f32::min);
         let (since, is_due) = (WATCHED_AGAIN * self.def.sleep.time, quiet_for >= self.def.sleep.time);
         // As if it had been watched for ever, and as it was: springs may want it to be watched for longer.
-        if !self.goes_somewhere(members, f32::INFINITY) && !(is_due && self.rests_on_a_mover(members)) {
+        if !(self.goes_somewhere(members, f32::INFINITY) || is_due && self.rests_on_a_mover(members)) {
             return is_due && !self.goes_somewhere(members, quiet_for - since);
         }
         if let SleepState::Awake { quiet_for, .. } = &mut self.bodies[members[0]].sleep {
