@@ -181,8 +181,8 @@ fn windows(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
     Ok(looked)
 }
 
-/// Node 20 crashes now and then where memory grows while other threads still compile.
-const NODE: [&str; 2] = ["--no-warnings", "--single-threaded"];
+/// Node 20 crashes now and then where memory grows while other threads still compile, or while what is in use has been marked in part.
+const NODE: [&str; 3] = ["--no-warnings", "--single-threaded", "--no-incremental-marking"];
 
 fn wasi(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
     succeed(toolchain.build()?.args(["--package", "longspan-bits"]))?;
