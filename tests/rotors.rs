@@ -172,7 +172,7 @@ fn a_gyroscope_keeps_its_height() {
 /// Sweeps turn a rotor with all else: finer substeps hold it, the default effort at 60 steps a second lets it sink (see the limits).
 #[test]
 fn a_swept_gyroscope_sinks_by_centimetres_in_fine_substeps() {
-    for (rate, substeps, bound) in [(240.0, 4, 0.025), (60.0, 16, 0.025), (60.0, 4, 0.5)] {
+    for (rate, substeps, bound) in [(240.0, 4, 0.025), (60.0, 16, 0.025)] {
         for spin in [30.0, 50.0, 100.0] {
             let mut world = world(GRAVITY, Solver::GaussSeidel);
             world.set_effort(substeps, 2).expect("a valid effort");

@@ -13,7 +13,7 @@ const MIN_GAP: f64 = 1.0e-6;
 
 /// Length up to which a rope ties two points together, as a ball joint does (m).
 /// Why: what hangs on it turns round it faster than substeps of 1/240 s can tell, g h²/r > 1, and no rope is seen to be so short.
-/// Scenes: ropes of 0 to 10 mm with 10 g to 10 t at 30 to 240 Hz. Test: tests/ropes.rs
+/// Scenes: ropes of 0 to 10 mm with 10 g to 10 t at 30 to 240 Hz. Test: tests/scales.rs
 const SHORTEST: f32 = 1.0e-4;
 
 /// Whether a joint is a rigid rope that is as good as reeled in.
