@@ -4,6 +4,7 @@ use longspan::glam::DVec3;
 
 use crate::params::{Params, SceneError};
 use crate::scene::Scene;
+use crate::units::Units;
 use crate::{
     arm, branching, bridge, bridge_car, cable_car, cantilever, chain, closed_form, crossbow, crowd, drums, footbridge, fracture,
     free, friction, gallery, hinge_loop, hoists, idle, impact, machines, masonry, net, pile, ragdoll, stack, stress, tensegrity,
@@ -102,6 +103,7 @@ pub fn build(name: &str, given: &[(String, String)]) -> Result<Scene, SceneError
     let entry = find(name)?;
     let mut params = Params::new(given);
     let mut scene = (entry.build)(&mut params)?;
+    scene.units = Units::of(&mut params)?;
     params.check_all_used(entry.name)?;
     scene.name = entry.name;
     // What a host knows of its scene it tells.

@@ -59,6 +59,7 @@ mod tensegrity;
 mod timing;
 mod toppling;
 mod track;
+mod units;
 mod vase;
 mod violent;
 
@@ -71,3 +72,4 @@ pub use run::{Measurement, NOT_FINITE, RunError, run, run_watched};
 pub use scene::{Action, DT, GRAVITY, Scene, Scheduled};
 pub use shifted::Shifted;
 pub use timing::{Spread, Timing, time};
+pub use units::Units;

@@ -54,7 +54,20 @@ pub struct Params {
 }
 
 /// Keys that every scene takes beside the kinds of long-range constraints.
-const COMMON: [&str; 8] = ["seconds", "solver", "substeps", "iterations", "error_target", "most_substeps", "sleep", "hold"];
+const COMMON: [&str; 12] = [
+    "seconds",
+    "solver",
+    "substeps",
+    "iterations",
+    "error_target",
+    "most_substeps",
+    "sleep",
+    "hold",
+    "scale",
+    "slow",
+    "heavy",
+    "finer",
+];
 
 impl Params {
     /// Of two values of one key the later counts.
@@ -173,6 +186,19 @@ impl Params {
             world.sleep = SleepSettings { enabled: self.switch("sleep", false)?, ..world.sleep };
         }
         Ok(())
+    }
+
+    /// Factors in `range` that are one unless given, and recorded only then.
+    pub(crate) fn factors<const N: usize>(
+        &mut self,
+        keys: [&str; N],
+        range: RangeInclusive<f64>,
+    ) -> Result<[f64; N], SceneError> {
+        let mut factors = [1.0; N];
+        for (key, factor) in keys.into_iter().zip(&mut factors).filter(|(key, _)| self.given(key).is_some()).collect::<Vec<_>>() {
+            *factor = self.number(key, 1.0, range.clone())?;
+        }
+        Ok(factors)
     }
 
     /// Steps of a scene that lasts `seconds` unless the user set its length.

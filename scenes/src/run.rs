@@ -7,6 +7,7 @@ use crate::engine::{Effort, Engine};
 use crate::metrics::{Errors, View, world_inertia};
 use crate::scene::{Action, Scene};
 use crate::shifted::Shifted;
+use crate::units::Converted;
 
 /// What a non-finite error is written as.
 pub const NOT_FINITE: f64 = 1.0e30;
@@ -85,6 +86,7 @@ pub fn run_watched(
 ) -> Result<Measurement, RunError> {
     let name = engine.name();
     let mut engine = Shifted { engine, origin: scene.origin };
+    let mut engine = Converted::new(&mut engine, scene.units, scene.world.gravity)?;
     let mut metrics = std::mem::take(&mut scene.metrics);
     let mut stage = Stage::set(&scene, &mut engine);
     let mut steps = 0;

@@ -11,6 +11,7 @@ use longspan::{
 use crate::engine::{SceneJoint, SceneSoftBound};
 use crate::metrics::Metric;
 use crate::params::{Params, SceneError};
+use crate::units::Units;
 
 /// Step of every scene unless it says otherwise (s).
 pub const DT: f32 = 1.0 / 60.0;
@@ -36,6 +37,8 @@ pub struct Scene {
     pub second_window: Option<(&'static str, Range<u32>)>,
     /// Where the scene's origin lies in the world (m).
     pub origin: DVec3,
+    /// Units that the engine computes in.
+    pub units: Units,
     /// Bodies at the start.
     pub bodies: Vec<BodyDef>,
     /// Joints at the start.
@@ -99,6 +102,7 @@ impl Scene {
             window: steps - steps.div_ceil(4)..steps,
             second_window: None,
             origin: DVec3::ZERO,
+            units: Units::SAME,
             bodies: Vec::new(),
             joints: Vec::new(),
             soft_bounds: Vec::new(),

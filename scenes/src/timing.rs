@@ -8,6 +8,7 @@ use crate::platform;
 use crate::run::{RunError, Stage};
 use crate::scene::Scene;
 use crate::shifted::Shifted;
+use crate::units::Converted;
 
 /// Length of the busiest stretch (simulated s).
 const BUSIEST: f64 = 1.0;
@@ -51,6 +52,7 @@ pub struct Spread {
 /// If the engine cannot do what the scene's script asks.
 pub fn time(scene: &Scene, engine: &mut dyn Engine, threads: usize, between: &mut dyn FnMut()) -> Result<Timing, RunError> {
     let mut engine = Shifted { engine, origin: scene.origin };
+    let mut engine = Converted::new(&mut engine, scene.units, scene.world.gravity)?;
     let mut stage = Stage::set(scene, &mut engine);
     let mut times = Vec::with_capacity(scene.steps as usize);
     let mut bounds = vec![0.0];
