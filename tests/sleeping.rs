@@ -341,3 +341,62 @@ fn the_report_tells_the_gap_of_joints_that_sleep() {
     run(&mut world, 2.0, 1.0 / 60.0);
     assert!(world.report().residuals.joint_gap < 1.0e-4);
 }
+
+/// Steps until a body has fallen asleep, for 10 s at most; returns the time that took (s).
+fn falls_asleep(world: &mut World, body: BodyId, dt: f32) -> f32 {
+    let awake = (0..(10.0 / dt) as u32).take_while(|_| {
+        let is_awake = world.is_awake(body).unwrap();
+        if is_awake {
+            world.step(dt).unwrap();
+        }
+        is_awake
+    });
+    let seconds = awake.count() as f32 * dt;
+    assert!(!world.is_awake(body).unwrap(), "it does not fall asleep in 10 s");
+    seconds
+}
+
+#[test]
+fn what_lies_on_a_platform_stays_awake_while_it_moves_however_slowly() {
+    for (rate, speed) in [(30.0, 1.0e-3), (60.0, 1.0e-4), (240.0, 1.0e-3)] {
+        let dt = 1.0 / rate;
+        let mut world = World::new(&WorldDef::default()).unwrap();
+        let plate = BodyDef::kinematic(Pose::IDENTITY).with_shape(cuboid(Vec3::new(1.0, 0.1, 1.0)));
+        let plate = world.create_body(&plate).unwrap();
+        let load = world.create_body(&BodyDef::dynamic(Pose::at_xyz(0.0, 0.35, 0.0)).with_shape(cube(0.25))).unwrap();
+        falls_asleep(&mut world, load, dt);
+        world.set_linear_velocity(plate, Vec3::X * speed).unwrap();
+        for _ in 0..(3.0 * rate) as u32 {
+            world.step(dt).unwrap();
+            assert!(world.is_awake(load).unwrap(), "{rate} Hz, {speed} m/s");
+        }
+        let carried = world.pose(load).unwrap().position.x as f32;
+        assert!((carried - 3.0 * speed).abs() < 0.1 * speed, "{rate} Hz, {speed} m/s: carried by {carried} m in 3 s");
+        world.set_linear_velocity(plate, Vec3::ZERO).unwrap();
+        let asleep = falls_asleep(&mut world, load, dt);
+        assert!(asleep < 1.0, "{rate} Hz: asleep {asleep} s after the platform stopped");
+    }
+}
+
+#[test]
+fn what_is_made_inside_a_sleeper_drives_it_out() {
+    for rate in [30.0, 60.0, 240.0] {
+        for kind in [BodyKind::Static, BodyKind::Kinematic] {
+            for shape in [Shape::cuboid(Vec3::splat(0.2)).unwrap(), Shape::ball(0.2).unwrap()] {
+                let dt = 1.0 / rate;
+                let mut world = World::new(&WorldDef::default()).unwrap();
+                floor(&mut world);
+                let sleeper = world.create_body(&BodyDef::dynamic(Pose::at_xyz(0.0, 0.3, 0.0)).with_shape(cube(0.3))).unwrap();
+                falls_asleep(&mut world, sleeper, dt);
+                let inside = BodyDef { kind, pose: Pose::at_xyz(0.05, 0.1, 0.02), ..BodyDef::default() };
+                world.create_body(&inside.with_shape(ShapeDef::new(shape.clone()))).unwrap();
+                assert!(world.is_awake(sleeper).unwrap());
+                run(&mut world, 4.0, dt);
+                let points = world.contacts_of(sleeper).unwrap();
+                let deepest =
+                    points.flat_map(|contact| contact.points().to_vec()).map(|point| -point.separation).fold(0.0, f32::max);
+                assert!(deepest < 5.0e-3, "{kind:?} {shape:?}, {rate} Hz: still {deepest} m deep after 4 s");
+            }
+        }
+    }
+}

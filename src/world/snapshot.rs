@@ -42,30 +42,34 @@ impl World {
     /// The bytes can be given to [`restore`](Self::restore) of this world or of another one, by the same version of the library
     /// on any machine of the same byte order. Events of the last step and the report's counts are not among them.
     pub fn save(&self, out: &mut Vec<u8>) {
+        // Whoever adds a field says here where it is stored, or why it is not.
         let Self {
-            def,
-            bodies,
-            colliders,
-            joints,
-            broad,
-            pairs,
-            movers,
-            movers_sorted,
-            sleeping,
-            events,
-            report,
-            last_substep,
-            last_dt,
-            support,
+            // In the row of the world.
+            def: _,
+            movers: _,
+            movers_sorted: _,
+            report: _,
+            last_substep: _,
+            last_dt: _,
+            broad: _,
+            support: _,
+            fracture: _,
+            // In tables of their own.
+            bodies: _,
+            colliders: _,
+            joints: _,
+            pairs: _,
+            sleeping: _,
+            // What edits have ended will be told by the next step; the last step's events are gone after a restore.
+            events: _,
             // Carried bounds and what was asked for are stored, and derived bounds made anew.
-            long_range,
-            // What is a sensor follows from the shapes.
-            sensing,
+            long_range: _,
+            // What overlaps is stored; what is a sensor follows from the shapes.
+            sensing: _,
             // Likewise.
-            unions,
-            fracture,
+            unions: _,
             // Units that are held are stored, and what else is there made anew.
-            hold,
+            hold: _,
             // Made anew from the rest by whoever needs them next.
             escaped: _,
             rest: _,
@@ -85,6 +89,25 @@ impl World {
             profiler: _,
             _tag: _,
         } = self;
+        let (bounds_stale, carried_bounds) = self.carried_bounds();
+        let (stale_unions, carried_unions) = self.carried_unions();
+        let forms = NumberedForms::of(self.colliders.iter().map(|(_, collider)| &collider.shape));
+        seal::open(out);
+        forms.write(out);
+        let mut tables = Output::new(out, &forms);
+        tables.table(std::iter::once(&self.row(bounds_stale, stale_unions)));
+        tables.table(self.bodies.slots().iter());
+        tables.table(self.colliders.slots().iter());
+        tables.table(self.joints.slots().iter());
+        self.write_places(&mut tables);
+        self.write_sleepers(&mut tables);
+        tables.table(carried_bounds.iter());
+        tables.table(carried_unions.iter());
+        seal::close(out, seal::form(LISTED));
+    }
+
+    /// What there is once in a world.
+    fn row(&self, bounds_stale: bool, stale_unions: Vec<u32>) -> WorldRow {
         // The last step's events are gone after a restore; what edits have ended since will be told by the next step.
         let Events {
             moved: _,
@@ -103,42 +126,37 @@ impl World {
             pieces: _,
             piece_bodies: _,
             ended_by_edits,
-        } = events;
-        let (bounds_stale, carried_bounds) = self.carried_bounds();
-        let (stale_unions, carried_unions) = self.carried_unions();
-        let (said_supported, watched) = support.as_ref().map_or_else(Default::default, |support| support.said());
-        let forms = NumberedForms::of(colliders.iter().map(|(_, collider)| &collider.shape));
-        seal::open(out);
-        forms.write(out);
-        let mut tables = Output::new(out, &forms);
-        let row = WorldRow {
-            def: *def,
-            step: report.step,
-            time: report.time,
-            last_substep: *last_substep,
-            last_dt: *last_dt,
-            movers: Runs(movers.clone()),
-            movers_sorted: *movers_sorted,
-            changed: Runs(broad.changed().to_vec()),
+        } = &self.events;
+        let (said_supported, watched) = self.support.as_ref().map_or_else(Default::default, |support| support.said());
+        WorldRow {
+            def: self.def,
+            step: self.report.step,
+            time: self.report.time,
+            last_substep: self.last_substep,
+            last_dt: self.last_dt,
+            movers: Runs(self.movers.clone()),
+            movers_sorted: self.movers_sorted,
+            changed: Runs(self.broad.changed().to_vec()),
             ended_by_edits: ended_by_edits.clone(),
-            sensed: sensing.overlaps.clone(),
+            sensed: self.sensing.overlaps.clone(),
             said_supported: Runs(said_supported),
             watched,
             bounds_stale,
             stale_unions: Runs(stale_unions),
-            pushed: Runs(unions.pushed.clone()),
-            asked_bounds: long_range.soft.clone(),
-            asked_fractures: fracture.asked().to_vec(),
-            held_units: hold.units.held.clone(),
-            free_bodies: Runs(bodies.free().to_vec()),
-            free_shapes: Runs(colliders.free().to_vec()),
-            free_joints: Runs(joints.free().to_vec()),
-            free_islands: Runs(sleeping.free().to_vec()),
-        };
-        tables.table(std::iter::once(&row));
-        tables.table(bodies.slots().iter());
-        tables.table(colliders.slots().iter());
-        tables.table(joints.slots().iter());
+            pushed: Runs(self.unions.pushed.clone()),
+            asked_bounds: self.long_range.soft.clone(),
+            asked_fractures: self.fracture.asked().to_vec(),
+            held_units: self.hold.units.held.clone(),
+            free_bodies: Runs(self.bodies.free().to_vec()),
+            free_shapes: Runs(self.colliders.free().to_vec()),
+            free_joints: Runs(self.joints.free().to_vec()),
+            free_islands: Runs(self.sleeping.free().to_vec()),
+        }
+    }
+
+    /// Writes where shapes and boxes are that do not follow from their bodies, and the contacts of what is awake.
+    fn write_places(&self, tables: &mut Output) {
+        let Self { bodies, colliders, unions, pairs, .. } = self;
         // What has arrived where a host told it to move to stands in the next step, and so does what it holds.
         let stands = |index: u32| match unions.of(index).map(|union| union.anchor) {
             Some(Anchor::Driven(driver)) => bodies[driver].stops(),
@@ -161,11 +179,16 @@ impl World {
             let (a, b) = pair.key.shapes();
             [a, b].into_iter().all(|shape| !is_followed(colliders[shape].body))
         };
-        contacts::write(&mut tables, (pairs, pairs.listed().iter().map(|&(_, slot)| slot)), colliders, rests);
+        contacts::write(tables, (pairs, pairs.listed().iter().map(|&(_, slot)| slot)), colliders, rests);
+    }
+
+    /// Writes islands that sleep, and their contacts.
+    fn write_sleepers(&self, tables: &mut Output) {
+        let Self { colliders, sleeping, pairs, .. } = self;
         // What a sleeping island kept of a shape that has gone since is not there any more.
         let is_whole = |slot: &u32| is_whole(colliders, pairs.get(*slot).key);
         let asleep: Vec<u32> = sleeping.pairs().filter(is_whole).collect();
-        contacts::write(&mut tables, (pairs, asleep.into_iter()), colliders, |_| true);
+        contacts::write(tables, (pairs, asleep.into_iter()), colliders, |_| true);
         let island = |island: &Option<SleepingIsland>| {
             island.as_ref().map(|SleepingIsland { bodies, pairs, .. }| IslandRow {
                 bodies: Runs(bodies.clone()),
@@ -174,9 +197,6 @@ impl World {
         };
         let islands: Vec<Option<IslandRow>> = sleeping.islands().iter().map(island).collect();
         tables.table(islands.iter());
-        tables.table(carried_bounds.iter());
-        tables.table(carried_unions.iter());
-        seal::close(out, seal::form(LISTED));
     }
 
     /// Makes the world what it was when `snapshot` was saved: every later step gives the same bits. Handles of what existed then
