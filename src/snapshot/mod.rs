@@ -15,6 +15,7 @@
 //! stored does not depend on where it is stored: slots of the pair cache are numbered anew, and the broad phase is built anew.
 
 pub(crate) mod contacts;
+mod form_table;
 pub(crate) mod forms;
 mod list;
 pub(crate) mod seal;

@@ -6,8 +6,8 @@ use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Pose3;
 use parry3d::shape::{HeightField, Triangle, TrianglePseudoNormals};
 
-use super::part::{self, Part};
-use super::{Manifold, NarrowScratch};
+use super::part::Part;
+use super::{Manifold, NarrowScratch, part_pairs};
 use crate::shape::{Geometry, Shape};
 
 /// Manifolds of every near pair of parts; appends to `out`.
@@ -29,7 +29,7 @@ pub(super) fn collide(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scrat
             let Some((part_b, pose_b)) = part_at(b, id_b) else { continue };
             let between = pose_a.inverse() * *relative * pose_b;
             let before = out.len();
-            part::collide(&part_a, &part_b, &between, margin, scratch, out);
+            part_pairs::collide(&part_a, &part_b, &between, margin, scratch, out);
             for manifold in &mut out[before..] {
                 manifold.normal = pose_a.rotation * manifold.normal;
                 for point in &mut manifold.points[..usize::from(manifold.count)] {

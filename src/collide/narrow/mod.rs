@@ -29,6 +29,7 @@ mod face;
 mod half_space;
 pub(crate) mod impact;
 mod part;
+mod part_pairs;
 mod plane;
 mod reduce;
 mod triangle;
@@ -165,7 +166,7 @@ pub(crate) fn distance_to(shape: &Shape, point: Vec3) -> f32 {
 
 fn collide_parts(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
     match (part::Part::whole(a), part::Part::whole(b)) {
-        (Some(part_a), Some(part_b)) => part::collide(&part_a, &part_b, relative, margin, scratch, out),
+        (Some(part_a), Some(part_b)) => part_pairs::collide(&part_a, &part_b, relative, margin, scratch, out),
         _ => composite::collide(a, b, relative, margin, scratch, out),
     }
 }

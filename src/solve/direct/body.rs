@@ -7,7 +7,7 @@
 use glam::{DMat3, DVec3};
 
 use super::super::joint::LocalPose;
-use super::super::joint::motor::BodyResponse;
+use super::super::joint::body_response::BodyResponse;
 use super::super::joint::rows::Rate;
 use super::super::rotation::{self, SubstepRotation, Top};
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};

@@ -11,8 +11,8 @@ use super::articulation::Articulation;
 use super::layout::NodeBodies;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
+use crate::solve::joint::body_response::BodyResponse;
 use crate::solve::joint::kinds;
-use crate::solve::joint::motor::BodyResponse;
 use crate::solve::joint::rows::Rate;
 
 /// Joints of an articulation beyond which a servo looks at its own bodies alone: its parts are found anew for each motor, which takes

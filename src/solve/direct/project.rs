@@ -11,11 +11,12 @@ use super::system::{PROJECTION_PASSES, System};
 use crate::id::{JointId, Pool};
 use crate::joint_rebounds::Rebounds;
 use crate::joint_record::{Joint, JointImpulses};
+use crate::solve::joint::body_response::BodyResponse;
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::JointGeometry;
-use crate::solve::joint::kinds::{self, RowSink};
-use crate::solve::joint::motor::BodyResponse;
+use crate::solve::joint::kinds;
 use crate::solve::joint::reach::FarStops;
+use crate::solve::joint::row_sink::RowSink;
 use crate::solve::joint::rows::{HeldDirections, Phase, Rate, RowRates, ScalarRow};
 use crate::solve::joint::{LocalPose, angles};
 

@@ -1,7 +1,7 @@
 //! Fixed joint: C = [p_b − p_a, log(R_aᵀ R_b)] = 0, six rows as two blocks.
 
 use super::geometry::Placement;
-use super::kinds::RowSink;
+use super::row_sink::RowSink;
 use super::rows::HeldDirections;
 
 pub(crate) fn rows(sink: &mut RowSink) {

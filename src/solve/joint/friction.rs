@@ -23,7 +23,7 @@
 
 use glam::DVec3;
 
-use super::kinds::RowSink;
+use super::row_sink::RowSink;
 use super::rows::{Demand, Jacobian, Phase, ScalarRow, SoftParams};
 use crate::joint::{JointDef, JointKind, Limits};
 use crate::joint_record::MAX_SCALAR_ROWS;

@@ -6,7 +6,7 @@
 
 use super::angles::Turning;
 use super::geometry::Placement;
-use super::kinds::{JointCoordinate, RowSink};
+use super::row_sink::{JointCoordinate, RowSink};
 use super::rows::{Demand, Error1, HeldDirections, SoftParams};
 use crate::joint::{Axis, Limits};
 

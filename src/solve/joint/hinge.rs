@@ -2,7 +2,7 @@
 //! and driven, and rub. The angle is read as the twist of R_aᵀ R_b; its gradient is the joint axis.
 
 use super::geometry::Placement;
-use super::kinds::RowSink;
+use super::row_sink::RowSink;
 use super::rows::{HeldDirections, Jacobian};
 use crate::joint::{Limits, Motor};
 

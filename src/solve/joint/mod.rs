@@ -11,6 +11,7 @@ use std::ops::Range;
 use glam::{DQuat, DVec3, Vec3};
 
 pub(crate) mod angles;
+pub(crate) mod body_response;
 mod distance;
 mod domains;
 pub(crate) mod driven;
@@ -28,6 +29,7 @@ pub(crate) mod motor;
 mod prismatic;
 pub(crate) mod reach;
 pub(crate) mod rebound;
+pub(crate) mod row_sink;
 pub(crate) mod rows;
 mod search_direction;
 mod singles;

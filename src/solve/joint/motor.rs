@@ -20,9 +20,10 @@
 //!
 //! A *reference* that moves at u has r(t) = target − u (T − t), T the end of the step: all of this is then about x − r and v − u.
 
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
-use super::kinds::{JointCoordinate, RowSink};
+use super::body_response::BodyResponse;
+use super::row_sink::{JointCoordinate, RowSink};
 use super::rows::{Demand, Error1, HeldDirections, Jacobian, Phase, Rate, SoftParams};
 use crate::joint::{Drive, ForceSide, Limits, Motor, Softness};
 
@@ -42,41 +43,6 @@ const ON_ITS_WAY: f64 = 1.0e-3;
 
 /// Share of its square below which a row is a sum of others.
 const DEPENDENT: f64 = 1.0e-9;
-
-/// How a body answers: what a unit of momentum moves it by, and what external forces accelerate it by.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct BodyResponse {
-    /// (1/kg).
-    pub inverse_mass: DVec3,
-    /// (1/(kg·m²)).
-    pub inverse_inertia: DMat3,
-    /// Of its centre (m/s², rad/s²).
-    pub acceleration: Rate,
-    /// From the centre of mass that rows are about to its own (m): another one where it stands for several bodies.
-    pub center: DVec3,
-}
-
-impl BodyResponse {
-    /// Of what never moves.
-    pub(crate) const NONE: Self = Self {
-        inverse_mass: DVec3::ZERO,
-        inverse_inertia: DMat3::ZERO,
-        acceleration: Rate { linear: DVec3::ZERO, angular: DVec3::ZERO },
-        center: DVec3::ZERO,
-    };
-
-    /// What a force, and a torque about the centre of mass that rows are about, change of the motion there.
-    fn response(&self, push: &Rate) -> Rate {
-        let angular = self.inverse_inertia * (push.angular - self.center.cross(push.linear));
-        Rate { linear: self.inverse_mass * push.linear - angular.cross(self.center), angular }
-    }
-
-    /// What external forces accelerate it by, there.
-    fn acceleration(&self) -> Rate {
-        let Rate { linear, angular } = self.acceleration;
-        Rate { linear: linear - angular.cross(self.center), angular }
-    }
-}
 
 /// How a coordinate answers to its motor, with the rest of the joint held.
 #[derive(Debug, Clone, Copy)]

@@ -2,7 +2,7 @@
 //! may be limited and driven: C = a·(p_b − p_a), ∇C = [−a, −(r_a + gap)×a, a, r_b×a].
 
 use super::geometry::Placement;
-use super::kinds::RowSink;
+use super::row_sink::RowSink;
 use super::rows::HeldDirections;
 use crate::joint::{Limits, Motor};
 

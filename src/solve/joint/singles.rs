@@ -5,11 +5,12 @@ use std::ops::Range;
 use glam::{DVec3, Mat3, Vec3};
 
 use super::angles;
+use super::body_response::BodyResponse;
 use super::driven::{self, DrivenParts};
 use super::geometry::{JointGeometry, Placement};
-use super::kinds::{self, RowSink};
-use super::motor::BodyResponse;
+use super::kinds;
 use super::rebound;
+use super::row_sink::RowSink;
 use super::rows::{self, Phase, Rate, RowRates};
 use super::sweep::{self, BlockRow, ScalarRow};
 use super::{JointEntry, MOMENTUM_RETURN_LIMIT, MovingBodies};

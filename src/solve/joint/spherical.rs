@@ -7,7 +7,7 @@
 use glam::DVec3;
 
 use super::geometry::Placement;
-use super::kinds::RowSink;
+use super::row_sink::RowSink;
 use super::rows::{Demand, Error1, HeldDirections, Jacobian, SoftParams};
 use crate::joint::{Limits, Motor, SphericalMotor};
 

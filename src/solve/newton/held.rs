@@ -10,7 +10,7 @@ use crate::joint_rebounds::Rebounds;
 use crate::joint_record::Joint;
 use crate::linalg::narrowing;
 use crate::solve::direct::body::DirectBody;
-use crate::solve::joint::motor::BodyResponse;
+use crate::solve::joint::body_response::BodyResponse;
 use crate::solve::joint::rows::{Rate, ScalarRow};
 use crate::solve::joint::{JointEntry, LocalPose, driven, gap_of};
 

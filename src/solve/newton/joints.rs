@@ -7,10 +7,11 @@ use super::patch::{row, turning_row};
 use super::problem::JointBlock;
 use super::term::{Law, Term};
 use crate::joint_record::{Joint, JointImpulses};
+use crate::solve::joint::body_response::BodyResponse;
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
-use crate::solve::joint::kinds::{self, RowSink};
-use crate::solve::joint::motor::BodyResponse;
+use crate::solve::joint::kinds;
+use crate::solve::joint::row_sink::RowSink;
 use crate::solve::joint::rows::{self, HeldDirections, MAX_RECOVERY_SPEED, Phase, Rate, RowRates};
 use crate::solve::joint::{JointEntry, LocalPose, friction};
 
