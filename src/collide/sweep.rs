@@ -3,7 +3,7 @@
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::collider::Collider;
-use super::narrow::impact::{self, MovingShape};
+use super::narrow::impact::{self, Limits, MovingShape};
 pub(crate) use super::narrow::impact::{BodyPath, BodyPose, ImpactBuffer};
 use crate::body::Body;
 
@@ -19,10 +19,11 @@ const STOP_SHORT: f32 = 0.01;
 /// extent, which what passes through a thin wall overlaps by.
 const DEPTH: f32 = 0.05;
 
-/// Box around the whole way of a shape.
-pub(crate) fn path_box(collider: &Collider, body: &Body, start: &BodyPose) -> Aabb {
-    let margin = collider.least_extent * STOP_SHORT;
-    collider.box_at(collider.pose_with(body, start.center, start.rotation), margin).merged(&collider.world_box(margin))
+/// Box around the way of a shape.
+pub(crate) fn path_box(collider: &Collider, body: &Body, path: &BodyPath) -> Aabb {
+    let margin = collider.least_extent * STOP_SHORT + path.bulge(collider.reach);
+    let [start, end] = [path.start, path.end].map(|at| collider.box_at(collider.pose_with(body, at.center, at.rotation), margin));
+    start.merged(&end)
 }
 
 /// A shape on its way.
@@ -31,15 +32,21 @@ pub(crate) fn moving<'a>(collider: &'a Collider, body: &Body, path: BodyPath) ->
     MovingShape { shape: &collider.shape, path, place, reach: collider.reach }
 }
 
-/// Share of the step after which a swept shape of this least extent (m) first touches another, if it goes on into it.
-pub(crate) fn first_touch(swept: &MovingShape, other: &MovingShape, extent: f32, buffer: &mut ImpactBuffer) -> Option<f32> {
+/// Share of the way after which a swept shape of this least extent (m) first touches another, if it goes on into it. Where it goes its own way,
+/// as rows have sent it, it may be in the other already; where something else has sent it, that is no reason to go deeper.
+pub(crate) fn first_touch(
+    swept: &MovingShape,
+    other: &MovingShape,
+    (extent, goes_its_own_way): (f32, bool),
+    buffer: &mut ImpactBuffer,
+) -> Option<f64> {
     let (a, b) = (&swept.path, &other.path);
-    let shift = ((a.turn.center - a.start.center) - (b.turn.center - b.start.center)).length() as f32
-        + ((a.end.center - a.turn.center) - (b.end.center - b.turn.center)).length() as f32;
+    let shift = ((a.end.center - a.start.center) - (b.end.center - b.start.center)).length() as f32;
     // What turns in place does not leave the ball that it holds.
     let turning = swept.turning() * (swept.reach - 0.5 * extent).max(0.0) + other.turning() * other.reach;
-    if shift + turning <= SWEEP_THRESHOLD * extent {
+    if shift + turning <= if goes_its_own_way { SWEEP_THRESHOLD * extent } else { DEPTH * extent } {
         return None;
     }
-    impact::first_touch(swept, other, (STOP_SHORT * extent, DEPTH * extent), buffer)
+    let limits = Limits { short: STOP_SHORT * extent, depth: DEPTH * extent, passes_deep: goes_its_own_way };
+    impact::first_touch(swept, other, &limits, buffer)
 }

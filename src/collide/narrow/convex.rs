@@ -74,9 +74,6 @@ impl SupportMap for Core<'_> {
     }
 }
 
-/// Angle between two normals that differ by rounding alone (rad).
-const SAME_NORMAL: f32 = 1.0e-5;
-
 /// Part B against part A.
 pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers: &mut Buffers) -> Option<Manifold> {
     let pair = ConvexPair::near(a, b, relative, margin)?;
@@ -87,11 +84,10 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers
     let normal = if allowed != gap.normal {
         pair.facing_features(allowed, buffers);
         let depth = gap.distance() - pair.radii;
-        buffers.candidates.retain(|c| depth >= 0.0 || c.separation >= MAX_DEEPENING * depth);
-        // A capsule on end has no feature that faces it; where the two normals are one but for rounding, the nearest points are as good.
-        if buffers.candidates.is_empty() && (allowed - gap.normal).length_squared() < SAME_NORMAL * SAME_NORMAL {
-            pair.settle(&gap, buffers);
+        if buffers.candidates.is_empty() {
+            pair.stand(allowed, buffers);
         }
+        buffers.candidates.retain(|c| depth >= 0.0 || c.separation >= MAX_DEEPENING * depth);
         allowed
     } else {
         pair.settle(&gap, buffers)
@@ -109,8 +105,8 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers
     (manifold.count > 0 && manifold.is_finite()).then_some(manifold)
 }
 
-/// Direction from part A to part B, in A's frame, along which they are furthest apart or least overlap, and how far (m); none if
-/// further than `limit`.
+/// Direction from part A to part B, in A's frame, along which they are furthest apart or least overlap, and how far they are apart along
+/// it (m), which is never more than they are; none if further than `limit`.
 pub(super) fn separation(a: &Part, b: &Part, relative: &Pose3, limit: f32) -> Option<(Vec3, f32)> {
     let above = |normal: Vec3, part: &Part, pose: &Pose3| {
         let lowest = *pose * part.core_support(pose.rotation.inverse() * -normal);
@@ -123,7 +119,7 @@ pub(super) fn separation(a: &Part, b: &Part, relative: &Pose3, limit: f32) -> Op
         _ => {
             let pair = ConvexPair::near(a, b, relative, limit)?;
             let gap = pair.gap(limit)?;
-            Some((gap.normal, gap.distance() - pair.radii))
+            Some((gap.normal, pair.along(gap.normal).distance() - pair.radii))
         }
     }
 }
@@ -412,6 +408,23 @@ impl<'a> ConvexPair<'a> {
             }
             (Feature::Point, _) | (_, Feature::Point) => {}
         }
+    }
+
+    /// Adds the end of an edge that stands on a triangle rather than lies on it, where it is over the triangle: of a capsule or a cone.
+    /// [`Self::facing_features`] has looked for the features.
+    fn stand(&self, normal: Vec3, buffers: &mut Buffers) {
+        let Buffers { corners_a, corners_b, candidates, .. } = buffers;
+        let stands_on_a = matches!(self.a, Part::Triangle { .. });
+        let (face, edge) = if stands_on_a { (corners_a, corners_b) } else { (corners_b, corners_a) };
+        let (&[first, second, third], &[_, _]) = (&face[..], &edge[..]) else { return };
+        let plane = ContactPlane::across(normal);
+        let extreme = self.along(normal);
+        let end = if stands_on_a { extreme.on_b } else { extreme.on_a };
+        let across = (second.0 - first.0).cross(third.0 - first.0).normalize_or_zero();
+        let Some(slope) = plane.slope(across, first.0).filter(|_| plane.is_over(face, end, self.slop)) else { return };
+        let foot = plane.point(plane.flat(end), slope.height(plane.flat(end)));
+        let (on_a, on_b) = if stands_on_a { (foot, end) } else { (end, foot) };
+        candidates.push(self.candidate(on_a, on_b, normal, LONE));
     }
 
     /// From points of the cores to points of the surfaces.

@@ -132,7 +132,7 @@ pub(super) fn advance<W: Wide>(
     velocities: &mut DisjointMut<'_, BodyVelocity>,
     motions: &mut DisjointMut<'_, BodyMotion>,
     refused: &mut Vec<u32>,
-    h: f32,
+    (h, max_turn): (f32, f32),
 ) {
     for block in blocks {
         let mut side = WideVelocities::<W>::gather(&block.slots, velocities);
@@ -140,7 +140,9 @@ pub(super) fn advance<W: Wide>(
         limit_speeds(&mut side);
         let turned = turn(block, &stand.rotation, side.angular, h, rotation::SPLIT_TUMBLE as f32);
         let mean = side.angular + turned.mean_change;
-        let far = is_far(block, mean * W::splat(h));
+        // Powers of a far turn overflow, and the mean is no number then.
+        let overflows = (side.angular.length() * W::splat(h)).above(W::splat(max_turn));
+        let far = W::select(overflows, W::splat(1.0), is_far(block, mean * W::splat(h)));
         let refuses = turned.gains.max(far);
         let moves = W::zero().above(refuses - W::splat(0.5));
         let rotation = turned.turn.after(&stand.rotation).settled(NEGLIGIBLE_WAY).normalized();

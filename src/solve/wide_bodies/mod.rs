@@ -21,6 +21,7 @@ use super::body_flags::BodyFlags;
 use super::contact::{LANES, Lane, Lane3};
 use super::disjoint::{DisjointMut, Shared};
 use super::integrate::{self, PredictedPose};
+use super::rotation::MAX_TURN;
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use crate::platform::in_lanes;
 use crate::tight_vec::{make_room_behind, resize};
@@ -329,13 +330,14 @@ impl WideBodies {
     ) {
         let Self { blocks, pushed, refused, .. } = self;
         refused.clear();
-        for blocks in [&*blocks, &*pushed] {
+        // Where sweeps of joints diverge, what is no number takes a body out of the world; contacts do spin a small body so fast.
+        for (blocks, max_turn) in [(&*blocks, f32::INFINITY), (&*pushed, 2.0 * MAX_TURN)] {
             let (velocities, motions) = (Shared::new(velocities, moving), Shared::new(motions, moving));
             let refused = Mutex::new(&mut *refused);
             each_piece(blocks, threads, |blocks| {
                 // SAFETY: each slot is in one block, which one thread goes through.
                 let (mut velocities, mut motions) = unsafe { (velocities.hand(), motions.hand()) };
-                listing(&refused, |refused| advance_all(blocks, &mut velocities, &mut motions, refused, h));
+                listing(&refused, |refused| advance_all(blocks, &mut velocities, &mut motions, refused, (h, max_turn)));
             });
         }
         for &slot in &*refused {
@@ -388,6 +390,6 @@ in_lanes!(
     advance_all, kernels::advance,
     (
         blocks: &[PoseBlock], velocities: &mut DisjointMut<'_, BodyVelocity>, motions: &mut DisjointMut<'_, BodyMotion>, refused: &mut Vec<u32>,
-        h: f32
+        lengths: (f32, f32)
     )
 );
