@@ -12,6 +12,7 @@ use super::contact_energy::ContactEnergy;
 use super::contact_newton::ContactNewton;
 use super::direct::Direct;
 use super::distance_bound::BatchBounds;
+use super::followed_velocity::FollowedVelocities;
 use super::impact::gather::Impacts;
 use super::initial_impulses::InitialImpulses;
 use super::joint::{BatchJoints, may_be_cut};
@@ -108,6 +109,7 @@ pub(crate) struct Batch {
     pub contact_energy: ContactEnergy,
     pub mesh: JointMesh,
     pub half_steps: HalfStepVelocities,
+    pub followed: FollowedVelocities,
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
     pub direct: Direct,

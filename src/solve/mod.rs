@@ -21,6 +21,7 @@ mod contact_partition;
 pub(crate) mod direct;
 pub(crate) mod disjoint;
 pub(crate) mod distance_bound;
+mod followed_velocity;
 mod impact;
 mod initial_impulses;
 pub(crate) mod integrate;
@@ -119,6 +120,7 @@ impl Batch {
         self.taut.lay_out(&self.bounds);
         self.poses.lay_out(threads, (&self.velocities, &mut self.motions), &self.body_flags, h);
         self.find_passive_islands();
+        self.followed.begin_step(self.direct.left(&self.joints.links), &self.islands, &self.motions);
         self.contact_energy.lay_out(&self.joint_energy, &self.velocities, &self.motions);
         self.find_sheet(threads);
         self.prepare_carry();
@@ -153,6 +155,7 @@ impl Batch {
         }
         self.find_impacts(settings.restitution_threshold);
         self.advance(threads, h);
+        self.followed.mark(&self.motions);
         self.joints.left -= h;
         self.wraps.project(&self.velocities, &mut self.motions);
         self.bounds.project(&self.velocities, &mut self.motions, h);
@@ -166,6 +169,7 @@ impl Batch {
             self.flatten();
         }
         self.settle(joints, threads, false);
+        self.followed.add_up(&self.motions);
         if !is_last {
             self.rebound(settings.restitution_threshold);
         }
@@ -173,6 +177,7 @@ impl Batch {
 
     /// Closes joints, recovers positions, and reads out multipliers and residuals.
     fn end_step(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, settings: &StepSettings, h: f32) {
+        self.followed.mark(&self.motions);
         if self.mesh.is_one() {
             self.joints.end_course(threads);
         } else {
@@ -183,6 +188,9 @@ impl Batch {
         self.recover_positions(threads, settings.dt);
         self.settle(joints, threads, true);
         self.half_steps.tell(self.joint_energy.slots(), &mut self.velocities, &self.motions);
+        self.followed.add_up(&self.motions);
+        self.followed
+            .tell(&mut self.velocities, &self.motions, settings.dt, |slot, change| self.half_steps.add_lead(slot, change));
         if let Some(limits) = &settings.limits {
             contact_kernels::tell(&mut self.contacts, &self.velocities, limits, &mut self.told);
         }

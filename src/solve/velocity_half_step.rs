@@ -81,6 +81,14 @@ impl HalfStepVelocities {
         }
     }
 
+    /// Adds to what is told of a slot, where anything is kept of that.
+    pub(crate) fn add_lead(&mut self, slot: usize, [linear, angular]: Twist) {
+        if self.is_active() && !self.united[slot] {
+            let [before, turning] = self.told[slot].unwrap_or_default();
+            self.told[slot] = Some([before + linear, turning + angular]);
+        }
+    }
+
     /// Notes the velocities that this substep begins with, if it is the first or one of the last two.
     pub(crate) fn begin_substep(&mut self, velocities: &[BodyVelocity], substep: u32, substeps: u32) {
         if self.is_active() && (substep == 0 || substep + 2 >= substeps) {

@@ -1,8 +1,9 @@
 //! Which rows with bounds are part of the system: stops and motors one by one, friction by its cone.
 
-use super::row::{Origin, Row, RowState};
+use super::body::DirectBody;
+use super::row::{Row, RowState};
 use super::system::System;
-use crate::solve::joint::rows::Rate;
+use crate::solve::joint::rows::{MAX_RECOVERY_SPEED, Rate};
 
 /// Error below which a fixed row stays fixed (m/s, rad/s, or m and rad in a projection).
 const FREE_BELOW: f64 = 1.0e-10;
@@ -12,10 +13,32 @@ const FREE_BELOW: f64 = 1.0e-10;
 /// Scenes: motors of 50 N m to without bound, held by ropes, welds and stops at 30 to 240 Hz. Test: tests/motors.rs
 const MET: [f64; 2] = [1.0e-3, 1.0e-4];
 
+/// Compliance of a motor's row over its own response where what has no bound overrules it, and no force is too great for it: as far above that
+/// of contacts as below one. It pushes with a thousand times what would bring about what it asks for, and what it holds up meanwhile sinks at
+/// a thousandth of what falls freely in a substep.
+const OVERRULED_COMPLIANCE: f64 = 1.0e-3;
+
 /// Change of sliding friction, over its size, that asks for another pass.
 const CONE_TOLERANCE: f64 = 1.0e-2;
 
 impl System {
+    /// Lists the rows with bounds and those of motors, and finds what these give where they are overruled.
+    pub(super) fn list_bounded(&mut self, bodies: &[DirectBody]) {
+        let Self { nodes, rows, bounded, .. } = self;
+        bounded.clear();
+        for (number, node) in nodes.iter().enumerate() {
+            for place in node.first..node.last {
+                let row = &mut rows[place as usize];
+                if row.drives {
+                    row.give = OVERRULED_COMPLIANCE * row.own_response(node.bodies.map(|body| &bodies[body as usize]));
+                }
+                if row.drives || row.has_bounds() {
+                    bounded.push((place, number as u32));
+                }
+            }
+        }
+    }
+
     /// Lists the rows with bounds that are in the wrong state; returns how many.
     pub(super) fn find_flips(&mut self, rates: &[Rate], may_free: bool) -> usize {
         self.flips.clear();
@@ -47,24 +70,21 @@ impl System {
         flips.len()
     }
 
-    /// Lists the motors and bearings that rub which stops do not let have their way: they push with all they have, and what has no bound gives
-    /// way. Multipliers of rows that contradict each other tell nothing until then, not even which stops press. Returns whether there are any.
+    /// Lists the motors and bearings that rub which what joints hold does not let have their way: they push with all they have, or without a
+    /// bound they yield. Multipliers of rows that contradict each other tell nothing until then, not even which stops press. Returns whether
+    /// there are any.
     fn find_overruled(&mut self, rates: &[Rate]) -> bool {
         let Self { nodes, rows, bounded, flips, .. } = self;
-        let is_free = |&&(number, _): &&(u32, u32)| rows[number as usize].state == RowState::Free;
-        if !bounded.iter().filter(is_free).any(|&(number, _)| rows[number as usize].is_stop()) {
-            return false;
-        }
-        for &(number, node) in bounded.iter().filter(is_free) {
+        for &(number, node) in &*bounded {
             let row = &rows[number as usize];
-            if row.is_stop() || row.origin == Origin::Contact || row.gamma != 0.0 {
+            if row.state != RowState::Free || !row.drives || row.gamma != 0.0 {
                 continue;
             }
             let rate = row.rate(&nodes[node as usize].bodies.map(|body| rates[body as usize]));
             let error = rate + row.bias;
             if error.abs() > MET[0] * rate.abs().max(row.bias.abs()) + MET[1] {
                 let (state, most) = if error < 0.0 { (RowState::High, row.max) } else { (RowState::Low, row.min) };
-                flips.push((number, if most.is_finite() { state } else { RowState::Absent }));
+                flips.push((number, if most.is_finite() { state } else { RowState::Free }));
             }
         }
         !flips.is_empty()
@@ -75,6 +95,10 @@ impl System {
         let first = if only_the_last { self.flips.len().saturating_sub(1) } else { 0 };
         for &(number, state) in &self.flips[first..] {
             let row = &mut self.rows[number as usize];
+            if state == RowState::Free && row.state == state {
+                row.gamma = row.give;
+                row.bias = row.bias.clamp(-MAX_RECOVERY_SPEED, MAX_RECOVERY_SPEED);
+            }
             row.state = state;
             row.impulse = match state {
                 RowState::Low => row.min,

@@ -91,6 +91,13 @@ impl DirectBody {
         Symmetric::from_mat3(self.inverse_inertia.as_mat3())
     }
 
+    /// What a push along a row is worth in its rate, r·M⁻¹ r, as if nothing but its mass held it back.
+    pub(super) fn own_response(&self, linear: DVec3, angular: DVec3) -> f64 {
+        let has_inertia = self.is_dynamic() && self.inertia != DMat3::ZERO;
+        let ease = if has_inertia { masked(self.inertia.inverse(), self.top.free) } else { self.inverse_inertia };
+        (self.inverse_mass * linear).dot(linear) + (ease * angular).dot(angular)
+    }
+
     /// How it answers to what a motor pushes it with.
     pub(crate) fn answer_at(&self, stance: &LocalPose) -> BodyResponse {
         if !self.is_dynamic() {

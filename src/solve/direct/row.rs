@@ -44,6 +44,9 @@ pub(crate) struct Row {
     pub impulse: f64,
     pub(super) state: RowState,
     pub(super) repeats: Redundancy,
+    /// Whether it is that of a motor or of friction, which give way to what has no bound; and γ with which one without a bound does.
+    pub(super) drives: bool,
+    pub(super) give: f64,
 }
 
 impl Row {
@@ -67,6 +70,8 @@ impl Row {
         impulse: 0.0,
         state: RowState::Free,
         repeats: Redundancy::Often,
+        drives: false,
+        give: 0.0,
     };
 
     pub(super) fn rate(&self, [a, b]: &[Rate; 2]) -> f64 {
@@ -90,9 +95,14 @@ impl Row {
         own(0) + own(1)
     }
 
+    /// The same without the stiffness of what its bodies hang on, which grows with the force: a motor that pushed by it would push ever harder.
+    pub(super) fn own_response(&self, bodies: [&DirectBody; 2]) -> f64 {
+        (0..2).map(|side| bodies[side].own_response(self.linear[side], self.angular[side])).sum()
+    }
+
     /// Whether the row is a stop's, which pushes and does not pull.
     pub(super) fn is_stop(&self) -> bool {
-        self.min == 0.0 && self.max == f64::INFINITY
+        self.min == 0.0 && self.max == f64::INFINITY && !self.drives
     }
 
     pub(super) fn fix(&mut self, impulse: f64) {

@@ -171,7 +171,8 @@ impl System {
                 friction::OF_AXES.. => (Origin::Scalar(row.id), Redundancy::Idly),
                 _ => (Origin::Scalar(row.id), Redundancy::Often),
             };
-            self.rows.push(Row { bias, gamma, min, max, impulse, state, repeats, ..Row::of(&row.jacobian, origin) });
+            let drives = row.drives;
+            self.rows.push(Row { bias, gamma, min, max, impulse, state, repeats, drives, ..Row::of(&row.jacobian, origin) });
         }
         self.nodes.push(SystemNode { bodies, first, last: self.rows.len() as u32 });
     }
@@ -212,12 +213,8 @@ impl System {
                 row.gamma = CONTACT_COMPLIANCE * row.response(node.bodies.map(|body| &bodies[body as usize]));
             }
         }
-        self.is_bounded = self.rows.iter().any(|row| row.state != RowState::Free || row.has_bounds());
-        self.bounded.clear();
-        for (number, node) in self.nodes.iter().enumerate() {
-            let has_bounds = |&row: &u32| self.rows[row as usize].has_bounds();
-            self.bounded.extend((node.first..node.last).filter(has_bounds).map(|row| (row, number as u32)));
-        }
+        self.is_bounded = self.rows.iter().any(|row| row.state != RowState::Free || row.drives || row.has_bounds());
+        self.list_bounded(bodies);
         self.has_pushed = false;
         self.is_factored = false;
         self.is_abreast = false;

@@ -61,6 +61,23 @@ pub(crate) fn has_motor(kind: &JointKind) -> bool {
     }
 }
 
+/// Whether a joint of this kind has a motor that does not give as a spring does.
+pub(crate) fn has_rigid_motor(kind: &JointKind) -> bool {
+    let is_rigid = |motor: &Motor| motor.drive().is_some_and(|drive| drive.softness.compliance == 0.0);
+    match kind {
+        JointKind::Fixed => false,
+        JointKind::Hinge { motor, .. } | JointKind::Prismatic { motor, .. } | JointKind::Distance { motor, .. } => {
+            is_rigid(motor)
+        }
+        JointKind::Spherical { motor, .. } => match motor {
+            SphericalMotor::Off => false,
+            SphericalMotor::Velocity { .. } => true,
+            SphericalMotor::Position { softness, .. } => softness.compliance == 0.0,
+        },
+        JointKind::Generic { linear, angular } => linear.iter().chain(angular).any(|axis| is_rigid(&axis.motor)),
+    }
+}
+
 /// Whether a joint of this kind has a rigid position motor of bounded force.
 pub(crate) fn has_servo(kind: &JointKind) -> bool {
     let is_servo = |motor: &Motor| {

@@ -19,6 +19,8 @@ pub(crate) struct JointTraits {
     pub gives_by_motors_alone: bool,
     /// Motors are also stops that give back of the speed at which they are met.
     pub has_motor: bool,
+    /// Whether it has one that does not give as a spring does.
+    pub has_rigid_motor: bool,
     /// What it asks of its articulation.
     pub solver: Solver,
 }
@@ -32,6 +34,7 @@ impl JointTraits {
         has_friction: false,
         gives_by_motors_alone: false,
         has_motor: false,
+        has_rigid_motor: false,
         solver: Solver::Auto,
     };
 
@@ -47,6 +50,7 @@ impl JointTraits {
             gives_by_motors_alone: kinds::gives_by_motors_alone(def) && !is_driven,
             // What a stop gives back is more than it had in the substep before.
             has_motor: kinds::has_motor(&def.kind) || def.restitution > 0.0,
+            has_rigid_motor: kinds::has_rigid_motor(&def.kind),
             solver: def.solver,
         }
     }

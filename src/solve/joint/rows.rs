@@ -294,6 +294,8 @@ pub(crate) struct ScalarRow {
     pub max: f64,
     /// Whether the row takes part in this phase.
     pub acts: bool,
+    /// Whether it is that of a motor or of friction, which give way to what has no bound.
+    pub drives: bool,
     /// Multiplier of the last substep.
     pub impulse: f32,
     /// Place of its multiplier in the joint's record.
@@ -332,7 +334,13 @@ impl ScalarRow {
             }
         };
         let impulse = if acts { impulse.clamp(min as f32, max as f32) } else { 0.0 };
-        Self { jacobian, bias, gamma, min, max, acts, impulse, id }
+        let drives = matches!(demand, Demand::Speed { .. } | Demand::Drive { .. } | Demand::Approach { .. });
+        Self { jacobian, bias, gamma, min, max, acts, drives, impulse, id }
+    }
+
+    /// Whether there is a greatest multiplier on both sides.
+    pub(crate) fn is_bounded(&self) -> bool {
+        self.min.is_finite() && self.max.is_finite()
     }
 
     /// Has a stop be left at this speed at least (m/s, rad/s), if it is above zero.

@@ -389,7 +389,7 @@ impl CoupledIsland {
 
     /// Solves the substep; once more where what it has found makes bodies much stiffer or softer.
     fn solve(&mut self, h: f64, budget: u32) -> Effort {
-        let mut effort = self.problem.solve(budget);
+        let mut effort = self.problem.solve_or_yield(budget);
         self.traces.clear();
         self.traces.extend(self.problem.masses.iter().map(BodyMass::trace));
         self.problem.note_impulses();

@@ -174,13 +174,16 @@ impl Sink<'_> {
             let place =
                 if scalar.id == friction::ABOUT_POINT { MultiplierSlot::Direction } else { MultiplierSlot::Scalar(scalar.id) };
             let source = Source { place, linear: at.linear, angular: at.angular_b };
+            let is_boundless = scalar.drives && !scalar.is_bounded() && scalar.gamma == 0.0;
             let always = scalar.min == f64::NEG_INFINITY && scalar.max == f64::INFINITY;
             if always && link.rows < 6 {
                 rows.sources[link.rows] = source;
+                link.boundless |= u8::from(is_boundless) << link.rows;
                 push_row(&mut link, jacobian, scalar.bias, scalar.gamma, f64::from(scalar.impulse));
                 continue;
             }
-            let mut term = Term::new(moved, 1, Law::Between(scalar.min, scalar.max));
+            let most = if is_boundless { scalar.max.min(f64::MAX) } else { scalar.max };
+            let mut term = Term::new(moved, 1, Law::Between(scalar.min, most));
             term.jacobian = jacobian.map(|row| [row, [0.0; 6]]);
             term.bias[0] = scalar.bias;
             term.give = scalar.gamma;

@@ -6,7 +6,7 @@
 //! factorisation a substep. The derivation is in *docs/reference/coupled.md*.
 //!
 //! `elimination`, `factor`, `refine`, `term`, `problem`, `passes`, `admm` and `impact` are numbers on plain arrays and know nothing of the engine;
-//! `positions` is what they do for errors of positions. `joints` (of `held`), `patch` and `masses` make joints, manifolds and bodies theirs,
+//! `positions` is what they do for errors of positions, and `overruled` where rows contradict one another. `joints` (of `held`), `patch` and `masses` make joints, manifolds and bodies theirs,
 //! `stiffness` says how forces turn, `island` takes the step, `rebound` what hits in it, and `gaps` closes what it leaves open. Which islands
 //! are solved here is said by [`plan`](crate::solve::plan).
 
@@ -34,6 +34,7 @@ mod impact;
 mod island;
 mod joints;
 mod masses;
+mod overruled;
 mod passes;
 mod patch;
 mod positions;

@@ -15,7 +15,7 @@ use super::term::{FIXED, Term};
 
 /// ε over J M⁻¹ Jᵀ. From 1e-7 to 1e-9 nothing changes; at 1e-5 a scissor lift sinks by 50 mm, at 1e-11 rows that repeat one another make
 /// noise of metres a second.
-const PROXIMITY: f64 = 1.0e-9;
+pub(super) const PROXIMITY: f64 = 1.0e-9;
 
 /// Share of K v₀ on the right: 0 is backward Euler, at 1 next to nothing is lost and what swings fast rings on. The rest is K times the
 /// steady velocity of what goes round a drum: a rope that runs is not held back by what keeps its links from swinging.
@@ -39,6 +39,8 @@ pub(crate) struct JointBlock {
     pub rows: usize,
     /// Whether it may have terms or stiffness, which act on its bodies outright.
     pub acts_between: bool,
+    /// Rows of motors whose force has no bound, as bits.
+    pub boundless: u8,
     /// By side and row.
     pub jacobian: [[Vector; 6]; 2],
     pub bias: Vector,
@@ -57,6 +59,7 @@ impl JointBlock {
             bodies,
             rows: 0,
             acts_between: false,
+            boundless: 0,
             jacobian: [[[0.0; 6]; 6]; 2],
             bias: [0.0; 6],
             give: [0.0; 6],
@@ -88,6 +91,8 @@ pub(super) struct Room {
     pub(super) saved_links: Vec<JointBlock>,
     pub(super) warm_terms: Vec<Term>,
     pub(super) warm_links: Vec<JointBlock>,
+    pub(super) first_terms: Vec<Term>,
+    pub(super) first_links: Vec<JointBlock>,
     pub(super) targets: Vec<[f64; 2]>,
     pub(super) asked: Vec<Vector>,
     pub(super) residual: Vec<Vector>,

@@ -88,6 +88,11 @@ impl Term {
         }
     }
 
+    /// Whether it is that of a motor whose force has no bound on one side: a stop has one that is infinite.
+    pub(super) fn is_boundless(&self) -> bool {
+        matches!(self.law, Law::Between(least, most) if least == f64::NEG_INFINITY || most == f64::MAX)
+    }
+
     /// Interval of its impulse.
     fn bounds(&self) -> (f64, f64) {
         match self.law {
