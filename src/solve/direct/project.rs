@@ -285,13 +285,17 @@ impl Articulation {
             return [entry.points(&a, &b).gap, DVec3::ZERO];
         }
         let placement = driven::before(entry.placement(a, b), joint.drive(), [&a, &b], self.left);
-        let driven = joint.drive().map(|drive| DrivenParts::new(drive, [&a, &b], &placement, [self.left; 2]));
         let stops = self.stops.get(number).filter(|_| self.coupled);
+        let are_stops_far = stops.is_some_and(|stops| stops.still_hold(&placement));
+        if let Some(errors) = kinds::held_errors(&joint.def, &placement, !are_stops_far) {
+            return errors;
+        }
+        let driven = joint.drive().map(|drive| DrivenParts::new(drive, [&a, &b], &placement, [self.left; 2]));
         let rates = RowRates { bodies: link.bodies.map(|body| self.rates[body as usize]), frames: None };
         let all = (Phase::Position { most: f64::INFINITY }, rates);
         let mut sink = RowSink {
             driven,
-            has_stops: !stops.is_some_and(|stops| stops.still_hold(&placement)),
+            has_stops: !are_stops_far,
             ..RowSink::new(JointGeometry::at(&placement), &joint.def, all, entry.angles, &mut self.asked)
         };
         kinds::add_rows(&mut sink);

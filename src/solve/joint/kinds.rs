@@ -1,8 +1,12 @@
 //! Which rows each kind of joint has; one function a kind, in its own file.
 
+use glam::DVec3;
+
 use super::distance::ties_points;
 use super::friction;
+use super::geometry::Placement;
 use super::row_sink::RowSink;
+use super::rows::HeldDirections;
 use crate::joint::{JointDef, JointKind, Limits, Motor, SphericalMotor};
 
 /// Adds the rows of the joint's kind.
@@ -17,6 +21,31 @@ pub(crate) fn add_rows(sink: &mut RowSink) {
         JointKind::Prismatic { limits, motor } => super::prismatic::rows(sink, limits, motor),
         JointKind::Generic { linear, angular } => super::generic::rows(sink, &linear, &angular),
     }
+}
+
+/// Errors of the points and directions that a rigid hinge, ball or fixed joint holds, placed so (m, rad): those of its rows in a projection
+/// where it has no stops, or none that is asked for. None of other joints.
+pub(crate) fn held_errors(def: &JointDef, placement: &Placement, asks_for_stops: bool) -> Option<[DVec3; 2]> {
+    let has_stops = match def.kind {
+        JointKind::Fixed => false,
+        JointKind::Hinge { limits, .. } => limits != Limits::NONE,
+        JointKind::Spherical { swing_limit, twist_limits, .. } => {
+            swing_limit < std::f32::consts::PI || twist_limits != Limits::NONE
+        }
+        JointKind::Distance { .. } | JointKind::Prismatic { .. } | JointKind::Generic { .. } => return None,
+    };
+    if (has_stops && asks_for_stops) || def.linear.compliance > 0.0 || def.angular.compliance > 0.0 {
+        return None;
+    }
+    let direction = match def.kind {
+        JointKind::Fixed => placement.a.frame * placement.rotation_vector(),
+        JointKind::Hinge { .. } => {
+            let held = HeldDirections::Across(placement.axes_a().x_axis);
+            held.project(placement.a.frame * placement.axis_error())
+        }
+        _ => DVec3::ZERO,
+    };
+    Some([placement.gap, direction])
 }
 
 /// Most rows that a joint with this definition can have at once.

@@ -183,7 +183,7 @@ pub(crate) fn across(axis: DVec3) -> (DVec3, DVec3) {
 }
 
 impl HeldDirections {
-    fn project(self, v: DVec3) -> DVec3 {
+    pub(super) fn project(self, v: DVec3) -> DVec3 {
         match self {
             Self::All => v,
             Self::Across(axis) => v - axis * axis.dot(v),
