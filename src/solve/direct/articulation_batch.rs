@@ -1,21 +1,24 @@
 //! Swept articulations of one structure, four at a time.
 //!
 //! Ragdolls of a heap have the same joints, so that their systems differ in numbers alone. Their carried multipliers, their solves between
-//! sweeps over contacts and the mending of their positions go through the same loops side by side ([`interleaved`](super::interleaved_system)). Whatever
-//! is not alike, a row that changes its state or a first solve that carries nothing, is done by the articulation's own [`System`], and
-//! stays with it for the step.
+//! sweeps over contacts and the mending of their positions go through the same loops side by side ([`interleaved`](super::interleaved_system)).
+//! Stops that press or part are solved beside the factor (*changed_stops.rs*). Whatever is not alike, a motor that comes to its bound or a
+//! first solve that carries nothing, is done by the articulation's own [`System`], and stays with it while its rows last.
 
 use super::articulation::Articulation;
 use super::body::DirectBody;
 use super::factor_reuse::{MENDINGS, Settling};
 use super::interleaved_system::{self, InterleavedSystem};
-use super::row::{Row, RowState};
+use super::row::Row;
 use super::system::{PASSES, System, Topology};
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::solve::disjoint::Slots;
 use crate::solve::joint::rows::Rate;
 use crate::solve::state::{BodyMotion, BodyVelocity};
+use changed_stops::ChangedStops;
+
+mod changed_stops;
 
 /// Articulations that go side by side.
 const ABREAST: usize = 4;
@@ -39,6 +42,8 @@ pub(super) struct ArticulationBatch {
     is_factored: bool,
     /// Whether a solution by the factor of each member has been found to need no refinement.
     is_exact: [bool; ABREAST],
+    /// Stops of each member that have changed their states since.
+    changed: [ChangedStops; ABREAST],
 }
 
 /// Groups of the swept articulations of a batch.
@@ -130,9 +135,11 @@ impl ArticulationBatch {
         self.take_rates(articulations, velocities, lanes);
         interleaved_system::push(&mut self.interleaved, &articulations.get(self.members[0]).system.nodes, &lanes);
         self.give_rates(articulations, lanes);
-        for member in self.chosen(lanes) {
-            let own = articulations.get_mut(member);
-            own.system.note_pushed(&own.bodies, &mut own.rates);
+        for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
+            let own = articulations.get_mut(self.members[lane]);
+            let Articulation { system, bodies, rates, .. } = &mut *own;
+            system.note_pushed(bodies, rates);
+            self.changed[lane].push_pressing(&system.rows, bodies, rates);
             own.is_warm = !own.overshoots(velocities);
             own.give_rates(velocities);
         }
@@ -160,10 +167,10 @@ impl ArticulationBatch {
         self.take_rates(articulations, velocities, lanes);
         self.solve(articulations, lanes);
         self.give_rates(articulations, lanes);
+        let unsettled = self.change_stops(articulations, lanes);
         for lane in (0..self.members.len()).filter(|&lane| lanes[lane]) {
             let own = articulations.get_mut(self.members[lane]);
-            self.give_impulses(lane, &mut own.system);
-            if own.system.find_flips(&own.rates, true) > 0 {
+            if unsettled[lane] {
                 own.system.withdraw(&own.bodies, &mut own.rates);
                 own.system.flip(false);
                 own.system.solve(&own.topology, &own.bodies, &mut own.rates, PASSES);
@@ -262,6 +269,12 @@ impl ArticulationBatch {
     fn give_changes(&self, lane: usize, own: &mut Articulation) {
         own.changes.clear();
         own.changes.extend(self.interleaved.rates.iter().map(|rate| rate_of(rate, lane)));
+        let changed = &self.changed[lane];
+        if !changed.is_empty() {
+            let place = |row: u32| self.index.iter().position(|index| index[lane] == row);
+            let impulse = |row: u32| place(row).map_or(0.0, |place| self.interleaved.impulse[place][lane]);
+            changed.make_up_changes(&own.system.rows, &mut own.changes, impulse);
+        }
     }
 
     /// Forgets the multipliers of these lanes; the others may go on with theirs.
@@ -312,12 +325,18 @@ impl ArticulationBatch {
             return;
         }
         self.is_factored = false;
+        for (lane, &member) in self.members.iter().enumerate() {
+            let is_known = articulations.get(member).system.is_abreast;
+            // What one has been found to need does not depend on who joins it.
+            self.is_exact[lane] &= is_known;
+            if !is_known {
+                self.changed[lane].clear();
+            }
+        }
         self.choose(articulations);
         self.interleaved.start(articulations.get(self.members[0]).bodies.len());
-        for (lane, &member) in self.members.iter().enumerate() {
+        for &member in &self.members {
             let system = &mut articulations.get_mut(member).system;
-            // What one has been found to need does not depend on who joins it.
-            self.is_exact[lane] &= system.is_abreast;
             (system.is_abreast, system.has_new_biases) = (true, false);
         }
         let own = |lane: usize| self.members.get(lane).map(|&member| articulations.get(member));
@@ -329,7 +348,7 @@ impl ArticulationBatch {
 
     /// Gives each free row of each member a place in its node.
     fn choose(&mut self, articulations: &(impl Slots<Articulation> + ?Sized)) {
-        let Self { members, interleaved, index, .. } = self;
+        let Self { members, interleaved, index, changed, .. } = self;
         let systems = || members.iter().map(|&member| &articulations.get(member).system);
         interleaved.counts.clear();
         index.clear();
@@ -337,8 +356,8 @@ impl ArticulationBatch {
             let first = index.len();
             for (lane, system) in systems().enumerate() {
                 let node = &system.nodes[number];
-                let is_free = |&row: &u32| system.rows[row as usize].state == RowState::Free;
-                for (place, row) in (node.first..node.last).filter(is_free).enumerate() {
+                let is_in = |&row: &u32| changed[lane].is_in_factor(row, &system.rows[row as usize]);
+                for (place, row) in (node.first..node.last).filter(is_in).enumerate() {
                     if index.len() == first + place {
                         index.push([NONE; ABREAST]);
                     }
@@ -353,6 +372,14 @@ impl ArticulationBatch {
         for (bias, row) in self.interleaved.bias.iter_mut().zip(&self.index) {
             if row[lane] != NONE {
                 bias[lane] = system.rows[row[lane] as usize].bias;
+            }
+        }
+    }
+
+    fn take_impulses(&mut self, lane: usize, system: &System) {
+        for (impulse, row) in self.interleaved.impulse.iter_mut().zip(&self.index) {
+            if row[lane] != NONE {
+                impulse[lane] = system.rows[row[lane] as usize].impulse;
             }
         }
     }

@@ -6,6 +6,7 @@ use crate::linalg::factor::BlockLayout;
 use crate::solve::direct::noise::Noise;
 use crate::solve::direct::project::Errors;
 use crate::solve::direct::redundancy::Regularization;
+use crate::solve::direct::row::RowState;
 use crate::solve::direct::system::{Coupling, SystemNode};
 use crate::solve::state::{BodyMotion, MotionKind};
 
@@ -78,6 +79,66 @@ fn each_lane_is_solved_as_its_member_is_alone() {
     }
     let after = group.interleaved.rates.iter().map(|rate| rate_of(rate, 2));
     assert!(after.zip(&before).all(|(after, before)| (after.linear, after.angular) == (before.linear, before.angular)));
+}
+
+/// Three of them with three stops each, of which some are taken to press.
+fn limbs(noise: &mut Noise) -> Vec<Articulation> {
+    let mut members: Vec<Articulation> = (0..3).map(|_| articulation(noise)).collect();
+    for own in &mut members {
+        for node in [1, 2, 4] {
+            let stop = &mut own.system.rows[own.system.nodes[node].last as usize - 1];
+            (stop.min, stop.gamma) = (0.0, 0.0);
+            stop.state = if noise.next() < 0.0 { RowState::Low } else { RowState::Free };
+        }
+        own.system.begin(&own.bodies);
+    }
+    members
+}
+
+#[test]
+fn stops_that_press_or_part_beside_a_factor_do_as_they_do_in_one() {
+    let mut changes = [0; 2];
+    for seed in 1..30 {
+        let [mut members, mut apart] = [0; 2].map(|_| limbs(&mut Noise(seed)));
+        let mut noise = Noise(seed + 100);
+        let mut group = ArticulationBatch { members: vec![0, 1, 2], ..ArticulationBatch::default() };
+        let lanes = [true, true, true, false];
+        for sweep in 0..2 {
+            group.take_in(&mut members[..], lanes);
+            for lane in 0..3 {
+                let (own, alone) = (&mut members[lane], &mut apart[lane]);
+                for (body, into) in group.interleaved.rates.iter_mut().enumerate() {
+                    // Contacts push between two sweeps.
+                    own.rates[body].linear += vector(&mut noise);
+                    alone.rates[body] = own.rates[body];
+                    let rate = own.rates[body];
+                    let numbers = rate.linear.to_array().into_iter().chain(rate.angular.to_array());
+                    into.iter_mut().zip(numbers).for_each(|(into, number)| into[lane] = number);
+                }
+                match sweep {
+                    0 => _ = alone.system.solve(&alone.topology, &alone.bodies, &mut alone.rates, PASSES),
+                    _ => alone.system.sweep(&alone.topology, &alone.bodies, &mut alone.rates),
+                }
+                alone.system.has_pushed = true;
+            }
+            group.solve(&members[..], lanes);
+            group.give_rates(&mut members[..], lanes);
+            let unsettled = group.change_stops(&mut members[..], lanes);
+            assert_eq!(unsettled, [false; ABREAST], "seed {seed}");
+            for (lane, (own, alone)) in members.iter().zip(&apart).enumerate() {
+                changes[sweep] += usize::from(!group.changed[lane].is_empty());
+                for (row, other) in own.system.rows.iter().zip(&alone.system.rows) {
+                    let off = (row.impulse - other.impulse).abs();
+                    assert!(off < 1e-7 && row.state == other.state, "seed {seed}, sweep {sweep}, lane {lane}: {row:?} {other:?}");
+                }
+                for (rate, other) in own.rates.iter().zip(&alone.rates) {
+                    let off = (rate.linear - other.linear).length().max((rate.angular - other.angular).length());
+                    assert!(off < 1e-7, "seed {seed}, sweep {sweep}, lane {lane}: a body is {off:e} from what it does alone");
+                }
+            }
+        }
+    }
+    assert!(changes.iter().all(|&changes| changes > 20), "{changes:?}");
 }
 
 #[test]
