@@ -83,7 +83,8 @@ impl ChangedStops {
         }
         let stop = &mut self.all[self.count];
         (stop.row, stop.bodies, stop.is_held) = (row, bodies, is_held);
-        (stop.rates.clear(), stop.impulses.clear());
+        stop.rates.clear();
+        stop.impulses.clear();
         self.count += 1;
     }
 
