@@ -119,6 +119,16 @@ impl Drive {
     pub const fn at(velocity: f32, max_force: f32) -> Self {
         Self { target: None, velocity, softness: Softness::RIGID, max_force, max_speed: f32::INFINITY, side: ForceSide::Both }
     }
+
+    /// Whether it pushes as hard as it takes, either way.
+    pub(crate) fn is_unbounded(&self) -> bool {
+        self.max_force == f32::INFINITY && self.side == ForceSide::Both
+    }
+
+    /// Whether it is a spring that may be held back to a greatest speed, by a force with bounds.
+    pub(crate) fn may_be_slowed(&self) -> bool {
+        self.softness.compliance > 0.0 && self.max_speed < f32::INFINITY
+    }
 }
 
 impl Motor {

@@ -40,7 +40,7 @@ struct IslandTraits {
     first: u32,
     bodies: u32,
     joints: u32,
-    /// Groups of two bodies and more that joints connect.
+    /// Groups of two bodies and more that joints connect, of what may be a heap.
     articulations: u32,
     meetings: u32,
     is_swept: bool,
@@ -50,7 +50,7 @@ struct IslandTraits {
     /// order resolves.
     is_loaded: bool,
     is_stiff: bool,
-    /// What gravity and the host pull its bodies with, all together (N), and the most that any joint is stiff by for each newton (1/N).
+    /// What gravity and the host pull its bodies with, all together (N), of a loop that bears nothing yet, and the most that any joint is stiff by for each newton (1/N).
     pull: f64,
     stiffness: f64,
     /// Whether a joint has stops on angles.
@@ -100,21 +100,17 @@ impl Planner {
             let masses =
                 (first..last).map(|slot| velocities[slot as usize].inverse_mass.max_element()).filter(|&mass| mass > 0.0);
             let inverse_masses = masses.fold([f32::INFINITY, 0.0_f32], |[least, most], mass| [least.min(mass), most.max(mass)]);
-            let pulls = (first..last).map(|slot| pull(&velocities[slot as usize], &motions[slot as usize]));
             IslandTraits {
                 first,
                 bodies: last - first,
                 is_plain: true,
                 inverse_masses,
-                pull: pulls.sum(),
                 most_work: most_work(settings, false),
                 ..IslandTraits::default()
             }
         }));
-        for forest in [&mut *tied, &mut *grouped] {
-            forest.clear();
-            forest.extend(0..motions.len() as u32);
-        }
+        tied.clear();
+        tied.extend(0..motions.len() as u32);
         let island_of = |slots: [u32; 2]| {
             let slot = slots.into_iter().find(|&slot| motions[slot as usize].is_dynamic())?;
             firsts.partition_point(|&first| first <= slot).checked_sub(1)
@@ -129,9 +125,6 @@ impl Planner {
             let ends = slots.map(|slot| if motions[slot as usize].is_dynamic() { slot } else { 0 });
             look.is_anchored |= ends.contains(&0) && is_anchor(link);
             look.is_looped |= !join(tied, ends);
-            if ends[0] != 0 && ends[1] != 0 {
-                join(grouped, ends);
-            }
         }
         // Only of loops that may be solved as one is it asked for: it takes a joint's whole record.
         for link in links {
@@ -143,9 +136,9 @@ impl Planner {
                 look.stiffness = look.stiffness.max(stiffness);
             }
         }
-        for number in 0..looks.len() {
-            let first = firsts[number];
-            looks[number].articulations = count_groups(grouped, first..first + looks[number].bodies, sizes);
+        for look in looks.iter_mut().filter(|look| look.is_looped && !look.is_loaded) {
+            let slots = (look.first..look.first + look.bodies).map(|slot| slot as usize);
+            look.pull = slots.map(|slot| pull(&velocities[slot], &motions[slot])).sum();
         }
         for contact in contacts {
             let Some(look) = island_of([contact.a, contact.b]).map(|number| &mut looks[number]) else { continue };
@@ -159,6 +152,19 @@ impl Planner {
             }
             look.most_work = look.most_work.max(most_work(settings, weighs_down(contact, velocities, motions)));
             look.rebounds |= rebounds(contact, velocities, settings);
+        }
+        if looks.iter().any(IslandTraits::may_be_heap) {
+            grouped.clear();
+            grouped.extend(0..motions.len() as u32);
+            for link in links {
+                let moves = [link.a, link.b].iter().all(|&slot| motions[slot as usize].is_dynamic());
+                if moves && island_of([link.a, link.b]).is_some_and(|number| looks[number].may_be_heap()) {
+                    join(grouped, [link.a, link.b]);
+                }
+            }
+            for look in looks.iter_mut().filter(|look| look.may_be_heap()) {
+                look.articulations = count_groups(grouped, look.first..look.first + look.bodies, sizes);
+            }
         }
         plans.clear();
         plans.extend(looks.iter().map(IslandTraits::plan));
@@ -214,7 +220,12 @@ impl IslandTraits {
     /// Whether articulations that touch one another are better swept: nothing that is fixed holds them, or there is more to press than to
     /// hold, as in a heap of ragdolls.
     fn is_heap(&self) -> bool {
-        self.articulations >= 2 && (!self.is_anchored || self.meetings > self.joints)
+        self.articulations >= 2 && self.may_be_heap()
+    }
+
+    /// The same, as far as is known without counting articulations.
+    fn may_be_heap(&self) -> bool {
+        self.joints > 0 && (!self.is_anchored || self.meetings > self.joints)
     }
 
     fn plan(&self) -> IslandPlan {

@@ -72,6 +72,38 @@ pub(crate) fn most_rows(def: &JointDef) -> u32 {
     without_friction + friction::rows_of(def)
 }
 
+/// Most rows of a joint that hold whatever force that takes, and whether it may have others, which act within bounds or along a line.
+pub(crate) fn held_rows(def: &JointDef) -> (u32, bool) {
+    let of_axis = |limits: &Limits, motor: &Motor| {
+        let drives = motor.drive().is_some_and(|drive| drive.is_unbounded());
+        u32::from(limits.min == limits.max) + u32::from(drives)
+    };
+    let held = match &def.kind {
+        JointKind::Fixed => 6,
+        JointKind::Hinge { limits, motor } | JointKind::Prismatic { limits, motor } => 5 + of_axis(limits, motor),
+        JointKind::Spherical { twist_limits, motor, .. } => {
+            let max_torque = match *motor {
+                SphericalMotor::Off => 0.0,
+                SphericalMotor::Velocity { max_torque, .. } | SphericalMotor::Position { max_torque, .. } => max_torque,
+            };
+            3 + of_axis(twist_limits, &Motor::Off) + if max_torque == f32::INFINITY { 3 } else { 0 }
+        }
+        JointKind::Distance { .. } if ties_points(def) => 3,
+        JointKind::Distance { limits, spring_length, motor } => of_axis(limits, motor) + u32::from(spring_length.is_some()),
+        JointKind::Generic { linear, angular } => {
+            linear.iter().chain(angular).map(|axis| of_axis(&axis.limits, &axis.motor)).sum()
+        }
+    };
+    let may_be_slowed = |motor: &Motor| motor.drive().is_some_and(|drive| drive.may_be_slowed());
+    let is_slowed = match &def.kind {
+        JointKind::Hinge { motor, .. } | JointKind::Prismatic { motor, .. } => may_be_slowed(motor),
+        JointKind::Generic { linear, angular } => linear.iter().chain(angular).any(|axis| may_be_slowed(&axis.motor)),
+        JointKind::Fixed | JointKind::Spherical { .. } | JointKind::Distance { .. } => false,
+    };
+    let most = held.min(6);
+    (most, is_distance(def) || is_slowed || most_rows(def) > most)
+}
+
 /// Whether a joint gives energy by its motors alone, if by anything: no spring, no give.
 pub(crate) fn gives_by_motors_alone(def: &JointDef) -> bool {
     let is_rigid = def.linear.compliance == 0.0 && def.angular.compliance == 0.0 && def.limit.compliance == 0.0;

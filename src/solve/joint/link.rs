@@ -9,6 +9,9 @@ use crate::settings::Solver;
 pub(crate) struct JointTraits {
     /// Most rows that it can have.
     pub most_rows: u8,
+    /// Most of its rows that hold whatever force that takes, and whether it may have others, which act within bounds or along a line.
+    pub held_rows: u8,
+    pub acts_between: bool,
     /// Whether it holds points rigidly together and does nothing else.
     pub is_plain: bool,
     /// Whether it has stops on angles.
@@ -29,6 +32,8 @@ impl JointTraits {
     /// Of no joint.
     pub(crate) const NONE: Self = Self {
         most_rows: 0,
+        held_rows: 0,
+        acts_between: false,
         is_plain: false,
         limits_angles: false,
         has_friction: false,
@@ -41,8 +46,11 @@ impl JointTraits {
     pub(crate) fn of(joint: &Joint) -> Self {
         let (def, is_driven) = (&joint.def, joint.drive.is_some());
         let most_rows = kinds::most_rows(def);
+        let (held_rows, acts_between) = kinds::held_rows(def);
         Self {
             most_rows: most_rows as u8,
+            held_rows: held_rows as u8,
+            acts_between,
             is_plain: kinds::is_plain(&def.kind, most_rows) && def.linear.compliance == 0.0 && !is_driven,
             limits_angles: kinds::limits_angles(&def.kind),
             has_friction: friction::rows_of(def) > 0,

@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3};
 use super::held::{Ends, JointSet, rate_of, settle_row, settle_term, vector};
 use super::joints::MultiplierSlot;
 use super::masses::mass_of;
+use super::outline::{JointOutline, Outline};
 use super::passes::{Effort, MAX_FACTORS};
 use super::patch::Patch;
 use super::problem::{BodyMass, Problem, Stiff};
@@ -19,8 +20,8 @@ use crate::report::ArticulationReport;
 use crate::solve::StepSettings;
 use crate::solve::direct::body::DirectBody;
 use crate::solve::direct::stiffness;
-use crate::solve::joint::LocalPose;
 use crate::solve::joint::rows::Rate;
+use crate::solve::joint::{JointLink, LocalPose};
 use crate::solve::plan::FREE_FACTORS;
 use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 
@@ -62,9 +63,8 @@ struct CoupledOutcome {
     kinetic: f64,
     /// Greatest speed at which rows that always hold have been left to part (m/s, rad/s).
     strain: f64,
-    /// Most multiplications that a factorisation may take, and whether one takes more: the step has not been begun then.
-    most_work: u64,
-    is_large: bool,
+    /// Whether others are to take the step.
+    is_rejected: bool,
 }
 
 /// An island: see the [module](self).
@@ -86,7 +86,7 @@ pub(crate) struct CoupledIsland {
     /// Where bodies may be moved to as errors of positions are taken out.
     pub(super) moved_to: Vec<LocalPose>,
     pub patches: Vec<Patch>,
-    pairs: Vec<[u32; 2]>,
+    outline: Outline,
     pub(super) problem: Problem,
     /// Whether a contact presses on each body.
     pressed: Vec<bool>,
@@ -100,24 +100,58 @@ pub(crate) struct CoupledIsland {
 }
 
 impl CoupledIsland {
-    /// Begins to take in the bodies of these slots.
-    pub(crate) fn begin(
-        &mut self,
-        slots: Range<u32>,
-        (is_looped, most_work): (bool, u64),
-        velocities: &[BodyVelocity],
-        motions: &[BodyMotion],
-    ) {
+    /// Begins to take in the bodies of these slots: numbers them, for an outline. A factorisation may take so many multiplications.
+    pub(crate) fn begin(&mut self, slots: Range<u32>, (is_looped, most_work): (bool, u64), motions: &[BodyMotion]) {
         (self.slots, self.is_looped) = (slots.clone(), is_looped);
+        self.moved.clear();
+        self.moved.push(FIXED);
+        let mut next = 0;
+        for slot in slots {
+            let is_dynamic = motions[slot as usize].is_dynamic();
+            self.moved.push(if is_dynamic { next } else { FIXED });
+            next += u32::from(is_dynamic);
+        }
+        self.outline.begin(next as usize, most_work);
+    }
+
+    /// Notes which bodies a joint connects.
+    pub(crate) fn outline_joint(&mut self, link: &JointLink) {
+        let bodies = [link.a, link.b].map(|slot| self.number_of(slot));
+        let (rows, acts_between) = (link.traits.held_rows, link.traits.acts_between);
+        self.outline.add_joint(JointOutline { bodies, rows, acts_between });
+    }
+
+    /// Notes that bodies of these slots are near each other.
+    pub(crate) fn outline_pair(&mut self, slots: [u32; 2]) {
+        let bodies = slots.map(|slot| self.number_of(slot));
+        self.outline.add_pair(bodies);
+    }
+
+    /// Number of a body in the problem.
+    fn number_of(&self, slot: u32) -> u32 {
+        if self.slots.contains(&slot) { self.moved[1 + (slot - self.slots.start) as usize] } else { FIXED }
+    }
+
+    /// Whether the structure of the factor is that of the last step.
+    pub(crate) fn has_structure(&self) -> bool {
+        self.outline.is_known()
+    }
+
+    pub(crate) fn find_structure(&mut self) {
+        self.outline.find(&mut self.problem.structure);
+    }
+
+    /// Takes in all bodies, as they are.
+    pub(crate) fn enlist_bodies(&mut self, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
         self.held.clear();
         self.bodies.clear();
         self.anchors.clear();
         self.rates.clear();
         self.local_poses.clear();
         self.patches.clear();
-        (self.outcome, self.handed_out) = (CoupledOutcome { most_work, ..CoupledOutcome::default() }, 0);
+        (self.outcome, self.handed_out) = (CoupledOutcome::default(), 0);
         self.enlist(WORLD_SLOT, velocities, motions);
-        for slot in slots {
+        for slot in self.slots.clone() {
             self.enlist(slot, velocities, motions);
         }
     }
@@ -142,6 +176,7 @@ impl CoupledIsland {
             return first + found;
         }
         self.anchors.push(slot);
+        self.moved.push(FIXED);
         self.enlist(slot, velocities, motions);
         first + self.anchors.len() - 1
     }
@@ -151,7 +186,6 @@ impl CoupledIsland {
         let h = f64::from(settings.dt) / f64::from(settings.substeps);
         self.outcome.substeps = settings.substeps;
         self.began.clone_from(&self.local_poses);
-        self.number_bodies();
         self.outcome.gaps[0] = self.joint_gap(joints);
         let (before, mut budget) = (self.energy(), None);
         for substep in 0..settings.substeps {
@@ -160,11 +194,6 @@ impl CoupledIsland {
             let bent = self.bodies.iter().zip(&mut self.rates).filter(|(body, _)| body.is_bent());
             bent.for_each(|(body, rate)| *rate = body.bent(rate, ahead));
             self.build(joints, h, left);
-            if self.is_large() {
-                return;
-            }
-            // What is begun is brought to its end, whatever rows come.
-            self.outcome.most_work = u64::MAX;
             self.rebound(joints, settings, h, left);
             let budget = budget.get_or_insert_with(|| self.budget(settings));
             let kept_back = FREE_FACTORS * (settings.substeps - 1 - substep);
@@ -186,6 +215,7 @@ impl CoupledIsland {
         self.outcome.penetration = overlaps.fold(0.0, f64::max);
         self.outcome.gaps[1] = self.joint_gap(joints);
         (self.outcome.gain, self.outcome.kinetic) = (self.energy() - before, before);
+        self.outcome.is_rejected = !self.is_sound();
     }
 
     /// Kinetic energy less the work of forces since the start of the step (J).
@@ -220,21 +250,25 @@ impl CoupledIsland {
         work
     }
 
-    /// Whether a factorisation takes more work than it may.
+    /// Whether a factorisation takes more work than it may: the step is not taken then.
     pub(crate) fn is_large(&self) -> bool {
-        self.outcome.is_large
+        self.outline.is_large()
     }
 
-    /// Whether the step has gained energy that nothing has given, has no end, or has rows that contradict one another: it is left to the
-    /// other solvers then, as if it had not been taken.
-    pub(crate) fn is_rejected(&self) -> bool {
+    /// Whether it has taken the step; it is left to the other solvers else, as if nothing had been done.
+    pub(crate) fn is_accepted(&self) -> bool {
+        !self.is_large() && !self.outcome.is_rejected
+    }
+
+    /// Whether the step has come to an end, without a gain of energy that nothing has given, and without rows that contradict one another.
+    fn is_sound(&self) -> bool {
         let weights = self.bodies.iter().filter_map(|body| Some(body.free_mass()? * body.pull()));
         let lifted = self.outcome.lifted.max(0.0) + LIFT * weights.sum::<f64>();
         let allowed = self.outcome.driven + lifted + ROUNDING * self.outcome.kinetic;
         let [gap, opened] = self.outcome.gaps;
         let is_held = opened <= gap.max(MAX_GAP * self.held.mean_lever());
-        // Written so that what is no number is rejected.
-        self.is_large() || !(self.outcome.gain <= allowed && self.outcome.strain <= MAX_STRAIN && is_held)
+        // Written so that what is no number is not.
+        self.outcome.gain <= allowed && self.outcome.strain <= MAX_STRAIN && is_held
     }
 
     /// Number of the next patch, in the order in which they were taken in.
@@ -248,18 +282,6 @@ impl CoupledIsland {
         let allowed = f64::from(settings.articulations.halving_budget) * 1.0e6 / self.problem.structure.work.max(1) as f64;
         let (least, most) = (FREE_FACTORS * settings.substeps, MAX_FACTORS * settings.substeps);
         (allowed.min(f64::from(most)) as u32).max(least)
-    }
-
-    fn number_bodies(&mut self) {
-        self.moved.clear();
-        let mut next = 0;
-        for body in &self.bodies {
-            self.moved.push(if body.is_dynamic() { next } else { FIXED });
-            next += u32::from(body.is_dynamic());
-        }
-        self.pairs.clear();
-        let pairs = self.patches.iter().map(|patch| patch.bodies.map(|body| self.moved[body]));
-        self.pairs.extend(pairs);
     }
 
     /// Forms the problem of a substep of length `h` (s), whose start and end are so far from the end of the step (s).
@@ -285,9 +307,7 @@ impl CoupledIsland {
         }
         self.mask();
         self.find_stiffness(h);
-        let Self { problem, pairs, outcome, .. } = self;
-        outcome.is_large = !problem.find_structure(pairs, outcome.most_work);
-        problem.begin();
+        self.problem.begin();
     }
 
     /// Puts speeds of what is not moved by rows into their biases, and takes locked axes out of them.

@@ -195,8 +195,6 @@ impl Sink<'_> {
             self.sources.push(source);
         }
         rows.terms.1 = self.terms.len() as u32;
-        // By what it may have, not by what it has: the structure stays the same as it runs against its stops.
-        link.acts_between = entry.is_distance || usize::from(entry.most_rows) > link.rows;
         self.links.push(link);
         rows
     }

@@ -34,6 +34,7 @@ mod impact;
 mod island;
 mod joints;
 mod masses;
+mod outline;
 mod overruled;
 mod passes;
 mod patch;
@@ -96,21 +97,27 @@ impl Newton {
         self.planner.clear();
     }
 
-    pub(crate) fn islands(&self) -> &[CoupledIsland] {
-        &self.islands[..self.count]
+    /// Islands that have taken the step.
+    pub(crate) fn islands(&self) -> impl Iterator<Item = &CoupledIsland> {
+        self.islands[..self.count].iter().filter(|island| island.is_accepted())
+    }
+
+    /// Whether no island has taken the step.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.islands().next().is_none()
     }
 
     /// First slot, bodies, joints and plan of each island with joints, and whether it was begun here and given up.
     pub(crate) fn plans(&self) -> impl Iterator<Item = (u32, u32, u32, IslandPlan, bool)> {
         self.planner.jointed().map(|(first, bodies, joints, plan)| {
-            let is_taken = self.islands().iter().any(|island| island.slots.start == first);
+            let is_taken = self.islands().any(|island| island.slots.start == first);
             (first, bodies, joints, plan, plan == IslandPlan::Coupled && !is_taken)
         })
     }
 
     /// Joints solved here, as their batch holds them.
     pub(crate) fn entries(&self) -> impl Iterator<Item = &JointEntry> {
-        self.islands().iter().flat_map(|island| &island.held.entries)
+        self.islands().flat_map(|island| &island.held.entries)
     }
 
     fn patch(&self, number: usize) -> Option<&Patch> {
@@ -135,12 +142,12 @@ impl Newton {
 
     /// Worst overlap of the contacts that it holds (m).
     pub(crate) fn penetration(&self) -> f64 {
-        self.islands().iter().map(CoupledIsland::penetration).fold(0.0, f64::max)
+        self.islands().map(CoupledIsland::penetration).fold(0.0, f64::max)
     }
 
     /// Greatest distance between joint points beyond what their joints allow (m).
     pub(crate) fn joint_gap(&self, joints: &Pool<Joint, JointId>) -> f32 {
-        self.islands().iter().map(|island| island.joint_gap(joints)).fold(0.0, f64::max) as f32
+        self.islands().map(|island| island.joint_gap(joints)).fold(0.0, f64::max) as f32
     }
 
     /// Moves the islands through the step that are to be solved here, and takes their joints from `links`.
@@ -173,20 +180,26 @@ impl Newton {
             if *count == islands.len() {
                 islands.push(CoupledIsland::default());
             }
-            islands[*count].begin(firsts[number]..last, traits, velocities, motions);
+            islands[*count].begin(firsts[number]..last, traits, motions);
             *count += 1;
         }
         if *count == 0 {
             return;
         }
         let taken = &mut islands[..*count];
+        find_structures(taken, (links, contacts), threads);
+        taken.iter().filter(|island| island.is_large()).for_each(|island| planner.enlarge(island.slots.start));
+        if taken.iter().all(CoupledIsland::is_large) {
+            return;
+        }
+        taken.iter_mut().filter(|island| !island.is_large()).for_each(|island| island.enlist_bodies(velocities, motions));
         for link in links.iter() {
-            let Some(place) = owner([link.a, link.b], taken) else { continue };
+            let Some(place) = owner([link.a, link.b], taken, |island| !island.is_large()) else { continue };
             let ends = [link.a, link.b].map(|slot| taken[place].local(slot, velocities, motions));
             taken[place].held.push(records.joint(link), ends);
         }
         for (number, contact) in contacts.iter().enumerate() {
-            let Some(place) = owner([contact.a, contact.b], taken) else { continue };
+            let Some(place) = owner([contact.a, contact.b], taken, |island| !island.is_large()) else { continue };
             let ends = [contact.a, contact.b].map(|slot| taken[place].local(slot, velocities, motions));
             let mut patch = Patch::new(contact, ends);
             // What no joint holds has been collided as it will stand when it presses.
@@ -197,40 +210,46 @@ impl Newton {
             }
             taken[place].patches.push(patch);
         }
-        let piece = threads.piece(taken.len(), 1);
-        threads.share(taken.chunks_mut(piece), |islands| {
-            islands.iter_mut().for_each(|island| island.step(joints, settings));
-        });
-        taken.iter().filter(|island| island.is_large()).for_each(|island| planner.enlarge(island.slots.start));
-        *count = keep_accepted(taken);
-        let taken = &mut islands[..*count];
-        links.retain(|link| owner([link.a, link.b], taken).is_none());
+        let begun = taken.iter_mut().filter(|island| !island.is_large());
+        threads.share(begun, |island| island.step(joints, settings));
+        if !taken.iter().any(CoupledIsland::is_accepted) {
+            return;
+        }
+        links.retain(|link| owner([link.a, link.b], taken, CoupledIsland::is_accepted).is_none());
         held.resize(contacts.len(), None);
         for (held, contact) in held.iter_mut().zip(contacts) {
-            *held = owner([contact.a, contact.b], taken).map(|place| (place as u32, taken[place].next_patch()));
+            let place = owner([contact.a, contact.b], taken, CoupledIsland::is_accepted);
+            *held = place.map(|place| (place as u32, taken[place].next_patch()));
         }
-        for island in taken {
+        for island in taken.iter().filter(|island| island.is_accepted()) {
             island.store(velocities, motions);
         }
     }
 }
 
-/// Which of these islands, in the order of their slots, moves any of the two.
-fn owner(slots: [u32; 2], islands: &[CoupledIsland]) -> Option<usize> {
-    slots.into_iter().find_map(|slot| {
-        let place = islands.partition_point(|island| island.slots.end <= slot);
-        islands.get(place).filter(|island| island.slots.contains(&slot)).map(|_| place)
-    })
-}
-
-/// Puts those first, in their order, that have taken their step without a gain of energy, and says how many they are.
-fn keep_accepted(islands: &mut [CoupledIsland]) -> usize {
-    let mut kept = 0;
-    for place in 0..islands.len() {
-        if !islands[place].is_rejected() {
-            islands.swap(kept, place);
-            kept += 1;
+/// Finds the structure of each island's factor, from its joints and near pairs; that of most is the one of the last step.
+fn find_structures(islands: &mut [CoupledIsland], (links, contacts): (&[JointLink], &[ContactInput]), threads: &Workers) {
+    for link in links {
+        if let Some(place) = owner([link.a, link.b], islands, |_| true) {
+            islands[place].outline_joint(link);
         }
     }
-    kept
+    for contact in contacts {
+        if let Some(place) = owner([contact.a, contact.b], islands, |_| true) {
+            islands[place].outline_pair([contact.a, contact.b]);
+        }
+    }
+    let mut unknown = islands.iter_mut().filter(|island| !island.has_structure()).peekable();
+    if unknown.peek().is_some() {
+        threads.share(unknown, CoupledIsland::find_structure);
+    }
+}
+
+/// Which of these islands, in the order of their slots, moves any of the two, if it is one to be asked.
+fn owner(slots: [u32; 2], islands: &[CoupledIsland], asks: impl Fn(&CoupledIsland) -> bool) -> Option<usize> {
+    let place_of = |slot| {
+        let place = islands.partition_point(|island| island.slots.end <= slot);
+        islands.get(place).filter(|island| island.slots.contains(&slot)).map(|_| place)
+    };
+    slots.into_iter().find_map(place_of).filter(|&place| asks(&islands[place]))
 }

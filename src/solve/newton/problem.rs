@@ -37,8 +37,6 @@ pub(crate) struct BodyMass {
 pub(crate) struct JointBlock {
     pub bodies: [u32; 2],
     pub rows: usize,
-    /// Whether it may have terms or stiffness, which act on its bodies outright.
-    pub acts_between: bool,
     /// Rows of motors whose force has no bound, as bits.
     pub boundless: u8,
     /// By side and row.
@@ -58,7 +56,6 @@ impl JointBlock {
         Self {
             bodies,
             rows: 0,
-            acts_between: false,
             boundless: 0,
             jacobian: [[[0.0; 6]; 6]; 2],
             bias: [0.0; 6],
@@ -117,8 +114,6 @@ pub(crate) struct Problem {
     pub(super) room: Room,
     /// Whether the factor is that of the terms as they are.
     pub(super) is_stale: bool,
-    sizes: Vec<u8>,
-    edges: Vec<[u32; 2]>,
     /// Inverse inertia of each body, with its damping.
     inverses: Vec<glam::DMat3>,
 }
@@ -133,33 +128,6 @@ impl Problem {
         self.links.clear();
         self.terms.clear();
         self.stiff.clear();
-    }
-
-    /// Finds the structure for the joints' rows as they are, and bodies that `pairs` connect. Whether a factorisation takes `most` multiplications
-    /// or fewer: there is no structure where it does not.
-    pub(crate) fn find_structure(&mut self, pairs: &[[u32; 2]], most: u64) -> bool {
-        let Self { sizes, edges, links, masses, structure, .. } = self;
-        let bodies = masses.len();
-        sizes.clear();
-        sizes.resize(bodies, 6);
-        sizes.extend(links.iter().map(|link| link.rows as u8));
-        edges.clear();
-        for (number, link) in links.iter().enumerate() {
-            // A joint that only bounds has no rows to eliminate.
-            let moved = link.bodies.into_iter().filter(|&body| body != FIXED && link.rows > 0);
-            edges.extend(moved.map(|body| [body, (bodies + number) as u32]));
-            if link.acts_between {
-                edges.push(link.bodies);
-            }
-        }
-        edges.extend_from_slice(pairs);
-        edges.retain_mut(|edge| {
-            edge.sort_unstable();
-            edge[1] != FIXED && edge[0] != edge[1]
-        });
-        edges.sort_unstable();
-        edges.dedup();
-        structure.prepare(bodies, sizes, edges, most)
     }
 
     /// Prepares the first solve: how readily rows answer, and the right-hand side.
@@ -232,13 +200,18 @@ impl Problem {
                 }
             }
         }
-        for (number, link) in links.iter().enumerate().filter(|(_, link)| link.rows > 0) {
+        for (number, link) in links.iter().enumerate() {
             let node = (masses.len() + number) as u32;
+            debug_assert!(link.rows <= usize::from(structure.sizes[node as usize]), "more rows than joints of its kind have");
             let block = factor.diagonal_mut(node);
             for row in 0..link.rows {
                 block[row][row] -= link.give[row] + link.proximity[row];
             }
-            for side in (0..2).filter(|&side| link.bodies[side] != FIXED) {
+            // Rows that it has at other times, and nothing acts on now.
+            for row in link.rows..usize::from(structure.sizes[node as usize]) {
+                block[row][row] = -1.0;
+            }
+            for side in (0..2).filter(|&side| link.bodies[side] != FIXED && link.rows > 0) {
                 factor.add(structure, node, link.bodies[side], |row, column| link.jacobian[side][row][column]);
             }
         }

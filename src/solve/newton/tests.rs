@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::factor::Vector;
+use super::outline::{JointOutline, Outline};
 use super::problem::{BodyMass, JointBlock, Problem};
 use super::term::{FIXED, Law, Term};
 
@@ -51,9 +52,18 @@ fn stand(problem: &mut Problem, below: u32, above: u32, friction: f64, pressed: 
     problem.terms.push(term);
 }
 
+fn find_structure(problem: &mut Problem) {
+    let mut outline = Outline::default();
+    outline.begin(problem.masses.len(), u64::MAX);
+    for link in &problem.links {
+        outline.add_joint(JointOutline { bodies: link.bodies, rows: link.rows as u8, acts_between: false });
+    }
+    problem.terms.iter().for_each(|term| outline.add_pair(term.bodies));
+    outline.find(&mut problem.structure);
+}
+
 fn solve(problem: &mut Problem) -> u32 {
-    let pairs: Vec<_> = problem.terms.iter().map(|term| term.bodies).collect();
-    assert!(problem.find_structure(&pairs, u64::MAX));
+    find_structure(problem);
     problem.begin();
     let effort = problem.solve(12);
     assert!(!effort.is_capped, "{effort:?}");
@@ -186,8 +196,7 @@ fn out_of_budget_the_state_stays_bounded() {
         for (below, above) in [(FIXED, 0), (0, 1), (1, 2), (2, 3)] {
             stand(&mut problem, below, above, 0.5, [0.0; 4]);
         }
-        let pairs: Vec<_> = problem.terms.iter().map(|term| term.bodies).collect();
-        assert!(problem.find_structure(&pairs, u64::MAX));
+        find_structure(&mut problem);
         problem.begin();
         problem.solve(budget);
         let energy = |v: &[Vector]| -> f64 {
@@ -246,7 +255,7 @@ fn outer(v: DVec3) -> DMat3 {
 fn a_net_whose_knots_hold_four_rods_is_stopped_by_its_joints_and_gains_nothing() {
     for cells in [2, 3, 6] {
         let mut problem = net(cells);
-        assert!(problem.find_structure(&[], u64::MAX));
+        find_structure(&mut problem);
         problem.begin();
         let energy = |problem: &Problem, of: &[Vector]| {
             let mut product = Vec::new();

@@ -204,7 +204,7 @@ impl World {
 
 impl<'a> Moves<'a> {
     fn new(limits: Limits, number: usize, batch: &'a Batch, unions: &'a Unions) -> Self {
-        let may_stride = batch.direct.sweeps_blocks() || batch.mesh.is_one() || !batch.newton.islands().is_empty();
+        let may_stride = batch.direct.sweeps_blocks() || batch.mesh.is_one() || !batch.newton.is_idle();
         Self { limits, number, batch, unions, may_stride }
     }
 
@@ -312,7 +312,7 @@ fn store_histories(batch: &Batch, bodies: &mut Pool<Body, BodyId>, dt: f32) {
     for (slot, history) in batch.direct.histories() {
         bodies[batch.bodies[slot as usize]].history.set(*history);
     }
-    if batch.direct.sweeps_blocks() || !batch.newton.islands().is_empty() {
+    if batch.direct.sweeps_blocks() || !batch.newton.is_idle() {
         let swept_alone = batch.joints.entries.iter().flat_map(|entry| [entry.a, entry.b]);
         let moved_alone = batch.direct.slots_moved_alone();
         for slot in moved_alone.chain(swept_alone).filter(|&slot| slot != WORLD_SLOT) {
