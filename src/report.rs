@@ -124,7 +124,8 @@ pub struct ArticulationReport {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(i32)]
 pub enum IslandPlan {
-    /// Joints meet contacts, or close a loop and bear more than a substep resolves: all of it is one problem.
+    /// Joints meet contacts, or close a loop and bear more than a substep resolves, or bodies without joints lean on one another in a row, as
+    /// stones of an arch: all of it is one problem.
     Coupled,
     /// No joint is in it: contacts are swept.
     #[default]

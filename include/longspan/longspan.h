@@ -228,7 +228,10 @@
  */
 #define LS_JOINT_GENERIC 5
 
-/** Plan of an island: joints meet contacts, or close a loop and bear more than a substep resolves: all of it is one problem. */
+/**
+ * Plan of an island: joints meet contacts, or close a loop and bear more than a substep resolves, or bodies without joints lean on one another
+ * in a row, as stones of an arch: all of it is one problem.
+ */
 #define LS_PLAN_COUPLED 0
 
 /** Plan of an island: no joint is in it: contacts are swept. */

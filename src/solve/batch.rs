@@ -298,6 +298,12 @@ impl Batch {
         self.bodies.len() - 1 - self.replicas.len()
     }
 
+    /// Whether bodies without joints may be solved as one: contacts are formed then.
+    pub(crate) fn may_hold_rows(&mut self) -> bool {
+        let end = self.moving() as u32 + 1;
+        self.newton.may_hold_rows(&self.islands, end, self.ends.iter().map(|ends| [ends.a, ends.b]))
+    }
+
     /// Block and lane of the manifold with this number; none where an articulation holds it.
     pub(crate) fn place_of(&self, number: usize) -> Option<(u32, u32)> {
         self.lanes.get(number).copied().filter(|&(block, _)| block != HELD)

@@ -155,7 +155,7 @@ impl BatchInput<'_> {
             self.take_leads_back(batch);
         }
         self.replicate(batch);
-        if !batch.joint_slots.is_empty() {
+        if !batch.joint_slots.is_empty() || self.solver != Solver::GaussSeidel && batch.may_hold_rows() {
             self.form_inputs(batch, threads);
         }
         self.list_joints(batch, threads);

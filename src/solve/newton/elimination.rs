@@ -14,16 +14,35 @@ use std::collections::BinaryHeap;
 /// Unknowns of a body, and the most of a joint.
 pub(crate) const WIDTH: usize = 6;
 
+/// Rows of a panel that are worked on abreast: columns are multiples of it.
+pub(crate) const LANES: usize = 4;
+
 /// Neighbours that a node has room for from the first: those of nodes change as near pairs do, and that takes no memory then.
 const ROOM: usize = 32;
 
-/// One product that the elimination of a node subtracts: `rows` and `columns` are blocks below it, `target` is a block or, from the
-/// number of blocks on, a diagonal one.
+/// Rows of an eliminated node's panel that lie side by side in the panel of a node below it as well: from where, to where, how many.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Update {
-    pub rows: u32,
-    pub columns: u32,
-    pub target: u32,
+pub(crate) struct Run {
+    pub from: u32,
+    pub to: u32,
+    pub count: u32,
+}
+
+/// How the numbers of the factor are laid out: node by node a panel, a column for each unknown of the node, with rows of its own and of the
+/// blocks below, one after the other.
+#[derive(Debug, Default)]
+pub(crate) struct Panels {
+    /// Where the panel of each node begins, and how long its columns are, with zeros at their ends.
+    pub starts: Vec<u32>,
+    pub heights: Vec<u32>,
+    /// First row of each block in the panel of the node that it is below.
+    pub rows: Vec<u32>,
+    /// First run of each block, and one more: rows of the panel, from the block's own on, that the elimination subtracts from the panel of the
+    /// block's node.
+    pub first_run: Vec<u32>,
+    pub runs: Vec<Run>,
+    /// Numbers in all.
+    pub length: usize,
 }
 
 /// The structure of the factor of a system.
@@ -40,9 +59,7 @@ pub(crate) struct Elimination {
     /// First block below each node, and one more; the node of each block, those eliminated earlier first.
     pub first_below: Vec<u32>,
     pub below: Vec<u32>,
-    /// First product of each place, and one more.
-    pub first_update: Vec<u32>,
-    pub updates: Vec<Update>,
+    pub panels: Panels,
     /// Multiplications of a factorisation.
     pub work: u64,
     neighbours: Vec<Vec<u32>>,
@@ -85,7 +102,7 @@ impl Elimination {
             return false;
         }
         self.list_blocks();
-        self.list_updates();
+        self.list_runs();
         true
     }
 
@@ -93,15 +110,13 @@ impl Elimination {
         self.sizes.len()
     }
 
-    pub(crate) fn block_count(&self) -> usize {
-        self.below.len()
-    }
-
-    /// Block of two nodes that rows connect, and whether its rows are those of `a`.
-    pub(crate) fn block(&self, a: u32, b: u32) -> (usize, bool) {
+    /// Where the block of two nodes begins that rows connect, how long its columns are, and whether its rows are those of `a`.
+    pub(crate) fn block(&self, a: u32, b: u32) -> (usize, usize, bool) {
         let a_is_later = self.place[a as usize] > self.place[b as usize];
         let (later, earlier) = if a_is_later { (a, b) } else { (b, a) };
-        (self.find(later, earlier), a_is_later)
+        let panels = &self.panels;
+        let start = panels.starts[earlier as usize] + panels.rows[self.find(later, earlier)];
+        (start as usize, panels.heights[earlier as usize] as usize, a_is_later)
     }
 
     fn find(&self, later: u32, earlier: u32) -> usize {
@@ -312,35 +327,57 @@ impl Elimination {
         list.extend_from_slice(&self.merged);
     }
 
+    /// Lists the blocks below each node, and lays out its panel.
     fn list_blocks(&mut self) {
-        let Self { eliminated, place, below, first_below, sizes, .. } = self;
-        below.clear();
-        first_below.clear();
+        let Self { eliminated, place, below, first_below, sizes, panels, .. } = self;
+        let Panels { starts, heights, rows, length, .. } = panels;
+        for list in [&mut *below, &mut *first_below, &mut *starts, &mut *heights, &mut *rows] {
+            list.clear();
+        }
         first_below.push(0);
-        for list in &mut eliminated[..sizes.len()] {
+        *length = 0;
+        for (list, &size) in eliminated.iter_mut().zip(&*sizes) {
             list.sort_unstable_by_key(|&node| place[node as usize]);
+            let mut height = u32::from(size);
+            for &node in &*list {
+                rows.push(height);
+                height += u32::from(sizes[node as usize]);
+            }
             below.extend_from_slice(list);
             first_below.push(below.len() as u32);
+            starts.push(*length as u32);
+            let height = height.next_multiple_of(LANES as u32);
+            heights.push(height);
+            *length += usize::from(size) * height as usize;
         }
     }
 
-    fn list_updates(&mut self) {
-        let mut updates = std::mem::take(&mut self.updates);
-        let mut firsts = std::mem::take(&mut self.first_update);
-        updates.clear();
+    fn list_runs(&mut self) {
+        let mut runs = std::mem::take(&mut self.panels.runs);
+        let mut firsts = std::mem::take(&mut self.panels.first_run);
+        let first_row = |block: usize| self.panels.rows[block];
+        runs.clear();
         firsts.clear();
-        firsts.push(0);
-        for &node in &self.order {
+        for node in 0..self.sizes.len() as u32 {
             let range = self.below_of(node);
-            for rows in range.clone() {
-                for columns in range.start..=rows {
-                    let (i, j) = (self.below[rows], self.below[columns]);
-                    let target = if i == j { self.below.len() as u32 + i } else { self.find(i, j) as u32 };
-                    updates.push(Update { rows: rows as u32, columns: columns as u32, target });
+            for column in range.clone() {
+                let target = self.below[column];
+                firsts.push(runs.len() as u32);
+                let mut run = Run { from: first_row(column), to: 0, count: u32::from(self.sizes[target as usize]) };
+                for block in column + 1..range.end {
+                    let later = self.below[block];
+                    let (to, count) = (first_row(self.find(later, target)), u32::from(self.sizes[later as usize]));
+                    if run.to + run.count == to {
+                        run.count += count;
+                    } else {
+                        runs.push(run);
+                        run = Run { from: first_row(block), to, count };
+                    }
                 }
+                runs.push(run);
             }
-            firsts.push(updates.len() as u32);
         }
-        (self.updates, self.first_update) = (updates, firsts);
+        firsts.push(runs.len() as u32);
+        (self.panels.runs, self.panels.first_run) = (runs, firsts);
     }
 }

@@ -492,7 +492,7 @@ impl CoupledIsland {
             angle: 0.0,
             penetration: self.outcome.penetration as f32,
             energy_change: self.outcome.gain as f32,
-            factor_size: 36 * (self.problem.structure.block_count() + self.problem.structure.node_count()) as u32,
+            factor_size: self.problem.structure.panels.length as u32,
         }
     }
 }

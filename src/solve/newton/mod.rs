@@ -102,6 +102,12 @@ impl Newton {
         self.islands[..self.count].iter().filter(|island| island.is_accepted())
     }
 
+    /// Whether contacts are to be formed though there are no joints, as a row of bodies may be solved as one; `contacts` are the slots of each
+    /// contact's bodies.
+    pub(crate) fn may_hold_rows(&mut self, islands: &[u32], end: u32, contacts: impl Iterator<Item = [u32; 2]>) -> bool {
+        self.planner.may_hold_rows(islands, end, contacts)
+    }
+
     /// Whether no island has taken the step.
     pub(crate) fn is_idle(&self) -> bool {
         self.islands().next().is_none()
@@ -109,7 +115,7 @@ impl Newton {
 
     /// First slot, bodies, joints and plan of each island with joints, and whether it was begun here and given up.
     pub(crate) fn plans(&self) -> impl Iterator<Item = (u32, u32, u32, IslandPlan, bool)> {
-        self.planner.jointed().map(|(first, bodies, joints, plan)| {
+        self.planner.told().map(|(first, bodies, joints, plan)| {
             let is_taken = self.islands().any(|island| island.slots.start == first);
             (first, bodies, joints, plan, plan == IslandPlan::Coupled && !is_taken)
         })
@@ -150,7 +156,7 @@ impl Newton {
         self.islands().map(|island| island.joint_gap(joints)).fold(0.0, f64::max) as f32
     }
 
-    /// Moves the islands through the step that are to be solved here, and takes their joints from `links`.
+    /// Moves the islands through the step that are to be solved here, and takes their joints from `links`. Contacts are empty where nothing is.
     pub(crate) fn step(
         &mut self,
         links: &mut Vec<JointLink>,
@@ -160,7 +166,7 @@ impl Newton {
     ) {
         self.clear();
         let Contents { islands: firsts, end, velocities, motions, contacts } = contents;
-        if links.is_empty() {
+        if links.is_empty() && contacts.is_empty() {
             return;
         }
         let Self { islands, count, held, planner } = self;
