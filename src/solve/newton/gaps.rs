@@ -13,7 +13,7 @@ const SHARES: [f64; 3] = [1.0, 0.3, 0.09];
 /// of a random graph at 30 m/s has 106 of 300 steps left to others without, and 45 with it.
 const MENDED: f64 = 0.25;
 
-/// What is left of the sum of the squares of gaps, over what there was, above which it is not tried again: joints that are all but in line, which
+/// What is left of the sum of the squares of gaps of a loop, over what there was, above which it is not tried again: joints that are all but in line, which
 /// only turning far would close, keep 0.95 and more of it.
 const STUCK: f64 = 0.8;
 
@@ -38,7 +38,7 @@ impl CoupledIsland {
             }
             let last = before;
             before = self.held.square_of_gaps(joints, &self.local_poses);
-            if before > STUCK * last {
+            if self.is_looped && before > STUCK * last {
                 break;
             }
             self.follow_rows(joints, h, left);
@@ -51,10 +51,10 @@ impl CoupledIsland {
     /// Takes errors of joints and overlaps out of positions: all of them, or as much as leaves no more than half of what it takes by turning
     /// bodies too far. A line of links that is all but straight gives way to its sides only, and that by more the straighter it is. No more
     /// is taken than leaves the sum of the squares of gaps at `before` or less: a loop that stands all but straight folds its light links
-    /// where it should straighten. Where nothing presses, bodies may turn further if that leaves next to nothing. Whether anything could be taken.
+    /// where it should straighten. In a loop in which nothing presses, bodies may turn further if that leaves next to nothing. Whether anything could be taken.
     fn correct(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: f64, before: f64) -> bool {
         let lever = self.held.mean_lever();
-        let Self { problem, bodies, moved, rates, local_poses, held, moved_to, patches, .. } = self;
+        let Self { problem, bodies, moved, rates, local_poses, held, moved_to, patches, is_looped, .. } = self;
         let worst = held.find_errors(joints, problem, Ends { bodies, moved, rates, local_poses }, h, left);
         problem.find_displacements();
         let displacements = problem.displacements();
@@ -63,7 +63,7 @@ impl CoupledIsland {
         }
         let turn = displacements.iter().map(|way| rate_of(way).angular.length_squared()).fold(0.0, f64::max);
         let most = if worst < lever * turn { worst / (lever * turn) } else { 1.0 };
-        let may_turn = before < f64::INFINITY && !patches.iter().any(Patch::presses);
+        let may_turn = *is_looped && !patches.iter().any(Patch::presses);
         let further =
             [1.0, most.sqrt()].into_iter().filter(|&share| may_turn && share > most).map(|share| (share, MENDED * before));
         for (share, bound) in further.chain(SHARES.map(|share| (share * most, before))) {
