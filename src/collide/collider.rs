@@ -158,7 +158,7 @@ pub(super) fn margin_of(least_extent: f32) -> f32 {
 }
 
 /// Pose of one place in the frame of another.
-pub(super) fn relative((position, rotation): (DVec3, Quat), (other_position, other_rotation): (DVec3, Quat)) -> Pose3 {
+pub(crate) fn relative((position, rotation): (DVec3, Quat), (other_position, other_rotation): (DVec3, Quat)) -> Pose3 {
     let inverse = rotation.conjugate();
     Pose3::from_parts(inverse * (other_position - position).as_vec3(), inverse * other_rotation)
 }

@@ -5,12 +5,16 @@ use glam::Vec3;
 use super::World;
 use super::pairs::contact_pair;
 use crate::body::SleepState;
-use crate::collide::collider::Collider;
+use crate::collide::collider::{self, Collider};
+use crate::collide::narrow::{self, Manifold, NarrowScratch};
 use crate::collide::pairs::{PairKey, WorldManifold};
 use crate::collide::persistent_manifold::Carried;
 use crate::error::Result;
 use crate::id::BodyId;
 use crate::report::{ArticulationReport, Contact, ContactPair, ContactPoint, Hit, IslandReport, JointOverload, JointStop, Moved};
+
+/// Cosine between normals of surfaces that face the same way: within 60°, as far as neighbours on a round hull are not.
+const SAME_SIDE: f32 = 0.5;
 
 impl World {
     /// Bodies whose pose changed in the last step, those that fell asleep at its end included, in order of creation slot.
@@ -95,7 +99,7 @@ impl World {
     /// Every manifold between shapes of which at least one body is awake, in a fixed order.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
         let listed = self.pairs.listed();
-        (0..listed.len()).map(move |place| listed[place]).flat_map(|(key, slot)| self.contacts_of_pair(key, slot))
+        (0..listed.len()).map(move |place| listed[place]).flat_map(|(key, slot)| self.contacts_now(key, slot))
     }
 
     /// Every manifold of a body, asleep or awake, in a fixed order.
@@ -109,7 +113,7 @@ impl World {
             pairs.extend(self.colliders.find(shape).iter().flat_map(|&slot| self.pairs_of_shape(slot)));
         }
         pairs.sort_unstable();
-        Ok(pairs.into_iter().chain(self.kept_pairs_of(index)).flat_map(|(key, slot)| self.contacts_of_pair(key, slot)))
+        Ok(pairs.into_iter().chain(self.kept_pairs_of(index)).flat_map(|(key, slot)| self.contacts_now(key, slot)))
     }
 
     /// Pairs of a body that sleeping islands keep: of a body asleep, its own island.
@@ -154,23 +158,53 @@ impl World {
         force
     }
 
+    /// Contacts of a pair as the solver had them: their points have gone along with the bodies that they lay on.
     pub(super) fn contacts_of_pair(&self, key: PairKey, slot: u32) -> impl Iterator<Item = Contact> + '_ {
+        self.contacts_where(key, slot, Vec::new())
+    }
+
+    /// The same with points and separations where surfaces are now: what turns or rolls touches with another point by the end of a step.
+    pub(super) fn contacts_now(&self, key: PairKey, slot: u32) -> impl Iterator<Item = Contact> + '_ {
+        self.contacts_where(key, slot, self.manifolds_now(key, slot))
+    }
+
+    /// Manifolds of a pair as it lies now; none if it lies as it did when those that it has were made.
+    fn manifolds_now(&self, key: PairKey, slot: u32) -> Vec<Manifold> {
+        let pair = self.pairs.get(slot);
+        let Some((_, margin)) = pair.made_for().filter(|_| pair.has_points()) else { return Vec::new() };
+        let (shape_a, shape_b) = (&self.colliders[key.shapes().0], &self.colliders[key.shapes().1]);
+        let [place_a, place_b] = [shape_a, shape_b].map(|shape| shape.world_pose(&self.bodies[shape.body]));
+        let relative = collider::relative(place_a, place_b);
+        let mut manifolds = Vec::new();
+        if !pair.is_near(&relative, shape_a.least_extent.min(shape_b.least_extent)) {
+            let scratch = &mut NarrowScratch::default();
+            narrow::collide(&shape_a.shape, &shape_b.shape, relative, margin, scratch, &mut manifolds);
+        }
+        manifolds
+    }
+
+    fn contacts_where(&self, key: PairKey, slot: u32, now: Vec<Manifold>) -> impl Iterator<Item = Contact> + '_ {
         let (a, b) = key.shapes();
         let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
         let (body_a, body_b) = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
         let pair = contact_pair(&self.colliders, &self.bodies, key);
         let per_substep = if self.last_substep > 0.0 { 1.0 / self.last_substep } else { 0.0 };
+        let (origin, turn) = shape_a.world_pose(body_a);
+        // A flat mesh has no thickness.
+        let solid = |extent: f32| if extent > 0.0 { extent } else { f32::INFINITY };
+        let extent = solid(shape_a.least_extent).min(solid(shape_b.least_extent));
         self.pairs.get(slot).manifolds.iter().map(move |manifold| {
             let world = WorldManifold::new(&manifold, (shape_a, body_a), (shape_b, body_b));
             let mut contact = Contact::new(pair, world.normal, manifold.impulses.friction * per_substep);
-            for i in 0..manifold.points.len() {
+            for (i, point) in manifold.points.iter().enumerate() {
                 let on_a = body_a.center + world.lever_a[i].as_dvec3();
                 let on_b = body_b.center + world.lever_b[i].as_dvec3();
-                contact.push(ContactPoint {
-                    position: (on_a + on_b) * 0.5,
-                    separation: world.normal.dot((on_b - on_a).as_vec3()),
-                    normal_force: manifold.impulses.normal[i] * per_substep,
-                });
+                let middle = turn.conjugate() * (0.5 * (on_a + on_b) - origin).as_vec3();
+                let (position, separation) = match successor(&now, &manifold, (point.feature, middle), extent) {
+                    Some((middle, separation)) => (origin + (turn * middle).as_dvec3(), separation),
+                    None => (0.5 * (on_a + on_b), world.normal.dot((on_b - on_a).as_vec3())),
+                };
+                contact.push(ContactPoint { position, separation, normal_force: manifold.impulses.normal[i] * per_substep });
             }
             contact
         })
@@ -180,4 +214,18 @@ impl World {
     pub(super) fn may_meet(&self, a: &Collider, b: &Collider) -> bool {
         super::pairs::may_collide(a, b, &self.bodies, &self.joints, &self.unions)
     }
+}
+
+/// The middle, in A's frame (m), and the separation (m) of the point that has taken the place of one with this feature, which has come to `at`:
+/// it is of the same feature, or else the nearest, on a surface that faces about the same way and not as far as the shapes are thick.
+fn successor(now: &[Manifold], before: &Carried, (feature, at): (u32, Vec3), extent: f32) -> Option<(Vec3, f32)> {
+    let facing = now.iter().filter(|manifold| manifold.normal.dot(before.normal) > SAME_SIDE);
+    let points = facing.flat_map(|manifold| manifold.contacts().iter().map(move |point| (manifold, point)));
+    let placed = points.map(|(manifold, point)| {
+        let middle = point.on_a + manifold.normal * (0.5 * point.separation);
+        let is_another = (manifold.part, point.feature) != (before.part, feature);
+        (is_another, middle.distance_squared(at), (middle, point.separation))
+    });
+    let best = placed.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
+    (best.1 <= extent * extent).then_some(best.2)
 }

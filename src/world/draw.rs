@@ -145,7 +145,7 @@ impl World {
     fn draw_contacts(&self, pen: &mut Pen) {
         let asleep = self.sleeping.pairs().map(|slot| (self.pairs.get(slot).key, slot));
         for (key, slot) in self.pairs.listed().iter().copied().chain(asleep) {
-            self.contacts_of_pair(key, slot).for_each(|contact| draw_contact(pen, &contact));
+            self.contacts_now(key, slot).for_each(|contact| draw_contact(pen, &contact));
         }
     }
 
