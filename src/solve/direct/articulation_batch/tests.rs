@@ -103,7 +103,7 @@ fn stops_that_press_or_part_beside_a_factor_do_as_they_do_in_one() {
         let mut noise = Noise(seed + 100);
         let mut group = ArticulationBatch { members: vec![0, 1, 2], ..ArticulationBatch::default() };
         let lanes = [true, true, true, false];
-        for sweep in 0..2 {
+        for (sweep, changes) in changes.iter_mut().enumerate() {
             group.take_in(&mut members[..], lanes);
             for lane in 0..3 {
                 let (own, alone) = (&mut members[lane], &mut apart[lane]);
@@ -126,7 +126,7 @@ fn stops_that_press_or_part_beside_a_factor_do_as_they_do_in_one() {
             let unsettled = group.change_stops(&mut members[..], lanes);
             assert_eq!(unsettled, [false; ABREAST], "seed {seed}");
             for (lane, (own, alone)) in members.iter().zip(&apart).enumerate() {
-                changes[sweep] += usize::from(!group.changed[lane].is_empty());
+                *changes += usize::from(!group.changed[lane].is_empty());
                 for (row, other) in own.system.rows.iter().zip(&alone.system.rows) {
                     let off = (row.impulse - other.impulse).abs();
                     assert!(off < 1e-7 && row.state == other.state, "seed {seed}, sweep {sweep}, lane {lane}: {row:?} {other:?}");
