@@ -53,7 +53,6 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
     }
     // Rows on bodies of tiny inertia can ask for any speed.
     limit_speeds(velocity, motion);
-    limit_spin_of_needle(velocity, h);
     motion.displacement += velocity.linear * h;
     if motion.is_dynamic() && !motion.constrained {
         // The velocity has gained the whole substep's acceleration; a free path is a parabola.
@@ -215,8 +214,9 @@ const NEEDLE: f32 = 1.0e-3;
 /// Greatest turn of a needle about its axis in a substep (rad).
 const TURN_OF_NEEDLE: f32 = 2.0 * MAX_TURN;
 
-/// Spins a needle about its axis no faster than by so much in a substep of length `h` (s).
-fn limit_spin_of_needle(velocity: &mut BodyVelocity, h: f32) {
+/// Spins a needle that contacts push about its axis no faster than by so much in a substep of length `h` (s). One that flies or is held by
+/// joints alone keeps its spin.
+pub(crate) fn limit_spin_of_needle(velocity: &mut BodyVelocity, h: f32) {
     if velocity.angular.length_squared() * (h * h) <= TURN_OF_NEEDLE * TURN_OF_NEEDLE {
         return;
     }

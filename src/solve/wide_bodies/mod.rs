@@ -331,7 +331,9 @@ impl WideBodies {
         let Self { blocks, pushed, refused, .. } = self;
         refused.clear();
         // Where sweeps of joints diverge, what is no number takes a body out of the world; contacts do spin a small body so fast.
+        let mut unpushed = 0;
         for (blocks, max_turn) in [(&*blocks, f32::INFINITY), (&*pushed, 2.0 * MAX_TURN)] {
+            unpushed = refused.len();
             let (velocities, motions) = (Shared::new(velocities, moving), Shared::new(motions, moving));
             let refused = Mutex::new(&mut *refused);
             each_piece(blocks, threads, |blocks| {
@@ -340,6 +342,7 @@ impl WideBodies {
                 listing(&refused, |refused| advance_all(blocks, &mut velocities, &mut motions, refused, (h, max_turn)));
             });
         }
+        refused[unpushed..].iter().for_each(|&slot| integrate::limit_spin_of_needle(&mut velocities[slot as usize], h));
         for &slot in &*refused {
             integrate::advance(&mut velocities[slot as usize], &mut motions[slot as usize], h);
         }
