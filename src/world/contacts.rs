@@ -108,12 +108,16 @@ impl World {
     /// The handle is not a body of this world.
     pub fn contacts_of(&self, body: BodyId) -> Result<impl Iterator<Item = Contact> + '_> {
         let index = self.bodies.find(body)?;
+        Ok(self.pairs_of_body(index).flat_map(|(key, slot)| self.contacts_now(key, slot)))
+    }
+
+    fn pairs_of_body(&self, index: u32) -> impl Iterator<Item = (PairKey, u32)> + '_ {
         let mut pairs: Vec<(PairKey, u32)> = Vec::new();
         for &shape in &self.bodies[index].shapes {
             pairs.extend(self.colliders.find(shape).iter().flat_map(|&slot| self.pairs_of_shape(slot)));
         }
         pairs.sort_unstable();
-        Ok(pairs.into_iter().chain(self.kept_pairs_of(index)).flat_map(|(key, slot)| self.contacts_now(key, slot)))
+        pairs.into_iter().chain(self.kept_pairs_of(index))
     }
 
     /// Pairs of a body that sleeping islands keep: of a body asleep, its own island.
@@ -151,7 +155,7 @@ impl World {
 
     fn force_on_fixed(&self, index: u32) -> Vec3 {
         let mut force = Vec3::ZERO;
-        for contact in self.contacts_of(self.bodies.handle_of(index)).into_iter().flatten() {
+        for contact in self.pairs_of_body(index).flat_map(|(key, slot)| self.contacts_of_pair(key, slot)) {
             let on_b = contact.force();
             force += if contact.pair.body_b == self.bodies.handle_of(index) { on_b } else { -on_b };
         }
