@@ -20,6 +20,7 @@ use crate::platform::Moment;
 use crate::report::{Events, StepReport};
 use crate::settings::WorldDef;
 use crate::solve::batch::Batch;
+use crate::solve::step::BatchStages;
 use crate::workers::{ParallelFor, Workers};
 
 mod assign_constraints;
@@ -97,6 +98,8 @@ pub struct World {
     rest: step_skip::StepSkip,
     fracture: fracture::Fracture,
     batches: Vec<Batch>,
+    /// Of each batch, what the stages of its step keep.
+    stages: Vec<BatchStages>,
     batch_count: usize,
     events: Events,
     sensing: sensors::Sensors,
@@ -178,6 +181,7 @@ impl World {
             rest: step_skip::StepSkip::default(),
             fracture: fracture::Fracture::default(),
             batches: Vec::new(),
+            stages: Vec::new(),
             batch_count: 0,
             events: Events::default(),
             sensing: sensors::Sensors::default(),

@@ -151,7 +151,7 @@ fn module(file: &str) -> Vec<String> {
     if path == "lib" { Vec::new() } else { path.split('/').map(str::to_owned).collect() }
 }
 
-/// Which modules each one names in its code, tests left out.
+/// Which modules each one names in its code, tests left out. A folder's `mod.rs` is its front: that it uses what it consists of is left out too.
 fn imports() -> BTreeMap<Vec<String>, BTreeSet<Vec<String>>> {
     let files = sources("src");
     let modules: BTreeSet<Vec<String>> = files.keys().map(|file| module(file)).collect();

@@ -3,24 +3,14 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::body_flags::BodyFlags;
-use super::body_warm_start::BodyWarmStart;
 use super::buckets::Buckets;
 use super::color::Coloring;
 use super::contact::{ContactImpulses, ContactInput, LANES};
 use super::contact_block::ContactBlocks;
-use super::contact_energy::ContactEnergy;
-use super::contact_newton::ContactNewton;
 use super::direct::Direct;
 use super::distance_bound::BatchBounds;
-use super::followed_velocity::FollowedVelocities;
-use super::impact::gather::Impacts;
-use super::initial_impulses::InitialImpulses;
 use super::joint::{BatchJoints, may_be_cut};
-use super::joint_closing::JointClosing;
-use super::joint_energy::JointEnergy;
-use super::joint_mesh::JointMesh;
 use super::momentum::FreeIslands;
-use super::momentum_pass::MomentumPass;
 use super::newton::Newton;
 use super::plane::Planes;
 use super::slides::Slides;
@@ -105,11 +95,7 @@ pub(crate) struct Batch {
     pub planes: Planes,
     pub poses: WideBodies,
     pub free: FreeIslands,
-    pub joint_energy: JointEnergy,
-    pub contact_energy: ContactEnergy,
-    pub mesh: JointMesh,
     pub half_steps: HalfStepVelocities,
-    pub followed: FollowedVelocities,
     /// Whether a joint of the slot's body is solved by sweeps.
     pub swept: Vec<bool>,
     pub direct: Direct,
@@ -129,13 +115,7 @@ pub(crate) struct Batch {
     places: Vec<u8>,
     /// Kinematic bodies that have a slot here, sorted by body.
     replicas: Vec<Replica>,
-    pub initial_impulses: InitialImpulses,
-    pub momentum_pass: MomentumPass,
-    pub contact_newton: ContactNewton,
     pub slides: Slides,
-    pub impacts: Impacts,
-    pub closing: JointClosing,
-    pub carry: BodyWarmStart,
     pub coloring: Coloring,
     /// Colour of each manifold, twice, plus one if it has a single point; and [`lanes::GROUPS`] more for each round before its own.
     groups: Vec<u32>,
@@ -171,8 +151,6 @@ impl Batch {
         self.chains.clear();
         self.planes.clear();
         self.free.clear();
-        self.joint_energy.clear();
-        self.contact_energy.clear();
         self.half_steps.clear();
         self.direct.clear();
         self.newton.clear();

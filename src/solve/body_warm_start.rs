@@ -45,30 +45,28 @@ impl BodyWarmStart {
     pub(crate) fn is_on(&self) -> bool {
         self.is_on
     }
-}
 
-impl Batch {
-    /// Finds whether contacts alone act on the bodies of this batch, and all multipliers are carried on as they are.
-    pub(super) fn prepare_carry(&mut self) {
-        self.carry.is_on = self.islands.len() == 1
-            && self.moving() >= MIN_BODIES
-            && !self.contacts.is_empty()
-            && self.contacts.extras.is_empty()
-            && self.joint_slots.is_empty()
-            && self.bound_slots.is_empty()
-            && self.free.is_empty()
-            && self.momentum_pass.is_idle()
-            && self.contact_newton.is_idle()
-            && self.body_flags.iter().all(|role| !role.moves() || role.is_unlocked());
-        if self.carry.is_on {
-            resize(&mut self.carry.changes, self.velocities.len(), Twist::default());
+    /// Finds whether contacts alone act on the bodies of this batch, and all multipliers are carried on as they are: `sweeps_alone` says that no
+    /// other stage changes those of contacts.
+    pub(super) fn prepare(&mut self, batch: &Batch, sweeps_alone: bool) {
+        self.is_on = batch.islands.len() == 1
+            && batch.moving() >= MIN_BODIES
+            && !batch.contacts.is_empty()
+            && batch.contacts.extras.is_empty()
+            && batch.joint_slots.is_empty()
+            && batch.bound_slots.is_empty()
+            && batch.free.is_empty()
+            && sweeps_alone
+            && batch.body_flags.iter().all(|role| !role.moves() || role.is_unlocked());
+        if self.is_on {
+            resize(&mut self.changes, batch.velocities.len(), Twist::default());
         }
     }
 
     /// Adds a substep's forces and, but in the first substep, what contacts have changed in the last one; says whether the inertia of any body
     /// has been formed anew.
-    pub(super) fn apply_forces_and_carry(&mut self, threads: &Workers, h: f32, is_first: bool) -> bool {
-        let Self { carry, velocities, motions, .. } = self;
+    pub(super) fn apply_forces(&mut self, batch: &mut Batch, threads: &Workers, h: f32, is_first: bool) -> bool {
+        let Batch { velocities, motions, .. } = batch;
         let refreshes = AtomicBool::new(false);
         let begin = |velocity: &mut BodyVelocity, motion: &mut BodyMotion, change: &mut Twist| {
             let before = velocity.inverse_inertia;
@@ -86,7 +84,7 @@ impl Batch {
             }
         };
         let piece = threads.piece(motions.len(), MIN_SHARED);
-        let pieces = velocities.chunks_mut(piece).zip(motions.chunks_mut(piece)).zip(carry.changes.chunks_mut(piece));
+        let pieces = velocities.chunks_mut(piece).zip(motions.chunks_mut(piece)).zip(self.changes.chunks_mut(piece));
         threads.share(pieces, |((velocities, motions), changes)| {
             for ((velocity, motion), change) in velocities.iter_mut().zip(motions).zip(changes) {
                 begin(velocity, motion, change);
@@ -96,10 +94,9 @@ impl Batch {
     }
 
     /// Keeps what contacts have changed of velocities in this substep.
-    pub(super) fn keep_changes(&mut self, threads: &Workers) {
-        let Self { carry, velocities, .. } = self;
+    pub(super) fn keep_changes(&mut self, velocities: &[BodyVelocity], threads: &Workers) {
         let piece = threads.piece(velocities.len(), MIN_SHARED);
-        threads.share(velocities.chunks(piece).zip(carry.changes.chunks_mut(piece)), |(velocities, changes)| {
+        threads.share(velocities.chunks(piece).zip(self.changes.chunks_mut(piece)), |(velocities, changes)| {
             for (velocity, change) in velocities.iter().zip(changes) {
                 *change = [velocity.linear - change[0], velocity.angular - change[1]];
             }

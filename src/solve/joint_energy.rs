@@ -29,7 +29,7 @@
 //! what motors do. A whip's end is held, and may be faster.
 
 use super::batch::Batch;
-use super::joint::JointEntry;
+use super::joint::{BatchJoints, JointEntry};
 use super::momentum::FreeIslands;
 use super::state::{BodyMotion, BodyVelocity};
 use super::wide_bodies::WideBodies;
@@ -110,10 +110,6 @@ const MIN_NOTED: usize = 1024;
 const NOBODY: u32 = u32::MAX;
 
 impl JointEnergy {
-    pub(crate) fn clear(&mut self) {
-        self.islands.clear();
-    }
-
     /// Slots of each island that can be given no energy at all.
     pub(crate) fn slots(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
         self.islands.iter().filter(|island| !island.has_motors).map(WatchedIsland::slots)
@@ -178,64 +174,20 @@ impl JointEnergy {
         }
     }
 
-    /// Takes out what sweeps have added; says on which slots multipliers are given up, if on any. Energies are found anew unless those of
-    /// `poses` are of now.
-    fn restrain(
-        &mut self,
-        threads: &Workers,
-        (velocities, motions): (&mut [BodyVelocity], &[BodyMotion]),
-        poses: &mut WideBodies,
-        free: &FreeIslands,
-        of_joints: (&Pool<Joint, JointId>, &[JointEntry]),
-        is_weighed: bool,
-    ) -> Option<&[bool]> {
-        if self.islands.is_empty() {
-            return None;
-        }
-        if !is_weighed {
-            poses.find_energies(threads, velocities, motions);
-        }
-        self.slow_unheld(of_joints, (velocities, motions), poses, free);
-        let Self { islands, before, torn, .. } = self;
-        islands.iter_mut().for_each(|island| island.after = island.sum(&poses.energies));
-        torn.clear();
-        for island in islands.iter().filter(|island| island.has_grown()) {
-            if island.is_torn() {
-                torn.resize(velocities.len(), false);
-                torn[island.slots()].fill(true);
-                for slot in island.slots() {
-                    (velocities[slot].linear, velocities[slot].angular) = (before[slot].linear, before[slot].angular);
-                }
-                continue;
-            }
-            let kept = |from, to| island.kept(from, to);
-            if !free.slow(island.first, (island.before, island.after), kept, velocities, motions, poses) {
-                let kept = kept(island.before, island.after) as f32;
-                for velocity in &mut velocities[island.slots()] {
-                    velocity.linear *= kept;
-                    velocity.angular *= kept;
-                }
-            }
-        }
-        (!torn.is_empty()).then_some(torn)
-    }
-}
-
-impl Batch {
     /// Finds the islands whose rows give no energy but by motors: joints and bounds without give, on bodies moved in lanes.
-    pub(crate) fn find_passive_islands(&mut self) {
-        let first_driver = self.moving() + 1;
-        let Self { joint_energy, motions, inputs, direct, bounds, .. } = self;
-        let JointEnergy { islands, owner, driven, motorised, .. } = joint_energy;
+    pub(crate) fn find_islands(&mut self, batch: &Batch) {
+        let first_driver = batch.moving() + 1;
+        let Batch { motions, inputs, direct, bounds, joints, .. } = batch;
+        let Self { islands, owner, driven, motorised, .. } = self;
         islands.clear();
-        if self.joints.entries.is_empty() {
+        if joints.entries.is_empty() {
             return;
         }
         driven.clear();
         owner.clear();
         owner.resize(motions.len(), NOBODY);
-        for (number, &first) in self.islands.iter().enumerate() {
-            let end = self.islands.get(number + 1).map_or(motions.len(), |&next| next as usize);
+        for (number, &first) in batch.islands.iter().enumerate() {
+            let end = batch.islands.get(number + 1).map_or(motions.len(), |&next| next as usize);
             islands.push(WatchedIsland {
                 first,
                 end: end as u32,
@@ -260,7 +212,7 @@ impl Batch {
         };
         inputs.iter().for_each(|input| mark([input.a, input.b], true, false));
         direct.entries().for_each(|entry| mark([entry.a, entry.b], true, false));
-        for link in direct.left(&self.joints.links) {
+        for link in direct.left(&joints.links) {
             mark([link.a, link.b], !link.traits.gives_by_motors_alone, link.traits.has_motor);
         }
         bounds.entries.iter().for_each(|entry| mark([entry.near, entry.far], entry.has_give(), false));
@@ -273,24 +225,51 @@ impl Batch {
     }
 
     /// Takes the energy out again that the sweeps of this substep have added; `is_weighed` where energies of now have been found.
-    pub(crate) fn restrain(&mut self, all: &Pool<Joint, JointId>, threads: &Workers, is_weighed: bool) {
-        self.find_motor_work();
-        let Self { joint_energy, velocities, motions, poses, free, joints, bounds, taut, .. } = self;
-        let of_joints = (all, &*joints.entries);
-        if let Some(torn) = joint_energy.restrain(threads, (velocities, motions), poses, free, of_joints, is_weighed) {
+    pub(crate) fn restrain(&mut self, batch: &mut Batch, all: &Pool<Joint, JointId>, threads: &Workers, is_weighed: bool) {
+        if self.islands.is_empty() {
+            return;
+        }
+        let Batch { velocities, motions, poses, free, joints, bounds, taut, .. } = batch;
+        self.find_motor_work(joints, velocities);
+        if !is_weighed {
+            poses.find_energies(threads, velocities, motions);
+        }
+        self.slow_unheld((all, &joints.entries), (velocities, motions), poses, free);
+        let Self { islands, before, torn, .. } = self;
+        islands.iter_mut().for_each(|island| island.after = island.sum(&poses.energies));
+        torn.clear();
+        for island in islands.iter().filter(|island| island.has_grown()) {
+            if island.is_torn() {
+                torn.resize(velocities.len(), false);
+                torn[island.slots()].fill(true);
+                for slot in island.slots() {
+                    (velocities[slot].linear, velocities[slot].angular) = (before[slot].linear, before[slot].angular);
+                }
+                continue;
+            }
+            let kept = |from, to| island.kept(from, to);
+            if !free.slow(island.first, (island.before, island.after), kept, velocities, motions, poses) {
+                let kept = kept(island.before, island.after) as f32;
+                for velocity in &mut velocities[island.slots()] {
+                    velocity.linear *= kept;
+                    velocity.angular *= kept;
+                }
+            }
+        }
+        if !torn.is_empty() {
             joints.give_up(torn);
             bounds.give_up(torn);
             taut.give_up(torn);
         }
     }
 
-    fn find_motor_work(&mut self) {
-        let Self { joint_energy: JointEnergy { islands, owner, .. }, velocities, .. } = self;
+    fn find_motor_work(&mut self, joints: &BatchJoints, velocities: &[BodyVelocity]) {
+        let Self { islands, owner, .. } = self;
         if !islands.iter().any(|island| island.has_motors) {
             return;
         }
         islands.iter_mut().for_each(|island| island.work = 0.0);
-        self.joints.find_work(velocities, |slots, work| {
+        joints.find_work(velocities, |slots, work| {
             let slot = slots.into_iter().find(|&slot| owner[slot as usize] != NOBODY);
             // They are in the order of their slots.
             let place = slot.map(|slot| islands.partition_point(|island| island.end <= slot));

@@ -83,8 +83,104 @@ pub(crate) struct JointMesh {
 }
 
 impl JointMesh {
+    /// Whether the batch is one sheet.
     pub(crate) fn is_one(&self) -> bool {
         self.is_one
+    }
+
+    /// Forgets the batch of the last step.
+    pub(crate) fn clear(&mut self) {
+        self.is_one = false;
+    }
+
+    /// Finds out whether the batch is one sheet, and nothing else; `is_passive` says that nothing gives it energy.
+    pub(crate) fn prepare(&mut self, batch: &mut Batch, threads: &Workers, is_passive: bool) {
+        let bodies = batch.motions.len() - 1;
+        let has_other_rows = !batch.contacts.is_empty() || !batch.bounds.entries.is_empty() || !batch.planes.entries.is_empty();
+        self.is_one = is_sheet(batch.joints.entries.len(), bodies)
+            && batch.islands.len() == 1
+            && is_passive
+            && batch.joints.are_all_in_lanes()
+            && !has_other_rows;
+        if self.is_one {
+            batch.joints.begin_course(threads);
+        }
+    }
+
+    /// Warm start and sweeps of a substep of length `h`, from velocities to which forces have been added; says whether the energies of
+    /// those that it ends with have been found. `noted` are the velocities that it begins with.
+    pub(crate) fn solve(&mut self, batch: &mut Batch, noted: &[BodyVelocity], threads: &Workers, h: f32) -> bool {
+        let moving = batch.moving();
+        let Self { search, sums, .. } = self;
+        let Batch { poses, joints, velocities, motions, pushes, free, .. } = batch;
+        poses.begin_course(search, threads, velocities, motions);
+        let [added, had, _] = sum(threads, sums, motions, |slot, motion| {
+            let gain = motion.acceleration * h;
+            let added = 0.5 * f64::from(gain.length_squared() / velocities[slot].inverse_mass.x);
+            [added, f64::from(poses.energies[slot]), 0.0]
+        });
+        let enough = ENOUGH * (added + SHARE_OF_MOTION * had);
+
+        resize(pushes, velocities.len(), BodyVelocity::FIXED);
+        threads.share(pushes.chunks_mut(PIECE).zip(velocities.chunks(PIECE)), |(pushes, velocities)| {
+            pushes.iter_mut().zip(velocities).for_each(|(push, velocity)| *push = velocity.at_rest());
+        });
+        joints.apply_way(threads, pushes);
+        poses.take_way(search, threads, pushes);
+        threads.share(pushes.chunks_mut(PIECE), |pushes| {
+            pushes.iter_mut().for_each(|push| (push.linear, push.angular) = (Vec3::ZERO, Vec3::ZERO));
+        });
+        joints.push(threads, pushes, h);
+
+        poses.note_course(search, threads, velocities);
+        joints.warm_start(threads, velocities);
+        let Products { dd, vd, .. } = poses.weigh_course(search, threads, velocities);
+        if -2.0 * vd < dd {
+            let share = (-2.0 * vd / dd).max(0.0) as f32;
+            joints.scale_impulses(share);
+            for (velocity, before) in velocities.iter_mut().zip(noted) {
+                velocity.linear = before.linear + (velocity.linear - before.linear) * share;
+                velocity.angular = before.angular + (velocity.angular - before.angular) * share;
+            }
+        }
+
+        for _ in 0..MAX_MOVES {
+            poses.note_course(search, threads, velocities);
+            let bias = joints.sweep_course(threads, velocities);
+            let (shares, fall) = least(&poses.weigh_course(search, threads, velocities), bias);
+            let shares = shares.map(|share| share as f32);
+            joints.steer_course(threads, shares);
+            poses.steer_course(search, threads, (&mut *velocities, moving), shares);
+            if fall.is_nan() || fall <= enough {
+                break;
+            }
+        }
+        free.is_empty() && !self.slow(batch, noted, threads, h, had)
+    }
+
+    /// Slows the sheet where it has more energy than forces have given it, of `had` with all that they add; says whether it had. Energies
+    /// are those before.
+    fn slow(&mut self, batch: &mut Batch, noted: &[BodyVelocity], threads: &Workers, h: f32, had: f64) -> bool {
+        let Self { sums, .. } = self;
+        let Batch { poses, velocities, motions, .. } = batch;
+        poses.find_energies(threads, velocities, motions);
+        let [has, given, taken] = sum(threads, sums, motions, |slot, motion| {
+            let half_gain = motion.acceleration * (0.5 * h / velocities[slot].inverse_mass.x);
+            let half_spin = motion.torque * (0.5 * h);
+            let product = |v: &BodyVelocity| f64::from(half_gain.dot(v.linear) + half_spin.dot(v.angular));
+            [f64::from(poses.energies[slot]), product(&velocities[slot]), product(&noted[slot])]
+        });
+        let allowed = had - taken;
+        let is_too_much = has - given > allowed;
+        if is_too_much {
+            let root = (given * given + 4.0 * has * allowed).max(0.0).sqrt();
+            let kept = ((given + root) / (2.0 * has)).clamp(0.0, 1.0) as f32;
+            for velocity in velocities.iter_mut() {
+                velocity.linear *= kept;
+                velocity.angular *= kept;
+            }
+        }
+        is_too_much
     }
 }
 
@@ -146,99 +242,5 @@ impl Batch {
             entry.acted = entry.acted.map(|acted| acted * share);
         }
         least
-    }
-
-    /// Finds out whether the batch is one sheet, and nothing else.
-    pub(crate) fn find_sheet(&mut self, threads: &Workers) {
-        let bodies = self.motions.len() - 1;
-        let has_other_rows = !self.contacts.is_empty() || !self.bounds.entries.is_empty() || !self.planes.entries.is_empty();
-        self.mesh.is_one = is_sheet(self.joints.entries.len(), bodies)
-            && self.islands.len() == 1
-            && self.joint_energy.slots().next().is_some()
-            && self.joints.are_all_in_lanes()
-            && !has_other_rows;
-        if self.mesh.is_one {
-            self.joints.begin_course(threads);
-        }
-    }
-
-    /// Warm start and sweeps of a substep of length `h`, from velocities to which forces have been added; says whether the energies of
-    /// those that it ends with have been found.
-    pub(crate) fn solve_sheet(&mut self, threads: &Workers, h: f32) -> bool {
-        let moving = self.moving();
-        let Self { mesh: JointMesh { search, sums, .. }, poses, joints, velocities, motions, pushes, joint_energy, .. } = self;
-        poses.begin_course(search, threads, velocities, motions);
-        let [added, had, _] = sum(threads, sums, motions, |slot, motion| {
-            let gain = motion.acceleration * h;
-            let added = 0.5 * f64::from(gain.length_squared() / velocities[slot].inverse_mass.x);
-            [added, f64::from(poses.energies[slot]), 0.0]
-        });
-        let enough = ENOUGH * (added + SHARE_OF_MOTION * had);
-
-        resize(pushes, velocities.len(), BodyVelocity::FIXED);
-        threads.share(pushes.chunks_mut(PIECE).zip(velocities.chunks(PIECE)), |(pushes, velocities)| {
-            pushes.iter_mut().zip(velocities).for_each(|(push, velocity)| *push = velocity.at_rest());
-        });
-        joints.apply_way(threads, pushes);
-        poses.take_way(search, threads, pushes);
-        threads.share(pushes.chunks_mut(PIECE), |pushes| {
-            pushes.iter_mut().for_each(|push| (push.linear, push.angular) = (Vec3::ZERO, Vec3::ZERO));
-        });
-        joints.push(threads, pushes, h);
-
-        poses.note_course(search, threads, velocities);
-        joints.warm_start(threads, velocities);
-        let Products { dd, vd, .. } = poses.weigh_course(search, threads, velocities);
-        if -2.0 * vd < dd {
-            let share = (-2.0 * vd / dd).max(0.0) as f32;
-            joints.scale_impulses(share);
-            for (velocity, before) in velocities.iter_mut().zip(joint_energy.noted()) {
-                velocity.linear = before.linear + (velocity.linear - before.linear) * share;
-                velocity.angular = before.angular + (velocity.angular - before.angular) * share;
-            }
-        }
-
-        for _ in 0..MAX_MOVES {
-            poses.note_course(search, threads, velocities);
-            let bias = joints.sweep_course(threads, velocities);
-            let (shares, fall) = least(&poses.weigh_course(search, threads, velocities), bias);
-            let shares = shares.map(|share| share as f32);
-            joints.steer_course(threads, shares);
-            poses.steer_course(search, threads, (&mut *velocities, moving), shares);
-            if fall.is_nan() || fall <= enough {
-                break;
-            }
-        }
-        self.free.is_empty() && !self.slow_sheet(threads, h, had)
-    }
-
-    /// Slows the sheet where it has more energy than forces have given it, of `had` with all that they add; says whether it had. Energies
-    /// are those before.
-    fn slow_sheet(&mut self, threads: &Workers, h: f32, had: f64) -> bool {
-        let Self { mesh: JointMesh { sums, .. }, joint_energy, poses, velocities, motions, .. } = self;
-        let noted = joint_energy.noted();
-        poses.find_energies(threads, velocities, motions);
-        let [has, given, taken] = sum(threads, sums, motions, |slot, motion| {
-            let half_gain = motion.acceleration * (0.5 * h / velocities[slot].inverse_mass.x);
-            let half_spin = motion.torque * (0.5 * h);
-            let product = |v: &BodyVelocity| f64::from(half_gain.dot(v.linear) + half_spin.dot(v.angular));
-            [f64::from(poses.energies[slot]), product(&velocities[slot]), product(&noted[slot])]
-        });
-        let allowed = had - taken;
-        let is_too_much = has - given > allowed;
-        if is_too_much {
-            let root = (given * given + 4.0 * has * allowed).max(0.0).sqrt();
-            let kept = ((given + root) / (2.0 * has)).clamp(0.0, 1.0) as f32;
-            for velocity in velocities.iter_mut() {
-                velocity.linear *= kept;
-                velocity.angular *= kept;
-            }
-        }
-        is_too_much
-    }
-
-    /// Takes errors out of positions, by displacements found when the substep began: all that moves of a sheet is in lanes.
-    pub(crate) fn push_sheet(&mut self, threads: &Workers) {
-        self.poses.displace(threads, &mut self.motions, &self.pushes);
     }
 }

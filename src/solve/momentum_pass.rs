@@ -197,6 +197,9 @@ impl MomentumPass {
 
     /// Passes the momentum of the substep down.
     pub(crate) fn apply(&mut self, batch: &mut Batch, threads: &Workers) {
+        if self.is_idle() {
+            return;
+        }
         self.find_targets(batch, threads);
         self.hand_down(batch, threads);
         self.find_shares();

@@ -7,22 +7,16 @@ use std::ops::Range;
 
 use smallvec::SmallVec;
 
-use super::batch::Batch;
 use super::contact_block::{BlockView, ContactBlocks};
 use super::contact_kernels;
 use super::contact_partition::{BlockPart, BlockRange, DividedBlocks};
 use super::disjoint::{DisjointMut, Shared};
 use super::state::{BodyMotion, BodyVelocity};
-use super::wide_bodies::WideBodies;
 use crate::workers::Workers;
 
 /// Blocks from which on several threads go through them, and how long one thread takes for one (µs): 3 µs for 16.
 const SHARED_BLOCKS: usize = 64;
 const BLOCK_TIME: f32 = 0.2;
-
-/// Bodies of the same.
-const SHARED_BODIES: usize = 512;
-const MIN_BODIES: usize = 128;
 
 /// Sweeps over the contacts of bodies that joints hold, with each other and with what is fixed, between two sweeps over the joints. A
 /// contact sees of such a body its own mass alone: what a vehicle rests on its track with, or the track's pull round a sprocket, gets
@@ -156,49 +150,4 @@ pub(super) fn refresh_masses(
             contact_kernels::set_masses(&mut block, velocities);
         }
     });
-}
-
-impl Batch {
-    /// Does the same to each body that is not moved in lanes, or only moved there.
-    pub(super) fn each_single(&mut self, threads: &Workers, work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync) {
-        self.each_listed(threads, |poses| &poses.singles, work);
-    }
-
-    /// Does the same to each body that is not moved in lanes.
-    pub(super) fn each_alone(&mut self, threads: &Workers, work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync) {
-        self.each_listed(threads, |poses| &poses.alone, work);
-    }
-
-    fn each_listed(
-        &mut self,
-        threads: &Workers,
-        list: impl Fn(&WideBodies) -> &[u32],
-        work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync,
-    ) {
-        let Self { poses, velocities, motions, .. } = self;
-        let mut rest = list(poses);
-        if rest.len() < SHARED_BODIES || !threads.has_team() {
-            rest.iter().for_each(|&slot| work(&mut velocities[slot as usize], &mut motions[slot as usize]));
-            return;
-        }
-        let piece = threads.piece(motions.len(), MIN_BODIES);
-        let pieces = velocities.chunks_mut(piece).zip(motions.chunks_mut(piece)).zip((0..).step_by(piece));
-        let pieces = pieces.map(|(bodies, first)| {
-            let own;
-            (own, rest) = rest.split_at(rest.partition_point(|&slot| (slot as usize) < first + piece));
-            (bodies, own, first)
-        });
-        threads.share(pieces, |((velocities, motions), own, first)| {
-            own.iter().map(|&slot| slot as usize - first).for_each(|place| work(&mut velocities[place], &mut motions[place]));
-        });
-    }
-
-    /// Moves bodies as they are pushed.
-    pub(super) fn displace(&mut self, threads: &Workers) {
-        let Self { pushes, motions, .. } = self;
-        let piece = if threads.has_team() { threads.piece(motions.len(), SHARED_BODIES) } else { motions.len() };
-        threads.share(pushes.chunks(piece).zip(motions.chunks_mut(piece)), |(pushes, motions)| {
-            pushes.iter().zip(motions).for_each(|(push, motion)| motion.displace(push.linear, push.angular));
-        });
-    }
 }

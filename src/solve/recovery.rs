@@ -17,6 +17,9 @@ pub(super) const NEGLIGIBLE_OVERLAP: f32 = 1.0e-6;
 /// longer than a sweep that may be in vain.
 const LONG_LIST: usize = 64;
 
+/// Bodies that are worth another thread's while where pushes move them.
+const SHARED_BODIES: usize = 512;
+
 /// Further sweeps of position recovery over contacts of jointed bodies.
 const JOINTED_RECOVERY_SWEEPS: usize = 1;
 
@@ -47,7 +50,11 @@ impl Batch {
             self.yield_to_pushes(threads);
             self.recover(threads, &jointed, dt);
         }
-        self.displace(threads);
+        let Self { pushes, motions, .. } = self;
+        let piece = if threads.has_team() { threads.piece(motions.len(), SHARED_BODIES) } else { motions.len() };
+        threads.share(pushes.chunks(piece).zip(motions.chunks_mut(piece)), |(pushes, motions)| {
+            pushes.iter().zip(motions).for_each(|(push, motion)| motion.displace(push.linear, push.angular));
+        });
     }
 
     fn begin_pushes(&mut self) {

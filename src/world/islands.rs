@@ -309,7 +309,7 @@ impl World {
 
     /// Counts the bodies of each batch.
     fn size_batches(&mut self) {
-        let Self { groups, batches, batch_count, report, hold, .. } = self;
+        let Self { groups, batches, stages, batch_count, report, hold, .. } = self;
         groups.batch_sizes.clear();
         groups.batch_strides.clear();
         let islands = groups.slots.iter().zip(&hold.islands).enumerate();
@@ -327,6 +327,7 @@ impl World {
         *batch_count = groups.batch_sizes.len();
         if batches.len() < *batch_count {
             batches.resize_with(*batch_count, Default::default);
+            stages.resize_with(*batch_count, Default::default);
         }
         report.counts.batches = *batch_count as u32;
     }
@@ -334,7 +335,7 @@ impl World {
     /// Lets a batch that needs more room than it has change places with the one that has the most: an island's number changes from
     /// step to step, and without this every batch would keep the memory of the largest island that it ever was.
     fn give_room_to_batches(&mut self) {
-        let Self { groups, batches, .. } = self;
+        let Self { groups, batches, stages, .. } = self;
         let need = |batch: usize| groups.batch_sizes.get(batch).map_or(0, |&size| size as usize);
         for batch in 0..groups.batch_sizes.len() {
             if batches[batch].room() < need(batch)
@@ -343,6 +344,7 @@ impl World {
                 && need(roomiest) < need(batch)
             {
                 batches.swap(batch, roomiest);
+                stages.swap(batch, roomiest);
             }
         }
     }
@@ -350,12 +352,14 @@ impl World {
     /// Gives back the memory of batches that are not used, where they have more room than those that are: bodies that fall one by one
     /// are in many batches, and when they lie in a pile in one.
     fn drop_idle_batches(&mut self) {
-        let Self { groups, batches, batch_count, .. } = self;
+        let Self { groups, batches, stages, batch_count, .. } = self;
         let needed: usize = groups.batch_sizes.iter().map(|&size| size as usize).sum();
         let idle: usize = batches[*batch_count..].iter().map(Batch::room).sum();
         if idle > needed.max(MIN_DROPPED) {
             batches.truncate(*batch_count);
             batches.shrink_to_fit();
+            stages.truncate(*batch_count);
+            stages.shrink_to_fit();
         }
     }
 }

@@ -80,6 +80,7 @@ impl World {
             driven_joints: _,
             index: _,
             batches: _,
+            stages: _,
             batch_count: _,
             has_smooth_bodies: _,
             broken: _,

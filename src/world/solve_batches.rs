@@ -25,6 +25,7 @@ use crate::solve::batch::{Batch, ContactEnds, JointEnd, REPLICA};
 use crate::solve::contact::ContactInput;
 use crate::solve::distance_bound::BoundEntry;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
+use crate::solve::step::BatchStages;
 use crate::solve::taut_line::TautEntry;
 use crate::tight_vec::make_room;
 use crate::workers::Workers;
@@ -122,19 +123,22 @@ impl World {
             dt,
             impulse_scale,
         };
-        let work = |batch: &mut Batch, threads: &Workers| {
+        let work = |batch: &mut Batch, stages: &mut BatchStages, threads: &Workers| {
             records.fill(batch, &settings.striding(batch.stride), threads);
-            batch.solve(records.joints, threads, &settings.striding(batch.stride));
+            stages.contact_energy.find_islands(batch, |index| records.center(index));
+            stages.solve(batch, records.joints, threads, &settings.striding(batch.stride));
         };
-        let batches = &mut self.batches[..self.batch_count];
+        let (batches, stages) = (&mut self.batches[..self.batch_count], &mut self.stages[..self.batch_count]);
         let all: usize = batches.iter().map(Batch::load).sum();
         let each = SHARED_FROM * all as f32 / self.threads.count() as f32;
-        let is_large = |batch: &&mut Batch| batch.load() >= MIN_SHARED && batch.load() as f32 > each;
-        batches.iter_mut().filter(is_large).for_each(|batch| work(batch, &self.threads));
+        let is_large = |batch: &Batch| batch.load() >= MIN_SHARED && batch.load() as f32 > each;
+        let large = batches.iter_mut().zip(&mut *stages).filter(|(batch, _)| is_large(batch));
+        large.for_each(|(batch, stages)| work(batch, stages, &self.threads));
         let alone = Workers::default();
         let piece = self.threads.piece(batches.len(), 1);
-        self.threads.share(batches.chunks_mut(piece), |batches| {
-            batches.iter_mut().filter(|batch| !is_large(batch)).for_each(|batch| work(batch, &alone));
+        self.threads.share(batches.chunks_mut(piece).zip(stages.chunks_mut(piece)), |(batches, stages)| {
+            let small = batches.iter_mut().zip(stages).filter(|(batch, _)| !is_large(batch));
+            small.for_each(|(batch, stages)| work(batch, stages, &alone));
         });
         self.scratch.runs.find(&self.batches[..self.batch_count], &self.threads);
     }
@@ -163,7 +167,6 @@ impl BatchInput<'_> {
         self.fill_bounds(batch);
         self.fill_planes(batch);
         self.find_free_islands(batch);
-        batch.find_dissipative_islands(|index| self.center(index));
     }
 
     /// By how much multipliers that are carried grow to be those of a substep of this batch.

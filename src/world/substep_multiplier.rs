@@ -101,7 +101,11 @@ mod tests {
     /// Whether each batch of the next step is a sheet, and how many substeps it takes at once.
     fn strides(world: &mut World) -> Vec<(bool, f32)> {
         world.step(1.0 / 60.0).unwrap();
-        world.batches[..world.batch_count].iter().map(|batch| (batch.mesh.is_one(), batch.stride)).collect()
+        world.batches[..world.batch_count]
+            .iter()
+            .zip(&world.stages)
+            .map(|(batch, stages)| (stages.joint_mesh.is_one(), batch.stride))
+            .collect()
     }
 
     /// A sheet under a row of balls that are fixed, and its last ball.

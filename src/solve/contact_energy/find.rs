@@ -6,13 +6,14 @@ use super::super::batch::Batch;
 use super::super::joint::JointEntry;
 use super::{Carrier, ContactEnergy, NOBODY, SweptIsland};
 
-impl Batch {
+impl ContactEnergy {
     /// Finds the islands that may be watched: those with joints, where anything touches or carries any. `center` says where a
     /// body's centre of mass is (m).
-    pub(crate) fn find_dissipative_islands(&mut self, center: impl Fn(u32) -> DVec3) {
-        let replicas = self.replica_count();
-        let Self { contact_energy, bodies, motions, velocities, ends, direct, joints, bounds, .. } = self;
-        let ContactEnergy { islands, carriers, places, owner, watched, .. } = contact_energy;
+    pub(crate) fn find_islands(&mut self, batch: &Batch, center: impl Fn(u32) -> DVec3) {
+        let replicas = batch.replica_count();
+        let Batch { bodies, motions, velocities, ends, direct, joints, bounds, .. } = batch;
+        let Self { islands, carriers, places, owner, watched, .. } = self;
+        islands.clear();
         let has_swept = !joints.entries.is_empty() && (replicas > 0 || !ends.is_empty());
         if !has_swept && direct.coupled_entries().next().is_none() {
             return;
@@ -21,8 +22,8 @@ impl Batch {
         carriers.clear();
         owner.clear();
         owner.resize(motions.len(), NOBODY);
-        for (number, &first) in self.islands.iter().enumerate() {
-            let end = self.islands.get(number + 1).map_or((motions.len() - replicas) as u32, |&next| next);
+        for (number, &first) in batch.islands.iter().enumerate() {
+            let end = batch.islands.get(number + 1).map_or((motions.len() - replicas) as u32, |&next| next);
             let mut island = SweptIsland::new(first, end);
             for slot in island.slots().filter(|&slot| motions[slot].is_dynamic()) {
                 owner[slot] = number as u32;

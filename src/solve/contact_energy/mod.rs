@@ -241,10 +241,6 @@ impl SweptIsland {
 }
 
 impl ContactEnergy {
-    pub(crate) fn clear(&mut self) {
-        self.islands.clear();
-    }
-
     /// Leaves out what is watched as passive, and gets ready for the substeps of the others.
     pub(crate) fn lay_out(&mut self, joint_energy: &JointEnergy, velocities: &[BodyVelocity], motions: &[BodyMotion]) {
         let Self { islands, weights, .. } = self;
@@ -326,34 +322,26 @@ impl ContactEnergy {
             (island.allowed, island.after) = (island.in_lanes + before, after);
         }
     }
-}
 
-impl Batch {
     /// Solves the substep once more for islands that the sweeps have given energy, without what was carried, and slows those that
     /// have been given some even then.
-    pub(crate) fn dissipate(&mut self, threads: &Workers, iterations: u32) {
-        if self.contact_energy.islands.is_empty() {
+    pub(crate) fn dissipate(&mut self, batch: &mut Batch, threads: &Workers, iterations: u32) {
+        if self.islands.is_empty() {
             return;
         }
-        self.find_work_on_islands();
-        if !self.contact_energy.look(&self.velocities) {
+        self.find_work(batch);
+        if !self.look(&batch.velocities) {
             return;
         }
-        self.contact_energy.weigh(threads, &self.velocities, &self.motions, &mut self.poses);
-        if self.contact_energy.islands.iter().any(SweptIsland::is_to_be_solved_afresh) {
-            self.solve_afresh(iterations);
-            self.find_work_on_islands();
-            self.contact_energy.weigh(threads, &self.velocities, &self.motions, &mut self.poses);
+        self.weigh(threads, &batch.velocities, &batch.motions, &mut batch.poses);
+        if self.islands.iter().any(SweptIsland::is_to_be_solved_afresh) {
+            self.solve_afresh(batch, iterations);
+            self.find_work(batch);
+            self.weigh(threads, &batch.velocities, &batch.motions, &mut batch.poses);
         }
-        self.give_up_what_is_torn();
-        let Self {
-            contact_energy: ContactEnergy { islands, carriers, places, before, .. },
-            velocities,
-            motions,
-            poses,
-            free,
-            ..
-        } = self;
+        self.give_up_what_is_torn(batch);
+        let Self { islands, carriers, places, before, .. } = self;
+        let Batch { velocities, motions, poses, free, .. } = batch;
         for island in islands.iter().filter(|island| island.exceeds(1.0 + LET_BE)) {
             if island.is_torn() {
                 velocities[island.slots()].copy_from_slice(&before[island.slots()]);
@@ -376,8 +364,9 @@ impl Batch {
     }
 
     /// Forgets all multipliers of islands that sweeps joint by joint have torn.
-    fn give_up_what_is_torn(&mut self) {
-        let Self { contact_energy: ContactEnergy { islands, cold_solve, .. }, velocities, contacts, direct, .. } = self;
+    fn give_up_what_is_torn(&mut self, batch: &mut Batch) {
+        let Self { islands, cold_solve, .. } = self;
+        let Batch { velocities, contacts, direct, .. } = batch;
         if !islands.iter().any(SweptIsland::is_torn) {
             return;
         }
@@ -389,15 +378,15 @@ impl Batch {
             whole.multipliers().for_each(|lambda| (0..LANES).filter(|&l| torn[l]).for_each(|l| lambda[l] = 0.0));
         }
         direct.drop_impulses(slots);
-        self.joints.give_up(slots);
-        self.bounds.give_up(slots);
-        self.taut.give_up(slots);
-        self.wraps.give_up(slots);
+        batch.joints.give_up(slots);
+        batch.bounds.give_up(slots);
+        batch.taut.give_up(slots);
+        batch.wraps.give_up(slots);
     }
 
     /// Finds what motors and springs have done in the substep.
-    fn find_work_on_islands(&mut self) {
-        let Self { contact_energy: ContactEnergy { islands, .. }, direct, velocities, .. } = self;
+    fn find_work(&mut self, batch: &Batch) {
+        let Self { islands, .. } = self;
         if !islands.iter().any(|island| island.has_drives) {
             return;
         }
@@ -408,7 +397,7 @@ impl Batch {
                 island.work += work;
             }
         };
-        direct.find_work(&mut hand_over);
-        self.joints.find_work(velocities, hand_over);
+        batch.direct.find_work(&mut hand_over);
+        batch.joints.find_work(&batch.velocities, hand_over);
     }
 }

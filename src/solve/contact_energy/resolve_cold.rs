@@ -71,15 +71,16 @@ impl ColdSolve {
     }
 }
 
-impl Batch {
+impl ContactEnergy {
     /// Solves the substep once more for the islands that have gained too much.
-    pub(super) fn solve_afresh(&mut self, iterations: u32) {
-        let (alone, moving) = (Workers::default(), self.moving());
-        let Self { contact_energy: ContactEnergy { islands, before, cold_solve, .. }, velocities, contacts, direct, .. } = self;
+    pub(super) fn solve_afresh(&mut self, batch: &mut Batch, iterations: u32) {
+        let (alone, moving) = (Workers::default(), batch.moving());
+        let Self { islands, before, cold_solve, .. } = self;
+        let Batch { velocities, contacts, direct, first_jointed, .. } = batch;
         let chosen = || islands.iter().filter(|island| island.is_to_be_solved_afresh()).map(SweptIsland::slots);
         cold_solve.choose(chosen(), velocities.len());
         chosen().for_each(|slots| velocities[slots.clone()].copy_from_slice(&before[slots]));
-        let first_jointed = cold_solve.take(contacts, self.first_jointed);
+        let first_jointed = cold_solve.take(contacts, *first_jointed);
         direct.drop_impulses(&cold_solve.slots);
         for iteration in 0..iterations {
             if iteration % 2 == 0 {

@@ -158,6 +158,101 @@ impl Impacts {
             }
         }
     }
+
+    /// Finds what impacts of this substep make of velocities. Poses move by those of now: what has hit is then where it hit.
+    pub(crate) fn find(&mut self, batch: &mut Batch, threshold: f32) {
+        if !self.may_happen {
+            return;
+        }
+        self.list_struck(batch, threshold);
+        if self.struck.is_empty() {
+            return;
+        }
+        resize(&mut self.number, batch.velocities.len(), NOBODY);
+        self.list_members(batch);
+        let mut first = 0;
+        while first < self.members.len() {
+            let island = self.members[first].0;
+            let count = self.members[first..].iter().take_while(|member| member.0 == island).count();
+            self.impact.clear();
+            self.slots.clear();
+            for place in first..first + count {
+                let (.., block, lane) = self.members[place];
+                self.take(&batch.contacts, block as usize, lane as usize);
+            }
+            self.impact.solve(f64::from(threshold));
+            self.give_back(&mut batch.contacts, &batch.velocities, first..first + count);
+            first += count;
+        }
+    }
+
+    /// Gives bodies what impacts have made of their velocities.
+    ///
+    /// What is free keeps the angular momentum that it has then. Its bodies have moved on since the levers were formed, so a blow along one line
+    /// is along two; were that made up for by a rotation of all, balls without friction would spin, and elastic ones gain energy.
+    pub(crate) fn apply(&mut self, batch: &mut Batch) {
+        for (slot, [linear, angular]) in self.changes.drain(..) {
+            let velocity = &mut batch.velocities[slot as usize];
+            velocity.linear += linear;
+            velocity.angular += angular;
+        }
+        if !self.struck.is_empty() && !batch.free.is_empty() {
+            let Batch { free, velocities, motions, poses, islands, .. } = batch;
+            free.note(velocities, motions, poses, |slot| self.has_struck(islands, slot));
+        }
+    }
+
+    /// Ends the substep of impacts: multipliers of blows are nothing to carry on.
+    pub(crate) fn forget(&mut self, contacts: &mut ContactBlocks) {
+        for (block, lane, normals, share) in self.carried.drain(..) {
+            let (number, l) = (block as usize, lane as usize);
+            let mut whole = contacts.whole(number);
+            whole.multipliers().for_each(|lambda| lambda[l] *= share);
+            for (i, normal) in normals.into_iter().enumerate().take(contacts.room_of(number)) {
+                contacts.rows_mut(number, i).lambda[l] = normal;
+            }
+        }
+    }
+
+    fn list_struck(&mut self, batch: &Batch, threshold: f32) {
+        let Batch { contacts, .. } = batch;
+        self.struck.clear();
+        for number in 0..batch.ends.len() {
+            let Some((block, lane)) = batch.place_of(number) else { continue };
+            let (block, lane) = (block as usize, lane as usize);
+            let Some(extra) = contacts.extras.get(contacts.blocks[block].extra as usize) else { continue };
+            let hits = |i: usize| extra.impact_speed[i][lane] < -threshold && contacts.rows(block, i).lambda[lane] > 0.0;
+            if extra.has_restitution && (0..contacts.room_of(block)).any(hits) {
+                self.struck.extend(island_of(batch, number));
+            }
+        }
+        self.struck.sort_unstable();
+        self.struck.dedup();
+        let next = |island: u32| batch.islands.get(island as usize + 1).map_or(batch.moving() + 1, |&next| next as usize);
+        let is_free = |island: &u32| {
+            let slots = batch.islands[*island as usize] as usize..next(*island);
+            batch.motions[slots].iter().all(|motion| !motion.jointed && !motion.direct)
+        };
+        self.struck.retain(is_free);
+    }
+
+    fn list_members(&mut self, batch: &Batch) {
+        self.members.clear();
+        for number in 0..batch.ends.len() {
+            let Some((block, lane)) = batch.place_of(number) else { continue };
+            if let Some(island) = island_of(batch, number).filter(|island| self.struck.binary_search(island).is_ok()) {
+                self.members.push((island, number as u32, block, lane));
+            }
+        }
+        self.members.sort_unstable();
+    }
+}
+
+/// Island of a manifold; none where joints hold anything in it, whose rows the law does not have.
+fn island_of(batch: &Batch, number: usize) -> Option<u32> {
+    let ends = &batch.ends[number];
+    let slot = [ends.a, ends.b].into_iter().find(|&slot| batch.body_flags[slot as usize].moves())?;
+    batch.islands.partition_point(|&first| first <= slot).checked_sub(1).map(|island| island as u32)
 }
 
 impl ImpactBody {
@@ -168,108 +263,5 @@ impl ImpactBody {
             inverse_mass: velocity.inverse_mass.as_dvec3(),
             inverse_inertia: Symmetric::to_mat3(velocity.inverse_inertia).as_dmat3(),
         }
-    }
-}
-
-impl Batch {
-    /// Keeps the velocities of now, where something may rebound in this substep.
-    pub(crate) fn note_impacts(&mut self) {
-        self.impacts.note(&self.velocities);
-    }
-
-    /// Finds what impacts of this substep make of velocities. Poses move by those of now: what has hit is then where it hit.
-    pub(crate) fn find_impacts(&mut self, threshold: f32) {
-        if !self.impacts.may_happen {
-            return;
-        }
-        let mut impacts = std::mem::take(&mut self.impacts);
-        self.list_struck(&mut impacts, threshold);
-        if !impacts.struck.is_empty() {
-            resize(&mut impacts.number, self.velocities.len(), NOBODY);
-            self.list_members(&mut impacts);
-            let mut first = 0;
-            while first < impacts.members.len() {
-                let island = impacts.members[first].0;
-                let count = impacts.members[first..].iter().take_while(|member| member.0 == island).count();
-                impacts.impact.clear();
-                impacts.slots.clear();
-                for place in first..first + count {
-                    let (.., block, lane) = impacts.members[place];
-                    impacts.take(&self.contacts, block as usize, lane as usize);
-                }
-                impacts.impact.solve(f64::from(threshold));
-                impacts.give_back(&mut self.contacts, &self.velocities, first..first + count);
-                first += count;
-            }
-        }
-        self.impacts = impacts;
-    }
-
-    /// Gives bodies what impacts have made of their velocities.
-    ///
-    /// What is free keeps the angular momentum that it has then. Its bodies have moved on since the levers were formed, so a blow along one line
-    /// is along two; were that made up for by a rotation of all, balls without friction would spin, and elastic ones gain energy.
-    pub(crate) fn apply_impacts(&mut self) {
-        for (slot, [linear, angular]) in self.impacts.changes.drain(..) {
-            let velocity = &mut self.velocities[slot as usize];
-            velocity.linear += linear;
-            velocity.angular += angular;
-        }
-        if !self.impacts.struck.is_empty() && !self.free.is_empty() {
-            let Self { free, velocities, motions, poses, impacts, islands, .. } = self;
-            free.note(velocities, motions, poses, |slot| impacts.has_struck(islands, slot));
-        }
-    }
-
-    /// Ends the substep of impacts: multipliers of blows are nothing to carry on.
-    pub(crate) fn forget_impacts(&mut self) {
-        let Self { impacts, contacts, .. } = self;
-        for (block, lane, normals, share) in impacts.carried.drain(..) {
-            let (number, l) = (block as usize, lane as usize);
-            let mut whole = contacts.whole(number);
-            whole.multipliers().for_each(|lambda| lambda[l] *= share);
-            for (i, normal) in normals.into_iter().enumerate().take(contacts.room_of(number)) {
-                contacts.rows_mut(number, i).lambda[l] = normal;
-            }
-        }
-    }
-
-    /// Island of a manifold; none where joints hold anything in it, whose rows the law does not have.
-    fn island_of(&self, number: usize) -> Option<u32> {
-        let ends = &self.ends[number];
-        let slot = [ends.a, ends.b].into_iter().find(|&slot| self.body_flags[slot as usize].moves())?;
-        self.islands.partition_point(|&first| first <= slot).checked_sub(1).map(|island| island as u32)
-    }
-
-    fn list_struck(&self, impacts: &mut Impacts, threshold: f32) {
-        impacts.struck.clear();
-        for number in 0..self.ends.len() {
-            let Some((block, lane)) = self.place_of(number) else { continue };
-            let (block, lane) = (block as usize, lane as usize);
-            let Some(extra) = self.contacts.extras.get(self.contacts.blocks[block].extra as usize) else { continue };
-            let hits = |i: usize| extra.impact_speed[i][lane] < -threshold && self.contacts.rows(block, i).lambda[lane] > 0.0;
-            if extra.has_restitution && (0..self.contacts.room_of(block)).any(hits) {
-                impacts.struck.extend(self.island_of(number));
-            }
-        }
-        impacts.struck.sort_unstable();
-        impacts.struck.dedup();
-        let next = |island: u32| self.islands.get(island as usize + 1).map_or(self.moving() + 1, |&next| next as usize);
-        let is_free = |island: &u32| {
-            let slots = self.islands[*island as usize] as usize..next(*island);
-            self.motions[slots].iter().all(|motion| !motion.jointed && !motion.direct)
-        };
-        impacts.struck.retain(is_free);
-    }
-
-    fn list_members(&self, impacts: &mut Impacts) {
-        impacts.members.clear();
-        for number in 0..self.ends.len() {
-            let Some((block, lane)) = self.place_of(number) else { continue };
-            if let Some(island) = self.island_of(number).filter(|island| impacts.struck.binary_search(island).is_ok()) {
-                impacts.members.push((island, number as u32, block, lane));
-            }
-        }
-        impacts.members.sort_unstable();
     }
 }

@@ -41,6 +41,10 @@ const MIN_BLOCKS: usize = 16;
 const SHARED_BODIES: usize = 1024;
 const MIN_BODIES: usize = 256;
 
+/// Bodies from which on several threads move those that are in no block, and those that are worth another thread's while.
+const SHARED_SINGLES: usize = 512;
+const MIN_SINGLES: usize = 128;
+
 /// What does not change within the step of eight bodies; unused lanes are the world, which nothing moves.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
@@ -161,7 +165,53 @@ fn add(blocks: &mut Vec<PoseBlock>, slot: u32, motion: &BodyMotion, h: f32) {
     }
 }
 
+/// The bodies of a batch, by slot.
+type Bodies<'a> = (&'a mut [BodyVelocity], &'a mut [BodyMotion]);
+
+/// Does the same to each body of a list.
+fn each_listed(
+    mut rest: &[u32],
+    threads: &Workers,
+    (velocities, motions): Bodies<'_>,
+    work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync,
+) {
+    if rest.len() < SHARED_SINGLES || !threads.has_team() {
+        rest.iter().for_each(|&slot| work(&mut velocities[slot as usize], &mut motions[slot as usize]));
+        return;
+    }
+    let piece = threads.piece(motions.len(), MIN_SINGLES);
+    let pieces = velocities.chunks_mut(piece).zip(motions.chunks_mut(piece)).zip((0..).step_by(piece));
+    let pieces = pieces.map(|(bodies, first)| {
+        let own;
+        (own, rest) = rest.split_at(rest.partition_point(|&slot| (slot as usize) < first + piece));
+        (bodies, own, first)
+    });
+    threads.share(pieces, |((velocities, motions), own, first)| {
+        own.iter().map(|&slot| slot as usize - first).for_each(|place| work(&mut velocities[place], &mut motions[place]));
+    });
+}
+
 impl WideBodies {
+    /// Does the same to each body that is not moved in lanes, or only moved there.
+    pub(super) fn each_single(
+        &self,
+        threads: &Workers,
+        bodies: Bodies<'_>,
+        work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync,
+    ) {
+        each_listed(&self.singles, threads, bodies, work);
+    }
+
+    /// Does the same to each body that is not moved in lanes.
+    pub(super) fn each_alone(
+        &self,
+        threads: &Workers,
+        bodies: Bodies<'_>,
+        work: impl Fn(&mut BodyVelocity, &mut BodyMotion) + Sync,
+    ) {
+        each_listed(&self.alone, threads, bodies, work);
+    }
+
     /// Lays out lanes for substeps of length `h`.
     pub(crate) fn lay_out(
         &mut self,

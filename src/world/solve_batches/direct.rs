@@ -129,8 +129,8 @@ impl BatchInput<'_> {
             direct.find_touching(inputs, motions);
             direct.take(&mut joints.links, (velocities, motions), inputs, &records, threads);
             direct.step(self.joints, velocities, motions, inputs, settings, threads);
-            let (direct, floor) = batch.direct_and_floor(threads);
-            direct.get_ready(floor, h);
+            let (direct, context) = batch.direct_and_context(threads);
+            direct.get_ready(context, h);
         }
         self.write_entries(batch, threads);
         let may_be_smooth = settings.articulations.error_target == 0.0;

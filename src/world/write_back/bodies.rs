@@ -14,6 +14,7 @@ use crate::settings::SleepSettings;
 use crate::solve::batch::Batch;
 use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
 use crate::solve::state::WORLD_SLOT;
+use crate::solve::step::BatchStages;
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::step_history::History;
 use crate::world::World;
@@ -60,6 +61,7 @@ struct Moves<'a> {
     limits: Limits,
     number: usize,
     batch: &'a Batch,
+    stages: &'a BatchStages,
     unions: &'a Unions,
     may_stride: bool,
 }
@@ -146,11 +148,11 @@ impl World {
     /// Writes back the bodies of runs of small batches.
     pub(super) fn store_bodies_of_runs(&mut self, dt: f32) {
         let limits = self.write_limits(dt);
-        let Self { batches, bodies, colliders, unions, index, scratch, threads, .. } = self;
+        let Self { batches, stages, bodies, colliders, unions, index, scratch, threads, .. } = self;
         let (records, unions) = (SharedRecords::new(bodies, colliders, index), &*unions);
         scratch.runs.each(threads, |run, notes| {
             for number in run {
-                let moves = Moves::new(limits, number, &batches[number], unions);
+                let moves = Moves::new(limits, number, (&batches[number], &stages[number]), unions);
                 // SAFETY: each body is in one batch.
                 let mut records = unsafe { records.part() };
                 moves.write_some(1..moves.batch.bodies.len(), &mut records, &mut notes.bodies);
@@ -160,7 +162,7 @@ impl World {
 
     pub(super) fn store_bodies(&mut self, number: usize, dt: f32) {
         let limits = self.write_limits(dt);
-        let Self { batches, bodies, colliders, unions, index, scratch, has_smooth_bodies, broken, threads, .. } = self;
+        let Self { batches, stages, bodies, colliders, unions, index, scratch, has_smooth_bodies, broken, threads, .. } = self;
         let batch = &batches[number];
         let mut tell = |noted: &mut BodyNotes, unions: &mut Unions| {
             broken.append(&mut noted.broken);
@@ -185,7 +187,7 @@ impl World {
         let noted = &mut scratch.noted;
         noted.resize_with(pieces.max(noted.len()), BodyNotes::default);
         let records = SharedRecords::new(bodies, colliders, index);
-        let moves = Moves::new(limits, number, batch, unions);
+        let moves = Moves::new(limits, number, (batch, &stages[number]), unions);
         let write = |slots: Range<usize>, noted: &mut BodyNotes| {
             // SAFETY: each body has one slot, which is in one piece.
             let mut records = unsafe { records.part() };
@@ -203,9 +205,9 @@ impl World {
 }
 
 impl<'a> Moves<'a> {
-    fn new(limits: Limits, number: usize, batch: &'a Batch, unions: &'a Unions) -> Self {
-        let may_stride = batch.direct.sweeps_blocks() || batch.mesh.is_one() || !batch.newton.is_idle();
-        Self { limits, number, batch, unions, may_stride }
+    fn new(limits: Limits, number: usize, (batch, stages): (&'a Batch, &'a BatchStages), unions: &'a Unions) -> Self {
+        let may_stride = batch.direct.sweeps_blocks() || stages.joint_mesh.is_one() || !batch.newton.is_idle();
+        Self { limits, number, batch, stages, unions, may_stride }
     }
 
     /// Writes back what has some slots.
@@ -221,7 +223,7 @@ impl<'a> Moves<'a> {
 impl Moves<'_> {
     /// Writes back what has this slot: a body, or the members of a union.
     fn write(&self, slot: usize, records: &mut BodyRecords<'_>, noted: &mut BodyNotes) {
-        let &Self { limits, number, batch, unions, may_stride } = self;
+        let &Self { limits, number, batch, stages, unions, may_stride } = self;
         let Limits { calm_speeds, has_joints, some_are_fast, .. } = limits;
         let index = batch.bodies[slot];
         let Some(lead) = records.body(index).filter(|body| body.is_free()) else { return };
@@ -256,7 +258,7 @@ impl Moves<'_> {
         }
         // What is jointed to a fast body stops with it.
         let is_swept = is_fast || (some_are_fast && batch.direct.is_jointed(slot as u32));
-        let steady = batch.momentum_pass.is_slow(slot);
+        let steady = stages.momentum_pass.is_slow(slot);
         for &member in members {
             let Some(body) = records.body(member) else { continue };
             if is_swept {
