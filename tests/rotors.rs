@@ -2,8 +2,8 @@
 
 use longspan::glam::{DQuat, DVec3, Quat, Vec3};
 use longspan::{
-    ArticulationSettings, BodyDef, BodyId, JointDef, JointKind, Limits, Mass, MassProperties, Motor, Pose, SleepSettings, Solver,
-    World, WorldDef,
+    ArticulationSettings, Axis, BodyDef, BodyId, JointDef, JointKind, Limits, Mass, MassProperties, Motor, Pose, SleepSettings,
+    Solver, World, WorldDef,
 };
 
 const GRAVITY: f32 = 9.81;
@@ -123,24 +123,81 @@ fn a_flywheel_out_of_balance_coasts_where_a_substep_turns_it_by_half_a_radian() 
 
 /// A disc of 2 kg on a hinge at the end of an arm of 0.5 m on a ball joint, in level precession; the rotor is returned.
 fn gyroscope(world: &mut World, spin: f32, arm: f32) -> BodyId {
-    let across = arm * 0.25 / 12.0;
-    gyroscope_of(world, spin, arm, Vec3::new(1.0e-4, across, across), Vec3::new(0.09, 0.0456, 0.0456))
+    Gyroscope::scaled(spin, arm, 1.0).make(world)
 }
 
 /// The same with these moments of the arm and of the rotor (kg·m²), the first about their length.
 fn gyroscope_of(world: &mut World, spin: f32, arm: f32, held: Vec3, moments: Vec3) -> BodyId {
-    let (along, reach, mass) = (moments.x, 0.5_f32, 2.0);
-    let turning = GRAVITY * reach * (mass + 0.5 * arm) / (along * spin);
-    let way = |x: f32| Vec3::NEG_Z * (turning * x);
-    let held = body(world, f64::from(0.5 * reach), arm, held, [way(0.5 * reach), Vec3::Y * turning]);
-    let rotor = body(world, f64::from(reach), mass, moments, [way(reach), Vec3::new(spin, turning, 0.0)]);
-    let mut joint = JointDef::new(JointKind::SPHERICAL, BodyId::NULL, held);
-    joint.frame_b = Pose::at_xyz(-0.25, 0.0, 0.0);
-    world.create_joint(&joint).expect("a valid joint");
-    let mut joint = hinge(Motor::Off, held, rotor);
-    joint.frame_a = Pose::at_xyz(0.25, 0.0, 0.0);
-    world.create_joint(&joint).expect("a valid joint");
-    rotor
+    Gyroscope { spin, arm, held, moments, ..Gyroscope::default() }.make(world)
+}
+
+/// A disc of 2 kg on a hinge at the end of an arm, in level precession.
+#[derive(Debug, Clone, Copy)]
+struct Gyroscope {
+    spin: f32,
+    /// Mass (kg) and length of the arm (m).
+    arm: f32,
+    reach: f32,
+    /// Moments of the arm and of the rotor (kg·m²), the first about their length.
+    held: Vec3,
+    moments: Vec3,
+    bearing: Bearing,
+}
+
+/// What holds the near end of the arm.
+#[derive(Debug, Clone, Copy)]
+enum Bearing {
+    Ball,
+    SixAxis,
+    /// A ring on an upright hinge, and in it a level one.
+    Gimbals,
+}
+
+impl Default for Gyroscope {
+    fn default() -> Self {
+        Self::scaled(100.0, 0.05, 1.0)
+    }
+}
+
+impl Gyroscope {
+    /// With all lengths so many times as long.
+    fn scaled(spin: f32, arm: f32, scale: f32) -> Self {
+        let across = arm * 0.25 / 12.0;
+        let (held, moments) = (Vec3::new(1.0e-4, across, across), Vec3::new(0.09, 0.0456, 0.0456));
+        let square = scale * scale;
+        Self { spin, arm, reach: 0.5 * scale, held: held * square, moments: moments * square, bearing: Bearing::Ball }
+    }
+
+    fn make(self, world: &mut World) -> BodyId {
+        let Self { spin, arm, reach, held, moments, bearing } = self;
+        let (along, mass) = (moments.x, 2.0);
+        let turning = GRAVITY * reach * (mass + 0.5 * arm) / (along * spin);
+        let way = |x: f32| Vec3::NEG_Z * (turning * x);
+        let half = Pose::at_xyz(f64::from(-0.5 * reach), 0.0, 0.0);
+        let held = body(world, f64::from(0.5 * reach), arm, held, [way(0.5 * reach), Vec3::Y * turning]);
+        let rotor = body(world, f64::from(reach), mass, moments, [way(reach), Vec3::new(spin, turning, 0.0)]);
+        let mut joint = JointDef::new(JointKind::SPHERICAL, BodyId::NULL, held);
+        match bearing {
+            Bearing::Ball => {}
+            Bearing::SixAxis => joint.kind = JointKind::Generic { linear: [Axis::LOCKED; 3], angular: [Axis::FREE; 3] },
+            Bearing::Gimbals => {
+                let ring = body(world, 0.0, 0.2, Vec3::splat(0.008 * reach * reach), [Vec3::ZERO, Vec3::Y * turning]);
+                let mut upright = hinge(Motor::Off, BodyId::NULL, ring);
+                let along_y = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
+                (upright.frame_a.rotation, upright.frame_b.rotation) = (along_y, along_y);
+                world.create_joint(&upright).expect("a valid joint");
+                joint = hinge(Motor::Off, ring, held);
+                let along_z = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+                (joint.frame_a.rotation, joint.frame_b.rotation) = (along_z, along_z);
+            }
+        }
+        joint.frame_b.position = half.position;
+        world.create_joint(&joint).expect("a valid joint");
+        let mut joint = hinge(Motor::Off, held, rotor);
+        joint.frame_a.position = -half.position;
+        world.create_joint(&joint).expect("a valid joint");
+        rotor
+    }
 }
 
 /// Greatest height that a gyroscope has gained or lost at the end of each second (m).
@@ -165,6 +222,76 @@ fn a_gyroscope_keeps_its_height() {
                 let off = way_off_level(rate, spin, arm, 0.0, seconds);
                 assert!(off < 5e-3, "{spin} rad/s, {rate}/s, arm of {arm} kg: off by {off} m, bound 5 mm");
             }
+        }
+    }
+}
+
+#[test]
+fn gyroscopes_of_all_sizes_and_bearings_keep_their_height() {
+    for bearing in [Bearing::Ball, Bearing::SixAxis, Bearing::Gimbals] {
+        for (scale, spins) in [(0.1, [50.0, 80.0, 500.0]), (1.0, [10.0, 30.0, 200.0]), (10.0, [10.0, 80.0, 500.0])] {
+            for spin in spins {
+                for (rate, error_target) in [(60.0, 0.0), (60.0, 1e-3), (240.0, 0.0)] {
+                    let of = Gyroscope { bearing, ..Gyroscope::scaled(spin, 1.0, scale) };
+                    let off = way_off_level_of(rate, error_target, 10, |world| of.make(world));
+                    let what = format!("{bearing:?}, times {scale}, {spin} rad/s, {rate}/s, target {error_target} m");
+                    assert!(off < 2e-3, "{what}: off by {off} m, bound 2 mm");
+                }
+            }
+        }
+    }
+}
+
+/// So fast that an axis which is off sets itself right, or swings out, several times within a step.
+#[test]
+fn a_gyroscope_at_a_thousand_radians_a_second_keeps_its_height_in_long_steps() {
+    for (bearing, scale, arm, error_target) in
+        [(Bearing::Ball, 1.0, 1.0, 1e-3), (Bearing::Ball, 10.0, 0.05, 1e-3), (Bearing::Gimbals, 10.0, 0.05, 0.0)]
+    {
+        let of = Gyroscope { bearing, ..Gyroscope::scaled(1000.0, arm, scale) };
+        let off = way_off_level_of(30.0, error_target, 10, |world| of.make(world));
+        assert!(off < 1e-3, "{bearing:?}, times {scale}, arm of {arm} kg: off by {off} m, bound 1 mm");
+    }
+}
+
+/// It precesses as fast as it spins, or faster: no less a rotor for that.
+#[test]
+fn a_disc_that_turns_as_fast_as_it_spins_keeps_its_spin() {
+    for rate in [60.0, 240.0] {
+        for spin in [10.0, 13.0, 16.0] {
+            for arm in [0.05, 1.0] {
+                let mut world = world(GRAVITY, Solver::Auto);
+                let rotor = gyroscope(&mut world, spin, arm);
+                steps(&mut world, rate, 10.0);
+                let axis = world.pose(rotor).expect("it stays").rotation * Vec3::X;
+                let kept = world.angular_velocity(rotor).expect("it stays").dot(axis) / spin;
+                let what = format!("{spin} rad/s, {rate}/s, arm of {arm} kg");
+                assert!((kept - 1.0).abs() < 2e-3, "{what}: keeps {kept} of its spin after 10 s, bound 0.2 %");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_box_that_tumbles_on_a_ball_joint_keeps_its_energy() {
+    let moments = Vec3::new(0.09, 0.055, 0.036);
+    let (mass, reach) = (2.0, 0.5);
+    for rate in [60.0, 240.0] {
+        for spin in [Vec3::new(10.0, 8.0, 6.0), Vec3::new(20.0, 5.0, 20.0)] {
+            let mut world = world(GRAVITY, Solver::Auto);
+            let tumbling = body(&mut world, f64::from(reach), mass, moments, [spin.cross(Vec3::X * reach), spin]);
+            let mut joint = JointDef::new(JointKind::SPHERICAL, BodyId::NULL, tumbling);
+            joint.frame_b = Pose::at_xyz(f64::from(-reach), 0.0, 0.0);
+            world.create_joint(&joint).expect("a valid joint");
+            let energy = |world: &World| {
+                let linear = world.linear_velocity(tumbling).expect("it stays").as_dvec3();
+                let height = world.pose(tumbling).expect("it stays").position.y;
+                self::spin(world, tumbling).1 + f64::from(mass) * (0.5 * linear.length_squared() + f64::from(GRAVITY) * height)
+            };
+            let before = energy(&world);
+            steps(&mut world, rate, 10.0);
+            let kept = energy(&world) / before;
+            assert!((kept - 1.0).abs() < 2e-3, "{spin} rad/s, {rate}/s: keeps {kept} of its energy after 10 s, bound 0.2 %");
         }
     }
 }

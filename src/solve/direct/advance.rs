@@ -4,12 +4,16 @@ use super::articulation::{Articulation, Mode, SOLVES_PER_HALVING, SavedJoint, TO
 use super::buckle;
 use super::contacts::ArticulationContact;
 use super::multistep::SecondOrder;
+use super::rotors;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::step_history::History;
 
 /// How often a substep may be halved.
 const MAX_HALVINGS: u32 = 4;
+
+/// Parts that a substep may be taken in whose rotors find no end: from the one before to a part, second order goes on.
+const MOST_PARTS: f64 = 4.0;
 
 /// A halved substep must end with this share of the error that it began with, where that is beyond the tolerance.
 const MUST_FALL: f64 = 0.5;
@@ -39,6 +43,10 @@ impl Articulation {
         }
         let energy = self.energy_to_keep();
         let mut momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
+        if self.rotors_diverge && self.pay(SOLVES_PER_HALVING) {
+            self.restore();
+            return Some(self.advance_in_parts(joints, h, self.parts_for_rotors(), depth, before));
+        }
         let mut meets_stop = self.meets_stop(joints);
         let knows_past = second_order;
         if meets_stop && second_order {
@@ -128,6 +136,11 @@ impl Articulation {
             saved.impulses = entry.impulses;
         }
         self.restore();
+    }
+
+    /// Parts in which the passes for rotors come to an end: what a pass leaves of their error goes with the length of the substep.
+    fn parts_for_rotors(&self) -> u32 {
+        (self.rotor_share / rotors::MUST_FALL).ceil().clamp(2.0, MOST_PARTS) as u32
     }
 
     /// As [`advance`](Self::advance), in parts of equal length.

@@ -162,6 +162,9 @@ pub(crate) struct Articulation {
     after_first_order: bool,
     /// Of the last substep, where that was of second order.
     pub(super) surprise: LocalError,
+    /// Greatest share of their error that a pass for rotors has left in this substep, and whether the last one has made it grow.
+    pub(super) rotor_share: f64,
+    pub(super) rotors_diverge: bool,
     /// Lengths of the step, of the world's substep and of its own (s).
     pub(super) dt: f64,
     pub(super) world_substep: f64,

@@ -42,8 +42,8 @@ use crate::step_history::History;
 const MIN_SPIN: f64 = 3.0;
 const MIN_SPIN_OF_ROTOR: f64 = 1.8;
 
-/// Spin over the rest of the angular velocity from which a body is taken as a rotor; it stays one as long as the spin is the greater. A
-/// link that swings as fast as it spins is none.
+/// Momentum along a slender body over that across it from which it is taken as a rotor; it stays one as long as the first is the greater. A
+/// link that swings is none.
 const MIN_SHARE: f64 = 2.0;
 
 /// Difference of the two moments across the axis, over their sum, up to which a body counts as symmetric: what that leaves out of the
@@ -60,6 +60,12 @@ const BLURRED_SPIN: f64 = 1.0;
 fn unlike(moments: &DVec3, axis: usize) -> f64 {
     let (i, j) = (moments[(axis + 1) % 3], moments[(axis + 2) % 3]);
     (i - j).abs() / (i + j)
+}
+
+/// Number of the principal axis about which a body with these moments spins: that of its symmetry, or else that about which it turns fastest.
+fn axis_of(moments: &DVec3, turning: DVec3) -> usize {
+    let fastest = (1..3).fold(0, |fastest, axis| if turning[axis].abs() > turning[fastest].abs() { axis } else { fastest });
+    (0..3).find(|&axis| unlike(moments, axis) <= ALIKE).unwrap_or(fastest)
 }
 
 /// A body that spins fast about an axis of symmetry.
@@ -114,28 +120,22 @@ impl Rotor {
         }
         let top = &own.top;
         let local = (stance.1 * top.frame).conjugate() * rate.angular;
-        let fastest = if local.x.abs() >= local.y.abs().max(local.z.abs()) {
-            0
-        } else if local.y.abs() >= local.z.abs() {
-            1
-        } else {
-            2
-        };
-        let spin = local[fastest].abs();
+        let axis = axis_of(&top.inertia, local);
+        let spin = local[axis].abs();
         let rest = (local.length_squared() - spin * spin).max(0.0);
-        let share = if known { 1.0 } else { MIN_SHARE };
-        if spin <= least || spin * spin < share * share * rest || rest * h * h > MAX_AXIS_TURN * MAX_AXIS_TURN {
+        if spin <= least || rest * h * h > MAX_AXIS_TURN * MAX_AXIS_TURN {
             return None;
         }
-        let is_blurred = unlike(&top.inertia, fastest) > ALIKE && spin * h > BLURRED_SPIN;
+        let is_blurred = unlike(&top.inertia, axis) > ALIKE && spin * h > BLURRED_SPIN;
         if is_slender(&top.inertia) && !is_blurred {
             // What turns end over end only swings.
-            let (along, across) = (top.inertia[fastest] * spin, top.inertia.max_element() * rest.sqrt());
+            let share = if known { 1.0 } else { MIN_SHARE };
+            let (along, across) = (top.inertia[axis] * spin, top.inertia.max_element() * rest.sqrt());
             let is_spun = spin * h > BLURRED_SPIN || along >= share * across;
-            let is_spun = is_spun && fastest == thinnest(&top.inertia);
+            let is_spun = is_spun && axis == thinnest(&top.inertia);
             return if is_spun { Self::of_shaft(body, own, (stance, rate), h) } else { None };
         }
-        Some(Self::about(fastest, body, own, stance, is_blurred))
+        Some(Self::about(axis, body, own, stance, is_blurred))
     }
 
     /// Of a slender body about its length, at whatever rate it spins.

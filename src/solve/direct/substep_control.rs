@@ -11,6 +11,7 @@ use glam::DVec3;
 
 use super::articulation::{Articulation, Mode};
 use super::multistep::LocalError;
+use super::rotors;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::solve::StepSettings;
@@ -60,11 +61,12 @@ impl Articulation {
         self.scale_impulses((h / self.world_substep) as f32);
         let mut error = None;
         loop {
-            self.surprise = LocalError::default();
+            (self.surprise, self.rotor_share) = (LocalError::default(), 0.0);
             let smooth = self.mode != Mode::Safe;
             error = Some(self.advance(joints, h, 0, error));
             (rest, left) = (rest - 1, left - h);
-            needed = needed.max(dt / h * over(self.surprise));
+            let over = over(self.surprise).max(self.rotor_share / rotors::MUST_FALL);
+            needed = needed.max(dt / h * over);
             // What is unsettled is taken back, and its contacts are swept.
             if rest == 0 || self.outcome.unsettled {
                 break;
@@ -73,7 +75,7 @@ impl Articulation {
                 // What it has met has had no say in how long its smooth substeps were.
                 (left / self.world_substep).round() as u32
             } else {
-                let (wanted, finest) = (left / h * over(self.surprise), left / dt * f64::from(most));
+                let (wanted, finest) = (left / h * over, left / dt * f64::from(most));
                 (wanted.ceil().min(finest.round()) as u32).min(2 * rest)
             };
             if finer > rest {
