@@ -1,6 +1,7 @@
 //! One substep of an articulation: tried smoothly, undone and taken safely where that leaves too much, in halves where it must be.
 
-use super::articulation::{Articulation, Mode, SOLVES_PER_HALVING, SavedJoint, TOLERANCE};
+use super::articulation::{Articulation, SOLVES_PER_HALVING, TOLERANCE};
+use super::articulation_state::{Mode, SavedJoint};
 use super::buckle;
 use super::contacts::ArticulationContact;
 use super::multistep::SecondOrder;

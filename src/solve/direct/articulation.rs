@@ -19,19 +19,17 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
+use super::articulation_state::{Began, Mode, ReusedFactor, ServoParts, StepOutcome};
 use super::ball_joint_system::BallJointSystem;
 use super::body::DirectBody;
-use super::composite::ServoParts;
 use super::contacts::ArticulationContact;
-use super::factor_reuse::ReusedFactor;
-use super::layout::NodeBodies;
 use super::multistep::{LocalError, SecondOrder};
 use super::rotor::Rotor;
-use super::system::{System, Topology};
+use super::system::System;
+use super::topology::{NodeBodies, Topology};
 use super::wide_integrator::{self, Bodies4};
 use crate::id::{BodyId, JointId, Pool};
-use crate::joint_rebounds::Rebounds;
-use crate::joint_record::{Joint, JointImpulses};
+use crate::joint_record::Joint;
 use crate::linalg::narrowing;
 use crate::report::ArticulationReport;
 use crate::solve::StepSettings;
@@ -66,18 +64,6 @@ const MAX_MANIFOLDS: usize = 6;
 
 /// Greatest mass over the least up to which they would: cables sink into their drums within ten seconds at 90, not at 50.
 const ALIKE_MASSES: f64 = 20.0;
-
-/// How a substep treats the path of its bodies.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Mode {
-    /// Rows hold at the end of the substep, whose start is extrapolated from the one before.
-    SecondOrder,
-    /// Rows hold at the end of the substep.
-    #[default]
-    Smooth,
-    /// Rows hold to first order at the start: kinetic energy cannot grow.
-    Safe,
-}
 
 /// Bodies and joints that are solved together.
 #[derive(Debug, Default)]
@@ -202,49 +188,6 @@ pub(crate) struct Articulation {
     /// Passes of active sets that this step may still spend beyond those that each substep has free.
     pub(super) passes_left: usize,
     pub outcome: StepOutcome,
-}
-
-/// How a step of an articulation went.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct StepOutcome {
-    /// Substeps taken: to second order, smooth ones of first order, safe ones, and those undone and taken as two halves.
-    pub second_order: u32,
-    pub first_order: u32,
-    pub safe: u32,
-    pub halvings: u32,
-    /// Whether the active set of a substep with contacts did not come to an end by itself.
-    pub unsettled: bool,
-    /// Worst gap (m) and angle (rad) left.
-    pub gap: f64,
-    pub angle: f64,
-    /// Change of energy that forces do not explain (J).
-    pub energy_change: f64,
-    /// Worst overlap with what it does not move (m).
-    pub penetration: f64,
-}
-
-/// State at the start of a substep, which can be undone until the next one begins.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Began {
-    pub rates: Vec<Rate>,
-    pub local_poses: Vec<LocalPose>,
-    pub(super) left: f64,
-    pub(super) joints: Vec<SavedJoint>,
-    pub(super) touches: Vec<ArticulationContact>,
-}
-
-/// What a substep changes of a joint.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct SavedJoint {
-    pub(super) impulses: JointImpulses,
-    pub(super) angles: [f64; 3],
-    pub(super) sums: [Vec3; 2],
-    pub(super) acted: [Vec3; 2],
-    pub(super) rebounds: Rebounds,
-    pub(super) pressed: u32,
-    pub(super) motors: [f32; 6],
-    /// Rows that pressed then, as bits: what is guessed of impulses says nothing of that.
-    pub(super) pressing: u32,
 }
 
 impl Articulation {
@@ -471,7 +414,8 @@ impl Articulation {
         self.after_first_order = !second_order;
         // A mended position is no way that the bodies have gone: extrapolated, it would have to be taken back by a blow.
         let reached = if self.reached.is_empty() { &self.local_poses } else { &self.reached };
-        wide_integrator::note(&self.bodies4, h, &self.order, &self.began, (reached, &self.rates), &mut self.histories);
+        let began = (&*self.began.local_poses, &*self.began.rates);
+        wide_integrator::note(&self.bodies4, h, &self.order, began, (reached, &self.rates), &mut self.histories);
         self.note_ways_of_rotors();
         // As the histories hold it.
         self.continues = Some(f64::from(h as f32));

@@ -11,20 +11,19 @@
 //!
 //! Nothing has a bound, so that one pass of one factor solves it.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3};
 
-use super::articulation::Articulation;
 use super::block::{Block3, Lanes, ZERO, add_scaled, block3_mut};
 use super::body::DirectBody;
 use super::factor::{BlockFactor, POINT};
 use super::redundancy::Redundancy;
 use super::refine::{Equations, refine};
-use super::system::{MAX_IMPULSE, Topology};
-use crate::linalg::narrowing;
+use super::row::MAX_IMPULSE;
+use super::topology::Topology;
 use crate::platform::dispatched;
 use crate::solve::joint::JointEntry;
 use crate::solve::joint::LocalPose;
-use crate::solve::joint::rows::{Phase, Rate};
+use crate::solve::joint::rows::Rate;
 
 /// Where a joint is: levers from the centres of mass to the points that it holds together, and from A's point to B's (m).
 #[derive(Debug, Clone, Copy)]
@@ -41,7 +40,7 @@ impl PointJoint {
 
     /// Levers to the point where the bodies are pushed. Mostly that is halfway between the two: a gap costs no angular momentum then. If it
     /// is `own`, each is pushed at its own point, which is the gradient of the gap.
-    fn pushed(&self, own: bool) -> [DVec3; 2] {
+    pub(super) fn pushed(&self, own: bool) -> [DVec3; 2] {
         let share = if own { 0.0 } else { 0.5 };
         [self.levers[0] + share * self.gap, self.levers[1] - share * self.gap]
     }
@@ -50,12 +49,12 @@ impl PointJoint {
 /// A joint in one solve.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PointSolve {
-    bodies: [u32; 2],
-    levers: [DVec3; 2],
+    pub bodies: [u32; 2],
+    pub levers: [DVec3; 2],
     /// What J v must make up for (m/s, or m in a projection).
-    bias: DVec3,
+    pub bias: DVec3,
     /// Multiplier (N·s).
-    impulse: DVec3,
+    pub impulse: DVec3,
 }
 
 /// Ĩ⁻¹ (r × e) for the three axes e, side by side by component.
@@ -69,7 +68,7 @@ pub(super) struct BallJointSystem {
     pub is_known: bool,
     /// Where they would be at the end of the substep without any joint.
     pub ends: Vec<PointJoint>,
-    joints: Vec<PointSolve>,
+    pub joints: Vec<PointSolve>,
     responses: Vec<[Response; 2]>,
     factor: BlockFactor,
     /// Rows of each joint.
@@ -81,6 +80,12 @@ pub(super) struct BallJointSystem {
 }
 
 impl BallJointSystem {
+    /// Forgets the joints of the last solve, which are to be listed again.
+    pub(super) fn begin(&mut self) {
+        self.joints.clear();
+        (self.is_factored, self.has_pushed) = (false, false);
+    }
+
     /// Takes the push of the last solve out of the rates.
     pub(super) fn withdraw(&mut self, bodies: &[DirectBody], rates: &mut [Rate]) {
         if std::mem::replace(&mut self.has_pushed, true) {
@@ -99,7 +104,7 @@ impl BallJointSystem {
     }
 
     /// As [`super::system::System::drop_senseless`].
-    fn drop_senseless(&mut self) {
+    pub(super) fn drop_senseless(&mut self) {
         // Written so that one which is no number counts.
         if !self.joints.iter().all(|joint| joint.impulse.abs().cmple(DVec3::splat(MAX_IMPULSE)).all()) {
             self.drop_impulses();
@@ -160,7 +165,7 @@ impl Equations for Gaps<'_> {
 }
 
 /// J v of a joint.
-fn approach(bodies: &[u32; 2], levers: &[DVec3; 2], rates: &[Rate]) -> DVec3 {
+pub(super) fn approach(bodies: &[u32; 2], levers: &[DVec3; 2], rates: &[Rate]) -> DVec3 {
     let [a, b] = bodies.map(|body| &rates[body as usize]);
     (b.linear + b.angular.cross(levers[1])) - (a.linear + a.angular.cross(levers[0]))
 }
@@ -237,89 +242,4 @@ fn add(sum: &mut Block3, sign: f64, mass: DVec3, lever: DVec3, response: &Respon
     add_scaled(&mut sum[1], -lever.z, &response[0]);
     add_scaled(&mut sum[2], lever.y, &response[0]);
     add_scaled(&mut sum[2], -lever.x, &response[1]);
-}
-
-impl Articulation {
-    /// Finds where the joints are at the present poses, if they have moved since that was found.
-    pub(super) fn find_spots(&mut self) {
-        let Self { points, entries, links, local_poses, .. } = self;
-        if !std::mem::replace(&mut points.is_known, true) {
-            points.spots.clear();
-            let spot = |(entry, [a, b]): (&JointEntry, [u32; 2])| {
-                PointJoint::of(entry, &local_poses[a as usize], &local_poses[b as usize])
-            };
-            points.spots.extend(entries.iter().zip(links.iter().map(|link| link.bodies)).map(spot));
-        }
-    }
-
-    /// Finds where the joints will be at the predicted poses; these are the present ones where nothing is predicted.
-    pub(super) fn find_ends(&mut self, predicts: bool) {
-        let Self { points, entries, links, predicted, .. } = self;
-        points.ends.clear();
-        if predicts {
-            let spot =
-                |(entry, [a, b]): (&JointEntry, [u32; 2])| PointJoint::of(entry, &predicted[a as usize], &predicted[b as usize]);
-            points.ends.extend(entries.iter().zip(links.iter().map(|link| link.bodies)).map(spot));
-        } else {
-            points.ends.extend_from_slice(&points.spots);
-        }
-    }
-
-    /// What the joints ask for; that of a velocity phase needs where they will be.
-    pub(super) fn ask_points(&mut self, phase: Phase) {
-        self.find_spots();
-        let Self { points, links, entries, rates, began, predicted, implicit, topology, .. } = self;
-        let BallJointSystem { spots, ends, joints, is_factored, has_pushed, .. } = points;
-        joints.clear();
-        (*is_factored, *has_pushed) = (false, false);
-        for (number, link) in links.iter().enumerate() {
-            let bodies = link.bodies;
-            // What is held by something that stays where it is would fall away from it by h² g in a substep without joints. Halfway there, the force
-            // on a taut piece points past its middle, by so much that the stiffness of its pull turns it about its own axis, ever faster.
-            let own = topology.loops > 0 && link.moves != [true; 2];
-            let carried = if matches!(phase, Phase::Position { .. }) { Vec3::ZERO } else { entries[number].impulses.point };
-            let impulse = carried.as_dvec3();
-            let (levers, bias) = match phase {
-                Phase::Velocity { h } => {
-                    let levers = match implicit[number] {
-                        1.0 => ends[number].pushed(own),
-                        0.0 => spots[number].pushed(own),
-                        share => {
-                            let between = |body: u32| {
-                                let (from, to) = (began.local_poses[body as usize], predicted[body as usize]);
-                                (from.0.lerp(to.0, share), from.1.lerp(to.1, share))
-                            };
-                            PointJoint::of(&entries[number], &between(bodies[0]), &between(bodies[1])).pushed(own)
-                        }
-                    };
-                    (levers, (ends[number].gap - spots[number].gap) / h - approach(&bodies, &levers, rates))
-                }
-                Phase::Tangent { .. } => (spots[number].pushed(own), DVec3::ZERO),
-                Phase::Position { most } => {
-                    (spots[number].pushed(own), spots[number].gap.clamp(DVec3::splat(-most), DVec3::splat(most)))
-                }
-            };
-            joints.push(PointSolve { bodies, levers, bias, impulse });
-        }
-    }
-
-    /// Worst component of any gap at the present poses (m), where one that is no number counts as the worst.
-    pub(super) fn worst_gap(&mut self) -> f64 {
-        self.find_spots();
-        let greater = |worst: f64, gap: f64| if gap <= worst { worst } else { gap };
-        let gaps = self.points.spots.iter().map(|spot| spot.gap.abs());
-        gaps.fold(0.0, |worst, gap| greater(greater(greater(worst, gap.x), gap.y), gap.z))
-    }
-
-    /// As [`Articulation::keep_impulses`].
-    pub(super) fn keep_point_impulses(&mut self, scale: f64) {
-        let (carried, steady) = (self.order.extrapolation, self.order.steady_share);
-        self.points.drop_senseless();
-        for (entry, joint) in self.entries.iter_mut().zip(&self.points.joints) {
-            let last = std::mem::replace(&mut entry.impulses.point, narrowing::impulse(joint.impulse * scale));
-            let acted = joint.impulse + last.as_dvec3() * steady + entry.acted[0].as_dvec3() * carried;
-            entry.acted[0] = narrowing::impulse(acted);
-            entry.linear_sum += entry.acted[0];
-        }
-    }
 }

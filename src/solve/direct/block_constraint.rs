@@ -10,12 +10,14 @@
 
 use glam::DVec3;
 
-use super::articulation::{Articulation, Mode};
+use super::articulation::Articulation;
+use super::articulation_state::Mode;
+use super::articulation_state::ReusedFactor;
 use super::body::DirectBody;
-use super::factor_reuse::{MENDINGS, ReusedFactor, Settling};
+use super::factor_reuse::{MENDINGS, Settling};
 use super::project::{Errors, greatest};
 use super::row::Origin;
-use super::system::SystemNode;
+use super::topology::SystemNode;
 use super::wide_integrator;
 use crate::id::{JointId, Pool};
 use crate::joint_record::{Joint, JointImpulses};

@@ -8,7 +8,7 @@
 use glam::{DMat3, DVec3};
 
 use super::articulation::Articulation;
-use super::layout::NodeBodies;
+use super::topology::NodeBodies;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::solve::joint::body_response::BodyResponse;
@@ -18,14 +18,6 @@ use crate::solve::joint::rows::Rate;
 /// Joints of an articulation beyond which a servo looks at its own bodies alone: its parts are found anew for each motor, which takes
 /// joints times the depth of the tree.
 const MAX_JOINTS: usize = 64;
-
-/// The two parts of each joint with a servo, and room to find them.
-#[derive(Debug, Default)]
-pub(super) struct ServoParts {
-    /// By joint; empty where no joint has a servo.
-    pub answers: Vec<Option<[BodyResponse; 2]>>,
-    reached: Vec<bool>,
-}
 
 impl Articulation {
     /// Finds what the servos move, at the present poses.

@@ -2,32 +2,11 @@
 
 use glam::DVec3;
 
-use super::row::{Row, RowState};
+use super::row::{ContactRows, Row, RowState};
 use super::system::System;
 
 /// Share of its limit below which a carried friction multiplier starts as one that holds.
 const STICKS: f64 = 0.999;
-
-/// Rows of friction of a manifold.
-pub(super) const FRICTION_ROWS: u32 = 3;
-
-/// Rows of one manifold, by number: normals, then two of friction and one about the normal where there is friction.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ContactRows {
-    pub node: u32,
-    pub first: u32,
-    pub normals: u32,
-    pub has_friction: bool,
-    /// Coefficient of friction, and torque limit per normal force (m).
-    pub friction: f64,
-    pub twist_arm: f64,
-}
-
-impl ContactRows {
-    pub(super) fn count(&self) -> u32 {
-        self.normals + if self.has_friction { FRICTION_ROWS } else { 0 }
-    }
-}
 
 /// Where a row of a contact acts: on the body at one side of its node at this lever (m), and on the other, if that moves, at that.
 #[derive(Debug, Clone, Copy)]

@@ -9,8 +9,9 @@
 
 use glam::{DMat3, DVec3};
 
-use super::contact_rows::{FRICTION_ROWS, RowAnchor};
+use super::contact_rows::RowAnchor;
 use super::curved_contacts::CurvedPoint;
+use super::row::FRICTION_ROWS;
 use super::system::System;
 use super::tracked_points::{TrackedPoints, overlap};
 use crate::solve::contact::{ContactImpulses, ContactInput, POINTS, tangents};

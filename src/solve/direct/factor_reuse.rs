@@ -17,8 +17,9 @@
 use glam::{DVec3, Vec3};
 
 use super::articulation::Articulation;
-use super::layout::NodeBodies;
+use super::articulation_state::ReusedFactor;
 use super::project::{Errors, greater, greatest};
+use super::topology::NodeBodies;
 use crate::id::{JointId, Pool};
 use crate::joint::{JointKind, Limits, Motor, SphericalMotor};
 use crate::joint_record::Joint;
@@ -47,20 +48,6 @@ const MUST_FALL: f64 = 0.3;
 
 /// Share of an angle that rows may leave unseen: what bodies turn by in a substep, mostly.
 const MAX_OFF: f64 = 0.1;
-
-/// Whether rows last for a substep, and what for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum ReusedFactor {
-    /// They must be built.
-    #[default]
-    No,
-    /// They must be in every substep of the step: it has been taken once and given up, as the articulation would have met something.
-    Never,
-    /// They have been built in this step.
-    Built,
-    /// They are still good for the next substep.
-    Good,
-}
 
 /// Errors that positions end a step with, and whether lasting rows mend them.
 #[derive(Debug, Clone, Copy)]

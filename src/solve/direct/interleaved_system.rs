@@ -9,7 +9,7 @@
 use super::block::{Lanes, MAX_ROWS, ZERO};
 use super::factor::BlockLayout;
 use super::redundancy::Regularization;
-use super::system::{SystemNode, Topology};
+use super::topology::{SystemNode, Topology};
 use crate::lanes::four::Four;
 use crate::platform::in_fours;
 

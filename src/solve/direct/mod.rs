@@ -6,10 +6,10 @@
 //! | file | what |
 //! |---|---|
 //! | `build`, `rejection_cache` | which joints become articulations; which articulations were too much work |
-//! | `articulation`, `substep_control`, `advance`, `substep` | a step of one articulation, its number of substeps, and each of them |
-//! | `system`, `row`, `layout`, `active_set`, `packed_rows`, `refine` | the rows, their matrix, which of them act, the solve |
-//! | `ball_joint_system` | the same for articulations of ball joints alone |
-//! | `redundancy` | rows that repeat others |
+//! | `articulation`, `articulation_state`, `substep_control`, `advance`, `substep` | a step of one articulation, its number of substeps, and each of them |
+//! | `topology`, `layout`, `system`, `row`, `active_set`, `packed_rows`, `refine` | the rows, their matrix, which of them act, the solve |
+//! | `ball_joint_system`, `ball_joints` | the same for articulations of ball joints alone |
+//! | `redundancy`, `loops` | rows that repeat others |
 //! | `body`, `stiffness`, `distance_stiffness`, `composite` | inertia, geometric stiffness, what a motor moves |
 //! | `multistep`, `rotor`, `rotors` | second order in time; bodies that spin fast |
 //! | `project`, `projection_energy`, `buckle` | position correction, and the energy that it may not add |
@@ -41,7 +41,9 @@ mod active_set;
 mod advance;
 mod articulation;
 mod articulation_batch;
+mod articulation_state;
 mod ball_joint_system;
+mod ball_joints;
 mod block_constraint;
 mod block_constraints;
 pub(crate) mod body;
@@ -58,6 +60,7 @@ mod fours;
 mod impact;
 mod interleaved_system;
 mod layout;
+mod loops;
 mod multistep;
 mod packed_rows;
 mod project;
@@ -73,6 +76,7 @@ pub(crate) mod stiffness;
 mod substep;
 mod substep_control;
 mod system;
+mod topology;
 pub(crate) mod tracked_points;
 mod wide_integrator;
 

@@ -14,7 +14,7 @@ use super::block::{self, Lanes, MAX_ROWS, ZERO, add_product, add_scaled, width};
 use super::body::DirectBody;
 use super::factor::BlockFactor;
 use super::row::{Row, RowState};
-use super::system::{SystemNode, Topology};
+use super::topology::{SystemNode, Topology};
 use crate::platform::dispatched;
 use crate::solve::joint::rows::Rate;
 

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::articulation::{Articulation, Mode};
+use super::articulation::Articulation;
+use super::articulation_state::Mode;
 use super::body::{is_slender, thinnest};
 use super::multistep::rotation_vector;
 use super::rotor::Rotor;

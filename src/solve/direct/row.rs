@@ -6,6 +6,10 @@ use super::body::DirectBody;
 use super::redundancy::Redundancy;
 use crate::solve::joint::rows::{self, Rate};
 
+/// Greatest multiplier that bodies can ask for: the greatest mass at the greatest speed (N·s). Rows that nothing can fulfil, as those
+/// of a body that is moved away from one with locked axes, have some that rise without end.
+pub(super) const MAX_IMPULSE: f64 = 1.0e16;
+
 /// Whether a row with bounds is part of the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RowState {
@@ -108,5 +112,26 @@ impl Row {
     pub(super) fn fix(&mut self, impulse: f64) {
         self.impulse = impulse;
         self.state = RowState::High;
+    }
+}
+
+/// Rows of friction of a manifold.
+pub(super) const FRICTION_ROWS: u32 = 3;
+
+/// Rows of one manifold, by number: normals, then two of friction and one about the normal where there is friction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ContactRows {
+    pub node: u32,
+    pub first: u32,
+    pub normals: u32,
+    pub has_friction: bool,
+    /// Coefficient of friction, and torque limit per normal force (m).
+    pub friction: f64,
+    pub twist_arm: f64,
+}
+
+impl ContactRows {
+    pub(super) fn count(&self) -> u32 {
+        self.normals + if self.has_friction { FRICTION_ROWS } else { 0 }
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::articulation::{Articulation, Mode};
+use super::articulation::Articulation;
+use super::articulation_state::Mode;
 use super::body::DirectBody;
 use super::distance_stiffness::DistanceLine;
 use super::multistep::{LocalError, SecondOrder};

@@ -9,7 +9,8 @@
 
 use glam::DVec3;
 
-use super::articulation::{Articulation, Mode};
+use super::articulation::Articulation;
+use super::articulation_state::Mode;
 use super::multistep::LocalError;
 use super::rotors;
 use crate::id::{JointId, Pool};

@@ -19,12 +19,12 @@ use glam::DVec3;
 
 use super::block::{Lanes, ZERO};
 use super::body::DirectBody;
-use super::contact_rows::ContactRows;
-use super::factor::{self, BlockFactor, BlockLayout};
+use super::factor::{self, BlockFactor};
 use super::packed_rows::{self, PackedRows};
-use super::redundancy::{Redundancy, Regularization};
+use super::redundancy::Redundancy;
 use super::refine::{Equations, MODERATIONS, refine};
-use super::row::{Origin, Row, RowState};
+use super::row::{ContactRows, MAX_IMPULSE, Origin, Row, RowState};
+use super::topology::{SystemNode, Topology};
 use crate::solve::joint::friction;
 use crate::solve::joint::rows::{self, HeldDirections, Rate};
 
@@ -38,48 +38,11 @@ const MAX_CLOSING: usize = 6;
 /// Passes that may go by without fewer rows in the wrong state before they are changed one by one.
 const PATIENCE: usize = 3;
 
-/// Greatest multiplier that bodies can ask for: the greatest mass at the greatest speed (N·s). Rows that nothing can fulfil, as those
-/// of a body that is moved away from one with locked axes, have some that rise without end.
-pub(super) const MAX_IMPULSE: f64 = 1.0e16;
-
 /// Compliance of a contact's row over its own response: of multipliers that hold equally, those of least norm are taken.
 const CONTACT_COMPLIANCE: f64 = 1.0e-6;
 
 /// Share of its bound from which on a carried multiplier starts as one that is at it.
 const AT_BOUND: f64 = 1.0 - 1.0e-6;
-
-/// The rows and bodies of a joint, or of an articulation and what it carries.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct SystemNode {
-    pub bodies: [u32; 2],
-    pub first: u32,
-    pub last: u32,
-}
-
-/// Two joints on one moving body, and the block that they share: its rows are those of the joint eliminated later.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Coupling {
-    pub late: u32,
-    pub early: u32,
-    /// Side of each joint that is the body.
-    pub late_side: u8,
-    pub early_side: u8,
-    pub body: u32,
-    pub start: u32,
-}
-
-/// What does not change while the joints and their bodies stay the same.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Topology {
-    pub plan: BlockLayout,
-    pub couplings: Vec<Coupling>,
-    /// By [`Redundancy`].
-    pub(super) regularizations: [Regularization; 4],
-    /// Loops that joints close, where all that does not move is one body.
-    pub loops: usize,
-    /// Whether two joints that do more than hold points hold the same two bodies: a door on its hinges.
-    pub doubled: bool,
-}
 
 /// All rows of an articulation, and room to solve them.
 #[derive(Debug, Clone, Default)]

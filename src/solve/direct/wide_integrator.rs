@@ -2,7 +2,6 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
-use super::articulation::Began;
 use super::body::DirectBody;
 use super::fours::{Quatx4, Sym3x4, Vec3x4};
 use super::multistep::{SecondOrder, rotation_vector_near};
@@ -153,7 +152,7 @@ in_fours!(
 in_fours!(
     /// Notes a substep of length `h` (s) that ends in these stances and rates, for the next one.
     pub(super) note, self::note_body,
-    (bodies4: &[Bodies4], h: f64, order: &SecondOrder, began: &Began, ended: (&[LocalPose], &[Rate]), histories: &mut [History])
+    (bodies4: &[Bodies4], h: f64, order: &SecondOrder, began: (&[LocalPose], &[Rate]), ended: (&[LocalPose], &[Rate]), histories: &mut [History])
 );
 
 #[inline(always)]
@@ -252,7 +251,7 @@ fn note_body<F: Four>(
     bodies4: &[Bodies4],
     h: f64,
     order: &SecondOrder,
-    began: &Began,
+    (start, start_rates): (&[LocalPose], &[Rate]),
     (local_poses, rates): (&[LocalPose], &[Rate]),
     histories: &mut [History],
 ) {
@@ -260,9 +259,9 @@ fn note_body<F: Four>(
     let steady = F::splat(order.steady_share * h);
     let inverse = F::splat(1.0 / (order.euler_share * h));
     for quad in bodies4 {
-        let (from, before) = quad.places::<F>(&began.local_poses);
+        let (from, before) = quad.places::<F>(start);
         let (to, after) = quad.places::<F>(local_poses);
-        let (linear_before, angular_before) = quad.velocities::<F>(&began.rates);
+        let (linear_before, angular_before) = quad.velocities::<F>(start_rates);
         let (linear, angular) = quad.velocities::<F>(rates);
         let momentum = quad.spin(before, angular_before);
         let last = [&histories[quad.at(0)], &histories[quad.at(1)], &histories[quad.at(2)], &histories[quad.at(3)]];
@@ -401,21 +400,20 @@ mod tests {
     fn wide_registers_give_the_same_bits() {
         let run = |is_wide: bool| {
             let Five { mut bodies, bodies4, mut local_poses, mut rates, stiffness, mut histories } = five();
-            let mut began = Began::default();
-            (began.rates, began.local_poses) = (rates.clone(), local_poses.clone());
+            let (start, start_rates) = (local_poses.clone(), rates.clone());
             let mut predicted = local_poses.clone();
             let order = SecondOrder::new(0.01, 0.01).expect("the ratio is one");
-            let mut start = Start { local_poses: &mut local_poses, rates: &mut rates, predicted: &mut predicted };
+            let mut moved = Start { local_poses: &mut local_poses, rates: &mut rates, predicted: &mut predicted };
             if is_wide {
-                predict(&bodies4, &order, 0.007, &histories, &mut start);
+                predict(&bodies4, &order, 0.007, &histories, &mut moved);
                 respond(&bodies4, 0.007, &predicted, &stiffness, &mut bodies);
                 advance(&bodies4, 0.007, &bodies, &mut local_poses, &mut rates);
-                note(&bodies4, 0.01, &order, &began, (&local_poses, &rates), &mut histories);
+                note(&bodies4, 0.01, &order, (&start, &start_rates), (&local_poses, &rates), &mut histories);
             } else {
-                predict_body::<Plain>(&bodies4, &order, 0.007, &histories, &mut start);
+                predict_body::<Plain>(&bodies4, &order, 0.007, &histories, &mut moved);
                 respond_body::<Plain>(&bodies4, 0.007, &predicted, &stiffness, &mut bodies);
                 advance_body::<Plain>(&bodies4, 0.007, &bodies, &mut local_poses, &mut rates);
-                note_body::<Plain>(&bodies4, 0.01, &order, &began, (&local_poses, &rates), &mut histories);
+                note_body::<Plain>(&bodies4, 0.01, &order, (&start, &start_rates), (&local_poses, &rates), &mut histories);
             }
             (local_poses, histories)
         };

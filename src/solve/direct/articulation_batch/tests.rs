@@ -7,7 +7,7 @@ use crate::solve::direct::noise::Noise;
 use crate::solve::direct::project::Errors;
 use crate::solve::direct::redundancy::Regularization;
 use crate::solve::direct::row::RowState;
-use crate::solve::direct::system::{Coupling, SystemNode};
+use crate::solve::direct::topology::{Coupling, SystemNode};
 use crate::solve::state::{BodyMotion, MotionKind};
 
 fn vector(noise: &mut Noise) -> DVec3 {

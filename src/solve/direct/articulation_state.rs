@@ -1,0 +1,87 @@
+//! What a step of an articulation changes besides its bodies, and how it went.
+
+use glam::Vec3;
+
+use super::contacts::ArticulationContact;
+use crate::joint_rebounds::Rebounds;
+use crate::joint_record::JointImpulses;
+use crate::solve::joint::LocalPose;
+use crate::solve::joint::body_response::BodyResponse;
+use crate::solve::joint::rows::Rate;
+
+/// How a substep treats the path of its bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum Mode {
+    /// Rows hold at the end of the substep, whose start is extrapolated from the one before.
+    SecondOrder,
+    /// Rows hold at the end of the substep.
+    #[default]
+    Smooth,
+    /// Rows hold to first order at the start: kinetic energy cannot grow.
+    Safe,
+}
+
+/// Whether rows last for a substep, and what for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) enum ReusedFactor {
+    /// They must be built.
+    #[default]
+    No,
+    /// They must be in every substep of the step: it has been taken once and given up, as the articulation would have met something.
+    Never,
+    /// They have been built in this step.
+    Built,
+    /// They are still good for the next substep.
+    Good,
+}
+
+/// The two parts of each joint with a servo, and room to find them.
+#[derive(Debug, Default)]
+pub(super) struct ServoParts {
+    /// By joint; empty where no joint has a servo.
+    pub answers: Vec<Option<[BodyResponse; 2]>>,
+    pub reached: Vec<bool>,
+}
+
+/// How a step of an articulation went.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct StepOutcome {
+    /// Substeps taken: to second order, smooth ones of first order, safe ones, and those undone and taken as two halves.
+    pub second_order: u32,
+    pub first_order: u32,
+    pub safe: u32,
+    pub halvings: u32,
+    /// Whether the active set of a substep with contacts did not come to an end by itself.
+    pub unsettled: bool,
+    /// Worst gap (m) and angle (rad) left.
+    pub gap: f64,
+    pub angle: f64,
+    /// Change of energy that forces do not explain (J).
+    pub energy_change: f64,
+    /// Worst overlap with what it does not move (m).
+    pub penetration: f64,
+}
+
+/// State at the start of a substep, which can be undone until the next one begins.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Began {
+    pub rates: Vec<Rate>,
+    pub local_poses: Vec<LocalPose>,
+    pub(super) left: f64,
+    pub(super) joints: Vec<SavedJoint>,
+    pub(super) touches: Vec<ArticulationContact>,
+}
+
+/// What a substep changes of a joint.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SavedJoint {
+    pub(super) impulses: JointImpulses,
+    pub(super) angles: [f64; 3],
+    pub(super) sums: [Vec3; 2],
+    pub(super) acted: [Vec3; 2],
+    pub(super) rebounds: Rebounds,
+    pub(super) pressed: u32,
+    pub(super) motors: [f32; 6],
+    /// Rows that pressed then, as bits: what is guessed of impulses says nothing of that.
+    pub(super) pressing: u32,
+}
