@@ -13,6 +13,7 @@
 
 mod argument;
 mod calls;
+mod cells;
 mod replay;
 #[cfg(test)]
 mod tests;

@@ -27,7 +27,7 @@ mod assign_constraints;
 mod bodies;
 mod body_shape_table;
 mod body_summary;
-mod cells;
+pub(crate) mod cells;
 mod chain;
 mod contacts;
 mod draw;
@@ -64,10 +64,7 @@ mod wake;
 mod warm_start_tests;
 mod write_back;
 
-pub(crate) use hold::{HeldBody, HeldUnit};
-pub(crate) use long_range::{AskedBound, CarriedBound};
 pub use union_query::UnionInfo;
-pub(crate) use unions::CarriedUnion;
 
 /// Bodies, shapes and joints that act on each other, and nothing else.
 pub struct World {

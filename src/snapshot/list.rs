@@ -6,6 +6,7 @@
 use glam::{DVec3, Quat};
 use parry3d::bounding_volume::Aabb;
 
+use super::carried::{AskedBound, CarriedBound, CarriedUnion, HeldBody, HeldUnit};
 use super::contacts::{FarPose, ManifoldRow, PairRow, PointRow};
 use super::stored::{Reader, Stored, Writer, stored, stored_enum};
 use crate::body::{Anchored, Body, BodyDef, BodyKind, Drift, LockedAxes, SleepState};
@@ -29,7 +30,6 @@ use crate::report::ContactPair;
 use crate::settings::{ArticulationSettings, SleepSettings, Solver, WorldDef};
 use crate::shape::{CollisionFilter, ShapeDef};
 use crate::step_history::{History, StepHistory};
-use crate::world::{AskedBound, CarriedBound, CarriedUnion, HeldBody, HeldUnit};
 
 /// What a world has besides its tables.
 #[derive(Debug)]
@@ -135,6 +135,7 @@ stored!(WorldDef {
 stored!(ArticulationSettings { error_target, most_substeps, halving_budget });
 stored!(FractureSettings { by_load, most });
 stored!(LongRangeDef { enabled, attachment, hierarchy, soft, union, plane_position, plane_axis, levels });
+stored!(UnionMotion { center, rotation, linear, angular });
 stored!(CarriedUnion { lead, motion, before });
 stored!(AskedBound { joints, bound });
 stored!(SoftBound { share, softness });

@@ -14,6 +14,7 @@
 //! written as its difference from the row before, in as many bytes as that takes: two bits for each word, then the bytes. What is
 //! stored does not depend on where it is stored: slots of the pair cache are numbered anew, and the broad phase is built anew.
 
+pub(crate) mod carried;
 pub(crate) mod contacts;
 mod form_table;
 pub(crate) mod forms;

@@ -6,7 +6,6 @@ use crate::error::Result;
 use crate::fracture::voronoi::{Cells, Material};
 use crate::id::{BodyId, JointId};
 use crate::joint::JointDef;
-use crate::record::RecordedWorld;
 use crate::shape::ShapeDef;
 
 impl World {
@@ -26,24 +25,8 @@ impl World {
     }
 }
 
-impl RecordedWorld {
-    /// As [`World::create_cells`]; what is recorded is each body and joint.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn create_cells(
-        &mut self,
-        cells: &Cells,
-        body: &BodyDef,
-        shape: &ShapeDef,
-        material: &Material,
-    ) -> Result<(Vec<BodyId>, Vec<JointId>)> {
-        make(self, (cells, body, shape, material), Self::create_body, Self::create_joint, Self::destroy_body)
-    }
-}
-
 /// Makes the bodies and joints of cells in a world of either kind.
-fn make<W>(
+pub(crate) fn make<W>(
     world: &mut W,
     (cells, body, shape, material): (&Cells, &BodyDef, &ShapeDef, &Material),
     create_body: fn(&mut W, &BodyDef) -> Result<BodyId>,

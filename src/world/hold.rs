@@ -23,7 +23,6 @@ use crate::body::BodyKind;
 use crate::dwell_time::DwellTime;
 use crate::joint_graph::support::{SupportGraph, hull};
 use crate::tuning::hold::{CALM_SHARE, CALM_TIME, MARGIN_SHARE, OVERLAP_SHARE, STILL_TIME};
-pub(crate) use units::{HeldBody, HeldUnit};
 use units::{UNIT_CALM_SHARE, Units};
 
 /// Buffers of the stage.

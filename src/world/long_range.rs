@@ -14,6 +14,7 @@ use crate::joint_graph::soft::Request;
 use crate::joint_graph::{Bound, BoundInput, Choice, Derived, JointSide, PartBounds};
 use crate::joint_record::Joint;
 use crate::long_range::{BoundKind, BoundState, LongRangeDef, SoftBound};
+use crate::snapshot::carried::{AskedBound, CarriedBound};
 
 mod links;
 
@@ -55,26 +56,6 @@ impl BoundRecord {
         (self.impulses, self.far_force, self.active) = (old.impulses, old.far_force, old.active);
         old.bound.level = TAKEN;
     }
-}
-
-/// What the host asked for between two joints, the lower handle first.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct AskedBound {
-    pub joints: [JointId; 2],
-    pub bound: SoftBound,
-}
-
-/// What a bound carries from step to step, as a snapshot keeps it: the rest is derived.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct CarriedBound {
-    pub kind: BoundKind,
-    pub level: u8,
-    pub upper: f32,
-    pub lower: f32,
-    pub ends: [(u32, u8); 2],
-    pub impulses: [f32; 2],
-    pub far_force: Vec3,
-    pub active: bool,
 }
 
 /// Everything long-range of a world.

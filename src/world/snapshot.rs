@@ -3,12 +3,12 @@
 use glam::{DVec3, Quat};
 use parry3d::bounding_volume::Aabb;
 
+use super::World;
 use super::body_shape_table::BodyShapeTable;
 use super::fracture::Fracture;
 use super::sensors::Sensors;
 use super::unions::Anchor;
 use super::wake::is_whole;
-use super::{CarriedBound, CarriedUnion, World};
 use crate::body::{Anchored, Body, SleepState};
 use crate::collide::cache::PairCache;
 use crate::collide::collider::{Collider, own_margin};
@@ -19,6 +19,7 @@ use crate::island::{SleepingIsland, SleepingIslands};
 use crate::joint_record::Joint;
 use crate::report::{Events, StepReport};
 use crate::settings::WorldDef;
+use crate::snapshot::carried::{CarriedBound, CarriedUnion};
 use crate::snapshot::contacts;
 use crate::snapshot::forms::{KnownForms, NumberedForms};
 use crate::snapshot::table::{Input, Output};

@@ -4,7 +4,7 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::World;
 use super::body_shape_table::BodyShapeTable;
-use super::islands::JointHead;
+use super::islands::IslandGroups;
 use super::long_range::BoundRecord;
 use super::unions::{Union, Unions};
 use crate::body::{Body, BodyKind};
@@ -64,9 +64,7 @@ struct BatchInput<'a> {
     /// Bodies whose joints are left to sweeps.
     swept: &'a [bool],
     span: &'a Derived,
-    place: &'a [(u32, u32)],
-    joint_places: &'a [u32],
-    joint_heads: &'a [JointHead],
+    groups: &'a IslandGroups,
     unions: &'a Unions,
     /// Whether contacts are added up over the substeps.
     tallied: bool,
@@ -111,9 +109,7 @@ impl World {
             chains: &self.long_range.chains,
             swept: &self.long_range.swept,
             span: &self.long_range.derived,
-            place: &self.groups.place,
-            joint_places: &self.groups.joint_places,
-            joint_heads: &self.groups.joint_heads,
+            groups: &self.groups,
             unions: &self.unions,
             tallied: self.def.hit_threshold < f32::INFINITY || self.unions.iter().any(|union| union.wanted),
             gravity: self.def.gravity,
@@ -279,7 +275,7 @@ impl BatchInput<'_> {
     /// The same where it needs no replica.
     fn known_slot(&self, index: u32) -> Option<u32> {
         if self.index.free.has(index) {
-            return Some(self.place[index as usize].1);
+            return Some(self.groups.place[index as usize].1);
         }
         let body = &self.bodies[index];
         match body.acts_as() {
@@ -448,7 +444,7 @@ impl BatchInput<'_> {
 
     /// One side of a joint in the slot `joint`.
     fn joint_end(&self, batch: &mut Batch, joint: u32, side: usize) -> JointEnd {
-        let place = self.joint_places[joint as usize] as usize;
+        let place = self.groups.joint_places[joint as usize] as usize;
         if batch.joint_slots.get(place) == Some(&joint)
             && let Some(ends) = batch.joint_ends.get(place)
         {

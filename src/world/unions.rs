@@ -26,6 +26,7 @@ use crate::joint_graph::union::loads::{BondStiffness, Wrench};
 use crate::joint_graph::union::matching::{Covariances, Loose};
 use crate::joint_graph::union::{Pose64, UnionMotion};
 use crate::mass::MassProperties;
+use crate::snapshot::carried::CarriedUnion;
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
 mod flood;
@@ -92,14 +93,6 @@ pub(super) struct Union {
     pub stiffness: OnceLock<BondStiffness>,
     /// Loads of the joints in `fixed_links` in the last step, likewise.
     pub loads: OnceLock<Vec<Wrench>>,
-}
-
-/// What a union carries from step to step, as a snapshot keeps it: the rest is derived.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct CarriedUnion {
-    pub lead: u32,
-    pub motion: UnionMotion,
-    pub before: Option<UnionMotion>,
 }
 
 /// All unions of a world.

@@ -146,8 +146,6 @@ pub(crate) struct UnionMotion {
     pub angular: Vec3,
 }
 
-crate::snapshot::stored::stored!(UnionMotion { center, rotation, linear, angular });
-
 impl UnionMotion {
     pub(crate) const ORIGIN: Self =
         Self { center: DVec3::ZERO, rotation: Quat::IDENTITY, linear: Vec3::ZERO, angular: Vec3::ZERO };

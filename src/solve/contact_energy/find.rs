@@ -43,11 +43,11 @@ impl ContactEnergy {
             if let Some(number) = in_island(entry) {
                 watched[number] = true;
                 islands[number].has_swept_joints |= is_swept;
-                islands[number].has_drives |= entry.has_motor || !entry.gives_by_motors_alone;
+                islands[number].has_drives |= entry.traits.has_motor || !entry.traits.gives_by_motors_alone;
             }
         }
         // What springs do is known where rows are those of an articulation.
-        let springs = joints.entries.iter().filter(|entry| !entry.gives_by_motors_alone).filter_map(in_island);
+        let springs = joints.entries.iter().filter(|entry| !entry.traits.gives_by_motors_alone).filter_map(in_island);
         let soft = bounds.entries.iter().filter(|entry| entry.has_give());
         let soft = soft.filter_map(|entry| owner_of([entry.near, entry.far])).map(|number| number as usize);
         springs.chain(soft).for_each(|number| watched[number] = false);

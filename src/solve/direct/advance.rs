@@ -169,7 +169,7 @@ impl Articulation {
             acted: entry.acted,
             rebounds: entry.rebounds,
             pressed: entry.pressed,
-            motors: entry.motors,
+            motors: entry.motors.sums,
             pressing: entry.impulses.pressing(),
         }));
         saved.touches.clone_from(&self.touches);
@@ -189,7 +189,7 @@ impl Articulation {
             entry.acted = saved.acted;
             entry.rebounds = saved.rebounds;
             entry.pressed = saved.pressed;
-            entry.motors = saved.motors;
+            entry.motors.sums = saved.motors;
         }
         self.touches.clone_from(&saved.touches);
     }

@@ -188,12 +188,12 @@ impl Articulation {
         }
         let Self { entries, system, rates, .. } = self;
         let work = |(entry, node): (&JointEntry, &SystemNode)| {
-            let is_motor = |origin: Origin| matches!(origin, Origin::Scalar(id) if entry.motor_rows.axis(id).is_some() || entry.rebounds.of(id) > 0.0);
+            let is_motor = |origin: Origin| matches!(origin, Origin::Scalar(id) if entry.motors.rows.axis(id).is_some() || entry.rebounds.of(id) > 0.0);
             let pair = node.bodies.map(|body| rates[body as usize]);
             let rows = system.rows[node.first as usize..node.last as usize].iter();
             rows.filter(|row| row.gamma > 0.0 || is_motor(row.origin)).map(|row| row.impulse * row.rate(&pair)).sum::<f64>()
         };
-        let gives = |(entry, _): &(&JointEntry, &SystemNode)| entry.has_motor || !entry.gives_by_motors_alone;
+        let gives = |(entry, _): &(&JointEntry, &SystemNode)| entry.traits.has_motor || !entry.traits.gives_by_motors_alone;
         entries.iter().zip(&system.nodes).filter(gives).map(work).sum()
     }
 
@@ -234,8 +234,8 @@ impl Articulation {
                     Origin::Scalar(id) => {
                         entry.impulses.scalar[id as usize] = row.impulse as f32;
                         entry.pressed |= u32::from(sum > 0.0) << id;
-                        if let Some(axis) = entry.motor_rows.axis(id) {
-                            entry.motors[axis] += sum as f32;
+                        if let Some(axis) = entry.motors.rows.axis(id) {
+                            entry.motors.sums[axis] += sum as f32;
                         }
                         (row.linear[1], row.angular[1] - lever.cross(row.linear[1]))
                     }

@@ -25,10 +25,10 @@ impl Articulation {
         let mut parts = std::mem::take(&mut self.parts);
         parts.answers.clear();
         let is_small = (2..=MAX_JOINTS).contains(&self.entries.len());
-        if is_small && self.entries.iter().any(|entry| entry.has_motor) {
+        if is_small && self.entries.iter().any(|entry| entry.traits.has_motor) {
             for number in 0..self.entries.len() {
                 let entry = &self.entries[number];
-                let is_servo = entry.has_motor && kinds::has_servo(&joints[entry.joint].def.kind);
+                let is_servo = entry.traits.has_motor && kinds::has_servo(&joints[entry.joint].def.kind);
                 let answers = if is_servo { self.parts_of(number, &mut parts.reached) } else { None };
                 parts.answers.push(answers);
             }

@@ -71,7 +71,7 @@ impl Articulation {
                 let acts = match row.origin {
                     Origin::Contact => false,
                     Origin::Scalar(id) if row.is_stop() => pressing >> id & 1 == 1,
-                    Origin::Scalar(id) if self.entries[number].motor_rows.axis(id).is_some() => false,
+                    Origin::Scalar(id) if self.entries[number].motors.rows.axis(id).is_some() => false,
                     _ => row.gamma == 0.0 && !row.has_bounds(),
                 };
                 row.state = if acts { RowState::Free } else { RowState::Absent };

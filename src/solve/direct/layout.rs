@@ -25,8 +25,8 @@ impl Articulation {
         let Self { entries, ends, bodies, carried, .. } = self;
         let link = |(entry, &ends): (&JointEntry, &[u32; 2])| {
             let moves = ends.map(|body| bodies[body as usize].is_dynamic());
-            let capacity = u32::from(entry.most_rows) + if entry.is_distance { 2 } else { 0 };
-            NodeBodies { bodies: ends, moves, capacity, is_plain: entry.is_plain, is_contact: false }
+            let capacity = u32::from(entry.traits.most_rows) + if entry.is_distance { 2 } else { 0 };
+            NodeBodies { bodies: ends, moves, capacity, is_plain: entry.traits.is_plain, is_contact: false }
         };
         let contact =
             |&bodies: &[u32; 2]| NodeBodies { bodies, moves: [true; 2], capacity: 0, is_plain: false, is_contact: true };
@@ -72,7 +72,7 @@ impl Articulation {
 
     /// Whether joints leave no freedom: contacts then contradict one another, and no active set of theirs comes to an end.
     pub(super) fn is_rigid(&self) -> bool {
-        let rows: u32 = self.entries.iter().map(|entry| u32::from(entry.most_rows)).sum();
+        let rows: u32 = self.entries.iter().map(|entry| u32::from(entry.traits.most_rows)).sum();
         rows as usize >= 6 * self.jointed_bodies()
     }
 

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `build`, `rejection_cache` | which joints become articulations; which articulations were too much work |
 //! | `articulation`, `articulation_state`, `substep_control`, `advance`, `substep` | a step of one articulation, its number of substeps, and each of them |
-//! | `topology`, `layout`, `system`, `row`, `active_set`, `packed_rows`, `refine` | the rows, their matrix, which of them act, the solve |
+//! | `build_rows`, `topology`, `layout`, `system`, `row`, `active_set`, `packed_rows`, `refine` | the rows, their matrix, which of them act, the solve |
 //! | `ball_joint_system`, `ball_joints` | the same for articulations of ball joints alone |
 //! | `redundancy`, `loops` | rows that repeat others |
 //! | `body`, `stiffness`, `distance_stiffness`, `composite` | inertia, geometric stiffness, what a motor moves |
@@ -49,6 +49,7 @@ mod block_constraints;
 pub(crate) mod body;
 mod buckle;
 mod build;
+mod build_rows;
 mod carried_bodies;
 mod composite;
 mod contact_rows;

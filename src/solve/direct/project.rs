@@ -1,4 +1,4 @@
-//! Position correction of an articulation: rows and errors at the present poses, and the displacements that close them.
+//! Position correction of an articulation: errors at the present poses, and the displacements that close them.
 
 use glam::DVec3;
 
@@ -6,19 +6,15 @@ use super::articulation::{Articulation, TOLERANCE};
 use super::body::DirectBody;
 use super::contacts::ArticulationContact;
 use super::distance_stiffness;
-use super::redundancy::Redundancy;
-use super::system::{PROJECTION_PASSES, System};
+use super::system::PROJECTION_PASSES;
 use crate::id::{JointId, Pool};
-use crate::joint_rebounds::Rebounds;
-use crate::joint_record::{Joint, JointImpulses};
-use crate::solve::joint::body_response::BodyResponse;
+use crate::joint_record::Joint;
+use crate::solve::joint::angles;
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds;
-use crate::solve::joint::reach::FarStops;
 use crate::solve::joint::row_sink::RowSink;
-use crate::solve::joint::rows::{HeldDirections, Phase, Rate, RowRates, ScalarRow};
-use crate::solve::joint::{LocalPose, angles};
+use crate::solve::joint::rows::{Phase, Rate, RowRates, ScalarRow};
 
 /// Share of the tolerance below which positions are left as they are.
 const GOOD_ENOUGH: f64 = 0.25;
@@ -87,159 +83,6 @@ impl Errors {
 }
 
 impl Articulation {
-    /// What joints and contacts ask for in this phase, ready for the first solve.
-    pub(super) fn ask(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
-        if self.is_points {
-            self.ask_points(phase);
-        } else {
-            self.build_rows(joints, phase);
-            self.system.begin(&self.bodies);
-        }
-    }
-
-    /// Makes the rows of all joints and contacts; those of a velocity phase need the predicted poses.
-    pub(super) fn build_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
-        if !matches!(phase, Phase::Position { .. }) {
-            self.find_parts(joints);
-        }
-        let Self {
-            entries,
-            links,
-            rates,
-            local_poses,
-            began,
-            predicted,
-            implicit,
-            tensions,
-            bodies,
-            system,
-            topology,
-            asked,
-            touches,
-            step_start,
-            h,
-            coupled,
-            carries_across,
-            stops,
-            rest,
-            left,
-            is_under_way,
-            parts,
-            ..
-        } = self;
-        *is_under_way &= matches!(phase, Phase::Position { .. });
-        let mut next_touch = 0;
-        let mut add_touches = |number: usize, system: &mut System| {
-            while let Some(touch) = touches.get(next_touch).filter(|touch| touch.node as usize == number) {
-                let spots = touch.spots(local_poses, step_start);
-                match phase {
-                    Phase::Velocity { h } | Phase::Tangent { h } => {
-                        touch.add_rows(system, &spots, &rates[touch.other as usize], h);
-                    }
-                    Phase::Position { .. } => touch.add_position_rows(system, &spots, *h),
-                }
-                next_touch += 1;
-            }
-        };
-        let in_place = matches!(phase, Phase::Position { .. });
-        let looks_ahead = *coupled && !in_place && !predicted.is_empty();
-        let may_leave_out = *coupled && !in_place;
-        if may_leave_out {
-            stops.resize_with(entries.len(), FarStops::default);
-            stops.iter_mut().zip(&*entries).for_each(|(stops, entry)| stops.know(&joints[entry.joint].def.kind));
-        }
-        system.clear();
-        for (number, link) in links.iter().enumerate() {
-            let Some(entry) = entries.get_mut(number) else {
-                system.add(link.bodies, None, None, &[], Redundancy::Often);
-                add_touches(number, system);
-                continue;
-            };
-            let [a, b] = link.bodies.map(|body| body as usize);
-            let joint = &joints[entry.joint];
-            let placement = |a: &LocalPose, b: &LocalPose, left: f64| match link.is_plain {
-                true => entry.points(a, b),
-                false => driven::before(entry.placement(*a, *b), joint.drive(), [a, b], left),
-            };
-            let ends = if in_place { [*left; 2] } else { [*left, *left - *h] };
-            let (start, end, between);
-            let geometry = if matches!(phase, Phase::Velocity { .. }) {
-                start = placement(&began.local_poses[a], &began.local_poses[b], ends[0]);
-                end = placement(&predicted[a], &predicted[b], ends[1]);
-                let on_the_way = |body: usize| {
-                    let (from, to) = (began.local_poses[body], predicted[body]);
-                    (from.0.lerp(to.0, implicit[number]), from.1.lerp(to.1, implicit[number]))
-                };
-                let gradient = match implicit[number] {
-                    0.0 => &start,
-                    1.0 => &end,
-                    _ => {
-                        let left = ends[0] + (ends[1] - ends[0]) * implicit[number];
-                        between = placement(&on_the_way(a), &on_the_way(b), left);
-                        &between
-                    }
-                };
-                JointGeometry { start: &start, predicted: &end, gradient, is_still: false }
-            } else {
-                start = placement(&local_poses[a], &local_poses[b], ends[0]);
-                match looks_ahead {
-                    true => {
-                        between = placement(&predicted[a], &predicted[b], ends[0]);
-                        JointGeometry { gradient: &between, ..JointGeometry::at(&start) }
-                    }
-                    false => JointGeometry::at(&start),
-                }
-            };
-            let driven =
-                joint.drive().map(|drive| DrivenParts::new(drive, [&local_poses[a], &local_poses[b]], geometry.gradient, ends));
-            if *coupled && entry.counts_turns {
-                entry.follow(&joint.def.kind, &start);
-            }
-            let is_free = may_leave_out
-                && stops[number].are_out_of_reach((&entry.impulses, entry.angles[0]), &start, [&rates[a], &rates[b]], *rest);
-            let frames = driven.filter(|_| !in_place).map(|driven| driven.rates);
-            let both = (phase, RowRates { bodies: [rates[a], rates[b]], frames });
-            let mut sink = RowSink {
-                driven,
-                impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
-                rebounds: if in_place { Rebounds::NONE } else { entry.rebounds },
-                share: phase.h() / *h,
-                has_stops: !is_free,
-                answer: &|side| {
-                    let parts = parts.answers.get(number).copied().flatten();
-                    parts.map_or_else(|| answer_of(&bodies[link.bodies[side] as usize]), |parts| parts[side])
-                },
-                left: ends[1],
-                ..RowSink::new(geometry, &joint.def, both, entry.angles, asked)
-            };
-            if link.is_plain {
-                sink.hold_points(HeldDirections::All);
-            } else {
-                kinds::add_rows(&mut sink);
-            }
-            *is_under_way |= sink.is_under_way;
-            let (point, direction, arrives) = (sink.point, sink.direction, sink.arrives);
-            entry.pressed |= if matches!(phase, Phase::Position { .. }) { 0 } else { arrives };
-            let repeats = match topology.loops {
-                _ if link.is_plain => Redundancy::Points,
-                _ if *carries_across => Redundancy::InLine,
-                _ => Redundancy::Often,
-            };
-            system.add(link.bodies, point.as_ref(), direction.as_ref(), asked, repeats);
-            if tensions.get(number).is_some_and(|&tension| tension > 0.0) {
-                let rows = distance_stiffness::rows(
-                    geometry.gradient,
-                    tensions[number],
-                    [&bodies[a], &bodies[b]],
-                    &[rates[a], rates[b]],
-                    phase,
-                );
-                rows.into_iter().flatten().for_each(|row| system.add_row(row));
-            }
-            add_touches(number, system);
-        }
-    }
-
     /// Brings the angles of joints up to the present poses, after `h` (s) at the present rates.
     pub(super) fn follow_angles(&mut self, joints: &Pool<Joint, JointId>, h: f64) {
         let Self { entries, links, local_poses, rates, left, .. } = self;
@@ -430,12 +273,6 @@ impl Articulation {
         }
         errors
     }
-}
-
-/// How a body answers to a motor.
-fn answer_of(body: &DirectBody) -> BodyResponse {
-    let acceleration = Rate { linear: body.acceleration, angular: body.inverse_inertia * body.torque };
-    BodyResponse { inverse_mass: body.inverse_mass, inverse_inertia: body.inverse_inertia, acceleration, center: DVec3::ZERO }
 }
 
 /// The greater of two; unlike `max`, which passes over what is no number.

@@ -62,6 +62,6 @@ impl Articulation {
             .iter()
             .zip(&self.rates)
             .all(|(body, rate)| body.is_dynamic() || (rate.linear, rate.angular) == (DVec3::ZERO, DVec3::ZERO));
-        is_still && self.entries.iter().all(|entry| entry.gives_by_motors_alone && !entry.has_motor)
+        is_still && self.entries.iter().all(|entry| entry.traits.gives_by_motors_alone && !entry.traits.has_motor)
     }
 }

@@ -327,8 +327,8 @@ impl Articulation {
                     Origin::Direction => angular += row.angular[1] * impulse,
                     Origin::Scalar(id) => {
                         let before = std::mem::replace(&mut entry.impulses.scalar[id as usize], impulse as f32);
-                        if let Some(axis) = entry.motor_rows.axis(id) {
-                            entry.motors[axis] += impulse as f32;
+                        if let Some(axis) = entry.motors.rows.axis(id) {
+                            entry.motors.sums[axis] += impulse as f32;
                         }
                         let moment = row.angular[1] - lever.cross(row.linear[1]);
                         linear_load += row.linear[1] * impulse;

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3, Vec3};
 
 use super::geometry::{Placement, WorldFrame};
-use super::{IMPLICIT_RANGE, LocalPose, angles, driven, kinds, stance};
+use super::{IMPLICIT_RANGE, JointTraits, LocalPose, angles, driven, kinds, stance};
 use crate::id::{JointId, Pool};
 use crate::joint::JointKind;
 use crate::joint_drive::DriveRates;
@@ -14,6 +14,21 @@ use crate::solve::state::{BodyMotion, BodyVelocity};
 
 /// Way of an angle in a step from which on it is read off the rotation again (rad).
 const MAX_SUMMED: f64 = 0.5;
+
+/// The motors of a joint.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JointMotors {
+    /// Sums of their multipliers over the substeps, by axis (N·s, N·m·s).
+    pub sums: [f32; 6],
+    pub rows: kinds::MotorRows,
+    /// Whether one of its bodies has other joints too.
+    pub are_chained: bool,
+}
+
+impl JointMotors {
+    /// Those of a joint without any.
+    pub(crate) const NONE: Self = Self { sums: [0.0; 6], rows: kinds::MotorRows::None, are_chained: false };
+}
 
 /// One joint as its batch holds it.
 #[derive(Debug, Clone, Copy)]
@@ -41,25 +56,13 @@ pub(crate) struct JointEntry {
     pub rebounds: Rebounds,
     /// Scalar rows that ended a substep with a positive multiplier, as bits.
     pub pressed: u32,
-    /// Sums over the substeps of the multipliers of its motors, by axis (N·s, N·m·s).
-    pub motors: [f32; 6],
-    pub motor_rows: kinds::MotorRows,
-    /// Whether a body of a joint with motors has other joints too.
-    pub is_chained: bool,
-    /// Most rows that it can have.
-    pub most_rows: u8,
-    /// Whether it holds points rigidly together and does nothing else.
-    pub is_plain: bool,
+    pub motors: JointMotors,
+    pub traits: JointTraits,
     /// Whether it is a hinge, and whether it holds a distance.
     pub is_hinge: bool,
     pub is_distance: bool,
     /// Whether it has angles that count turns.
     pub counts_turns: bool,
-    /// Whether it gives energy by its motors alone, if by anything, and whether it has one.
-    pub gives_by_motors_alone: bool,
-    pub has_motor: bool,
-    /// Whether it has friction.
-    pub has_friction: bool,
     /// Whether there is a force or torque above which it is overloaded.
     pub can_be_overloaded: bool,
 }

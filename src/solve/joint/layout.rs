@@ -165,7 +165,7 @@ fn with_softness<'a>(
     number: u32,
 ) -> (u32, &'a JointEntry, [Softness; 2]) {
     let entry = &entries[number as usize];
-    if entry.is_plain {
+    if entry.traits.is_plain {
         return (number, entry, [Softness::RIGID; 2]);
     }
     let def = &joints[entry.joint].def;

@@ -38,7 +38,7 @@ mod sweep;
 
 use domains::Strips;
 pub(crate) use domains::may_be_cut;
-pub(crate) use entry::JointEntry;
+pub(crate) use entry::{JointEntry, JointMotors};
 use geometry::{Placement, WorldFrame};
 use lanes::JointLanes;
 pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lanes};

@@ -164,7 +164,7 @@ mod tests {
 
     use super::*;
     use crate::joint_record::JointImpulses;
-    use crate::solve::joint::kinds::MotorRows;
+    use crate::solve::joint::{JointMotors, JointTraits};
 
     const DT: f32 = 1.0 / 60.0;
 
@@ -188,17 +188,18 @@ mod tests {
             restitution: 0.0,
             rebounds: crate::joint_rebounds::Rebounds::NONE,
             pressed: 0,
-            motors: [0.0; 6],
-            motor_rows: MotorRows::None,
-            is_chained: false,
-            most_rows: 0,
-            is_plain: false,
+            motors: JointMotors::NONE,
+            traits: JointTraits {
+                most_rows: 0,
+                is_plain: false,
+                gives_by_motors_alone: true,
+                has_motor: false,
+                has_friction: false,
+                ..JointTraits::NONE
+            },
             is_hinge: false,
             is_distance: false,
             counts_turns: true,
-            gives_by_motors_alone: true,
-            has_motor: false,
-            has_friction: false,
             can_be_overloaded: false,
         };
         stops_are_out_of_reach(&entry, &kind, &velocities, &[BodyMotion::FIXED; 2], DT)

@@ -201,7 +201,7 @@ impl Singles {
                 left: left[1],
                 closing_share: rows::DRIVE_SHARE,
                 // What hangs on other joints is not known here: a motor does not set it going faster than sweeps stop it.
-                most_speed: if entry.is_chained { rows::MAX_RECOVERY_SPEED } else { f64::INFINITY },
+                most_speed: if entry.motors.are_chained { rows::MAX_RECOVERY_SPEED } else { f64::INFINITY },
                 applied: f64::from(u8::from(again)),
                 ..RowSink::new(geometry, &joint.def, velocity, entry.angles, &mut self.asked)
             };
@@ -221,7 +221,7 @@ impl Singles {
             let direction = direction.map(|row| BlockRow::direction(&row, bodies));
             self.scalars.extend(self.asked.iter().map(|row| ScalarRow::new(row, bodies)));
             let scalars = (first, self.scalars.len() as u32);
-            let leans = point.is_some() && first != scalars.1 || entry.has_friction;
+            let leans = point.is_some() && first != scalars.1 || entry.traits.has_friction;
             if leans {
                 sweep::lean(&mut self.scalars[first as usize..], point.as_ref(), bodies);
             }
@@ -289,8 +289,8 @@ impl Singles {
                 let about_point = row.angular_b - lever_b.map_or(row.angular_b, |lever| lever.cross(row.linear));
                 angular += about_point * row.impulse;
                 entry.pressed |= u32::from(row.impulse > 0.0) << row.id;
-                if let Some(axis) = entry.motor_rows.axis(row.id) {
-                    entry.motors[axis] += row.impulse;
+                if let Some(axis) = entry.motors.rows.axis(row.id) {
+                    entry.motors.sums[axis] += row.impulse;
                 }
             }
             entry.linear_sum += linear;
@@ -315,7 +315,7 @@ impl Singles {
             let entry = &entries[rows.entry];
             let (a, b) = (&velocities[rows.a as usize], &velocities[rows.b as usize]);
             let scalars = &self.scalars[rows.scalars.0 as usize..rows.scalars.1 as usize];
-            let gives = |row: &&ScalarRow| entry.motor_rows.axis(row.id).is_some() || entry.rebounds.of(row.id) > 0.0;
+            let gives = |row: &&ScalarRow| entry.motors.rows.axis(row.id).is_some() || entry.rebounds.of(row.id) > 0.0;
             let motors = scalars.iter().filter(gives);
             let work = motors.map(|row| f64::from(row.impulse) * f64::from(row.rate(a, b))).sum();
             hand_over([rows.a, rows.b], work);

@@ -56,7 +56,7 @@ impl<'a> Ends<'a> {
             local_poses: ends.map(|body| local_poses[body]),
             rates: ends.map(|body| rates[body]),
             answers: ends
-                .map(|body| if entry.has_motor { bodies[body].answer_at(&local_poses[body]) } else { BodyResponse::NONE }),
+                .map(|body| if entry.traits.has_motor { bodies[body].answer_at(&local_poses[body]) } else { BodyResponse::NONE }),
             moved: ends.map(|body| moved[body]),
             h,
             left,
@@ -175,8 +175,8 @@ impl JointSet {
                     MultiplierSlot::Direction => angular += source.angular * impulse,
                     MultiplierSlot::Scalar(id) => {
                         entry.impulses.scalar[id as usize] = impulse as f32;
-                        if let Some(axis) = entry.motor_rows.axis(id) {
-                            entry.motors[axis] += impulse as f32;
+                        if let Some(axis) = entry.motors.rows.axis(id) {
+                            entry.motors.sums[axis] += impulse as f32;
                         }
                         linear_load += source.linear * impulse;
                         angular_load += (source.angular - rows.levers[1].cross(source.linear)) * impulse;

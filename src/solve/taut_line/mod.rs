@@ -65,6 +65,15 @@ pub(crate) struct TautEntry {
     pub far_sum: Vec3,
 }
 
+/// Ends of a bound, the near one first.
+#[derive(Debug, Clone, Copy)]
+struct BoundEnds {
+    slots: [u32; 2],
+    /// From the near body's origin to the far one's, and the bound's points from there in the frames of the bodies (m).
+    offset: Vec3,
+    levers: [Vec3; 2],
+}
+
 /// Up to eight joints on the path of one bound.
 #[derive(Debug, Clone)]
 #[repr(C, align(64))]
@@ -74,11 +83,7 @@ struct TautBlock {
     count: u32,
     bound: u32,
     slots: [u32; LANES],
-    near: u32,
-    far: u32,
-    /// From the near body's origin to the far one's, and the bound's points from there (m).
-    bound_offset: Vec3,
-    bound_lever: [Vec3; 2],
+    ends: BoundEnds,
     offset: Lane3,
     local: Lane3,
     before: Lane,
@@ -106,10 +111,7 @@ impl TautBlock {
             count: 0,
             bound,
             slots: [0; LANES],
-            near: ends.near,
-            far: ends.far,
-            bound_offset: ends.offset,
-            bound_lever: ends.local_lever,
+            ends: BoundEnds { slots: [ends.near, ends.far], offset: ends.offset, levers: ends.local_lever },
             offset: [[0.0; LANES]; 3],
             local: [[0.0; LANES]; 3],
             before: [0.0; LANES],
@@ -140,13 +142,14 @@ impl TautBlock {
 
     fn has_room_for(&self, slot: u32) -> bool {
         let taken = &self.slots[..self.count as usize];
-        taken.len() < LANES && !taken.contains(&slot) && slot != self.near && slot != self.far
+        taken.len() < LANES && !taken.contains(&slot) && !self.ends.slots.contains(&slot)
     }
 
     /// The bound's line where its bodies are in these places.
-    fn line(&self, near: Pose32, far: Pose32) -> TautLine {
-        let levers = [near.1 * self.bound_lever[0], far.1 * self.bound_lever[1]];
-        let gap = self.bound_offset + (far.0 - near.0) + (levers[1] - levers[0]);
+    fn line(&self, pose_of: impl Fn(u32) -> Pose32) -> TautLine {
+        let [near, far] = self.ends.slots.map(pose_of);
+        let levers = [near.1 * self.ends.levers[0], far.1 * self.ends.levers[1]];
+        let gap = self.ends.offset + (far.0 - near.0) + (levers[1] - levers[0]);
         let length = gap.length();
         TautLine { levers, near: near.0, along: gap / length, length }
     }
@@ -205,8 +208,8 @@ impl TautRows {
     ) {
         for block in &mut self.blocks {
             if bounds.is_taut(block.bound) {
-                let end = block.line(then(predicted_poses, block.near), then(predicted_poses, block.far));
-                let start = block.line(now(motions, block.near), now(motions, block.far));
+                let end = block.line(|slot| then(predicted_poses, slot));
+                let start = block.line(|slot| now(motions, slot));
                 prepare_block(block, &start, &end, velocities, motions, predicted_poses, h);
             } else {
                 block.acts = false;
@@ -225,7 +228,7 @@ impl TautRows {
 
     /// Sets the multipliers of rows on bounds between these slots to nothing.
     pub(crate) fn give_up(&mut self, slots: &[bool]) {
-        for block in self.blocks.iter_mut().filter(|block| slots[block.near as usize] || slots[block.far as usize]) {
+        for block in self.blocks.iter_mut().filter(|block| block.ends.slots.iter().any(|&slot| slots[slot as usize])) {
             block.impulse = [[0.0; LANES]; 3];
         }
     }
@@ -245,7 +248,7 @@ impl TautRows {
     /// One sweep of position rows over the bounds that had rows in this substep, at the poses of now.
     pub(crate) fn project(&self, bounds: &BatchBounds, velocities: &[BodyVelocity], motions: &mut [BodyMotion], h: f32) {
         for block in self.blocks.iter().filter(|block| bounds.is_taut(block.bound)) {
-            let line = block.line(now(motions, block.near), now(motions, block.far));
+            let line = block.line(|slot| now(motions, slot));
             project_block(block, &line, velocities, motions, MAX_RECOVERY_SPEED * h);
         }
     }

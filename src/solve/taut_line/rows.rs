@@ -94,7 +94,7 @@ pub(super) fn prepare<W: Wide>(
     }
     let present = present.above(zero);
     let own = WideVelocities::<W>::gather(&block.slots, velocities);
-    let ends = [&velocities[block.near as usize], &velocities[block.far as usize]];
+    let ends = block.ends.slots.map(|slot| &velocities[slot as usize]);
     let mass = masses(&sight, &own, ends, end, count).scaled(W::select(present, W::splat(1.0), zero));
     let (near, far) = (Wide3::splat(velocity_at(ends[0], end.levers[0])), Wide3::splat(velocity_at(ends[1], end.levers[1])));
     let along = Wide3::splat(end.along);

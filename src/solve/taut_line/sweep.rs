@@ -21,7 +21,7 @@ fn reactions<W: Wide>(impulse: Wide3<W>, share: W) -> [Vec3; 2] {
 #[inline(always)]
 pub(super) fn sweep<W: Wide>(block: &mut TautBlock, velocities: &mut [BodyVelocity]) {
     let mut own = WideVelocities::<W>::gather(&block.slots, velocities);
-    let slots = [block.near, block.far].map(|slot| slot as usize);
+    let slots = block.ends.slots.map(|slot| slot as usize);
     let (near, far) = (velocity_at(&velocities[slots[0]], block.arm[0]), velocity_at(&velocities[slots[1]], block.arm[1]));
     let (levers, share) = (Wide3::load(&block.own_arm), -W::load(&block.far_share));
     let rate = own.linear + own.angular.cross(levers) - Wide3::splat(near) * (W::splat(1.0) - share) - Wide3::splat(far) * share;
@@ -52,7 +52,7 @@ pub(super) fn project<W: Wide>(
         return;
     }
     let own = WideVelocities::<W>::gather(&block.slots, velocities);
-    let slots = [block.near, block.far].map(|slot| slot as usize);
+    let slots = block.ends.slots.map(|slot| slot as usize);
     let mass = masses(&sight, &own, slots.map(|slot| &velocities[slot]), line, count);
     let impulse = -mass.mul(excess.shortened(W::splat(most)));
     let mut push = own.at_rest();

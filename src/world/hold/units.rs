@@ -25,6 +25,7 @@ use crate::dwell_time::DwellTime;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::settings::Solver;
+use crate::snapshot::carried::{HeldBody, HeldUnit};
 pub(super) use crate::tuning::units::UNIT_CALM_SHARE;
 use crate::tuning::units::{AGAIN_TIME, BLOW_SHARE, CALM_TIME, LOAD_SHARE, LOOK_TIME, OVERLAP_SHARE};
 use crate::world::World;
@@ -34,20 +35,6 @@ use crate::world::touching_pairs::TouchingPair;
 
 /// Bodies that a unit may have.
 const MAX_BODIES: usize = 64;
-
-/// A body of a unit that is held.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct HeldBody {
-    pub body: u32,
-    /// Force (N) and moment about the centre of mass (N·m) of what is beside the unit, as it was engaged.
-    pub load: [Vec3; 2],
-}
-
-/// Those of a unit.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct HeldUnit {
-    pub bodies: Vec<HeldBody>,
-}
 
 /// The units of a world that are held, and buffers.
 #[derive(Debug, Default)]

@@ -53,7 +53,7 @@ impl IslandRecords for Within<'_> {
 
     fn is_anchor(&self, link: &JointLink) -> bool {
         let is_fixed = |&body: &u32| body == NO_BODY || self.world.bodies[body].kind != BodyKind::Dynamic;
-        self.world.joint_heads[link.joint as usize].bodies.iter().any(is_fixed)
+        self.world.groups.joint_heads[link.joint as usize].bodies.iter().any(is_fixed)
     }
 
     fn surfaces(&self, contact: u32) -> Option<Surfaces> {

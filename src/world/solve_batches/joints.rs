@@ -6,7 +6,7 @@ use super::{BatchInput, REPLICA};
 use crate::joint_record::Joint;
 use crate::solve::batch::{Batch, JointEnd};
 use crate::solve::joint::kinds::MotorRows;
-use crate::solve::joint::{BatchJoints, JointEntry, JointLink, angles, kinds};
+use crate::solve::joint::{BatchJoints, JointEntry, JointLink, JointMotors, angles, kinds};
 use crate::solve::state::WORLD_SLOT;
 use crate::workers::Workers;
 use crate::world::islands::NO_BODY;
@@ -22,10 +22,10 @@ impl BatchInput<'_> {
             joint: slot,
             a,
             b,
-            traits: self.joint_heads[slot as usize].traits,
+            traits: self.groups.joint_heads[slot as usize].traits,
             is_withheld: false,
         };
-        let bodies_of = |slot: u32| self.joint_heads[slot as usize].bodies;
+        let bodies_of = |slot: u32| self.groups.joint_heads[slot as usize].bodies;
         batch.joints.links.clear();
         if batch.joint_slots.len() < SHARED_JOINTS || !threads.has_team() {
             for number in 0..batch.joint_slots.len() {
@@ -131,17 +131,17 @@ impl BatchInput<'_> {
             restitution: def.restitution,
             rebounds: joint.rebounds,
             pressed: 0,
-            motors: [0.0; 6],
-            motor_rows: if traits.has_motor { MotorRows::of(&def.kind) } else { MotorRows::None },
-            is_chained: traits.has_motor && joint.bodies.iter().flatten().any(|&body| self.bodies[body].joints.len() > 1),
-            most_rows: traits.most_rows,
-            is_plain: traits.is_plain,
+            motors: if traits.has_motor {
+                let is_chained = |&body: &u32| self.bodies[body].joints.len() > 1;
+                let are_chained = joint.bodies.iter().flatten().any(is_chained);
+                JointMotors { rows: MotorRows::of(&def.kind), are_chained, ..JointMotors::NONE }
+            } else {
+                JointMotors::NONE
+            },
+            traits: *traits,
             is_hinge: kinds::is_hinge(&def.kind),
             is_distance: kinds::is_distance(def),
             counts_turns: angles::counts_turns(&def.kind),
-            gives_by_motors_alone: traits.gives_by_motors_alone,
-            has_motor: traits.has_motor,
-            has_friction: traits.has_friction,
             can_be_overloaded: def.break_force.min(def.break_torque) < f32::INFINITY,
         }
     }

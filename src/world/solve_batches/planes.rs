@@ -14,7 +14,7 @@ impl BatchInput<'_> {
         for number in 0..batch.chains.len() {
             let chain = &self.chains[batch.chains[number] as usize];
             // What a direct solve has moved is flat already.
-            let is_solved = |member: &Member| batch.motions[self.place[member.body as usize].1 as usize].direct;
+            let is_solved = |member: &Member| batch.motions[self.groups.place[member.body as usize].1 as usize].direct;
             if chain.members.iter().all(is_solved) {
                 continue;
             }

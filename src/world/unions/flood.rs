@@ -4,11 +4,12 @@ use std::sync::OnceLock;
 
 use glam::DQuat;
 
-use super::{Anchor, CarriedUnion, Union, can_join, frame_of};
+use super::{Anchor, Union, can_join, frame_of};
 use crate::body::{Anchored, BodyKind};
 use crate::joint_graph::union::matching::Covariances;
 use crate::joint_graph::union::{Compound, FixedLink, Pose64, RestState, UnionMotion};
 use crate::mass::MassProperties;
+use crate::snapshot::carried::CarriedUnion;
 use crate::world::World;
 use crate::world::union_loads::wants_load;
 

@@ -45,8 +45,8 @@ impl World {
         let Self { batches, batch_count, joints, scratch, threads, .. } = self;
         let write = |entry: &JointEntry, joint: &mut Joint| {
             (joint.force, joint.torque) = (entry.linear_sum / dt, entry.angular_sum / dt);
-            if entry.has_motor || joint.motors != [0.0; 6] {
-                joint.motors = entry.motors.map(|impulse| if impulse.is_finite() { impulse / dt } else { 0.0 });
+            if entry.traits.has_motor || joint.motors != [0.0; 6] {
+                joint.motors = entry.motors.sums.map(|impulse| if impulse.is_finite() { impulse / dt } else { 0.0 });
             }
             if !joint.force.is_finite() || !joint.torque.is_finite() {
                 (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);

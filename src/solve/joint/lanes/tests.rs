@@ -10,9 +10,8 @@ use crate::joint_record::Joint;
 use crate::lanes::wide::{Plain, Wide};
 use crate::solve::body_flags::BodyFlags;
 use crate::solve::color::Coloring;
-use crate::solve::joint::kinds::MotorRows;
 use crate::solve::joint::singles::Singles;
-use crate::solve::joint::{BatchJoints, JointLink, JointTraits, MovingBodies};
+use crate::solve::joint::{BatchJoints, JointLink, JointMotors, JointTraits, MovingBodies};
 use crate::solve::state::{MotionKind, Symmetric};
 use crate::workers::Workers;
 
@@ -93,17 +92,18 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             restitution: 0.0,
             rebounds: crate::joint_rebounds::Rebounds::NONE,
             pressed: 0,
-            motors: [0.0; 6],
-            motor_rows: MotorRows::None,
-            is_chained: false,
-            most_rows: 0,
-            is_plain: false,
+            motors: JointMotors::NONE,
+            traits: JointTraits {
+                most_rows: 0,
+                is_plain: false,
+                gives_by_motors_alone: true,
+                has_motor: false,
+                has_friction: false,
+                ..JointTraits::NONE
+            },
             is_hinge: false,
             is_distance: false,
             counts_turns: false,
-            gives_by_motors_alone: true,
-            has_motor: false,
-            has_friction: false,
             can_be_overloaded: false,
         });
     }
@@ -151,8 +151,7 @@ proptest! {
 }
 
 fn link_of(entry: &JointEntry) -> JointLink {
-    let &JointEntry { joint, a, b, most_rows, is_plain, has_friction, gives_by_motors_alone, has_motor, .. } = entry;
-    let traits = JointTraits { most_rows, is_plain, has_friction, gives_by_motors_alone, has_motor, ..JointTraits::NONE };
+    let &JointEntry { joint, a, b, traits, .. } = entry;
     JointLink { joint, a, b, traits, is_withheld: false }
 }
 
