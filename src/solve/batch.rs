@@ -1,10 +1,6 @@
 //! One batch of islands: slots for its bodies, blocks for its contacts, entries for its joints.
 
-use glam::{DVec3, Quat, Vec3};
-
 use super::body_flags::BodyFlags;
-use super::buckets::Buckets;
-use super::color::Coloring;
 use super::contact::{ContactImpulses, ContactInput, LANES};
 use super::contact_block::ContactBlocks;
 use super::direct::Direct;
@@ -13,7 +9,6 @@ use super::joint::{BatchJoints, may_be_cut};
 use super::momentum::FreeIslands;
 use super::newton::Newton;
 use super::plane::Planes;
-use super::slides::Slides;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use super::status::ContactStatus;
 use super::taut_line::TautRows;
@@ -25,22 +20,13 @@ use crate::workers::Workers;
 
 mod lanes;
 
+pub(crate) use lanes::LaneLayout;
+
 /// Slot that stands for a body of the world in this batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Replica {
     body: u32,
     slot: u32,
-}
-
-/// One side of a joint: what it hangs on, and where its point is.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct JointEnd {
-    pub slot: u32,
-    /// World position that displacements count from (m).
-    pub origin: DVec3,
-    /// Joint point from there, in the body's frame (m).
-    pub lever: Vec3,
-    pub frame: Quat,
 }
 
 /// What the order of a batch's manifolds follows from.
@@ -62,7 +48,57 @@ const HELD: u32 = u32::MAX;
 /// Bodies that are worth another thread's while: some 10 µs.
 const MIN_BODIES: usize = 64;
 
-/// Bodies, contacts and joints solved together.
+/// The manifolds of a batch.
+#[derive(Debug, Default)]
+pub(crate) struct BatchManifolds {
+    /// Each as (pair, manifold of the pair), in the order they were added.
+    pub list: Vec<(u32, u32)>,
+    /// Slots of the bodies of each, and how many points it has.
+    pub ends: Vec<ContactEnds>,
+    /// All of them, where an articulation may hold some.
+    pub inputs: Vec<ContactInput>,
+    pub tally: ContactTally,
+}
+
+/// What is said of manifolds after a step, if anybody wants to know.
+#[derive(Debug, Default)]
+pub(crate) struct ContactTally {
+    /// Whether multipliers are added up over the substeps, and their sums by manifold.
+    pub is_on: bool,
+    sums: Vec<ContactImpulses>,
+    /// What is told of the manifolds of each block.
+    pub told: Vec<[ContactStatus; LANES]>,
+}
+
+/// Long-range bounds of a batch.
+#[derive(Debug, Default)]
+pub(crate) struct LongRangeRows {
+    /// By slot in the world's list.
+    pub slots: Vec<u32>,
+    pub bounds: BatchBounds,
+    pub taut: TautRows,
+    pub wraps: BatchWraps,
+    /// Whether a joint of each slot's body is solved by sweeps.
+    pub swept: Vec<bool>,
+}
+
+impl LongRangeRows {
+    fn clear(&mut self) {
+        self.slots.clear();
+        self.bounds.clear();
+        self.taut.clear();
+        self.wraps.clear();
+    }
+}
+
+/// Worst joint gap and penetration at the end of a step (m).
+#[derive(Debug, Default)]
+pub(crate) struct BatchResiduals {
+    pub joint_gap: f32,
+    pub penetration: f32,
+}
+
+/// Bodies, contacts and joints solved together: what the stages of a step share.
 #[derive(Debug, Default)]
 pub(crate) struct Batch {
     /// Substeps of the world that its islands take at once: less than one where they take several for each.
@@ -71,64 +107,24 @@ pub(crate) struct Batch {
     pub bodies: Vec<u32>,
     /// First slot of each island.
     pub islands: Vec<u32>,
-    /// Manifolds as (pair, manifold of the pair), in the order they were added.
-    pub manifolds: Vec<(u32, u32)>,
-    /// Joints, by slot in the world's pool.
-    pub joint_slots: Vec<u32>,
-    /// Both sides of each of those, where bounds ask for them.
-    pub joint_ends: Vec<[JointEnd; 2]>,
     pub velocities: Vec<BodyVelocity>,
     pub motions: Vec<BodyMotion>,
     pub body_flags: Vec<BodyFlags>,
-    /// Blocks of manifolds, those of which joints hold all that moves last.
-    pub contacts: ContactBlocks,
-    /// The first of those last ones.
-    pub first_jointed: usize,
-    pub joints: BatchJoints,
-    /// Long-range bounds, by slot in the world's list and as rows.
-    pub bound_slots: Vec<u32>,
-    pub bounds: BatchBounds,
-    pub taut: TautRows,
-    pub wraps: BatchWraps,
-    /// Hinge chains, by number in the world's list and as planes.
-    pub chains: Vec<u32>,
-    pub planes: Planes,
+    /// Kinematic bodies that have a slot here, sorted by body.
+    replicas: Vec<Replica>,
     pub poses: WideBodies,
     pub free: FreeIslands,
     pub half_steps: HalfStepVelocities,
-    /// Whether a joint of the slot's body is solved by sweeps.
-    pub swept: Vec<bool>,
+    pub manifolds: BatchManifolds,
+    /// Blocks of manifolds, those of which joints hold all that moves last.
+    pub contacts: ContactBlocks,
+    pub layout: LaneLayout,
+    pub joints: BatchJoints,
+    pub long_range: LongRangeRows,
+    pub planes: Planes,
     pub direct: Direct,
     pub newton: Newton,
-    /// Slots of the bodies of each manifold, and how many points it has.
-    pub ends: Vec<ContactEnds>,
-    /// All manifolds, where an articulation may hold some.
-    pub inputs: Vec<ContactInput>,
-    /// Whether contacts are added up over the substeps, and their sums by manifold.
-    pub tallied: bool,
-    tally: Vec<ContactImpulses>,
-    /// What is told of the manifolds of each block, if anybody wants to know.
-    pub told: Vec<[ContactStatus; LANES]>,
-    /// Block and lane of each manifold.
-    lanes: Vec<(u32, u32)>,
-    /// Which thread's each block is, where several work on them.
-    places: Vec<u8>,
-    /// Kinematic bodies that have a slot here, sorted by body.
-    replicas: Vec<Replica>,
-    pub slides: Slides,
-    pub coloring: Coloring,
-    /// Colour of each manifold, twice, plus one if it has a single point; and [`lanes::GROUPS`] more for each round before its own.
-    groups: Vec<u32>,
-    /// Manifolds of each group, then the next lane of each.
-    group_lanes: Vec<u32>,
-    /// Manifolds by the first of their bodies, where there are many.
-    by_body: Buckets,
-    pub pushes: Vec<BodyVelocity>,
-    /// Number of colours that the contacts took.
-    pub color_count: u32,
-    /// Worst joint gap and penetration at the end of the step (m).
-    pub joint_gap: f32,
-    pub penetration: f32,
+    pub residuals: BatchResiduals,
 }
 
 impl Batch {
@@ -138,45 +134,40 @@ impl Batch {
         self.bodies.clear();
         self.bodies.push(u32::MAX);
         self.islands.clear();
-        self.manifolds.clear();
-        self.joint_slots.clear();
-        self.joint_ends.clear();
+        let BatchManifolds { list, ends, inputs, tally } = &mut self.manifolds;
+        list.clear();
+        ends.clear();
+        inputs.clear();
+        tally.is_on = false;
+        tally.sums.clear();
+        tally.told.clear();
+        self.joints.slots.clear();
+        self.joints.ends.clear();
         self.body_flags.clear();
-        self.ends.clear();
-        self.inputs.clear();
-        self.bound_slots.clear();
-        self.bounds.clear();
-        self.taut.clear();
-        self.wraps.clear();
-        self.chains.clear();
+        self.long_range.clear();
         self.planes.clear();
         self.free.clear();
         self.half_steps.clear();
         self.direct.clear();
         self.newton.clear();
-        self.slides.clear();
-        self.lanes.clear();
-        self.tally.clear();
-        self.told.clear();
-        self.tallied = false;
+        self.layout.lanes.clear();
+        self.layout.color_count = 0;
         self.replicas.clear();
-        self.color_count = 0;
-        self.joint_gap = 0.0;
-        self.penetration = 0.0;
+        self.residuals = BatchResiduals::default();
     }
 
     /// Takes a manifold: a pair's slot and which of its manifolds.
     pub(crate) fn add_manifold(&mut self, manifold: (u32, u32), ends: ContactEnds) {
-        extend_tightly(&mut self.manifolds, std::iter::once(manifold));
-        extend_tightly(&mut self.ends, std::iter::once(ends));
+        extend_tightly(&mut self.manifolds.list, std::iter::once(manifold));
+        extend_tightly(&mut self.manifolds.ends, std::iter::once(ends));
     }
 
     /// Room for all manifolds that it takes, as [`add_manifold`](Self::add_manifold) would fill it.
     pub(crate) fn room_for_manifolds(&mut self, count: usize) -> (&mut [(u32, u32)], &mut [ContactEnds]) {
-        let Self { manifolds, ends, .. } = self;
-        resize(manifolds, count, (0, 0));
+        let BatchManifolds { list, ends, .. } = &mut self.manifolds;
+        resize(list, count, (0, 0));
         resize(ends, count, ContactEnds { a: WORLD_SLOT, b: WORLD_SLOT, points: 0, is_plain: true });
-        (manifolds, ends)
+        (list, ends)
     }
 
     /// Bodies enlisted so far.
@@ -186,8 +177,8 @@ impl Batch {
 
     /// Work that it makes for several threads.
     pub(crate) fn load(&self) -> usize {
-        let joints = self.joint_slots.len();
-        self.manifolds.len() + if may_be_cut(joints, self.body_count() as usize) { joints } else { 0 }
+        let joints = self.joints.slots.len();
+        self.manifolds.list.len() + if may_be_cut(joints, self.body_count() as usize) { joints } else { 0 }
     }
 
     /// Bodies that it has had room for.
@@ -241,11 +232,12 @@ impl Batch {
 
     /// Notes whose joints are left to sweeps: bounds are for those.
     pub(crate) fn mark_swept(&mut self) {
-        self.swept.clear();
-        self.swept.resize(self.velocities.len(), false);
+        let swept = &mut self.long_range.swept;
+        swept.clear();
+        swept.resize(self.velocities.len(), false);
         for entry in &self.joints.entries {
-            self.swept[entry.a as usize] = true;
-            self.swept[entry.b as usize] = true;
+            swept[entry.a as usize] = true;
+            swept[entry.b as usize] = true;
         }
     }
 
@@ -279,17 +271,17 @@ impl Batch {
     /// Whether bodies without joints may be solved as one: contacts are formed then.
     pub(crate) fn may_hold_rows(&mut self) -> bool {
         let end = self.moving() as u32 + 1;
-        self.newton.may_hold_rows(&self.islands, end, self.ends.iter().map(|ends| [ends.a, ends.b]))
+        self.newton.may_hold_rows(&self.islands, end, self.manifolds.ends.iter().map(|ends| [ends.a, ends.b]))
     }
 
     /// Block and lane of the manifold with this number; none where an articulation holds it.
     pub(crate) fn place_of(&self, number: usize) -> Option<(u32, u32)> {
-        self.lanes.get(number).copied().filter(|&(block, _)| block != HELD)
+        self.layout.lanes.get(number).copied().filter(|&(block, _)| block != HELD)
     }
 
     /// Multipliers of the manifold with this number.
     pub(crate) fn contact_impulses(&self, number: usize) -> ContactImpulses {
-        let (block, lane) = self.lanes[number];
+        let (block, lane) = self.layout.lanes[number];
         if block == HELD {
             return self.newton.impulses_of(number).unwrap_or_else(|| self.direct.impulses_of(number));
         }
@@ -299,7 +291,7 @@ impl Batch {
     /// Asks for the memory of the multipliers of a manifold, if it is the first of its block.
     #[inline(always)]
     pub(crate) fn ask_for_contact(&self, number: usize) {
-        if let Some(&(block, 0)) = self.lanes.get(number)
+        if let Some(&(block, 0)) = self.layout.lanes.get(number)
             && block != HELD
         {
             self.contacts.ask_for(block as usize);
@@ -308,44 +300,48 @@ impl Batch {
 
     /// Sum of the multipliers with which a manifold has rebounded in this step, where none presses any more (N·s).
     pub(crate) fn contact_rebound(&self, number: usize) -> f32 {
-        let (block, lane) = self.lanes[number];
+        let (block, lane) = self.layout.lanes[number];
         if block == HELD { 0.0 } else { self.contacts.blow(block as usize, lane as usize) }
     }
 
     /// What is told of a manifold; nothing where an articulation holds it, or where nobody wants to know.
     pub(crate) fn contact_told(&self, number: usize) -> ContactStatus {
-        let (block, lane) = self.lanes[number];
-        self.told.get(block as usize).map_or(ContactStatus::NOTHING, |block| block[lane as usize])
+        let (block, lane) = self.layout.lanes[number];
+        self.manifolds.tally.told.get(block as usize).map_or(ContactStatus::NOTHING, |block| block[lane as usize])
     }
 
     /// Impulse along the normal of a manifold over the step (N·s), where multipliers are added up.
     pub(crate) fn contact_blow(&self, number: usize) -> f32 {
-        if self.lanes[number].0 == HELD {
+        if self.layout.lanes[number].0 == HELD {
             return self.newton.blow_of(number).unwrap_or_else(|| self.direct.blow_of(number));
         }
-        self.tally.get(number).map_or(0.0, |sum| sum.normal.iter().sum())
+        self.manifolds.tally.sums.get(number).map_or(0.0, |sum| sum.normal.iter().sum())
     }
 
     /// Adds the multipliers of a substep to the sums.
     pub(crate) fn add_to_tally(&mut self) {
-        if !self.tallied {
+        if !self.manifolds.tally.is_on {
             return;
         }
-        self.tally.resize(self.manifolds.len(), ContactImpulses::default());
-        for number in 0..self.tally.len() {
+        self.manifolds.tally.sums.resize(self.manifolds.list.len(), ContactImpulses::default());
+        for number in 0..self.manifolds.tally.sums.len() {
             let impulses = self.contact_impulses(number);
-            self.tally[number].add(&impulses);
+            self.manifolds.tally.sums[number].add(&impulses);
         }
     }
 
     /// Sums of multipliers over the step's substeps, by manifold.
     pub(crate) fn tallies(&self) -> impl Iterator<Item = (usize, &ContactImpulses)> {
-        self.tally.iter().enumerate()
+        self.manifolds.tally.sums.iter().enumerate()
     }
 
     /// Normal of the manifold with this number.
     pub(crate) fn contact_normal(&self, number: usize) -> glam::Vec3 {
-        let (block, lane) = self.lanes[number];
-        if block == HELD { self.inputs[number].normal } else { self.contacts.blocks[block as usize].normal_of(lane as usize) }
+        let (block, lane) = self.layout.lanes[number];
+        if block == HELD {
+            self.manifolds.inputs[number].normal
+        } else {
+            self.contacts.blocks[block as usize].normal_of(lane as usize)
+        }
     }
 }

@@ -53,8 +53,8 @@ impl BodyWarmStart {
             && batch.moving() >= MIN_BODIES
             && !batch.contacts.is_empty()
             && batch.contacts.extras.is_empty()
-            && batch.joint_slots.is_empty()
-            && batch.bound_slots.is_empty()
+            && batch.joints.slots.is_empty()
+            && batch.long_range.slots.is_empty()
             && batch.free.is_empty()
             && sweeps_alone
             && batch.body_flags.iter().all(|role| !role.moves() || role.is_unlocked());

@@ -223,6 +223,8 @@ impl MaterialRows {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct ContactBlocks {
     pub blocks: Vec<ContactBlock>,
+    /// The first of those last blocks of which joints hold all that moves.
+    pub first_jointed: usize,
     pub faces: Vec<MultiPointRows>,
     pub extras: Vec<MaterialRows>,
     /// Which of them share no moving body, from the first to the last; nothing of lists that one thread goes through.

@@ -55,7 +55,7 @@ impl ContactBlocks {
     /// the same places have the same bodies where there are cuts, or one for colours that are not worth it. The range ends where colours
     /// do.
     pub(crate) fn colored_pieces(&mut self, range: &Range<usize>, places: usize) -> ColoredPieces<'_> {
-        let Self { blocks, faces, extras, colors, cuts, firsts } = self;
+        let Self { blocks, faces, extras, colors, cuts, firsts, first_jointed: _ } = self;
         let mut ends = SmallVec::<[usize; 128]>::new();
         let colors = || colors.iter().filter(|color| range.contains(&color.blocks.start));
         for color in colors().filter(|color| is_worth_cutting(color)) {

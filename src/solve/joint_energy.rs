@@ -177,7 +177,7 @@ impl JointEnergy {
     /// Finds the islands whose rows give no energy but by motors: joints and bounds without give, on bodies moved in lanes.
     pub(crate) fn find_islands(&mut self, batch: &Batch) {
         let first_driver = batch.moving() + 1;
-        let Batch { motions, inputs, direct, bounds, joints, .. } = batch;
+        let Batch { motions, manifolds, direct, long_range, joints, .. } = batch;
         let Self { islands, owner, driven, motorised, .. } = self;
         islands.clear();
         if joints.entries.is_empty() {
@@ -210,12 +210,12 @@ impl JointEnergy {
                 motorised[owner as usize] |= has_motor;
             }
         };
-        inputs.iter().for_each(|input| mark([input.a, input.b], true, false));
+        manifolds.inputs.iter().for_each(|input| mark([input.a, input.b], true, false));
         direct.entries().for_each(|entry| mark([entry.a, entry.b], true, false));
         for link in direct.left(&joints.links) {
             mark([link.a, link.b], !link.traits.gives_by_motors_alone, link.traits.has_motor);
         }
-        bounds.entries.iter().for_each(|entry| mark([entry.near, entry.far], entry.has_give(), false));
+        long_range.bounds.entries.iter().for_each(|entry| mark([entry.near, entry.far], entry.has_give(), false));
         let mut number = 0;
         islands.retain_mut(|island| {
             number += 1;
@@ -229,7 +229,7 @@ impl JointEnergy {
         if self.islands.is_empty() {
             return;
         }
-        let Batch { velocities, motions, poses, free, joints, bounds, taut, .. } = batch;
+        let Batch { velocities, motions, poses, free, joints, long_range, .. } = batch;
         self.find_motor_work(joints, velocities);
         if !is_weighed {
             poses.find_energies(threads, velocities, motions);
@@ -258,8 +258,8 @@ impl JointEnergy {
         }
         if !torn.is_empty() {
             joints.give_up(torn);
-            bounds.give_up(torn);
-            taut.give_up(torn);
+            long_range.bounds.give_up(torn);
+            long_range.taut.give_up(torn);
         }
     }
 

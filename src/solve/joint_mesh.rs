@@ -78,6 +78,8 @@ const TWO_LINES: f64 = 1.0e-6;
 pub(crate) struct JointMesh {
     is_one: bool,
     search: BodyDirections,
+    /// What bodies are moved by where errors are taken out of positions, by slot.
+    pushes: Vec<BodyVelocity>,
     /// Sums of the pieces that threads go through.
     sums: Vec<[f64; 3]>,
 }
@@ -96,7 +98,8 @@ impl JointMesh {
     /// Finds out whether the batch is one sheet, and nothing else; `is_passive` says that nothing gives it energy.
     pub(crate) fn prepare(&mut self, batch: &mut Batch, threads: &Workers, is_passive: bool) {
         let bodies = batch.motions.len() - 1;
-        let has_other_rows = !batch.contacts.is_empty() || !batch.bounds.entries.is_empty() || !batch.planes.entries.is_empty();
+        let has_other_rows =
+            !batch.contacts.is_empty() || !batch.long_range.bounds.entries.is_empty() || !batch.planes.entries.is_empty();
         self.is_one = is_sheet(batch.joints.entries.len(), bodies)
             && batch.islands.len() == 1
             && is_passive
@@ -111,8 +114,8 @@ impl JointMesh {
     /// those that it ends with have been found. `noted` are the velocities that it begins with.
     pub(crate) fn solve(&mut self, batch: &mut Batch, noted: &[BodyVelocity], threads: &Workers, h: f32) -> bool {
         let moving = batch.moving();
-        let Self { search, sums, .. } = self;
-        let Batch { poses, joints, velocities, motions, pushes, free, .. } = batch;
+        let Self { search, sums, pushes, .. } = self;
+        let Batch { poses, joints, velocities, motions, free, .. } = batch;
         poses.begin_course(search, threads, velocities, motions);
         let [added, had, _] = sum(threads, sums, motions, |slot, motion| {
             let gain = motion.acceleration * h;
@@ -156,6 +159,11 @@ impl JointMesh {
             }
         }
         free.is_empty() && !self.slow(batch, noted, threads, h, had)
+    }
+
+    /// Takes errors out of positions, by displacements found when the substep began.
+    pub(crate) fn displace(&self, batch: &mut Batch, threads: &Workers) {
+        batch.poses.displace(threads, &mut batch.motions, &self.pushes);
     }
 
     /// Slows the sheet where it has more energy than forces have given it, of `had` with all that they add; says whether it had. Energies
@@ -224,9 +232,9 @@ impl Batch {
     pub(crate) fn refine_sheet(&mut self, substeps: u32, is_smooth: impl FnOnce(&Self) -> bool) -> u32 {
         let is_one = is_sheet(self.joints.entries.len(), self.bodies.len() - 1)
             && self.islands.len() == 1
-            && self.ends.is_empty()
-            && self.bound_slots.is_empty()
-            && self.chains.is_empty();
+            && self.manifolds.ends.is_empty()
+            && self.long_range.slots.is_empty()
+            && self.planes.chains.is_empty();
         // What takes several at once has as many as it needs.
         if !is_one || self.stride > 1.0 || substeps >= MIN_SUBSTEPS {
             return substeps;

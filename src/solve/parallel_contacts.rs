@@ -111,17 +111,16 @@ pub(super) fn each_manifold(
     });
 }
 
-/// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold, which begin with the block `first_jointed`;
+/// One sweep over the contacts, and [`JOINTED_SWEEPS`] over those of bodies that joints hold, the last ones;
 /// backwards, all in the opposite order. Manifolds of free bodies end with their normal rows on the way back, and forth if `presses_last`.
 pub(super) fn sweep(
     contacts: &mut ContactBlocks,
-    first_jointed: usize,
     threads: &Workers,
     (velocities, moving): (&mut [BodyVelocity], usize),
     backwards: bool,
     presses_last: bool,
 ) {
-    let (free, jointed) = (0..first_jointed, first_jointed..contacts.len());
+    let (free, jointed) = (0..contacts.first_jointed, contacts.first_jointed..contacts.len());
     let mut sweep = |range: &Range<usize>, backwards: bool, presses_last: bool| {
         in_colors(contacts, range.clone(), threads, (velocities, moving), backwards, |part, velocities| {
             contact_kernels::sweep(part, velocities, backwards, presses_last);

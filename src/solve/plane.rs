@@ -108,6 +108,8 @@ pub(crate) struct PlaneEntry {
 /// All chains of a batch.
 #[derive(Debug, Default)]
 pub(crate) struct Planes {
+    /// Hinge chains, by number in the world's list.
+    pub chains: Vec<u32>,
     pub entries: Vec<PlaneEntry>,
     pub members: Vec<PlaneMember>,
     /// Whether the position part and the axis part act.
@@ -248,6 +250,7 @@ fn restore_spin(states: &mut [MemberState], spin: DVec3, inertia: &Inertia) {
 
 impl Planes {
     pub(crate) fn clear(&mut self) {
+        self.chains.clear();
         self.entries.clear();
         self.members.clear();
         self.corrected = 0;

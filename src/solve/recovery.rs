@@ -23,62 +23,70 @@ const SHARED_BODIES: usize = 512;
 /// Further sweeps of position recovery over contacts of jointed bodies.
 const JOINTED_RECOVERY_SWEEPS: usize = 1;
 
-impl Batch {
-    pub(super) fn recover_positions(&mut self, threads: &Workers, dt: f32) {
-        let begins_at_once = self.contacts.len() >= LONG_LIST;
+/// What position recovery moves bodies by, by slot.
+#[derive(Debug, Default)]
+pub(super) struct Recovery {
+    pushes: Vec<BodyVelocity>,
+}
+
+impl Recovery {
+    /// Takes overlaps out of the positions of a batch.
+    pub(super) fn recover_positions(&mut self, batch: &mut Batch, threads: &Workers, dt: f32) {
+        let begins_at_once = batch.contacts.len() >= LONG_LIST;
         let deepest = if begins_at_once {
-            self.begin_pushes();
-            self.begin_recovery(threads, dt)
+            self.begin_pushes(batch);
+            self.begin_recovery(batch, threads, dt)
         } else {
-            contact_kernels::end_step(&mut self.contacts.all(), &self.motions)
+            contact_kernels::end_step(&mut batch.contacts.all(), &batch.motions)
         };
-        self.penetration = self.penetration.max(deepest).max(self.direct.penetration().max(self.newton.penetration()) as f32);
+        batch.residuals.penetration =
+            batch.residuals.penetration.max(deepest).max(batch.direct.penetration().max(batch.newton.penetration()) as f32);
         if deepest <= NEGLIGIBLE_OVERLAP {
             return;
         }
         if !begins_at_once {
-            self.begin_pushes();
+            self.begin_pushes(batch);
         }
-        let (all, jointed) = (0..self.contacts.len(), self.first_jointed..self.contacts.len());
+        let (all, jointed) = (0..batch.contacts.len(), batch.contacts.first_jointed..batch.contacts.len());
         for sweep in usize::from(begins_at_once)..contact_kernels::RECOVERY_SWEEPS {
             if sweep > 0 {
-                self.yield_to_pushes(threads);
+                self.yield_to_pushes(batch, threads);
             }
-            self.recover(threads, &all, dt);
+            self.recover(batch, threads, &all, dt);
         }
         for _ in 0..JOINTED_RECOVERY_SWEEPS {
-            self.yield_to_pushes(threads);
-            self.recover(threads, &jointed, dt);
+            self.yield_to_pushes(batch, threads);
+            self.recover(batch, threads, &jointed, dt);
         }
-        let Self { pushes, motions, .. } = self;
+        let (Self { pushes }, Batch { motions, .. }) = (self, batch);
         let piece = if threads.has_team() { threads.piece(motions.len(), SHARED_BODIES) } else { motions.len() };
         threads.share(pushes.chunks(piece).zip(motions.chunks_mut(piece)), |(pushes, motions)| {
             pushes.iter().zip(motions).for_each(|(push, motion)| motion.displace(push.linear, push.angular));
         });
     }
 
-    fn begin_pushes(&mut self) {
+    fn begin_pushes(&mut self, batch: &Batch) {
         self.pushes.clear();
-        make_room(&mut self.pushes, self.velocities.len());
-        self.pushes.extend(self.velocities.iter().map(BodyVelocity::at_rest));
+        make_room(&mut self.pushes, batch.velocities.len());
+        self.pushes.extend(batch.velocities.iter().map(BodyVelocity::at_rest));
     }
 
     /// Brings contacts to the end of the step and does the first sweep of position recovery over them; greatest overlap (m).
-    fn begin_recovery(&mut self, threads: &Workers, dt: f32) -> f32 {
+    fn begin_recovery(&mut self, batch: &mut Batch, threads: &Workers, dt: f32) -> f32 {
         // Numbers that are not negative are in the order of their bits.
         let deepest = AtomicU32::new(0);
-        let (range, moving, motions) = (0..self.contacts.len(), self.moving(), &self.motions);
-        parallel_contacts::in_colors(&mut self.contacts, range, threads, (&mut self.pushes, moving), false, |part, pushes| {
+        let (range, moving, motions) = (0..batch.contacts.len(), batch.moving(), &batch.motions);
+        parallel_contacts::in_colors(&mut batch.contacts, range, threads, (&mut self.pushes, moving), false, |part, pushes| {
             deepest.fetch_max(contact_kernels::begin_recovery(part, motions, pushes, dt).to_bits(), Ordering::Relaxed);
         });
         f32::from_bits(deepest.into_inner())
     }
 
     /// One sweep of position recovery over a range of blocks.
-    fn recover(&mut self, threads: &Workers, range: &Range<usize>, dt: f32) {
-        let moving = self.moving();
+    fn recover(&mut self, batch: &mut Batch, threads: &Workers, range: &Range<usize>, dt: f32) {
+        let moving = batch.moving();
         parallel_contacts::in_colors(
-            &mut self.contacts,
+            &mut batch.contacts,
             range.clone(),
             threads,
             (&mut self.pushes, moving),
@@ -91,8 +99,8 @@ impl Batch {
 
     /// Has the pushes of position recovery leave the joints of swept articulations as they are. A hand that is lifted off a trunk is drawn
     /// back by its arm otherwise, as joints are mended next, and sinks in for seconds.
-    fn yield_to_pushes(&mut self, threads: &Workers) {
-        let Self { direct, pushes, motions, .. } = self;
+    fn yield_to_pushes(&mut self, batch: &mut Batch, threads: &Workers) {
+        let (Self { pushes }, Batch { direct, motions, .. }) = (self, batch);
         direct.yield_to_pushes(SolveContext { threads, velocities: pushes, motions });
     }
 }

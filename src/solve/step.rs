@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::batch::Batch;
+use super::batch::{Batch, LongRangeRows};
 use super::body_warm_start::{self, BodyWarmStart};
 use super::contact_energy::ContactEnergy;
 use super::contact_newton::ContactNewton;
@@ -15,6 +15,8 @@ use super::joint_closing::{JointClosing, OpenJoints};
 use super::joint_energy::JointEnergy;
 use super::joint_mesh::JointMesh;
 use super::momentum_pass::MomentumPass;
+use super::recovery::Recovery;
+use super::slides::Slides;
 use super::{StepSettings, contact_kernels, integrate, parallel_contacts};
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
@@ -37,12 +39,15 @@ pub(crate) struct BatchStages {
     followed: FollowedVelocities,
     impacts: Impacts,
     closing: JointClosing,
+    pub slides: Slides,
+    recovery: Recovery,
 }
 
 impl BatchStages {
     /// Moves all bodies of the batch through the step.
     pub(crate) fn solve(&mut self, batch: &mut Batch, joints: &Pool<Joint, JointId>, threads: &Workers, settings: &StepSettings) {
         let h = settings.dt / settings.substeps as f32;
+        self.slides.clear();
         if batch.is_done() {
             self.report_unswept(batch, joints, threads, settings, h);
             return;
@@ -70,8 +75,8 @@ impl BatchStages {
         }
         self.joint_mesh.clear();
         (0..settings.substeps).for_each(|_| batch.add_to_tally());
-        batch.penetration = batch.direct.penetration().max(batch.newton.penetration()) as f32;
-        batch.joint_gap = batch.direct.joint_gap(joints, &batch.motions, threads).max(batch.newton.joint_gap(joints));
+        batch.residuals.penetration = batch.direct.penetration().max(batch.newton.penetration()) as f32;
+        batch.residuals.joint_gap = batch.direct.joint_gap(joints, &batch.motions, threads).max(batch.newton.joint_gap(joints));
     }
 
     /// Prepares whatever acts on the bodies of the batch, for all substeps.
@@ -128,7 +133,7 @@ impl BatchStages {
         batch.joints.left -= h;
         batch.project_bounds(h);
         if is_mesh {
-            batch.poses.displace(threads, &mut batch.motions, &batch.pushes);
+            self.joint_mesh.displace(batch, threads);
         } else {
             batch.joints.project(joints, threads, &mut batch.velocities, &mut batch.motions, h);
         }
@@ -151,22 +156,22 @@ impl BatchStages {
             self.close_joints(batch, joints, threads, h);
         }
         self.rebound(batch, settings.restitution_threshold);
-        batch.slides.find(&batch.contacts, &batch.velocities, &batch.motions, (h, settings.substeps));
-        batch.recover_positions(threads, settings.dt);
+        self.slides.find(&batch.contacts, &batch.velocities, &batch.motions, (h, settings.substeps));
+        self.recovery.recover_positions(batch, threads, settings.dt);
         self.settle(batch, joints, threads, true);
         let Batch { half_steps, velocities, motions, .. } = batch;
         half_steps.tell(self.joint_energy.slots(), velocities, motions);
         self.followed.add_up(motions);
         self.followed.tell(velocities, motions, settings.dt, |slot, change| half_steps.add_lead(slot, change));
         if let Some(limits) = &settings.limits {
-            contact_kernels::tell(&mut batch.contacts, &batch.velocities, limits, &mut batch.told);
+            contact_kernels::tell(&mut batch.contacts, &batch.velocities, limits, &mut batch.manifolds.tally.told);
         }
         batch.joints.store(joints, threads, &batch.motions);
-        batch.bounds.store();
-        batch.taut.store();
+        batch.long_range.bounds.store();
+        batch.long_range.taut.store();
         let swept_gap = batch.joints.worst_gap(joints, threads, &batch.motions);
         let direct_gap = batch.direct.joint_gap(joints, &batch.motions, threads);
-        batch.joint_gap = direct_gap.max(swept_gap).max(batch.newton.joint_gap(joints));
+        batch.residuals.joint_gap = direct_gap.max(swept_gap).max(batch.newton.joint_gap(joints));
     }
 
     /// Lets points that have hit something in the substep leave again, and adds up its multipliers.
@@ -189,8 +194,8 @@ impl BatchStages {
         substep: u32,
     ) {
         batch.joints.warm_start(threads, &mut batch.velocities);
-        batch.bounds.warm_start(&mut batch.velocities);
-        batch.wraps.begin_substep(&mut batch.velocities, &batch.motions, h);
+        batch.long_range.bounds.warm_start(&mut batch.velocities);
+        batch.long_range.wraps.begin_substep(&mut batch.velocities, &batch.motions, h);
         let is_carried = self.body_warm_start.is_on() && substep > 0;
         // Levers are those of the start of the step.
         let middle = (substep as f32 + 0.5) * h;
@@ -262,7 +267,7 @@ impl BatchStages {
         // What is cut off of a speed is momentum too, where that is noted.
         let is_noted = !batch.free.is_empty();
         // What joints hold may be refreshed elsewhere.
-        let refreshes = AtomicBool::new(!batch.joint_slots.is_empty());
+        let refreshes = AtomicBool::new(!batch.joints.slots.is_empty());
         let Batch { poses, velocities, motions, .. } = batch;
         poses.each_single(threads, (velocities, motions), |velocity, motion| {
             integrate::apply_forces(velocity, motion, h);
@@ -317,7 +322,7 @@ impl Batch {
     /// Builds rows of joints at the poses predicted by now, and those of bounds and taut lines; `again` where they have been built in
     /// this substep, and `bounds_too` where those of bounds are to be built anew with them.
     fn prepare_joints(&mut self, joints: &Pool<Joint, JointId>, threads: &Workers, h: f32, again: bool, bounds_too: bool) {
-        let Self { poses, velocities, motions, bounds, .. } = self;
+        let Self { poses, velocities, motions, long_range: LongRangeRows { bounds, taut, .. }, .. } = self;
         if self.joints.entries.is_empty() {
             return;
         }
@@ -326,26 +331,26 @@ impl Batch {
         self.joints.prepare(joints, threads, &bodies, h, again);
         if bounds_too {
             bounds.prepare(velocities, motions, &poses.predicted_poses, h, again);
-            self.taut.prepare(bounds, velocities, motions, &poses.predicted_poses, h);
+            taut.prepare(bounds, velocities, motions, &poses.predicted_poses, h);
         }
     }
 
     /// Lays out the rows of bounds for substeps of length `h` (s).
     fn lay_out_bounds(&mut self, h: f32) {
-        self.bounds.lay_out(&self.motions, h);
-        self.taut.lay_out(&self.bounds);
+        self.long_range.bounds.lay_out(&self.motions, h);
+        self.long_range.taut.lay_out(&self.long_range.bounds);
     }
 
     /// Adds the multipliers of a substep to the loads of bounds.
     fn add_bound_loads(&mut self) {
-        self.bounds.add_loads();
-        self.wraps.add_loads();
-        self.taut.add_loads();
+        self.long_range.bounds.add_loads();
+        self.long_range.wraps.add_loads();
+        self.long_range.taut.add_loads();
     }
 
     /// One sweep over the bounds, or backwards.
     fn sweep_bounds(&mut self, backwards: bool) {
-        let Self { wraps, bounds, taut, velocities, .. } = self;
+        let Self { long_range: LongRangeRows { wraps, bounds, taut, .. }, velocities, .. } = self;
         if backwards {
             taut.sweep(velocities, true);
             bounds.sweep(velocities, true);
@@ -359,9 +364,9 @@ impl Batch {
 
     /// Takes what bounds are exceeded by out of positions.
     fn project_bounds(&mut self, h: f32) {
-        self.wraps.project(&self.velocities, &mut self.motions);
-        self.bounds.project(&self.velocities, &mut self.motions, h);
-        self.taut.project(&self.bounds, &self.velocities, &mut self.motions, h);
+        self.long_range.wraps.project(&self.velocities, &mut self.motions);
+        self.long_range.bounds.project(&self.velocities, &mut self.motions, h);
+        self.long_range.taut.project(&self.long_range.bounds, &self.velocities, &mut self.motions, h);
     }
 
     /// Finds the inertia of bodies as they stand now, where sums of their angular momentum are asked for.
@@ -417,7 +422,7 @@ impl Batch {
     fn sweep_contacts(&mut self, threads: &Workers, backwards: bool, is_last: bool) {
         let (moving, presses_last) = (self.moving(), is_last || !self.reverses_rows());
         let bodies = (&mut self.velocities[..], moving);
-        parallel_contacts::sweep(&mut self.contacts, self.first_jointed, threads, bodies, backwards, presses_last);
+        parallel_contacts::sweep(&mut self.contacts, threads, bodies, backwards, presses_last);
     }
 
     /// Whether sweeps go through the rows of each manifold in opposite orders on their two ways.

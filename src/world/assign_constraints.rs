@@ -156,7 +156,7 @@ impl World {
         groups.joint_places.resize(joints.slot_count(), 0);
         for &slot in &groups.sorted_joints {
             if let Some(body) = moved(slot) {
-                let joint_slots = &mut batches[groups.place[body as usize].0 as usize].joint_slots;
+                let joint_slots = &mut batches[groups.place[body as usize].0 as usize].joints.slots;
                 groups.joint_places[slot as usize] = joint_slots.len() as u32;
                 joint_slots.push(slot);
                 report.counts.joints += 1;

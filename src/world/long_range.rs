@@ -146,7 +146,7 @@ impl World {
         for (number, chain) in long_range.chains.iter().enumerate() {
             let are_solved = chain.members.iter().all(|member| !bodies[member.body].held);
             if let Some(first) = chain.members.first().filter(|first| are_solved && bodies[first.body].is_mover()) {
-                batches[groups.place[first.body as usize].0 as usize].chains.push(number as u32);
+                batches[groups.place[first.body as usize].0 as usize].planes.chains.push(number as u32);
                 report.counts.planes += 1;
             }
         }
@@ -160,16 +160,16 @@ impl World {
             // All are awake: in the order of the records, nothing is to be sorted.
             for (slot, body) in long_range.far_bodies.iter().enumerate() {
                 if let Some(body) = *body {
-                    batches[groups.place[body as usize].0 as usize].bound_slots.push(slot as u32);
+                    batches[groups.place[body as usize].0 as usize].long_range.slots.push(slot as u32);
                 }
             }
             return;
         }
         for body in awake() {
             let batch = &mut batches[groups.place[body as usize].0 as usize];
-            batch.bound_slots.extend_from_slice(long_range.bounds_of(body));
+            batch.long_range.slots.extend_from_slice(long_range.bounds_of(body));
         }
-        batches[..self.batch_count].iter_mut().for_each(|batch| batch.bound_slots.sort_unstable());
+        batches[..self.batch_count].iter_mut().for_each(|batch| batch.long_range.slots.sort_unstable());
     }
 
     /// Adds what bounds carry to the loads of the joints that they lead past.
@@ -180,23 +180,24 @@ impl World {
         }
         let LongRange { derived, records, .. } = long_range;
         derived.paths.unload();
-        for entry in batches[..*batch_count].iter().flat_map(|batch| &batch.bounds.entries) {
+        for entry in batches[..*batch_count].iter().flat_map(|batch| &batch.long_range.bounds.entries) {
             let force = entry.far_sum / dt;
             if force.is_finite() && entry.impulses.iter().all(|impulse| impulse.is_finite()) {
                 derived.paths.load(records[entry.bound as usize].bound.path, force);
             }
         }
         for batch in &batches[..*batch_count] {
-            for entry in batch.wraps.entries.iter().filter(|entry| entry.sum.is_finite() && entry.far_sum.is_finite()) {
+            for entry in batch.long_range.wraps.entries.iter().filter(|entry| entry.sum.is_finite() && entry.far_sum.is_finite())
+            {
                 derived.paths.load(records[entry.bound as usize].bound.path, entry.far_sum / dt);
-                for bend in &batch.wraps.bends[entry.bends.0 as usize..entry.bends.1 as usize] {
+                for bend in &batch.long_range.wraps.bends[entry.bends.0 as usize..entry.bends.1 as usize] {
                     derived.paths.load(derived.inner[bend.inner as usize].path, bend.turn * (entry.sum / dt));
                 }
             }
-            for entry in batch.taut.entries.iter().filter(|entry| entry.own_sum != Vec3::ZERO) {
+            for entry in batch.long_range.taut.entries.iter().filter(|entry| entry.own_sum != Vec3::ZERO) {
                 let (own, far) = (entry.own_sum / dt, entry.far_sum / dt);
                 if own.is_finite() && far.is_finite() {
-                    let bound = batch.bounds.entries[entry.bound as usize].bound;
+                    let bound = batch.long_range.bounds.entries[entry.bound as usize].bound;
                     derived.paths.load(derived.inner[entry.inner as usize].path, own);
                     derived.paths.load(records[bound as usize].bound.path, far);
                 }
@@ -212,14 +213,16 @@ impl World {
     pub(super) fn store_bounds(&mut self, dt: f32) {
         let Self { batches, batch_count, long_range: LongRange { records, .. }, report, .. } = self;
         // What is skipped is slack.
-        for &slot in batches[..*batch_count].iter().flat_map(|batch| &batch.bound_slots) {
+        for &slot in batches[..*batch_count].iter().flat_map(|batch| &batch.long_range.slots) {
             let record = &mut records[slot as usize];
             (record.impulses, record.far_force, record.active) = ([0.0; 2], Vec3::ZERO, false);
         }
-        report.counts.bounds_skipped = batches[..*batch_count].iter().map(|batch| batch.bounds.skipped).sum();
+        report.counts.bounds_skipped = batches[..*batch_count].iter().map(|batch| batch.long_range.bounds.skipped).sum();
         // Records have multipliers of the world's substep.
         let of_all = || batches[..*batch_count].iter().map(|batch| (batch, 1.0 / batch.stride));
-        for (entry, share) in of_all().flat_map(|(batch, share)| batch.bounds.entries.iter().map(move |entry| (entry, share))) {
+        for (entry, share) in
+            of_all().flat_map(|(batch, share)| batch.long_range.bounds.entries.iter().map(move |entry| (entry, share)))
+        {
             let record = &mut records[entry.bound as usize];
             record.active = entry.acted;
             report.counts.bounds_active += u32::from(entry.acted);
@@ -230,8 +233,11 @@ impl World {
                 (record.impulses, record.far_force) = ([0.0; 2], Vec3::ZERO);
             }
         }
-        report.counts.bounds_wrapped = batches[..*batch_count].iter().map(|batch| batch.wraps.entries.len() as u32).sum();
-        for (entry, share) in of_all().flat_map(|(batch, share)| batch.wraps.entries.iter().map(move |entry| (entry, share))) {
+        report.counts.bounds_wrapped =
+            batches[..*batch_count].iter().map(|batch| batch.long_range.wraps.entries.len() as u32).sum();
+        for (entry, share) in
+            of_all().flat_map(|(batch, share)| batch.long_range.wraps.entries.iter().map(move |entry| (entry, share)))
+        {
             let record = &mut records[entry.bound as usize];
             let far_force = entry.far_sum / dt;
             if far_force.is_finite() && entry.impulse.is_finite() {

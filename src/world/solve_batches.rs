@@ -21,9 +21,10 @@ use crate::material::PairMaterial;
 use crate::prefetch::{AHEAD, prefetch};
 use crate::settings::Solver;
 use crate::solve::StepSettings;
-use crate::solve::batch::{Batch, ContactEnds, JointEnd, REPLICA};
+use crate::solve::batch::{Batch, BatchManifolds, ContactEnds, REPLICA};
 use crate::solve::contact::ContactInput;
 use crate::solve::distance_bound::BoundEntry;
+use crate::solve::joint::JointEnd;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::step::BatchStages;
 use crate::solve::taut_line::TautEntry;
@@ -149,13 +150,13 @@ impl World {
 
 impl BatchInput<'_> {
     fn fill(&self, batch: &mut Batch, settings: &StepSettings, threads: &Workers) {
-        batch.tallied = self.tallied;
+        batch.manifolds.tally.is_on = self.tallied;
         batch.load_bodies(threads, |index| self.slot_state(index));
         if self.solver == Solver::GaussSeidel {
             self.take_leads_back(batch);
         }
         self.replicate(batch);
-        if !batch.joint_slots.is_empty() || self.solver != Solver::GaussSeidel && batch.may_hold_rows() {
+        if !batch.joints.slots.is_empty() || self.solver != Solver::GaussSeidel && batch.may_hold_rows() {
             self.form_inputs(batch, threads);
         }
         self.list_joints(batch, threads);
@@ -291,13 +292,13 @@ impl BatchInput<'_> {
 
     /// Gives replicas to the ends of manifolds that want one.
     fn replicate(&self, batch: &mut Batch) {
-        for number in 0..batch.ends.len() {
-            let ends = batch.ends[number];
+        for number in 0..batch.manifolds.ends.len() {
+            let ends = batch.manifolds.ends[number];
             if ends.a == REPLICA || ends.b == REPLICA {
-                let (a, b) = self.pairs.get(batch.manifolds[number].0).key.shapes();
+                let (a, b) = self.pairs.get(batch.manifolds.list[number].0).key.shapes();
                 let [a, b] = [a, b].map(|shape| self.slot(batch, self.index.body_of(shape)));
                 let turns = [a, b].iter().any(|&slot| batch.velocities[slot as usize].turns_as_told());
-                batch.ends[number] = ContactEnds { a, b, is_plain: ends.is_plain && !turns, ..ends };
+                batch.manifolds.ends[number] = ContactEnds { a, b, is_plain: ends.is_plain && !turns, ..ends };
             }
         }
     }
@@ -305,7 +306,7 @@ impl BatchInput<'_> {
     /// Brings the manifolds of a batch in which an articulation may hold some into world axes.
     fn form_inputs(&self, batch: &mut Batch, threads: &Workers) {
         let scale = self.scale_for(batch);
-        let Batch { inputs, manifolds, ends, .. } = batch;
+        let BatchManifolds { list: manifolds, ends, inputs, .. } = &mut batch.manifolds;
         let form = |number: usize| self.contact_input(&manifolds[number..], ends[number], scale);
         make_room(inputs, manifolds.len());
         if !threads.has_team() {
@@ -355,33 +356,33 @@ impl BatchInput<'_> {
 
     fn fill_bounds(&self, batch: &mut Batch) {
         // Bounds are for what is swept: a direct solve needs none.
-        if batch.bound_slots.is_empty() || batch.joints.entries.is_empty() {
+        if batch.long_range.slots.is_empty() || batch.joints.entries.is_empty() {
             return;
         }
         self.list_joint_ends(batch);
         batch.mark_swept();
         let (pace, scale) = (Pace::of(batch), self.scale_for(batch));
         self.find_touches(batch);
-        for number in 0..batch.bound_slots.len() {
-            let slot = batch.bound_slots[number];
+        for number in 0..batch.long_range.slots.len() {
+            let slot = batch.long_range.slots[number];
             let record = &self.bounds[slot as usize];
             let [near, far] = record.ends.map(|(joint, side)| self.joint_end(batch, joint, side as usize));
-            if !batch.swept[far.slot as usize] || near.slot == far.slot {
+            if !batch.long_range.swept[far.slot as usize] || near.slot == far.slot {
                 continue;
             }
             if self.wrap(batch, slot, [&near, &far]) {
                 continue;
             }
             if self.is_too_slack(batch, &pace, record, [&near, &far]) {
-                batch.bounds.skipped += 1;
+                batch.long_range.bounds.skipped += 1;
                 continue;
             }
             let [upper_give, lower_give] = World::bound_give(self.long_range, record);
-            let number = batch.bounds.entries.len() as u32;
+            let number = batch.long_range.bounds.entries.len() as u32;
             for inner in record.bound.inner.0..record.bound.inner.1 {
                 let at = &self.span.inner[inner as usize];
                 let own = self.joint_end(batch, at.end.link, at.end.side as usize);
-                batch.taut.entries.push(TautEntry {
+                batch.long_range.taut.entries.push(TautEntry {
                     inner,
                     bound: number,
                     slot: own.slot,
@@ -393,7 +394,7 @@ impl BatchInput<'_> {
                     far_sum: Vec3::ZERO,
                 });
             }
-            batch.bounds.entries.push(BoundEntry {
+            batch.long_range.bounds.entries.push(BoundEntry {
                 bound: slot,
                 near: near.slot,
                 far: far.slot,
@@ -427,7 +428,8 @@ impl BatchInput<'_> {
     }
 
     fn find_free_islands(&self, batch: &mut Batch) {
-        let Batch { islands, body_flags, motions, ends, manifolds, joints, free, bodies, .. } = batch;
+        let Batch { islands, body_flags, motions, manifolds, joints, free, bodies, .. } = batch;
+        let BatchManifolds { list: manifolds, ends, .. } = &*manifolds;
         let contacts = ends.iter().enumerate().map(|(number, ends)| ([ends.a, ends.b], Some(number)));
         let links = contacts.chain(joints.links.iter().map(|link| ([link.a, link.b], None)));
         let rubs = |number: usize| {
@@ -445,8 +447,8 @@ impl BatchInput<'_> {
     /// One side of a joint in the slot `joint`.
     fn joint_end(&self, batch: &mut Batch, joint: u32, side: usize) -> JointEnd {
         let place = self.groups.joint_places[joint as usize] as usize;
-        if batch.joint_slots.get(place) == Some(&joint)
-            && let Some(ends) = batch.joint_ends.get(place)
+        if batch.joints.slots.get(place) == Some(&joint)
+            && let Some(ends) = batch.joints.ends.get(place)
         {
             return ends[side];
         }

@@ -108,7 +108,7 @@ impl World {
         let mut means = Vec::new();
         for batch in &self.batches[..self.batch_count] {
             means.extend(batch.tallies().map(|(number, impulses)| {
-                let (pair, manifold) = batch.manifolds[number];
+                let (pair, manifold) = batch.manifolds.list[number];
                 (pair, manifold, impulses.scaled(1.0 / self.def.substeps as f32))
             }));
         }

@@ -42,10 +42,10 @@ impl World {
             self.store_joints(number);
             let batch = &self.batches[number];
             let (report, residuals) = (&mut self.report.counts, &mut self.report.residuals);
-            report.colors = report.colors.max(batch.color_count);
+            report.colors = report.colors.max(batch.layout.color_count);
             report.planes_corrected += batch.planes.corrected;
-            residuals.joint_gap = residuals.joint_gap.max(batch.joint_gap);
-            residuals.penetration = residuals.penetration.max(batch.penetration);
+            residuals.joint_gap = residuals.joint_gap.max(batch.residuals.joint_gap);
+            residuals.penetration = residuals.penetration.max(batch.residuals.penetration);
             for articulation in batch.direct.articulations() {
                 let Some(slot) = articulation.moved_slots().next() else { continue };
                 let report = articulation.report(self.bodies.handle_of(batch.bodies[slot as usize]));

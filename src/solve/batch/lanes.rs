@@ -7,9 +7,10 @@
 //! Each colour has manifolds of most bodies. Where these are more than a cache holds, they are swept in rounds: all colours of the manifolds
 //! of the first [`ROUND`] bodies, then all of the next.
 
-use super::{Batch, ContactEnds, HELD};
+use super::{Batch, BatchManifolds, ContactEnds, HELD};
 use crate::prefetch::AHEAD;
-use crate::solve::color::MAX_COLORS;
+use crate::solve::buckets::Buckets;
+use crate::solve::color::{Coloring, MAX_COLORS};
 use crate::solve::contact::{ContactInput, LANES};
 use crate::solve::contact_partition::CUTS;
 use crate::solve::{contact_kernels, parallel_contacts};
@@ -36,6 +37,24 @@ fn has_faces(group: usize) -> bool {
 
 /// Manifolds from which on those of a colour are in the order of their bodies.
 const ORDERED_FROM: usize = 512;
+
+/// Where the manifolds of a batch are in its blocks, and buffers to find that.
+#[derive(Debug, Default)]
+pub(crate) struct LaneLayout {
+    /// Block and lane of each manifold.
+    pub(super) lanes: Vec<(u32, u32)>,
+    /// Which thread's each block is, where several work on them.
+    places: Vec<u8>,
+    pub coloring: Coloring,
+    /// Colour of each manifold, twice, plus one if it has a single point; and [`GROUPS`] more for each round before its own.
+    groups: Vec<u32>,
+    /// Manifolds of each group, then the next lane of each.
+    group_lanes: Vec<u32>,
+    /// Manifolds by the first of their bodies, where there are many.
+    by_body: Buckets,
+    /// Number of colours that the contacts took.
+    pub color_count: u32,
+}
 
 /// What groups the manifolds of a batch have.
 struct ColorGroups {
@@ -73,19 +92,19 @@ impl ContactEnds {
 impl Batch {
     /// Lays out a block and a lane for every manifold that no articulation holds.
     pub(crate) fn color_contacts(&mut self) {
-        self.first_jointed = 0;
-        if self.ends.is_empty() {
+        self.contacts.first_jointed = 0;
+        if self.manifolds.ends.is_empty() {
             return self.contacts.begin(0, 0);
         }
         let groups = self.group_contacts();
         // Colours are taken from the lowest on.
-        self.color_count = groups.colors;
+        self.layout.color_count = groups.colors;
         self.lay_out_blocks(&groups);
         self.give_lanes(&groups);
         if groups.are_plain {
             return;
         }
-        let Self { lanes, ends, contacts, .. } = self;
+        let Self { layout: LaneLayout { lanes, .. }, manifolds: BatchManifolds { ends, .. }, contacts, .. } = self;
         let needs = |number: &usize| lanes[*number].0 != HELD && !ends[*number].is_plain;
         contacts.add_extras((0..lanes.len()).filter(needs).map(|number| lanes[number].0 as usize));
     }
@@ -93,7 +112,8 @@ impl Batch {
     /// Finds the group of each manifold.
     fn group_contacts(&mut self) -> ColorGroups {
         let (moving, rounds) = (self.moving().max(1), self.moving().div_ceil(ROUND).max(1));
-        let Self { coloring, groups: group_of, group_lanes: counts, body_flags, ends, direct, newton, .. } = self;
+        let Self { layout, body_flags, manifolds: BatchManifolds { ends, .. }, direct, newton, .. } = self;
+        let LaneLayout { coloring, groups: group_of, group_lanes: counts, .. } = layout;
         counts.clear();
         counts.resize((rounds + 1) * GROUPS, 0);
         coloring.reset(body_flags.len());
@@ -122,14 +142,14 @@ impl Batch {
 
     /// Lays out the blocks of all groups, and puts the first lane of each group where its count was.
     fn lay_out_blocks(&mut self, groups: &ColorGroups) {
-        let Self { contacts, group_lanes, first_jointed, .. } = self;
+        let Self { contacts, layout: LaneLayout { group_lanes, .. }, .. } = self;
         let blocks = |group: usize| blocks_of(group, group_lanes[group]);
         let faces = groups.iter().filter(|&group| has_faces(group)).map(blocks).sum();
         contacts.begin(groups.iter().map(blocks).sum(), faces);
         let (mut first, mut first_face) = (0, 0);
         for group in groups.iter() {
             if group == groups.first_jointed() {
-                *first_jointed = first;
+                contacts.first_jointed = first;
             }
             let count = std::mem::replace(&mut group_lanes[group], (first * LANES) as u32);
             let range = first..first + blocks_of(group, count);
@@ -144,7 +164,8 @@ impl Batch {
     /// Gives each manifold a lane of its group.
     fn give_lanes(&mut self, all: &ColorGroups) {
         let moving = self.moving().max(1);
-        let Self { groups, group_lanes: next, lanes, ends, by_body, contacts, velocities, .. } = self;
+        let Self { layout, manifolds: BatchManifolds { ends, .. }, contacts, velocities, .. } = self;
+        let LaneLayout { groups, group_lanes: next, lanes, by_body, .. } = layout;
         make_room(lanes, groups.len());
         lanes.resize(groups.len(), (HELD, 0));
         let mut give = |number: usize| {
@@ -188,10 +209,11 @@ impl Batch {
         reach: f32,
         form: impl Fn(&[(u32, u32)], ContactEnds) -> ContactInput + Sync,
     ) {
-        let Self { lanes, places, inputs, manifolds, ends, contacts, velocities, .. } = self;
+        let Self { layout: LaneLayout { lanes, places, .. }, manifolds, contacts, velocities, .. } = self;
+        let BatchManifolds { list, ends, inputs, .. } = &*manifolds;
         let input = |number: usize| {
             let formed = inputs.get(number).copied();
-            formed.unwrap_or_else(|| form(&manifolds[number..], ends[number]))
+            formed.unwrap_or_else(|| form(&list[number..], ends[number]))
         };
         // In the order in which pairs lie in memory, which blocks do not follow.
         if threads.is_alone() || contacts.cuts.is_empty() {

@@ -11,7 +11,8 @@ impl ContactEnergy {
     /// body's centre of mass is (m).
     pub(crate) fn find_islands(&mut self, batch: &Batch, center: impl Fn(u32) -> DVec3) {
         let replicas = batch.replica_count();
-        let Batch { bodies, motions, velocities, ends, direct, joints, bounds, .. } = batch;
+        let Batch { bodies, motions, velocities, manifolds, direct, joints, long_range, .. } = batch;
+        let ends = &manifolds.ends;
         let Self { islands, carriers, places, owner, watched, .. } = self;
         islands.clear();
         let has_swept = !joints.entries.is_empty() && (replicas > 0 || !ends.is_empty());
@@ -48,7 +49,7 @@ impl ContactEnergy {
         }
         // What springs do is known where rows are those of an articulation.
         let springs = joints.entries.iter().filter(|entry| !entry.traits.gives_by_motors_alone).filter_map(in_island);
-        let soft = bounds.entries.iter().filter(|entry| entry.has_give());
+        let soft = long_range.bounds.entries.iter().filter(|entry| entry.has_give());
         let soft = soft.filter_map(|entry| owner_of([entry.near, entry.far])).map(|number| number as usize);
         springs.chain(soft).for_each(|number| watched[number] = false);
         let contacts = ends.iter().map(|ends| [ends.a, ends.b]);

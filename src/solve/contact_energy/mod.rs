@@ -379,9 +379,9 @@ impl ContactEnergy {
         }
         direct.drop_impulses(slots);
         batch.joints.give_up(slots);
-        batch.bounds.give_up(slots);
-        batch.taut.give_up(slots);
-        batch.wraps.give_up(slots);
+        batch.long_range.bounds.give_up(slots);
+        batch.long_range.taut.give_up(slots);
+        batch.long_range.wraps.give_up(slots);
     }
 
     /// Finds what motors and springs have done in the substep.

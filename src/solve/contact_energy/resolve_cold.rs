@@ -38,11 +38,11 @@ impl ColdSolve {
         std::array::from_fn(|l| self.slots[block.a[l] as usize] || self.slots[block.b[l] as usize])
     }
 
-    /// Takes the blocks of the chosen islands without their multipliers; returns how many of them are before `first_jointed`.
-    fn take(&mut self, contacts: &ContactBlocks, first_jointed: usize) -> usize {
+    /// Takes the blocks of the chosen islands without their multipliers.
+    fn take(&mut self, contacts: &ContactBlocks) {
         self.blocks.clear();
         self.numbers.clear();
-        let mut first = 0;
+        self.blocks.first_jointed = 0;
         for (number, block) in contacts.blocks.iter().enumerate() {
             let chosen = self.lanes(block);
             if chosen == [false; LANES] {
@@ -54,9 +54,8 @@ impl ColdSolve {
                 (copy.block.a[l], copy.block.b[l]) = (WORLD_SLOT, WORLD_SLOT);
             }
             self.numbers.push(number as u32);
-            first += usize::from(number < first_jointed);
+            self.blocks.first_jointed += usize::from(number < contacts.first_jointed);
         }
-        first
     }
 
     /// Hands the multipliers of the chosen islands back.
@@ -76,18 +75,18 @@ impl ContactEnergy {
     pub(super) fn solve_afresh(&mut self, batch: &mut Batch, iterations: u32) {
         let (alone, moving) = (Workers::default(), batch.moving());
         let Self { islands, before, cold_solve, .. } = self;
-        let Batch { velocities, contacts, direct, first_jointed, .. } = batch;
+        let Batch { velocities, contacts, direct, .. } = batch;
         let chosen = || islands.iter().filter(|island| island.is_to_be_solved_afresh()).map(SweptIsland::slots);
         cold_solve.choose(chosen(), velocities.len());
         chosen().for_each(|slots| velocities[slots.clone()].copy_from_slice(&before[slots]));
-        let first_jointed = cold_solve.take(contacts, *first_jointed);
+        cold_solve.take(contacts);
         direct.drop_impulses(&cold_solve.slots);
         for iteration in 0..iterations {
             if iteration % 2 == 0 {
                 direct.sweep_on(&cold_solve.slots, velocities);
-                parallel_contacts::sweep(&mut cold_solve.blocks, first_jointed, &alone, (velocities, moving), false, true);
+                parallel_contacts::sweep(&mut cold_solve.blocks, &alone, (velocities, moving), false, true);
             } else {
-                parallel_contacts::sweep(&mut cold_solve.blocks, first_jointed, &alone, (velocities, moving), true, true);
+                parallel_contacts::sweep(&mut cold_solve.blocks, &alone, (velocities, moving), true, true);
                 direct.sweep_on(&cold_solve.slots, velocities);
             }
         }

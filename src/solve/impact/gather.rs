@@ -217,7 +217,7 @@ impl Impacts {
     fn list_struck(&mut self, batch: &Batch, threshold: f32) {
         let Batch { contacts, .. } = batch;
         self.struck.clear();
-        for number in 0..batch.ends.len() {
+        for number in 0..batch.manifolds.ends.len() {
             let Some((block, lane)) = batch.place_of(number) else { continue };
             let (block, lane) = (block as usize, lane as usize);
             let Some(extra) = contacts.extras.get(contacts.blocks[block].extra as usize) else { continue };
@@ -238,7 +238,7 @@ impl Impacts {
 
     fn list_members(&mut self, batch: &Batch) {
         self.members.clear();
-        for number in 0..batch.ends.len() {
+        for number in 0..batch.manifolds.ends.len() {
             let Some((block, lane)) = batch.place_of(number) else { continue };
             if let Some(island) = island_of(batch, number).filter(|island| self.struck.binary_search(island).is_ok()) {
                 self.members.push((island, number as u32, block, lane));
@@ -250,7 +250,7 @@ impl Impacts {
 
 /// Island of a manifold; none where joints hold anything in it, whose rows the law does not have.
 fn island_of(batch: &Batch, number: usize) -> Option<u32> {
-    let ends = &batch.ends[number];
+    let ends = &batch.manifolds.ends[number];
     let slot = [ends.a, ends.b].into_iter().find(|&slot| batch.body_flags[slot as usize].moves())?;
     batch.islands.partition_point(|&first| first <= slot).checked_sub(1).map(|island| island as u32)
 }

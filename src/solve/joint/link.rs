@@ -1,5 +1,7 @@
 //! What sorting reads of a joint, in a few bytes.
 
+use glam::{DVec3, Quat, Vec3};
+
 use super::{friction, kinds};
 use crate::joint_record::Joint;
 use crate::settings::Solver;
@@ -74,4 +76,15 @@ pub(crate) struct JointLink {
     pub traits: JointTraits,
     /// Whether a direct solve may not take it.
     pub is_withheld: bool,
+}
+
+/// One side of a joint: what it hangs on, and where its point is.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JointEnd {
+    pub slot: u32,
+    /// World position that displacements count from (m).
+    pub origin: DVec3,
+    /// Joint point from there, in the body's frame (m).
+    pub lever: Vec3,
+    pub frame: Quat,
 }

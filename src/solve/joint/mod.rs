@@ -42,7 +42,7 @@ pub(crate) use entry::{JointEntry, JointMotors};
 use geometry::{Placement, WorldFrame};
 use lanes::JointLanes;
 pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lanes};
-pub(crate) use link::{JointLink, JointTraits};
+pub(crate) use link::{JointEnd, JointLink, JointTraits};
 use singles::Singles;
 
 use super::disjoint::DisjointSlices;
@@ -65,6 +65,9 @@ pub(crate) type LocalPose = (DVec3, DQuat);
 /// All joints of a batch, and what is swept of them, in the order of their colours.
 #[derive(Debug, Default)]
 pub(crate) struct BatchJoints {
+    /// Slots in the world's pool; and both sides of each, where bounds ask for them.
+    pub slots: Vec<u32>,
+    pub ends: Vec<[JointEnd; 2]>,
     /// All of them, in the order of their articulations once they are sorted.
     pub links: Vec<JointLink>,
     /// From now to the end of the step (s).

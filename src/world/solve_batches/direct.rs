@@ -8,7 +8,7 @@ use crate::collide::curvature::{normal_at, shape_operator, shape_operator_with_r
 use crate::settings::Solver;
 use crate::shape::Shape;
 use crate::solve::StepSettings;
-use crate::solve::batch::Batch;
+use crate::solve::batch::{Batch, BatchManifolds};
 use crate::solve::direct::BatchRecords;
 use crate::solve::joint::{JointEntry, JointLink};
 use crate::solve::newton::{Contents, IslandRecords, Surfaces, Tangency};
@@ -106,7 +106,8 @@ impl BatchInput<'_> {
         let mut h = settings.dt / settings.substeps as f32;
         let (scale, stride) = (self.scale_for(batch), batch.stride);
         let first_replica = batch.moving() as u32 + 1;
-        let Batch { joints, direct, newton, islands, bodies, velocities, motions, body_flags, inputs, manifolds, .. } = batch;
+        let Batch { joints, direct, newton, islands, bodies, velocities, motions, body_flags, manifolds, .. } = batch;
+        let BatchManifolds { list: manifolds, inputs, .. } = &*manifolds;
         let asks = |link: &JointLink| link.traits.solver == Solver::Direct;
         let is_direct = self.solver != Solver::GaussSeidel || joints.links.iter().any(asks);
         let grouped = if is_direct || self.some_are_fast { &joints.links[..] } else { &[] };
@@ -140,7 +141,14 @@ impl BatchInput<'_> {
         batch.color_contacts();
         let (scale, stride) = (self.scale_for(batch), batch.stride);
         batch.set_contacts(threads, self.reach * (stride * stride), |coming, ends| self.contact_input(coming, ends, scale));
-        let Batch { joints, direct, coloring, velocities, motions, body_flags, .. } = batch;
-        joints.lay_out((self.joints, direct.left_over()), threads, coloring, (velocities, motions, body_flags), h, substeps);
+        let Batch { joints, direct, layout, velocities, motions, body_flags, .. } = batch;
+        joints.lay_out(
+            (self.joints, direct.left_over()),
+            threads,
+            &mut layout.coloring,
+            (velocities, motions, body_flags),
+            h,
+            substeps,
+        );
     }
 }

@@ -4,9 +4,9 @@ use glam::Vec3;
 
 use super::{BatchInput, REPLICA};
 use crate::joint_record::Joint;
-use crate::solve::batch::{Batch, JointEnd};
+use crate::solve::batch::Batch;
 use crate::solve::joint::kinds::MotorRows;
-use crate::solve::joint::{BatchJoints, JointEntry, JointLink, JointMotors, angles, kinds};
+use crate::solve::joint::{BatchJoints, JointEnd, JointEntry, JointLink, JointMotors, angles, kinds};
 use crate::solve::state::WORLD_SLOT;
 use crate::workers::Workers;
 use crate::world::islands::NO_BODY;
@@ -27,18 +27,18 @@ impl BatchInput<'_> {
         };
         let bodies_of = |slot: u32| self.groups.joint_heads[slot as usize].bodies;
         batch.joints.links.clear();
-        if batch.joint_slots.len() < SHARED_JOINTS || !threads.has_team() {
-            for number in 0..batch.joint_slots.len() {
-                let slot = batch.joint_slots[number];
+        if batch.joints.slots.len() < SHARED_JOINTS || !threads.has_team() {
+            for number in 0..batch.joints.slots.len() {
+                let slot = batch.joints.slots[number];
                 let ends = bodies_of(slot).map(|body| if body == NO_BODY { WORLD_SLOT } else { self.slot(batch, body) });
                 batch.joints.links.push(link_at(slot, ends));
             }
             return;
         }
-        let Batch { joints: BatchJoints { links, .. }, joint_slots, .. } = batch;
-        links.resize(joint_slots.len(), link_at(joint_slots[0], [REPLICA; 2]));
-        let piece = threads.piece(joint_slots.len(), MIN_JOINTS);
-        threads.share(links.chunks_mut(piece).zip(joint_slots.chunks(piece)), |(links, slots)| {
+        let BatchJoints { links, slots, .. } = &mut batch.joints;
+        links.resize(slots.len(), link_at(slots[0], [REPLICA; 2]));
+        let piece = threads.piece(slots.len(), MIN_JOINTS);
+        threads.share(links.chunks_mut(piece).zip(slots.chunks(piece)), |(links, slots)| {
             for (link, &slot) in links.iter_mut().zip(slots) {
                 let known = |body: u32| if body == NO_BODY { WORLD_SLOT } else { self.known_slot(body).unwrap_or(REPLICA) };
                 *link = link_at(slot, bodies_of(slot).map(known));
@@ -73,10 +73,10 @@ impl BatchInput<'_> {
 
     /// Lists both ends of each joint, where bounds ask for them.
     pub(super) fn list_joint_ends(&self, batch: &mut Batch) {
-        for number in 0..batch.joint_slots.len() {
-            let joint = &self.joints[batch.joint_slots[number]];
+        for number in 0..batch.joints.slots.len() {
+            let joint = &self.joints[batch.joints.slots[number]];
             let ends = [0, 1].map(|side| self.find_joint_end(batch, joint, side));
-            batch.joint_ends.push(ends);
+            batch.joints.ends.push(ends);
         }
     }
 

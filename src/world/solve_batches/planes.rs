@@ -11,8 +11,8 @@ impl BatchInput<'_> {
     /// Gives a batch the hinge chains that are to stay in their planes.
     pub(super) fn fill_planes(&self, batch: &mut Batch) {
         batch.planes.parts = (self.long_range.plane_position, self.long_range.plane_axis);
-        for number in 0..batch.chains.len() {
-            let chain = &self.chains[batch.chains[number] as usize];
+        for number in 0..batch.planes.chains.len() {
+            let chain = &self.chains[batch.planes.chains[number] as usize];
             // What a direct solve has moved is flat already.
             let is_solved = |member: &Member| batch.motions[self.groups.place[member.body as usize].1 as usize].direct;
             if chain.members.iter().all(is_solved) {

@@ -1,7 +1,8 @@
 //! Wrapped bounds of a batch: those whose chain lies on something.
 
 use super::BatchInput;
-use crate::solve::batch::{Batch, JointEnd};
+use crate::solve::batch::Batch;
+use crate::solve::joint::JointEnd;
 use crate::solve::wrapped_bound::{Waypoint, WrapEntry};
 use crate::tuning::bounds::{MIN_WRAPPED, STRAIGHT_SHARE};
 
@@ -10,9 +11,9 @@ impl BatchInput<'_> {
     /// be wrapped.
     pub(super) fn find_touches(&self, batch: &mut Batch) {
         let inner = |&slot: &u32| self.bounds[slot as usize].bound.inner;
-        if batch.bound_slots.iter().map(inner).any(|(first, end)| end - first >= MIN_WRAPPED) {
+        if batch.long_range.slots.iter().map(inner).any(|(first, end)| end - first >= MIN_WRAPPED) {
             let reach = self.gravity.length() * self.dt * self.dt;
-            batch.wraps.find_touches(&batch.contacts, &batch.motions, reach);
+            batch.long_range.wraps.find_touches(&batch.contacts, &batch.motions, reach);
         }
     }
 
@@ -21,30 +22,29 @@ impl BatchInput<'_> {
         let record = &self.bounds[slot as usize];
         let (first, end) = record.bound.inner;
         let gives = || super::World::bound_give(self.long_range, record)[0].compliance > 0.0;
-        if !batch.wraps.has_touches() || end - first < MIN_WRAPPED || gives() {
+        if !batch.long_range.wraps.has_touches() || end - first < MIN_WRAPPED || gives() {
             return false;
         }
         let [a, b] = [near, far].map(|end| end.origin + (batch.motions[end.slot as usize].rotation * end.lever).as_dvec3());
         if a.distance(b) as f32 > STRAIGHT_SHARE * record.bound.upper {
             return false;
         }
-        batch.wraps.waypoints.clear();
+        batch.long_range.wraps.waypoints.clear();
         let mut before = near.slot;
         // They are listed from the far end.
         for inner in (first..end).rev() {
             let at = &self.span.inner[inner as usize];
             let own = self.joint_end(batch, at.end.link, at.end.side as usize);
-            if let Some(out) = batch.wraps.touched([before, own.slot]) {
+            if let Some(out) = batch.long_range.wraps.touched([before, own.slot]) {
                 let lever = batch.motions[own.slot as usize].rotation * own.lever;
                 let point = (own.origin - near.origin).as_vec3() + lever;
-                batch.wraps.waypoints.push(Waypoint { inner, point, out });
+                batch.long_range.wraps.waypoints.push(Waypoint { inner, point, out });
             }
             before = own.slot;
         }
         let (offset, levers) = ((far.origin - near.origin).as_vec3(), [near.lever, far.lever]);
         let impulse = record.impulses[0] * self.scale_for(batch);
         let entry = WrapEntry::new(slot, [near.slot, far.slot], offset, levers, record.bound.upper, impulse);
-        let Batch { wraps, motions, .. } = batch;
-        wraps.add(entry, motions)
+        batch.long_range.wraps.add(entry, &batch.motions)
     }
 }

@@ -232,7 +232,7 @@ impl Moves<'_> {
         let members = union.map_or(std::slice::from_ref(&index), |union| &union.members);
         let (from, before) =
             union.map_or((lead.center, lead.linear_velocity), |union| (union.motion.center, union.motion.linear));
-        let slid = batch.slides.way(slot, velocity.linear - before);
+        let slid = stages.slides.way(slot, velocity.linear - before);
         let to = UnionMotion {
             center: from + (motion.displacement + slid).as_dvec3(),
             rotation: motion.rotation,

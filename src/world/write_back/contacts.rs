@@ -40,7 +40,7 @@ impl Results<'_> {
     fn store(&self, i: usize, pair: &mut Pair) -> Vec3 {
         let batch = self.batch;
         let mut impulses = batch.contact_impulses(i).scaled(self.share);
-        let manifold = batch.manifolds[i].1 as usize;
+        let manifold = batch.manifolds.list[i].1 as usize;
         let pressed = impulses.normal.iter().sum::<f32>();
         let rebound = if pressed > 0.0 { 0.0 } else { batch.contact_rebound(i) };
         if rebound > 0.0 {
@@ -71,9 +71,9 @@ impl Results<'_> {
     #[inline(always)]
     fn each(&self, range: Range<usize>, pairs: &mut (impl Slots<Pair> + ?Sized), mut tell: impl FnMut(usize, Pull)) {
         for i in range.clone() {
-            ask_for_next(&self.batch.manifolds[i..range.end], &*pairs);
+            ask_for_next(&self.batch.manifolds.list[i..range.end], &*pairs);
             self.batch.ask_for_contact(i + AHEAD);
-            tell(i, self.pull(i, pairs.get_mut(self.batch.manifolds[i].0)));
+            tell(i, self.pull(i, pairs.get_mut(self.batch.manifolds.list[i].0)));
         }
     }
 }
@@ -91,7 +91,7 @@ impl World {
             notes.pulls.clear();
             for batch in &batches[run] {
                 let results = Results { batch, index, share: 1.0 / batch.stride, substep, is_judged };
-                results.each(0..batch.manifolds.len(), &mut pairs, |_, pull| notes.pulls.push(pull));
+                results.each(0..batch.manifolds.list.len(), &mut pairs, |_, pull| notes.pulls.push(pull));
             }
         });
     }
@@ -110,16 +110,16 @@ impl World {
         };
         if scratch.runs.has(number) {
             if let Some(notes) = scratch.runs.notes_from(number) {
-                let manifolds = batches[number..].iter().flat_map(|batch| &batch.manifolds);
+                let manifolds = batches[number..].iter().flat_map(|batch| &batch.manifolds.list);
                 notes.pulls.iter().zip(manifolds).for_each(|(pull, &(slot, _))| note(index, slot, pull));
             }
             return;
         }
         let is_judged = support.as_ref().is_some_and(|support| support.is_awake());
         let share = 1.0 / batch.stride;
-        if batch.manifolds.len() < SHARED_MANIFOLDS || !threads.has_team() {
-            for (i, &(slot, _)) in batch.manifolds.iter().enumerate() {
-                ask_for_next(&batch.manifolds[i..], &*pairs.slots_mut());
+        if batch.manifolds.list.len() < SHARED_MANIFOLDS || !threads.has_team() {
+            for (i, &(slot, _)) in batch.manifolds.list.iter().enumerate() {
+                ask_for_next(&batch.manifolds.list[i..], &*pairs.slots_mut());
                 batch.ask_for_contact(i + AHEAD);
                 let pull = Results { batch, index, share, substep, is_judged }.pull(i, pairs.get_mut(slot));
                 note(index, slot, &pull);
@@ -127,9 +127,9 @@ impl World {
             return;
         }
         scratch.pulls.clear();
-        scratch.pulls.resize(batch.manifolds.len(), Pull::default());
+        scratch.pulls.resize(batch.manifolds.list.len(), Pull::default());
         let slots = DisjointSlices::new(pairs.slots_mut());
-        let pieces = pieces_by_pair(&batch.manifolds, threads.piece(batch.manifolds.len(), MIN_MANIFOLDS));
+        let pieces = pieces_by_pair(&batch.manifolds.list, threads.piece(batch.manifolds.list.len(), MIN_MANIFOLDS));
         let mut rest = &mut scratch.pulls[..];
         let pieces = pieces.map(|range| (rest.split_off_mut(..range.len()).unwrap_or_default(), range));
         let results = Results { batch, index, share, substep, is_judged };
@@ -138,7 +138,7 @@ impl World {
             let mut pairs = unsafe { slots.part() };
             results.each(range.clone(), &mut pairs, |i, pull| pulls[i - range.start] = pull);
         });
-        scratch.pulls.iter().zip(&batch.manifolds).for_each(|(pull, &(slot, _))| note(index, slot, pull));
+        scratch.pulls.iter().zip(&batch.manifolds.list).for_each(|(pull, &(slot, _))| note(index, slot, pull));
     }
 
     /// Adds what contacts have given to the hits under way.
@@ -148,7 +148,7 @@ impl World {
             return;
         }
         let batch = &batches[number];
-        for (i, &(slot, _)) in batch.manifolds.iter().enumerate() {
+        for (i, &(slot, _)) in batch.manifolds.list.iter().enumerate() {
             if let Some(blow) = pairs.blows.get_mut(slot) {
                 let impulse = batch.contact_blow(i);
                 blow.impulse += if impulse.is_finite() { impulse } else { 0.0 };

@@ -101,7 +101,9 @@ impl Runs {
 
 /// Whether a batch is not written back by several threads.
 fn is_small(batch: &Batch) -> bool {
-    batch.bodies.len() < SHARED_SLOTS && batch.manifolds.len() < SHARED_MANIFOLDS && batch.joints.entries.len() < SHARED_JOINTS
+    batch.bodies.len() < SHARED_SLOTS
+        && batch.manifolds.list.len() < SHARED_MANIFOLDS
+        && batch.joints.entries.len() < SHARED_JOINTS
 }
 
 #[cfg(test)]
