@@ -362,3 +362,74 @@ pub(crate) mod surface {
     /// Test: tests/bowls.rs
     pub(crate) const MAX_SINK: f32 = 5.0e-3;
 }
+
+/// Which solver an island gets: see `solve/plan.rs`.
+pub(crate) mod plan {
+    /// Mass of what presses, over that of what a joint holds against it, from which on sweeps do not bear it.
+    /// Why: a net of rods of 0.2 kg and 316 knots bears boxes of 8 kg by sweeps, and lets all of 30 kg fall through; planks of 10 kg bear
+    /// walkers of 100 kg.
+    /// Scenes: nets of rods and ropes under boxes, rope bridges under walkers.
+    /// Test: tests/ropes.rs
+    pub(crate) const HEAVY: f32 = 50.0;
+    /// Greatest mass over the least up to which sweeps carry the loads of what nothing fixed holds, and direct solves those of a loop that
+    /// touches nothing.
+    /// Why: sweeps take a body that is pushed for as heavy as it is alone. What joints hold to the world is as heavy as the world in all
+    /// directions but those it may move in: fingers of a kilogram on a moved palm drop two kilograms by 25 mm at any ratio. What is free is
+    /// no heavier than all of it, and keeps its angular momentum in sweeps and direct solves, where geometric stiffness resists turns of the
+    /// whole: a free loop of six hinges that touches itself loses nearly all of it. A loop that stands on something fixed has none to keep: a
+    /// tower of struts and cables of like masses sinks by 3 to 5 cm where it is swept.
+    /// Scenes: ragdoll_rain, grippers, loops of hinges, towers of struts and cables.
+    /// Test: tests/spans.rs
+    pub(crate) const ALIKE: f32 = 5.0;
+    /// Least cosine between a contact's normal and the vertical for one body to stand on the other, rather than lean on its side.
+    /// Why: 45°; joints of arches are steeper than that from the springers up to half-way, stones of stacks lie flat.
+    /// Scenes: arches of 7 to 31 stones, towers, columns.
+    /// Test: tests/arches.rs
+    pub(crate) const STANDS: f32 = 0.7;
+    /// Bodies of a row that lean on their sides alone from which on sweeps, which pass a load on by one contact at a time, do not bear it.
+    /// Why: of an arch of seven stones three do, and it sinks by 0.6 mm at 30 Hz where it is swept; of 17 seven, and it sinks by 17 mm; of 31
+    /// fifteen, and by 53.
+    /// Scenes: arches of 7 to 31 stones at 30 to 240 Hz.
+    /// Test: tests/arches.rs
+    pub(crate) const LEANING: u32 = 3;
+}
+
+/// Motors without a greatest force that meet what has none either: see `solve/newton/overruled.rs` and `solve/direct/active_set.rs`.
+pub(crate) mod overruled {
+    /// Compliance with which they give way in islands that are solved as one, over their own response J M⁻¹ Jᵀ.
+    /// Why: a load of a hundred times a motor's body costs it a thousandth of what falls freely in a substep meanwhile. At 1e-6 the impulses of
+    /// contacts do not settle against it.
+    /// Scenes: bodies driven into a wall, and into what stands before one, at 30 to 240 Hz.
+    /// Test: tests/overruled_motors.rs
+    pub(crate) const GIVE: f64 = 1.0e-5;
+    /// The same in articulations.
+    /// Why: as far above the compliance of contacts as below one. It pushes with a thousand times what would bring about what it asks for, and
+    /// what it holds up meanwhile sinks at a thousandth of what falls freely in a substep.
+    /// Scenes: motors and servos against limits, ropes, welds and walls at 30 to 240 Hz.
+    /// Test: tests/overruled_motors.rs
+    pub(crate) const OVERRULED_COMPLIANCE: f64 = 1.0e-3;
+}
+
+/// Needles that contacts push: see `solve/integrate.rs`.
+pub(crate) mod needles {
+    /// Inertia of a needle about its axis, over that across it (1): of 1 m by 3 cm.
+    /// Why: a push at the rim of what is more slender spins it a thousand times as easily as it turns it over, and it may go round many times in
+    /// a substep while its contacts are where they were: at a chance place they then push, and a heap of needles gains energy without end.
+    /// Scenes: heaps of needles of 1 m by 2 mm.
+    /// Test: tests/stress.rs
+    pub(crate) const NEEDLE: f32 = 1.0e-3;
+}
+
+/// Loops of joints that have gaped: see `solve/newton/gaps.rs`.
+pub(crate) mod gaping_loops {
+    /// What is left of the sum of the squares of gaps, over what there was, below which bodies may turn further than rows are straight ways.
+    /// Why: a loop of a random graph at 30 m/s has 106 of 300 steps left to others without, and 45 with it.
+    /// Scenes: random graphs of joints with loops, thrown at 30 m/s.
+    /// Test: tests/stress.rs
+    pub(crate) const MENDED: f64 = 0.25;
+    /// What is left of that sum, over what there was, above which a loop is not tried again.
+    /// Why: joints that are all but in line, which only turning far would close, keep 0.95 and more of it.
+    /// Scenes: random graphs of joints with loops, linkages at dead centre.
+    /// Test: tests/stress.rs
+    pub(crate) const STUCK: f64 = 0.8;
+}

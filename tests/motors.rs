@@ -1,11 +1,15 @@
 //! Motors do what they are documented to do: servos go as fast as their force allows and stop on their target, speed limits hold, targets
 //! that move are followed, one-sided motors never push the other way, and all of them tell their true force.
 
+#[path = "common/motor_kinds.rs"]
+mod motor_kinds;
+
 use longspan::glam::{Quat, Vec3};
 use longspan::{
-    Axis, BodyDef, BodyId, Drive, ForceSide, JointAxisState, JointDef, JointId, JointKind, Limits, Mass, MassProperties, Motor,
-    Pose, SleepSettings, Softness, Solver, World, WorldDef,
+    BodyDef, BodyId, Drive, ForceSide, JointAxisState, JointDef, JointId, JointKind, Limits, Mass, MassProperties, Motor, Pose,
+    SleepSettings, Softness, Solver, World, WorldDef,
 };
+use motor_kinds::{KINDS, Kind};
 
 const SOLVERS: [Solver; 2] = [Solver::Auto, Solver::GaussSeidel];
 const RATES: [f32; 3] = [30.0, 60.0, 240.0];
@@ -13,17 +17,6 @@ const MASS: f32 = 2.0;
 const INERTIA: f32 = 0.1;
 /// From a hinge to the centre of mass of what it carries (m).
 const LEVER: f32 = 0.5;
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    Hinge,
-    Slider,
-    Distance,
-    Slide,
-    Turn,
-}
-
-const KINDS: [Kind; 5] = [Kind::Hinge, Kind::Slider, Kind::Distance, Kind::Slide, Kind::Turn];
 
 struct Rig {
     world: World,
@@ -46,31 +39,16 @@ fn rig(kind: Kind, motor: Motor, limits: Limits, gravity: f32, solver: Solver, s
         principal_inertia: Vec3::splat(INERTIA),
         inertia_frame: Quat::IDENTITY,
     };
-    let turns = matches!(kind, Kind::Hinge | Kind::Turn);
+    let turns = kind.turns();
     let start = if turns { Pose::at_xyz(f64::from(LEVER), 0.0, 0.0) } else { Pose::IDENTITY };
     let body = world.create_body(&BodyDef::dynamic(start).with_mass(Mass::Properties(properties))).expect("a valid body");
-    let driven = Axis { limits, motor };
-    let (free, held) = (driven, Axis::LOCKED);
-    let kind_of = match kind {
-        Kind::Hinge => JointKind::Hinge { limits, motor },
-        Kind::Slider => JointKind::Prismatic { limits, motor },
-        Kind::Distance => JointKind::Distance { limits, spring_length: None, motor },
-        Kind::Slide => JointKind::Generic { linear: [held, free, held], angular: [held; 3] },
-        Kind::Turn => JointKind::Generic { linear: [held; 3], angular: [held, held, free] },
-    };
-    let up = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
-    let about_z = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
-    let frame = match kind {
-        Kind::Hinge => about_z,
-        Kind::Slider => up,
-        Kind::Distance | Kind::Slide | Kind::Turn => Quat::IDENTITY,
-    };
+    let (kind_of, frame) = kind.joint(motor, limits);
     let mut def = JointDef::new(kind_of, BodyId::NULL, body);
     let lever = if turns { f64::from(LEVER) } else { 0.0 };
     let below = if kind == Kind::Distance { -0.5 } else { 0.0 };
     (def.frame_a, def.frame_b) = (Pose::at_xyz(0.0, below, 0.0).rotated(frame), Pose::at_xyz(-lever, 0.0, 0.0).rotated(frame));
     let joint = world.create_joint(&def).expect("a valid joint");
-    let axis = [0, 0, 0, 1, 5][kind as usize];
+    let axis = kind.axis();
     let begin = if kind == Kind::Distance { 0.5 } else { 0.0 };
     let ease = if turns { 1.0 / (INERTIA + MASS * LEVER * LEVER) } else { 1.0 / MASS };
     Rig { world, body, joint, axis, begin, ease }

@@ -1,24 +1,17 @@
 //! Where something rigid overrules a motor, however strong it is, the velocities that are told are those that poses follow.
 
+#[path = "common/motor_kinds.rs"]
+mod motor_kinds;
+
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
-    Axis, BodyDef, BodyId, Drive, JointDef, JointId, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, SleepSettings,
-    Solver, World, WorldDef,
+    BodyDef, BodyId, Drive, JointDef, JointId, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, SleepSettings, Solver,
+    World, WorldDef,
 };
+use motor_kinds::{KINDS, Kind};
 
 const RATES: [f32; 4] = [30.0, 60.0, 120.0, 240.0];
 const SPEED: f32 = 2.0;
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    Hinge,
-    Slider,
-    Distance,
-    Slide,
-    Turn,
-}
-
-const KINDS: [Kind; 5] = [Kind::Hinge, Kind::Slider, Kind::Distance, Kind::Slide, Kind::Turn];
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Obstacle {
@@ -47,28 +40,12 @@ fn cuboid(world: &mut World, at: DVec3, half: Vec3, mass: f32, is_ghost: bool) -
 fn driven(world: &mut World, kind: Kind, body: BodyId, motor: Motor, limits: Limits, size: f32) -> JointId {
     let begin = if kind == Kind::Distance { 0.5 * size } else { 0.0 };
     let limits = Limits::new(limits.min + begin, limits.max + begin);
-    let turned = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
-    let (free, held) = (Axis { limits, motor }, Axis::LOCKED);
-    let (kind_of, frame) = match kind {
-        Kind::Hinge => (JointKind::Hinge { limits, motor }, turned),
-        Kind::Slider => (JointKind::Prismatic { limits, motor }, Quat::from_rotation_z(std::f32::consts::FRAC_PI_2)),
-        Kind::Distance => (JointKind::Distance { limits, spring_length: None, motor }, Quat::IDENTITY),
-        Kind::Slide => (JointKind::Generic { linear: [held, free, held], angular: [held; 3] }, Quat::IDENTITY),
-        Kind::Turn => (JointKind::Generic { linear: [held; 3], angular: [held, held, free] }, Quat::IDENTITY),
-    };
-    let lever = if turns(kind) { f64::from(-0.5 * size) } else { 0.0 };
+    let (kind_of, frame) = kind.joint(motor, limits);
+    let lever = if kind.turns() { f64::from(-0.5 * size) } else { 0.0 };
     let mut def = JointDef::new(kind_of, BodyId::NULL, body);
     (def.frame_a, def.frame_b) =
         (Pose::at_xyz(lever, f64::from(-begin), 0.0).rotated(frame), Pose::at_xyz(lever, 0.0, 0.0).rotated(frame));
     world.create_joint(&def).expect("a valid joint")
-}
-
-fn turns(kind: Kind) -> bool {
-    matches!(kind, Kind::Hinge | Kind::Turn)
-}
-
-fn axis(kind: Kind) -> u32 {
-    [0, 0, 0, 1, 5][kind as usize]
 }
 
 /// Puts something in the way of a body that a motor drives up from the origin, at this scale (m).
@@ -76,7 +53,7 @@ fn obstruct(world: &mut World, obstacle: Obstacle, kind: Kind, body: BodyId, siz
     match obstacle {
         Obstacle::Limit => {}
         Obstacle::Rope => {
-            let end = if turns(kind) { Vec3::X * 0.5 * size } else { Vec3::ZERO };
+            let end = if kind.turns() { Vec3::X * 0.5 * size } else { Vec3::ZERO };
             let reach = JointKind::Distance { limits: Limits::new(0.0, 1.1 * size), spring_length: None, motor: Motor::Off };
             let mut rope = JointDef::new(reach, BodyId::NULL, body);
             (rope.frame_a, rope.frame_b) = (Pose::at((end - Vec3::Y * size).as_dvec3()), Pose::at(end.as_dvec3()));
@@ -122,7 +99,7 @@ fn untrue(world: &mut World, body: BodyId, joint: JointId, axis: u32, rate: f32)
 
 /// A motor, or a servo to where it never comes, of this force (N or N·m) as the only thing that moves a body of 2 kg.
 fn check(solver: Solver, kind: Kind, obstacle: Obstacle, rate: f32, force: f32, size: f32, is_servo: bool) {
-    let speed = if turns(kind) { SPEED / size } else { SPEED };
+    let speed = if kind.turns() { SPEED / size } else { SPEED };
     let target = if kind == Kind::Distance { 2.5 } else { 2.0 };
     let motor = match is_servo {
         true => Motor::Drive(Drive { max_speed: speed, ..Drive::to(target * size, force) }),
@@ -131,13 +108,13 @@ fn check(solver: Solver, kind: Kind, obstacle: Obstacle, rate: f32, force: f32, 
     let mut world = world(0.0, solver);
     let body = cuboid(&mut world, DVec3::ZERO, Vec3::splat(0.2) * size, 2.0, false);
     let most = match obstacle {
-        Obstacle::Limit if turns(kind) => 0.1,
+        Obstacle::Limit if kind.turns() => 0.1,
         Obstacle::Limit => 0.1 * size,
         _ => f32::INFINITY,
     };
     let joint = driven(&mut world, kind, body, motor, Limits::new(f32::NEG_INFINITY, most), size);
     obstruct(&mut world, obstacle, kind, body, size);
-    let (worst, fastest) = untrue(&mut world, body, joint, axis(kind), rate);
+    let (worst, fastest) = untrue(&mut world, body, joint, kind.axis(), rate);
     let what = format!("{solver:?}, {kind:?} of {force} N against {obstacle:?} at {rate}/s, {size} m, servo: {is_servo}");
     // Of what is asked for: what a factor leaves between rows that contradict each other, and what sweeps leave of a rope that swings.
     let bound = speed * if solver == Solver::Auto { 2.5e-3 } else { 0.025 };
@@ -229,7 +206,7 @@ fn a_swept_lift_tells_the_speed_at_which_it_rises() {
             for _ in 0..(6.0 * rate) as u32 {
                 world.step(1.0 / rate).expect("a valid step");
                 told[0] += world.linear_velocity(lift).expect("it stays").y / rate;
-                told[1] += world.joint_axis_state(joint, axis(kind)).expect("it has this axis").velocity / rate;
+                told[1] += world.joint_axis_state(joint, kind.axis()).expect("it has this axis").velocity / rate;
             }
             let rise = world.pose(lift).expect("it stays").position.y as f32;
             let what = format!("{kind:?} under {mass} kg at {rate}/s");

@@ -6,6 +6,7 @@ use super::rotation::{self, MAX_TURN};
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use crate::linalg::rotation32::{NEGLIGIBLE_SPEED, quaternion_of, rotated, settled};
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
+use crate::tuning::needles::NEEDLE;
 
 /// Rotation since the last refresh, times the ratio of greatest to least inertia, after which the world inertia of an unjointed
 /// body is formed anew (rad). A needle's response along its axis leaks across it as it turns; left alone it gains energy.
@@ -204,12 +205,6 @@ pub(crate) fn limit_speeds(velocity: &mut BodyVelocity, motion: &BodyMotion) {
     velocity.linear = settle(velocity.linear, MAX_LINEAR_SPEED);
     velocity.angular = settle(velocity.angular, MAX_ANGULAR_SPEED);
 }
-
-/// Inertia of a needle about its axis, over that across it (1): of 1 m by 3 cm.
-/// Why: a push at the rim of what is more slender spins it a thousand times as easily as it turns it over, and it may go round many times in a
-/// substep while its contacts are where they were: at a chance place they then push, and a heap of needles gains energy without end.
-/// Scenes: heaps of needles of 1 m by 2 mm. Test: tests/stress.rs
-const NEEDLE: f32 = 1.0e-3;
 
 /// Greatest turn of a needle about its axis in a substep (rad).
 const TURN_OF_NEEDLE: f32 = 2.0 * MAX_TURN;

@@ -9,13 +9,10 @@ use super::joint::JointLink;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::report::IslandPlan;
 use crate::settings::Solver;
+use crate::tuning::plan::{ALIKE, HEAVY, LEANING, STANDS};
 
 /// Multiplications that a factorisation takes for each body at least: those of a link at the end of a chain, held at one point.
 const LEAST_WORK: u64 = 567;
-
-/// Mass of what presses over that of what a joint holds against it from which on sweeps do not bear it. A net of rods of 0.2 kg and 316 knots bears
-/// boxes of 8 kg by sweeps, and lets all of 30 kg fall through; planks of 10 kg bear walkers of 100 kg.
-const HEAVY: f32 = 50.0;
 
 /// Factorisations that a substep may always take: with three all scenes tried stay bounded.
 pub(crate) const FREE_FACTORS: u32 = 3;
@@ -26,21 +23,6 @@ fn most_work(settings: &StepSettings, is_pressed: bool) -> u64 {
     let factors = settings.substeps * if is_pressed { 1 } else { FREE_FACTORS };
     (f64::from(settings.articulations.halving_budget) * 1.0e6 / f64::from(factors)) as u64
 }
-
-/// Greatest mass over the least up to which sweeps carry the loads of what nothing fixed holds, and direct solves those of a loop that touches
-/// nothing. Sweeps take a body that is pushed for as heavy as it is alone. What joints hold to the world is as heavy as the world in all
-/// directions but those it may move in: fingers of a kilogram on a moved palm drop two kilograms by 25 mm at any ratio. What is free is no
-/// heavier than all of it, and keeps its angular momentum in sweeps and direct solves, where geometric stiffness resists turns of the whole:
-/// a free loop of six hinges that touches itself loses nearly all of it. A loop that stands on something fixed has none to keep: a tower of
-/// struts and cables of like masses sinks by 3 to 5 cm where it is swept.
-const ALIKE: f32 = 5.0;
-
-/// Least cosine between a contact's normal and the vertical for one body to stand on the other, rather than lean on its side.
-const STANDS: f32 = 0.7;
-
-/// Bodies of a row that lean on their sides alone from which on sweeps, which pass a load on by one contact at a time, do not bear it. Of an arch of
-/// seven stones three do, and it sinks by 0.6 mm at 30 Hz where it is swept; of 17 seven, and it sinks by 17 mm; of 31 fifteen, and by 53.
-const LEANING: u32 = 3;
 
 /// What is known of an island.
 #[derive(Debug, Clone, Copy, Default)]

@@ -4,6 +4,7 @@ use super::body::DirectBody;
 use super::row::{Row, RowState};
 use super::system::System;
 use crate::solve::joint::rows::{MAX_RECOVERY_SPEED, Rate};
+use crate::tuning::overruled::OVERRULED_COMPLIANCE;
 
 /// Error below which a fixed row stays fixed (m/s, rad/s, or m and rad in a projection).
 const FREE_BELOW: f64 = 1.0e-10;
@@ -12,11 +13,6 @@ const FREE_BELOW: f64 = 1.0e-10;
 /// Why: what rows contradict each other by is of the size of what they ask for; what a solve leaves else is 1e-7 of it.
 /// Scenes: motors of 50 N m to without bound, held by ropes, welds and stops at 30 to 240 Hz. Test: tests/motors.rs
 const MET: [f64; 2] = [1.0e-3, 1.0e-4];
-
-/// Compliance of a motor's row over its own response where what has no bound overrules it, and no force is too great for it: as far above that
-/// of contacts as below one. It pushes with a thousand times what would bring about what it asks for, and what it holds up meanwhile sinks at
-/// a thousandth of what falls freely in a substep.
-const OVERRULED_COMPLIANCE: f64 = 1.0e-3;
 
 /// Change of sliding friction, over its size, that asks for another pass.
 const CONE_TOLERANCE: f64 = 1.0e-2;

@@ -5,17 +5,10 @@ use super::island::CoupledIsland;
 use super::patch::Patch;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
+use crate::tuning::gaping_loops::{MENDED, STUCK};
 
 /// Shares of what takes errors out of positions that are tried, one after the other.
 const SHARES: [f64; 3] = [1.0, 0.3, 0.09];
-
-/// What is left of the sum of the squares of gaps, over what there was, below which bodies may turn further for it than rows are straight ways: a loop
-/// of a random graph at 30 m/s has 106 of 300 steps left to others without, and 45 with it.
-const MENDED: f64 = 0.25;
-
-/// What is left of the sum of the squares of gaps of a loop, over what there was, above which it is not tried again: joints that are all but in line, which
-/// only turning far would close, keep 0.95 and more of it.
-const STUCK: f64 = 0.8;
 
 /// Gap of a joint above which a substep corrects positions again, over the mean distance of joint points from centres of mass. The arms of
 /// what swings are off by 1e-5 of it; the light links of a rope that snaps taut under tonnes turn by 0.2 rad in a substep, and one correction

@@ -3,11 +3,7 @@
 use super::passes::{Effort, copy};
 use super::problem::{PROXIMITY, Problem, speed};
 use super::term::{Law, Term};
-
-/// Compliance with which they do, over their own response J M⁻¹ Jᵀ: a load of a hundred times a motor's body costs it a thousandth of what falls
-/// freely in a substep meanwhile. At 1e-6 the impulses of contacts do not settle against it.
-/// Scenes: bodies driven into a wall, and into what stands before one, at 30 to 240 Hz. Test: tests/overruled_motors.rs
-const GIVE: f64 = 1.0e-5;
+use crate::tuning::overruled::GIVE;
 
 /// Share of what they ask for, and speed beside it (m/s, rad/s), by which rows that hold may miss: of contradictions they miss as much as is
 /// asked for, of what a solve leaves else a thousandth (`SETTLED`).
