@@ -61,10 +61,16 @@ pub(crate) struct WorldRow {
     pub asked_fractures: Vec<JointId>,
     /// Units that are held among others that move.
     pub held_units: Vec<HeldUnit>,
-    pub free_bodies: Runs,
-    pub free_shapes: Runs,
-    pub free_joints: Runs,
-    pub free_islands: Runs,
+    pub free: FreeSlots,
+}
+
+/// Slots that have been given back and are to be taken next, the last first.
+#[derive(Debug)]
+pub(crate) struct FreeSlots {
+    pub bodies: Runs,
+    pub shapes: Runs,
+    pub joints: Runs,
+    pub islands: Runs,
 }
 
 /// A shape that is not quite where its body's pose of now would put it, as after its body's mass has changed.
@@ -107,11 +113,9 @@ stored!(WorldRow {
     asked_bounds,
     asked_fractures,
     held_units,
-    free_bodies,
-    free_shapes,
-    free_joints,
-    free_islands,
+    free,
 });
+stored!(FreeSlots { bodies, shapes, joints, islands });
 stored!(HeldUnit { bodies });
 stored!(HeldBody { body, load });
 stored!(WorldDef {
@@ -305,6 +309,7 @@ stored_enum!(JointKind {
 /// Names of all that is stored: what a snapshot must agree on.
 pub(crate) const LISTED: &[&str] = &[
     WorldRow::FIELDS,
+    FreeSlots::FIELDS,
     WorldDef::FIELDS,
     HeldUnit::FIELDS,
     HeldBody::FIELDS,

@@ -26,7 +26,7 @@ pub(crate) mod table;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use list::{Displaced, IslandRow, LISTED, LastBox, Runs, WorldRow};
+pub(crate) use list::{Displaced, FreeSlots, IslandRow, LISTED, LastBox, Runs, WorldRow};
 
 use crate::error::{Error, ErrorKind};
 

@@ -23,7 +23,7 @@ use crate::snapshot::carried::{CarriedBound, CarriedUnion};
 use crate::snapshot::contacts;
 use crate::snapshot::forms::{KnownForms, NumberedForms};
 use crate::snapshot::table::{Input, Output};
-use crate::snapshot::{Displaced, IslandRow, LISTED, LastBox, Runs, WorldRow, refused, seal};
+use crate::snapshot::{Displaced, FreeSlots, IslandRow, LISTED, LastBox, Runs, WorldRow, refused, seal};
 
 /// What a snapshot makes of a world, complete and checked.
 struct Image {
@@ -149,10 +149,12 @@ impl World {
             asked_bounds: self.long_range.soft.clone(),
             asked_fractures: self.fracture.asked().to_vec(),
             held_units: self.hold.units.held.clone(),
-            free_bodies: Runs(self.bodies.free().to_vec()),
-            free_shapes: Runs(self.colliders.free().to_vec()),
-            free_joints: Runs(self.joints.free().to_vec()),
-            free_islands: Runs(self.sleeping.free().to_vec()),
+            free: FreeSlots {
+                bodies: Runs(self.bodies.free().to_vec()),
+                shapes: Runs(self.colliders.free().to_vec()),
+                joints: Runs(self.joints.free().to_vec()),
+                islands: Runs(self.sleeping.free().to_vec()),
+            },
         }
     }
 
@@ -275,9 +277,9 @@ impl Image {
     /// Reads all tables; `None` if anything in them makes no sense.
     fn read(input: &mut Input, tag: u16) -> Option<Self> {
         let [row] = <[WorldRow; 1]>::try_from(input.table::<WorldRow>()?).ok()?;
-        let bodies: Pool<Body, BodyId> = Pool::from_parts(tag, input.table()?, row.free_bodies.0.clone())?;
-        let mut colliders: Pool<Collider, ShapeId> = Pool::from_parts(tag, input.table()?, row.free_shapes.0.clone())?;
-        let joints: Pool<Joint, JointId> = Pool::from_parts(tag, input.table()?, row.free_joints.0.clone())?;
+        let bodies: Pool<Body, BodyId> = Pool::from_parts(tag, input.table()?, row.free.bodies.0.clone())?;
+        let mut colliders: Pool<Collider, ShapeId> = Pool::from_parts(tag, input.table()?, row.free.shapes.0.clone())?;
+        let joints: Pool<Joint, JointId> = Pool::from_parts(tag, input.table()?, row.free.joints.0.clone())?;
         for slot in 0..colliders.slot_count() as u32 {
             let body = match colliders.get(slot) {
                 Some(collider) => bodies.get(collider.body)?,
@@ -314,7 +316,7 @@ impl Image {
         if next as usize != active.0.len() + asleep.0.len() || !input.is_done() {
             return None;
         }
-        let sleeping = SleepingIslands::from_parts(islands, row.free_islands.0.clone())?;
+        let sleeping = SleepingIslands::from_parts(islands, row.free.islands.0.clone())?;
         let least_extent = |shape: u32| colliders.get(shape).map_or(0.0, |collider: &Collider| collider.least_extent);
         let pairs = PairCache::from_parts(active, asleep, |key| least_extent(key.shapes().0).min(least_extent(key.shapes().1)))?;
         let image = Self { row, bodies, colliders, joints, pairs, sleeping, bounds, unions };

@@ -29,6 +29,30 @@ use dirty_pairs::TURNED;
 pub(super) use pair_view::{PairFrame, PairView, told_by};
 use record::{Record, Seen};
 
+/// Whether the stage rests, and what keeps it from that.
+#[derive(Debug, Default)]
+pub(super) struct SupportRest {
+    pub rests: bool,
+    /// Whether something has come to stand on what needs no support since.
+    pub has_landed: bool,
+    /// Whether a joint holds anything to what needs no support, and whether anything is braced or pressed against such.
+    has_anchors: bool,
+    leans: bool,
+}
+
+/// What has changed since the last update.
+#[derive(Debug, Default)]
+pub(super) struct SupportChanges {
+    /// Whether everything must be looked at, also what sleeps.
+    is_new: bool,
+    pub bodies: bool,
+    pub joints: bool,
+}
+
+impl SupportChanges {
+    const ALL: Self = Self { is_new: true, bodies: true, joints: true };
+}
+
 /// The analysis of a world, and what it was made from.
 #[derive(Debug, Default)]
 pub(super) struct SupportState {
@@ -50,21 +74,13 @@ pub(super) struct SupportState {
     pub came_to_rest: Vec<u32>,
     /// Pairs looked at so far.
     looked_at: u64,
-    /// Whether the stage rests, and whether something has come to stand on what needs no support since.
-    pub rests: bool,
-    pub has_landed: bool,
-    /// Whether a joint holds anything to what needs no support, and whether anything is braced or pressed against such.
-    has_anchors: bool,
-    leans: bool,
+    pub rest: SupportRest,
     /// Whether what stands by thrust is looked for, and what was found.
     pub by_thrust: bool,
     thrust: Thrust,
     /// The analysis for those who ask while the stage rests.
     view: OnceLock<Box<Self>>,
-    /// Whether everything must be looked at, also what sleeps.
-    is_new: bool,
-    pub bodies_changed: bool,
-    pub joints_changed: bool,
+    pub changed: SupportChanges,
     /// Bodies whose verdict is not what was last said of them, and for how long.
     watched: Vec<(u32, DwellTime)>,
     said: Vec<bool>,
@@ -75,7 +91,7 @@ pub(super) struct SupportState {
 impl SupportState {
     fn new(slots: usize, by_thrust: bool) -> Self {
         let said = vec![false; slots];
-        Self { by_thrust, bodies_changed: true, joints_changed: true, is_new: true, said, ..Self::default() }
+        Self { by_thrust, changed: SupportChanges::ALL, said, ..Self::default() }
     }
 
     /// Bodies that were said to be supported, and those whose verdict is watched: what a snapshot keeps.
@@ -102,8 +118,8 @@ impl SupportState {
 
     /// Looks at everything in the next update.
     fn begin_anew(&mut self) {
-        self.rests = false;
-        (self.bodies_changed, self.joints_changed, self.is_new) = (true, true, true);
+        self.rest.rests = false;
+        self.changed = SupportChanges::ALL;
     }
 
     /// Does nothing from now on.
@@ -112,7 +128,7 @@ impl SupportState {
         self.graph.clear();
         self.pressed.clear();
         self.came_to_rest.clear();
-        self.rests = true;
+        self.rest.rests = true;
     }
 
     fn forget_body(&mut self, index: u32) {
@@ -244,21 +260,21 @@ impl World {
         if state.gravity != self.def.gravity || state.frame.is_none() {
             state.turn_to(self.def.gravity);
         }
-        if state.joints_changed {
-            state.has_anchors = self.has_anchors();
+        if state.changed.joints {
+            state.rest.has_anchors = self.has_anchors();
         }
-        if state.rests && (state.has_landed || state.has_anchors) {
+        if state.rest.rests && (state.rest.has_landed || state.rest.has_anchors) {
             state.begin_anew();
         }
-        if !state.rests {
+        if !state.rest.rests {
             self.update_analysis(&mut state);
             self.list_changes(&mut state);
-            if !state.graph.has_bases() && !state.has_anchors && !state.leans {
+            if !state.graph.has_bases() && !state.rest.has_anchors && !state.rest.leans {
                 state.rest();
             }
         }
-        if state.rests {
-            (state.joints_changed, state.has_landed) = (false, false);
+        if state.rest.rests {
+            (state.changed.joints, state.rest.has_landed) = (false, false);
             state.came_to_rest.clear();
         }
         self.support = Some(state);
@@ -267,7 +283,7 @@ impl World {
     fn update_analysis(&mut self, state: &mut SupportState) {
         self.sync_bodies(state);
         let Some(frame) = state.frame else { return };
-        let all = state.is_new;
+        let all = state.changed.is_new;
         self.sync_contacts(state);
         self.sync_joints(state);
         state.graph.update();
@@ -279,7 +295,7 @@ impl World {
     }
 
     fn sync_joints(&self, state: &mut SupportState) {
-        if std::mem::take(&mut state.joints_changed) {
+        if std::mem::take(&mut state.changed.joints) {
             let (ties, anchors) = self.ties(|_| true);
             state.graph.set_joints(&ties, &anchors);
         }
@@ -307,8 +323,8 @@ impl World {
     /// Tells the analysis that bodies or joints were made, changed or destroyed.
     pub(super) fn topology_changed(&mut self) {
         if let Some(state) = &mut self.support {
-            state.bodies_changed = true;
-            state.joints_changed = true;
+            state.changed.bodies = true;
+            state.changed.joints = true;
             state.view.take();
         }
     }
@@ -329,7 +345,7 @@ impl World {
     }
 
     fn sync_bodies(&self, state: &mut SupportState) {
-        if std::mem::take(&mut state.bodies_changed) {
+        if std::mem::take(&mut state.changed.bodies) {
             let count = self.bodies.slot_count();
             state.made_for.resize(count, Quat::IDENTITY);
             state.said.resize(count, false);
@@ -354,7 +370,7 @@ impl World {
             let kind = kind_of(&self.bodies[index]);
             if state.graph.node(index).is_some_and(|node| node.kind != kind) {
                 state.graph.set_kind(index, kind);
-                state.joints_changed = true;
+                state.changed.joints = true;
             }
         }
     }

@@ -145,9 +145,9 @@ impl World {
                 }
                 if support.is_awake() {
                     support.note_touching((key, slot), pair, colliders);
-                } else if pair.pressed && support.rests && !support.has_landed {
+                } else if pair.pressed && support.rest.rests && !support.rest.has_landed {
                     let site = PairView::new(pair, slot, colliders, bodies);
-                    support.has_landed = site.is_on_base(support.frame.as_ref(), support.by_thrust);
+                    support.rest.has_landed = site.is_on_base(support.frame.as_ref(), support.by_thrust);
                 }
                 report_contact(pair, colliders, bodies, events);
             }

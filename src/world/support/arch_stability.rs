@@ -191,7 +191,7 @@ impl World {
         }
         // Only of interest where nothing stands on a base.
         let leans = || self.pairs.active().iter().any(|&(_, slot)| self.leans_on_a_base(slot));
-        state.leans = thrust.braces_any() || (!state.graph.has_bases() && leans());
+        state.rest.leans = thrust.braces_any() || (!state.graph.has_bases() && leans());
         state.thrust = thrust;
     }
 

@@ -46,7 +46,7 @@ fn is_spent(pair: &Pair, colliders: &Pool<Collider, ShapeId>) -> bool {
 impl SupportState {
     /// Whether it is kept up at all in this step.
     pub fn is_awake(&self) -> bool {
-        !self.rests && self.frame.is_some()
+        !self.rest.rests && self.frame.is_some()
     }
 
     /// Takes note of the points of a pair that touch after the step, and whether it is to be looked at. Its key is that of the pair, which
@@ -58,7 +58,7 @@ impl SupportState {
             self.pressed.push(slot);
         }
         // What touches nowhere, and did not when it was looked at, has no links.
-        if self.is_new || (bits == 0 && pair.word == Word::Nothing) {
+        if self.changed.is_new || (bits == 0 && pair.word == Word::Nothing) {
             return;
         }
         let (a, b) = key.shapes();
@@ -101,7 +101,7 @@ impl World {
             state.turn_to(self.def.gravity);
         }
         self.forget_released(&mut state);
-        if !state.rests {
+        if !state.rest.rests {
             self.sync_bodies(&mut state);
             self.note_signs(&mut state);
         }
@@ -135,7 +135,7 @@ impl World {
     /// have come to rest.
     pub(super) fn sync_contacts(&mut self, state: &mut SupportState) {
         let Some(frame) = state.frame else { return };
-        if state.is_new {
+        if state.changed.is_new {
             self.note_signs(state);
             for (slot, word) in self.sync_all(state, &frame) {
                 self.pairs.get_mut(slot).word = word;
@@ -150,7 +150,7 @@ impl World {
                 self.pairs.get_mut(slot).word = word;
             }
         }
-        state.is_new = false;
+        state.changed.is_new = false;
     }
 
     /// Looks at all pairs, also those that sleep, and says what it found.

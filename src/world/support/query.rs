@@ -220,7 +220,7 @@ impl World {
     fn analysis(&self) -> Result<&SupportState> {
         let state = self.kept_analysis()?;
         let view = || Box::new(self.analysis_anew(state.gravity));
-        Ok(if state.rests { state.view.get_or_init(view) } else { state })
+        Ok(if state.rest.rests { state.view.get_or_init(view) } else { state })
     }
 
     fn kept_analysis(&self) -> Result<&SupportState> {
