@@ -21,6 +21,8 @@ pub struct Wish {
     /// Another platform than this one.
     pub target: Option<String>,
     pub features: Option<String>,
+    /// Whether a profile of scenes says how code is laid out.
+    pub by_profile: bool,
 }
 
 impl Wish {
@@ -31,9 +33,15 @@ impl Wish {
             match word {
                 "--target" => wish.target = Some(value()?),
                 "--features" => wish.features = Some(value()?),
+                "--pgo" => wish.by_profile = true,
                 prefix if wish.prefix.is_none() && !prefix.starts_with('-') => wish.prefix = Some(std::path::absolute(prefix)?),
-                other => return Err(format!("install PREFIX [--target TRIPLE] [--features stream]; what is {other}?").into()),
+                other => {
+                    return Err(format!("install PREFIX [--target TRIPLE] [--features stream] [--pgo]; what is {other}?").into());
+                }
             }
+        }
+        if wish.by_profile && wish.target.is_some() {
+            return Err("--pgo runs scenes on this platform: leave --target out".into());
         }
         Ok(wish)
     }

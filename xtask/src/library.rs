@@ -8,7 +8,7 @@ use tinyjson::{InnerAsRef, JsonValue};
 
 use crate::install::Wish;
 use crate::platforms::Toolchain;
-use crate::{Outcome, platform, printed, repository, succeed};
+use crate::{Outcome, pgo, platform, printed, repository, succeed};
 
 /// A build of `longspan-capi`.
 pub struct Library {
@@ -34,6 +34,7 @@ impl Library {
         let mut words = vec!["--release", "--package", "longspan-capi"];
         words.extend(wish.features.iter().flat_map(|features| ["--features", features]));
         match &wish.target {
+            None if wish.by_profile => Self::build_with(pgo::cargo_with_profile()?, &words),
             None => Self::build_by(&words),
             Some(target) => {
                 let toolchain = Toolchain::get(target)?;
@@ -56,8 +57,11 @@ impl Library {
     }
 
     fn build_by(arguments: &[&str]) -> Outcome<Self> {
+        Self::build_with(cargo(), arguments)
+    }
+
+    fn build_with(mut command: Command, arguments: &[&str]) -> Outcome<Self> {
         println!("building the library: cargo build {}", arguments.join(" "));
-        let mut command = cargo();
         command.args(["build", "--message-format", "json-render-diagnostics"]).args(arguments);
         let messages = printed(command.stderr(Stdio::inherit()))?;
         let folder = folder_of_static_library(&messages).ok_or("cargo says nothing of liblongspan.a")?;

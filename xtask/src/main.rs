@@ -12,12 +12,14 @@ mod install;
 mod instructions;
 mod library;
 mod notices;
+mod pgo;
 mod platform;
 mod platforms;
 mod profile;
 mod readme;
 mod samples;
 mod streams;
+mod touched;
 mod tunnel;
 mod viewer;
 mod window;
@@ -35,12 +37,13 @@ const USAGE: &str = "cargo xtask COMMAND
     tunnel    carries a stream between two network namespaces by iceoryx2's tunnel, which must be installed; as root
     viewer [FOLDER [FIGURE]]   publishes each scene of the paper from a host in C; watches, records and plays it; looks at the pictures
     window [FOLDER] presses every key and button that the viewer's window answers to, and looks at what they do
-    install PREFIX [--target TRIPLE] [--features stream]
-              installs shared and static library, header, pkg-config files, CMake package and licences (DESTDIR is honoured)
+    install PREFIX [--target TRIPLE] [--features stream] [--pgo]
+              installs shared and static library, header, pkg-config files, CMake package and licences (DESTDIR is honoured);
+              with --pgo, the library is built by a profile of scenes, for this platform
     consumers builds and runs a program for each way to take the installed library
     hosts     builds the hosts with a window, runs them under a virtual display, and looks at their pictures
     platforms [TARGET ...]   the table of state hashes and the C samples on aarch64, Windows and WebAssembly; gets what it needs
-    instructions [bless]   counts the instructions of steps of some scenes, and compares with benches/instructions.toml, or writes it
+    instructions [bless]   counts the instructions of steps of some scenes, and the code and stack that one step touches; compares with benches/instructions.toml, or writes it
     profile SCENE FIRST COUNT [KEY=VALUE ...]   where the instructions of these steps go
     readme    compiles and runs the C example of README.md by the compiler lines given there";
 
