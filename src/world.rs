@@ -132,6 +132,8 @@ struct StepScratch {
     /// Balls that press on surfaces of triangles, for each piece of the pairs and in order.
     found_balls: Vec<Vec<surface_energy::BallOnSurface>>,
     balls_on_surfaces: Vec<surface_energy::BallOnSurface>,
+    /// Sizes and numbers of the batches that one thread each goes through, the largest first.
+    batch_order: Vec<(usize, u32)>,
     /// What is noted of bodies, and of joints, for each piece of a batch.
     noted: Vec<write_back::bodies::BodyNotes>,
     noted_joints: Vec<write_back::joints::JointNotes>,

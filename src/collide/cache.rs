@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use super::active_hits::{ActiveHit, ActiveHits};
 use super::pairs::{Pair, PairKey};
 use super::persistent_manifold::Manifolds;
+use crate::prefetch::{AHEAD, prefetch};
 use crate::tight_vec::{make_room, make_room_behind};
 use crate::workers::Workers;
 
@@ -195,17 +196,15 @@ impl PairCache {
         &mut self.pairs
     }
 
-    /// Adds those of `keys` (sorted, without repeats) that are not active yet.
+    /// Adds pairs of a settled list, none of which is active (`keys` are sorted, without repeats).
     pub(crate) fn activate_new(&mut self, keys: &[PairKey]) {
-        if keys.is_empty() {
-            return;
-        }
-        self.settle();
-        let mut fresh = Vec::new();
+        debug_assert!(self.is_settled() && keys.iter().all(|&key| self.find(key).is_none()), "a pair is active already");
+        let mut fresh = Vec::with_capacity(keys.len());
         for &key in keys {
-            if self.active.binary_search_by_key(&key, |&(key, _)| key).is_err() {
-                fresh.push((key, self.allocate(key)));
+            if let Some(&next) = self.free.len().checked_sub(1 + AHEAD).and_then(|place| self.free.get(place)) {
+                prefetch(&self.pairs[next as usize]);
             }
+            fresh.push((key, self.allocate(key)));
         }
         self.merge(&fresh);
     }

@@ -181,6 +181,11 @@ impl Batch {
         self.manifolds.list.len() + if may_be_cut(joints, self.body_count() as usize) { joints } else { 0 }
     }
 
+    /// What goes with the time that one thread takes for it: bodies, joints and manifolds.
+    pub(crate) fn size(&self) -> usize {
+        self.manifolds.list.len() + self.joints.slots.len() + self.body_count() as usize
+    }
+
     /// Bodies that it has had room for.
     pub(crate) fn room(&self) -> usize {
         self.bodies.capacity()

@@ -8,11 +8,17 @@
 //! So a body all of whose contacts slide is moved by −½ h Δv once a step, if its velocity has changed in the step as the impulses of the
 //! last substep would change it in each: a blow is no such force.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
 use super::contact::LANES;
 use super::contact_block::ContactBlocks;
 use super::state::{BodyMotion, BodyVelocity, MotionKind};
+use crate::workers::Workers;
+
+/// Blocks that are worth another thread's while to look through: some 2 µs.
+const MIN_BLOCKS: usize = 64;
 
 /// Share of what friction can give from which on a contact may slide: what it gives follows the load of the sweep before.
 const LIMIT: f32 = 0.99;
@@ -34,7 +40,12 @@ pub(crate) struct Slides {
     h: f32,
     /// Of each slot; none where nothing slides.
     changes: Vec<Change>,
+    /// By part of the blocks: manifolds that are looked at closer.
+    found: Vec<Vec<Loaded>>,
 }
+
+/// A manifold that presses, by block and lane, and the sum of its normal multipliers (N·s).
+type Loaded = (usize, usize, f32);
 
 #[derive(Debug, Clone, Copy)]
 enum Change {
@@ -69,13 +80,13 @@ impl Slides {
         velocities: &[BodyVelocity],
         motions: &[BodyMotion],
         (h, substeps): (f32, u32),
+        threads: &Workers,
     ) {
+        let Self { changes, found, .. } = self;
         self.h = h;
-        for (block, lane, load) in loaded(contacts) {
-            if !slides(contacts, velocities, (block, lane), load) {
-                continue;
-            }
-            self.changes.resize(velocities.len(), Change::None);
+        list(contacts, found, threads, |lane, load| slides(contacts, velocities, lane, load));
+        for &(block, lane, _) in found.iter().flatten() {
+            changes.resize(velocities.len(), Change::None);
             let own = &contacts.blocks[block];
             let slots = [own.a[lane], own.b[lane]].map(|slot| slot as usize);
             // What the host accelerates has velocities of the middles of substeps, and what slides along with it moves as it does.
@@ -86,19 +97,23 @@ impl Slides {
                 let motion = &motions[slot];
                 if motion.is_dynamic() && !motion.jointed && !motion.direct {
                     let steady = motion.acceleration * (h * substeps as f32);
-                    self.changes[slot] = Change::By { steady, normal: own.normal_of(lane) };
+                    changes[slot] = Change::By { steady, normal: own.normal_of(lane) };
                 }
             }
         }
-        if self.changes.is_empty() {
+        if changes.is_empty() {
             return;
         }
-        for (block, lane, load) in loaded(contacts) {
+        list(contacts, found, threads, |(block, lane), _| {
+            let own = &contacts.blocks[block];
+            [own.a[lane], own.b[lane]].iter().any(|&slot| matches!(changes[slot as usize], Change::By { .. }))
+        });
+        for &(block, lane, load) in found.iter().flatten() {
             let own = &contacts.blocks[block];
             let across = own.normal_of(lane);
             let impulse = across * load + contacts.impulses(block, lane).friction;
             for (slot, sign) in [(own.a[lane], -1.0), (own.b[lane], 1.0)] {
-                let change = &mut self.changes[slot as usize];
+                let change = &mut changes[slot as usize];
                 let Change::By { steady, normal } = change else { continue };
                 if across.cross(*normal).length() > FLAT || !slides(contacts, velocities, (block, lane), load) {
                     *change = Change::Sticks;
@@ -110,9 +125,28 @@ impl Slides {
     }
 }
 
+/// Lists the loaded manifolds of which `is_asked` says so, part after part, on all threads.
+fn list(
+    contacts: &ContactBlocks,
+    found: &mut Vec<Vec<Loaded>>,
+    threads: &Workers,
+    is_asked: impl Fn((usize, usize), f32) -> bool + Sync,
+) {
+    let piece = if threads.has_team() { threads.piece(contacts.len(), MIN_BLOCKS) } else { contacts.len().max(1) };
+    let parts = contacts.len().div_ceil(piece);
+    if found.len() < parts {
+        found.resize_with(parts, Vec::new);
+    }
+    found.iter_mut().for_each(Vec::clear);
+    threads.share(found.iter_mut().zip((0..contacts.len()).step_by(piece)), |(found, first)| {
+        let blocks = first..contacts.len().min(first + piece);
+        found.extend(loaded(contacts, blocks).filter(|&(block, lane, load)| is_asked((block, lane), load)));
+    });
+}
+
 /// Manifolds that press, by block and lane, and the sums of their normal multipliers (N·s).
-fn loaded(contacts: &ContactBlocks) -> impl Iterator<Item = (usize, usize, f32)> {
-    let lanes = (0..contacts.len()).flat_map(|block| (0..LANES).map(move |lane| (block, lane)));
+fn loaded(contacts: &ContactBlocks, blocks: Range<usize>) -> impl Iterator<Item = Loaded> {
+    let lanes = blocks.flat_map(|block| (0..LANES).map(move |lane| (block, lane)));
     let load = |(block, lane): (usize, usize)| {
         let points = usize::from(contacts.blocks[block].count[lane]);
         (block, lane, (0..points).map(|point| contacts.rows(block, point).lambda[lane]).sum::<f32>())

@@ -156,7 +156,7 @@ impl BatchStages {
             self.close_joints(batch, joints, threads, h);
         }
         self.rebound(batch, settings.restitution_threshold);
-        self.slides.find(&batch.contacts, &batch.velocities, &batch.motions, (h, settings.substeps));
+        self.slides.find(&batch.contacts, &batch.velocities, &batch.motions, (h, settings.substeps), threads);
         self.recovery.recover_positions(batch, threads, settings.dt);
         self.settle(batch, joints, threads, true);
         let Batch { half_steps, velocities, motions, .. } = batch;

@@ -203,6 +203,11 @@ impl Team {
         let task = |number: usize| work(unsafe { pieces.take(number) });
         #[cfg(feature = "trace")]
         if self.pool.is_none() {
+            let width = places.iter().map(|place| usize::from(place.1) + 1).max().unwrap_or(0);
+            if places.len() > 1 && width > 1 {
+                // SAFETY: no thread goes through regions. To put this one in order is part of what it costs.
+                unsafe { shared.regions.open(places, width, counts, &task, needs) };
+            }
             super::trace::record(std::panic::Location::caller(), (places, needs), &task);
             return kept.clear();
         }

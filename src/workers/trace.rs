@@ -14,8 +14,8 @@ use super::region::Needs;
 pub struct Region {
     /// Where it is shared out.
     pub at: &'static Location<'static>,
-    /// When it began to be cut into pieces, and when the last of them was done, by the clock.
-    pub time: [Duration; 2],
+    /// When it began to be cut into pieces, when it was cut, and when the last of them was done and noted, by the clock.
+    pub time: [Duration; 3],
     /// Its pieces, in their order.
     pub pieces: Vec<Piece>,
     /// Whether pieces wait for some others, not for all of an earlier phase.
@@ -70,8 +70,9 @@ pub(super) fn begin() {
 /// Works on the pieces of a region, each by its phase and owner, and notes it.
 pub(super) fn record(at: &'static Location<'static>, (places, needs): (&[(u8, u8)], Option<Needs<'_>>), task: &dyn Fn(usize)) {
     let begun = BEGUN.get();
-    let mut last = now();
+    let cut = now();
     let mut pieces = Vec::with_capacity(places.len());
+    let mut last = now();
     for (number, &(phase, owner)) in places.iter().enumerate() {
         task(number);
         let done = now();
@@ -82,7 +83,7 @@ pub(super) fn record(at: &'static Location<'static>, (places, needs): (&[(u8, u8
         pieces.push(Piece { phase: usize::from(phase), owner: usize::from(owner), time: done.saturating_sub(last), needs: own });
         last = now();
     }
-    let region = Region { at, time: [begun, last], pieces, is_flow: needs.is_some() };
+    let region = Region { at, time: [begun, cut, now()], pieces, is_flow: needs.is_some() };
     REGIONS.with_borrow_mut(|regions| regions.push(region));
     begin();
 }

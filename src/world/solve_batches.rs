@@ -1,5 +1,7 @@
 //! Stage that fills the batches from the world's records and solves them side by side.
 
+use std::cmp::Reverse;
+
 use glam::{DVec3, Quat, Vec3};
 
 use super::World;
@@ -23,6 +25,7 @@ use crate::settings::Solver;
 use crate::solve::StepSettings;
 use crate::solve::batch::{Batch, BatchManifolds, ContactEnds, REPLICA};
 use crate::solve::contact::ContactInput;
+use crate::solve::disjoint::{DisjointSlices, Slots};
 use crate::solve::distance_bound::BoundEntry;
 use crate::solve::joint::JointEnd;
 use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
@@ -131,11 +134,17 @@ impl World {
         let is_large = |batch: &Batch| batch.load() >= MIN_SHARED && batch.load() as f32 > each;
         let large = batches.iter_mut().zip(&mut *stages).filter(|(batch, _)| is_large(batch));
         large.for_each(|(batch, stages)| work(batch, stages, &self.threads));
+        let order = &mut self.scratch.batch_order;
+        order.clear();
+        order.extend(batches.iter().zip(0..).filter(|(batch, _)| !is_large(batch)).map(|(batch, number)| (batch.size(), number)));
+        // The longest first: whoever comes late to the last finds a short one.
+        order.sort_unstable_by_key(|&(size, number)| (Reverse(size), number));
         let alone = Workers::default();
-        let piece = self.threads.piece(batches.len(), 1);
-        self.threads.share(batches.chunks_mut(piece).zip(stages.chunks_mut(piece)), |(batches, stages)| {
-            let small = batches.iter_mut().zip(stages).filter(|(batch, _)| !is_large(batch));
-            small.for_each(|(batch, stages)| work(batch, stages, &alone));
+        let (batches, stages) = (DisjointSlices::new(batches), DisjointSlices::new(stages));
+        self.threads.share_among_all(order.iter(), |&(_, number)| {
+            // SAFETY: each batch is once in the order, with its stages.
+            let (mut batches, mut stages) = unsafe { (batches.part(), stages.part()) };
+            work(batches.get_mut(number), stages.get_mut(number), &alone);
         });
         self.scratch.runs.find(&self.batches[..self.batch_count], &self.threads);
     }

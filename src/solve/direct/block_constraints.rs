@@ -10,10 +10,13 @@ use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
 use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::workers::Workers;
 
-/// Articulations alone or in lockstep from which on several threads go through them, and those that are worth another thread's while:
-/// some 10 µs.
+/// Articulations alone or in lockstep from which on several threads go through them, and what four ragdolls cost a thread on the mean (µs): a
+/// sweep takes less, and to form their factors more.
 const SHARED_UNITS: usize = 8;
-const MIN_UNITS: usize = 2;
+const UNIT_TIME: f32 = 10.0;
+
+/// Pieces for each thread: articulations differ in length.
+const PIECES_EACH: usize = 2;
 
 /// Threads, and the state of a batch's bodies on which they work.
 pub(crate) struct SolveContext<'a> {
@@ -58,9 +61,11 @@ impl Direct {
         }
         let (velocities, motions) = (DisjointSlices::new(velocities), DisjointSlices::new(motions));
         let (articulations, groups) = (DisjointSlices::new(articulations), DisjointSlices::new(groups));
-        let is_shared = units >= SHARED_UNITS && threads.has_team();
-        let piece = if is_shared { threads.piece(units, MIN_UNITS) } else { units };
-        threads.share((0..units).step_by(piece), |first| {
+        let places = if units >= SHARED_UNITS { threads.places_for(units as f32 * UNIT_TIME, 1) } else { 1 };
+        let piece = if places > 1 { units.div_ceil(PIECES_EACH * places) } else { units };
+        let count = units.div_ceil(piece);
+        let pieces = (0..units).step_by(piece).zip(0..).map(|(first, number)| (0, number * places / count, first));
+        threads.share_in_phases(pieces, |first| {
             // SAFETY: each unit is in one piece, each articulation is alone or a member of one group, and changes the state of bodies that it
             // moves, each of which is of one articulation.
             let (mut own, mut groups, mut hands) = unsafe {

@@ -238,7 +238,7 @@ impl Direct {
         let (starts, bodies) = (&*velocities, &*motions);
         let articulations = &mut self.articulations[..self.count];
         let piece = threads.piece(articulations.len(), 1);
-        threads.share(articulations.chunks_mut(piece), |articulations| {
+        threads.share_among_all(articulations.chunks_mut(piece), |articulations| {
             for articulation in articulations.iter_mut().filter(|articulation| !articulation.coupled) {
                 articulation.step(joints, starts, bodies, settings);
             }
