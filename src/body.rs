@@ -146,6 +146,38 @@ pub(crate) fn within_limit(velocity: Vec3, limit: f32) -> Vec3 {
     if length > limit { velocity * (limit / length * (1.0 - 2.0 * f32::EPSILON)) } else { velocity }
 }
 
+/// What the host sets of a body and steps only read.
+#[derive(Debug, Clone)]
+pub(crate) struct BodySettings {
+    pub mass_source: Mass,
+    pub locked_axes: LockedAxes,
+    pub linear_damping: f32,
+    pub angular_damping: f32,
+    pub gravity_scale: f32,
+    pub can_sleep: bool,
+    pub fast: bool,
+    pub user_word: u64,
+}
+
+/// Where the host moves a kinematic body.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct KinematicState {
+    /// Whether the velocity comes from a target, so that it ends with it.
+    pub driven: bool,
+    pub path: Option<Box<KinematicPath>>,
+}
+
+/// For how long a body has been in the state in which steps may save work.
+#[derive(Debug, Clone)]
+pub(crate) struct BodyTimes {
+    /// How far it is from lying where it was put.
+    pub settling: Settling,
+    /// For how long it has been calm.
+    pub calm_for: DwellTime,
+    /// For how long it has moved smoothly: by itself, or in an articulation that is swept with contacts.
+    pub smooth_for: DwellTime,
+}
+
 /// The world's record of a body. The centre of mass is what the solver moves; the user's frame follows from it.
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
@@ -158,27 +190,14 @@ pub(crate) struct Body {
     /// Force and torque gathered since the last step (N, N·m), about the centre of mass.
     pub force: Vec3,
     pub torque: Vec3,
-    pub mass_source: Mass,
     pub mass: Option<MassProperties>,
     pub local_center: Vec3,
-    pub locked_axes: LockedAxes,
-    pub linear_damping: f32,
-    pub angular_damping: f32,
-    pub gravity_scale: f32,
-    pub can_sleep: bool,
-    pub fast: bool,
-    pub user_word: u64,
-    /// Whether the velocity comes from a target, so that it ends with it.
-    pub driven: bool,
+    pub settings: BodySettings,
+    pub kinematic: KinematicState,
     pub shapes: Vec<ShapeId>,
     pub joints: Vec<JointId>,
     pub sleep: SleepState,
-    /// How far it is from lying where it was put.
-    pub settling: Settling,
-    /// For how long it has been calm.
-    pub calm_for: DwellTime,
-    /// For how long it has moved smoothly: by itself, or in an articulation that is swept with contacts.
-    pub smooth_for: DwellTime,
+    pub times: BodyTimes,
     /// Whether it keeps its pose in this step because nothing could move it.
     pub held: bool,
     /// Whether it has woken since what moved was last listed.
@@ -187,8 +206,6 @@ pub(crate) struct Body {
     pub anchored: Anchored,
     /// Last substep, for stepping to second order.
     pub history: StepHistory,
-    /// Where one that the host moves is going.
-    pub path: Option<Box<KinematicPath>>,
     /// Taken out of the simulation because a step gave it a non-finite state.
     pub quarantined: bool,
 }
@@ -237,28 +254,27 @@ impl Body {
             angular_velocity: if moves { def.angular_velocity } else { Vec3::ZERO },
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
-            mass_source: def.mass,
             mass,
             local_center,
-            locked_axes: def.locked_axes,
-            linear_damping: def.linear_damping,
-            angular_damping: def.angular_damping,
-            gravity_scale: def.gravity_scale,
-            can_sleep: def.can_sleep,
-            fast: def.fast,
-            user_word: def.user_word,
-            driven: false,
+            settings: BodySettings {
+                mass_source: def.mass,
+                locked_axes: def.locked_axes,
+                linear_damping: def.linear_damping,
+                angular_damping: def.angular_damping,
+                gravity_scale: def.gravity_scale,
+                can_sleep: def.can_sleep,
+                fast: def.fast,
+                user_word: def.user_word,
+            },
+            kinematic: KinematicState::default(),
             shapes: Vec::new(),
             joints: Vec::new(),
             sleep: SleepState::AWAKE,
-            settling: Settling::NEW,
-            calm_for: DwellTime::NONE,
-            smooth_for: DwellTime::NONE,
+            times: BodyTimes { settling: Settling::NEW, calm_for: DwellTime::NONE, smooth_for: DwellTime::NONE },
             woke: false,
             held: false,
             anchored: Anchored::No,
             history: StepHistory::default(),
-            path: None,
             quarantined: false,
         }
     }
@@ -293,24 +309,24 @@ impl Body {
             BodyKind::Kinematic => {
                 self.linear_velocity != Vec3::ZERO
                     || self.angular_velocity != Vec3::ZERO
-                    || self.path.as_ref().is_some_and(|path| path.target.is_some() || path.bends())
+                    || self.kinematic.path.as_ref().is_some_and(|path| path.target.is_some() || path.bends())
             }
         }
     }
 
     /// Pose a kinematic body shall have at the end of the next step.
     pub(crate) fn target(&self) -> Option<Pose> {
-        self.path.as_ref().and_then(|path| path.target)
+        self.kinematic.path.as_ref().and_then(|path| path.target)
     }
 
     /// The same, no longer kept.
     pub(crate) fn take_target(&mut self) -> Option<Pose> {
-        self.path.as_mut().and_then(|path| path.target.take())
+        self.kinematic.path.as_mut().and_then(|path| path.target.take())
     }
 
     /// Whether it has arrived where it was told to move to, and stands from the next step on.
     pub(crate) fn stops(&self) -> bool {
-        self.kind == BodyKind::Kinematic && self.driven && self.target().is_none()
+        self.kind == BodyKind::Kinematic && self.kinematic.driven && self.target().is_none()
     }
 
     /// Whether this step solves for its motion: free, awake and not held.
@@ -348,7 +364,7 @@ impl Body {
         match &self.mass {
             Some(mass) if self.is_free() => {
                 let inverse = crate::shape::inertia_tensor(1.0 / mass.principal_inertia, self.rotation * mass.inertia_frame);
-                without_locked(inverse, self.locked_axes.rotation)
+                without_locked(inverse, self.settings.locked_axes.rotation)
             }
             _ => Mat3::ZERO,
         }

@@ -349,9 +349,41 @@ fn thresholds_say_what_they_are_why_and_what_holds_them() {
     assert!(seen > 50, "only {seen} thresholds were found");
 }
 
+/// Names of the constants of a source that are real numbers, or arrays of such.
+fn real_constants(source: &str) -> Vec<&str> {
+    let lines = source.lines().filter(|line| !line.starts_with(' '));
+    let items =
+        lines.filter_map(|line| line.rsplit_once("const ").filter(|(before, _)| before.is_empty() || before.starts_with("pub")));
+    let typed = items.filter_map(|(_, item)| item.split_once(": "));
+    typed.filter(|(_, kind)| kind.trim_start_matches('[').starts_with('f')).map(|(name, _)| name).collect()
+}
+
+#[test]
+fn thresholds_of_the_solver_stand_in_tuning() {
+    let mut found = BTreeSet::new();
+    for (file, source) in sources("src/solve").iter().filter(|(file, _)| !file.contains("tests")) {
+        let source = source.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+        found.extend(real_constants(source).into_iter().map(|name| format!("{} {name}", file.trim_start_matches("src/solve/"))));
+    }
+    let listed = exceptions("tolerances.txt");
+    let new: Vec<&String> = found.difference(&listed).collect();
+    assert!(found.len() > 100, "only {} constants were found", found.len());
+    assert!(
+        new.is_empty(),
+        "what decides how a scene behaves belongs into src/tuning.rs, with its reason, its scenes and its test; what an algorithm computes \
+         with is listed in tests/house/tolerances.txt: {new:#?}"
+    );
+}
+
+#[test]
+fn real_constants_are_found_however_they_are_written() {
+    let source = "const A: f32 = 1.0;\npub(super) const B: f64 = 2.0;\nconst C: [f64; 2] = [1.0, 2.0];\nconst D: usize = 3;\n    const E: f32 = 1.0;";
+    assert_eq!(real_constants(source), ["A", "B", "C"]);
+}
+
 #[test]
 fn what_is_listed_is_there() {
-    let lists = ["up.txt", "circles.txt", "files.txt", "functions.txt", "structs.txt"];
+    let lists = ["up.txt", "circles.txt", "files.txt", "functions.txt", "structs.txt", "tolerances.txt"];
     let folder: BTreeSet<PathBuf> = lists.iter().map(|list| repository().join("tests/house").join(list)).collect();
     assert!(folder.iter().all(|list| list.is_file()), "{folder:?}");
 }

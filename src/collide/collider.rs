@@ -142,7 +142,7 @@ impl Collider {
 
     /// How far the shape may move in a step of `dt` seconds, gravity included (m).
     pub(crate) fn motion_bound(&self, body: &Body, gravity: f32, dt: f32) -> f32 {
-        let falling = if body.is_dynamic() { gravity * body.gravity_scale.abs() * dt } else { 0.0 };
+        let falling = if body.is_dynamic() { gravity * body.settings.gravity_scale.abs() * dt } else { 0.0 };
         (body.linear_velocity.length() + body.angular_velocity.length() * self.reach + falling) * dt
     }
 }

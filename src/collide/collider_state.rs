@@ -67,7 +67,7 @@ impl ColliderState {
             least_extent: shape.least_extent,
             position: shape.place.0,
             turning: body.angular_velocity.length() * shape.reach,
-            fall: if body.is_free() && is_mover { body.gravity_scale } else { 0.0 },
+            fall: if body.is_free() && is_mover { body.settings.gravity_scale } else { 0.0 },
             rotation: shape.place.1,
             velocity: body.linear_velocity,
             offset: shape.offset_on(body),

@@ -9,7 +9,7 @@ use parry3d::bounding_volume::Aabb;
 use super::carried::{AskedBound, CarriedBound, CarriedUnion, HeldBody, HeldUnit};
 use super::contacts::{FarPose, ManifoldRow, PairRow, PointRow};
 use super::stored::{Reader, Stored, Writer, stored, stored_enum};
-use crate::body::{Anchored, Body, BodyDef, BodyKind, Drift, LockedAxes, SleepState};
+use crate::body::{Anchored, Body, BodyDef, BodyKind, BodySettings, BodyTimes, Drift, KinematicState, LockedAxes, SleepState};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::PairKey;
 use crate::dwell_time::{DwellTime, Settling};
@@ -159,30 +159,23 @@ stored!(Body {
     angular_velocity,
     force,
     torque,
-    mass_source,
     mass,
     local_center,
-    locked_axes,
-    linear_damping,
-    angular_damping,
-    gravity_scale,
-    can_sleep,
-    fast,
-    user_word,
-    driven,
+    settings,
+    kinematic,
     shapes,
     joints,
     sleep,
     quarantined,
     history,
-    path,
-    settling,
-    calm_for,
-    smooth_for,
+    times,
     held,
     woke,
     anchored,
 });
+stored!(BodySettings { mass_source, locked_axes, linear_damping, angular_damping, gravity_scale, can_sleep, fast, user_word });
+stored!(KinematicState { driven, path });
+stored!(BodyTimes { settling, calm_for, smooth_for });
 stored!(BodyDef {
     kind,
     pose,
@@ -325,6 +318,9 @@ pub(crate) const LISTED: &[&str] = &[
     LastBox::FIELDS,
     IslandRow::FIELDS,
     Body::FIELDS,
+    BodySettings::FIELDS,
+    KinematicState::FIELDS,
+    BodyTimes::FIELDS,
     History::FIELDS,
     MassProperties::FIELDS,
     Collider::FIELDS,

@@ -99,6 +99,7 @@ impl PredictedPose {
         Self { turn, unused: [0.0; 4], rotation, displacement, unused_too: 0.0 }
     }
 
+    /// The same, to be written: the turn and the place of rotation and displacement.
     #[inline(always)]
     pub(crate) fn halves_mut(&mut self) -> [&mut [f32; 8]; 2] {
         // SAFETY: as in `halves`; any numbers may be written.
@@ -106,7 +107,7 @@ impl PredictedPose {
         [first, second]
     }
 
-    /// Turn and four numbers without meaning; rotation, displacement, and one more.
+    /// Its sixteen numbers as two registers: the turn and four that are unused; rotation, displacement, and one that is unused.
     #[inline(always)]
     pub(crate) fn halves(&self) -> [&[f32; 8]; 2] {
         // SAFETY: the struct is `repr(C)` and made of 16 `f32` without padding, as its size says.

@@ -61,7 +61,7 @@ pub(crate) struct MomentumPass {
     activities: Vec<BodyActivity>,
 }
 
-/// What a body says of its island; see there.
+/// Per-body inputs to [`StackIsland`].
 #[derive(Debug, Clone, Copy, Default)]
 struct BodyActivity {
     is_dynamic: bool,

@@ -70,7 +70,7 @@ impl World {
         let record = &mut self.bodies[index];
         record.set_pose(pose);
         record.take_target();
-        record.settling.put();
+        record.times.settling.put();
         let (returned, follows) = (std::mem::take(&mut record.quarantined), !record.is_free());
         if returned {
             self.topology_changed();
@@ -127,11 +127,11 @@ impl World {
         if at.position == target.position && (at.rotation == target.rotation || at.rotation == -target.rotation) {
             // It stands, and what lies on it may sleep: a velocity that it has ends as the next step begins.
             record.take_target();
-            record.driven = true;
+            record.kinematic.driven = true;
             return Ok(());
         }
         let stood = !record.is_mover();
-        record.path.get_or_insert_default().target = Some(target);
+        record.kinematic.path.get_or_insert_default().target = Some(target);
         if stood {
             self.wake_for(Edited::Body(index));
         }
@@ -150,7 +150,7 @@ impl World {
             return Err(Error::new(ErrorKind::NotApplicable, "body", "only dynamic bodies have mass"));
         }
         let resolved = shape::resolve_mass(mass, &self.shape_defs(index))?;
-        self.bodies[index].mass_source = mass;
+        self.bodies[index].settings.mass_source = mass;
         self.apply_mass(index, Some(resolved));
         Ok(())
     }
@@ -162,7 +162,7 @@ impl World {
     pub fn set_damping(&mut self, body: BodyId, linear: f32, angular: f32) -> Result<()> {
         check::not_negative("linear", linear)?;
         check::not_negative("angular", angular)?;
-        self.change(body, |body| (body.linear_damping, body.angular_damping) = (linear, angular))
+        self.change(body, |body| (body.settings.linear_damping, body.settings.angular_damping) = (linear, angular))
     }
 
     /// Factor on the world's gravity.
@@ -171,7 +171,7 @@ impl World {
     /// The handle is not a body of this world; the factor is not finite.
     pub fn set_gravity_scale(&mut self, body: BodyId, scale: f32) -> Result<()> {
         check::finite("scale", scale)?;
-        self.change(body, |body| body.gravity_scale = scale)
+        self.change(body, |body| body.settings.gravity_scale = scale)
     }
 
     /// Degrees of freedom taken away.
@@ -180,7 +180,7 @@ impl World {
     /// The handle is not a body of this world.
     pub fn set_locked_axes(&mut self, body: BodyId, locked: LockedAxes) -> Result<()> {
         self.change(body, |body| {
-            body.locked_axes = locked;
+            body.settings.locked_axes = locked;
             body.linear_velocity *= crate::body::free_axes(locked.translation);
             body.angular_velocity *= crate::body::free_axes(locked.rotation);
         })?;
@@ -197,7 +197,7 @@ impl World {
     /// The handle is not a body of this world.
     pub fn set_fast(&mut self, body: BodyId, fast: bool) -> Result<()> {
         let index = self.bodies.find(body)?;
-        self.bodies[index].fast = fast;
+        self.bodies[index].settings.fast = fast;
         Ok(())
     }
 
@@ -206,7 +206,7 @@ impl World {
     /// # Errors
     /// The handle is not a body of this world.
     pub fn set_can_sleep(&mut self, body: BodyId, can_sleep: bool) -> Result<()> {
-        self.change(body, |body| body.can_sleep = can_sleep)
+        self.change(body, |body| body.settings.can_sleep = can_sleep)
     }
 
     /// The host's own word on the body.
@@ -215,7 +215,7 @@ impl World {
     /// The handle is not a body of this world.
     pub fn set_user_word(&mut self, body: BodyId, word: u64) -> Result<()> {
         let index = self.bodies.find(body)?;
-        self.bodies[index].user_word = word;
+        self.bodies[index].settings.user_word = word;
         Ok(())
     }
 
@@ -236,7 +236,7 @@ impl World {
         }
         let stood = !record.is_mover();
         edit(record);
-        record.driven = false;
+        record.kinematic.driven = false;
         if record.acts_as() == BodyKind::Dynamic || (stood && record.is_mover()) {
             self.wake_for(Edited::Body(index));
         }
@@ -292,17 +292,17 @@ impl World {
                     let turn = target.rotation * body.rotation.conjugate();
                     let turn = if turn.w < 0.0 { -turn } else { turn };
                     body.angular_velocity = (turn.to_scaled_axis() / dt).clamp_length_max(MAX_ANGULAR_SPEED);
-                    body.driven = true;
+                    body.kinematic.driven = true;
                 }
                 None if body.stops() => {
                     body.linear_velocity = Vec3::ZERO;
                     body.angular_velocity = Vec3::ZERO;
-                    body.driven = false;
+                    body.kinematic.driven = false;
                 }
                 None => {}
             }
             let velocity = [body.linear_velocity, body.angular_velocity];
-            body.path.get_or_insert_default().begin_step(self.report.step, dt, velocity);
+            body.kinematic.path.get_or_insert_default().begin_step(self.report.step, dt, velocity);
         }
         self.movers_sorted = false;
     }

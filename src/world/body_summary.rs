@@ -37,10 +37,10 @@ impl BodySummary {
             (kind == BodyKind::Kinematic, Self::DRIVES),
             (body.held, Self::HELD),
             (!body.joints.is_empty(), Self::JOINTED),
-            (body.fast, Self::FAST),
+            (body.settings.fast, Self::FAST),
             (is_smooth(body), Self::SMOOTH),
-            (body.calm_for.reaches(hold::CALM_TIME), Self::CALM),
-            (body.calm_for.reaches(units::CALM_TIME), Self::CALM_UNIT),
+            (body.times.calm_for.reaches(hold::CALM_TIME), Self::CALM),
+            (body.times.calm_for.reaches(units::CALM_TIME), Self::CALM_UNIT),
         ];
         let flags = flags.into_iter().map(|(is_so, flag)| if is_so { flag } else { 0 }).sum();
         Self { flags }

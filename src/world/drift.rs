@@ -57,7 +57,7 @@ pub(super) fn quiet_after(body: &Body, touches: bool, limits: &SleepSettings, dt
     // What is held keeps its pose.
     let drift = if body.held { Drift::default() } else { drift };
     let speeds = [limits.linear_speed, limits.angular_speed];
-    if !body.can_sleep || !is_slow(limits, body.linear_velocity, body.angular_velocity) || !drift.is_below(speeds) {
+    if !body.settings.can_sleep || !is_slow(limits, body.linear_velocity, body.angular_velocity) || !drift.is_below(speeds) {
         return (0.0, drift);
     }
     let creeps = !drift.is_below(creep_speeds(limits, touches));

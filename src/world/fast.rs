@@ -152,7 +152,7 @@ impl World {
     /// Two shapes that may meet, the one that is swept first.
     fn swept_pair(&self, ways: &Paths, shape: u32, other: u32) -> Option<(u32, u32)> {
         let (a, b) = (&self.colliders[shape], &self.colliders[other]);
-        let is_swept = |body: u32| ways.group_of(body) != NONE && self.bodies[body].fast;
+        let is_swept = |body: u32| ways.group_of(body) != NONE && self.bodies[body].settings.fast;
         let may_meet = ways.group_of(a.body) != ways.group_of(b.body) && self.may_meet(a, b);
         may_meet.then(|| if other < shape && is_swept(b.body) { (other, shape) } else { (shape, other) })
     }
@@ -183,7 +183,7 @@ impl World {
     fn list_swept_shapes(&self, ways: &Paths, group: u32, time: f64, boxes: &mut Vec<(u32, Aabb)>) {
         for index in ways.members(group) {
             let body = &self.bodies[index];
-            if body.fast {
+            if body.settings.fast {
                 let path = self.path_after(ways, index, time);
                 let shapes = body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok());
                 boxes.extend(shapes.map(|shape| (shape, sweep::path_box(&self.colliders[shape], body, &path))));
@@ -214,7 +214,7 @@ impl World {
         }
         let moving = |i: usize| sweep::moving(colliders[i], &self.bodies[bodies[i]], self.path_after(ways, bodies[i], time));
         let (a, b) = (moving(0), moving(1));
-        let is_swept = ways.group_of(bodies[1]) != NONE && self.bodies[bodies[1]].fast;
+        let is_swept = ways.group_of(bodies[1]) != NONE && self.bodies[bodies[1]].settings.fast;
         let extent = if is_swept { colliders[0].least_extent.min(colliders[1].least_extent) } else { colliders[0].least_extent };
         let changes = bodies.map(|body| ways.changes_of(body));
         if let Some(share) = sweep::first_touch(&a, &b, (extent, changes == [0; 2]), parts) {

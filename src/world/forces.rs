@@ -96,7 +96,7 @@ impl World {
         let index = self.dynamic_body(body)?;
         let record = &self.bodies[index];
         let (impulse, angular) = load(record);
-        let free = crate::body::free_axes(record.locked_axes.translation);
+        let free = crate::body::free_axes(record.settings.locked_axes.translation);
         let linear = record.linear_velocity + impulse * free * record.inverse_mass();
         let angular = record.angular_velocity + record.world_inverse_inertia() * angular;
         checked_velocity("impulse", linear, MAX_LINEAR_SPEED)?;

@@ -274,7 +274,7 @@ impl World {
             return;
         }
         let lever = (point - body.center).as_vec3();
-        let free = crate::body::free_axes(body.locked_axes.translation);
+        let free = crate::body::free_axes(body.settings.locked_axes.translation);
         let linear_velocity = body.linear_velocity + linear * body.inverse_mass() * free;
         let angular_velocity = body.angular_velocity + body.world_inverse_inertia() * (lever.cross(linear) + angular);
         // What a joint of enormous strength has borne may be more than a light body can take up.

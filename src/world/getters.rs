@@ -87,33 +87,33 @@ impl World {
 
     /// The host's word on the body.
     pub fn user_word(&self, body: BodyId) -> Result<u64> {
-        Ok(self.bodies[self.bodies.find(body)?].user_word)
+        Ok(self.bodies[self.bodies.find(body)?].settings.user_word)
     }
 
     /// Rates at which linear and angular velocity decay (1/s).
     pub fn damping(&self, body: BodyId) -> Result<(f32, f32)> {
         let body = &self.bodies[self.bodies.find(body)?];
-        Ok((body.linear_damping, body.angular_damping))
+        Ok((body.settings.linear_damping, body.settings.angular_damping))
     }
 
     /// Factor on the world's gravity.
     pub fn gravity_scale(&self, body: BodyId) -> Result<f32> {
-        Ok(self.bodies[self.bodies.find(body)?].gravity_scale)
+        Ok(self.bodies[self.bodies.find(body)?].settings.gravity_scale)
     }
 
     /// Degrees of freedom taken away.
     pub fn locked_axes(&self, body: BodyId) -> Result<LockedAxes> {
-        Ok(self.bodies[self.bodies.find(body)?].locked_axes)
+        Ok(self.bodies[self.bodies.find(body)?].settings.locked_axes)
     }
 
     /// Whether the body is swept through each step.
     pub fn is_fast(&self, body: BodyId) -> Result<bool> {
-        Ok(self.bodies[self.bodies.find(body)?].fast)
+        Ok(self.bodies[self.bodies.find(body)?].settings.fast)
     }
 
     /// Whether the body may fall asleep.
     pub fn can_sleep(&self, body: BodyId) -> Result<bool> {
-        Ok(self.bodies[self.bodies.find(body)?].can_sleep)
+        Ok(self.bodies[self.bodies.find(body)?].settings.can_sleep)
     }
 
     /// The body's shapes, in the order they were attached.

@@ -47,7 +47,7 @@ impl World {
     /// Lets go of a body that is held; its island follows in the next step.
     pub(super) fn release(&mut self, index: u32) {
         let body = &mut self.bodies[index];
-        (body.held, body.calm_for, body.smooth_for) = (false, DwellTime::NONE, DwellTime::NONE);
+        (body.held, body.times.calm_for, body.times.smooth_for) = (false, DwellTime::NONE, DwellTime::NONE);
     }
 
     pub(super) fn release_all(&mut self) {
@@ -67,7 +67,7 @@ impl World {
             let ends = [colliders[a].body, colliders[b].body];
             if pairs.get(slot).has_points() && ends.iter().any(|&index| drives(&bodies[index])) {
                 for index in ends {
-                    (bodies[index].held, bodies[index].calm_for) = (false, DwellTime::NONE);
+                    (bodies[index].held, bodies[index].times.calm_for) = (false, DwellTime::NONE);
                 }
             }
         }
@@ -88,7 +88,7 @@ impl World {
             hold.let_go |=
                 !is_held && members.iter().any(|&index| summaries.of(index).is_held() && !hold.units.members.has(index));
             let is_due = || {
-                let calm_for = members.iter().map(|&index| bodies[index].calm_for).fold(DwellTime::LONGEST, DwellTime::min);
+                let calm_for = members.iter().map(|&index| bodies[index].times.calm_for).fold(DwellTime::LONGEST, DwellTime::min);
                 calm_for.completes(CALM_TIME, *last_dt)
             };
             let is_calm = |known: BodySummary| known.is_calm() && !known.is_jointed();
@@ -130,7 +130,7 @@ impl World {
         for (number, members) in groups.islands().enumerate().filter(|&(number, _)| hold.candidates[number]) {
             let stands = |&index: &u32| {
                 hold.graph.node(index).is_some_and(|node| {
-                    let is_still = bodies[index].calm_for.reaches(STILL_TIME) && !node.below.is_empty();
+                    let is_still = bodies[index].times.calm_for.reaches(STILL_TIME) && !node.below.is_empty();
                     let is_supported = node.margin > MARGIN_SHARE * hull::reach(node.hull());
                     (is_still || is_supported) && node.below.iter().all(|&link| hold.graph.link(link).holds)
                 })

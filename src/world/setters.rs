@@ -37,7 +37,7 @@ impl World {
             if let Some(place) = self.bodies[index].shapes.iter().position(|&id| id == shape) {
                 defs[place] = def.clone();
             }
-            Some(shape::resolve_mass(self.bodies[index].mass_source, &defs)?)
+            Some(shape::resolve_mass(self.bodies[index].settings.mass_source, &defs)?)
         } else {
             None
         };
@@ -66,7 +66,7 @@ impl World {
         let mass = if kind == BodyKind::Dynamic {
             let defs = self.shape_defs(index);
             let defs = defs.into_iter().map(|def| def.checked(true)).collect::<Result<Vec<_>>>()?;
-            Some(shape::resolve_mass(self.bodies[index].mass_source, &defs)?)
+            Some(shape::resolve_mass(self.bodies[index].settings.mass_source, &defs)?)
         } else {
             self.check_joints_without(index)?;
             None
@@ -76,8 +76,8 @@ impl World {
         self.forget_joints_of(index);
         let record = &mut self.bodies[index];
         record.kind = kind;
-        (record.driven, record.path) = (false, None);
-        record.settling.put();
+        (record.kinematic.driven, record.kinematic.path) = (false, None);
+        record.times.settling.put();
         record.history.forget();
         if kind == BodyKind::Static {
             (record.linear_velocity, record.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);

@@ -26,7 +26,7 @@ impl World {
         let mass = if dynamic {
             let mut defs = self.shape_defs(index);
             defs.push(def.clone());
-            Some(shape::resolve_mass(self.bodies[index].mass_source, &defs)?)
+            Some(shape::resolve_mass(self.bodies[index].settings.mass_source, &defs)?)
         } else {
             None
         };
@@ -47,7 +47,7 @@ impl World {
         let mass = if self.bodies[index].is_dynamic() {
             let mut defs = self.shape_defs(index);
             defs.remove(self.bodies[index].shapes.iter().position(|&id| id == shape).unwrap_or(0));
-            Some(shape::resolve_mass(self.bodies[index].mass_source, &defs)?)
+            Some(shape::resolve_mass(self.bodies[index].settings.mass_source, &defs)?)
         } else {
             None
         };

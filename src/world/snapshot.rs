@@ -361,13 +361,13 @@ impl Image {
             && body.angular_velocity.is_finite()
             && body.force.is_finite()
             && body.torque.is_finite()
-            && body.gravity_scale.is_finite()
-            && body.linear_damping >= 0.0
-            && body.angular_damping >= 0.0
+            && body.settings.gravity_scale.is_finite()
+            && body.settings.linear_damping >= 0.0
+            && body.settings.angular_damping >= 0.0
             && crate::check::lever("local_center", body.local_center).is_ok()
             && body.is_dynamic() == body.mass.is_some()
             && body.mass.is_none_or(|mass| mass.checked().is_ok())
-            && body.path.as_ref().is_none_or(|path| path.is_finite() && !body.is_free())
+            && body.kinematic.path.as_ref().is_none_or(|path| path.is_finite() && !body.is_free())
             && (body.anchored == Anchored::No || body.is_dynamic())
             && body.shapes.iter().all(own_shape)
             && body.joints.iter().all(own_joint)

@@ -207,12 +207,12 @@ impl BatchInput<'_> {
             let Some(own) = &body.mass else { continue };
             let arm = (body.center - center).as_vec3();
             // Gravity is the same pull on all but for what members' factors differ by.
-            let excess = self.gravity * ((body.gravity_scale - lead.gravity_scale) * own.mass);
+            let excess = self.gravity * ((body.settings.gravity_scale - lead.settings.gravity_scale) * own.mass);
             force += body.force + excess;
             torque += body.torque + arm.cross(body.force + excess);
             let weight = own.mass * arm.length_squared() + own.principal_inertia.element_sum() / 3.0;
-            decay += body.linear_damping * own.mass;
-            turning_decay += body.angular_damping * weight;
+            decay += body.settings.linear_damping * own.mass;
+            turning_decay += body.settings.angular_damping * weight;
             turning += weight;
         }
         let inertia = mass.principal_inertia;
@@ -222,15 +222,15 @@ impl BatchInput<'_> {
         let jointed = !union.outer.is_empty();
         let motion = BodyMotion {
             rotation,
-            acceleration: self.gravity * lead.gravity_scale + force / mass.mass,
+            acceleration: self.gravity * lead.settings.gravity_scale + force / mass.mass,
             torque,
             linear_damping: decay / mass.mass,
             angular_damping: turning_decay / turning,
             inertia,
             inertia_frame: mass.inertia_frame,
             kind: if is_round(inertia) { MotionKind::Round } else { MotionKind::Tumbling },
-            steady: lead.settling.is_steady(),
-            young: lead.settling.is_young(),
+            steady: lead.times.settling.is_steady(),
+            young: lead.times.settling.is_young(),
             jointed,
             constrained: jointed,
             ..BodyMotion::FIXED
@@ -240,7 +240,7 @@ impl BatchInput<'_> {
 
     fn body_state(&self, index: u32) -> (BodyVelocity, BodyMotion) {
         let body = &self.bodies[index];
-        let inverse_mass = body.inverse_mass() * crate::body::free_axes(body.locked_axes.translation);
+        let inverse_mass = body.inverse_mass() * crate::body::free_axes(body.settings.locked_axes.translation);
         let velocity = BodyVelocity {
             linear: body.linear_velocity,
             angular: body.angular_velocity,
@@ -249,27 +249,27 @@ impl BatchInput<'_> {
         let mass = body.mass.as_ref();
         let inertia = mass.map_or(Vec3::ONE, |mass| mass.principal_inertia);
         let [acceleration, torque] = match body.acts_as() {
-            BodyKind::Dynamic => [self.gravity * body.gravity_scale + body.force * body.inverse_mass(), body.torque],
-            BodyKind::Kinematic => body.path.as_ref().map_or([Vec3::ZERO; 2], |path| path.slope),
+            BodyKind::Dynamic => [self.gravity * body.settings.gravity_scale + body.force * body.inverse_mass(), body.torque],
+            BodyKind::Kinematic => body.kinematic.path.as_ref().map_or([Vec3::ZERO; 2], |path| path.slope),
             BodyKind::Static => [Vec3::ZERO; 2],
         };
         let motion = BodyMotion {
             rotation: body.rotation,
             acceleration,
             torque,
-            linear_damping: body.linear_damping,
-            angular_damping: body.angular_damping,
+            linear_damping: body.settings.linear_damping,
+            angular_damping: body.settings.angular_damping,
             inertia,
             inertia_frame: mass.map_or(Quat::IDENTITY, |mass| mass.inertia_frame),
-            locked_rotation: body.locked_axes.rotation,
+            locked_rotation: body.settings.locked_axes.rotation,
             kind: match body.acts_as() {
                 BodyKind::Static => MotionKind::Fixed,
                 BodyKind::Kinematic => MotionKind::Kinematic,
                 BodyKind::Dynamic if is_round(inertia) => MotionKind::Round,
                 BodyKind::Dynamic => MotionKind::Tumbling,
             },
-            steady: body.settling.is_steady(),
-            young: body.settling.is_young(),
+            steady: body.times.settling.is_steady(),
+            young: body.times.settling.is_young(),
             jointed: !body.joints.is_empty(),
             constrained: !body.joints.is_empty(),
             ..BodyMotion::FIXED

@@ -38,14 +38,14 @@ impl Smoothness {
     pub(super) fn count(&self, body: &mut Body, [linear, angular]: [Vec3; 2], reach: f32, dt: f32) -> bool {
         let change = (body.linear_velocity - linear).length() + (body.angular_velocity - angular).length() * reach;
         let keeps_on = change < self.change && body.angular_velocity.length() < self.spin;
-        body.smooth_for.count(keeps_on, dt);
+        body.times.smooth_for.count(keeps_on, dt);
         is_smooth(body)
     }
 }
 
 /// Whether a body has been smooth for long enough.
 pub(super) fn is_smooth(body: &Body) -> bool {
-    body.smooth_for.reaches(SMOOTH_TIME)
+    body.times.smooth_for.reaches(SMOOTH_TIME)
 }
 
 impl World {

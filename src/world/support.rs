@@ -434,7 +434,7 @@ impl World {
             said[*index as usize] = now;
             *supported_count = supported_count.wrapping_add_signed(if now { 1 } else { -1 });
             let body = self.bodies.handle_of(*index);
-            events.push(SupportChange { body, user_word: self.bodies[*index].user_word, supported: now });
+            events.push(SupportChange { body, user_word: self.bodies[*index].settings.user_word, supported: now });
             false
         });
     }

@@ -108,9 +108,9 @@ impl BallOnSurface {
 
 /// Whether the body is a ball of one shape and nothing but gravity and contacts changes its velocity.
 fn is_moved_by_gravity_alone(body: &Body) -> bool {
-    let is_free = body.joints.is_empty() && body.locked_axes == LockedAxes::default() && body.shapes.len() == 1;
+    let is_free = body.joints.is_empty() && body.settings.locked_axes == LockedAxes::default() && body.shapes.len() == 1;
     let is_pushed = body.force != Vec3::ZERO || body.torque != Vec3::ZERO;
-    is_free && !is_pushed && body.linear_damping == 0.0 && body.angular_damping == 0.0
+    is_free && !is_pushed && body.settings.linear_damping == 0.0 && body.settings.angular_damping == 0.0
 }
 
 impl World {
@@ -158,7 +158,7 @@ fn keep_energy(ball: &BallOnSurface, body: &mut Body, gravity: Vec3, max_turn: f
     let inertia = f64::from(mass.principal_inertia.x / mass.mass);
     let turning = |angular: Vec3| if ball.has_friction { inertia * f64::from(angular.length_squared()) } else { 0.0 };
     let energy = |linear: Vec3, angular: Vec3| f64::from(linear.length_squared()) + turning(angular);
-    let fall = gravity.as_dvec3().dot(body.center - ball.center) * f64::from(body.gravity_scale);
+    let fall = gravity.as_dvec3().dot(body.center - ball.center) * f64::from(body.settings.gravity_scale);
     let before = energy(ball.linear_velocity, ball.angular_velocity);
     let after = energy(body.linear_velocity, body.angular_velocity);
     let wanted = before + 2.0 * fall;

@@ -153,7 +153,7 @@ impl World {
         let body = &self.bodies[index];
         let Some(mass) = &body.mass else { return Wrench::default() };
         let kilograms = f64::from(mass.mass);
-        let gravity = (self.def.gravity * body.gravity_scale).as_dvec3() * kilograms;
+        let gravity = (self.def.gravity * body.settings.gravity_scale).as_dvec3() * kilograms;
         let (push, twist) = union
             .pushes
             .iter()

@@ -196,7 +196,7 @@ impl Unions {
 
 /// Whether a dynamic body can be part of a union: axes locked in the world would have to be locked for all of it.
 fn can_join(body: &Body) -> bool {
-    body.is_dynamic() && !body.quarantined && body.locked_axes == crate::body::LockedAxes::default()
+    body.is_dynamic() && !body.quarantined && body.settings.locked_axes == crate::body::LockedAxes::default()
 }
 
 impl World {
@@ -293,13 +293,13 @@ impl World {
         for &index in &changed {
             let wanted = self.unions.of(index).is_some_and(|union| union.wanted);
             let body = &mut self.bodies[index];
-            (body.anchored, body.path) = (anchored, None);
+            (body.anchored, body.kinematic.path) = (anchored, None);
             if anchored != Anchored::No {
                 // Where joints want to know, a velocity becomes a blow to them.
                 if anchored == Anchored::Driven || !wanted {
                     (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
                 }
-                (body.held, body.calm_for) = (false, DwellTime::NONE);
+                (body.held, body.times.calm_for) = (false, DwellTime::NONE);
             }
         }
         self.movers_sorted = false;

@@ -113,7 +113,8 @@ impl World {
                 for &member in &island.bodies {
                     let body = &mut self.bodies[member];
                     body.sleep = SleepState::AWAKE;
-                    (body.held, body.calm_for, body.smooth_for, body.woke) = (false, DwellTime::NONE, DwellTime::NONE, true);
+                    (body.held, body.times.calm_for, body.times.smooth_for, body.woke) =
+                        (false, DwellTime::NONE, DwellTime::NONE, true);
                     for &id in &body.shapes {
                         if let Ok(shape) = self.colliders.find(id) {
                             self.broad.revisit(shape);

@@ -1,9 +1,9 @@
 //! A ball or a capsule against the side of a cylinder, in closed form: what lies on a drum, a wheel or a pipe.
 //!
 //! Where the point of a segment that is nearest to the cylinder's axis lies between the ends of the cylinder and outside it, it is
-//! the nearest to the cylinder too, for the cylinder is a part of the infinite one. The normal is radial there, exact to rounding. A
-//! search for the nearest points that is content with 1e-5 of the distance leaves it several hundredths of a radian off over a core
-//! that is thin: a cable on a drum would slide into it.
+//! the nearest to the cylinder too, for the cylinder is a part of the infinite one. The normal is radial there, exact to rounding. An
+//! iterative search that stops at 1e-5 of the distance leaves the normal several hundredths of a radian off over a thin core: a cable would
+//! slide into its drum.
 
 use glam::{Vec2, Vec3};
 use parry3d::math::Pose3;

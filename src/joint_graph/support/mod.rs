@@ -259,7 +259,7 @@ impl SupportGraph {
         self.links.iter_mut().flatten().for_each(|placed| placed.link.pair = name(placed.link.pair));
     }
 
-    /// Takes a contact away.
+    /// Removes a contact, and its entries in the lists of the two bodies.
     pub(crate) fn remove(&mut self, number: u32) {
         let Some(PlacedLink { link, in_below, in_above, .. }) = self.links[number as usize].take() else { return };
         self.free.push(number);

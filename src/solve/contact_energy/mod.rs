@@ -287,7 +287,8 @@ impl ContactEnergy {
         }
     }
 
-    /// Whether any of the islands may have gained energy. Most have not by far, whatever the axes that their bodies turn about.
+    /// Marks the islands that may have gained energy, by bounds that need no inertia tensor: greatest energy now against least before. Returns
+    /// whether there are any; most islands have lost far more than the bounds are apart.
     fn look(&mut self, velocities: &[BodyVelocity]) -> bool {
         let mut any = false;
         for island in &mut self.islands {

@@ -28,12 +28,12 @@ impl ColdSolve {
         islands.for_each(|slots| self.slots[slots].fill(true));
     }
 
-    /// Whether each slot is of an island that has been chosen.
+    /// Whether each slot belongs to a chosen island.
     pub(super) fn slots(&self) -> &[bool] {
         &self.slots
     }
 
-    /// Lanes of a block that are of those.
+    /// Lanes of a block that belong to a chosen island.
     pub(super) fn lanes(&self, block: &ContactBlock) -> [bool; LANES] {
         std::array::from_fn(|l| self.slots[block.a[l] as usize] || self.slots[block.b[l] as usize])
     }

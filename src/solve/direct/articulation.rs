@@ -30,7 +30,6 @@ use super::topology::{NodeBodies, Topology};
 use super::wide_integrator::{self, Bodies4};
 use crate::id::{BodyId, JointId, Pool};
 use crate::joint_record::Joint;
-use crate::linalg::narrowing;
 use crate::report::ArticulationReport;
 use crate::solve::StepSettings;
 use crate::solve::disjoint::Slots;
@@ -396,11 +395,7 @@ impl Articulation {
     pub(crate) fn store(&self, velocities: &mut [BodyVelocity], motions: &mut [BodyMotion]) {
         for ((body, rate), stance) in self.bodies.iter().zip(&self.rates).zip(&self.local_poses) {
             if body.is_dynamic() {
-                let (velocity, motion) = (&mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
-                velocity.linear = narrowing::speed(rate.linear);
-                velocity.angular = narrowing::speed(rate.angular);
-                motion.displacement = narrowing::way(stance.0);
-                motion.rotation = narrowing::rotation(stance.1);
+                body.store(rate, stance, &mut velocities[body.slot as usize], &mut motions[body.slot as usize]);
             }
         }
     }

@@ -36,8 +36,8 @@ const PUSHED: f64 = 0.1;
 const MAX_OVERSHOOT: f64 = 0.25;
 
 impl Articulation {
-    /// Finds the inertia with which the bodies answer in the first substep, of length `h` (s), so that rows of contacts know it from
-    /// the start.
+    /// Writes the effective inertia of the first substep, of length `h` (s), to the bodies: geometric stiffness included, as rows of contacts
+    /// must see it from the start.
     pub(crate) fn get_ready(
         &mut self,
         velocities: &mut (impl Slots<BodyVelocity> + ?Sized),
@@ -270,8 +270,8 @@ impl Articulation {
         }
     }
 
-    /// Asks the rows of the last substep to let nothing through, if they are there and any of the bodies is pushed by so much that joints
-    /// would draw it back before long.
+    /// Prepares the rows of the last substep to take out of the pushes of position recovery what joints would undo. Returns whether they
+    /// are needed: whether those rows still last and a body is pushed far enough.
     pub(super) fn begin_yielding(&mut self, pushes: &(impl Slots<BodyVelocity> + ?Sized)) -> bool {
         let least = PUSHED * self.least_to_mend();
         let is_pushed = |body: &DirectBody| greatest(pushes.get(body.slot).linear.as_dvec3()) > least;
@@ -283,6 +283,7 @@ impl Articulation {
         yields
     }
 
+    /// Replaces the pushes by what the joints let through.
     pub(super) fn end_yielding(&self, pushes: &mut (impl Slots<BodyVelocity> + ?Sized)) {
         for (change, body) in self.changes.iter().zip(&self.bodies).filter(|(_, body)| body.is_dynamic()) {
             let push = pushes.get_mut(body.slot);
@@ -308,7 +309,8 @@ impl Articulation {
         self.end_settling(joints, motions, settling.errors);
     }
 
-    /// Keeps the multipliers of a substep, and finds the errors that positions have, unless they are left for the end of the step.
+    /// Begins position correction: keeps the multipliers of the substep and finds the position errors. Returns none where the rows last for the
+    /// next substep, so that errors are corrected at the end of the step.
     pub(super) fn begin_settling(
         &mut self,
         joints: &Pool<Joint, JointId>,

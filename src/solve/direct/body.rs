@@ -11,6 +11,7 @@ use super::super::joint::body_response::BodyResponse;
 use super::super::joint::rows::Rate;
 use super::super::rotation::{self, SubstepRotation, Top};
 use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
+use crate::linalg::narrowing;
 
 /// Largest rotation by which a projection turns a body at once (rad); beyond it a lever's direction has no meaning.
 const MAX_PROJECTED_TURN: f64 = 0.5;
@@ -45,6 +46,14 @@ pub(crate) struct DirectBody {
 }
 
 impl DirectBody {
+    /// Writes its state back, which ends in this rate and pose.
+    pub(crate) fn store(&self, rate: &Rate, pose: &LocalPose, velocity: &mut BodyVelocity, motion: &mut BodyMotion) {
+        velocity.linear = narrowing::speed(rate.linear);
+        velocity.angular = narrowing::speed(rate.angular);
+        motion.displacement = narrowing::way(pose.0);
+        motion.rotation = narrowing::rotation(pose.1);
+    }
+
     pub(crate) fn new(slot: u32, velocity: &BodyVelocity, motion: &BodyMotion) -> Self {
         Self {
             slot,

@@ -191,3 +191,30 @@ fn turning_ease(body: &BodyVelocity, lever: Vec3) -> f32 {
     let [xx, yy, zz, ..] = *body.inverse_inertia.entries();
     length * (xx + yy + zz - axis.dot(body.inverse_inertia.mul(axis)))
 }
+
+#[cfg(test)]
+impl JointEntry {
+    /// A joint that holds nothing and has carried nothing.
+    pub(crate) const NONE: Self = Self {
+        joint: 0,
+        a: 0,
+        b: 0,
+        offset: DVec3::ZERO,
+        local_lever: [DVec3::ZERO; 2],
+        local_frame: [DQuat::IDENTITY; 2],
+        impulses: JointImpulses::ZERO,
+        angles: [0.0; 3],
+        linear_sum: Vec3::ZERO,
+        angular_sum: Vec3::ZERO,
+        acted: [Vec3::ZERO; 2],
+        restitution: 0.0,
+        rebounds: Rebounds::NONE,
+        pressed: 0,
+        motors: JointMotors::NONE,
+        traits: JointTraits { gives_by_motors_alone: true, ..JointTraits::NONE },
+        is_hinge: false,
+        is_distance: false,
+        counts_turns: false,
+        can_be_overloaded: false,
+    };
+}

@@ -164,7 +164,6 @@ mod tests {
 
     use super::*;
     use crate::joint_record::JointImpulses;
-    use crate::solve::joint::{JointMotors, JointTraits};
 
     const DT: f32 = 1.0 / 60.0;
 
@@ -174,33 +173,11 @@ mod tests {
         let mut impulses = JointImpulses::ZERO;
         impulses.scalar[0] = pressed;
         let entry = JointEntry {
-            joint: 0,
-            a: 0,
             b: 1,
-            offset: DVec3::ZERO,
-            local_lever: [DVec3::ZERO; 2],
             local_frame: [DQuat::IDENTITY, DQuat::from_scaled_axis(turned.as_dvec3())],
             impulses,
-            angles: [0.0; 3],
-            linear_sum: Vec3::ZERO,
-            angular_sum: Vec3::ZERO,
-            acted: [Vec3::ZERO; 2],
-            restitution: 0.0,
-            rebounds: crate::joint_rebounds::Rebounds::NONE,
-            pressed: 0,
-            motors: JointMotors::NONE,
-            traits: JointTraits {
-                most_rows: 0,
-                is_plain: false,
-                gives_by_motors_alone: true,
-                has_motor: false,
-                has_friction: false,
-                ..JointTraits::NONE
-            },
-            is_hinge: false,
-            is_distance: false,
             counts_turns: true,
-            can_be_overloaded: false,
+            ..JointEntry::NONE
         };
         stops_are_out_of_reach(&entry, &kind, &velocities, &[BodyMotion::FIXED; 2], DT)
     }

@@ -121,6 +121,7 @@ pub(super) struct Singles {
 }
 
 impl Singles {
+    /// Forgets all joints and rows but keeps the memory.
     pub(super) fn clear(&mut self) {
         self.numbers.clear();
         self.turned.clear();

@@ -1,4 +1,5 @@
-//! The part of a stack that one thread handles: bodies with the manifolds and points that they stand on.
+//! Bodies of stacks, with the manifolds and points that each stands on: target velocities going up, impulses going down. Threads each
+//! handle a part of a level.
 
 use std::ops::Range;
 

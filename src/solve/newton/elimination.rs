@@ -1,12 +1,15 @@
-//! The order in which bodies and joints are eliminated, and which blocks of the factor that fills.
+//! Elimination order of the bodies and joints of an island, and the blocks of the factor that fill in.
 //!
-//! Nodes are bodies, of six unknowns each, and joints, of one for each row. A joint's own block is −ε, next to nothing, until one of its
-//! bodies has been eliminated. What is eliminated answers then as if all other bodies were fixed: two joints of one body that has gone
-//! before both its neighbours hold it twice along the line between them, and the second has a pivot of −ε, though neither is redundant. So what
-//! has been eliminated together leans on one other body at most, as a rigid body does on one that is fixed, which adds nothing to what
-//! it holds within itself; the world counts as a body that is never eliminated. No pivot is smaller then than the rows are independent.
-//! Among what is eligible the node goes first whose elimination takes the least work, the lowest number among equals. A joint is no edge
-//! between its bodies: a part that is eliminated is left with rows of the joints around it, fewer than their bodies have unknowns.
+//! A body is a node of six unknowns, a joint a node of one unknown for each of its rows. The diagonal block of a joint is −ε, next to
+//! nothing, until one of its bodies has been eliminated.
+//!
+//! An eliminated part answers as if all other bodies were fixed. A body that is eliminated before both its neighbours would be held twice
+//! along the line between its two joints, and the second joint would have a pivot of −ε, though neither is redundant. So what has been
+//! eliminated together leans on one other body at most, as a rigid body does on one that is fixed, which adds nothing to what holds it
+//! together. The world counts as a body that is never eliminated. No pivot is smaller then than the rows are independent.
+//!
+//! Of the nodes that this allows the one goes first whose elimination takes the least work, the lowest number among equals. A joint is no
+//! edge between its bodies: an eliminated part leaves rows of the joints around it, which are fewer than the unknowns of their bodies.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

@@ -1,4 +1,4 @@
-//! Gaps of an island's joints, and overlaps of its contacts, taken out of its positions.
+//! Position correction of an island: closes the gaps of its joints and removes the overlaps of its contacts.
 
 use super::held::{Ends, rate_of};
 use super::island::CoupledIsland;

@@ -150,8 +150,8 @@ impl Problem {
         parts
     }
 
-    /// Takes the restitution at which what hits before it has gone the way s that is ahead comes up as high as if it hit after that: with v
-    /// the speed of now, and a the acceleration with which joints let it close in, e'² = e² − (1 − e²) 2 a s/v².
+    /// Corrects restitution for contacts that hit early, with a distance s still ahead of them, so that they rebound as high as if they had
+    /// closed it first: e'² = e² − (1 − e²) 2 a s/v², with v the present speed and a the acceleration with which joints let them close.
     fn aim(&mut self, parts: &[Part]) {
         if self.terms.iter().any(|term| term.restitution > 0.0 && term.restitution < 1.0) {
             let before = std::mem::take(&mut self.before);

@@ -1,5 +1,5 @@
-//! Joints of an island as links and terms: rows that always hold, and rows within bounds, from the one language of rows that all solvers
-//! read ([`rows`](crate::solve::joint::rows)).
+//! Turns the joints of an island into *links*, rows that hold without bounds, and *terms*, rows whose impulse has bounds: stops, motors and
+//! friction. The rows are the same as those of all other solvers, see [`rows`](crate::solve::joint::rows).
 
 use glam::DVec3;
 

@@ -1,9 +1,9 @@
-//! Ways of bodies through a step that fast ones may be stopped on, as far as they are known.
+//! Paths of swept bodies through a step, changed in the order of time as they hit something.
 //!
-//! Bodies that joints or a union connect are a group. Groups that meet are a bundle from then on. One that has met nothing goes its own way;
-//! one that has met what is not swept is carried by that, as if it lay on it; and others go on with the mean of what they would have moved by,
-//! weighed by mass, as bodies do that hit each other without restitution. So what moves along together stays together: a bundle in a lift
-//! meets what it would meet on the ground.
+//! Bodies that joints or a union connect form a *group*, which moves as one. Groups that hit each other form a *bundle* for the rest of the
+//! step. A bundle that has hit nothing else keeps its own path. One that has hit a body which is not swept moves with that body, as if it lay
+//! on it. All others move by the mean of their groups' displacements, weighted by mass, like bodies that collide without restitution. Bodies
+//! in a moving lift therefore hit what they would hit on the ground.
 
 use glam::DVec3;
 
@@ -262,7 +262,7 @@ impl Paths {
         self.redirect(time, bundle, |from| carried(carrier, from));
     }
 
-    /// Makes one bundle of two; the second has been sent the way of the first.
+    /// Merges the bundle `from` into the bundle `into`. The path of `from` is that of `into` already.
     fn join(&mut self, into: u32, from: u32) {
         let (last, end) = (self.bundles[into as usize].last, self.bundles[from as usize].last);
         let mut group = from;

@@ -116,12 +116,12 @@ impl World {
                     (record.linear_velocity, record.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
                     record.history.forget_lead();
                 } else if look.is_disturbed {
-                    record.calm_for = DwellTime::NONE;
+                    record.times.calm_for = DwellTime::NONE;
                     if was_held {
-                        record.smooth_for = DwellTime::NONE;
+                        record.times.smooth_for = DwellTime::NONE;
                     }
                 } else {
-                    record.calm_for = DwellTime::short_of(CALM_TIME, AGAIN_TIME);
+                    record.times.calm_for = DwellTime::short_of(CALM_TIME, AGAIN_TIME);
                 }
             }
             stays
@@ -148,7 +148,7 @@ impl World {
             let is_whole = unit.bodies.iter().all(|held| goes_on(held.body));
             for held in unit.bodies.iter().filter(|_| !is_whole) {
                 if let Some(body) = bodies.get_mut(held.body).filter(|body| body.held) {
-                    (body.held, body.calm_for, body.smooth_for) = (false, DwellTime::NONE, DwellTime::NONE);
+                    (body.held, body.times.calm_for, body.times.smooth_for) = (false, DwellTime::NONE, DwellTime::NONE);
                     summaries.note_held(held.body, false);
                     some_are = true;
                 }
@@ -166,7 +166,7 @@ impl World {
         held.iter().flat_map(|unit| &unit.bodies).for_each(|held| seen.set(held.body));
         let is_calm = |body: u32| summaries.of(body).is_calm_in_unit() && !summaries.of(body).is_held();
         // A walk starts from each of its bodies, at a time of its own, and not in every step.
-        let is_due = |body: u32| bodies[body].calm_for.completes(LOOK_TIME, *last_dt);
+        let is_due = |body: u32| bodies[body].times.calm_for.completes(LOOK_TIME, *last_dt);
         for &first in &groups.bound {
             if seen.has(first) || !is_calm(first) || !is_due(first) {
                 continue;

@@ -55,7 +55,7 @@ pub(super) fn hinge_of(slot: u32, joint: &Joint, unions: &Unions, bodies: &Pool<
         }
         let point = frame.position.as_vec3() - body.local_center;
         let Some(union) = unions.moving(index) else {
-            let unlocked = body.locked_axes == LockedAxes::default();
+            let unlocked = body.settings.locked_axes == LockedAxes::default();
             return unlocked.then_some(HingeEnd { body: Some(index), point, ..fixed });
         };
         let place = unions.place(index);

@@ -239,7 +239,7 @@ impl World {
 
     fn add_weight(&self, unit: &mut Unit, body: &Body, reach: f32) {
         let mass = body.mass.as_ref().map_or(0.0, |mass| mass.mass);
-        let weight = self.def.gravity * (body.gravity_scale * mass * self.last_substep);
+        let weight = self.def.gravity * (body.settings.gravity_scale * mass * self.last_substep);
         let lever = (body.center - unit.center).as_vec3();
         unit.reach = unit.reach.max(lever.length() + reach);
         unit.weight += weight;

@@ -1,11 +1,11 @@
-//! The inputs from which the links of a pair were made.
+//! What the support links of a pair were computed from. A pair for which none of it has changed keeps its links.
 
 use smallvec::SmallVec;
 
 use crate::collide::pairs::{PairKey, Word};
 use crate::joint_graph::support::SupportGraph;
 
-/// A pair as it was looked at last.
+/// A pair as the last update of its links found it.
 #[derive(Debug, Default)]
 pub(super) struct Record {
     pub key: Option<PairKey>,
@@ -16,7 +16,7 @@ pub(super) struct Record {
     pub has_links: bool,
 }
 
-/// What was seen of a manifold.
+/// A manifold as the last update found it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Seen {
     /// Its points that are pressed or touch, as bits.
@@ -30,7 +30,7 @@ impl Seen {
 }
 
 impl Record {
-    /// What there is to say of the pair, of which the solver told this rise if it told of all of it.
+    /// Summary of the pair that is kept with its contacts; `rise` is the slope that the solver reported, if it reported all its manifolds.
     pub fn word(&self, rise: Option<u8>) -> Word {
         let touches = self.manifolds.iter().any(|seen| seen.points != 0);
         match rise {

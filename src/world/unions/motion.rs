@@ -193,7 +193,7 @@ impl World {
                     && (was_mover || body.is_mover())
                 {
                     let velocity = [body.linear_velocity, body.angular_velocity];
-                    body.path.get_or_insert_default().begin_step(step, dt, velocity);
+                    body.kinematic.path.get_or_insert_default().begin_step(step, dt, velocity);
                 }
                 match (was_mover, body.is_mover()) {
                     (false, true) => self.movers.push(index),

@@ -243,7 +243,7 @@ impl Moves<'_> {
         for &member in members {
             if let Some(body) = records.body(member) {
                 (body.force, body.torque) = (Vec3::ZERO, Vec3::ZERO);
-                is_fast |= body.fast;
+                is_fast |= body.settings.fast;
             }
             *records.forces.get_mut(member) = Vec3::ZERO;
         }
@@ -277,14 +277,14 @@ impl Moves<'_> {
             body.linear_velocity = within_limit(own.linear, MAX_LINEAR_SPEED);
             body.angular_velocity = within_limit(own.angular, MAX_ANGULAR_SPEED);
             body.history.forget();
-            body.settling.count(steady, limits.dt);
+            body.times.settling.count(steady, limits.dt);
             let reach = records.shapes_follow(member);
             let Some(body) = records.body(member) else { continue };
             let is_calm = own.linear.length() + own.angular.length() * reach < calm_speeds[usize::from(!body.joints.is_empty())];
-            body.calm_for.count(is_calm, limits.dt);
+            body.times.calm_for.count(is_calm, limits.dt);
             match before {
                 Some(before) => noted.has_smooth_bodies |= limits.smoothness.count(body, before, reach, limits.dt) && may_stride,
-                None => body.smooth_for = DwellTime::NONE,
+                None => body.times.smooth_for = DwellTime::NONE,
             }
         }
         if union.is_some() {
@@ -318,7 +318,7 @@ fn store_histories(batch: &Batch, bodies: &mut Pool<Body, BodyId>, dt: f32) {
         let swept_alone = batch.joints.entries.iter().flat_map(|entry| [entry.a, entry.b]);
         let moved_alone = batch.direct.slots_moved_alone();
         for slot in moved_alone.chain(swept_alone).filter(|&slot| slot != WORLD_SLOT) {
-            bodies[batch.bodies[slot as usize]].smooth_for = DwellTime::NONE;
+            bodies[batch.bodies[slot as usize]].times.smooth_for = DwellTime::NONE;
         }
     }
     for (slot, time) in batch.direct.swept_for(dt) {

@@ -28,7 +28,7 @@ impl World {
             }
             Some(Moved {
                 body: bodies.handle_of(index),
-                user_word: body.user_word,
+                user_word: body.settings.user_word,
                 pose: body.pose(),
                 linear_velocity: body.linear_velocity,
                 angular_velocity: body.angular_velocity,

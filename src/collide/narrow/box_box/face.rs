@@ -1,4 +1,4 @@
-//! A face of one box against the face of the other most opposed to it.
+//! Contact points of two boxes that touch with a face: the most opposed face of the other box is clipped against its sides.
 
 use glam::{Vec2, Vec3};
 

@@ -11,7 +11,7 @@ use crate::lanes::wide::{Plain, Wide};
 use crate::solve::body_flags::BodyFlags;
 use crate::solve::color::Coloring;
 use crate::solve::joint::singles::Singles;
-use crate::solve::joint::{BatchJoints, JointLink, JointMotors, JointTraits, MovingBodies};
+use crate::solve::joint::{BatchJoints, JointLink, MovingBodies};
 use crate::solve::state::{MotionKind, Symmetric};
 use crate::workers::Workers;
 
@@ -85,26 +85,7 @@ fn scene(holds: Holds, joints: Vec<Given>) -> Scene {
             local_lever: levers,
             local_frame: frames,
             impulses: JointImpulses { point: impulse, angular: impulse * 0.1, ..JointImpulses::ZERO },
-            angles: [0.0; 3],
-            linear_sum: Vec3::ZERO,
-            angular_sum: Vec3::ZERO,
-            acted: [Vec3::ZERO; 2],
-            restitution: 0.0,
-            rebounds: crate::joint_rebounds::Rebounds::NONE,
-            pressed: 0,
-            motors: JointMotors::NONE,
-            traits: JointTraits {
-                most_rows: 0,
-                is_plain: false,
-                gives_by_motors_alone: true,
-                has_motor: false,
-                has_friction: false,
-                ..JointTraits::NONE
-            },
-            is_hinge: false,
-            is_distance: false,
-            counts_turns: false,
-            can_be_overloaded: false,
+            ..JointEntry::NONE
         });
     }
     Scene { entries, defs, velocities, motions }
