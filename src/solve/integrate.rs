@@ -186,12 +186,16 @@ pub(crate) fn skew(v: Vec3) -> Mat3 {
 
 /// Forms the world inertia that rows respond with.
 ///
-/// A body that turns by θ in a substep smears its axes by θ²: the response about a light axis, I⁻¹, would act across it as θ² I⁻¹
-/// and the rows would overshoot. So no axis answers as if lighter than θ² of the heaviest.
+/// An axis that turns by θ in a substep is smeared by θ²: the response about it where it is light, I⁻¹, would act across it as θ² I⁻¹
+/// and the rows would overshoot. So no axis answers as if lighter than θ² of the heaviest. Spin about an axis does not turn it: what rolls
+/// answers to friction with all of its moment.
 fn refresh_inertia(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f32) {
-    let turn = velocity.angular.length() * h;
-    let inertia = motion.inertia.max(Vec3::splat(motion.inertia.max_element() * (turn * turn).min(1.0)));
-    let tensor = crate::shape::inertia_tensor(1.0 / inertia, motion.rotation * motion.inertia_frame);
+    let axes = motion.rotation * motion.inertia_frame;
+    let turn = axes.conjugate() * (velocity.angular * h);
+    let squares = turn * turn;
+    let of_axes = Vec3::new(squares.y + squares.z, squares.z + squares.x, squares.x + squares.y);
+    let inertia = motion.inertia.max(motion.inertia.max_element() * of_axes.min(Vec3::ONE));
+    let tensor = crate::shape::inertia_tensor(1.0 / inertia, axes);
     let free = motion.free_rotation();
     let masked = Mat3::from_cols(tensor.x_axis * free * free.x, tensor.y_axis * free * free.y, tensor.z_axis * free * free.z);
     velocity.inverse_inertia = Symmetric::from_mat3(masked);
