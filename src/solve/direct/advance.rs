@@ -43,6 +43,7 @@ impl Articulation {
             self.guess_impulses(joints, h);
         }
         let energy = self.energy_to_keep();
+        self.rotors_diverge = false;
         let mut momentum = self.substep(joints, h, if second_order { Mode::SecondOrder } else { Mode::Smooth });
         if self.rotors_diverge && self.pay(SOLVES_PER_HALVING) {
             self.restore();
