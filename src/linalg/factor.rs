@@ -95,6 +95,11 @@ impl BlockLayout {
         &self.targets
     }
 
+    /// Place of a node in the order of elimination.
+    pub(crate) fn place(&self, node: u32) -> usize {
+        self.place[node as usize] as usize
+    }
+
     /// Nodes coupled to that at a place and eliminated later, and the starts of their blocks.
     pub(crate) fn column(&self, place: usize) -> &[(u32, u32)] {
         &self.couplings[self.first[place] as usize..self.first[place + 1] as usize]
@@ -184,6 +189,12 @@ impl BlockFactor {
 
     /// The numbers from the start of a block on.
     #[inline(always)]
+    pub(crate) fn block(&self, start: u32) -> &[Lanes] {
+        &self.values[start as usize..]
+    }
+
+    /// The same, to be written.
+    #[inline(always)]
     pub(crate) fn block_mut(&mut self, start: u32) -> &mut [Lanes] {
         &mut self.values[start as usize..]
     }
@@ -199,6 +210,16 @@ dispatched!(
     substitute, substitute_body, (factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes])
 );
 
+dispatched!(
+    /// Solves L y = b in place, the first half of [`substitute`].
+    substitute_forward, forward_body, (factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes])
+);
+
+dispatched!(
+    /// Solves Lᵀ x = y in place, the second half of [`substitute`].
+    substitute_back, back_body, (factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes])
+);
+
 /// Rows of every node where all have as many: joints that hold points, as in chains, trees and bridges.
 pub(crate) const POINT: usize = 3;
 
@@ -209,7 +230,18 @@ fn factorize_body(factor: &mut BlockFactor, plan: &BlockLayout) {
 
 #[inline(always)]
 fn substitute_body(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
-    if factor.is_uniform { substitute_points(factor, plan, x) } else { substitute_any(factor, plan, x) }
+    forward_body(factor, plan, x);
+    back_body(factor, plan, x);
+}
+
+#[inline(always)]
+fn forward_body(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
+    if factor.is_uniform { forward_points(factor, plan, x) } else { forward_any(factor, plan, x) }
+}
+
+#[inline(always)]
+fn back_body(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
+    if factor.is_uniform { back_points(factor, plan, x) } else { back_any(factor, plan, x) }
 }
 
 #[inline(always)]
@@ -239,7 +271,7 @@ fn factorize_points(factor: &mut BlockFactor, plan: &BlockLayout) {
 }
 
 #[inline(always)]
-fn substitute_points(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
+fn forward_points(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
     for (place, &node) in plan.order.iter().enumerate() {
         let root = block::block3(&factor.values[plan.diagonal[node as usize] as usize..]);
         let own = block::columns3(root, &x[node as usize]);
@@ -249,6 +281,10 @@ fn substitute_points(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) 
             *into = block::minus_rows3(into, block::block3(&factor.values[start as usize..]), &own);
         }
     }
+}
+
+#[inline(always)]
+fn back_points(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
     for (place, &node) in plan.order.iter().enumerate().rev() {
         let mut own = x[node as usize];
         for &(other, start) in plan.column(place) {
@@ -303,7 +339,7 @@ fn factorize_any(factor: &mut BlockFactor, plan: &BlockLayout) {
 }
 
 #[inline(always)]
-fn substitute_any(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
+fn forward_any(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
     let mut own = [ZERO; width(MAX_ROWS)];
     for (place, &node) in plan.order.iter().enumerate() {
         let lanes = factor.lanes(node as usize);
@@ -320,6 +356,11 @@ fn substitute_any(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
             block::subtract_rows(into, &factor.values[start as usize..], own, factor.rows(other as usize));
         }
     }
+}
+
+#[inline(always)]
+fn back_any(factor: &BlockFactor, plan: &BlockLayout, x: &mut [Lanes]) {
+    let mut own = [ZERO; width(MAX_ROWS)];
     for (place, &node) in plan.order.iter().enumerate().rev() {
         let lanes = factor.lanes(node as usize);
         if lanes.is_empty() {

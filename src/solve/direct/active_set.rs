@@ -1,21 +1,16 @@
 //! Which rows with bounds are part of the system: stops and motors one by one, friction by its cone.
 
 use super::body::DirectBody;
-use super::row::{Row, RowState};
+use super::friction_cone::{FREE_BELOW, revise_cone};
+use super::row::{Origin, Row, RowState};
 use super::system::System;
 use crate::solve::joint::rows::{MAX_RECOVERY_SPEED, Rate};
 use crate::tuning::overruled::OVERRULED_COMPLIANCE;
-
-/// Error below which a fixed row stays fixed (m/s, rad/s, or m and rad in a projection).
-const FREE_BELOW: f64 = 1.0e-10;
 
 /// Share of what a motor asks for, and speed beside it (m/s, rad/s), that a solve may leave.
 /// Why: what rows contradict each other by is of the size of what they ask for; what a solve leaves else is 1e-7 of it.
 /// Scenes: motors of 50 N m to without bound, held by ropes, welds and stops at 30 to 240 Hz. Test: tests/motors.rs
 const MET: [f64; 2] = [1.0e-3, 1.0e-4];
-
-/// Change of sliding friction, over its size, that asks for another pass.
-const CONE_TOLERANCE: f64 = 1.0e-2;
 
 impl System {
     /// Lists the rows with bounds and those of motors, and finds what these give where they are overruled.
@@ -41,9 +36,12 @@ impl System {
         if self.find_overruled(rates) {
             return self.flips.len();
         }
-        let Self { nodes, rows, bounded, flips, .. } = self;
+        let Self { nodes, rows, bounded, flips, beside, .. } = self;
         for &(number, node) in &*bounded {
             let row = &rows[number as usize];
+            if beside.is_on && row.origin == Origin::Contact {
+                continue;
+            }
             match row.state {
                 RowState::Absent => {}
                 RowState::Free if row.impulse < row.min => flips.push((number, RowState::Low)),
@@ -128,47 +126,4 @@ impl System {
         }
         changes
     }
-}
-
-/// Revises a pair of friction rows against the radius of their cone; true if anything changed.
-fn revise_cone([u, v]: [&mut Row; 2], slip: [f64; 2], limit: f64, may_free: bool) -> bool {
-    let size = length(u.impulse, v.impulse);
-    if u.state == RowState::Free {
-        if size <= limit {
-            return false;
-        }
-        let share = limit / size;
-        u.fix(u.impulse * share);
-        v.fix(v.impulse * share);
-        return true;
-    }
-    let speed = length(slip[0], slip[1]);
-    let drives = u.impulse * slip[0] + v.impulse * slip[1] > FREE_BELOW * size;
-    let starts = size == 0.0 && limit > 0.0 && speed > FREE_BELOW;
-    if may_free && (drives || starts) {
-        (u.state, v.state) = (RowState::Free, RowState::Free);
-        return true;
-    }
-    let direction = if speed > FREE_BELOW {
-        [-slip[0] / speed, -slip[1] / speed]
-    } else if size > 0.0 {
-        [u.impulse / size, v.impulse / size]
-    } else {
-        [0.0; 2]
-    };
-    // Halfway, as a full step turns past the direction that it looks for.
-    let new = if size > 0.0 {
-        let kept = [u.impulse / size, v.impulse / size];
-        [0, 1].map(|i| 0.5 * (direction[i] + kept[i]) * limit)
-    } else {
-        direction.map(|share| share * limit)
-    };
-    let changed = length(new[0] - u.impulse, new[1] - v.impulse) > CONE_TOLERANCE * limit.max(size);
-    u.fix(new[0]);
-    v.fix(new[1]);
-    changed
-}
-
-fn length(x: f64, y: f64) -> f64 {
-    (x * x + y * y).sqrt()
 }

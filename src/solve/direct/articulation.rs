@@ -81,6 +81,9 @@ pub(crate) struct Articulation {
     pub(super) rates: Vec<Rate>,
     pub(super) local_poses: Vec<LocalPose>,
     pub(super) links: Vec<NodeBodies>,
+    /// Those of them that the matrix has nodes for, and the work of its factor without contacts, 0 where that is not known.
+    pub(super) planned: usize,
+    pub(super) joint_work: u64,
     /// Room for rows of contacts in the node of each joint; it never shrinks while the joints stay the same.
     pub(super) room: Vec<u32>,
     pub(super) needed: Vec<u32>,
@@ -385,6 +388,8 @@ impl Articulation {
         }
         self.entries.clone_from(&self.untouched);
         self.touches.clear();
+        self.system.beside.is_on = false;
+        self.links.truncate(self.planned);
         self.weigh(0.0);
         self.coupled = true;
         self.lasting = ReusedFactor::Never;

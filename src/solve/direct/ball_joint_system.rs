@@ -140,7 +140,7 @@ struct Gaps<'a> {
 }
 
 impl Equations for Gaps<'_> {
-    fn find_residuals(&self, _: &BlockFactor, residuals: &mut [Lanes]) -> f64 {
+    fn find_residuals(&mut self, _: &BlockFactor, residuals: &mut [Lanes]) -> f64 {
         let mut worst = DVec3::ZERO;
         for (joint, residual) in self.joints.iter().zip(residuals) {
             let lack = joint.bias + approach(&joint.bodies, &joint.levers, self.rates);
@@ -150,7 +150,7 @@ impl Equations for Gaps<'_> {
         worst.max_element()
     }
 
-    fn find_added(&self, _: &BlockFactor, added: &mut [Lanes]) {
+    fn find_added(&mut self, _: &BlockFactor, added: &mut [Lanes]) {
         // Rows that repeat others have no multiplier here: see [`super::redundancy::Regularization::POINTS`].
         added.fill(ZERO);
     }

@@ -67,7 +67,7 @@ impl Articulation {
             if reached[ends[1 - side] as usize] {
                 return None;
             }
-            let hangs = self.links.iter().enumerate().any(|(other, link)| {
+            let hangs = self.links.iter().take(self.entries.len()).enumerate().any(|(other, link)| {
                 other != number && !moves(self, link) && link.bodies.iter().any(|&body| reached[body as usize])
             });
             if !hangs {

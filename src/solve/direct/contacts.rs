@@ -1,7 +1,8 @@
 //! Contacts of an articulation with what it cannot move and with bodies that it carries, as rows of its system.
 //!
 //! A normal row J v ≥ −max(s, 0)/h for each point with separation s (m), friction at the manifold's centre inside |λ_t| ≤ μ Σλ_n and
-//! about its normal, |λ_w| ≤ μ r̄ Σλ_n, as for contacts elsewhere. A contact with one moving body shares that body with its joints, so
+//! about its normal, |λ_w| ≤ μ r̄ Σλ_n, as for contacts elsewhere. They stand beside the factor of the joints, each in a node of its own
+//! ([`beside`](super::beside)), unless they are too many for that. Then a contact with one moving body shares that body with its joints, so
 //! its rows join the node of one of them: the structure of the matrix stays as it is. One with a body that it carries has two moving
 //! bodies, and a node of its own.
 //!

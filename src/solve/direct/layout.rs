@@ -4,12 +4,24 @@ use glam::DVec3;
 
 use super::articulation::Articulation;
 use super::block::MAX_ROWS;
+use super::body::DirectBody;
 use super::topology::{NodeBodies, Topology};
 use super::wide_integrator;
 use crate::solve::joint::JointEntry;
 
 /// Least size of an articulation without levers (m).
 const MIN_SIZE: f64 = 1.0e-3;
+
+/// Cube of the rows of a dense matrix over the multiplications that its factor takes. Contacts stand beside the joints' factor while a pass
+/// over their rows is no more work than that: rows in it take as much in every pass.
+const WORK_OF_DENSE: u64 = 6;
+
+/// Node of a joint between these bodies.
+fn link_of(entry: &JointEntry, ends: [u32; 2], bodies: &[DirectBody]) -> NodeBodies {
+    let capacity = u32::from(entry.traits.most_rows) + if entry.is_distance { 2 } else { 0 };
+    let moves = ends.map(|body| bodies[body as usize].is_dynamic());
+    NodeBodies { bodies: ends, moves, capacity, is_plain: entry.traits.is_plain, is_contact: false }
+}
 
 /// A body has more contacts than the nodes of its joints hold.
 struct NoRoom;
@@ -18,38 +30,21 @@ impl Articulation {
     /// Prepares the structure of the matrix; false where sweeps are the better choice, or where they must be if it is `asked` for.
     pub(super) fn lay_out(&mut self, asked: bool) -> bool {
         self.stale |= std::mem::replace(&mut self.is_asked_for, asked) != asked;
-        self.carried.clear();
-        self.carried.extend(self.touches.iter().filter(|touch| touch.other_moves).map(|touch| [touch.body, touch.other]));
-        self.carried.sort_unstable();
-        self.carried.dedup();
-        let Self { entries, ends, bodies, carried, .. } = self;
-        let link = |(entry, &ends): (&JointEntry, &[u32; 2])| {
-            let moves = ends.map(|body| bodies[body as usize].is_dynamic());
-            let capacity = u32::from(entry.traits.most_rows) + if entry.is_distance { 2 } else { 0 };
-            NodeBodies { bodies: ends, moves, capacity, is_plain: entry.traits.is_plain, is_contact: false }
-        };
-        let contact =
-            |&bodies: &[u32; 2]| NodeBodies { bodies, moves: [true; 2], capacity: 0, is_plain: false, is_contact: true };
-        let links = || entries.iter().zip(&*ends).map(link).chain(carried.iter().map(contact));
-        let unchanged = self.links.len() == entries.len() + carried.len() && self.links.iter().copied().eq(links());
-        if !unchanged {
-            self.links.clear();
-            self.links.extend(links());
-            self.room.clear();
-            self.room.resize(self.links.len(), 0);
-            self.stale = true;
-        }
-        self.hangs = self.touches.iter().any(|touch| !touch.other_moves) || self.links.iter().any(|link| link.moves != [true; 2]);
-        self.is_points = self.touches.is_empty() && self.links.iter().all(|link| link.is_plain);
-        match self.place_touches() {
-            Ok(grew) => self.stale |= grew,
-            Err(NoRoom) => return false,
-        }
-        if std::mem::take(&mut self.stale) {
-            self.topology = Topology::derive(&self.links, &self.room, self.bodies.len(), asked).unwrap_or_default();
-        }
-        if self.topology.plan.work == 0 {
+        self.links.truncate(self.planned);
+        self.compare_joints();
+        // How much work the factor of the joints is says whether contacts are beside it, and is not known until it has been laid out.
+        self.system.beside.is_on = self.may_stand_beside();
+        if !self.plan_factor(asked) {
             return false;
+        }
+        if self.system.beside.is_on && !self.may_stand_beside() {
+            self.system.beside.is_on = false;
+            if !self.plan_factor(asked) {
+                return false;
+            }
+        }
+        if self.system.beside.is_on {
+            self.place_beside();
         }
         wide_integrator::gather(&mut self.bodies4, &self.bodies);
         let Self { entries, links, bodies, eases, .. } = self;
@@ -68,6 +63,69 @@ impl Articulation {
             (lines / entries.len() as f64).clamp(MIN_SIZE, 1.0)
         };
         true
+    }
+
+    /// Forgets how much work the joints are where they are no longer the same.
+    fn compare_joints(&mut self) {
+        let Self { entries, ends, bodies, links, .. } = self;
+        let joints = entries.iter().zip(&*ends).map(|(entry, &ends)| link_of(entry, ends, bodies));
+        if links.len() < entries.len() || !links.iter().take(entries.len()).copied().eq(joints) {
+            (self.joint_work, self.stale) = (0, true);
+        }
+    }
+
+    /// Whether its contacts are beside the factor of its joints: their matrix takes no more work than that, as far as that is known.
+    fn may_stand_beside(&self) -> bool {
+        let rows: u64 = self.touches.iter().map(|touch| u64::from(touch.rows())).sum();
+        rows > 0 && (self.joint_work == 0 || rows * rows * rows <= WORK_OF_DENSE * self.joint_work)
+    }
+
+    /// Lays out the factor, with rows of contacts in it unless these are beside it.
+    fn plan_factor(&mut self, asked: bool) -> bool {
+        let beside = self.system.beside.is_on;
+        self.carried.clear();
+        self.carried
+            .extend(self.touches.iter().filter(|touch| !beside && touch.other_moves).map(|touch| [touch.body, touch.other]));
+        self.carried.sort_unstable();
+        self.carried.dedup();
+        let Self { entries, ends, bodies, carried, links, room, .. } = self;
+        let are_same = links.len() == entries.len() + carried.len()
+            && links.iter().skip(entries.len()).map(|link| link.bodies).eq(carried.iter().copied());
+        if self.stale || !are_same {
+            links.clear();
+            links.extend(entries.iter().zip(&*ends).map(|(entry, &ends)| link_of(entry, ends, bodies)));
+            links.extend(carried.iter().map(|&bodies| NodeBodies::of_contact(bodies, [true; 2])));
+            room.clear();
+            room.resize(links.len(), 0);
+            self.stale = true;
+        }
+        self.planned = self.links.len();
+        self.hangs = self.touches.iter().any(|touch| !touch.other_moves) || self.links.iter().any(|link| link.moves != [true; 2]);
+        self.is_points = self.touches.is_empty() && self.links.iter().all(|link| link.is_plain);
+        if !beside {
+            match self.place_touches() {
+                Ok(grew) => self.stale |= grew,
+                Err(NoRoom) => return false,
+            }
+        }
+        if std::mem::take(&mut self.stale) {
+            self.topology = Topology::derive(&self.links, &self.room, self.bodies.len(), asked).unwrap_or_default();
+        }
+        if self.carried.is_empty() {
+            self.joint_work = self.topology.plan.work;
+        }
+        self.topology.plan.work > 0
+    }
+
+    /// Gives every contact a node of its own after those of the factor.
+    fn place_beside(&mut self) {
+        let Self { touches, links, bodies, .. } = self;
+        touches.sort_unstable_by_key(|touch| touch.number);
+        for touch in touches {
+            (touch.node, touch.side) = (links.len() as u32, 0);
+            let ends = [touch.body, touch.other];
+            links.push(NodeBodies::of_contact(ends, ends.map(|body| bodies[body as usize].is_dynamic())));
+        }
     }
 
     /// Whether joints leave no freedom: contacts then contradict one another, and no active set of theirs comes to an end.

@@ -31,7 +31,7 @@ pub(super) struct PackedRows {
     noise: Vec<Lanes>,
     pub impulse: Vec<Lanes>,
     /// Row in each place.
-    index: Vec<[u32; 4]>,
+    pub index: Vec<[u32; 4]>,
 }
 
 /// No row.

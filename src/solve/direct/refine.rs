@@ -31,10 +31,15 @@ pub(super) const MODERATIONS: usize = 2;
 /// Linear equations whose matrix has been factorised, and their unknowns.
 pub(super) trait Equations {
     /// Writes what the rows still lack, −(J v + b + γ p); returns the greatest.
-    fn find_residuals(&self, factor: &BlockFactor, residuals: &mut [Lanes]) -> f64;
+    fn find_residuals(&mut self, factor: &BlockFactor, residuals: &mut [Lanes]) -> f64;
 
     /// Writes what has been added to the diagonal of each row that does not give, times its multiplier.
-    fn find_added(&self, factor: &BlockFactor, added: &mut [Lanes]);
+    fn find_added(&mut self, factor: &BlockFactor, added: &mut [Lanes]);
+
+    /// Solves the equations in place, by the factor and what else holds of the unknowns.
+    fn solve(&mut self, factor: &BlockFactor, plan: &BlockLayout, unknowns: &mut [Lanes]) {
+        factor::substitute(factor, plan, unknowns);
+    }
 
     /// Adds a share of the increments to the multipliers, and their push to the rates.
     fn add_impulses(&mut self, factor: &BlockFactor, increments: &[Lanes], share: f64);
@@ -57,7 +62,7 @@ pub(super) fn refine(
     let first = equations.find_residuals(factor, unknowns);
     let (mut before, mut moderations) = (first, least);
     for round in 0..=REFINEMENTS {
-        factor::substitute(factor, plan, unknowns);
+        equations.solve(factor, plan, unknowns);
         std::mem::swap(unknowns, increments);
         equations.add_impulses(factor, increments, 1.0);
         if *is_exact {
@@ -79,7 +84,7 @@ pub(super) fn refine(
     }
     for _ in 0..moderations {
         equations.find_added(factor, unknowns);
-        factor::substitute(factor, plan, unknowns);
+        equations.solve(factor, plan, unknowns);
         equations.add_impulses(factor, unknowns, -1.0);
     }
 }

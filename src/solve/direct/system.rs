@@ -17,12 +17,14 @@
 
 use glam::DVec3;
 
+use super::beside::{BesideEquations, BesideRows};
 use super::block::{Lanes, ZERO};
 use super::body::DirectBody;
 use super::factor::{self, BlockFactor};
+use super::free_rows::FreeRows;
 use super::packed_rows::{self, PackedRows};
 use super::redundancy::Redundancy;
-use super::refine::{Equations, MODERATIONS, refine};
+use super::refine::{MODERATIONS, refine};
 use super::row::{ContactRows, MAX_IMPULSE, Origin, Row, RowState};
 use super::topology::{SystemNode, Topology};
 use crate::solve::joint::friction;
@@ -53,11 +55,13 @@ pub(crate) struct System {
     pub sums: Vec<f64>,
     pub contacts: Vec<ContactRows>,
     factor: BlockFactor,
+    /// Those of contacts where they are no part of it.
+    pub(super) beside: BesideRows,
     packed_rows: PackedRows,
     /// Rows in the system now, by node.
     counts: Vec<u32>,
-    unknowns: Vec<Lanes>,
-    increments: Vec<Lanes>,
+    /// Unknowns and increments.
+    room: [Vec<Lanes>; 2],
     base: Vec<Rate>,
     /// Whether the push of the multipliers is in the rates.
     pub(super) has_pushed: bool,
@@ -253,7 +257,7 @@ impl System {
             self.has_pushed = true;
             return self.push(bodies, rates, |row| row.impulse);
         }
-        let Self { nodes, factor, packed_rows, increments, .. } = self;
+        let Self { nodes, factor, packed_rows, room: [_, increments], .. } = self;
         increments.clone_from(&packed_rows.impulse);
         packed_rows.impulse.fill(ZERO);
         packed_rows::add_impulses(packed_rows, increments, 1.0, nodes, factor, bodies, rates);
@@ -320,11 +324,12 @@ impl System {
             let one_by_one = patience == 0 && may_free;
             self.flip(one_by_one);
             // Friction is revised once the rest has settled with it: both at once chase each other.
-            let sliding = if wrong > 0 { 0 } else { self.revise_friction(rates, may_free) };
+            let sliding = if wrong > 0 || self.beside.is_on { 0 } else { self.revise_friction(rates, may_free) };
             if sliding > 0 {
                 (fewest, patience) = (usize::MAX, PATIENCE);
             }
             if wrong + sliding == 0 {
+                self.settled &= !self.beside.is_on || self.beside.is_done;
                 return pass;
             }
         }
@@ -350,7 +355,9 @@ impl System {
     }
 
     fn push_fixed(&self, bodies: &[DirectBody], rates: &mut [Rate]) {
-        self.push(bodies, rates, |row| if matches!(row.state, RowState::Low | RowState::High) { row.impulse } else { 0.0 });
+        let is_on = self.beside.is_on;
+        let pushes = |row: &Row| matches!(row.state, RowState::Low | RowState::High) && !(is_on && row.origin == Origin::Contact);
+        self.push(bodies, rates, |row| if pushes(row) { row.impulse } else { 0.0 });
     }
 
     /// Adds what rows push with these impulses to the rates: one response for each body of a node.
@@ -375,15 +382,20 @@ impl System {
     }
 
     fn solve_active(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
-        let Self { nodes, rows, factor, packed_rows, counts, .. } = self;
+        let Self { nodes, rows, factor, packed_rows, counts, beside, .. } = self;
         if !std::mem::replace(&mut self.is_factored, true) {
             self.is_exact = false;
-            packed_rows.choose(nodes, rows, counts);
+            let planned = &nodes[..topology.plan.order().len()];
+            packed_rows.choose(planned, rows, counts);
             factor.start(&topology.plan, counts);
-            packed_rows::pack(packed_rows, nodes, rows, factor, topology, bodies);
-            packed_rows::assemble(factor, packed_rows, nodes, topology, bodies);
+            packed_rows::pack(packed_rows, planned, rows, factor, topology, bodies);
+            packed_rows::assemble(factor, packed_rows, planned, topology, bodies);
             factor::factorize(factor, &topology.plan);
+            if beside.is_on {
+                beside.form((nodes, rows, packed_rows.index.as_flattened()), bodies, (factor, topology));
+            }
         }
+        beside.has_settled = false;
         packed_rows.impulse.clear();
         packed_rows.impulse.resize(factor.len(), ZERO);
         self.improve(topology, bodies, rates);
@@ -400,9 +412,15 @@ impl System {
         // What contacts contradict each other in is for their active set to settle.
         let least = usize::from(topology.doubled);
         let most = if self.moderates && !self.touches() { MODERATIONS } else { least };
-        let Self { nodes, rows, contacts, factor, packed_rows, unknowns, increments, is_exact, .. } = self;
-        let mut equations = FreeRows { packed_rows, nodes, bodies, rates };
-        refine(&mut equations, factor, &topology.plan, [least, most], unknowns, increments, is_exact);
+        let Self { nodes, rows, contacts, factor, packed_rows, room: [unknowns, increments], is_exact, beside, .. } = self;
+        let planned = &nodes[..topology.plan.order().len()];
+        let mut joints = FreeRows { packed_rows, nodes: planned, bodies, rates };
+        if beside.is_on {
+            let mut equations = BesideEquations { joints, beside, nodes, rows, contacts };
+            refine(&mut equations, factor, &topology.plan, [least, most], unknowns, increments, is_exact);
+        } else {
+            refine(&mut joints, factor, &topology.plan, [least, most], unknowns, increments, is_exact);
+        }
         // Rows of contacts repeat one another.
         *is_exact &= contacts.is_empty();
         packed_rows.unpack(rows);
@@ -423,27 +441,5 @@ impl System {
                 row.bias = row.bias.min(most);
             }
         }
-    }
-}
-
-/// The rows that are free, at rates that change as they are solved.
-struct FreeRows<'a> {
-    packed_rows: &'a mut PackedRows,
-    nodes: &'a [SystemNode],
-    bodies: &'a [DirectBody],
-    rates: &'a mut [Rate],
-}
-
-impl Equations for FreeRows<'_> {
-    fn find_residuals(&self, factor: &BlockFactor, residuals: &mut [Lanes]) -> f64 {
-        packed_rows::find_residuals(residuals, self.packed_rows, self.nodes, factor, self.rates)
-    }
-
-    fn find_added(&self, factor: &BlockFactor, added: &mut [Lanes]) {
-        self.packed_rows.find_added(factor, added);
-    }
-
-    fn add_impulses(&mut self, factor: &BlockFactor, increments: &[Lanes], share: f64) {
-        packed_rows::add_impulses(self.packed_rows, increments, share, self.nodes, factor, self.bodies, self.rates);
     }
 }

@@ -30,6 +30,11 @@ pub(super) struct NodeBodies {
 }
 
 impl NodeBodies {
+    /// Node of a contact between these bodies, with room for rows alone.
+    pub(super) fn of_contact(bodies: [u32; 2], moves: [bool; 2]) -> Self {
+        Self { bodies, moves, capacity: 0, is_plain: false, is_contact: true }
+    }
+
     /// Rows for which its node counts when an order is chosen.
     fn weight(&self) -> u32 {
         if self.is_contact { CONTACT_WEIGHT } else { self.capacity }
