@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::joints::{Asking, JointAssembly, MultiplierSlot, Sink, Source};
 use super::problem::{JointBlock, Problem};
-use super::term::Term;
+use super::term::{Law, Term};
 use crate::id::{JointId, Pool};
 use crate::joint_rebounds::Rebounds;
 use crate::joint_record::Joint;
@@ -129,7 +129,7 @@ impl JointSet {
     }
 
     /// Finds how far rows are off where the bodies have moved to in a substep of length `h` (s), `left` (s) from the end of the step; returns
-    /// the greatest error of those that always hold (m, rad).
+    /// the greatest error of those that always hold, and of stops (m, rad).
     pub(super) fn find_errors(
         &mut self,
         joints: &Pool<Joint, JointId>,
@@ -139,12 +139,20 @@ impl JointSet {
         left: f64,
     ) -> f64 {
         let Self { entries, ends, rows, sources, asked, .. } = self;
-        let mut worst = 0.0_f64;
+        let (mut worst, mut any_overrun) = (0.0_f64, false);
         for (((entry, ends), rows), link) in entries.iter_mut().zip(&*ends).zip(&*rows).zip(&mut problem.links) {
             let asking = of.asking(joints, entry, ends, h, [left; 2]);
             let own = rows.terms.0 as usize..rows.terms.1 as usize;
-            asking.find_errors(entry, rows, (link, &mut problem.terms[own.clone()]), (&sources[own], asked));
+            let terms = &mut problem.terms[own.clone()];
+            any_overrun |= asking.find_errors(entry, rows, (link, &mut *terms), (&sources[own], asked));
             worst = link.error.iter().fold(worst, |worst, error| worst.max(error.abs()));
+            worst = terms.iter().fold(worst, |worst, term| worst.max(term.push));
+        }
+        if any_overrun {
+            // What lies on something is to slide there.
+            let rubs = |term: &&mut Term| matches!(term.law, Law::Leaning { .. });
+            problem.terms.iter_mut().filter(rubs).for_each(|term| term.gain = [0.0; 2]);
+            problem.is_stale = true;
         }
         worst
     }

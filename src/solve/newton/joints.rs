@@ -15,6 +15,12 @@ use crate::solve::joint::row_sink::RowSink;
 use crate::solve::joint::rows::{self, HeldDirections, MAX_RECOVERY_SPEED, Phase, Rate, RowRates};
 use crate::solve::joint::{JointEntry, LocalPose, friction};
 
+/// What a stop that presses makes of the speed of what it stops, at least (m/s, rad/s): a solve ends within as much.
+const PRESSES: f64 = 1.0e-3;
+
+/// Compliance of a row that is let go, over its ε: a thousand times what answers to it.
+const FREE: f64 = 1.0e12;
+
 /// Where the multiplier of a row goes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum MultiplierSlot {
@@ -102,14 +108,15 @@ impl Asking<'_> {
         [point, direction]
     }
 
-    /// Finds the errors of its rows where its bodies have moved to, along the axes that the rows have.
+    /// Finds the errors of its rows where its bodies have moved to, along the axes that the rows have. A stop that is overrun and does not press, as
+    /// where a joint was made beyond it, is to be reached whatever its motor and its friction say: whether there is one.
     pub(super) fn find_errors(
         &self,
         entry: &mut JointEntry,
         rows: &JointAssembly,
         (link, terms): (&mut JointBlock, &mut [Term]),
         (sources, scalars): (&[Source], &mut Vec<rows::ScalarRow>),
-    ) {
+    ) -> bool {
         let placement = self.placement(entry);
         let blocks = self.blocks(entry, &placement, Phase::Position { most: MAX_RECOVERY_SPEED * self.h }, scalars);
         // A free axis has turned with its body, and how far B is along it is no error.
@@ -130,9 +137,18 @@ impl Asking<'_> {
         for row in 0..link.rows {
             link.error[row] = of(&rows.sources[row], link.give[row]);
         }
+        let mut is_overrun = false;
         for (term, source) in terms.iter_mut().zip(sources).filter(|(term, _)| matches!(term.law, Law::Between(0.0, _))) {
             term.push = (-of(source, term.give)).max(0.0);
+            is_overrun |= term.push > 0.0 && term.impulse[0] * term.ease < PRESSES;
         }
+        if is_overrun {
+            terms.iter_mut().for_each(|term| term.gain = [f64::from(term.push > 0.0), 0.0]);
+            for row in (0..link.rows).filter(|row| link.boundless & 1 << row != 0) {
+                link.give[row] = FREE * link.proximity[row];
+            }
+        }
+        is_overrun
     }
 }
 
