@@ -227,10 +227,11 @@ pub(crate) mod sheets {
 
 /// Which bounds are derived: see `joint_graph/hierarchy.rs`, `joint_graph/load_class.rs` and `world/solve_batches/wrap.rs`.
 pub(crate) mod bounds {
-    /// Mass from which on a body is heavy: share of the greatest mass of connected bodies.
+    /// Mass from which on a body is heavy: share of the greatest mass of connected bodies. Below this share of what it is jointed to, a body
+    /// hangs on that as on something fixed.
     /// Why: lighter ones stretch a structure little; pairs of joints would never meet heavy bodies where light pieces alternate.
-    /// Scenes: rope_bridge, cable_car, hanging_chain.
-    /// Test: tests/long_range.rs
+    /// Scenes: rope_bridge, cable_car, hanging_chain, cranes.
+    /// Test: tests/cranes.rs
     pub(crate) const HEAVY_SHARE: f32 = 0.1;
     /// Mass from which on one body keeps a chain straight that it hangs on, even where it swings: share of that of all.
     /// Why: 270 kg on 30 links of 1 kg hang straight.

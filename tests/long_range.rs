@@ -286,7 +286,8 @@ fn only_what_a_change_is_connected_to_is_derived_anew_and_to_the_same_bits() {
     let body = world.joint_def(chains[2][0]).expect("valid").body_b;
     world.set_mass(body, Mass::Total(50.0)).expect("valid");
     world.step(DT).expect("valid");
-    assert_eq!(world.report().counts.bounds_derived, 7);
+    // It holds what hangs on it as something fixed would, as far as that is lighter than a tenth of it: three bodies more have bounds to it.
+    assert_eq!(world.report().counts.bounds_derived, 10);
 }
 
 #[test]

@@ -239,6 +239,28 @@ fn what_drives_a_scene_explains_its_energy() {
 }
 
 #[test]
+fn what_drives_a_crane_explains_its_energy_and_its_rope_keeps_its_length() {
+    // Load (kg), links, rate (1/s), and by how much sweeps may leave the rope longer (%): they carry a load of ten times the jib's mass worst.
+    for (load, links, rate, swept) in [
+        ("100", "20", "60", 0.01),
+        ("1000", "5", "60", 0.1),
+        ("1000", "60", "60", 0.01),
+        ("5000", "20", "30", 0.25),
+        ("5000", "20", "60", 0.1),
+        ("5000", "20", "240", 0.006),
+        ("20000", "5", "60", 1.0_f64),
+        ("20000", "60", "60", 0.15),
+        ("20000", "20", "30", 1.0),
+    ] {
+        for (solver, stretch) in [("auto", swept.min(0.03)), ("gs", swept)] {
+            let run = Run::of("crane", &[("load", load), ("links", links), ("rate", rate), ("solver", solver)]);
+            run.keeps("unexplained_rise_pct", 0.1, "% of m g L");
+            run.keeps("stretch_pct", stretch, "%");
+        }
+    }
+}
+
+#[test]
 fn servos_that_sweeps_do_not_hold_give_no_more_than_they_do() {
     // In one substep links of the arm turn by more than sweeps can follow, and it gains four times its m g L: see the limits.
     for substeps in ["2", "4", "8", "16"] {

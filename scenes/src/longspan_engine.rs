@@ -13,6 +13,7 @@ pub struct LongspanEngine {
     bodies: Vec<BodyId>,
     joints: Vec<JointId>,
     refusal: Option<longspan::Error>,
+    quarantined: usize,
 }
 
 impl LongspanEngine {
@@ -26,7 +27,7 @@ impl LongspanEngine {
         if let Effort::N(substeps) = effort {
             def.substeps = substeps;
         }
-        Ok(Self { world: World::new(&def)?, bodies: Vec::new(), joints: Vec::new(), refusal: None })
+        Ok(Self { world: World::new(&def)?, bodies: Vec::new(), joints: Vec::new(), refusal: None, quarantined: 0 })
     }
 
     /// A world with everything that a scene begins with, on one thread; what the scene's script does later is left to the caller.
@@ -84,6 +85,11 @@ impl LongspanEngine {
         self.joints[joint]
     }
 
+    /// How often a body has left the simulation because its state was no number.
+    pub fn quarantined(&self) -> usize {
+        self.quarantined
+    }
+
     fn note<T>(&mut self, result: Result<T>) -> Option<T> {
         match result {
             Ok(value) => Some(value),
@@ -135,6 +141,7 @@ impl Engine for LongspanEngine {
         if let Err(error) = self.world.step(dt) {
             self.refusal.get_or_insert(error);
         }
+        self.quarantined += self.world.quarantined().len();
     }
 
     fn pose(&self, body: usize) -> Pose {

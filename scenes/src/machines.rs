@@ -1,7 +1,7 @@
 //! Machines of servo hinges that handle loads: a crane and an excavator.
 //!
 //! *Crane*: a static mast with a jib of 2 t (a box, half-extents 4 × 0.2 × 0.2 m, its root at the mast, 6 m up) that a speed servo
-//! slews about the vertical at 10°/s; from its tip a rope of 20 capsule links (0.2 m, radius 0.02 m, 1 kg) with a box of `load` kg
+//! slews about the vertical at 10°/s; from its tip a rope of `links` capsules (0.2 m, radius 0.02 m, 1 kg) with a box of `load` kg
 //! (half-extent 0.5 m). The jib starts at its rate, rope and load with the velocities of the tip. 8 s.
 //!
 //! *Excavator*: from a static base at (0, 1) m a boom (3 m, 500 kg, 30° up), a stick (2 m, 300 kg, 40° down) and a fork (200 kg: a
@@ -15,9 +15,8 @@ use longspan::{BodyDef, CollisionFilter, Geometry, JointKind, Limits, LocalPose,
 use crate::assemble::{INTANGIBLE, filtered, rod, solid};
 use crate::metrics::{DrivenEnergy, JointGap, Overlap, Reading, Stretch, View, hinge_angle, or_infinite};
 use crate::params::{Params, SceneError};
-use crate::scene::{Scene, cuboid, shape, start};
+use crate::scene::{Scene, cuboid, shape, start, start_at_rate};
 
-const ROPE_LINKS: usize = 20;
 const PITCH: f64 = 0.2;
 const JIB_HALF: f64 = 4.0;
 const JIB_HEIGHT: f64 = 6.0;
@@ -39,7 +38,8 @@ pub(crate) fn servo_error(steps: u32, hinges: Vec<(usize, f64)>) -> Reading {
 
 pub(crate) fn crane(params: &mut Params) -> Result<Scene, SceneError> {
     let load = params.number("load", 5000.0, 1.0e-3..=1.0e9)?;
-    let mut scene = start(params, 8.0)?;
+    let links = params.count("links", 20, 1..=1000)?;
+    let (mut scene, _) = start_at_rate(params, 8.0)?;
     let mast = BodyDef::fixed(Pose::at_xyz(0.0, 0.5 * JIB_HEIGHT, 0.0)).with_shape(cuboid(0.3, 3.0, 0.3)?);
     let mast = scene.body(filtered(mast, INTANGIBLE));
     let spin = DVec3::Y * SLEW_DEG.to_radians();
@@ -56,18 +56,18 @@ pub(crate) fn crane(params: &mut Params) -> Result<Scene, SceneError> {
     let at = |index: usize| DVec3::new(2.0 * JIB_HALF, JIB_HEIGHT - PITCH * index as f64, 0.0);
     let mut held = jib;
     let mut joints = Vec::new();
-    for index in 0..ROPE_LINKS {
+    for index in 0..links {
         let link = add(&mut scene, rod(at(index), at(index + 1), 0.02, 1.0)?, false);
         joints.push(scene.tie(held, link, at(index)));
         held = link;
     }
     let half = LOAD_HALF as f32;
-    let load = solid(Pose::at(at(ROPE_LINKS) - DVec3::Y * LOAD_HALF), cuboid(half, half, half)?, load as f32);
+    let load = solid(Pose::at(at(links) - DVec3::Y * LOAD_HALF), cuboid(half, half, half)?, load as f32);
     let load = add(&mut scene, load, false);
-    joints.push(scene.tie(held, load, at(ROPE_LINKS)));
+    joints.push(scene.tie(held, load, at(links)));
 
     let steps = scene.steps;
-    scene.judge(Stretch::new(joints, PITCH * ROPE_LINKS as f64, steps));
+    scene.judge(Stretch::new(joints, PITCH * links as f64, steps));
     scene.judge(JointGap::over_last(steps));
     scene.judge(servo_error(steps, vec![(slew, SLEW_DEG.to_radians())]));
     scene.judge(DrivenEnergy::default());

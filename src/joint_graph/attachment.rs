@@ -17,6 +17,7 @@ use super::joint_part::JointPart;
 use super::load::NodeId;
 use super::load_class::LoadClass;
 use super::{Bound, BoundKind, InnerJoint, JointSide};
+use crate::tuning::bounds::HEAVY_SHARE;
 
 /// Attachments that a joint keeps bounds to, the nearest.
 const MAX_ATTACHMENTS: usize = 4;
@@ -47,7 +48,7 @@ struct Candidate {
 
 /// Adds the bounds of all attachments.
 pub(super) fn derive(part: &mut JointPart, weights: &[LoadClass]) {
-    let labels = reach_out(part);
+    let labels = reach_out(part, weights);
     let targets = targets(&part.graph, weights, &labels);
     let mut inner: Vec<(u32, u32)> = targets.iter().enumerate().map(|(label, &target)| (target, label as u32)).collect();
     inner.retain(|&(target, label)| {
@@ -81,7 +82,7 @@ pub(super) fn derive(part: &mut JointPart, weights: &[LoadClass]) {
 }
 
 /// Every joint as reached from its nearest attachments, in the order of path length.
-fn reach_out(part: &mut JointPart) -> Vec<Label> {
+fn reach_out(part: &mut JointPart, weights: &[LoadClass]) -> Vec<Label> {
     let JointPart { graph, paths, .. } = part;
     let mut labels: Vec<Label> = Vec::new();
     let mut kept = vec![[u32::MAX; MAX_ATTACHMENTS]; graph.links.len()];
@@ -107,12 +108,26 @@ fn reach_out(part: &mut JointPart) -> Vec<Label> {
         let path = paths.crossing(before, beyond);
         let number = labels.len() as u32;
         labels.push(Label { beyond, source, parent, length, reach, path });
-        for &end in graph.ends_on(body).iter().filter(|end| end.link != beyond.link) {
+        let holds = matches!(weights[body as usize], LoadClass::SingleAttachment | LoadClass::SaggingChain);
+        let ends = graph.ends_on(body).iter().filter(|end| end.link != beyond.link);
+        for &end in ends {
+            if holds && graph.holds_like_fixed(end) {
+                queue.push(Reverse(Candidate { length: 0, beyond: end.other(), parent: None, source: end }));
+            }
             let length = length + graph.segment(beyond, end);
-            queue.push(Reverse(Candidate { length: length.to_bits(), beyond: end.other(), parent: Some(number), source }));
+            if !is_end_of(graph, source, end) {
+                queue.push(Reverse(Candidate { length: length.to_bits(), beyond: end.other(), parent: Some(number), source }));
+            }
         }
     }
     labels
+}
+
+/// Whether what hangs at a body that moves is not followed beyond this end of a joint: it is on that body, or on one as heavy, which holds
+/// what is beyond itself.
+fn is_end_of(graph: &JointGraph, source: JointSide, end: JointSide) -> bool {
+    let Some(holder) = graph.dynamic_body(source) else { return false };
+    graph.dynamic_body(end).is_some_and(|body| graph.masses[body as usize] >= HEAVY_SHARE * graph.masses[holder as usize])
 }
 
 /// Bounds at a joint, and the path up to the joint before.

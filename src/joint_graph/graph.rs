@@ -18,6 +18,7 @@ use glam::{Quat, Vec3};
 
 use super::JointSide;
 use super::bounds::AngleRange;
+use crate::tuning::bounds::HEAVY_SHARE;
 
 /// Added to both ends of an angle range (rad): joint frames are `f32`, and a bound must hold all the same.
 const ANGLE_MARGIN: f64 = 1.0e-6;
@@ -125,6 +126,12 @@ impl JointGraph {
     /// Ends of joints on a dynamic body.
     pub(crate) fn ends_on(&self, body: u32) -> &[JointSide] {
         &self.ends[self.starts[body as usize] as usize..self.starts[body as usize + 1] as usize]
+    }
+
+    /// Whether what is jointed to this end of a joint is so light beside its body that this holds it as something fixed would.
+    pub(crate) fn holds_like_fixed(&self, end: JointSide) -> bool {
+        let mass = |end: JointSide| self.dynamic_body(end).map_or(f32::INFINITY, |body| self.masses[body as usize]);
+        mass(end.other()) < HEAVY_SHARE * mass(end)
     }
 
     pub(crate) fn point(&self, end: JointSide) -> Vec3 {

@@ -11,7 +11,8 @@ pub(crate) enum LoadClass {
     /// Held by one attachment, in a chain that nothing heavy keeps straight. While it swings it hangs in a bend, where no straight
     /// line from the attachment is taut, so its bodies get bounds between them too.
     SaggingChain,
-    /// Of at least a tenth of the greatest mass around, and free or held in more than one place.
+    /// Free or held in more than one place, and of at least a tenth of the greatest mass around, or with something on it that is lighter than a
+    /// tenth of it: at the end of a rope.
     Heavy,
     /// Lighter than that.
     Light,
@@ -52,7 +53,9 @@ pub(crate) fn weigh(graph: &JointGraph) -> Vec<LoadClass> {
                 LoadClass::SaggingChain
             } else if attachments == 1 {
                 LoadClass::SingleAttachment
-            } else if graph.masses[body as usize] >= HEAVY_SHARE * greatest {
+            } else if graph.masses[body as usize] >= HEAVY_SHARE * greatest
+                || graph.ends_on(body).iter().any(|&end| graph.holds_like_fixed(end))
+            {
                 LoadClass::Heavy
             } else {
                 LoadClass::Light

@@ -74,7 +74,7 @@ impl WatchedIsland {
     }
 
     fn is_torn(&self) -> bool {
-        self.after > (self.before + self.work.max(0.0)) * TORN || self.after.is_nan()
+        self.after > (self.before + self.work.max(0.0)) * TORN || !(self.after + self.work).is_finite()
     }
 
     /// Share of a motion that is kept where its kinetic energy has grown (J, from and to).
@@ -113,6 +113,11 @@ impl JointEnergy {
     /// Slots of each island that can be given no energy at all.
     pub(crate) fn slots(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
         self.islands.iter().filter(|island| !island.has_motors).map(WatchedIsland::slots)
+    }
+
+    /// Slots of all islands.
+    pub(crate) fn all_slots(&self) -> impl Iterator<Item = usize> + '_ {
+        self.islands.iter().flat_map(WatchedIsland::slots)
     }
 
     /// First slot of each island.
@@ -257,6 +262,7 @@ impl JointEnergy {
             }
         }
         if !torn.is_empty() {
+            put_back_unmoved(velocities, motions, before);
             joints.give_up(torn);
             long_range.bounds.give_up(torn);
             long_range.taut.give_up(torn);
@@ -277,5 +283,14 @@ impl JointEnergy {
                 island.work += work;
             }
         });
+    }
+}
+
+/// Gives what rows do not move the velocities that it had: an impulse beyond all numbers, times no ease at all, is no number.
+pub(super) fn put_back_unmoved(velocities: &mut [BodyVelocity], motions: &[BodyMotion], before: &[BodyVelocity]) {
+    for ((velocity, motion), before) in velocities.iter_mut().zip(motions).zip(before) {
+        if !motion.is_dynamic() {
+            *velocity = *before;
+        }
     }
 }

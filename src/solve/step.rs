@@ -130,12 +130,16 @@ impl BatchStages {
         self.impacts.find(batch, settings.restitution_threshold);
         self.advance(batch, threads, h);
         self.followed.mark(&batch.motions);
+        if !is_mesh {
+            batch.poses.note_rotations(self.joint_energy.all_slots(), &batch.motions);
+        }
         batch.joints.left -= h;
         batch.project_bounds(h);
         if is_mesh {
             self.joint_mesh.displace(batch, threads);
         } else {
             batch.joints.project(joints, threads, &mut batch.velocities, &mut batch.motions, h);
+            batch.poses.keep_turning(threads, &mut batch.velocities, &batch.motions);
         }
         if is_last {
             batch.flatten();
@@ -154,6 +158,7 @@ impl BatchStages {
             batch.joints.end_course(threads);
         } else {
             self.close_joints(batch, joints, threads, h);
+            batch.poses.keep_turning(threads, &mut batch.velocities, &batch.motions);
         }
         self.rebound(batch, settings.restitution_threshold);
         self.slides.find(&batch.contacts, &batch.velocities, &batch.motions, (h, settings.substeps), threads);

@@ -25,14 +25,22 @@ impl Run {
     pub fn on_threads(scene: Scene, threads: usize) -> Self {
         let mut engine = LongspanEngine::new(&scene.world, Effort::Default, threads).expect("the scene's world is valid");
         let measured = run(scene, &mut engine, Effort::Default, threads).unwrap_or_else(|error| panic!("{error}"));
-        Self { measured, engine }
+        Self { measured, engine }.complete()
     }
 
     /// Runs a scene while `watch` looks at it before the first step and after each.
     pub fn watched(scene: Scene, mut watch: impl FnMut(&longspan_scenes::metrics::View)) -> Self {
         let mut engine = LongspanEngine::new(&scene.world, Effort::Default, 1).expect("the scene's world is valid");
         let measured = run_watched(scene, &mut engine, Effort::Default, 1, &mut watch).unwrap_or_else(|error| panic!("{error}"));
-        Self { measured, engine }
+        Self { measured, engine }.complete()
+    }
+
+    /// This run, of which no body was lost: errors are of what is left, and a scene that has come apart may have none.
+    #[track_caller]
+    fn complete(self) -> Self {
+        let lost = self.engine.quarantined();
+        assert!(lost == 0, "{}: {lost} bodies have been quarantined", self.what());
+        self
     }
 
     pub fn world(&self) -> &World {

@@ -31,7 +31,7 @@ use glam::DVec3;
 
 use super::batch::Batch;
 use super::contact::LANES;
-use super::joint_energy::JointEnergy;
+use super::joint_energy::{JointEnergy, put_back_unmoved};
 use super::state::{BodyMotion, BodyVelocity};
 use super::wide_bodies::WideBodies;
 use crate::tuning::energy::{AFRESH, TORN};
@@ -236,7 +236,7 @@ impl SweptIsland {
 
     /// Whether it has more than `times` that, or what is no number.
     fn exceeds(&self, times: f64) -> bool {
-        self.may_have_gained && (self.after > times * self.most() || self.after.is_nan())
+        self.may_have_gained && (self.after > times * self.most() || !(self.after + self.work).is_finite())
     }
 }
 
@@ -343,6 +343,9 @@ impl ContactEnergy {
         self.give_up_what_is_torn(batch);
         let Self { islands, carriers, places, before, .. } = self;
         let Batch { velocities, motions, poses, free, .. } = batch;
+        if islands.iter().any(SweptIsland::is_torn) {
+            put_back_unmoved(velocities, motions, before);
+        }
         for island in islands.iter().filter(|island| island.exceeds(1.0 + LET_BE)) {
             if island.is_torn() {
                 velocities[island.slots()].copy_from_slice(&before[island.slots()]);

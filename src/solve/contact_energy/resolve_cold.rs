@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::super::batch::Batch;
 use super::super::contact::LANES;
 use super::super::contact_block::{ContactBlock, ContactBlocks};
+use super::super::joint_energy::put_back_unmoved;
 use super::super::parallel_contacts;
 use super::super::state::WORLD_SLOT;
 use super::{ContactEnergy, SweptIsland};
@@ -75,10 +76,11 @@ impl ContactEnergy {
     pub(super) fn solve_afresh(&mut self, batch: &mut Batch, iterations: u32) {
         let (alone, moving) = (Workers::default(), batch.moving());
         let Self { islands, before, cold_solve, .. } = self;
-        let Batch { velocities, contacts, direct, .. } = batch;
+        let Batch { velocities, motions, contacts, direct, .. } = batch;
         let chosen = || islands.iter().filter(|island| island.is_to_be_solved_afresh()).map(SweptIsland::slots);
         cold_solve.choose(chosen(), velocities.len());
         chosen().for_each(|slots| velocities[slots.clone()].copy_from_slice(&before[slots]));
+        put_back_unmoved(velocities, motions, before);
         cold_solve.take(contacts);
         direct.drop_impulses(&cold_solve.slots);
         for iteration in 0..iterations {

@@ -13,6 +13,15 @@ use crate::solve::state::{BodyMotion, BodyVelocity};
 use crate::solve::wide_matrix::{Wide6, WideQuat};
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
+/// Turn of a substep beyond which the rules for lanes say nothing (rad).
+const FAR_TURN: f32 = 2.0 * MAX_TURN;
+
+/// Growth of what a body has by turning that is let be: rounding of `f32`.
+const TURNING_LET_BE: f32 = 1.0 + 1.0e-5;
+
+/// Sine of half the angle by which position rows may turn a body without a look at its energy: next to rounding.
+const NEGLIGIBLE_TURN: f32 = 1.0e-6;
+
 #[inline(always)]
 pub(super) fn apply_forces<W: Wide>(
     blocks: &[PoseBlock],
@@ -90,6 +99,43 @@ fn store_energies<W: Wide>(
     }
 }
 
+/// Twice what bodies have by turning at these velocities when they stand so (J).
+#[inline(always)]
+fn turning_energy<W: Wide>(block: &PoseBlock, angular: Wide3<W>, rotation: &WideQuat<W>) -> W {
+    let axes = rotation.after(&WideQuat::load(&block.frame)).axes();
+    let spin = Wide3::new(axes[0].dot(angular), axes[1].dot(angular), axes[2].dot(angular));
+    spin.scale(spin).dot(Wide3::load(&block.inertia))
+}
+
+/// Turns the angular velocity with the body where that has been turned from how it was noted to stand and has more energy for it.
+#[inline(always)]
+pub(super) fn keep_turning<W: Wide>(
+    blocks: &[PoseBlock],
+    velocities: &mut (impl Slots<BodyVelocity> + ?Sized),
+    motions: &[BodyMotion],
+    noted: &[[f32; LANES]],
+) {
+    for block in blocks {
+        let now = gather_rotations::<W>(&block.slots, motions);
+        let [x, y, z, w, ..] = W::transpose(block.slots.map(|slot| W::load(&noted[slot as usize])));
+        let then = WideQuat { v: Wide3::new(x, y, z), w };
+        let turn = now.after(&then.conjugate());
+        if !W::any(turn.v.length().above(W::splat(NEGLIGIBLE_TURN))) {
+            continue;
+        }
+        let mut side = WideVelocities::<W>::gather(&block.slots, velocities);
+        let before = turning_energy(block, side.angular, &then) * W::splat(TURNING_LET_BE);
+        let grown = turning_energy(block, side.angular, &now).above(before);
+        if W::any(grown) {
+            let turned = turn.rotate(side.angular);
+            let choose = |turned: W, left: W| W::select(grown, turned, left);
+            let left = side.angular;
+            side.angular = Wide3::new(choose(turned.x, left.x), choose(turned.y, left.y), choose(turned.z, left.z));
+            side.scatter(&block.slots, velocities);
+        }
+    }
+}
+
 #[inline(always)]
 pub(super) fn limit<W: Wide>(blocks: &[PoseBlock], velocities: &mut (impl Slots<BodyVelocity> + ?Sized)) {
     for block in blocks {
@@ -132,7 +178,7 @@ pub(super) fn advance<W: Wide>(
     velocities: &mut DisjointMut<'_, BodyVelocity>,
     motions: &mut DisjointMut<'_, BodyMotion>,
     refused: &mut Vec<u32>,
-    (h, max_turn): (f32, f32),
+    h: f32,
 ) {
     for block in blocks {
         let mut side = WideVelocities::<W>::gather(&block.slots, velocities);
@@ -140,8 +186,8 @@ pub(super) fn advance<W: Wide>(
         limit_speeds(&mut side);
         let turned = turn(block, &stand.rotation, side.angular, h, rotation::SPLIT_TUMBLE as f32);
         let mean = side.angular + turned.mean_change;
-        // Powers of a far turn overflow, and the mean is no number then.
-        let overflows = (side.angular.length() * W::splat(h)).above(W::splat(max_turn));
+        // A needle may go around several times and have a mean that looks small.
+        let overflows = (side.angular.length() * W::splat(h)).above(W::splat(FAR_TURN));
         let far = W::select(overflows, W::splat(1.0), is_far(block, mean * W::splat(h)));
         let refuses = turned.gains.max(far);
         let moves = W::zero().above(refuses - W::splat(0.5));
@@ -157,11 +203,11 @@ pub(super) fn advance<W: Wide>(
     }
 }
 
-/// 1 where a body turns by more than the rules for lanes are good for.
+/// 1 where a body turns by more than the rules for lanes are good for. Powers of a turn far beyond that overflow: what is no number is far too.
 #[inline(always)]
 fn is_far<W: Wide>(block: &PoseBlock, way: Wide3<W>) -> W {
     let most = W::select(W::load(&block.tumbles).above(W::zero()), W::splat(SAFE_TUMBLE), W::splat(MAX_TURN));
-    W::select(way.length().above(most), W::splat(1.0), W::zero())
+    W::select(most.above(way.length()), W::zero(), W::splat(1.0))
 }
 
 /// Lists the bodies of lanes above zero.

@@ -21,7 +21,6 @@ use super::body_flags::BodyFlags;
 use super::contact::{LANES, Lane, Lane3};
 use super::disjoint::{DisjointMut, Shared};
 use super::integrate::{self, PredictedPose};
-use super::rotation::MAX_TURN;
 use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use crate::platform::in_lanes;
 use crate::tight_vec::{make_room_behind, resize};
@@ -125,6 +124,8 @@ pub(crate) struct WideBodies {
     inertia: Vec<[f32; LANES]>,
     /// Kinetic energy of bodies in lanes, by slot (J), as found last: when forces were added, or since.
     pub energies: Vec<f32>,
+    /// How each body that is watched stood before position rows turned it, by slot: x, y, z, w, and four numbers without meaning.
+    noted: Vec<[f32; LANES]>,
     /// Greatest slot of a body in lanes.
     last: usize,
     /// Whether each slot is only moved in lanes, where that is found on all threads.
@@ -233,9 +234,11 @@ impl WideBodies {
         } else {
             self.lay_out_all((velocities, motions), body_flags, h);
         }
-        let Self { blocks, pushed, singles, others, predicted_poses, refused, inertia, .. } = self;
+        let Self { blocks, pushed, singles, others, predicted_poses, refused, inertia, noted, .. } = self;
         if !blocks.is_empty() {
             inertia.resize(motions.len(), [0.0; LANES]);
+            noted.clear();
+            noted.resize(motions.len(), [0.0; LANES]);
         }
         if !(blocks.is_empty() && others.is_empty()) {
             // Of what is in lanes they are found before anybody asks.
@@ -331,6 +334,21 @@ impl WideBodies {
         });
     }
 
+    /// Notes how bodies with these slots stand, before position rows turn them.
+    pub(crate) fn note_rotations(&mut self, slots: impl Iterator<Item = usize>, motions: &[BodyMotion]) {
+        slots.filter(|&slot| motions[slot].in_lanes).for_each(|slot| self.noted[slot] = *motions[slot].halves()[1]);
+    }
+
+    /// Keeps position rows from giving bodies that were noted energy. Where they turn a rod that spins about its length and its angular velocity
+    /// stays as it is, that is a spin across its length in part, with a thousand times the inertia: so it goes with the rod.
+    pub(crate) fn keep_turning(&self, threads: &Workers, velocities: &mut [BodyVelocity], motions: &[BodyMotion]) {
+        let velocities = Shared::new(velocities, self.last);
+        each_piece(&self.blocks, threads, |blocks| {
+            // SAFETY: each slot is in one block, which one thread goes through.
+            keep_turning_all(blocks, &mut unsafe { velocities.hand() }, motions, &self.noted);
+        });
+    }
+
     /// The same of a body that has been turned since, if it is in lanes.
     pub(crate) fn refresh_inertia_of(&mut self, slot: u32, motion: &BodyMotion) {
         if !motion.in_lanes {
@@ -380,16 +398,15 @@ impl WideBodies {
     ) {
         let Self { blocks, pushed, refused, .. } = self;
         refused.clear();
-        // Where sweeps of joints diverge, what is no number takes a body out of the world; contacts do spin a small body so fast.
         let mut unpushed = 0;
-        for (blocks, max_turn) in [(&*blocks, f32::INFINITY), (&*pushed, 2.0 * MAX_TURN)] {
+        for blocks in [&*blocks, &*pushed] {
             unpushed = refused.len();
             let (velocities, motions) = (Shared::new(velocities, moving), Shared::new(motions, moving));
             let refused = Mutex::new(&mut *refused);
             each_piece(blocks, threads, |blocks| {
                 // SAFETY: each slot is in one block, which one thread goes through.
                 let (mut velocities, mut motions) = unsafe { (velocities.hand(), motions.hand()) };
-                listing(&refused, |refused| advance_all(blocks, &mut velocities, &mut motions, refused, (h, max_turn)));
+                listing(&refused, |refused| advance_all(blocks, &mut velocities, &mut motions, refused, h));
             });
         }
         refused[unpushed..].iter().for_each(|&slot| integrate::limit_spin_of_needle(&mut velocities[slot as usize], h));
@@ -431,6 +448,10 @@ in_lanes!(
     find_energies_all, kernels::find_energies,
     (blocks: &[PoseBlock], velocities: &[BodyVelocity], motions: &[BodyMotion], energies: &mut DisjointMut<'_, f32>)
 );
+in_lanes!(
+    keep_turning_all, kernels::keep_turning,
+    (blocks: &[PoseBlock], velocities: &mut DisjointMut<'_, BodyVelocity>, motions: &[BodyMotion], noted: &[[f32; LANES]])
+);
 in_lanes!(limit_all, kernels::limit, (blocks: &[PoseBlock], velocities: &mut DisjointMut<'_, BodyVelocity>));
 in_lanes!(
     predict_all, kernels::predict,
@@ -442,7 +463,6 @@ in_lanes!(
 in_lanes!(
     advance_all, kernels::advance,
     (
-        blocks: &[PoseBlock], velocities: &mut DisjointMut<'_, BodyVelocity>, motions: &mut DisjointMut<'_, BodyMotion>, refused: &mut Vec<u32>,
-        lengths: (f32, f32)
+        blocks: &[PoseBlock], velocities: &mut DisjointMut<'_, BodyVelocity>, motions: &mut DisjointMut<'_, BodyMotion>, refused: &mut Vec<u32>, h: f32
     )
 );

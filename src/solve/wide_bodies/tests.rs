@@ -63,7 +63,7 @@ fn run<W: Wide>((velocities, motions): &Bodies) -> (Bodies, Vec<PredictedPose>, 
     kernels::predict::<W>(&poses.blocks, &velocities, &motions, &mut poses.predicted_poses[..], &mut poses.refused, H);
     let moving = motions.len() - 1;
     let mut hands = (DisjointMut::alone(&mut velocities, moving), DisjointMut::alone(&mut motions, moving));
-    kernels::advance::<W>(&poses.blocks, &mut hands.0, &mut hands.1, &mut poses.refused, (H, f32::INFINITY));
+    kernels::advance::<W>(&poses.blocks, &mut hands.0, &mut hands.1, &mut poses.refused, H);
     ((velocities, motions), poses.predicted_poses, poses.refused)
 }
 
