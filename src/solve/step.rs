@@ -86,6 +86,7 @@ impl BatchStages {
         self.contact_newton.prepare(batch, settings.gravity, h);
         batch.lay_out_bounds(h);
         batch.poses.lay_out(threads, (&batch.velocities, &mut batch.motions), &batch.body_flags, h);
+        batch.poses.limit_spins_of_needles(&mut batch.velocities, h);
         self.joint_energy.find_islands(batch);
         self.followed.begin_step(batch.direct.left(&batch.joints.links), &batch.islands, &batch.motions);
         self.contact_energy.lay_out(&self.joint_energy, &batch.velocities, &batch.motions);

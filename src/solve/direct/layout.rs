@@ -12,9 +12,12 @@ use crate::solve::joint::JointEntry;
 /// Least size of an articulation without levers (m).
 const MIN_SIZE: f64 = 1.0e-3;
 
-/// Cube of the rows of a dense matrix over the multiplications that its factor takes. Contacts stand beside the joints' factor while a pass
-/// over their rows is no more work than that: rows in it take as much in every pass.
+/// Cube of the rows of a dense matrix over the multiplications that its factor takes.
 const WORK_OF_DENSE: u64 = 6;
+
+/// Passes over the rows of contacts beside the joints' factor, as many as an active set takes, that are to be no more work than that factor:
+/// else there is little to gain. Chains that are wound up tight, with as many contacts as joints, jam less with rows in the factor.
+const PASSES_FOR_A_FACTOR: u64 = 12;
 
 /// Node of a joint between these bodies.
 fn link_of(entry: &JointEntry, ends: [u32; 2], bodies: &[DirectBody]) -> NodeBodies {
@@ -74,10 +77,10 @@ impl Articulation {
         }
     }
 
-    /// Whether its contacts are beside the factor of its joints: their matrix takes no more work than that, as far as that is known.
+    /// Whether its contacts are beside the factor of its joints: passes over their matrix take no more work than that, as far as that is known.
     fn may_stand_beside(&self) -> bool {
         let rows: u64 = self.touches.iter().map(|touch| u64::from(touch.rows())).sum();
-        rows > 0 && (self.joint_work == 0 || rows * rows * rows <= WORK_OF_DENSE * self.joint_work)
+        rows > 0 && (self.joint_work == 0 || rows.pow(3) * PASSES_FOR_A_FACTOR <= WORK_OF_DENSE * self.joint_work)
     }
 
     /// Lays out the factor, with rows of contacts in it unless these are beside it.

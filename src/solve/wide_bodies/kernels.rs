@@ -120,12 +120,14 @@ pub(super) fn keep_turning<W: Wide>(
         let [x, y, z, w, ..] = W::transpose(block.slots.map(|slot| W::load(&noted[slot as usize])));
         let then = WideQuat { v: Wide3::new(x, y, z), w };
         let turn = now.after(&then.conjugate());
-        if !W::any(turn.v.length().above(W::splat(NEGLIGIBLE_TURN))) {
+        let has_turned = turn.v.length().above(W::splat(NEGLIGIBLE_TURN));
+        if !W::any(has_turned) {
             continue;
         }
         let mut side = WideVelocities::<W>::gather(&block.slots, velocities);
         let before = turning_energy(block, side.angular, &then) * W::splat(TURNING_LET_BE);
-        let grown = turning_energy(block, side.angular, &now).above(before);
+        // What was not noted has not been turned.
+        let grown = W::select(has_turned, turning_energy(block, side.angular, &now), W::zero()).above(before);
         if W::any(grown) {
             let turned = turn.rotate(side.angular);
             let choose = |turned: W, left: W| W::select(grown, turned, left);

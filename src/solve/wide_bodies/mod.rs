@@ -248,6 +248,12 @@ impl WideBodies {
         refused.reserve((blocks.len() + pushed.len()) * LANES);
     }
 
+    /// Bounds the spin of needles that come to contacts before these push them: one that flew has kept all of its own.
+    pub(crate) fn limit_spins_of_needles(&self, velocities: &mut [BodyVelocity], h: f32) {
+        let slots = self.pushed.iter().flat_map(|block| &block.slots[..block.count as usize]);
+        slots.for_each(|&slot| integrate::limit_spin_of_needle(&mut velocities[slot as usize], h));
+    }
+
     fn lay_out_all(&mut self, (velocities, motions): (&[BodyVelocity], &mut [BodyMotion]), body_flags: &[BodyFlags], h: f32) {
         let Self { blocks, pushed, singles, alone, others, last, .. } = self;
         for (slot, (velocity, motion)) in velocities.iter().zip(motions.iter_mut()).enumerate() {
