@@ -42,7 +42,7 @@ pub(super) fn apply_forces<W: Wide>(
     }
 }
 
-/// Forms the world inertia, no axis lighter than what the body turns by smears it to: as of one body.
+/// Forms the world inertia, no axis lighter than what the whole turn of the body smears it to; bodies one by one go by the turn of each axis.
 #[inline(always)]
 fn refresh_inertia<W: Wide>(block: &PoseBlock, side: &mut WideVelocities<W>, axes: &[Wide3<W>; 3], h: f32) {
     let one = W::splat(1.0);

