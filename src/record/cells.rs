@@ -9,7 +9,7 @@ use crate::shape::ShapeDef;
 use crate::world::cells::make;
 
 impl RecordedWorld {
-    /// As [`World::create_cells`]; what is recorded is each body and joint.
+    /// As [`crate::World::create_cells`]; what is recorded is each body and joint.
     ///
     /// # Errors
     /// As there.
