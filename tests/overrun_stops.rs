@@ -66,9 +66,7 @@ fn what_is_made_beyond_its_stops_comes_to_the_nearest() {
         {
             for force in [0.0, 500.0, f32::INFINITY] {
                 for (solver, on_floor) in [(Solver::Auto, false), (Solver::Auto, true), (Solver::GaussSeidel, false)] {
-                    // Sliders on a floor: see the limits.
-                    let slides = matches!(kind, Kind::Slider | Kind::Slide);
-                    if on_floor && (slides || kind == Kind::Twist) || kind == Kind::Twist && force > 0.0 {
+                    if kind == Kind::Twist && force > 0.0 {
                         continue;
                     }
                     let motor = if force > 0.0 { Motor::Velocity { target: speed, max_force: force } } else { Motor::Off };
@@ -83,6 +81,75 @@ fn what_is_made_beyond_its_stops_comes_to_the_nearest() {
                     assert!(within(&last), "{what}: ends at {last}");
                 }
             }
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Line {
+    Slider,
+    Slide,
+    Rope,
+    Reach,
+}
+
+/// Distance (m) from its range of a crate of this half width (m) that friction holds on a floor, with as heavy a crate on it, by time (s) after it
+/// has been put half a width and 0.3 m beyond the end of a joint in its middle.
+fn ways_beyond(line: Line, half: f32, solver: Solver, rate: f32) -> Vec<f32> {
+    let gravity = Vec3::NEG_Y * 9.81;
+    let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+    let mut world = World::new(&WorldDef { gravity, solver, sleep, ..WorldDef::default() }).expect("a valid world");
+    let floor = ShapeDef::new(Shape::cuboid(Vec3::new(100.0, 1.0, 100.0)).expect("a valid shape"));
+    world.create_body(&BodyDef::fixed(Pose::at_xyz(0.0, -1.0, 0.0)).with_shape(floor)).expect("a valid body");
+    let height = f64::from(half);
+    let crates = [height, 3.0 * height].map(|height| {
+        let shape = ShapeDef::new(Shape::cuboid(Vec3::splat(half)).expect("a valid shape"));
+        world.create_body(&BodyDef::dynamic(Pose::at_xyz(0.0, height, 0.0)).with_shape(shape)).expect("a valid body")
+    });
+    let limits = if line == Line::Reach { Limits::new(4.0 * half, 6.0 * half) } else { Limits::new(0.0, half) };
+    let (free, held) = (Axis { limits, motor: Motor::Off }, Axis::LOCKED);
+    let kind = match line {
+        Line::Slider => JointKind::Prismatic { limits, motor: Motor::Off },
+        Line::Slide => JointKind::Generic { linear: [free, held, held], angular: [held; 3] },
+        Line::Rope | Line::Reach => JointKind::Distance { limits, spring_length: None, motor: Motor::Off },
+    };
+    let from = if line == Line::Reach { 5.0 * half } else { 0.5 * half };
+    let mut def = JointDef::new(kind, BodyId::NULL, crates[0]);
+    def.frame_a = Pose::at_xyz(-f64::from(from), height, 0.0);
+    let joint = world.create_joint(&def).expect("a valid joint");
+    let step = |world: &mut World| _ = world.step(1.0 / rate).expect("a valid step");
+    (0..(0.2 * rate) as usize).for_each(|_| step(&mut world));
+    let way = half + 0.3;
+    for (level, body) in crates.into_iter().enumerate() {
+        let way = if line == Line::Reach { -way } else { way };
+        let at = Pose::at_xyz(f64::from(way), height * (1 + 2 * level) as f64, 0.0);
+        world.set_pose(body, at).expect("a valid pose");
+    }
+    let position = |world: &World| world.joint_axis_state(joint, 0).expect("it has this axis").position;
+    (0..(2.0 * rate) as usize)
+        .map(|_| {
+            step(&mut world);
+            let at = position(&world);
+            (limits.min - at).max(at - limits.max)
+        })
+        .collect()
+}
+
+#[test]
+fn what_lies_on_a_floor_under_a_load_and_is_put_beyond_its_range_comes_back() {
+    for (line, half) in [Line::Slider, Line::Slide, Line::Rope, Line::Reach]
+        .into_iter()
+        .flat_map(|line| [0.03, 0.3, 3.0].map(|half| (line, half)))
+    {
+        for (solver, rate) in [Solver::Auto, Solver::GaussSeidel].into_iter().flat_map(|s| [30.0, 60.0, 240.0].map(|r| (s, r))) {
+            let ways = ways_beyond(line, half, solver, rate);
+            let what = format!("{line:?} of a crate of {half} m by {solver:?} at {rate}/s");
+            let back = ways.iter().position(|way| *way < 0.01 * half).map_or(f32::INFINITY, |step| (step + 1) as f32 / rate);
+            // At 3 m/s at least, and a step and two.
+            let bound = (half + 0.3) / 3.0 + 2.0 / rate;
+            assert!(back < bound, "{what}: within its range after {back} s, bound {bound} s");
+            let last = ways[ways.len() - 1];
+            assert!(last < 0.01 * half, "{what}: ends {last} m beyond its range");
         }
     }
 }

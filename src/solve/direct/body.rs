@@ -150,6 +150,11 @@ impl DirectBody {
         self.top.frame * DVec3::AXES[thinnest(moments)]
     }
 
+    /// Greatest radius of gyration (m); zero where it does not move along and about all axes.
+    pub(crate) fn gyration(&self) -> f64 {
+        self.free_mass().map_or(0.0, |mass| (self.top.inertia.max_element() / mass).sqrt())
+    }
+
     /// How readily a force across `lever` turns the body, over the lever's length: |r| tr(I⁻¹ across r) (1/(kg·m)), with I round.
     pub(crate) fn turning_ease(&self, lever: DVec3) -> f64 {
         if self.is_dynamic() { 2.0 * lever.length() / self.top.inertia.max_element() } else { 0.0 }

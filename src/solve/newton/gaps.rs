@@ -26,7 +26,7 @@ impl CoupledIsland {
         let mut before = if self.is_looped { self.held.square_of_gaps(joints, &self.local_poses) } else { f64::INFINITY };
         self.correct(joints, h, left, before);
         for _ in 0..MAX_CLOSINGS {
-            if self.joint_gap(joints) <= MIN_GAP * self.held.mean_lever() {
+            if self.joint_gap(joints) <= MIN_GAP * self.held.mean_lever(&self.bodies) {
                 break;
             }
             let last = before;
@@ -46,7 +46,7 @@ impl CoupledIsland {
     /// is taken than leaves the sum of the squares of gaps at `before` or less: a loop that stands all but straight folds its light links
     /// where it should straighten. In a loop in which nothing presses, bodies may turn further if that leaves next to nothing. Whether anything could be taken.
     fn correct(&mut self, joints: &Pool<Joint, JointId>, h: f64, left: f64, before: f64) -> bool {
-        let lever = self.held.mean_lever();
+        let lever = self.held.mean_lever(&self.bodies);
         let Self { problem, bodies, moved, rates, local_poses, held, moved_to, patches, is_looped, .. } = self;
         let worst = held.find_errors(joints, problem, Ends { bodies, moved, rates, local_poses }, h, left);
         problem.find_displacements();

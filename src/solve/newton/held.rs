@@ -14,6 +14,9 @@ use crate::solve::joint::body_response::BodyResponse;
 use crate::solve::joint::rows::{Rate, ScalarRow};
 use crate::solve::joint::{JointEntry, LocalPose, driven, gap_of};
 
+/// Lever below which a joint is in the centre of mass of its body, over the body's radius of gyration: frames are rounded.
+const CENTRAL: f64 = 1.0e-3;
+
 /// Joints: see the [module](self).
 #[derive(Debug, Default)]
 pub(super) struct JointSet {
@@ -205,13 +208,21 @@ impl JointSet {
         argument_ranges.extend(rows.iter().map(|rows| rows.terms));
     }
 
-    /// Mean distance of joint points from the centres of mass of what moves, and of the ends of lines from each other (m).
-    pub(super) fn mean_lever(&self) -> f64 {
-        let levers = self.entries.iter().flat_map(|entry| entry.local_lever).map(|lever| lever.length());
+    /// Mean distance of joint points from the centres of mass of what moves, and of the ends of lines from each other (m). Where all joints
+    /// are in centres of mass, as those of a slider often are, the mean
+    /// radius of gyration of the bodies; infinite where these do not turn.
+    pub(super) fn mean_lever(&self, bodies: &[DirectBody]) -> f64 {
+        let levers = self.entries.iter().zip(&self.ends).flat_map(|(entry, ends)| {
+            let of = |side: usize| {
+                let (lever, gyration) = (entry.local_lever[side].length(), bodies[ends[side]].gyration());
+                if lever > CENTRAL * gyration { lever } else { 0.0 }
+            };
+            [of(0), of(1)]
+        });
         let lines = self.entries.iter().zip(&self.rows).filter(|(entry, _)| entry.is_distance).map(|(_, rows)| rows.gap.length());
-        let (count, sum) =
-            levers.chain(lines).filter(|&lever| lever > 0.0).fold((0.0, 0.0), |(count, sum), lever| (count + 1.0, sum + lever));
-        if count > 0.0 { sum / count } else { f64::INFINITY }
+        let lever = mean(levers.chain(lines));
+        let length = if lever > 0.0 { lever } else { mean(bodies.iter().map(DirectBody::gyration)) };
+        if length > 0.0 { length } else { f64::INFINITY }
     }
 
     /// Sum of the squares of these distances for joints as gaps (m²).
@@ -230,6 +241,13 @@ impl JointSet {
             gap_of(&joints[entry.joint].def.kind, &entry.placement(a, b))
         })
     }
+}
+
+/// Mean of those above zero; zero where there are none.
+fn mean(lengths: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) =
+        lengths.filter(|&length| length > 0.0).fold((0.0, 0.0), |(count, sum), length| (count + 1.0, sum + length));
+    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 /// Takes locked axes of its body out of a row; the rate that it has by a body which rows do not move is returned.

@@ -265,7 +265,7 @@ impl CoupledIsland {
         let lifted = self.outcome.lifted.max(0.0) + LIFT * weights.sum::<f64>();
         let allowed = self.outcome.driven + lifted + ROUNDING * self.outcome.kinetic;
         let [gap, opened] = self.outcome.gaps;
-        let is_held = opened <= gap.max(MAX_GAP * self.held.mean_lever());
+        let is_held = opened <= gap.max(MAX_GAP * self.held.mean_lever(&self.bodies));
         // Written so that what is no number is not.
         self.outcome.gain <= allowed && self.outcome.strain <= MAX_STRAIN && is_held
     }
