@@ -72,7 +72,7 @@ impl Articulation {
     fn compare_joints(&mut self) {
         let Self { entries, ends, bodies, links, .. } = self;
         let joints = entries.iter().zip(&*ends).map(|(entry, &ends)| link_of(entry, ends, bodies));
-        if links.len() < entries.len() || !links.iter().take(entries.len()).copied().eq(joints) {
+        if !links.iter().take_while(|link| !link.is_contact).copied().eq(joints) {
             (self.joint_work, self.stale) = (0, true);
         }
     }
@@ -92,9 +92,8 @@ impl Articulation {
         self.carried.sort_unstable();
         self.carried.dedup();
         let Self { entries, ends, bodies, carried, links, room, .. } = self;
-        let are_same = links.len() == entries.len() + carried.len()
-            && links.iter().skip(entries.len()).map(|link| link.bodies).eq(carried.iter().copied());
-        if self.stale || !are_same {
+        let are_carried = links.iter().skip(entries.len()).map(|link| link.bodies).eq(carried.iter().copied());
+        if self.stale || !are_carried {
             links.clear();
             links.extend(entries.iter().zip(&*ends).map(|(entry, &ends)| link_of(entry, ends, bodies)));
             links.extend(carried.iter().map(|&bodies| NodeBodies::of_contact(bodies, [true; 2])));
@@ -114,7 +113,8 @@ impl Articulation {
         if std::mem::take(&mut self.stale) {
             self.topology = Topology::derive(&self.links, &self.room, self.bodies.len(), asked).unwrap_or_default();
         }
-        if self.carried.is_empty() {
+        // Of the joints as they were first laid out: room that contacts have taken since then is no joint's.
+        if self.joint_work == 0 {
             self.joint_work = self.topology.plan.work;
         }
         self.topology.plan.work > 0
