@@ -2,7 +2,7 @@
 //!
 //! Much of a pair follows all but exactly from the rest, and is stored as the difference from what would be expected: the pose that
 //! manifolds were made for is a few steps from the pose of now (if it is not, the next step makes them anew whatever it was, unless
-//! the pair rests and is looked at only after it has moved on), and a point on B is, counted in steps from one float to the next,
+//! it moves the pair before it looks at it), and a point on B is, counted in steps from one float to the next,
 //! near the one on A moved along the normal by the separation. Whoever reads expects the same, bit for bit.
 
 use glam::{Quat, Vec3};
@@ -122,17 +122,16 @@ impl Stored for Steps {
     }
 }
 
-/// Writes the pairs in these slots with all they carry; `rests` says of which the next step does not look at the poses that they are
-/// saved with.
+/// Writes the pairs in these slots with all they carry; `moves_first` says which of them the next step may move before it looks at them.
 pub(crate) fn write(
     tables: &mut Output,
     (pairs, slots): (&PairCache, impl ExactSizeIterator<Item = u32> + Clone),
     colliders: &Pool<Collider, ShapeId>,
-    rests: impl Fn(&Pair) -> bool,
+    moves_first: impl Fn(&Pair) -> bool,
 ) {
     let row_of = |slot| {
         let pair = pairs.get(slot);
-        row_of((pair, pairs.blow_of(slot)), colliders, rests(pair))
+        row_of((pair, pairs.blow_of(slot)), colliders, moves_first(pair))
     };
     let (rows, far): (Vec<PairRow>, Vec<Option<FarPose>>) = slots.clone().map(row_of).unzip();
     tables.table(rows.iter());
@@ -230,7 +229,11 @@ fn unpacked(from: [f32; 7], bits: u32, units: [f32; 7]) -> [f32; 7] {
     })
 }
 
-fn row_of((pair, blow): (&Pair, ActiveHit), colliders: &Pool<Collider, ShapeId>, rests: bool) -> (PairRow, Option<FarPose>) {
+fn row_of(
+    (pair, blow): (&Pair, ActiveHit),
+    colliders: &Pool<Collider, ShapeId>,
+    moves_first: bool,
+) -> (PairRow, Option<FarPose>) {
     // Written out, so that a field that is new does not compile.
     let Pair {
         key,
@@ -257,7 +260,7 @@ fn row_of((pair, blow): (&Pair, ActiveHit), colliders: &Pool<Collider, ShapeId>,
     let info = flag(*may_touch, MAY_TOUCH) | flag(*in_contact, IN_CONTACT) | (manifolds.len() as u32 * MANIFOLDS);
     let mut row = PairRow { key: *key, info, steps: 0, margin: 0, approach: blow.approach, blow: blow.impulse };
     let mut far = None;
-    let now = Now::of(*key, colliders).filter(|now| rests || pair.is_near(&now.exact, now.least_extent));
+    let now = Now::of(*key, colliders).filter(|now| moves_first || pair.is_near(&now.exact, now.least_extent));
     if let (Some((pose, margin)), Some(now)) = (pair.made_for(), now) {
         row.info |= HAS_POSE;
         row.margin = margin.to_bits() >> MARGIN_SHIFT;

@@ -179,11 +179,12 @@ impl World {
             .map(|(slot, shape)| LastBox { shape: slot, tight_box: shape.tight_box })
             .collect();
         tables.table(last_boxes.iter());
-        let rests = |pair: &Pair| {
-            let (a, b) = pair.key.shapes();
-            [a, b].into_iter().all(|shape| !is_followed(colliders[shape].body))
+        // What stands is looked at only after it has moved on, and a union that forms puts its bodies where its joints hold them.
+        let moves_first = |pair: &Pair| {
+            let owners = <[u32; 2]>::from(pair.key.shapes()).map(|shape| colliders[shape].body);
+            owners.iter().all(|&body| !is_followed(body)) || owners.iter().any(|&body| !bodies[body].joints.is_empty())
         };
-        contacts::write(tables, (pairs, pairs.listed().iter().map(|&(_, slot)| slot)), colliders, rests);
+        contacts::write(tables, (pairs, pairs.listed().iter().map(|&(_, slot)| slot)), colliders, moves_first);
     }
 
     /// Writes islands that sleep, and their contacts.
