@@ -46,7 +46,7 @@ pub struct StepCounts {
     pub joints_broken: u32,
     /// Joints past a limit that break in the steps to come.
     pub joints_condemned: u32,
-    /// Times that the step was solved, more than once where joints broke.
+    /// Times that the step was solved, more than once where joints broke or a motor drove a body into something that was out of its reach.
     pub solves: u32,
     /// Long-range bounds derived in this step; 0 where no graph of joints has changed.
     pub bounds_derived: u32,

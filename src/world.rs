@@ -32,6 +32,7 @@ mod chain;
 mod contacts;
 mod draw;
 mod drift;
+mod driven_ways;
 mod drives;
 mod fast;
 mod forces;
@@ -126,6 +127,7 @@ struct StepScratch {
     /// Shapes with another kept box, for each piece of the shapes.
     reboxed: Vec<Vec<u32>>,
     sweeps: fast::Sweeps,
+    driven: driven_ways::DrivenWays,
     /// Pairs of which one body moves over the other, for each piece of the pairs.
     glides: Vec<Vec<seams::Glide>>,
     seams: seams::Seams,
@@ -240,6 +242,9 @@ impl World {
         clock.enter(c"solve");
         self.solve_batches(dt);
         self.read_joint_loads(dt);
+        if stirs {
+            self.meet_what_is_driven_into(dt);
+        }
         self.break_overloaded(dt);
         self.report.timings.solve = clock.lap();
         clock.enter(c"finish");
@@ -265,6 +270,7 @@ impl World {
 
     fn begin_step(&mut self, dt: f32) {
         self.events.begin_step();
+        self.forget_driven();
         self.forget_escaped();
         let (step, time) = (self.report.step + 1, self.report.time + f64::from(dt));
         self.report = StepReport { step, time, ..StepReport::default() };

@@ -218,7 +218,8 @@ impl IslandTraits {
         let ends = [contact.a, contact.b].map(|slot| &motions[slot as usize]);
         self.contacts[0] += 1;
         self.meetings += u32::from(ends.iter().all(|motion| motion.is_dynamic()));
-        if self.joints == 0 || !contact.presses() && !may_meet(contact, velocities, settings) {
+        let is_driven = ends.iter().any(|motion| motion.driven);
+        if self.joints == 0 || !contact.presses() && !is_driven && !may_meet(contact, velocities, settings) {
             return;
         }
         if ends.iter().any(|motion| motion.jointed) {

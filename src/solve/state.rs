@@ -146,6 +146,8 @@ pub(crate) struct BodyMotion {
     pub in_lanes: bool,
     /// No rotation about these world axes.
     pub locked_rotation: [bool; 3],
+    /// Whether a motor takes it further than it may go by its velocity, into what contacts have been looked for with.
+    pub driven: bool,
 }
 
 const _: () = assert!(std::mem::offset_of!(BodyMotion, rotation) == 32 && std::mem::offset_of!(BodyMotion, inertia) == 72);
@@ -187,6 +189,7 @@ impl BodyMotion {
         refreshed: false,
         in_lanes: false,
         locked_rotation: [false; 3],
+        driven: false,
     };
 
     /// Displacement, turn, and two numbers more.

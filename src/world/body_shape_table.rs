@@ -4,6 +4,7 @@
 //! memory at most pairs, and the more so the more bodies there are. The arrays here stay in the cache.
 
 use glam::Vec3;
+use parry3d::bounding_volume::Aabb;
 
 use crate::body::Body;
 use crate::collide::collider::Collider;
@@ -138,6 +139,15 @@ impl BodyShapeTable {
                     self.set_stance(shape, ColliderState::of(collider, &bodies[collider.body]));
                 }
             }
+        }
+    }
+
+    /// Has a shape of an active pair stay in this box, and move by so much faster than by its velocity (m/s).
+    pub(super) fn drive_further(&mut self, shape: u32, tight_box: Aabb, speed: f32) {
+        if self.known.has(shape) {
+            let state = &mut self.collider_states[shape as usize];
+            state.tight_box = tight_box;
+            state.turning += speed;
         }
     }
 

@@ -117,7 +117,6 @@ impl World {
 
     /// Breaks the joints that bear too much, and solves the step again without them.
     pub(super) fn break_overloaded(&mut self, dt: f32) {
-        self.report.counts.solves = 1;
         if self.fracture.limited.is_empty() && self.fracture.asked.is_empty() {
             return;
         }
@@ -131,7 +130,8 @@ impl World {
             }
             self.fracture.breaking = breaking;
             self.find_limited();
-            self.solve_again(dt);
+            self.form_unions_again();
+            self.solve_from_start(dt);
         }
         self.note_strain(dt);
         self.fracture.asked.clear();
@@ -280,22 +280,6 @@ impl World {
         // What a joint of enormous strength has borne may be more than a light body can take up.
         body.linear_velocity = within_limit(linear_velocity, MAX_LINEAR_SPEED);
         body.angular_velocity = within_limit(angular_velocity, MAX_ANGULAR_SPEED);
-    }
-
-    /// The stages up to the solve once more, from the state that the step began with.
-    fn solve_again(&mut self, dt: f32) {
-        let (broken, solves) = (self.report.counts.joints_broken, self.report.counts.solves);
-        self.report.counts = Default::default();
-        (self.report.counts.joints_broken, self.report.counts.solves) = (broken, solves + 1);
-        self.form_unions_again();
-        self.find_pairs(dt);
-        self.update_contacts(dt);
-        self.wake_what_is_touched();
-        self.group_islands();
-        self.derive_long_range();
-        self.hand_out_bounds();
-        self.solve_batches(dt);
-        self.read_joint_loads(dt);
     }
 
     /// Notes in every joint that can break what it has borne, and condemns what is past a limit.

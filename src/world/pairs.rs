@@ -112,7 +112,7 @@ impl World {
     }
 
     /// Keeps pairs in memory in the order in which they are gone through.
-    fn tidy_pairs(&mut self) {
+    pub(super) fn tidy_pairs(&mut self) {
         let Some(places) = self.pairs.tidy() else { return };
         self.sleeping.move_pairs(&places);
         if let Some(support) = &mut self.support {
@@ -145,7 +145,7 @@ impl World {
         index.reboxed.begin(colliders.slot_count());
     }
 
-    fn add_new_pairs(&mut self) {
+    pub(super) fn add_new_pairs(&mut self) {
         let Self { broad, colliders, bodies, joints, unions, pairs, index, scratch, threads, .. } = self;
         scratch.candidates.clear();
         pairs.settle();

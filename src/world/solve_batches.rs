@@ -6,6 +6,7 @@ use glam::{DVec3, Quat, Vec3};
 
 use super::World;
 use super::body_shape_table::BodyShapeTable;
+use super::driven_ways::DrivenWays;
 use super::islands::IslandGroups;
 use super::long_range::BoundRecord;
 use super::unions::{Union, Unions};
@@ -74,6 +75,8 @@ struct BatchInput<'a> {
     tallied: bool,
     gravity: Vec3,
     solver: Solver,
+    /// Bodies that motors drive further than by their velocities.
+    driven: &'a DrivenWays,
     /// Whether any body is flagged fast, with which stops what joints connect to it.
     some_are_fast: bool,
     /// Gap that gravity closes within a substep (m).
@@ -118,6 +121,7 @@ impl World {
             tallied: self.def.hit_threshold < f32::INFINITY || self.unions.iter().any(|union| union.wanted),
             gravity: self.def.gravity,
             solver: self.def.solver,
+            driven: &self.scratch.driven,
             some_are_fast: self.summaries.some_are_fast(),
             reach: self.def.gravity.length() * substep * substep,
             dt,
@@ -233,6 +237,7 @@ impl BatchInput<'_> {
             young: lead.times.settling.is_young(),
             jointed,
             constrained: jointed,
+            driven: union.members.iter().any(|&member| self.driven.drives(member)),
             ..BodyMotion::FIXED
         };
         (velocity, motion)
@@ -272,6 +277,7 @@ impl BatchInput<'_> {
             young: body.times.settling.is_young(),
             jointed: !body.joints.is_empty(),
             constrained: !body.joints.is_empty(),
+            driven: self.driven.drives(index),
             ..BodyMotion::FIXED
         };
         (velocity, motion)

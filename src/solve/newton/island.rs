@@ -27,41 +27,26 @@ use crate::solve::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 /// Change of the inertia with which a body answers, over what it was, from which on the substep is solved once more.
 const STIFFER: f64 = 0.5;
 
-/// Height by which a step may lift all that an island has, beyond what taking errors out of positions does (m): a straight line of planks that
-/// snaps taut under tonnes is lifted by as much, ropes and lifts by 1e-7.
-const LIFT: f64 = 1.0e-3;
-
-/// Greatest speed at which rows that always hold may be left to part (m/s, rad/s). Where they can hold they do to 1e-7 under ten tonnes on
-/// links of a kilogram; the joints of a straight line that is pressed together, which has to bend first, part at 0.03.
-const MAX_STRAIN: f64 = 1.0e-3;
-
-/// Gap of a joint that a step may open, over the mean distance of joint points from centres of mass. A winch under load opens 0.0002; what
-/// is flung about opens as much as it may, where direct solves halve their substeps and leave a fifth of this.
-const MAX_GAP: f64 = 3.0e-3;
-
-/// Share of the kinetic energy that is not worth a word.
-const ROUNDING: f64 = 1.0e-3;
-
 /// Length below which a line has no direction (m).
 const MIN_LENGTH: f64 = 1.0e-6;
 
 /// How a step went.
 #[derive(Debug, Clone, Copy, Default)]
-struct CoupledOutcome {
+pub(super) struct CoupledOutcome {
     effort: Effort,
     substeps: u32,
     penetration: f64,
     /// What motors, springs and moved bodies may have done in the step, and what energy has grown by (J).
-    driven: f64,
-    gain: f64,
+    pub(super) driven: f64,
+    pub(super) gain: f64,
     /// What taking errors out of positions has lifted bodies by (J): rows that are straight ways where bodies turn let them fall by as much.
-    lifted: f64,
+    pub(super) lifted: f64,
     /// Greatest gap of a joint at the start of the step and at its end (m).
-    gaps: [f64; 2],
+    pub(super) gaps: [f64; 2],
     /// Kinetic energy at the start of the step (J).
-    kinetic: f64,
+    pub(super) kinetic: f64,
     /// Greatest speed at which rows that always hold have been left to part (m/s, rad/s).
-    strain: f64,
+    pub(super) strain: f64,
     /// Whether others are to take the step.
     is_rejected: bool,
 }
@@ -93,7 +78,7 @@ pub(crate) struct CoupledIsland {
     torques: Vec<DMat3>,
     /// Sums of the rates at which bodies turn as they go round others, by the impulses that press them, and of those.
     steady: Vec<(DVec3, f64)>,
-    outcome: CoupledOutcome,
+    pub(super) outcome: CoupledOutcome,
     /// Patches that have been handed out by number.
     handed_out: u32,
 }
@@ -257,17 +242,6 @@ impl CoupledIsland {
     /// Whether it has taken the step; it is left to the other solvers else, as if nothing had been done.
     pub(crate) fn is_accepted(&self) -> bool {
         !self.is_large() && !self.outcome.is_rejected
-    }
-
-    /// Whether the step has come to an end, without a gain of energy that nothing has given, and without rows that contradict one another.
-    fn is_sound(&self) -> bool {
-        let weights = self.bodies.iter().filter_map(|body| Some(body.free_mass()? * body.pull()));
-        let lifted = self.outcome.lifted.max(0.0) + LIFT * weights.sum::<f64>();
-        let allowed = self.outcome.driven + lifted + ROUNDING * self.outcome.kinetic;
-        let [gap, opened] = self.outcome.gaps;
-        let is_held = opened <= gap.max(MAX_GAP * self.held.mean_lever(&self.bodies));
-        // Written so that what is no number is not.
-        self.outcome.gain <= allowed && self.outcome.strain <= MAX_STRAIN && is_held
     }
 
     /// Number of the next patch, in the order in which they were taken in.

@@ -7,7 +7,7 @@
 //!
 //! `elimination`, `factor`, `refine`, `term`, `problem`, `passes`, `admm` and `impact` are numbers on plain arrays and know nothing of the engine;
 //! `positions` is what they do for errors of positions, and `overruled` where rows contradict one another. `joints` (of `held`), `patch` and `masses` make joints, manifolds and bodies theirs,
-//! `stiffness` says how forces turn, `island` takes the step, `rebound` what hits in it, and `gaps` closes what it leaves open. Which islands
+//! `stiffness` says how forces turn, `island` takes the step, `soundness` judges it, `rebound` what hits in it, and `gaps` closes what it leaves open. Which islands
 //! are solved here is said by [`plan`](crate::solve::plan).
 
 #![expect(clippy::needless_range_loop, reason = "an index names a row or a column of several arrays alike")]
@@ -42,6 +42,7 @@ mod positions;
 mod problem;
 mod rebound;
 mod refine;
+mod soundness;
 mod stiffness;
 mod term;
 #[cfg(test)]

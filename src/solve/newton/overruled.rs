@@ -1,13 +1,21 @@
 //! Motors without a greatest force that meet what has none either: they give way.
 
 use super::passes::{Effort, copy};
-use super::problem::{PROXIMITY, Problem, speed};
+use super::problem::{PROXIMITY, Problem, rate, speed};
 use super::term::{Law, Term};
+use crate::solve::joint::rows::MAX_RECOVERY_SPEED;
 use crate::tuning::overruled::GIVE;
 
 /// Share of what they ask for, and speed beside it (m/s, rad/s), by which rows that hold may miss: of contradictions they miss as much as is
 /// asked for, of what a solve leaves else a thousandth (`SETTLED`).
 const MISSED: [f64; 2] = [0.02, 5.0e-3];
+
+/// What a motor that yields asks for, where it has this speed: a servo is a substep away from its target, at hundreds of metres a second, and pushes
+/// against what it meets with as much more than tells rows apart. One that follows reaches any speed in a few substeps.
+fn modest(asked: f64, has: f64) -> f64 {
+    let most = MAX_RECOVERY_SPEED + 2.0 * has.abs();
+    asked.clamp(-most, most)
+}
 
 impl Problem {
     /// Solves as [`solve`](Self::solve); where that leaves rows which contradict motors without a bound, once more with those yielding.
@@ -16,17 +24,21 @@ impl Problem {
         copy(&self.terms, &mut self.room.first_terms);
         copy(&self.links, &mut self.room.first_links);
         let mut effort = self.solve(budget);
-        if self.missed() <= MISSED[0] * asked + MISSED[1] {
+        if self.missed() <= MISSED[0] * asked.min(MAX_RECOVERY_SPEED) + MISSED[1] {
             return effort;
         }
         copy(&self.room.first_terms, &mut self.terms);
         copy(&self.room.first_links, &mut self.links);
-        for link in &mut self.links {
+        let Self { links, terms, before, .. } = self;
+        for link in links {
             for row in (0..link.rows).filter(|row| link.boundless & 1 << row != 0) {
+                let has = rate(link.bodies, [&link.jacobian[0][row], &link.jacobian[1][row]], before);
+                link.bias[row] = modest(link.bias[row], has);
                 link.give[row] = GIVE / PROXIMITY * link.proximity[row];
             }
         }
-        for term in self.terms.iter_mut().filter(|term| term.is_boundless()) {
+        for term in terms.iter_mut().filter(|term| term.is_boundless()) {
+            term.bias[0] = modest(term.bias[0], speed(term, before)[0]);
             term.give = GIVE * term.ease;
         }
         effort.is_capped = false;

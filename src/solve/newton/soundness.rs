@@ -1,0 +1,40 @@
+//! Whether a step that an island has taken may stand.
+
+use super::island::CoupledIsland;
+
+/// Height by which a step may lift all that an island has, beyond what taking errors out of positions does (m): a straight line of planks that
+/// snaps taut under tonnes is lifted by as much, ropes and lifts by 1e-7.
+const LIFT: f64 = 1.0e-3;
+
+/// Greatest speed at which rows that always hold may be left to part (m/s, rad/s). Where they can hold they do to 1e-7 under ten tonnes on
+/// links of a kilogram; the joints of a straight line that is pressed together, which has to bend first, part at 0.03.
+const MAX_STRAIN: f64 = 1.0e-3;
+
+/// Levers over which it counts (m): of joints further from centres of mass, as much more.
+const STRAINED_LEVERS: [f64; 2] = [1.0, 10.0];
+
+/// Speed that rounding gives to what stands (m/s).
+const STANDING: f64 = 1.0e-6;
+
+/// Gap of a joint that a step may open, over the mean distance of joint points from centres of mass. A winch under load opens 0.0002; what
+/// is flung about opens as much as it may, where direct solves halve their substeps and leave a fifth of this.
+const MAX_GAP: f64 = 3.0e-3;
+
+/// Share of the kinetic energy that is not worth a word.
+const ROUNDING: f64 = 1.0e-3;
+
+impl CoupledIsland {
+    /// Whether the step has come to an end, without a gain of energy that nothing has given, and without rows that contradict one another.
+    pub(super) fn is_sound(&self) -> bool {
+        let free = self.bodies.iter().filter_map(|body| Some((body.free_mass()?, body.pull())));
+        let unseen: f64 = free.map(|(mass, pull)| mass * (LIFT * pull + 0.5 * STANDING * STANDING)).sum();
+        let lifted = self.outcome.lifted.max(0.0) + unseen;
+        let allowed = self.outcome.driven + lifted + ROUNDING * self.outcome.kinetic;
+        let [gap, opened] = self.outcome.gaps;
+        let lever = self.held.mean_lever(&self.bodies);
+        let is_held = opened <= gap.max(MAX_GAP * lever);
+        let most_strain = MAX_STRAIN * lever.clamp(STRAINED_LEVERS[0], STRAINED_LEVERS[1]);
+        // Written so that what is no number is not.
+        self.outcome.gain <= allowed && self.outcome.strain <= most_strain && is_held
+    }
+}
