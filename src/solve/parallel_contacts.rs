@@ -137,6 +137,14 @@ pub(super) fn sweep(
     }
 }
 
+/// One sweep over the contacts of bodies that joints hold.
+pub(super) fn sweep_jointed(contacts: &mut ContactBlocks, threads: &Workers, (velocities, moving): (&mut [BodyVelocity], usize)) {
+    let jointed = contacts.first_jointed..contacts.len();
+    in_colors(contacts, jointed, threads, (velocities, moving), false, |part, velocities| {
+        contact_kernels::sweep(part, velocities, false, true);
+    });
+}
+
 /// Forms the masses of blocks anew of which the inertia of a body has been.
 pub(super) fn refresh_masses(
     contacts: &mut ContactBlocks,

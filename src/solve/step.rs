@@ -26,6 +26,9 @@ use crate::workers::Workers;
 /// sweeps is short: a bound changes little in it, and building its row costs as much as sweeping it twice.
 const LONG_SUBSTEP: u32 = 3;
 
+/// Sweeps of contacts and joints at the end of a substep in which motors do what they did before.
+const YIELDING_SWEEPS: u32 = 2;
+
 /// What each stage of a batch's step keeps to itself: the batch has what they share.
 #[derive(Debug, Default)]
 pub(crate) struct BatchStages {
@@ -233,6 +236,7 @@ impl BatchStages {
                 batch.sweep_bounds(true);
             }
         }
+        batch.yield_motors(threads);
     }
 
     /// Sweeps position rows on where joints are left ajar.
@@ -352,6 +356,24 @@ impl Batch {
         self.long_range.bounds.add_loads();
         self.long_range.wraps.add_loads();
         self.long_range.taut.add_loads();
+    }
+
+    /// Ends the sweeps with what joints hold and contacts stop, where motors drive against them: a sweep back ends with joints, and a motor that it
+    /// ends with has its way, through any wall.
+    fn yield_motors(&mut self, threads: &Workers) {
+        if self.contacts.first_jointed == self.contacts.len() || !self.joints.hold_motors() {
+            return;
+        }
+        for _ in 0..YIELDING_SWEEPS {
+            self.sweep_jointed_contacts(threads);
+            self.joints.sweep(threads, &mut self.velocities, false);
+        }
+        self.sweep_jointed_contacts(threads);
+    }
+
+    fn sweep_jointed_contacts(&mut self, threads: &Workers) {
+        let moving = self.moving();
+        parallel_contacts::sweep_jointed(&mut self.contacts, threads, (&mut self.velocities[..], moving));
     }
 
     /// One sweep over the bounds, or backwards.

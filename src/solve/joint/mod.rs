@@ -159,6 +159,11 @@ impl BatchJoints {
         }
     }
 
+    /// Has motors do for the rest of the substep what they do now; whether there are any.
+    pub(crate) fn hold_motors(&mut self) -> bool {
+        self.singles.hold_motors(&self.entries)
+    }
+
     /// Sets the multipliers of joints on these slots to nothing.
     pub(crate) fn give_up(&mut self, slots: &[bool]) {
         self.domains.all_mut().iter_mut().for_each(|strip| strip.lanes.give_up(&slots[strip.slots.clone()]));

@@ -253,6 +253,20 @@ impl Singles {
         }
     }
 
+    /// Has motors do for the rest of the substep what they do now; whether there are any.
+    pub(super) fn hold_motors(&mut self, entries: &[JointEntry]) -> bool {
+        let Self { rows, scalars, .. } = self;
+        let mut any = false;
+        for rows in rows.iter().filter(|rows| entries[rows.entry].traits.has_motor) {
+            let motors = entries[rows.entry].motors.rows;
+            for row in rows.scalars(scalars).iter_mut().filter(|row| motors.axis(row.id).is_some()) {
+                row.hold();
+                any = true;
+            }
+        }
+        any
+    }
+
     /// One sweep over a range of joints.
     pub(super) fn sweep(&mut self, range: Range<usize>, velocities: &mut [BodyVelocity], backwards: bool) {
         let Self { rows, scalars, .. } = self;

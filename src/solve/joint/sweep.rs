@@ -117,6 +117,11 @@ pub(crate) struct ScalarRow {
 }
 
 impl ScalarRow {
+    /// Leaves its multiplier as it is.
+    pub(crate) fn hold(&mut self) {
+        self.mass = 0.0;
+    }
+
     pub(crate) fn new(row: &rows::ScalarRow, [a, b]: [&BodyVelocity; 2]) -> Self {
         let jacobian = &row.jacobian;
         let (linear, angular_a, angular_b) =
