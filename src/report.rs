@@ -130,7 +130,8 @@ pub enum IslandPlan {
     /// No joint is in it: contacts are swept.
     #[default]
     Loose,
-    /// Nothing that joints hold touches anything: articulations take the step by themselves.
+    /// Nothing that joints hold touches anything but a few free bodies on points of which there are many: articulations take the step by
+    /// themselves, with what they carry.
     Apart,
     /// The host asks for sweeps.
     Swept,

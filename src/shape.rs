@@ -126,6 +126,11 @@ impl CollisionFilter {
     pub(crate) fn accepts(&self, other: &Self) -> bool {
         self.member_of & other.collides_with != 0 && other.member_of & self.collides_with != 0
     }
+
+    /// Whether there is a filter that it accepts.
+    pub(crate) fn accepts_any(&self) -> bool {
+        self.member_of != 0 && self.collides_with != 0
+    }
 }
 
 impl Default for CollisionFilter {

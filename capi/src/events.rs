@@ -65,7 +65,8 @@ pub struct LsArticulation {
 pub const LS_PLAN_COUPLED: i32 = 0;
 /// Plan of an island: no joint is in it: contacts are swept.
 pub const LS_PLAN_LOOSE: i32 = 1;
-/// Plan of an island: nothing that joints hold touches anything: articulations take the step by themselves.
+/// Plan of an island: nothing that joints hold touches anything but a few free bodies on points of which there are many: articulations take the
+/// step by themselves, with what they carry.
 pub const LS_PLAN_APART: i32 = 2;
 /// Plan of an island: the host asks for sweeps.
 pub const LS_PLAN_SWEPT: i32 = 3;

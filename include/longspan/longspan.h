@@ -237,7 +237,10 @@
 /** Plan of an island: no joint is in it: contacts are swept. */
 #define LS_PLAN_LOOSE 1
 
-/** Plan of an island: nothing that joints hold touches anything: articulations take the step by themselves. */
+/**
+ * Plan of an island: nothing that joints hold touches anything but a few free bodies on points of which there are many: articulations take the
+ * step by themselves, with what they carry.
+ */
 #define LS_PLAN_APART 2
 
 /** Plan of an island: the host asks for sweeps. */

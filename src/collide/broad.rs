@@ -87,11 +87,11 @@ impl BroadPhase {
     }
 
     /// Brings the boxes up to date and puts every (changed shape, neighbour) that `is_new` into an empty list, in no particular
-    /// order and each once, but for two of the same group.
+    /// order and each once, but for two of the same group. Nothing is looked for near shapes that do not `seek`, which are in no new pair.
     pub(crate) fn refresh(
         &mut self,
         threads: &Workers,
-        box_of: impl Fn(u32) -> Option<Aabb> + Sync,
+        (box_of, seeks): (impl Fn(u32) -> Option<Aabb> + Sync, impl Fn(u32) -> bool + Sync),
         group_of: impl Fn(u32) -> Option<u32> + Sync,
         is_new: impl Fn(&PairKey) -> bool + Sync,
         candidates: &mut Vec<PairKey>,
@@ -103,12 +103,13 @@ impl BroadPhase {
         changed.sort_unstable_by_key(|&shape| (group_of(shape), shape));
         boxes.set_all(changed.len(), changed.iter().filter_map(|&shape| Some((shape, box_of(shape)?))));
         let (boxes, all_changed) = (&*boxes, &*is_changed);
+        let sought = |shape: u32| box_of(shape).filter(|_| seeks(shape));
         let piece = threads.piece(changed.len(), MIN_SHAPES);
         let pieces = changed.len().div_ceil(piece);
         found.resize_with(found.len().max(pieces), FoundPairs::default);
         std::mem::swap(candidates, &mut found[0].pairs);
         threads.share(changed.chunks(piece).zip(&mut *found), |(shapes, found)| {
-            found.look((boxes, shapes, all_changed), &box_of, &group_of, &is_new);
+            found.look((boxes, shapes, all_changed), &sought, &group_of, &is_new);
         });
         std::mem::swap(candidates, &mut found[0].pairs);
         for found in &mut found[1..pieces] {

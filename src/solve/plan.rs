@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::StepSettings;
 use super::contact::ContactInput;
 use super::direct::stiffness::IMPLICIT_RANGE;
+use super::direct::{FRICTION_ROWS, MAX_MANIFOLDS, MAX_RIDERS, are_few};
 use super::joint::JointLink;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::report::IslandPlan;
@@ -13,6 +14,10 @@ use crate::tuning::plan::{ALIKE, HEAVY, LEANING, STANDS};
 
 /// Multiplications that a factorisation takes for each body at least: those of a link at the end of a chain, held at one point.
 const LEAST_WORK: u64 = 567;
+
+/// Multiplications that a factor of points takes for each of them at least, where the rows of the joints alone are in it: those of three rows
+/// with the three of the next joint, and what three more fill in.
+const WORK_OF_POINT: u64 = 189;
 
 /// Factorisations that a substep may always take: with three all scenes tried stay bounded.
 pub(crate) const FREE_FACTORS: u32 = 3;
@@ -24,6 +29,21 @@ fn most_work(settings: &StepSettings, is_pressed: bool) -> u64 {
     (f64::from(settings.articulations.halving_budget) * 1.0e6 / f64::from(factors)) as u64
 }
 
+/// What is known of the contacts of an island, and of its bodies that no joint holds.
+#[derive(Debug, Clone, Copy, Default)]
+struct BorneTraits {
+    /// Those bodies.
+    bodies: u32,
+    /// Contacts between two bodies that move.
+    meetings: u32,
+    /// Rows of all contacts of the island.
+    rows: u64,
+    /// Whether anything else touches something, or they anything that does not move.
+    is_more: bool,
+    /// Whether something presses that is [`HEAVY`] times what joints hold against it.
+    is_heavy: bool,
+}
+
 /// What is known of an island.
 #[derive(Debug, Clone, Copy, Default)]
 struct IslandTraits {
@@ -33,7 +53,6 @@ struct IslandTraits {
     joints: u32,
     /// Groups of two bodies and more that joints connect, of what may be a heap.
     articulations: u32,
-    meetings: u32,
     /// Contacts, and how many of its bodies lean on others by their sides alone, where it is a row without joints.
     contacts: [u32; 2],
     is_swept: bool,
@@ -55,6 +74,7 @@ struct IslandTraits {
     /// Least and greatest inverse mass of what moves (1/kg).
     inverse_masses: [f32; 2],
     touches: bool,
+    borne: BorneTraits,
     /// Whether what joints hold touches anything that is fixed or moved.
     stands: bool,
     rebounds: bool,
@@ -99,6 +119,7 @@ impl Planner {
                 first,
                 bodies: last - first,
                 is_plain: true,
+                borne: BorneTraits::of(&motions[first as usize..last as usize]),
                 inverse_masses,
                 most_work: most_work(settings, false),
                 ..IslandTraits::default()
@@ -140,19 +161,7 @@ impl Planner {
                 looks[number].add_contact(contact, velocities, motions, settings);
             }
         }
-        if looks.iter().any(IslandTraits::may_be_heap) {
-            grouped.clear();
-            grouped.extend(0..motions.len() as u32);
-            for link in links {
-                let moves = [link.a, link.b].iter().all(|&slot| motions[slot as usize].is_dynamic());
-                if moves && island_of([link.a, link.b]).is_some_and(|number| looks[number].may_be_heap()) {
-                    join(grouped, [link.a, link.b]);
-                }
-            }
-            for look in looks.iter_mut().filter(|look| look.may_be_heap()) {
-                look.articulations = count_groups(grouped, look.first..look.first + look.bodies, sizes);
-            }
-        }
+        count_articulations(looks, links, motions, island_of, (grouped, sizes));
         for look in looks.iter_mut().filter(|look| look.is_row()) {
             look.contacts[1] = count_leaning(look.first..look.first + look.bodies, contacts, settings.gravity, stances);
         }
@@ -206,6 +215,12 @@ impl Planner {
     }
 }
 
+impl BorneTraits {
+    fn of(motions: &[BodyMotion]) -> Self {
+        Self { bodies: motions.iter().filter(|motion| is_loose(motion)).count() as u32, ..Self::default() }
+    }
+}
+
 impl IslandTraits {
     /// Notes what a contact of the island says of it.
     fn add_contact(
@@ -217,7 +232,9 @@ impl IslandTraits {
     ) {
         let ends = [contact.a, contact.b].map(|slot| &motions[slot as usize]);
         self.contacts[0] += 1;
-        self.meetings += u32::from(ends.iter().all(|motion| motion.is_dynamic()));
+        self.borne.meetings += u32::from(ends.iter().all(|motion| motion.is_dynamic()));
+        self.borne.rows += contact.count as u64 + u64::from(FRICTION_ROWS);
+        self.borne.is_more |= !ends.iter().any(|motion| is_loose(motion)) || !ends.iter().all(|motion| motion.is_dynamic());
         let is_driven = ends.iter().any(|motion| motion.driven);
         if self.joints == 0 || !contact.presses() && !is_driven && !may_meet(contact, velocities, settings) {
             return;
@@ -225,7 +242,9 @@ impl IslandTraits {
         if ends.iter().any(|motion| motion.jointed) {
             (self.touches, self.stands) = (true, self.stands | ends.iter().any(|motion| !motion.is_dynamic()));
         }
-        self.most_work = self.most_work.max(most_work(settings, weighs_down(contact, velocities, motions)));
+        let is_heavy = weighs_down(contact, velocities, motions);
+        self.borne.is_heavy |= is_heavy;
+        self.most_work = self.most_work.max(most_work(settings, is_heavy));
         self.rebounds |= rebounds(contact, velocities, settings);
     }
 
@@ -252,6 +271,21 @@ impl IslandTraits {
         !self.is_plain && most <= ALIKE * least
     }
 
+    /// Whether it is one articulation of points, with freedom left, that carries bodies which touch nothing else: contacts beside its joints'
+    /// factor are right then, and take less than Newton steps do where they are few for as many joints.
+    fn is_carrier(&self) -> bool {
+        let is_free = 3 * self.joints < 6 * (self.bodies - self.borne.bodies);
+        self.may_carry() && is_free && self.articulations == 1
+    }
+
+    /// The same, as far as is known without counting articulations.
+    fn may_carry(&self) -> bool {
+        let BorneTraits { bodies, rows, is_more, is_heavy, .. } = self.borne;
+        let is_borne = (1..=MAX_RIDERS).contains(&bodies) && self.contacts[0] <= MAX_MANIFOLDS && !is_more && !is_heavy;
+        let is_held = self.touches && self.is_plain && self.is_anchored;
+        is_borne && is_held && are_few(rows, u64::from(self.joints) * WORK_OF_POINT)
+    }
+
     /// Whether articulations that touch one another are better swept: nothing that is fixed holds them, or there is more to press than to
     /// hold, as in a heap of ragdolls.
     fn is_heap(&self) -> bool {
@@ -260,7 +294,12 @@ impl IslandTraits {
 
     /// The same, as far as is known without counting articulations.
     fn may_be_heap(&self) -> bool {
-        self.joints > 0 && (!self.is_anchored || self.meetings > self.joints)
+        self.joints > 0 && (!self.is_anchored || self.borne.meetings > self.joints)
+    }
+
+    /// Whether its plan depends on how many articulations it has.
+    fn asks_for_groups(&self) -> bool {
+        self.may_be_heap() || self.may_carry()
     }
 
     fn plan(&self) -> IslandPlan {
@@ -272,6 +311,7 @@ impl IslandTraits {
             _ if self.is_large() => IslandPlan::Large,
             // The blow goes through the joints, whatever else is better left to others.
             Self { rebounds: true, .. } => IslandPlan::Coupled,
+            _ if self.is_carrier() => IslandPlan::Apart,
             Self { touches: false, .. } if self.is_alike() => IslandPlan::Alike,
             _ if self.is_heap() => IslandPlan::Heaped,
             Self { is_anchored: true, .. } | Self { is_looped: true, stands: true, .. } => IslandPlan::Coupled,
@@ -280,6 +320,11 @@ impl IslandTraits {
             _ => IslandPlan::Coupled,
         }
     }
+}
+
+/// Whether a body moves and no joint holds it.
+fn is_loose(motion: &BodyMotion) -> bool {
+    motion.is_dynamic() && !motion.jointed
 }
 
 /// Force of gravity and of the host on a body that joints may hold (N).
@@ -302,6 +347,31 @@ fn join(forest: &mut [u32], slots: [u32; 2]) -> bool {
     let [a, b] = slots.map(|slot| root(forest, slot));
     forest[a.max(b) as usize] = a.min(b);
     a != b
+}
+
+/// Counts the articulations of each island whose plan depends on it; `island_of` is the island of two slots.
+fn count_articulations(
+    looks: &mut [IslandTraits],
+    links: &[JointLink],
+    motions: &[BodyMotion],
+    island_of: impl Fn([u32; 2]) -> Option<usize>,
+    (grouped, sizes): (&mut Vec<u32>, &mut Vec<u32>),
+) {
+    if !looks.iter().any(IslandTraits::asks_for_groups) {
+        return;
+    }
+    grouped.clear();
+    grouped.extend(0..motions.len() as u32);
+    for link in links {
+        let slots = [link.a, link.b];
+        let moves = slots.iter().all(|&slot| motions[slot as usize].is_dynamic());
+        if moves && island_of(slots).is_some_and(|number| looks[number].asks_for_groups()) {
+            join(grouped, slots);
+        }
+    }
+    for look in looks.iter_mut().filter(|look| look.asks_for_groups()) {
+        look.articulations = count_groups(grouped, look.first..look.first + look.bodies, sizes);
+    }
 }
 
 /// Trees of two slots and more among these.

@@ -152,7 +152,10 @@ impl World {
         let listed = pairs.lookup(colliders.slot_count(), broad.changed().len());
         broad.refresh(
             threads,
-            |shape| colliders.get(shape).and_then(|collider| collider.fat_box),
+            (
+                |shape| colliders.get(shape).and_then(|collider| collider.fat_box),
+                |shape| colliders.get(shape).is_some_and(|collider| !collider.sensor && collider.filter.accepts_any()),
+            ),
             |shape| unions.number_of(index.body_of(shape)),
             |key| {
                 let (a, b) = key.shapes();

@@ -14,8 +14,8 @@ use crate::solve::contact::ContactInput;
 use crate::solve::state::BodyMotion;
 
 /// Most bodies that an articulation carries, and most manifolds of theirs.
-const MAX_RIDERS: u32 = 12;
-const MAX_MANIFOLDS: u32 = 24;
+pub(crate) const MAX_RIDERS: u32 = 12;
+pub(crate) const MAX_MANIFOLDS: u32 = 24;
 
 /// Carrier of bodies between which and another carrier no choice can be made.
 const SEVERAL: u32 = u32::MAX - 1;

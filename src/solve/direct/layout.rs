@@ -19,6 +19,11 @@ const WORK_OF_DENSE: u64 = 6;
 /// else there is little to gain. Chains that are wound up tight, with as many contacts as joints, jam less with rows in the factor.
 const PASSES_FOR_A_FACTOR: u64 = 12;
 
+/// Whether rows of contacts are so few that they are better beside a factor of joints that takes so many multiplications.
+pub(crate) fn are_few(rows: u64, joint_work: u64) -> bool {
+    rows.pow(3) * PASSES_FOR_A_FACTOR <= WORK_OF_DENSE * joint_work
+}
+
 /// Node of a joint between these bodies.
 fn link_of(entry: &JointEntry, ends: [u32; 2], bodies: &[DirectBody]) -> NodeBodies {
     let capacity = u32::from(entry.traits.most_rows) + if entry.is_distance { 2 } else { 0 };
@@ -80,7 +85,7 @@ impl Articulation {
     /// Whether its contacts are beside the factor of its joints: passes over their matrix take no more work than that, as far as that is known.
     fn may_stand_beside(&self) -> bool {
         let rows: u64 = self.touches.iter().map(|touch| u64::from(touch.rows())).sum();
-        rows > 0 && (self.joint_work == 0 || rows.pow(3) * PASSES_FOR_A_FACTOR <= WORK_OF_DENSE * self.joint_work)
+        rows > 0 && (self.joint_work == 0 || are_few(rows, self.joint_work))
     }
 
     /// Lays out the factor, with rows of contacts in it unless these are beside it.

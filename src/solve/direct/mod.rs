@@ -90,8 +90,11 @@ use articulation_batch::ArticulationBatches;
 pub(crate) use block_constraints::SolveContext;
 use build::ArticulationCandidate;
 use carried_bodies::CarriedBodies;
+pub(crate) use carried_bodies::{MAX_MANIFOLDS, MAX_RIDERS};
 use contacts::ArticulationContact;
+pub(crate) use layout::are_few;
 use rejection_cache::RejectionCache;
+pub(crate) use row::FRICTION_ROWS;
 
 /// Group of a joint that moves nothing.
 const NO_GROUP: u32 = u32::MAX;

@@ -116,7 +116,7 @@ impl Row {
 }
 
 /// Rows of friction of a manifold.
-pub(super) const FRICTION_ROWS: u32 = 3;
+pub(crate) const FRICTION_ROWS: u32 = 3;
 
 /// Rows of one manifold, by number: normals, then two of friction and one about the normal where there is friction.
 #[derive(Debug, Clone, Copy)]

@@ -17,8 +17,10 @@ use std::collections::BinaryHeap;
 /// Unknowns of a body, and the most of a joint.
 pub(crate) const WIDTH: usize = 6;
 
-/// Rows of a panel that are worked on abreast: columns are multiples of it.
-pub(crate) const LANES: usize = 4;
+/// How long the rows of a panel are that belongs to a node of so many unknowns: what lanes take at once.
+pub(crate) const fn stride(size: usize) -> usize {
+    if size > 4 { 8 } else { 4 }
+}
 
 /// Neighbours that a node has room for from the first: those of nodes change as near pairs do, and that takes no memory then.
 const ROOM: usize = 32;
@@ -31,11 +33,11 @@ pub(crate) struct Run {
     pub count: u32,
 }
 
-/// How the numbers of the factor are laid out: node by node a panel, a column for each unknown of the node, with rows of its own and of the
-/// blocks below, one after the other.
+/// How the numbers of the factor are laid out: node by node a panel, with rows of its own and of the blocks below, one after the other, and in
+/// each row an entry for each unknown of the node, with zeros at its end.
 #[derive(Debug, Default)]
 pub(crate) struct Panels {
-    /// Where the panel of each node begins, and how long its columns are, with zeros at their ends.
+    /// Where the panel of each node begins, and how many rows it has.
     pub starts: Vec<u32>,
     pub heights: Vec<u32>,
     /// First row of each block in the panel of the node that it is below.
@@ -113,13 +115,14 @@ impl Elimination {
         self.sizes.len()
     }
 
-    /// Where the block of two nodes begins that rows connect, how long its columns are, and whether its rows are those of `a`.
+    /// Where the block of two nodes begins that rows connect, how long its rows are, and whether these are those of `a`.
     pub(crate) fn block(&self, a: u32, b: u32) -> (usize, usize, bool) {
         let a_is_later = self.place[a as usize] > self.place[b as usize];
         let (later, earlier) = if a_is_later { (a, b) } else { (b, a) };
         let panels = &self.panels;
-        let start = panels.starts[earlier as usize] + panels.rows[self.find(later, earlier)];
-        (start as usize, panels.heights[earlier as usize] as usize, a_is_later)
+        let stride = stride(usize::from(self.sizes[earlier as usize]));
+        let row = panels.rows[self.find(later, earlier)] as usize;
+        (panels.starts[earlier as usize] as usize + row * stride, stride, a_is_later)
     }
 
     fn find(&self, later: u32, earlier: u32) -> usize {
@@ -349,9 +352,8 @@ impl Elimination {
             below.extend_from_slice(list);
             first_below.push(below.len() as u32);
             starts.push(*length as u32);
-            let height = height.next_multiple_of(LANES as u32);
             heights.push(height);
-            *length += usize::from(size) * height as usize;
+            *length += stride(usize::from(size)) * height as usize;
         }
     }
 

@@ -3,7 +3,7 @@
 //! The matrix is [[M̂, Jᵀ], [J, −ε]]: positive on bodies, negative on joints. Such a matrix has an LDLᵀ in any order of its nodes whose
 //! pivots keep their sign (Vanderbei 1995); [`Elimination`](super::elimination::Elimination) chooses one in which none is tiny.
 
-use super::elimination::{Elimination, LANES, WIDTH};
+use super::elimination::{Elimination, WIDTH, stride};
 use crate::platform::dispatched;
 
 /// A block of a node with itself.
@@ -11,12 +11,6 @@ pub(crate) type Block = [[f64; WIDTH]; WIDTH];
 pub(crate) type Vector = [f64; WIDTH];
 
 const NOTHING: Block = [[0.0; WIDTH]; WIDTH];
-
-/// Rows of a panel that follow one another.
-type Rows = [f64; LANES];
-
-/// Bits that are kept of rows of which so many matter.
-const KEPT: [[u64; LANES]; LANES] = [[0; 4], [u64::MAX, 0, 0, 0], [u64::MAX, u64::MAX, 0, 0], [u64::MAX, u64::MAX, u64::MAX, 0]];
 
 /// The matrix of a system, then its factor.
 #[derive(Debug, Default)]
@@ -32,7 +26,7 @@ pub(crate) struct Factor {
 impl Factor {
     /// Begins a new matrix of this structure.
     pub(crate) fn start(&mut self, structure: &Elimination) {
-        let (nodes, length) = (structure.node_count(), structure.panels.length + LANES + WIDTH);
+        let (nodes, length) = (structure.node_count(), structure.panels.length);
         self.panels.clear();
         self.panels.resize(length, 0.0);
         self.diagonal.clear();
@@ -48,13 +42,13 @@ impl Factor {
 
     /// The block of two nodes, rows of `a` and columns of `b` given by `value`, grows by that.
     pub(crate) fn add(&mut self, structure: &Elimination, a: u32, b: u32, value: impl Fn(usize, usize) -> f64) {
-        let (start, height, in_order) = structure.block(a, b);
+        let (start, stride, in_order) = structure.block(a, b);
         let [rows, columns] = [a, b].map(|node| usize::from(structure.sizes[node as usize]));
-        let (lines, length) = if in_order { (columns, rows) } else { (rows, columns) };
+        let (lines, length) = if in_order { (rows, columns) } else { (columns, rows) };
         for line in 0..lines {
-            let entries = &mut self.panels[start + line * height..][..length];
+            let entries = &mut self.panels[start + line * stride..][..length];
             for (at, entry) in entries.iter_mut().enumerate() {
-                *entry += if in_order { value(at, line) } else { value(line, at) };
+                *entry += if in_order { value(line, at) } else { value(at, line) };
             }
         }
     }
@@ -80,33 +74,39 @@ dispatched!(
     substitute, substitute_body, (factor: &Factor, structure: &Elimination, values: &mut [Vector])
 );
 
+/// Calls a function with the size of a node and the length of its rows as constants: loops of known length are unrolled.
+macro_rules! by_size {
+    ($size:expr, $function:ident, $($arguments:expr),*) => {
+        match $size {
+            6 => $function::<6, 8>($($arguments),*),
+            5 => $function::<5, 8>($($arguments),*),
+            4 => $function::<4, 4>($($arguments),*),
+            3 => $function::<3, 4>($($arguments),*),
+            2 => $function::<2, 4>($($arguments),*),
+            1 => $function::<1, 4>($($arguments),*),
+            _ => {}
+        }
+    };
+}
+
 #[inline(always)]
 fn factorize_body(factor: &mut Factor, structure: &Elimination) {
     for &node in &structure.order {
-        // Loops of known length are unrolled.
-        match structure.sizes[node as usize] {
-            6 => eliminate::<6, 8>(factor, structure, node),
-            5 => eliminate::<5, 8>(factor, structure, node),
-            4 => eliminate::<4, 4>(factor, structure, node),
-            3 => eliminate::<3, 4>(factor, structure, node),
-            2 => eliminate::<2, 4>(factor, structure, node),
-            1 => eliminate::<1, 4>(factor, structure, node),
-            _ => {}
-        }
+        by_size!(structure.sizes[node as usize], eliminate, factor, structure, node);
     }
 }
 
-/// Inverts the pivot of a node of this size, in lines of `LINE`, and subtracts what it makes of the blocks below.
+/// Inverts the pivot of a node of this size, in rows of `LINE`, and subtracts what it makes of the blocks below.
 #[inline(always)]
 fn eliminate<const SIZE: usize, const LINE: usize>(factor: &mut Factor, structure: &Elimination, node: u32) {
     let Factor { panels, scaled, diagonal, inverse } = factor;
     let layout = &structure.panels;
-    let (start, height) = (layout.starts[node as usize] as usize, layout.heights[node as usize] as usize);
+    let (start, rows) = (layout.starts[node as usize] as usize, layout.heights[node as usize] as usize);
+    let own = &panels[start..start + rows * LINE];
     let mut pivot = [[0.0; LINE]; SIZE];
-    for (column, line) in pivot.iter_mut().enumerate() {
-        let (own, subtracted) = (&diagonal[node as usize][column], &panels[start + column * height..][..SIZE]);
-        for row in 0..SIZE {
-            line[row] = own[row] + subtracted[row];
+    for ((line, own), subtracted) in pivot.iter_mut().zip(&diagonal[node as usize]).zip(own.chunks_exact(LINE)) {
+        for column in 0..SIZE {
+            line[column] = own[column] + subtracted[column];
         }
     }
     invert(&mut pivot);
@@ -115,116 +115,114 @@ fn eliminate<const SIZE: usize, const LINE: usize>(factor: &mut Factor, structur
     for (stored, line) in stored.iter_mut().zip(&pivot) {
         stored[..SIZE].copy_from_slice(&line[..SIZE]);
     }
-    let mut lines = [[0.0; LANES]; SIZE];
-    let mut row = SIZE - SIZE % LANES;
-    while row < height {
-        for (k, line) in lines.iter_mut().enumerate() {
-            *line = rows_at(panels, start + k * height + row);
-        }
-        for column in 0..SIZE {
-            let mut sums = [0.0; LANES];
-            for k in 0..SIZE {
-                add_product(&mut sums, pivot[k][column], &lines[k]);
+    let scaled = &mut scaled[start..start + rows * LINE];
+    for (scaled, line) in scaled.chunks_exact_mut(LINE).zip(own.chunks_exact(LINE)).skip(SIZE) {
+        let mut sums = [0.0; LINE];
+        for k in 0..SIZE {
+            for lane in 0..LINE {
+                sums[lane] += line[k] * pivot[k][lane];
             }
-            scaled[start + column * height + row..][..LANES].copy_from_slice(&sums);
         }
-        row += LANES;
+        scaled.copy_from_slice(&sums);
     }
     for block in structure.below_of(node) {
-        let (target, first) = (structure.below[block], start + layout.rows[block] as usize);
-        let columns = usize::from(structure.sizes[target as usize]);
-        let (to, length) = (layout.starts[target as usize] as usize, layout.heights[target as usize] as usize);
-        // Of each own unknown, and each column of the target.
-        let mut factors = [[0.0; WIDTH]; SIZE];
-        for (k, factors) in factors.iter_mut().enumerate() {
-            factors.copy_from_slice(&panels[first + k * height..][..WIDTH]);
-        }
-        for run in &layout.runs[layout.first_run[block] as usize..layout.first_run[block + 1] as usize] {
-            let (from, to, count) = (start + run.from as usize, to + run.to as usize, run.count as usize);
-            let mut row = 0;
-            while row < count {
-                for (k, line) in lines.iter_mut().enumerate() {
-                    *line = rows_at(scaled, from + k * height + row);
-                }
-                if let Some(kept) = KEPT.get(count - row) {
-                    // Rows after the last one stay as they are.
-                    for line in &mut lines {
-                        for lane in 0..LANES {
-                            line[lane] = f64::from_bits(line[lane].to_bits() & kept[lane]);
-                        }
-                    }
-                }
-                for column in 0..columns {
-                    let changed = &mut panels[to + column * length + row..][..LANES];
-                    for k in 0..SIZE {
-                        for lane in 0..LANES {
-                            changed[lane] -= factors[k][column] * lines[k][lane];
-                        }
-                    }
-                }
-                row += LANES;
-            }
+        let target = structure.below[block];
+        if stride(usize::from(structure.sizes[target as usize])) == 8 {
+            subtract::<SIZE, LINE, 8>(panels, scaled, structure, (start, block));
+        } else {
+            subtract::<SIZE, LINE, 4>(panels, scaled, structure, (start, block));
         }
     }
 }
 
+/// Subtracts from the panel of the node of a block below, whose rows have the length `OTHER`, what the elimination makes of it; `scaled` are the
+/// rows of the eliminated node's panel, which begins at `start`, times the inverse of its pivot.
 #[inline(always)]
-fn rows_at(panels: &[f64], at: usize) -> Rows {
-    let mut rows = [0.0; LANES];
-    rows.copy_from_slice(&panels[at..][..LANES]);
-    rows
+fn subtract<const SIZE: usize, const LINE: usize, const OTHER: usize>(
+    panels: &mut [f64],
+    scaled: &[f64],
+    structure: &Elimination,
+    (start, block): (usize, usize),
+) {
+    let layout = &structure.panels;
+    let target = structure.below[block] as usize;
+    let columns = usize::from(structure.sizes[target]);
+    // Of each own unknown, and each column of the target.
+    let mut factors = [[0.0; OTHER]; SIZE];
+    let first = start + layout.rows[block] as usize * LINE;
+    for (column, line) in panels[first..first + columns * LINE].chunks_exact(LINE).enumerate().take(OTHER) {
+        for k in 0..SIZE {
+            factors[k][column] = line[k];
+        }
+    }
+    for run in &layout.runs[layout.first_run[block] as usize..layout.first_run[block + 1] as usize] {
+        let (from, count) = (run.from as usize * LINE, run.count as usize);
+        let to = layout.starts[target] as usize + run.to as usize * OTHER;
+        let rows = scaled[from..from + count * LINE].chunks_exact(LINE);
+        for (row, changed) in rows.zip(panels[to..to + count * OTHER].chunks_exact_mut(OTHER)) {
+            let mut left = [0.0; OTHER];
+            left.copy_from_slice(changed);
+            for k in 0..SIZE {
+                for lane in 0..OTHER {
+                    left[lane] -= row[k] * factors[k][lane];
+                }
+            }
+            changed.copy_from_slice(&left);
+        }
+    }
 }
 
 #[inline(always)]
 fn substitute_body(factor: &Factor, structure: &Elimination, values: &mut [Vector]) {
-    let layout = &structure.panels;
     for &node in &structure.order {
-        let (own, size) = (values[node as usize], usize::from(structure.sizes[node as usize]));
-        let (start, height) = (layout.starts[node as usize] as usize, layout.heights[node as usize] as usize);
-        for block in structure.below_of(node) {
-            let first = start + layout.rows[block] as usize;
-            let mut sums = [0.0; WIDTH];
-            for (column, value) in own[..size].iter().enumerate() {
-                let rows = &factor.scaled[first + column * height..][..WIDTH];
-                for row in 0..WIDTH {
-                    sums[row] += value * rows[row];
-                }
-            }
-            let below = structure.below[block];
-            let (other, rows) = (&mut values[below as usize], usize::from(structure.sizes[below as usize]));
-            for row in 0..rows {
-                other[row] -= sums[row];
-            }
-        }
+        by_size!(structure.sizes[node as usize], hand_on, factor, structure, node, values);
     }
     for &node in structure.order.iter().rev() {
-        let size = usize::from(structure.sizes[node as usize]);
-        let (start, height) = (layout.starts[node as usize] as usize, layout.heights[node as usize] as usize);
-        let (own, mut found) = (values[node as usize], [0.0; WIDTH]);
-        for (value, line) in own[..size].iter().zip(&factor.inverse[node as usize]) {
-            for row in 0..WIDTH {
-                found[row] += value * line[row];
-            }
-        }
-        for block in structure.below_of(node) {
-            let (below, first) = (structure.below[block], start + layout.rows[block] as usize);
-            let (other, rows) = (&values[below as usize], usize::from(structure.sizes[below as usize]));
-            for (column, entry) in found[..size].iter_mut().enumerate() {
-                let factors = &factor.scaled[first + column * height..][..rows];
-                for row in 0..rows {
-                    *entry -= factors[row] * other[row];
-                }
-            }
-        }
-        values[node as usize] = found;
+        by_size!(structure.sizes[node as usize], take_back, factor, structure, node, values);
     }
 }
 
+/// Takes a node out of the right-hand side of those below.
 #[inline(always)]
-fn add_product(sums: &mut Rows, factor: f64, line: &Rows) {
-    for lane in 0..LANES {
-        sums[lane] += factor * line[lane];
+fn hand_on<const SIZE: usize, const LINE: usize>(factor: &Factor, structure: &Elimination, node: u32, values: &mut [Vector]) {
+    let layout = &structure.panels;
+    let (own, start) = (values[node as usize], layout.starts[node as usize] as usize);
+    for block in structure.below_of(node) {
+        let (below, first) = (structure.below[block] as usize, start + layout.rows[block] as usize * LINE);
+        let rows = factor.scaled[first..first + usize::from(structure.sizes[below]) * LINE].chunks_exact(LINE);
+        for (value, row) in values[below].iter_mut().zip(rows) {
+            let mut sum = 0.0;
+            for k in 0..SIZE {
+                sum += own[k] * row[k];
+            }
+            *value -= sum;
+        }
     }
+}
+
+/// Finds the unknowns of a node from those below.
+#[inline(always)]
+fn take_back<const SIZE: usize, const LINE: usize>(factor: &Factor, structure: &Elimination, node: u32, values: &mut [Vector]) {
+    let layout = &structure.panels;
+    let (own, start) = (values[node as usize], layout.starts[node as usize] as usize);
+    let mut found = [0.0; LINE];
+    for (value, line) in own[..SIZE].iter().zip(&factor.inverse[node as usize]) {
+        for lane in 0..SIZE {
+            found[lane] += value * line[lane];
+        }
+    }
+    for block in structure.below_of(node) {
+        let (below, first) = (structure.below[block] as usize, start + layout.rows[block] as usize * LINE);
+        let rows = factor.scaled[first..first + usize::from(structure.sizes[below]) * LINE].chunks_exact(LINE);
+        for (value, row) in values[below].iter().zip(rows) {
+            for lane in 0..LINE {
+                found[lane] -= value * row[lane];
+            }
+        }
+    }
+    let values = &mut values[node as usize];
+    *values = [0.0; WIDTH];
+    values[..SIZE].copy_from_slice(&found[..SIZE]);
 }
 
 pub(crate) fn dot(a: &Vector, b: &Vector) -> f64 {

@@ -22,13 +22,13 @@ impl Problem {
     pub(super) fn solve_or_yield(&mut self, budget: u32) -> Effort {
         let Some(asked) = self.asked_without_bound() else { return self.solve(budget) };
         copy(&self.terms, &mut self.room.first_terms);
-        copy(&self.links, &mut self.room.first_links);
+        Self::save_impulses(&self.links, &mut self.room.first_impulses);
         let mut effort = self.solve(budget);
         if self.missed() <= MISSED[0] * asked.min(MAX_RECOVERY_SPEED) + MISSED[1] {
             return effort;
         }
         copy(&self.room.first_terms, &mut self.terms);
-        copy(&self.room.first_links, &mut self.links);
+        Self::restore_impulses(&mut self.links, &self.room.first_impulses);
         let Self { links, terms, before, .. } = self;
         for link in links {
             for row in (0..link.rows).filter(|row| link.boundless & 1 << row != 0) {

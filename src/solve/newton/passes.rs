@@ -161,7 +161,7 @@ impl Problem {
     fn iterate(&mut self, budget: u32) -> Effort {
         let mut effort = Effort::default();
         copy(&self.terms, &mut self.room.warm_terms);
-        copy(&self.links, &mut self.room.warm_links);
+        Self::save_impulses(&self.links, &mut self.room.warm_impulses);
         copy(&self.before, &mut self.velocity);
         let mut has_saved = false;
         for pass in 0..OUTER_PASSES {
@@ -325,7 +325,7 @@ impl Problem {
         let Self { room, velocity, terms, links, .. } = self;
         copy(velocity, &mut room.saved_velocity);
         copy(terms, &mut room.saved_terms);
-        copy(links, &mut room.saved_links);
+        Self::save_impulses(links, &mut room.saved_impulses);
         self.is_stale = true;
     }
 
@@ -334,7 +334,7 @@ impl Problem {
         let Self { room, velocity, terms, links, .. } = self;
         copy(&room.saved_velocity, velocity);
         copy(&room.saved_terms, terms);
-        copy(&room.saved_links, links);
+        Self::restore_impulses(links, &room.saved_impulses);
         self.is_stale = true;
     }
 
@@ -343,7 +343,7 @@ impl Problem {
         let Self { room, velocity, before, terms, links, .. } = self;
         copy(before, velocity);
         copy(&room.warm_terms, terms);
-        copy(&room.warm_links, links);
+        Self::restore_impulses(links, &room.warm_impulses);
         self.find_radii();
         self.admm(FALLBACK_ITERATIONS);
         for term in &mut self.terms {

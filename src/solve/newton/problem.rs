@@ -85,11 +85,11 @@ pub(super) struct Room {
     pub(super) step_speeds: Vec<[f64; 2]>,
     pub(super) saved_velocity: Vec<Vector>,
     pub(super) saved_terms: Vec<Term>,
-    pub(super) saved_links: Vec<JointBlock>,
+    pub(super) saved_impulses: Vec<Vector>,
     pub(super) warm_terms: Vec<Term>,
-    pub(super) warm_links: Vec<JointBlock>,
+    pub(super) warm_impulses: Vec<Vector>,
     pub(super) first_terms: Vec<Term>,
-    pub(super) first_links: Vec<JointBlock>,
+    pub(super) first_impulses: Vec<Vector>,
     pub(super) targets: Vec<[f64; 2]>,
     pub(super) asked: Vec<Vector>,
     pub(super) residual: Vec<Vector>,
@@ -268,6 +268,17 @@ impl Problem {
             rates.fold(0.0, f64::max)
         };
         self.links.iter().map(of_link).fold(0.0, f64::max)
+    }
+
+    /// Sets the multipliers of all joints aside.
+    pub(super) fn save_impulses(links: &[JointBlock], saved: &mut Vec<Vector>) {
+        saved.clear();
+        saved.extend(links.iter().map(|link| link.impulse));
+    }
+
+    /// Takes them back.
+    pub(super) fn restore_impulses(links: &mut [JointBlock], saved: &[Vector]) {
+        links.iter_mut().zip(saved).for_each(|(link, saved)| link.impulse = *saved);
     }
 
     /// Takes the joints' multipliers from the solution.

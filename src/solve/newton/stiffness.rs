@@ -17,47 +17,81 @@
 
 use glam::{DMat3, DVec3};
 
-/// Rotations of the Jacobi method that find the axes of a matrix.
-const SWEEPS: usize = 8;
+/// Steps towards the outermost eigenvalue, at most: Laguerre's method takes two to four from where it begins.
+const EIGENVALUE_STEPS: usize = 8;
+
+/// Change of the eigenvalue, over itself, below which a step is the last, as the next one would be of the order of its cube; and over the size
+/// of the matrix.
+const EIGENVALUE_CHANGE: [f64; 2] = [1.0e-5, 1.0e-12];
 
 /// The part of a symmetric matrix that has no negative eigenvalue.
+///
+/// Of three eigenvalues at most two have the sign of each other, so that one at an end of the spectrum stands alone: of a matrix A with one
+/// negative eigenvalue λ and its axis u the part is A − λ u uᵀ, of one with one positive λ it is λ u uᵀ. λ is further from the others than
+/// from zero, so that what rounding does to u is next to nothing in λ u uᵀ.
 pub(crate) fn positive_part(matrix: DMat3) -> DMat3 {
-    let mut a: [[f64; 3]; 3] = matrix.to_cols_array_2d();
-    let mut axes = DMat3::IDENTITY.to_cols_array_2d();
-    for _ in 0..SWEEPS {
-        let off = a[0][1].abs() + a[0][2].abs() + a[1][2].abs();
-        if off <= 1.0e-14 * (a[0][0].abs() + a[1][1].abs() + a[2][2].abs()) {
-            break;
-        }
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            rotate(&mut a, &mut axes, p, q);
-        }
+    let scale = matrix.to_cols_array().iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+    if scale == 0.0 || !scale.is_finite() {
+        return DMat3::ZERO;
     }
-    let mut result = DMat3::ZERO;
-    for (k, axis) in axes.into_iter().enumerate() {
-        let axis = DVec3::from_array(axis);
-        let value = a[k][k].max(0.0);
-        result += DMat3::from_cols(axis * (axis.x * value), axis * (axis.y * value), axis * (axis.z * value));
+    let a = matrix * (1.0 / scale);
+    let [x, y, z] = [a.x_axis, a.y_axis, a.z_axis];
+    let minors = (x.x * y.y - x.y * x.y) + (x.x * z.z - x.z * x.z) + (y.y * z.z - y.z * y.z);
+    let (trace, determinant) = (x.x + y.y + z.z, x.dot(y.cross(z)));
+    // By Descartes' rule of signs.
+    if determinant >= 0.0 && minors >= 0.0 && trace >= 0.0 {
+        return matrix;
     }
-    result
+    if determinant <= 0.0 && minors >= 0.0 && trace <= 0.0 {
+        return DMat3::ZERO;
+    }
+    let is_only_positive = determinant > 0.0;
+    let end = if is_only_positive { 1.0 } else { -1.0 };
+    let found = outermost(end, [trace, minors, determinant]);
+    let Some(axis) = axis_of(a, found) else { return if is_only_positive { DMat3::ZERO } else { matrix } };
+    // The quotient of Rayleigh is off by the square of what the axis is.
+    let value = axis.dot(a * axis) * end;
+    let share = axis * (value.max(0.0) * scale);
+    let own = DMat3::from_cols(axis * share.x, axis * share.y, axis * share.z);
+    if is_only_positive { own } else { matrix + own }
 }
 
-/// Turns two axes so that the matrix has nothing off its diagonal between them. `axes` are rows.
-fn rotate(a: &mut [[f64; 3]; 3], axes: &mut [[f64; 3]; 3], p: usize, q: usize) {
-    if a[p][q] == 0.0 {
-        return;
+/// The greatest eigenvalue (`end` is 1) or the least one (−1) of a matrix with these coefficients of its characteristic polynomial, by the
+/// method of Laguerre: where all roots are real it goes to the outermost from outside without passing it.
+fn outermost(end: f64, [trace, minors, determinant]: [f64; 3]) -> f64 {
+    let mean = trace / 3.0;
+    // Mean of the squares of how far eigenvalues are from their mean: no root is farther than √2 times the root of it.
+    let spread = (2.0 / 9.0 * (trace * trace - 3.0 * minors)).max(0.0);
+    let mut value = mean + end * (2.0 * spread).sqrt();
+    for _ in 0..EIGENVALUE_STEPS {
+        let at = ((value - trace) * value + minors) * value - determinant;
+        let slope = (3.0 * value - 2.0 * trace) * value + minors;
+        let bend = 6.0 * value - 2.0 * trace;
+        let root = (4.0 * slope * slope - 6.0 * at * bend).max(0.0).sqrt();
+        let below = slope + root.copysign(slope);
+        if below == 0.0 {
+            break;
+        }
+        let change = 3.0 * at / below;
+        value -= change;
+        if change.abs() <= EIGENVALUE_CHANGE[0] * value.abs() + EIGENVALUE_CHANGE[1] {
+            break;
+        }
     }
-    let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-    let t = 1.0_f64.copysign(theta) / (theta.abs() + (theta * theta + 1.0).sqrt());
-    let c = 1.0 / (t * t + 1.0).sqrt();
-    let s = t * c;
-    for row in a.iter_mut() {
-        (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+    value
+}
+
+/// Axis of an eigenvalue that stands alone: across two columns of the matrix without it, those that are the most across each other.
+fn axis_of(matrix: DMat3, value: f64) -> Option<DVec3> {
+    let left = matrix - DMat3::from_diagonal(DVec3::splat(value));
+    let [x, y, z] = [left.x_axis, left.y_axis, left.z_axis];
+    let mut longest = x.cross(y);
+    for other in [y.cross(z), z.cross(x)] {
+        if other.length_squared() > longest.length_squared() {
+            longest = other;
+        }
     }
-    for k in 0..3 {
-        (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-        (axes[p][k], axes[q][k]) = (c * axes[p][k] - s * axes[q][k], s * axes[p][k] + c * axes[q][k]);
-    }
+    longest.try_normalize()
 }
 
 /// Two surfaces that roll on each other: directions across the normal, and curvatures of the body's own and of the other along them (1/m).
@@ -128,13 +162,22 @@ impl Rolling {
 mod tests {
     use super::*;
 
+    /// Eigenvalues of all signs, apart, in pairs and next to zero; A − A⁺ has no positive eigenvalue then, and A⁺ none below zero.
     #[test]
     fn the_positive_part_keeps_what_is_positive() {
         let axes = DMat3::from_quat(glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.7, 1.1));
-        let with = |values: DVec3| axes * DMat3::from_diagonal(values) * axes.transpose();
-        let found = positive_part(with(DVec3::new(3.0, -2.0, 0.5)));
-        let expected = with(DVec3::new(3.0, 0.0, 0.5));
-        assert!(found.abs_diff_eq(expected, 1.0e-12), "{found} instead of {expected}");
+        let sizes = [3.0, 1.0, 0.9999999, 1.0e-3, 1.0e-9, 0.0, -1.0e-9, -1.0e-3, -0.5, -0.5000001, -2.0];
+        for axes in [DMat3::IDENTITY, axes] {
+            let with = |values: DVec3| axes * DMat3::from_diagonal(values) * axes.transpose();
+            for (a, b, c) in sizes.iter().flat_map(|&a| sizes.map(|b| (a, b))).flat_map(|(a, b)| sizes.map(|c| (a, b, c))) {
+                for scale in [1.0, 1.0e-12, 1.0e9] {
+                    let values = DVec3::new(a, b, c) * scale;
+                    let (found, expected) = (positive_part(with(values)), with(values.max(DVec3::ZERO)));
+                    assert!(found.abs_diff_eq(expected, 1.0e-8 * scale), "{values}: {found} instead of {expected}");
+                }
+            }
+        }
+        assert_eq!(positive_part(DMat3::ZERO), DMat3::ZERO);
     }
 
     /// A flat link of half thickness r on a drum of radius R: [[D, −1], [−1, 0]] with D = R + r has the one positive eigenvalue 1.618 in
