@@ -70,3 +70,32 @@ fn plans_are_drawn_at_their_islands() {
     let coupled: Vec<_> = texts.0.iter().filter(|(_, text)| text == "Coupled").collect();
     assert!(coupled.len() == 1 && coupled[0].0.distance(at) < 1e-6, "{:?}", texts.0);
 }
+
+/// A rope of `links` balls of a kilogram, 0.3 m apart, that hangs all but level from two points, and a ball of `mass` (kg) that lies on its middle.
+fn ridden_rope(links: usize, mass: f32) -> World {
+    let mut world = World::new(&WorldDef::default()).unwrap();
+    let balls: Vec<BodyId> = (0..links).map(|i| ball(&mut world, 0.3 * i as f64, 0.0)).collect();
+    for pair in balls.windows(2) {
+        let middle = 0.5 * (world.pose(pair[0]).unwrap().position + world.pose(pair[1]).unwrap().position);
+        join(&mut world, [pair[0], pair[1]], middle, Solver::Auto);
+    }
+    for (end, x) in [(balls[0], -0.15), (balls[links - 1], 0.3 * links as f64 - 0.15)] {
+        join(&mut world, [BodyId::NULL, end], DVec3::new(x, 0.0, 0.0), Solver::Auto);
+    }
+    let shape = ShapeDef::new(Shape::new(Geometry::Ball { radius: RADIUS }).unwrap());
+    let at = Pose::at_xyz(0.3 * (links / 2) as f64, 2.0 * f64::from(RADIUS), 0.0);
+    world.create_body(&BodyDef { mass: Mass::Total(mass), ..BodyDef::dynamic(at) }.with_shape(shape)).unwrap();
+    world.step(1.0 / 60.0).unwrap();
+    world
+}
+
+/// A rider is carried directly, but where it is heavy or the rope is so short that its rows are more work than the joints.
+#[test]
+fn points_carry_a_rider_by_a_direct_solve() {
+    for (links, mass, expected) in [(30, 5.0, IslandPlan::Apart), (30, 500.0, IslandPlan::Coupled), (1, 5.0, IslandPlan::Coupled)]
+    {
+        let world = ridden_rope(links, mass);
+        let plans: Vec<_> = world.islands().iter().map(|island| island.plan).collect();
+        assert_eq!(plans, [expected], "a rope of {links} balls that carries {mass} kg");
+    }
+}
