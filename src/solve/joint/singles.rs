@@ -114,6 +114,8 @@ pub(super) struct Singles {
     turned: Vec<Vec3>,
     rows: Vec<SingleJointRows>,
     scalars: Vec<ScalarRow>,
+    /// Whether any of these rows is that of a motor.
+    any_motors: bool,
     /// What the joint at hand asks in scalar rows.
     asked: Vec<rows::ScalarRow>,
     /// Stops that may be met in the substep, by entry and row, and the speeds at which they are to be left then.
@@ -183,6 +185,7 @@ impl Singles {
         }
         self.rows.clear();
         self.scalars.clear();
+        self.any_motors = false;
         for &number in &self.numbers {
             let entry = &entries[number];
             let joint = &joints[entry.joint];
@@ -226,6 +229,7 @@ impl Singles {
             if leans {
                 sweep::lean(&mut self.scalars[first as usize..], point.as_ref(), bodies);
             }
+            self.any_motors |= entry.traits.has_motor;
             self.rows.push(SingleJointRows { entry: number, a: entry.a, b: entry.b, point, direction, scalars, leans });
         }
     }
@@ -255,16 +259,15 @@ impl Singles {
 
     /// Has motors do for the rest of the substep what they do now; whether there are any.
     pub(super) fn hold_motors(&mut self, entries: &[JointEntry]) -> bool {
-        let Self { rows, scalars, .. } = self;
-        let mut any = false;
+        let Self { rows, scalars, any_motors, .. } = self;
+        if !*any_motors {
+            return false;
+        }
         for rows in rows.iter().filter(|rows| entries[rows.entry].traits.has_motor) {
             let motors = entries[rows.entry].motors.rows;
-            for row in rows.scalars(scalars).iter_mut().filter(|row| motors.axis(row.id).is_some()) {
-                row.hold();
-                any = true;
-            }
+            rows.scalars(scalars).iter_mut().filter(|row| motors.axis(row.id).is_some()).for_each(ScalarRow::hold);
         }
-        any
+        true
     }
 
     /// One sweep over a range of joints.
