@@ -47,6 +47,7 @@ const JOINTS: &[Promise] = &[
     ("hinge_servo", &[("angle_err_deg", 1e-5)]),
     ("stiff_hinge", &[("spin_err_pct", 5e-3), ("swing_err_pct", 1.0)]),
     ("hinge_limit", &[("overshoot_deg", 1e-4), ("joint_gap_m", 5e-5)]),
+    ("net", &[("fallen", 0.0), ("joint_gap_m", 1e-3), ("energy_growth_pct", 0.1)]),
     ("breaking_beam", &[("break_load_err_pct", 1.0)]),
 ];
 

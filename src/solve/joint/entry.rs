@@ -68,6 +68,11 @@ pub(crate) struct JointEntry {
 }
 
 impl JointEntry {
+    /// The same with multipliers of substeps that are so many times as long.
+    pub(crate) fn scaled(self, factor: f32) -> Self {
+        Self { impulses: self.impulses.scaled(factor), acted: self.acted.map(|acted| acted * factor), ..self }
+    }
+
     /// Distance of its points, as a share of its levers, if it holds them together without give; else zero.
     pub(super) fn opening(&self, joints: &Pool<Joint, JointId>, motions: &[BodyMotion]) -> f64 {
         let def = &joints[self.joint].def;

@@ -49,6 +49,8 @@ pub(super) struct CoupledOutcome {
     pub(super) strain: f64,
     /// Whether others are to take the step.
     is_rejected: bool,
+    /// Whether it is to take the step, which it has not taken yet or is to take again.
+    is_pending: bool,
 }
 
 /// An island: see the [module](self).
@@ -86,7 +88,7 @@ pub(crate) struct CoupledIsland {
 impl CoupledIsland {
     /// Begins to take in the bodies of these slots: numbers them, for an outline. A factorisation may take so many multiplications.
     pub(crate) fn begin(&mut self, slots: Range<u32>, (is_looped, most_work): (bool, u64), motions: &[BodyMotion]) {
-        (self.slots, self.is_looped) = (slots.clone(), is_looped);
+        (self.slots, self.is_looped, self.outcome) = (slots.clone(), is_looped, CoupledOutcome::default());
         self.moved.clear();
         self.moved.push(FIXED);
         let mut next = 0;
@@ -133,7 +135,7 @@ impl CoupledIsland {
         self.rates.clear();
         self.local_poses.clear();
         self.patches.clear();
-        (self.outcome, self.handed_out) = (CoupledOutcome::default(), 0);
+        (self.outcome, self.handed_out) = (CoupledOutcome { is_pending: true, ..CoupledOutcome::default() }, 0);
         self.enlist(WORLD_SLOT, velocities, motions);
         for slot in self.slots.clone() {
             self.enlist(slot, velocities, motions);
@@ -165,8 +167,17 @@ impl CoupledIsland {
         first + self.anchors.len() - 1
     }
 
-    /// Moves the bodies through the step.
-    pub(crate) fn step(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings) {
+    /// Asks it to take the step.
+    pub(crate) fn ask(&mut self) {
+        self.outcome.is_pending = true;
+    }
+
+    pub(crate) fn is_pending(&self) -> bool {
+        self.outcome.is_pending
+    }
+
+    /// Moves the bodies through the step, in substeps of the world that have been halved so often.
+    pub(crate) fn step(&mut self, joints: &Pool<Joint, JointId>, settings: &StepSettings, halvings: u32) {
         let h = f64::from(settings.dt) / f64::from(settings.substeps);
         self.outcome.substeps = settings.substeps;
         self.began.clone_from(&self.local_poses);
@@ -200,6 +211,10 @@ impl CoupledIsland {
         self.outcome.gaps[1] = self.joint_gap(joints);
         (self.outcome.gain, self.outcome.kinetic) = (self.energy() - before, before);
         self.outcome.is_rejected = !self.is_sound();
+        self.outcome.is_pending = self.outcome.is_rejected && self.may_halve();
+        let share = (1 << halvings) as f32;
+        self.held.entries.iter_mut().for_each(|entry| *entry = entry.scaled(share));
+        self.patches.iter_mut().for_each(|patch| patch.scale_impulses(f64::from(share)));
     }
 
     /// Kinetic energy less the work of forces since the start of the step (J).

@@ -23,6 +23,7 @@ use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::report::IslandPlan;
+use crate::tuning::plan::MAX_HALVINGS;
 use crate::workers::Workers;
 
 mod admm;
@@ -199,26 +200,15 @@ impl Newton {
         if taken.iter().all(CoupledIsland::is_large) {
             return;
         }
-        taken.iter_mut().filter(|island| !island.is_large()).for_each(|island| island.enlist_bodies(velocities, motions));
-        for link in links.iter() {
-            let Some(place) = owner([link.a, link.b], taken, |island| !island.is_large()) else { continue };
-            let ends = [link.a, link.b].map(|slot| taken[place].local(slot, velocities, motions));
-            taken[place].held.push(records.joint(link), ends);
-        }
-        for (number, contact) in contacts.iter().enumerate() {
-            let Some(place) = owner([contact.a, contact.b], taken, |island| !island.is_large()) else { continue };
-            let ends = [contact.a, contact.b].map(|slot| taken[place].local(slot, velocities, motions));
-            let mut patch = Patch::new(contact, ends);
-            // What no joint holds has been collided as it will stand when it presses.
-            let is_jointed = [contact.a, contact.b].iter().any(|&slot| motions[slot as usize].jointed);
-            if let Some(surfaces) = records.surfaces(number as u32).filter(|_| is_jointed) {
-                patch.curve(surfaces);
-                patch.settle(&records.tangency(number as u32));
+        taken.iter_mut().filter(|island| !island.is_large()).for_each(CoupledIsland::ask);
+        for halvings in 0..=MAX_HALVINGS {
+            take_in(taken, (links, contacts), (velocities, motions), records, halvings);
+            let finer = StepSettings { substeps: settings.substeps << halvings, ..*settings };
+            threads.share(taken.iter_mut().filter(|island| island.is_pending()), |island| island.step(joints, &finer, halvings));
+            if !taken.iter().any(CoupledIsland::is_pending) {
+                break;
             }
-            taken[place].patches.push(patch);
         }
-        let begun = taken.iter_mut().filter(|island| !island.is_large());
-        threads.share(begun, |island| island.step(joints, settings));
         if !taken.iter().any(CoupledIsland::is_accepted) {
             return;
         }
@@ -231,6 +221,36 @@ impl Newton {
         for island in taken.iter().filter(|island| island.is_accepted()) {
             island.store(velocities, motions);
         }
+    }
+}
+
+/// Takes bodies, joints and manifolds into the islands that are to take the step, in substeps halved so often.
+fn take_in(
+    islands: &mut [CoupledIsland],
+    (links, contacts): (&[JointLink], &[ContactInput]),
+    (velocities, motions): (&[BodyVelocity], &[BodyMotion]),
+    records: &impl IslandRecords,
+    halvings: u32,
+) {
+    let share = 1.0 / (1 << halvings) as f32;
+    islands.iter_mut().filter(|island| island.is_pending()).for_each(|island| island.enlist_bodies(velocities, motions));
+    for link in links {
+        let Some(place) = owner([link.a, link.b], islands, CoupledIsland::is_pending) else { continue };
+        let ends = [link.a, link.b].map(|slot| islands[place].local(slot, velocities, motions));
+        islands[place].held.push(records.joint(link).scaled(share), ends);
+    }
+    for (number, contact) in contacts.iter().enumerate() {
+        let Some(place) = owner([contact.a, contact.b], islands, CoupledIsland::is_pending) else { continue };
+        let ends = [contact.a, contact.b].map(|slot| islands[place].local(slot, velocities, motions));
+        let mut patch = Patch::new(contact, ends);
+        patch.scale_impulses(f64::from(share));
+        // What no joint holds has been collided as it will stand when it presses.
+        let is_jointed = [contact.a, contact.b].iter().any(|&slot| motions[slot as usize].jointed);
+        if let Some(surfaces) = records.surfaces(number as u32).filter(|_| is_jointed) {
+            patch.curve(surfaces);
+            patch.settle(&records.tangency(number as u32));
+        }
+        islands[place].patches.push(patch);
     }
 }
 

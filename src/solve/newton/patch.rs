@@ -77,6 +77,13 @@ impl Patch {
         }
     }
 
+    /// Multiplies its multipliers.
+    pub(crate) fn scale_impulses(&mut self, factor: f64) {
+        self.normal.iter_mut().for_each(|lambda| *lambda *= factor);
+        (self.tangential, self.rolls) = (self.tangential * factor, self.rolls * factor);
+        self.twist *= factor;
+    }
+
     /// Lets it follow surfaces that bend.
     pub(crate) fn curve(&mut self, ([of_a, of_b], [reach_a, reach_b]): Surfaces) {
         let normal = self.spots.normal();

@@ -1,6 +1,7 @@
 //! Whether a step that an island has taken may stand.
 
 use super::island::CoupledIsland;
+use super::patch::Patch;
 
 /// Height by which a step may lift all that an island has, beyond what taking errors out of positions does (m): a straight line of planks that
 /// snaps taut under tonnes is lifted by as much, ropes and lifts by 1e-7.
@@ -33,8 +34,18 @@ impl CoupledIsland {
         let [gap, opened] = self.outcome.gaps;
         let lever = self.held.mean_lever(&self.bodies);
         let is_held = opened <= gap.max(MAX_GAP * lever);
-        let most_strain = MAX_STRAIN * lever.clamp(STRAINED_LEVERS[0], STRAINED_LEVERS[1]);
         // Written so that what is no number is not.
-        self.outcome.gain <= allowed && self.outcome.strain <= most_strain && is_held
+        self.outcome.gain <= allowed && self.parts_slowly() && is_held
+    }
+
+    /// Whether rows that always hold have held.
+    fn parts_slowly(&self) -> bool {
+        self.outcome.strain <= MAX_STRAIN * self.held.mean_lever(&self.bodies).clamp(STRAINED_LEVERS[0], STRAINED_LEVERS[1])
+    }
+
+    /// Whether a step that is not sound is to be taken again in halved substeps. Rows that contradict one another do so in shorter ones too, and
+    /// what nothing presses on others solve as well.
+    pub(super) fn may_halve(&self) -> bool {
+        self.parts_slowly() && self.patches.iter().any(Patch::presses)
     }
 }
