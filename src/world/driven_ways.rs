@@ -111,7 +111,7 @@ impl World {
     /// velocity, and something is in the way.
     fn driven_further(&self, index: u32, seen: f32, dt: f32, parts: &mut ImpactBuffer) -> Option<f32> {
         let (body, gravity) = (&self.bodies[index], self.def.gravity.length());
-        let path = self.solved_path(index, dt);
+        let path = self.solved_path(index, dt)?;
         let shift = (path.end.center - path.start.center).length() as f32;
         let mut furthest: Option<f32> = None;
         for shape in body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok()) {
@@ -130,8 +130,8 @@ impl World {
                 if is_known || !self.may_meet(collider, other) {
                     return false;
                 }
-                let other_body = &self.bodies[other.body];
-                let at = sweep::moving(other, other_body, self.solved_path(other.body, dt));
+                let Some(way) = self.solved_path(other.body, dt) else { return false };
+                let at = sweep::moving(other, &self.bodies[other.body], way);
                 sweep::first_touch(&moving, &at, (collider.least_extent, false), parts).is_some()
             };
             if self.broad.overlapping(&bounds).any(meets) {
@@ -141,31 +141,31 @@ impl World {
         furthest
     }
 
-    /// Way of a body through the step as it has been solved.
-    fn solved_path(&self, index: u32, dt: f32) -> BodyPath {
+    /// Way of a body through the step as it has been solved; none where that is no number, as it is taken out after the step.
+    fn solved_path(&self, index: u32, dt: f32) -> Option<BodyPath> {
         let body = &self.bodies[index];
         let start = BodyPose { center: body.center, rotation: body.rotation };
-        if !self.index.free.has(index) {
-            let way = if body.acts_as() == BodyKind::Kinematic {
-                body.linear_velocity.as_dvec3() * f64::from(dt)
-            } else {
-                glam::DVec3::ZERO
-            };
-            return BodyPath { start, end: BodyPose { center: start.center + way, ..start } };
-        }
         let union = self.unions.moving(index);
-        let (batch, slot) = self.groups.place[union.map_or(index, |union| union.lead) as usize];
-        let motion = &self.batches[batch as usize].motions[slot as usize];
-        let way = motion.displacement.as_dvec3();
-        let end = match union {
-            Some(union) => {
-                let moved = UnionMotion { center: union.motion.center + way, rotation: motion.rotation, ..union.motion };
-                let own = self.unions.motion_of(index, &moved);
-                BodyPose { center: own.center, rotation: own.rotation }
+        let end = match self.solved_at(union.map_or(index, |union| union.lead)) {
+            Some((batch, slot)) => {
+                let motion = &batch.motions[slot];
+                let way = motion.displacement.as_dvec3();
+                match union {
+                    Some(union) => {
+                        let moved = UnionMotion { center: union.motion.center + way, rotation: motion.rotation, ..union.motion };
+                        let own = self.unions.motion_of(index, &moved);
+                        BodyPose { center: own.center, rotation: own.rotation }
+                    }
+                    None => BodyPose { center: start.center + way, rotation: motion.rotation },
+                }
             }
-            None => BodyPose { center: start.center + way, rotation: motion.rotation },
+            None if body.acts_as() == BodyKind::Kinematic => {
+                BodyPose { center: start.center + body.linear_velocity.as_dvec3() * f64::from(dt), ..start }
+            }
+            // What is held, asleep or static stands.
+            None => start,
         };
-        BodyPath { start, end }
+        (end.center.is_finite() && end.rotation.is_finite()).then_some(BodyPath { start, end })
     }
 
     /// Enlarges the boxes of what is driven further than by its velocity, and has contacts looked for as far.

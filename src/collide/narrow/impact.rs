@@ -92,8 +92,8 @@ pub(crate) fn first_touch(a: &MovingShape, b: &MovingShape, limits: &Limits, buf
     let mut first: Option<f64> = None;
     for id_a in 0..composite::part_count(a.shape) {
         let Some((part_a, place_a)) = composite::part_at(a.shape, id_a) else { continue };
-        let bounds = path_bounds(&part_a, &place_a, a, b).loosened(limits.short);
-        composite::near_parts(b.shape, Some(&bounds), &mut buffer.parts);
+        let bounds = path_bounds(&part_a, &place_a, a, b, limits.short);
+        composite::near_parts(b.shape, bounds.as_ref(), &mut buffer.parts);
         for &id_b in &buffer.parts {
             let Some((part_b, place_b)) = composite::part_at(b.shape, id_b) else { continue };
             let pair = PartPair {
@@ -110,13 +110,15 @@ pub(crate) fn first_touch(a: &MovingShape, b: &MovingShape, limits: &Limits, buf
     first
 }
 
-/// Box, in the frame of `b`, that holds a part of `a` all along its way.
-fn path_bounds(part: &Part, place: &Pose3, a: &MovingShape, b: &MovingShape) -> Aabb {
+/// Box, in the frame of `b`, that holds a part of `a` all along its way, `margin` (m) larger; none where no box of numbers does.
+fn path_bounds(part: &Part, place: &Pose3, a: &MovingShape, b: &MovingShape, margin: f32) -> Option<Aabb> {
     let [start, end] = [0.0, 1.0].map(|time| part.bounds(&(relative(b.pose_at(time), a.pose_at(time)) * *place)));
     let whole = start.merged(&end);
     // Between the two, a turn bulges the way by no more than the sagitta of its arc.
     let seen_from_b = whole.extents().length() + whole.center().length();
-    whole.loosened(a.path.bulge(a.reach) + b.path.bulge(seen_from_b))
+    let margin = margin + a.path.bulge(a.reach) + b.path.bulge(seen_from_b);
+    // Written so that what is no number has none.
+    (margin >= 0.0 && margin < f32::INFINITY).then(|| whole.loosened(margin))
 }
 
 /// Greatest speed at which the rotation between two poses turns, if it goes evenly on the chord (rad over the stretch): 4 tan(θ/4) of a turn
