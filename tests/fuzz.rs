@@ -15,7 +15,8 @@ use longspan_scenes::Random;
 
 /// Seeds and calls of each in an ordinary run, and seeds whose twins once differed.
 const SEEDS: std::ops::Range<u64> = 0..6;
-const MENDED: [u64; 9] = [119, 5521, 9021, 9033, 200_007, 800_059, 1_000_066, 2_050_084, 2_130_013];
+const MENDED: [u64; 12] =
+    [119, 5521, 9021, 9033, 200_007, 800_059, 1_000_066, 2_050_084, 2_130_013, 5_100_035, 5_100_105, 5_100_195];
 const CALLS: u32 = 700;
 
 /// Most bodies of a world: more make calls slow, not more different.

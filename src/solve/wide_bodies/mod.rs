@@ -221,6 +221,8 @@ impl WideBodies {
         body_flags: &[BodyFlags],
         h: f32,
     ) {
+        // Of what is not in lanes too, which nothing writes: an island's range of slots may end with bodies that the host moves.
+        self.energies.clear();
         self.energies.resize(motions.len(), 0.0);
         self.blocks.clear();
         self.pushed.clear();
