@@ -118,7 +118,7 @@ fn path_bounds(part: &Part, place: &Pose3, a: &MovingShape, b: &MovingShape, mar
     let seen_from_b = whole.extents().length() + whole.center().length();
     let margin = margin + a.path.bulge(a.reach) + b.path.bulge(seen_from_b);
     // Written so that what is no number has none.
-    (margin >= 0.0 && margin < f32::INFINITY).then(|| whole.loosened(margin))
+    (0.0..f32::INFINITY).contains(&margin).then(|| whole.loosened(margin))
 }
 
 /// Greatest speed at which the rotation between two poses turns, if it goes evenly on the chord (rad over the stretch): 4 tan(θ/4) of a turn
