@@ -209,8 +209,7 @@ impl JointSet {
     }
 
     /// Mean distance of joint points from the centres of mass of what moves, and of the ends of lines from each other (m). Where all joints
-    /// are in centres of mass, as those of a slider often are, the mean
-    /// radius of gyration of the bodies; infinite where these do not turn.
+    /// are in centres of mass, as those of a slider often are, the mean radius of gyration of the bodies; infinite where these do not turn.
     pub(super) fn mean_lever(&self, bodies: &[DirectBody]) -> f64 {
         let levers = self.entries.iter().zip(&self.ends).flat_map(|(entry, ends)| {
             let of = |side: usize| {
