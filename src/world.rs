@@ -73,49 +73,78 @@ pub struct World {
     bodies: Pool<Body, BodyId>,
     colliders: Pool<Collider, ShapeId>,
     joints: Pool<Joint, JointId>,
-
-    broad: BroadPhase,
-    escaped: query::OutOfBoxBodies,
-    pairs: PairCache,
-    /// Bodies that a step may move, sorted by slot.
-    movers: Vec<u32>,
-    movers_sorted: bool,
-    /// Whether some of those that are sorted are kinematic: they stop being movers without a word.
-    some_are_driven: bool,
-    /// Joints whose stops or frames the host has moved of late.
-    driven_joints: Vec<u32>,
-    sleeping: SleepingIslands,
-
+    movers: Movers,
+    collision: Collision,
     unions: unions::Unions,
     long_range: long_range::LongRange,
-    groups: islands::IslandGroups,
-    touches: touching_pairs::TouchingPairs,
-    summaries: body_summary::BodySummaries,
-    index: body_shape_table::BodyShapeTable,
-    hold: hold::Hold,
+    islands: Islands,
+    batches: Batches,
     rest: step_skip::StepSkip,
     fracture: fracture::Fracture,
-    batches: Vec<Batch>,
-    /// Of each batch, what the stages of its step keep.
-    stages: Vec<BatchStages>,
-    batch_count: usize,
-    events: Events,
-    sensing: sensors::Sensors,
-    /// Bodies that this step gave a non-finite state.
-    broken: Vec<u32>,
     /// The support analysis, where the host wants it.
     support: Option<Box<support::SupportState>>,
+    events: Events,
     report: StepReport,
-    /// Whether any body may have been smooth for so long that its island takes several substeps at once.
-    has_smooth_bodies: bool,
-    /// Length of the last substep (s), for rescaling multipliers.
-    last_substep: f32,
-    last_dt: f32,
+    last: LastStep,
     scratch: StepScratch,
     threads: Workers,
     profiler: Option<Arc<dyn Profiler>>,
     /// Last, so that the world's number is free again only when everything else is gone.
     _tag: WorldTag,
+}
+
+/// What a step may move.
+#[derive(Default)]
+struct Movers {
+    /// Bodies, by slot.
+    slots: Vec<u32>,
+    are_sorted: bool,
+    /// Whether some of those that are sorted are kinematic: they stop being movers without a word.
+    some_are_driven: bool,
+    /// Joints whose stops or frames the host has moved of late.
+    driven_joints: Vec<u32>,
+}
+
+/// What touches what.
+#[derive(Default)]
+struct Collision {
+    broad: BroadPhase,
+    escaped: query::OutOfBoxBodies,
+    pairs: PairCache,
+    touches: touching_pairs::TouchingPairs,
+    index: body_shape_table::BodyShapeTable,
+    sensing: sensors::Sensors,
+}
+
+/// Bodies that act on each other, and which of them sleep or stand still.
+#[derive(Default)]
+struct Islands {
+    groups: islands::IslandGroups,
+    summaries: body_summary::BodySummaries,
+    sleeping: SleepingIslands,
+    hold: hold::Hold,
+}
+
+/// What is solved together.
+#[derive(Default)]
+struct Batches {
+    /// Those of this step are the first `count`.
+    list: Vec<Batch>,
+    /// Of each batch, what the stages of its step keep.
+    stages: Vec<BatchStages>,
+    count: usize,
+}
+
+/// What the next step takes from the last one.
+#[derive(Default)]
+struct LastStep {
+    /// Length of the last substep (s), for rescaling multipliers.
+    substep: f32,
+    dt: f32,
+    /// Whether any body may have been smooth for so long that its island takes several substeps at once.
+    has_smooth_bodies: bool,
+    /// Bodies that this step gave a non-finite state.
+    broken: Vec<u32>,
 }
 
 /// Buffers that steps reuse.
@@ -164,34 +193,18 @@ impl World {
             bodies: Pool::new(&tag),
             colliders: Pool::new(&tag),
             joints: Pool::new(&tag),
-            broad: BroadPhase::default(),
-            escaped: query::OutOfBoxBodies::default(),
-            pairs: PairCache::default(),
-            movers: Vec::new(),
-            movers_sorted: true,
-            some_are_driven: false,
-            driven_joints: Vec::new(),
-            sleeping: SleepingIslands::default(),
+            movers: Movers { are_sorted: true, ..Movers::default() },
+            collision: Collision::default(),
             unions: unions::Unions::default(),
             long_range: long_range::LongRange::default(),
-            groups: islands::IslandGroups::default(),
-            touches: touching_pairs::TouchingPairs::default(),
-            summaries: body_summary::BodySummaries::default(),
-            index: body_shape_table::BodyShapeTable::default(),
-            hold: hold::Hold::default(),
+            islands: Islands::default(),
+            batches: Batches::default(),
             rest: step_skip::StepSkip::default(),
             fracture: fracture::Fracture::default(),
-            batches: Vec::new(),
-            stages: Vec::new(),
-            batch_count: 0,
-            events: Events::default(),
-            sensing: sensors::Sensors::default(),
-            broken: Vec::new(),
             support: None,
+            events: Events::default(),
             report: StepReport::default(),
-            has_smooth_bodies: false,
-            last_substep: 0.0,
-            last_dt: 0.0,
+            last: LastStep::default(),
             scratch: StepScratch::default(),
             threads,
             profiler: None,

@@ -2,10 +2,10 @@
 
 use smallvec::SmallVec;
 
-use super::World;
 use super::body_shape_table::BodyShapeTable;
 use super::islands::{IslandGroups, NO_BODY};
 use super::touching_pairs::TouchingPair;
+use super::{Batches, Collision, Islands, World};
 use crate::body::{Body, BodyKind};
 use crate::collide::cache::PairCache;
 use crate::id::{BodyId, JointId, Pool};
@@ -63,11 +63,22 @@ impl Contacts<'_> {
 
 impl World {
     pub(super) fn hand_out_contacts(&mut self) {
-        let largest = self.groups.largest_batch().filter(|_| self.threads.has_team() && self.touches.len() >= SHARED_TOUCHES);
+        let largest = self
+            .islands
+            .groups
+            .largest_batch()
+            .filter(|_| self.threads.has_team() && self.collision.touches.len() >= SHARED_TOUCHES);
         if let Some(largest) = largest {
             return self.hand_out_contacts_to(largest);
         }
-        let Self { groups, touches, batches, bodies, pairs, hold, index, report, .. } = self;
+        let Self {
+            islands: Islands { groups, hold, .. },
+            collision: Collision { touches, pairs, index, .. },
+            batches: Batches { list: batches, .. },
+            bodies,
+            report,
+            ..
+        } = self;
         let contacts = Contacts { groups, index, bodies, pairs, is_held: &hold.islands };
         for touch in touches.touching() {
             if let Some(batch) = contacts.batch_of(touch) {
@@ -78,7 +89,16 @@ impl World {
 
     /// Hands out all contacts, those of the largest batch on all threads.
     fn hand_out_contacts_to(&mut self, largest: u32) {
-        let Self { groups, touches, batches, bodies, pairs, hold, index, report, threads, scratch, .. } = self;
+        let Self {
+            islands: Islands { groups, hold, .. },
+            collision: Collision { touches, pairs, index, .. },
+            batches: Batches { list: batches, .. },
+            bodies,
+            report,
+            threads,
+            scratch,
+            ..
+        } = self;
         let contacts = Contacts { groups, index, bodies, pairs, is_held: &hold.islands };
         let others = &mut scratch.others;
         others.resize_with(others.len().max(touches.parts().count()), Vec::new);
@@ -124,7 +144,7 @@ impl World {
 
     /// Lists the joints of what moves and is not held.
     fn list_joints(&mut self) {
-        let Self { groups, joints, bodies, unions, index, .. } = self;
+        let Self { islands: Islands { groups, .. }, joints, bodies, unions, collision: Collision { index, .. }, .. } = self;
         let IslandGroups { sorted_joints, listed, joint_heads, dynamic, bound, joint_version, .. } = groups;
         sorted_joints.clear();
         let moves = |body: u32| body != NO_BODY && index.free.has(body);
@@ -146,10 +166,17 @@ impl World {
     }
 
     pub(super) fn hand_out_joints(&mut self) {
-        if !self.groups.joints_stay {
+        if !self.islands.groups.joints_stay {
             self.list_joints();
         }
-        let Self { groups, batches, joints, index, report, .. } = self;
+        let Self {
+            islands: Islands { groups, .. },
+            batches: Batches { list: batches, .. },
+            joints,
+            collision: Collision { index, .. },
+            report,
+            ..
+        } = self;
         let joint_heads = &groups.joint_heads;
         let moves = |body: u32| body != NO_BODY && index.free.has(body);
         let moved = |slot: u32| joint_heads[slot as usize].bodies.into_iter().find(|&body| moves(body));

@@ -25,7 +25,7 @@ impl World {
             return Err(Error::new(ErrorKind::CapacityExceeded, "shapes", "the world holds no more shapes"));
         }
         let (index, id) = self.bodies.insert(Body::new(&def, mass))?;
-        self.index.forget_force(index);
+        self.collision.index.forget_force(index);
         for shape in &def.shapes {
             self.add_collider(index, shape)?;
         }
@@ -55,7 +55,7 @@ impl World {
         self.forget_support(index);
         self.bodies.remove(index);
         // The next step strikes it off the list of movers: once for all that were destroyed.
-        self.movers_sorted = false;
+        self.movers.are_sorted = false;
         Ok(())
     }
 
@@ -267,19 +267,19 @@ impl World {
         }
         for &id in &self.bodies[index].shapes {
             if let Ok(shape) = self.colliders.find(id) {
-                self.broad.revisit(shape);
+                self.collision.broad.revisit(shape);
             }
         }
-        self.movers.push(index);
-        self.movers_sorted = false;
+        self.movers.slots.push(index);
+        self.movers.are_sorted = false;
     }
 
     /// Gives kinematic bodies the velocity that takes them to their target in `dt` seconds, and finds how it goes on within the step.
     pub(super) fn drive_kinematic_bodies(&mut self, dt: f32) {
-        if self.movers_sorted && !self.some_are_driven {
+        if self.movers.are_sorted && !self.movers.some_are_driven {
             return;
         }
-        for &index in &self.movers {
+        for &index in &self.movers.slots {
             let Some(body) = self.bodies.get(index) else { continue };
             if body.kind != BodyKind::Kinematic {
                 continue;
@@ -304,7 +304,7 @@ impl World {
             let velocity = [body.linear_velocity, body.angular_velocity];
             body.kinematic.path.get_or_insert_default().begin_step(self.report.step, dt, velocity);
         }
-        self.movers_sorted = false;
+        self.movers.are_sorted = false;
     }
 
     /// The shapes of a body as they were defined.

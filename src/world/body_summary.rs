@@ -3,8 +3,8 @@
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use super::World;
 use super::substep_multiplier::is_smooth;
+use super::{Islands, Movers, World};
 use crate::body::{Body, BodyKind};
 use crate::tuning::{hold, units};
 
@@ -109,7 +109,13 @@ impl BodySummaries {
 impl World {
     /// Takes note of every body that the step may move.
     pub(super) fn take_census(&mut self) {
-        let Self { summaries: BodySummaries { known, told }, movers, bodies, threads, .. } = self;
+        let Self {
+            islands: Islands { summaries: BodySummaries { known, told }, .. },
+            movers: Movers { slots: movers, .. },
+            bodies,
+            threads,
+            ..
+        } = self;
         known.resize(bodies.slot_count(), BodySummary::default());
         let flags = AtomicU8::new(0);
         let is_shared = threads.has_team() && movers.len() >= SHARED_MOVERS;

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::World;
 use super::pairs::contact_pair;
+use super::{Collision, LastStep, World};
 use crate::body::SleepState;
 use crate::collide::collider::{self, Collider};
 use crate::collide::narrow::{self, Manifold, NarrowScratch};
@@ -75,7 +75,7 @@ impl World {
 
     /// Everything that overlaps a sensor at the end of the last step, by sensor; of each pair, the sensor comes first.
     pub fn sensed(&self) -> &[ContactPair] {
-        &self.sensing.overlaps
+        &self.collision.sensing.overlaps
     }
 
     /// Bodies that the last step would have given a non-finite state: they stay where they were, without contacts, until the
@@ -91,14 +91,14 @@ impl World {
     pub fn contact_force(&self, body: BodyId) -> Result<Vec3> {
         let index = self.bodies.find(body)?;
         Ok(match self.bodies[index].kind {
-            crate::body::BodyKind::Dynamic => self.index.contact_force(index),
+            crate::body::BodyKind::Dynamic => self.collision.index.contact_force(index),
             _ => self.force_on_fixed(index),
         })
     }
 
     /// Every manifold between shapes of which at least one body is awake, in a fixed order.
     pub fn contacts(&self) -> impl Iterator<Item = Contact> + '_ {
-        let listed = self.pairs.listed();
+        let listed = self.collision.pairs.listed();
         (0..listed.len()).map(move |place| listed[place]).flat_map(|(key, slot)| self.contacts_now(key, slot))
     }
 
@@ -123,13 +123,14 @@ impl World {
     /// Pairs of a body that sleeping islands keep: of a body asleep, its own island.
     fn kept_pairs_of(&self, index: u32) -> impl Iterator<Item = (PairKey, u32)> + '_ {
         let body = &self.bodies[index];
-        let islands = self.sleeping.islands();
+        let islands = self.islands.sleeping.islands();
         let islands = match body.sleep {
             SleepState::Asleep { island } => &islands[island as usize..][..1],
             SleepState::Awake { .. } if body.is_free() => &[],
             SleepState::Awake { .. } => islands,
         };
-        let kept = islands.iter().flatten().flat_map(|island| &island.pairs).map(|&slot| (self.pairs.get(slot).key, slot));
+        let kept =
+            islands.iter().flatten().flat_map(|island| &island.pairs).map(|&slot| (self.collision.pairs.get(slot).key, slot));
         kept.filter(move |(key, _)| {
             let (a, b) = key.shapes();
             self.colliders[a].body == index || self.colliders[b].body == index
@@ -138,7 +139,13 @@ impl World {
 
     /// Gives every body the sum of the forces of its contacts, as after a restore.
     pub(super) fn add_up_contact_forces(&mut self) {
-        let Self { pairs, bodies, colliders, index, last_substep, .. } = self;
+        let Self {
+            collision: Collision { pairs, index, .. },
+            bodies,
+            colliders,
+            last: LastStep { substep: last_substep, .. },
+            ..
+        } = self;
         index.forces_for(bodies.slot_count());
         let per_substep = if *last_substep > 0.0 { 1.0 / *last_substep } else { 0.0 };
         for pair in pairs.all().filter(|pair| pair.has_points()) {
@@ -174,7 +181,7 @@ impl World {
 
     /// Manifolds of a pair as it lies now; none if it lies as it did when those that it has were made.
     fn manifolds_now(&self, key: PairKey, slot: u32) -> Vec<Manifold> {
-        let pair = self.pairs.get(slot);
+        let pair = self.collision.pairs.get(slot);
         let Some((_, margin)) = pair.made_for().filter(|_| pair.has_points()) else { return Vec::new() };
         let (shape_a, shape_b) = (&self.colliders[key.shapes().0], &self.colliders[key.shapes().1]);
         let [place_a, place_b] = [shape_a, shape_b].map(|shape| shape.world_pose(&self.bodies[shape.body]));
@@ -192,12 +199,12 @@ impl World {
         let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
         let (body_a, body_b) = (&self.bodies[shape_a.body], &self.bodies[shape_b.body]);
         let pair = contact_pair(&self.colliders, &self.bodies, key);
-        let per_substep = if self.last_substep > 0.0 { 1.0 / self.last_substep } else { 0.0 };
+        let per_substep = if self.last.substep > 0.0 { 1.0 / self.last.substep } else { 0.0 };
         let (origin, turn) = shape_a.world_pose(body_a);
         // A flat mesh has no thickness.
         let solid = |extent: f32| if extent > 0.0 { extent } else { f32::INFINITY };
         let extent = solid(shape_a.least_extent).min(solid(shape_b.least_extent));
-        self.pairs.get(slot).manifolds.iter().map(move |manifold| {
+        self.collision.pairs.get(slot).manifolds.iter().map(move |manifold| {
             let world = WorldManifold::new(&manifold, (shape_a, body_a), (shape_b, body_b));
             let mut contact = Contact::new(pair, world.normal, manifold.impulses.friction * per_substep);
             for (i, point) in manifold.points.iter().enumerate() {

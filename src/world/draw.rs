@@ -143,15 +143,15 @@ impl World {
     }
 
     fn draw_contacts(&self, pen: &mut Pen) {
-        let asleep = self.sleeping.pairs().map(|slot| (self.pairs.get(slot).key, slot));
-        for (key, slot) in self.pairs.listed().iter().copied().chain(asleep) {
+        let asleep = self.islands.sleeping.pairs().map(|slot| (self.collision.pairs.get(slot).key, slot));
+        for (key, slot) in self.collision.pairs.listed().iter().copied().chain(asleep) {
             self.contacts_now(key, slot).for_each(|contact| draw_contact(pen, &contact));
         }
     }
 
     fn draw_islands(&self, pen: &mut Pen) {
-        let awake = self.groups.islands().map(|members| (members, true));
-        let asleep = self.sleeping.islands().iter().flatten().map(|island| (island.bodies.as_slice(), false));
+        let awake = self.islands.groups.islands().map(|members| (members, true));
+        let asleep = self.islands.sleeping.islands().iter().flatten().map(|island| (island.bodies.as_slice(), false));
         for (members, is_awake) in awake.chain(asleep) {
             let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             // Groups are those of the last step: since then members may have been destroyed, or fallen asleep.

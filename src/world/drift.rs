@@ -135,7 +135,7 @@ impl World {
 
     /// Whether a body goes somewhere, if slowly.
     pub(super) fn creeps(&self, index: u32) -> bool {
-        let touches = self.index.contact_force(index) != Vec3::ZERO;
+        let touches = self.collision.index.contact_force(index) != Vec3::ZERO;
         !self.drift_of(index).is_below(creep_speeds(&self.def.sleep, touches))
     }
 

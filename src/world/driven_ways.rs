@@ -7,9 +7,9 @@
 
 use parry3d::bounding_volume::BoundingVolume;
 
-use super::World;
 use super::body_shape_table::Marks;
 use super::islands::NO_BODY;
+use super::{Collision, World};
 use crate::body::BodyKind;
 use crate::collide::collider::own_margin;
 use crate::collide::pairs::PairKey;
@@ -74,8 +74,8 @@ impl World {
         let mut driven = std::mem::take(&mut self.scratch.driven);
         let mut any = false;
         if self.mark_driven_islands(&mut driven.islands) {
-            for &body in &self.movers {
-                if self.index.free.has(body) && driven.islands.has(self.groups.island[body as usize]) {
+            for &body in &self.movers.slots {
+                if self.collision.index.free.has(body) && driven.islands.has(self.islands.groups.island[body as usize]) {
                     let known = driven.further.iter().position(|&(other, _)| other == body);
                     let seen = known.map_or(0.0, |place| driven.further[place].1);
                     let Some(further) = self.driven_further(body, seen, dt, &mut driven.parts) else { continue };
@@ -95,11 +95,11 @@ impl World {
     fn mark_driven_islands(&self, islands: &mut Marks) -> bool {
         let mut any = false;
         islands.begin(0);
-        for batch in &self.batches[..self.batch_count] {
-            for head in batch.joints.slots.iter().map(|&slot| &self.groups.joint_heads[slot as usize]) {
-                let moves = |&body: &u32| body != NO_BODY && self.index.free.has(body);
+        for batch in &self.batches.list[..self.batches.count] {
+            for head in batch.joints.slots.iter().map(|&slot| &self.islands.groups.joint_heads[slot as usize]) {
+                let moves = |&body: &u32| body != NO_BODY && self.collision.index.free.has(body);
                 if let Some(body) = head.bodies.into_iter().find(moves).filter(|_| head.traits.has_motor) {
-                    islands.set(self.groups.island[body as usize]);
+                    islands.set(self.islands.groups.island[body as usize]);
                     any = true;
                 }
             }
@@ -125,7 +125,11 @@ impl World {
             let bounds = sweep::path_box(collider, body, &path);
             let meets = |other: u32| {
                 // What has contact points has been a matter of the solve.
-                let is_known = self.pairs.find(PairKey::new(shape, other)).is_some_and(|slot| self.pairs.get(slot).has_points());
+                let is_known = self
+                    .collision
+                    .pairs
+                    .find(PairKey::new(shape, other))
+                    .is_some_and(|slot| self.collision.pairs.get(slot).has_points());
                 let other = &self.colliders[other];
                 if is_known || !self.may_meet(collider, other) {
                     return false;
@@ -134,7 +138,7 @@ impl World {
                 let at = sweep::moving(other, &self.bodies[other.body], way);
                 sweep::first_touch(&moving, &at, (collider.least_extent, false), parts).is_some()
             };
-            if self.broad.overlapping(&bounds).any(meets) {
+            if self.collision.broad.overlapping(&bounds).any(meets) {
                 furthest = Some(furthest.map_or(further, |furthest| furthest.max(further)));
             }
         }
@@ -174,7 +178,7 @@ impl World {
             return;
         }
         let gravity = self.def.gravity.length();
-        let Self { scratch, bodies, colliders, index, broad, .. } = self;
+        let Self { scratch, bodies, colliders, collision: Collision { index, broad, .. }, .. } = self;
         for &(body, further) in &scratch.driven.further {
             let body = &bodies[body];
             for &id in &body.shapes {
@@ -191,7 +195,7 @@ impl World {
         }
         self.add_new_pairs();
         self.tidy_pairs();
-        let Self { scratch, bodies, colliders, index, pairs, .. } = self;
+        let Self { scratch, bodies, colliders, collision: Collision { index, pairs, .. }, .. } = self;
         index.add_stances(pairs.active(), colliders, bodies);
         for &(body, further) in &scratch.driven.further {
             for shape in bodies[body].shapes.iter().filter_map(|&id| colliders.find(id).ok()) {

@@ -13,18 +13,18 @@ impl World {
         let joint = &mut self.joints[slot];
         if joint.drive.is_none() && JointDrive::is_moved(before, &joint.def) {
             joint.drive = Some(Box::new(JointDrive::from(before)));
-            self.driven_joints.push(slot);
+            self.movers.driven_joints.push(slot);
         }
     }
 
     /// Finds how fast the host moves stops and frames of joints, and has those start from nothing that have been put somewhere else.
     pub(super) fn drive_joints(&mut self, dt: f32) {
-        let mut driven = std::mem::take(&mut self.driven_joints);
+        let mut driven = std::mem::take(&mut self.movers.driven_joints);
         // A slot may have been given to another joint.
         driven.sort_unstable();
         driven.dedup();
         driven.retain(|&slot| self.drive_joint(slot, dt));
-        self.driven_joints = driven;
+        self.movers.driven_joints = driven;
     }
 
     /// The same for one joint; says whether it is still driven.
@@ -54,7 +54,7 @@ impl World {
             self.joint_changed(slot);
         }
         // Whether a joint is driven decides how it is solved.
-        self.groups.joint_changed(slot, &self.joints[slot]);
+        self.islands.groups.joint_changed(slot, &self.joints[slot]);
         !change.is_over
     }
 

@@ -15,7 +15,7 @@ use std::collections::BinaryHeap;
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
-use super::World;
+use super::{Islands, Movers, World};
 use crate::collide::broad::{FEW_SHAPES, LARGE_GROUP};
 use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer};
 use crate::joint_graph::union::UnionMotion;
@@ -48,7 +48,7 @@ pub(super) struct Sweeps {
 impl World {
     /// Takes note of where bodies are that the step has not moved yet, if any may have to be stopped.
     pub(super) fn note_starts(&mut self) {
-        let Self { summaries, movers, bodies, scratch, .. } = self;
+        let Self { islands: Islands { summaries, .. }, movers: Movers { slots: movers, .. }, bodies, scratch, .. } = self;
         let sweeps = &mut scratch.sweeps;
         sweeps.paths.clear();
         if !summaries.some_are_fast() {
@@ -171,7 +171,9 @@ impl World {
                         few.iter().filter(|&&other| meets(other)).filter_map(|&other| self.swept_pair(ways, shape, other)),
                     );
                 }
-                None => near.extend(self.broad.overlapping(&bounds).filter_map(|other| self.swept_pair(ways, shape, other))),
+                None => {
+                    near.extend(self.collision.broad.overlapping(&bounds).filter_map(|other| self.swept_pair(ways, shape, other)))
+                }
             }
             if self.colliders[shape].fat_box.is_none_or(|kept| !kept.contains(&bounds)) {
                 strays.push((shape, bounds));
@@ -199,7 +201,7 @@ impl World {
         }
         if let Some(whole) = boxes.iter().map(|&(_, bounds)| bounds).reduce(|whole, more| whole.merged(&more)) {
             let is_other = |&shape: &u32| ways.group_of(self.colliders[shape].body) != group;
-            around.extend(self.broad.overlapping(&whole).filter(is_other).take(FEW_SHAPES + 1));
+            around.extend(self.collision.broad.overlapping(&whole).filter(is_other).take(FEW_SHAPES + 1));
         }
         around.len() <= FEW_SHAPES
     }

@@ -182,7 +182,7 @@ impl World {
         // What moves as one breaks as one; a union may touch several islands, or none.
         let island = member.map_or((None, 0), |body| match self.unions.number_of(body) {
             Some(union) => (Some(union), 0),
-            None => (None, self.groups.island[body as usize]),
+            None => (None, self.islands.groups.island[body as usize]),
         });
         Breaking { slot, load, judgement, cause, part, island }
     }

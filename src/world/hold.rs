@@ -16,9 +16,9 @@ use glam::Vec3;
 
 mod units;
 
-use super::World;
 use super::body_summary::BodySummary;
 use super::support::{PairFrame, PairView, kind_of};
+use super::{Collision, Islands, LastStep, World};
 use crate::body::BodyKind;
 use crate::dwell_time::DwellTime;
 use crate::joint_graph::support::{SupportGraph, hull};
@@ -51,9 +51,9 @@ impl World {
     }
 
     pub(super) fn release_all(&mut self) {
-        for number in 0..self.movers.len() {
-            if self.bodies.get(self.movers[number]).is_some() {
-                self.release(self.movers[number]);
+        for number in 0..self.movers.slots.len() {
+            if self.bodies.get(self.movers.slots[number]).is_some() {
+                self.release(self.movers.slots[number]);
             }
         }
     }
@@ -61,7 +61,7 @@ impl World {
     /// Lets go of what a moving kinematic body touches.
     pub(super) fn release_what_is_driven(&mut self) {
         let drives = |body: &crate::body::Body| body.acts_as() == BodyKind::Kinematic && body.is_mover();
-        let Self { pairs, colliders, bodies, .. } = self;
+        let Self { collision: Collision { pairs, .. }, colliders, bodies, .. } = self;
         for &(key, slot) in pairs.active() {
             let (a, b) = key.shapes();
             let ends = [colliders[a].body, colliders[b].body];
@@ -75,14 +75,14 @@ impl World {
 
     /// Says which islands are held in this step: those that were and that nothing has touched, and those that have become calm.
     pub(super) fn hold_islands(&mut self) {
-        let mut hold = std::mem::take(&mut self.hold);
+        let mut hold = std::mem::take(&mut self.islands.hold);
         hold.islands.clear();
         hold.candidates.clear();
         hold.let_go = false;
         self.hold_units(&mut hold);
         let mut any = false;
-        let Self { summaries, bodies, last_dt, .. } = &*self;
-        for members in self.groups.islands() {
+        let Self { islands: Islands { summaries, .. }, bodies, last: LastStep { dt: last_dt, .. }, .. } = &*self;
+        for members in self.islands.groups.islands() {
             let known = || members.iter().map(|&index| summaries.of(index));
             let is_held = known().all(BodySummary::is_held);
             hold.let_go |=
@@ -102,7 +102,7 @@ impl World {
         if any {
             self.judge_candidates(&mut hold);
         }
-        let Self { groups, bodies, summaries, report, .. } = self;
+        let Self { islands: Islands { groups, summaries, .. }, bodies, report, .. } = self;
         for (members, &is_held) in groups.islands().zip(&hold.islands) {
             // Of what goes on being held nothing changes.
             let mut count = 0;
@@ -119,14 +119,14 @@ impl World {
             }
             report.counts.bodies_held += if is_held { count } else { 0 };
         }
-        self.hold = hold;
+        self.islands.hold = hold;
     }
 
     /// Holds the candidates of which every body stands.
     fn judge_candidates(&self, hold: &mut Hold) {
         let Some(frame) = PairFrame::new(self.def.gravity) else { return };
         self.graph_candidates(hold, &frame);
-        let Self { groups, bodies, .. } = self;
+        let Self { islands: Islands { groups, .. }, bodies, .. } = self;
         for (number, members) in groups.islands().enumerate().filter(|&(number, _)| hold.candidates[number]) {
             let stands = |&index: &u32| {
                 hold.graph.node(index).is_some_and(|node| {
@@ -142,7 +142,7 @@ impl World {
 
     /// The support graph of all candidates; those with a noticeable overlap are candidates no longer.
     fn graph_candidates(&self, hold: &mut Hold, frame: &PairFrame) {
-        let Self { pairs, colliders, bodies, groups, .. } = self;
+        let Self { collision: Collision { pairs, .. }, colliders, bodies, islands: Islands { groups, .. }, .. } = self;
         let Hold { candidates, graph, .. } = hold;
         graph.clear();
         let island = |index: u32| groups.island[index as usize] as usize;
@@ -175,7 +175,7 @@ impl World {
         if scale == 1.0 || self.report.counts.bodies_held == 0 {
             return;
         }
-        let Self { pairs, colliders, bodies, joints, hold, .. } = self;
+        let Self { collision: Collision { pairs, .. }, colliders, bodies, joints, islands: Islands { hold, .. }, .. } = self;
         pairs.for_each_active(|pair| {
             let (a, b) = pair.key.shapes();
             let ends = [a, b].map(|shape| &bodies[colliders[shape].body]);

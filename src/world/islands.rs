@@ -1,7 +1,7 @@
 //! Stages that sort bodies, contacts and joints into islands, and islands into batches.
 
-use super::World;
 use super::unions::Anchor;
+use super::{Batches, Collision, Islands, Movers, World};
 use crate::id::{JointId, Pool};
 use crate::island::UnionFind;
 use crate::joint_record::Joint;
@@ -141,16 +141,16 @@ impl World {
     /// Batch and slot of a body that is solved in this step: of others, places are those of some step before.
     pub(super) fn solved_at(&self, body: u32) -> Option<(&Batch, usize)> {
         self.bodies.get(body).filter(|record| record.is_solved())?;
-        let &(batch, slot) = self.groups.place.get(body as usize)?;
-        let batch = self.batches[..self.batch_count].get(batch as usize)?;
+        let &(batch, slot) = self.islands.groups.place.get(body as usize)?;
+        let batch = self.batches.list[..self.batches.count].get(batch as usize)?;
         (batch.bodies.get(slot as usize) == Some(&body)).then_some((batch, slot as usize))
     }
 
     /// Sorts everything awake into islands and batches.
     pub(super) fn group_islands(&mut self) {
-        self.pairs.settle();
+        self.collision.pairs.settle();
         self.take_census();
-        if self.summaries.some_drive() {
+        if self.islands.summaries.some_drive() {
             self.release_what_is_driven();
             self.take_census();
         }
@@ -165,7 +165,16 @@ impl World {
     }
 
     fn join_islands(&mut self) {
-        let Self { scratch, bodies, joints, movers, unions, groups, touches, index, summaries, .. } = self;
+        let Self {
+            scratch,
+            bodies,
+            joints,
+            movers: Movers { slots: movers, .. },
+            unions,
+            islands: Islands { groups, summaries, .. },
+            collision: Collision { touches, index, .. },
+            ..
+        } = self;
         groups.list_joint_heads(joints);
         index.free.begin(bodies.slot_count());
         groups.dynamic.clear();
@@ -231,7 +240,7 @@ impl World {
 
     /// Numbers the islands by their lowest body and lists their members.
     fn number_islands(&mut self) {
-        let Self { scratch, bodies, groups, unions, report, .. } = self;
+        let Self { scratch, bodies, islands: Islands { groups, .. }, unions, report, .. } = self;
         (report.counts.unions, report.counts.union_members) = (0, 0);
         groups.island.resize(bodies.slot_count(), 0);
         groups.place.resize(bodies.slot_count(), (0, 0));
@@ -284,7 +293,12 @@ impl World {
         self.size_batches();
         self.give_room_to_batches();
         self.drop_idle_batches();
-        let Self { groups, batches, batch_count, unions, hold, .. } = self;
+        let Self {
+            islands: Islands { groups, hold, .. },
+            batches: Batches { list: batches, count: batch_count, .. },
+            unions,
+            ..
+        } = self;
         batches[..*batch_count].iter_mut().for_each(Batch::clear);
         let mut batch = 0;
         for island in (0..groups.sizes.len()).filter(|&island| !hold.islands[island]) {
@@ -309,7 +323,12 @@ impl World {
 
     /// Counts the bodies of each batch.
     fn size_batches(&mut self) {
-        let Self { groups, batches, stages, batch_count, report, hold, .. } = self;
+        let Self {
+            islands: Islands { groups, hold, .. },
+            batches: Batches { list: batches, stages, count: batch_count, .. },
+            report,
+            ..
+        } = self;
         groups.batch_sizes.clear();
         groups.batch_strides.clear();
         let islands = groups.slots.iter().zip(&hold.islands).enumerate();
@@ -335,7 +354,7 @@ impl World {
     /// Lets a batch that needs more room than it has change places with the one that has the most: an island's number changes from
     /// step to step, and without this every batch would keep the memory of the largest island that it ever was.
     fn give_room_to_batches(&mut self) {
-        let Self { groups, batches, stages, .. } = self;
+        let Self { islands: Islands { groups, .. }, batches: Batches { list: batches, stages, .. }, .. } = self;
         let need = |batch: usize| groups.batch_sizes.get(batch).map_or(0, |&size| size as usize);
         for batch in 0..groups.batch_sizes.len() {
             if batches[batch].room() < need(batch)
@@ -352,7 +371,8 @@ impl World {
     /// Gives back the memory of batches that are not used, where they have more room than those that are: bodies that fall one by one
     /// are in many batches, and when they lie in a pile in one.
     fn drop_idle_batches(&mut self) {
-        let Self { groups, batches, stages, batch_count, .. } = self;
+        let Self { islands: Islands { groups, .. }, batches: Batches { list: batches, stages, count: batch_count, .. }, .. } =
+            self;
         let needed: usize = groups.batch_sizes.iter().map(|&size| size as usize).sum();
         let idle: usize = batches[*batch_count..].iter().map(Batch::room).sum();
         if idle > needed.max(MIN_DROPPED) {
@@ -393,7 +413,7 @@ mod tests {
         ];
         world.step(1.0 / 60.0).unwrap();
         let slot = world.joints.find(hinge).unwrap();
-        let known = |world: &World| world.groups.joint_heads[slot as usize].traits;
+        let known = |world: &World| world.islands.groups.joint_heads[slot as usize].traits;
         let mut before;
         for (number, edit) in edits.iter().enumerate() {
             // What moved with the last edit stands still again.
@@ -420,14 +440,14 @@ mod tests {
             (counts[0].islands, counts[0].joints, counts[0].bodies_awake)
         };
         assert_eq!(islands(&mut world), (2, 1, 3));
-        assert!(world.groups.islands_stay);
+        assert!(world.islands.groups.islands_stay);
         let second = world.create_joint(&spherical(b, c)).unwrap();
         assert_eq!(islands(&mut world), (1, 2, 3));
         world.destroy_joint(second).unwrap();
         assert_eq!(islands(&mut world), (2, 1, 3));
         world.set_pose(c, Pose::at_xyz(3.0, 0.0, 0.0)).unwrap();
         assert_eq!(islands(&mut world), (1, 1, 3), "they touch");
-        assert!(!world.groups.islands_stay);
+        assert!(!world.islands.groups.islands_stay);
         world.set_pose(c, Pose::at_xyz(6.0, 0.0, 0.0)).unwrap();
         assert_eq!(islands(&mut world), (2, 1, 3));
         world.destroy_body(c).unwrap();

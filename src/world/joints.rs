@@ -70,7 +70,7 @@ impl World {
             // The two may collide from now on.
             for &id in &self.bodies[index].shapes {
                 if let Ok(shape) = self.colliders.find(id) {
-                    self.broad.revisit(shape);
+                    self.collision.broad.revisit(shape);
                 }
             }
         }
@@ -249,7 +249,7 @@ impl World {
     fn take_friction(&mut self, slot: u32, def: JointDef) {
         if self.joints[slot].def != def {
             self.joints[slot].def = def;
-            self.groups.joint_changed(slot, &self.joints[slot]);
+            self.islands.groups.joint_changed(slot, &self.joints[slot]);
             self.topology_changed();
             self.wake_for(Edited::Joint(slot));
         }
@@ -266,7 +266,7 @@ impl World {
         self.joint_changed(slot);
         self.joints[slot].def = def;
         self.note_drive(slot, &before);
-        self.groups.joint_changed(slot, &self.joints[slot]);
+        self.islands.groups.joint_changed(slot, &self.joints[slot]);
         self.joint_changed(slot);
         self.topology_changed();
         self.long_range.graph_changed();

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::World;
 use super::wake::Edited;
+use super::{Batches, Islands, Movers, World};
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{JointId, Pool};
 use crate::joint::Softness;
@@ -142,7 +142,15 @@ impl World {
 
     /// Hands the bounds of everything awake to the batches of their far bodies.
     pub(super) fn hand_out_bounds(&mut self) {
-        let Self { groups, batches, long_range, bodies, movers, report, .. } = self;
+        let Self {
+            islands: Islands { groups, .. },
+            batches: Batches { list: batches, .. },
+            long_range,
+            bodies,
+            movers: Movers { slots: movers, .. },
+            report,
+            ..
+        } = self;
         for (number, chain) in long_range.chains.iter().enumerate() {
             let are_solved = chain.members.iter().all(|member| !bodies[member.body].held);
             if let Some(first) = chain.members.first().filter(|first| are_solved && bodies[first.body].is_mover()) {
@@ -169,12 +177,12 @@ impl World {
             let batch = &mut batches[groups.place[body as usize].0 as usize];
             batch.long_range.slots.extend_from_slice(long_range.bounds_of(body));
         }
-        batches[..self.batch_count].iter_mut().for_each(|batch| batch.long_range.slots.sort_unstable());
+        batches[..self.batches.count].iter_mut().for_each(|batch| batch.long_range.slots.sort_unstable());
     }
 
     /// Adds what bounds carry to the loads of the joints that they lead past.
     pub(super) fn add_bound_loads(&mut self, dt: f32) {
-        let Self { batches, batch_count, long_range, joints, .. } = self;
+        let Self { batches: Batches { list: batches, count: batch_count, .. }, long_range, joints, .. } = self;
         if long_range.records.is_empty() {
             return;
         }
@@ -211,7 +219,12 @@ impl World {
 
     /// Writes multipliers back.
     pub(super) fn store_bounds(&mut self, dt: f32) {
-        let Self { batches, batch_count, long_range: LongRange { records, .. }, report, .. } = self;
+        let Self {
+            batches: Batches { list: batches, count: batch_count, .. },
+            long_range: LongRange { records, .. },
+            report,
+            ..
+        } = self;
         // What is skipped is slack.
         for &slot in batches[..*batch_count].iter().flat_map(|batch| &batch.long_range.slots) {
             let record = &mut records[slot as usize];

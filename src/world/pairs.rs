@@ -5,11 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
-use super::World;
 use super::seams::Glide;
 use super::surface_energy::BallOnSurface;
 use super::touching_pairs::TouchingPair;
 use super::unions::Unions;
+use super::{Collision, Movers, World};
 use crate::body::Body;
 use crate::collide::active_hits::ActiveHit;
 use crate::collide::broad::still_near;
@@ -43,15 +43,15 @@ impl World {
     /// Brings the boxes of what moves up to date and the list of active pairs with them.
     pub(super) fn find_pairs(&mut self, dt: f32) {
         let gravity = self.def.gravity.length();
-        self.index.moving.begin(self.bodies.slot_count());
-        self.index.begin_stances(self.colliders.slot_count());
-        let most_are_in_pairs = self.pairs.is_large();
-        for &body in &self.movers {
-            self.index.moving.set(body);
+        self.collision.index.moving.begin(self.bodies.slot_count());
+        self.collision.index.begin_stances(self.colliders.slot_count());
+        let most_are_in_pairs = self.collision.pairs.is_large();
+        for &body in &self.movers.slots {
+            self.collision.index.moving.set(body);
         }
-        let any_moves = self.movers.iter().any(|&body| !self.bodies[body].held);
-        let most_move = 2 * self.movers.len() > self.colliders.slot_count();
-        if any_moves && self.threads.has_team() && self.movers.len() >= SHARED_MOVERS && most_move {
+        let any_moves = self.movers.slots.iter().any(|&body| !self.bodies[body].held);
+        let most_move = 2 * self.movers.slots.len() > self.colliders.slot_count();
+        if any_moves && self.threads.has_team() && self.movers.slots.len() >= SHARED_MOVERS && most_move {
             self.renew_boxes_on_all_threads(gravity, dt, most_are_in_pairs);
         } else if any_moves {
             self.renew_boxes(gravity, dt, most_are_in_pairs);
@@ -59,13 +59,14 @@ impl World {
         self.drop_distant_pairs();
         self.add_new_pairs();
         self.tidy_pairs();
-        if !self.pairs.active().is_empty() {
-            self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
+        if !self.collision.pairs.active().is_empty() {
+            self.collision.index.add_stances(self.collision.pairs.active(), &self.colliders, &self.bodies);
         }
     }
 
     fn renew_boxes(&mut self, gravity: f32, dt: f32, most_are_in_pairs: bool) {
-        let Self { movers, bodies, colliders, index, broad, .. } = self;
+        let Self { movers: Movers { slots: movers, .. }, bodies, colliders, collision: Collision { index, broad, .. }, .. } =
+            self;
         for body in movers.iter().map(|&body| &bodies[body]).filter(|body| !body.held) {
             for &id in &body.shapes {
                 let Ok(shape) = colliders.find(id) else { continue };
@@ -83,7 +84,7 @@ impl World {
 
     /// The same, by slots of shapes.
     fn renew_boxes_on_all_threads(&mut self, gravity: f32, dt: f32, most_are_in_pairs: bool) {
-        let Self { bodies, colliders, index, broad, scratch, threads, .. } = self;
+        let Self { bodies, colliders, collision: Collision { index, broad, .. }, scratch, threads, .. } = self;
         let bodies = &*bodies;
         let piece = threads.piece(colliders.slot_count(), MIN_BOXES);
         scratch.reboxed.resize_with(MAX_PIECES, Vec::new);
@@ -113,15 +114,15 @@ impl World {
 
     /// Keeps pairs in memory in the order in which they are gone through.
     pub(super) fn tidy_pairs(&mut self) {
-        let Some(places) = self.pairs.tidy() else { return };
-        self.sleeping.move_pairs(&places);
+        let Some(places) = self.collision.pairs.tidy() else { return };
+        self.islands.sleeping.move_pairs(&places);
         if let Some(support) = &mut self.support {
             support.move_pairs(&places);
         }
     }
 
     fn drop_distant_pairs(&mut self) {
-        let Self { pairs, colliders, bodies, unions, events, index, threads, .. } = self;
+        let Self { collision: Collision { pairs, index, .. }, colliders, bodies, unions, events, threads, .. } = self;
         let may_know = index.is_known && unions.iter().next().is_none();
         let (colliders, bodies, unions) = (&*colliders, &*bodies, &*unions);
         let has_gone = |key: PairKey| {
@@ -146,7 +147,9 @@ impl World {
     }
 
     pub(super) fn add_new_pairs(&mut self) {
-        let Self { broad, colliders, bodies, joints, unions, pairs, index, scratch, threads, .. } = self;
+        let Self {
+            collision: Collision { broad, pairs, index, .. }, colliders, bodies, joints, unions, scratch, threads, ..
+        } = self;
         scratch.candidates.clear();
         pairs.settle();
         let listed = pairs.lookup(colliders.slot_count(), broad.changed().len());
@@ -174,7 +177,8 @@ impl World {
 
     /// Makes or follows the contacts of every active pair, and lists what touches.
     pub(super) fn update_contacts(&mut self, dt: f32) {
-        let Self { pairs, colliders, bodies, index, touches, scratch, threads, def, report, .. } = self;
+        let Self { collision: Collision { pairs, index, touches, .. }, colliders, bodies, scratch, threads, def, report, .. } =
+            self;
         let (active, slots) = pairs.active_and_slots();
         let moving = |slot: u32| {
             let collider = &colliders[slot];
@@ -245,7 +249,7 @@ impl World {
 impl World {
     /// Notes of every pair how fast its points approach each other, where that is fast enough for a hit.
     pub(super) fn note_approaches(&mut self) {
-        let Self { pairs, colliders, bodies, def, .. } = self;
+        let Self { collision: Collision { pairs, .. }, colliders, bodies, def, .. } = self;
         if def.hit_threshold == f32::INFINITY {
             return;
         }
@@ -258,18 +262,18 @@ impl World {
         if threshold == f32::INFINITY {
             return;
         }
-        for (key, slot) in self.pairs.active_hits() {
-            if approach(self.pairs.get(slot), &self.colliders, &self.bodies, threshold) > 0.0 {
+        for (key, slot) in self.collision.pairs.active_hits() {
+            if approach(self.collision.pairs.get(slot), &self.colliders, &self.bodies, threshold) > 0.0 {
                 continue;
             }
-            let ActiveHit { approach: approach_speed, impulse } = self.pairs.blow_of(slot);
+            let ActiveHit { approach: approach_speed, impulse } = self.collision.pairs.blow_of(slot);
             let heaviest = |a: &Contact, b: &Contact| a.normal_force().total_cmp(&b.normal_force());
             if let Some(contact) = self.contacts_of_pair(key, slot).max_by(heaviest).filter(|_| impulse > 0.0) {
                 let points = contact.points();
                 let point = points.iter().map(|point| point.position).sum::<DVec3>() / points.len() as f64;
                 self.events.hits.push(Hit { pair: contact.pair, point, normal: contact.normal, approach_speed, impulse });
             }
-            self.pairs.blows.forget(slot);
+            self.collision.pairs.blows.forget(slot);
         }
     }
 }

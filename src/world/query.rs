@@ -289,7 +289,7 @@ impl World {
     /// Shapes whose box the path may meet, with the distance at which it enters the kept box (m), in that order.
     fn candidates(&self, path: &PathSegment) -> Vec<(f64, u32)> {
         let mut found: Vec<(f64, u32)> = Vec::new();
-        self.broad.along(|mins, maxs| path.enters(mins, maxs), &mut found);
+        self.collision.broad.along(|mins, maxs| path.enters(mins, maxs), &mut found);
         for slot in self.escaped_shapes() {
             // An edit may have destroyed it since.
             if let Some(collider) = self.colliders.get(slot)
@@ -306,7 +306,7 @@ impl World {
 
     /// Shapes that an impact carried out of their kept box in the last step; an edit may have destroyed some since.
     pub(super) fn escaped_shapes(&self) -> impl Iterator<Item = u32> + '_ {
-        self.escaped.0.get_or_init(|| self.find_escaped()).iter().copied()
+        self.collision.escaped.0.get_or_init(|| self.find_escaped()).iter().copied()
     }
 
     fn find_escaped(&self) -> Vec<u32> {
@@ -317,6 +317,6 @@ impl World {
 
     /// To be called when shapes have moved by a step.
     pub(super) fn forget_escaped(&mut self) {
-        self.escaped = OutOfBoxBodies::default();
+        self.collision.escaped = OutOfBoxBodies::default();
     }
 }

@@ -10,8 +10,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::World;
 use super::body_shape_table::BodyShapeTable;
+use super::{Collision, World};
 use crate::collide::collider::Collider;
 use crate::collide::collider_state::ColliderState;
 use crate::collide::narrow;
@@ -90,7 +90,7 @@ pub(super) struct Seams {
 impl World {
     /// Leaves out contacts with the edges of flush neighbours of what a body moves over.
     pub(super) fn leave_out_seams(&mut self) {
-        let Self { pairs, colliders, index, scratch, .. } = self;
+        let Self { collision: Collision { pairs, index, .. }, colliders, scratch, .. } = self;
         let Seams { glides, points } = &mut scratch.seams;
         glides.clear();
         scratch.glides.iter_mut().for_each(|found| glides.append(found));

@@ -40,10 +40,10 @@ impl Sensors {
 
 impl World {
     pub(super) fn sense(&mut self) {
-        if self.sensing.sensors.is_empty() && self.sensing.overlaps.is_empty() {
+        if self.collision.sensing.sensors.is_empty() && self.collision.sensing.overlaps.is_empty() {
             return;
         }
-        let mut sensing = std::mem::take(&mut self.sensing);
+        let mut sensing = std::mem::take(&mut self.collision.sensing);
         sensing.now.clear();
         for &sensor in &sensing.sensors {
             self.list_near(sensor, &mut sensing.near);
@@ -62,14 +62,14 @@ impl World {
         self.events.sensor_began.extend(sensing.now.iter().filter(|pair| missing(&sensing.overlaps, pair)));
         self.events.sensor_ended.extend(sensing.overlaps.iter().filter(|pair| missing(&sensing.now, pair)));
         std::mem::swap(&mut sensing.now, &mut sensing.overlaps);
-        self.sensing = sensing;
+        self.collision.sensing = sensing;
     }
 
     /// Shapes that may be inside a sensor, each once.
     fn list_near(&self, sensor: u32, near: &mut Vec<u32>) {
         let region = self.colliders[sensor].world_box(0.0);
         near.clear();
-        near.extend(self.broad.overlapping(&region));
+        near.extend(self.collision.broad.overlapping(&region));
         near.extend(self.escaped_shapes());
         near.sort_unstable();
         near.dedup();

@@ -44,7 +44,7 @@ impl World {
         self.wake_for(Edited::Place(index));
         self.forget_contacts_of(index);
         self.colliders[slot].redefine(&def, self.bodies[index].local_center);
-        self.sensing.note(slot, def.sensor);
+        self.collision.sensing.note(slot, def.sensor);
         self.apply_mass(index, mass);
         self.refresh_boxes(index);
         self.wake_for(Edited::Place(index));
@@ -86,7 +86,7 @@ impl World {
             (record.force, record.torque) = (Vec3::ZERO, Vec3::ZERO);
             record.held = false;
         }
-        self.index.forget_force(index);
+        self.collision.index.forget_force(index);
         self.apply_mass(index, mass);
         self.topology_changed();
         self.long_range.graph_changed();
@@ -99,7 +99,7 @@ impl World {
         self.refresh_boxes(index);
         self.wake_for(Edited::Place(index));
         self.note_mover(index);
-        self.movers_sorted = false;
+        self.movers.are_sorted = false;
         Ok(())
     }
 

@@ -2,9 +2,9 @@
 
 use parry3d::bounding_volume::BoundingVolume;
 
-use super::World;
 use super::pairs::contact_pair;
 use super::wake::Edited;
+use super::{Collision, World};
 use crate::body::BodyKind;
 use crate::collide::broad::still_near;
 use crate::collide::collider::{Collider, own_margin};
@@ -78,7 +78,7 @@ impl World {
         self.wake_for(Edited::Shape(shape));
         self.colliders[slot].filter = filter;
         self.drop_pairs_of_shape(slot);
-        self.broad.revisit(slot);
+        self.collision.broad.revisit(slot);
         Ok(())
     }
 
@@ -86,8 +86,8 @@ impl World {
         let body = &self.bodies[index];
         let collider = Collider::new(index, def, body.local_center);
         let (slot, id) = self.colliders.insert(collider)?;
-        self.sensing.note(slot, def.sensor);
-        self.index.add_shape(slot, index);
+        self.collision.sensing.note(slot, def.sensor);
+        self.collision.index.add_shape(slot, index);
         let shapes = &mut self.bodies[index].shapes;
         // Most bodies have one.
         if shapes.is_empty() {
@@ -100,8 +100,8 @@ impl World {
 
     pub(super) fn remove_collider(&mut self, slot: u32) {
         self.drop_pairs_of_shape(slot);
-        self.broad.remove(slot);
-        self.sensing.note(slot, false);
+        self.collision.broad.remove(slot);
+        self.collision.sensing.note(slot, false);
         let id = self.colliders.handle_of(slot);
         if let Some(collider) = self.colliders.remove(slot) {
             self.bodies[collider.body].shapes.retain(|&other| other != id);
@@ -131,25 +131,30 @@ impl World {
     }
 
     fn give_up_pair(&mut self, key: PairKey, slot: u32) {
-        if self.pairs.get(slot).in_contact {
+        if self.collision.pairs.get(slot).in_contact {
             self.events.ended_by_edits.push(contact_pair(&self.colliders, &self.bodies, key));
         }
-        self.pairs.give_up(slot);
+        self.collision.pairs.give_up(slot);
     }
 
     /// Active pairs of a shape with their slots, in key order: kept boxes of a pair meet, so that the tree of boxes names them.
     pub(super) fn pairs_of_shape(&self, slot: u32) -> Vec<(PairKey, u32)> {
         let Some(region) = self.colliders[slot].fat_box else { return Vec::new() };
-        let found = self.broad.overlapping(&region).filter(|&other| other != slot);
+        let found = self.collision.broad.overlapping(&region).filter(|&other| other != slot);
         let mut found: Vec<(PairKey, u32)> = found
             .filter_map(|other| {
                 let key = PairKey::new(slot, other);
-                Some((key, self.pairs.find(key)?))
+                Some((key, self.collision.pairs.find(key)?))
             })
             .collect();
         found.sort_unstable();
         debug_assert!(
-            found.iter().eq(self.pairs.listed().iter().filter(|(key, _)| [key.shapes().0, key.shapes().1].contains(&slot))),
+            found.iter().eq(self
+                .collision
+                .pairs
+                .listed()
+                .iter()
+                .filter(|(key, _)| [key.shapes().0, key.shapes().1].contains(&slot))),
             "kept boxes of active pairs meet"
         );
         found
@@ -160,7 +165,7 @@ impl World {
         for id in self.bodies[index].shapes.clone() {
             if let Ok(slot) = self.colliders.find(id) {
                 self.drop_pairs_of_shape(slot);
-                self.broad.revisit(slot);
+                self.collision.broad.revisit(slot);
             }
         }
     }
@@ -192,7 +197,7 @@ impl World {
     /// Gives the shapes of a body that an edit has stopped the boxes of what is at rest: no step gives it boxes for its motion any more,
     /// and those of the last one are not stored.
     pub(super) fn rest_boxes(&mut self, index: u32) {
-        let Self { bodies, colliders, index: known, .. } = self;
+        let Self { bodies, colliders, collision: Collision { index: known, .. }, .. } = self;
         if bodies[index].is_mover() {
             return;
         }
@@ -209,7 +214,7 @@ impl World {
         collider.tight_box = collider.world_box(own_margin(collider));
         let kept = collider.tight_box.loosened(collider.fat_margin());
         collider.fat_box = Some(kept);
-        self.index.reboxed.set(slot);
-        self.broad.place(slot, kept);
+        self.collision.index.reboxed.set(slot);
+        self.collision.broad.place(slot, kept);
     }
 }

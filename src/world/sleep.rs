@@ -1,8 +1,8 @@
 //! Sleep: whole islands, with the pairs between their bodies.
 
-use super::World;
 use super::drift::{WATCHED_AGAIN, quiet_after};
 use super::wake::Edited;
+use super::{Collision, Movers, World};
 use crate::body::{BodyKind, SleepState};
 use crate::collide::cache::Fate;
 use crate::error::{Error, ErrorKind, Result};
@@ -40,13 +40,13 @@ impl World {
         self.flood_unions();
         if self.bodies[index].is_mover() && self.bodies[index].is_free() {
             self.settle_movers();
-            self.index.begin_stances(self.colliders.slot_count());
-            self.pairs.settle();
-            self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
-            self.touches.outdate();
+            self.collision.index.begin_stances(self.colliders.slot_count());
+            self.collision.pairs.settle();
+            self.collision.index.add_stances(self.collision.pairs.active(), &self.colliders, &self.bodies);
+            self.collision.touches.outdate();
             self.group_islands();
-            let island = self.groups.island[index as usize];
-            let members = self.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();
+            let island = self.islands.groups.island[index as usize];
+            let members = self.islands.groups.islands().nth(island as usize).map(<[u32]>::to_vec).unwrap_or_default();
             self.put_islands_to_sleep(vec![members.clone()]);
             members.into_iter().for_each(|member| self.rest_boxes(member));
             self.settle_movers();
@@ -56,10 +56,10 @@ impl World {
 
     /// Drops from the list of movers what no longer moves, and sorts it.
     pub(super) fn settle_movers(&mut self) {
-        if self.movers_sorted {
+        if self.movers.are_sorted {
             return;
         }
-        let Self { movers, bodies, .. } = self;
+        let Self { movers: Movers { slots: movers, .. }, bodies, .. } = self;
         movers.sort_unstable();
         movers.dedup();
         let mut some_are_driven = false;
@@ -68,7 +68,7 @@ impl World {
             some_are_driven |= body.is_some_and(|body| body.kind == BodyKind::Kinematic || body.acts_as() == BodyKind::Kinematic);
             body.is_some()
         });
-        (self.movers_sorted, self.some_are_driven) = (true, some_are_driven);
+        (self.movers.are_sorted, self.movers.some_are_driven) = (true, some_are_driven);
     }
 
     /// Counts the quiet time of every island and puts those to sleep that have been quiet for long enough.
@@ -79,11 +79,11 @@ impl World {
         let limits = self.def.sleep;
         let mut sleepy = std::mem::take(&mut self.scratch.slots);
         sleepy.clear();
-        for (island, members) in self.groups.islands().enumerate() {
+        for (island, members) in self.islands.groups.islands().enumerate() {
             let mut quiet = f32::INFINITY;
             for &index in members {
                 let (quiet_for, drift) =
-                    quiet_after(&self.bodies[index], self.index.contact_force(index) != glam::Vec3::ZERO, &limits, dt);
+                    quiet_after(&self.bodies[index], self.collision.index.contact_force(index) != glam::Vec3::ZERO, &limits, dt);
                 quiet = quiet.min(quiet_for);
                 let now = SleepState::Awake { quiet_for, drift };
                 if self.bodies[index].sleep != now {
@@ -95,7 +95,7 @@ impl World {
             }
         }
         sleepy.retain(|&island| self.is_at_rest(island));
-        let islands = sleepy.iter().filter_map(|&island| self.groups.members_of(island)).map(<[u32]>::to_vec).collect();
+        let islands = sleepy.iter().filter_map(|&island| self.islands.groups.members_of(island)).map(<[u32]>::to_vec).collect();
         self.scratch.slots = sleepy;
         self.put_islands_to_sleep(islands);
     }
@@ -103,7 +103,7 @@ impl World {
     /// Whether an island that is watched has been at rest for long enough. Where it goes somewhere, the watch begins anew: what swings
     /// stands still where it turns back, so that no single step tells.
     fn is_at_rest(&mut self, island: u32) -> bool {
-        let Some(members) = self.groups.members_of(island) else { return false };
+        let Some(members) = self.islands.groups.members_of(island) else { return false };
         let quiet = |&index: &u32| match self.bodies[index].sleep {
             SleepState::Awake { quiet_for, .. } => quiet_for,
             SleepState::Asleep { .. } => f32::INFINITY,
@@ -127,11 +127,11 @@ impl World {
         if jointed.flat_map(|slot| self.joints[slot].bodies).flatten().any(moves) {
             return true;
         }
-        self.movers.iter().any(|&index| self.bodies[index].acts_as() == BodyKind::Kinematic)
-            && self.pairs.active().iter().any(|&(key, slot)| {
+        self.movers.slots.iter().any(|&index| self.bodies[index].acts_as() == BodyKind::Kinematic)
+            && self.collision.pairs.active().iter().any(|&(key, slot)| {
                 let (a, b) = key.shapes();
                 let (a, b) = (self.colliders[a].body, self.colliders[b].body);
-                self.pairs.get(slot).may_touch
+                self.collision.pairs.get(slot).may_touch
                     && ((moves(a) && members.binary_search(&b).is_ok()) || (moves(b) && members.binary_search(&a).is_ok()))
             })
     }
@@ -151,13 +151,13 @@ impl World {
                 body.history.forget_lead();
             }
             let gap = self.gap_of_island(&members);
-            let number = self.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new(), gap });
+            let number = self.islands.sleeping.insert(SleepingIsland { bodies: members.clone(), pairs: Vec::new(), gap });
             for &index in &members {
                 self.bodies[index].sleep = SleepState::Asleep { island: number };
             }
             kept.insert(number, Vec::new());
         }
-        let Self { pairs, colliders, bodies, .. } = self;
+        let Self { collision: Collision { pairs, .. }, colliders, bodies, .. } = self;
         pairs.retain_active(|key, slot| {
             let (a, b) = key.shapes();
             let (a, b) = (colliders[a].body, colliders[b].body);
@@ -188,8 +188,8 @@ impl World {
             if let Some(support) = &mut self.support {
                 support.came_to_rest.extend_from_slice(&kept);
             }
-            self.sleeping.set_pairs(number, kept);
+            self.islands.sleeping.set_pairs(number, kept);
         }
-        self.movers_sorted = false;
+        self.movers.are_sorted = false;
     }
 }

@@ -3,12 +3,12 @@
 use glam::{DVec3, Quat};
 use parry3d::bounding_volume::Aabb;
 
-use super::World;
 use super::body_shape_table::BodyShapeTable;
 use super::fracture::Fracture;
 use super::sensors::Sensors;
 use super::unions::Anchor;
 use super::wake::is_whole;
+use super::{Batches, Collision, Islands, LastStep, Movers, World};
 use crate::body::{Anchored, Body, SleepState};
 use crate::collide::cache::PairCache;
 use crate::collide::collider::{Collider, own_margin};
@@ -47,44 +47,29 @@ impl World {
         let Self {
             // In the row of the world.
             def: _,
-            movers: _,
-            movers_sorted: _,
             report: _,
-            last_substep: _,
-            last_dt: _,
-            broad: _,
             support: _,
             fracture: _,
+            movers: Movers { slots: _, are_sorted: _, some_are_driven: _, driven_joints: _ },
             // In tables of their own.
             bodies: _,
             colliders: _,
             joints: _,
-            pairs: _,
-            sleeping: _,
+            // Of collisions boxes are in the row and pairs in a table. What overlaps is stored; what is a sensor follows from the shapes. What
+            // has escaped, what touches and the index are made anew from the rest by whoever needs them next.
+            collision: Collision { broad: _, pairs: _, sensing: _, escaped: _, touches: _, index: _ },
+            // Those that sleep are a table, and units that are held are stored; what else is there is made anew.
+            islands: Islands { sleeping: _, hold: _, groups: _, summaries: _ },
             // What edits have ended will be told by the next step; the last step's events are gone after a restore.
             events: _,
             // Carried bounds and what was asked for are stored, and derived bounds made anew.
             long_range: _,
-            // What overlaps is stored; what is a sensor follows from the shapes.
-            sensing: _,
-            // Likewise.
             unions: _,
-            // Units that are held are stored, and what else is there made anew.
-            hold: _,
+            // The lengths are in the row; the rest is made anew.
+            last: LastStep { substep: _, dt: _, has_smooth_bodies: _, broken: _ },
             // Made anew from the rest by whoever needs them next.
-            escaped: _,
             rest: _,
-            groups: _,
-            touches: _,
-            summaries: _,
-            some_are_driven: _,
-            driven_joints: _,
-            index: _,
-            batches: _,
-            stages: _,
-            batch_count: _,
-            has_smooth_bodies: _,
-            broken: _,
+            batches: Batches { list: _, stages: _, count: _ },
             scratch: _,
             // Belong to the world that is restored, whatever it holds.
             threads: _,
@@ -134,13 +119,13 @@ impl World {
             def: self.def,
             step: self.report.step,
             time: self.report.time,
-            last_substep: self.last_substep,
-            last_dt: self.last_dt,
-            movers: Runs(self.movers.clone()),
-            movers_sorted: self.movers_sorted,
-            changed: Runs(self.broad.changed().to_vec()),
+            last_substep: self.last.substep,
+            last_dt: self.last.dt,
+            movers: Runs(self.movers.slots.clone()),
+            movers_sorted: self.movers.are_sorted,
+            changed: Runs(self.collision.broad.changed().to_vec()),
             ended_by_edits: ended_by_edits.clone(),
-            sensed: self.sensing.overlaps.clone(),
+            sensed: self.collision.sensing.overlaps.clone(),
             said_supported: Runs(said_supported),
             watched,
             bounds_stale,
@@ -148,19 +133,19 @@ impl World {
             pushed: Runs(self.unions.pushed.clone()),
             asked_bounds: self.long_range.soft.clone(),
             asked_fractures: self.fracture.asked().to_vec(),
-            held_units: self.hold.units.held.clone(),
+            held_units: self.islands.hold.units.held.clone(),
             free: FreeSlots {
                 bodies: Runs(self.bodies.free().to_vec()),
                 shapes: Runs(self.colliders.free().to_vec()),
                 joints: Runs(self.joints.free().to_vec()),
-                islands: Runs(self.sleeping.free().to_vec()),
+                islands: Runs(self.islands.sleeping.free().to_vec()),
             },
         }
     }
 
     /// Writes where shapes and boxes are that do not follow from their bodies, and the contacts of what is awake.
     fn write_places(&self, tables: &mut Output) {
-        let Self { bodies, colliders, unions, pairs, .. } = self;
+        let Self { bodies, colliders, unions, collision: Collision { pairs, .. }, .. } = self;
         // What has arrived where a host told it to move to stands in the next step, and so does what it holds.
         let stands = |index: u32| match unions.of(index).map(|union| union.anchor) {
             Some(Anchor::Driven(driver)) => bodies[driver].stops(),
@@ -189,7 +174,7 @@ impl World {
 
     /// Writes islands that sleep, and their contacts.
     fn write_sleepers(&self, tables: &mut Output) {
-        let Self { colliders, sleeping, pairs, .. } = self;
+        let Self { colliders, islands: Islands { sleeping, .. }, collision: Collision { pairs, .. }, .. } = self;
         // What a sleeping island kept of a shape that has gone since is not there any more.
         let is_whole = |slot: &u32| is_whole(colliders, pairs.get(*slot).key);
         let asleep: Vec<u32> = sleeping.pairs().filter(is_whole).collect();
@@ -217,39 +202,39 @@ impl World {
         let mut input = Input::new(content, &forms, self._tag.number());
         let image = Image::read(&mut input, self._tag.number()).ok_or(refused("holds what makes no sense"))?;
         let Image { row, bodies, colliders, joints, pairs, sleeping, bounds, unions } = image;
-        self.broad.rebuild(colliders.slot_count(), |slot| colliders.get(slot)?.fat_box, row.changed.0);
+        self.collision.broad.rebuild(colliders.slot_count(), |slot| colliders.get(slot)?.fat_box, row.changed.0);
         self.def = WorldDef { threads: self.def.threads, ..row.def };
         let report = StepReport { step: row.step, time: row.time, ..StepReport::default() };
         self.events = Events { ended_by_edits: row.ended_by_edits, ..Events::default() };
-        self.movers = row.movers.0;
-        (self.movers_sorted, self.some_are_driven) = (row.movers_sorted, true);
-        self.driven_joints = joints.iter().filter(|(_, joint)| joint.drive.is_some()).map(|(slot, _)| slot).collect();
-        self.has_smooth_bodies = true;
-        self.last_substep = row.last_substep;
-        self.last_dt = row.last_dt;
+        self.movers.slots = row.movers.0;
+        (self.movers.are_sorted, self.movers.some_are_driven) = (row.movers_sorted, true);
+        self.movers.driven_joints = joints.iter().filter(|(_, joint)| joint.drive.is_some()).map(|(slot, _)| slot).collect();
+        self.last.has_smooth_bodies = true;
+        self.last.substep = row.last_substep;
+        self.last.dt = row.last_dt;
         self.bodies = bodies;
         self.colliders = colliders;
         self.joints = joints;
-        self.pairs = pairs;
-        self.sleeping = sleeping;
+        self.collision.pairs = pairs;
+        self.islands.sleeping = sleeping;
         // Which joints make unions depends on what was asked for.
         self.long_range.soft.clone_from(&row.asked_bounds);
         self.restart_unions(row.stale_unions.0, row.pushed.0, &unions);
         self.restart_long_range(row.bounds_stale, &bounds, row.asked_bounds);
         self.fracture = Fracture::restored(row.asked_fractures);
         self.report = report;
-        self.index =
+        self.collision.index =
             BodyShapeTable::of(self.colliders.slot_count(), self.colliders.iter().map(|(slot, collider)| (slot, collider.body)));
         self.add_up_contact_forces();
-        let mut sleeping = std::mem::take(&mut self.sleeping);
+        let mut sleeping = std::mem::take(&mut self.islands.sleeping);
         sleeping.set_gaps(|members| self.gap_of_island(members));
-        self.sleeping = sleeping;
-        self.hold.units.held = row.held_units;
-        self.broken.clear();
-        self.batch_count = 0;
-        self.groups.forget();
+        self.islands.sleeping = sleeping;
+        self.islands.hold.units.held = row.held_units;
+        self.last.broken.clear();
+        self.batches.count = 0;
+        self.islands.groups.forget();
         self.forget_escaped();
-        self.sensing = Sensors::of(&self.colliders, row.sensed);
+        self.collision.sensing = Sensors::of(&self.colliders, row.sensed);
         self.restart_support(&row.said_supported.0, row.watched);
         Ok(())
     }

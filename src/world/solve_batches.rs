@@ -91,7 +91,7 @@ impl World {
     /// Fills every batch, prepares its rows and moves its bodies through the step.
     pub(super) fn solve_batches(&mut self, dt: f32) {
         self.scratch.runs.find(&[], &self.threads);
-        if self.batch_count == 0 {
+        if self.batches.count == 0 {
             return;
         }
         let settings = StepSettings {
@@ -108,21 +108,21 @@ impl World {
         let records = BatchInput {
             bodies: &self.bodies,
             colliders: &self.colliders,
-            index: &self.index,
-            pairs: &self.pairs,
+            index: &self.collision.index,
+            pairs: &self.collision.pairs,
             joints: &self.joints,
             bounds: &self.long_range.records,
             long_range: &self.def.long_range,
             chains: &self.long_range.chains,
             swept: &self.long_range.swept,
             span: &self.long_range.derived,
-            groups: &self.groups,
+            groups: &self.islands.groups,
             unions: &self.unions,
             tallied: self.def.hit_threshold < f32::INFINITY || self.unions.iter().any(|union| union.wanted),
             gravity: self.def.gravity,
             solver: self.def.solver,
             driven: &self.scratch.driven,
-            some_are_fast: self.summaries.some_are_fast(),
+            some_are_fast: self.islands.summaries.some_are_fast(),
             reach: self.def.gravity.length() * substep * substep,
             dt,
             impulse_scale,
@@ -132,7 +132,7 @@ impl World {
             stages.contact_energy.find_islands(batch, |index| records.center(index));
             stages.solve(batch, records.joints, threads, &settings.striding(batch.stride));
         };
-        let (batches, stages) = (&mut self.batches[..self.batch_count], &mut self.stages[..self.batch_count]);
+        let (batches, stages) = (&mut self.batches.list[..self.batches.count], &mut self.batches.stages[..self.batches.count]);
         let all: usize = batches.iter().map(Batch::load).sum();
         let each = SHARED_FROM * all as f32 / self.threads.count() as f32;
         let is_large = |batch: &Batch| batch.load() >= MIN_SHARED && batch.load() as f32 > each;
@@ -150,14 +150,14 @@ impl World {
             let (mut batches, mut stages) = unsafe { (batches.part(), stages.part()) };
             work(batches.get_mut(number), stages.get_mut(number), &alone);
         });
-        self.scratch.runs.find(&self.batches[..self.batch_count], &self.threads);
+        self.scratch.runs.find(&self.batches.list[..self.batches.count], &self.threads);
     }
 }
 
 impl World {
     /// Ratio of a substep of this length (s) to the last one's.
     pub(super) fn impulse_scale(&self, substep: f32) -> f32 {
-        if self.last_substep > 0.0 { substep / self.last_substep } else { 1.0 }
+        if self.last.substep > 0.0 { substep / self.last.substep } else { 1.0 }
     }
 }
 

@@ -32,7 +32,7 @@ impl World {
     pub(super) fn stirs(&mut self) -> bool {
         let now = self.changes();
         self.rest.before = now;
-        if self.rest.still != Some(now) || !self.broad.changed().is_empty() {
+        if self.rest.still != Some(now) || !self.collision.broad.changed().is_empty() {
             return true;
         }
         self.report.counts = self.rest.counts;
@@ -44,11 +44,11 @@ impl World {
         let (now, counts) = (self.changes(), self.report.counts);
         let is_still = self.rest.before == now
             && self.rest.counts == counts
-            && counts.bodies_held as usize == self.movers.len()
+            && counts.bodies_held as usize == self.movers.slots.len()
             && counts.pairs_updated == 0
             && counts.joints_condemned == 0
-            && self.movers_sorted
-            && !self.hold.let_go;
+            && self.movers.are_sorted
+            && !self.islands.hold.let_go;
         self.rest.still = is_still.then_some(now);
         self.rest.counts = counts;
     }

@@ -16,7 +16,7 @@
 
 use glam::Vec3;
 
-use super::World;
+use super::{Collision, Islands, LastStep, World};
 use crate::body::Body;
 use crate::tuning::stride::{SMOOTH_OVERLAP, SMOOTH_SHARE, SMOOTH_TIME, SMOOTH_TURN};
 
@@ -56,7 +56,14 @@ impl World {
 
     /// Says how many substeps each island takes at once.
     pub(super) fn choose_strides(&mut self) {
-        let Self { groups, touches, summaries, pairs, index, unions, hold, def, has_smooth_bodies, .. } = self;
+        let Self {
+            islands: Islands { groups, summaries, hold, .. },
+            collision: Collision { touches, pairs, index, .. },
+            unions,
+            def,
+            last: LastStep { has_smooth_bodies, .. },
+            ..
+        } = self;
         let mut strides = std::mem::take(&mut groups.strides);
         strides.clear();
         let may_stride = def.substeps >= MIN_SUBSTEPS && def.substeps % STRIDE == 0 && def.articulations.error_target == 0.0;
@@ -101,9 +108,9 @@ mod tests {
     /// Whether each batch of the next step is a sheet, and how many substeps it takes at once.
     fn strides(world: &mut World) -> Vec<(bool, f32)> {
         world.step(1.0 / 60.0).unwrap();
-        world.batches[..world.batch_count]
+        world.batches.list[..world.batches.count]
             .iter()
-            .zip(&world.stages)
+            .zip(&world.batches.stages)
             .map(|(batch, stages)| (stages.joint_mesh.is_one(), batch.stride))
             .collect()
     }

@@ -226,7 +226,7 @@ impl World {
             return;
         }
         self.def.support = on;
-        self.pairs.follow_releases(on);
+        self.collision.pairs.follow_releases(on);
         self.support = on.then(|| Box::new(SupportState::new(self.bodies.slot_count(), self.def.support_by_thrust)));
         self.judge_support();
     }
@@ -253,7 +253,7 @@ impl World {
     /// Brings the support analysis up to date with the step.
     pub(super) fn judge_support(&mut self) {
         let Some(mut state) = self.support.take() else { return };
-        self.pairs.settle();
+        self.collision.pairs.settle();
         self.forget_released(&mut state);
         state.events.clear();
         state.view.take();
@@ -427,7 +427,7 @@ impl World {
             if now == said[*index as usize] || self.bodies.get(*index).is_none() {
                 return false;
             }
-            lasted.count(true, self.last_dt);
+            lasted.count(true, self.last.dt);
             if now && !lasted.reaches(GAIN_TIME) {
                 return true;
             }

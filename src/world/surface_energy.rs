@@ -16,8 +16,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::World;
 use super::body_shape_table::BodyShapeTable;
+use super::{Collision, World};
 use crate::body::{Body, LockedAxes};
 use crate::collide::collider::Collider;
 use crate::collide::collider_state::ColliderState;
@@ -116,7 +116,7 @@ fn is_moved_by_gravity_alone(body: &Body) -> bool {
 impl World {
     /// Gives balls on surfaces the speed that gravity's work leaves them.
     pub(super) fn keep_energy_on_surfaces(&mut self, dt: f32) {
-        let Self { bodies, scratch, pairs, touches, index, def, .. } = self;
+        let Self { bodies, scratch, collision: Collision { pairs, touches, index, .. }, def, .. } = self;
         let balls = &mut scratch.balls_on_surfaces;
         balls.clear();
         scratch.found_balls.iter_mut().for_each(|found| balls.append(found));

@@ -1,7 +1,7 @@
 //! Touching pairs in one compact list, filled once a step by all threads; the pair records are far apart in memory.
 
-use super::World;
 use super::body_shape_table::BodyShapeTable;
+use super::{Collision, World};
 use crate::collide::pairs::{Pair, PairKey};
 use crate::material::PairMaterial;
 use crate::tight_vec::extend_tightly;
@@ -88,7 +88,7 @@ impl TouchingPairs {
 impl World {
     /// Lists what touches, if that was not done as contacts were brought up to date.
     pub(super) fn list_touches(&mut self) {
-        let Self { touches, pairs, index, .. } = self;
+        let Self { collision: Collision { touches, pairs, index, .. }, .. } = self;
         if std::mem::take(&mut touches.are_new) {
             return;
         }

@@ -96,8 +96,8 @@ impl World {
             return Some((joint.force, joint.torque));
         }
         let loads = union.loads.get_or_init(|| {
-            let contacts = self.contact_wrenches(&[], self.last_dt);
-            self.loads_of(union, &union.motion, &contacts, self.last_dt)
+            let contacts = self.contact_wrenches(&[], self.last.dt);
+            self.loads_of(union, &union.motion, &contacts, self.last.dt)
         });
         let load = loads.get(number)?;
         Some((load.force.as_vec3(), load.torque.as_vec3()))
@@ -106,7 +106,7 @@ impl World {
     /// What batches tallied, sorted.
     fn mean_impulses(&self) -> Vec<Mean> {
         let mut means = Vec::new();
-        for batch in &self.batches[..self.batch_count] {
+        for batch in &self.batches.list[..self.batches.count] {
             means.extend(batch.tallies().map(|(number, impulses)| {
                 let (pair, manifold) = batch.manifolds.list[number];
                 (pair, manifold, impulses.scaled(1.0 / self.def.substeps as f32))
@@ -174,8 +174,8 @@ impl World {
     fn contact_wrenches(&self, means: &[Mean], dt: f32) -> Vec<Wrench> {
         let mut wrenches = vec![Wrench::default(); self.bodies.slot_count()];
         let per_substep = f64::from(self.def.substeps as f32 / dt);
-        let asleep = self.sleeping.pairs().map(|slot| (self.pairs.get(slot).key, slot));
-        for (key, slot) in self.pairs.listed().iter().copied().chain(asleep) {
+        let asleep = self.islands.sleeping.pairs().map(|slot| (self.collision.pairs.get(slot).key, slot));
+        for (key, slot) in self.collision.pairs.listed().iter().copied().chain(asleep) {
             let (a, b) = key.shapes();
             let (shape_a, shape_b) = (&self.colliders[a], &self.colliders[b]);
             let member = |index: u32| self.unions.number_of(index).map(|_| index as usize);
@@ -183,7 +183,7 @@ impl World {
             if ends == [None; 2] {
                 continue;
             }
-            let pair = self.pairs.get(slot);
+            let pair = self.collision.pairs.get(slot);
             for (number, carried) in pair.manifolds.iter().enumerate() {
                 let world =
                     WorldManifold::new(&carried, (shape_a, &self.bodies[shape_a.body]), (shape_b, &self.bodies[shape_b.body]));

@@ -262,7 +262,7 @@ impl World {
         let Some(body) = self.bodies.get(index) else { return };
         for &id in &body.shapes {
             if let Ok(shape) = self.colliders.find(id) {
-                self.broad.revisit(shape);
+                self.collision.broad.revisit(shape);
             }
         }
     }
@@ -302,7 +302,7 @@ impl World {
                 (body.held, body.times.calm_for) = (false, DwellTime::NONE);
             }
         }
-        self.movers_sorted = false;
+        self.movers.are_sorted = false;
         self.wake_for_places(&changed);
         for &index in &changed {
             self.rest_boxes(index);

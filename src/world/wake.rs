@@ -4,7 +4,7 @@
 //! holds all that touches them or is jointed to them. What is static, kinematic or welded to such a body is in no island, since many of
 //! them rest on it: an edit of it wakes all that is jointed to it or near it, with their islands, and goes no further.
 
-use super::World;
+use super::{Collision, World};
 use crate::body::{Anchored, BodyKind, SleepState};
 use crate::collide::broad::still_near;
 use crate::collide::collider::Collider;
@@ -109,7 +109,7 @@ impl World {
                 self.release(index);
             }
             SleepState::Asleep { island } => {
-                let island = self.sleeping.take(island);
+                let island = self.islands.sleeping.take(island);
                 for &member in &island.bodies {
                     let body = &mut self.bodies[member];
                     body.sleep = SleepState::AWAKE;
@@ -117,19 +117,19 @@ impl World {
                         (false, DwellTime::NONE, DwellTime::NONE, true);
                     for &id in &body.shapes {
                         if let Ok(shape) = self.colliders.find(id) {
-                            self.broad.revisit(shape);
+                            self.collision.broad.revisit(shape);
                         }
                     }
                 }
-                self.movers.extend_from_slice(&island.bodies);
-                self.movers_sorted = false;
-                let Self { pairs, colliders, .. } = self;
+                self.movers.slots.extend_from_slice(&island.bodies);
+                self.movers.are_sorted = false;
+                let Self { collision: Collision { pairs, .. }, colliders, .. } = self;
                 pairs.activate_kept(&island.pairs, |key| is_whole(colliders, key));
             }
         }
         if self.bodies[index].is_mover() {
-            self.movers.push(index);
-            self.movers_sorted = false;
+            self.movers.slots.push(index);
+            self.movers.are_sorted = false;
         }
     }
 
@@ -148,7 +148,7 @@ impl World {
                 && !self.colliders[shape].sensor
                 && let Some(region) = self.colliders[shape].fat_box
             {
-                near.extend(self.broad.overlapping(&region).map(|other| self.colliders[other].body));
+                near.extend(self.collision.broad.overlapping(&region).map(|other| self.colliders[other].body));
             }
         }
         near.sort_unstable();
@@ -161,23 +161,25 @@ impl World {
 
     /// Wakes sleeping islands that something awake may touch in this step, and those that hang on a kinematic body that moves.
     pub(super) fn wake_what_is_touched(&mut self) {
-        self.pairs.settle();
-        if self.sleeping.body_count() == 0 {
+        self.collision.pairs.settle();
+        if self.islands.sleeping.body_count() == 0 {
             return self.settle_movers();
         }
         let mut slots = std::mem::take(&mut self.scratch.slots);
         slots.clear();
         let sleeps = |body: u32| self.bodies[body].is_free() && !self.bodies[body].is_awake();
-        for &(key, slot) in self.pairs.active() {
-            if !self.pairs.get(slot).may_touch {
+        for &(key, slot) in self.collision.pairs.active() {
+            if !self.collision.pairs.get(slot).may_touch {
                 continue;
             }
             let (a, b) = key.shapes();
             slots.extend([self.colliders[a].body, self.colliders[b].body].into_iter().filter(|&body| sleeps(body)));
         }
         let drives = |&&body: &&u32| self.bodies.get(body).is_some_and(|body| body.acts_as() == BodyKind::Kinematic);
-        if self.some_are_driven {
-            slots.extend(self.movers.iter().filter(drives).flat_map(|&body| self.jointed_to(body)).filter(|&body| sleeps(body)));
+        if self.movers.some_are_driven {
+            slots.extend(
+                self.movers.slots.iter().filter(drives).flat_map(|&body| self.jointed_to(body)).filter(|&body| sleeps(body)),
+            );
         }
         for &body in &slots {
             self.wake_body(body);
@@ -187,9 +189,9 @@ impl World {
         self.settle_movers();
         if has_woken {
             // Pairs that have woken are solved in this step.
-            self.pairs.settle();
-            self.index.add_stances(self.pairs.active(), &self.colliders, &self.bodies);
-            self.touches.outdate();
+            self.collision.pairs.settle();
+            self.collision.index.add_stances(self.collision.pairs.active(), &self.colliders, &self.bodies);
+            self.collision.touches.outdate();
         }
     }
 }

@@ -33,7 +33,8 @@ fn what_bodies_carry_is_what_their_contacts_carry() {
     for steps in 1..=4 {
         // No torque to speak of, but contacts that are not plain are gone through in each substep.
         let (by_body, by_contact) = (heap(0.0, steps), heap(1.0e-20, steps));
-        let is_on = |world: &World| world.stages[..world.batch_count].iter().any(|stages| stages.body_warm_start.is_on());
+        let is_on =
+            |world: &World| world.batches.stages[..world.batches.count].iter().any(|stages| stages.body_warm_start.is_on());
         assert!(is_on(&by_body) && !is_on(&by_contact));
         let velocities = |world: &World| {
             world.bodies.iter().map(|(_, body)| [body.linear_velocity, body.angular_velocity]).collect::<Vec<_>>()

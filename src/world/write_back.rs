@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::World;
 use super::pairs::contact_pair;
 use super::support::PairView;
+use super::{Collision, Islands, World};
 use crate::body::{Body, BodyKind};
 use crate::collide::collider::Collider;
 use crate::collide::pairs::Pair;
@@ -27,20 +27,20 @@ impl World {
     pub(super) fn store_results(&mut self, dt: f32) {
         let substep = dt / self.def.substeps as f32;
         self.scale_held(self.impulse_scale(substep));
-        (self.last_substep, self.last_dt) = (substep, dt);
+        (self.last.substep, self.last.dt) = (substep, dt);
         self.note_starts();
         self.scratch.changed.clear();
-        self.has_smooth_bodies = false;
+        self.last.has_smooth_bodies = false;
         if !self.scratch.runs.is_empty() {
             self.store_bodies_of_runs(dt);
             self.store_contacts_of_runs(dt);
             self.store_joints_of_runs();
         }
-        for number in 0..self.batch_count {
+        for number in 0..self.batches.count {
             self.store_bodies(number, dt);
             self.store_contacts(number, dt);
             self.store_joints(number);
-            let batch = &self.batches[number];
+            let batch = &self.batches.list[number];
             let (report, residuals) = (&mut self.report.counts, &mut self.report.residuals);
             report.colors = report.colors.max(batch.layout.color_count);
             report.planes_corrected += batch.planes.corrected;
@@ -64,13 +64,13 @@ impl World {
         self.keep_contact_forces();
         self.report_union_overloads();
         self.store_bounds(dt);
-        for index in std::mem::take(&mut self.broken) {
+        for index in std::mem::take(&mut self.last.broken) {
             self.quarantine(index);
         }
         self.finish_kinematic_bodies(dt);
         self.carry_anchored();
-        self.report.counts.bodies_asleep = self.sleeping.body_count() as u32;
-        self.report.residuals.joint_gap = self.report.residuals.joint_gap.max(self.sleeping.worst_gap());
+        self.report.counts.bodies_asleep = self.islands.sleeping.body_count() as u32;
+        self.report.residuals.joint_gap = self.report.residuals.joint_gap.max(self.islands.sleeping.worst_gap());
     }
 
     /// Takes a body out of the simulation where it last was, at rest, and says so.
@@ -86,15 +86,15 @@ impl World {
         self.events.quarantined.push(self.bodies.handle_of(index));
         self.forget_contacts_of(index);
         self.events.take_edits();
-        self.movers_sorted = false;
+        self.movers.are_sorted = false;
     }
 
     /// Kinematic bodies end where they were told to be.
     fn finish_kinematic_bodies(&mut self, dt: f32) {
-        if !self.some_are_driven {
+        if !self.movers.some_are_driven {
             return;
         }
-        for &index in &self.movers {
+        for &index in &self.movers.slots {
             let body = &mut self.bodies[index];
             if body.kind != BodyKind::Kinematic {
                 continue;
@@ -124,7 +124,7 @@ impl World {
     /// Lists pairs whose contact began or ended.
     pub(super) fn report_contacts(&mut self) {
         // What was quarantined has no pairs any more.
-        self.pairs.settle();
+        self.collision.pairs.settle();
         match self.support.is_some() {
             true => self.report_contacts_with_support(),
             false => self.report_touches(),
@@ -132,7 +132,9 @@ impl World {
     }
 
     fn report_contacts_with_support(&mut self) {
-        let Self { pairs, colliders, bodies, events, support, hold, .. } = self;
+        let Self {
+            collision: Collision { pairs, .. }, colliders, bodies, events, support, islands: Islands { hold, .. }, ..
+        } = self;
         let Some(support) = support.as_deref_mut() else { return };
         let count = pairs.active().len();
         for first in (0..count).step_by(REPORTED_AT_ONCE) {

@@ -28,10 +28,10 @@ use crate::settings::Solver;
 use crate::snapshot::carried::{HeldBody, HeldUnit};
 pub(super) use crate::tuning::units::UNIT_CALM_SHARE;
 use crate::tuning::units::{AGAIN_TIME, BLOW_SHARE, CALM_TIME, LOAD_SHARE, LOOK_TIME, OVERLAP_SHARE};
-use crate::world::World;
 use crate::world::body_shape_table::Marks;
 use crate::world::islands::{JointHead, NO_BODY};
 use crate::world::touching_pairs::TouchingPair;
+use crate::world::{Collision, Islands, LastStep, World};
 
 /// Bodies that a unit may have.
 const MAX_BODIES: usize = 64;
@@ -108,7 +108,7 @@ impl World {
                     continue;
                 }
                 *let_go |= was_held;
-                self.summaries.note_held(body, stays);
+                self.islands.summaries.note_held(body, stays);
                 let record = &mut self.bodies[body];
                 record.held = stays;
                 if stays {
@@ -129,9 +129,9 @@ impl World {
         // To what is not held they are as if they did not move.
         forces.clear();
         for &HeldBody { body, .. } in held.iter().flat_map(|unit| &unit.bodies) {
-            self.index.free.unset(body);
-            self.groups.leave_out(body);
-            forces.push(self.index.contact_force(body));
+            self.collision.index.free.unset(body);
+            self.islands.groups.leave_out(body);
+            forces.push(self.collision.index.contact_force(body));
         }
         if are_new {
             self.judge_what_came_to_rest(members);
@@ -141,7 +141,7 @@ impl World {
 
     /// Lets go of units of which something has been released, or no longer moves; whether there are any.
     fn drop_changed_units(&mut self, units: &mut Units) -> bool {
-        let Self { bodies, summaries, index, unions, .. } = self;
+        let Self { bodies, islands: Islands { summaries, .. }, collision: Collision { index, .. }, unions, .. } = self;
         let mut some_are = false;
         units.held.retain(|unit| {
             let goes_on = |body: u32| index.free.has(body) && bodies[body].held && unions.moving(body).is_none();
@@ -160,7 +160,15 @@ impl World {
 
     /// Adds the units that have become calm to those that are held.
     fn find_units(&mut self, units: &mut Units) {
-        let Self { groups, summaries, bodies, joints, unions, index, last_dt, .. } = self;
+        let Self {
+            islands: Islands { groups, summaries, .. },
+            bodies,
+            joints,
+            unions,
+            collision: Collision { index, .. },
+            last: LastStep { dt: last_dt, .. },
+            ..
+        } = self;
         let Units { held, seen, component, ends, .. } = units;
         seen.begin(bodies.slot_count());
         held.iter().flat_map(|unit| &unit.bodies).for_each(|held| seen.set(held.body));
@@ -213,7 +221,7 @@ impl World {
 
     /// Looks at what loads units; those from number `kept` on are new.
     fn look_at_units(&self, units: &mut Units, kept: usize) {
-        let Self { bodies, colliders, index, def, last_dt, .. } = self;
+        let Self { bodies, colliders, collision: Collision { index, .. }, def, last: LastStep { dt: last_dt, .. }, .. } = self;
         let Units { held, places, looks, manifolds, seen, .. } = units;
         seen.begin(bodies.slot_count());
         places.resize(bodies.slot_count(), (0, 0));
@@ -254,7 +262,12 @@ impl World {
 
     /// Adds the contacts of units to what is found of them, and counts those of all bodies; a body is told its unit, and its number there.
     fn add_contacts(&self, looks: &mut [UnitCheck], manifolds: &mut [u16], place_of: impl Fn(u32) -> Option<(u32, u32)>) {
-        let Self { colliders, touches, pairs, index, last_substep, .. } = self;
+        let Self {
+            colliders,
+            collision: Collision { touches, pairs, index, .. },
+            last: LastStep { substep: last_substep, .. },
+            ..
+        } = self;
         let per_substep = if *last_substep > 0.0 { 1.0 / last_substep } else { 0.0 };
         for touch in touches.touching() {
             for body in touch.bodies {
@@ -292,7 +305,7 @@ impl World {
 
     /// Adds the joints of a body of a unit to bodies that are beside it.
     fn add_joints(&self, look: &mut UnitCheck, manifolds: &[u16], (index, local): (u32, usize), is_beside: impl Fn(u32) -> bool) {
-        let Self { bodies, joints, groups, .. } = self;
+        let Self { bodies, joints, islands: Islands { groups, .. }, .. } = self;
         let body = &bodies[index];
         for &id in &body.joints {
             let slot = joints.slot_of(id);
@@ -323,13 +336,13 @@ impl World {
             Some(union) => union.mass.mass,
             None => body.mass.as_ref().map_or(0.0, |mass| mass.mass),
         };
-        let pushed = body.force.length() * self.last_dt;
+        let pushed = body.force.length() * self.last.dt;
         mass * (body.linear_velocity.length() + body.angular_velocity.length() * reach) + pushed
     }
 
     /// Has the support analysis look once more at the contacts of units through which nothing moves.
     fn judge_what_came_to_rest(&mut self, members: &Marks) {
-        let Self { support: Some(support), touches, bodies, .. } = self else { return };
+        let Self { support: Some(support), collision: Collision { touches, .. }, bodies, .. } = self else { return };
         let rests = |touch: &&TouchingPair| {
             touch.bodies.iter().any(|&body| members.has(body)) && !touch.bodies.iter().any(|&body| bodies[body].is_solved())
         };
@@ -338,7 +351,7 @@ impl World {
 
     /// Contacts of what is held have the force that they had as the step began: those beside it would be added to it again.
     pub(in crate::world) fn keep_contact_forces(&mut self) {
-        let Self { hold: Hold { units, .. }, index, .. } = self;
+        let Self { islands: Islands { hold: Hold { units, .. }, .. }, collision: Collision { index, .. }, .. } = self;
         for (held, &force) in units.held.iter().flat_map(|unit| &unit.bodies).zip(&units.forces) {
             index.set_contact_force(held.body, force);
         }

@@ -169,7 +169,7 @@ impl World {
                 if all {
                     self.list_all_pushes(&mut thrust, (graph, frame), records);
                 } else {
-                    let is_active = |slot: &u32| self.pairs.get(*slot).is_active();
+                    let is_active = |slot: &u32| self.collision.pairs.get(*slot).is_active();
                     let (pressed, asleep) = (state.pressed.iter().copied(), state.came_to_rest.iter().copied());
                     let slots = pressed.filter(is_active).chain(asleep.filter(|slot| !is_active(slot)));
                     self.list_pushes(&mut thrust, (graph, frame), records, slots);
@@ -190,14 +190,14 @@ impl World {
             faces.clear();
         }
         // Only of interest where nothing stands on a base.
-        let leans = || self.pairs.active().iter().any(|&(_, slot)| self.leans_on_a_base(slot));
+        let leans = || self.collision.pairs.active().iter().any(|&(_, slot)| self.leans_on_a_base(slot));
         state.rest.leans = thrust.braces_any() || (!state.graph.has_bases() && leans());
         state.thrust = thrust;
     }
 
     /// Whether just one of the bodies of a pair needs no support.
     fn leans_on_a_base(&self, slot: u32) -> bool {
-        let pair = self.pairs.get(slot);
+        let pair = self.collision.pairs.get(slot);
         let (a, b) = pair.key.shapes();
         let is_dynamic = |shape: u32| self.bodies[self.colliders[shape].body].is_dynamic();
         pair.has_points() && is_dynamic(a) != is_dynamic(b)
@@ -208,9 +208,9 @@ impl World {
         let Thrust { moved, judged, .. } = thrust;
         judged.clear();
         judged.append(moved);
-        if self.report.counts.bodies_held as usize != self.movers.len() || all {
+        if self.report.counts.bodies_held as usize != self.movers.slots.len() || all {
             let moves = |&index: &u32| self.bodies.get(index).is_some_and(|body| body.is_mover() && !body.held);
-            moved.extend(self.movers.iter().copied().filter(moves));
+            moved.extend(self.movers.slots.iter().copied().filter(moves));
         }
         if all {
             judged.clear();
@@ -239,7 +239,7 @@ impl World {
 
     fn add_weight(&self, unit: &mut Unit, body: &Body, reach: f32) {
         let mass = body.mass.as_ref().map_or(0.0, |mass| mass.mass);
-        let weight = self.def.gravity * (body.settings.gravity_scale * mass * self.last_substep);
+        let weight = self.def.gravity * (body.settings.gravity_scale * mass * self.last.substep);
         let lever = (body.center - unit.center).as_vec3();
         unit.reach = unit.reach.max(lever.length() + reach);
         unit.weight += weight;
@@ -270,9 +270,9 @@ impl World {
     }
 
     fn list_all_pushes(&self, thrust: &mut Thrust, place: (&SupportGraph, &PairFrame), records: &[Record]) {
-        let listed = self.pairs.listed();
+        let listed = self.collision.pairs.listed();
         let active = listed.iter().map(|&(_, slot)| slot);
-        self.list_pushes(thrust, place, records, active.chain(self.sleeping.pairs()));
+        self.list_pushes(thrust, place, records, active.chain(self.islands.sleeping.pairs()));
     }
 
     /// Lists what pushes the units that may stand, by unit and shapes.
@@ -287,7 +287,7 @@ impl World {
         for slot in slots {
             let Some(record) = records.get(slot as usize) else { continue };
             let ends = record.bodies.map(|body| thrust.unit_of(body).filter(|&unit| thrust.units[unit as usize].stands));
-            let pair = self.pairs.get(slot);
+            let pair = self.collision.pairs.get(slot);
             if ends[0] == ends[1] || record.key != Some(pair.key) {
                 continue;
             }

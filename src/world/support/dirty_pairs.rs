@@ -110,19 +110,19 @@ impl World {
 
     /// Takes the links of pairs that were given up out of the graph.
     pub(super) fn forget_released(&mut self, state: &mut SupportState) {
-        for &slot in self.pairs.released() {
+        for &slot in self.collision.pairs.released() {
             let key = state.records.get(slot as usize).and_then(|record| record.key);
-            if key.is_some_and(|key| !self.pairs.holds(slot, key)) {
+            if key.is_some_and(|key| !self.collision.pairs.holds(slot, key)) {
                 state.forget_pair(slot);
             }
         }
-        self.pairs.forget_released();
+        self.collision.pairs.forget_released();
     }
 
     fn note_signs(&self, state: &mut SupportState) {
         state.signs.clear();
         state.signs.resize(self.colliders.slot_count(), 0);
-        for &index in &self.movers {
+        for &index in &self.movers.slots {
             let Some(body) = self.bodies.get(index).filter(|body| !body.held) else { continue };
             let signs = signs_of(body, &mut state.made_for[index as usize], &self.colliders);
             for shape in body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok()) {
@@ -138,16 +138,16 @@ impl World {
         if state.changed.is_new {
             self.note_signs(state);
             for (slot, word) in self.sync_all(state, &frame) {
-                self.pairs.get_mut(slot).word = word;
+                self.collision.pairs.get_mut(slot).word = word;
             }
         }
         for number in 0..state.came_to_rest.len() {
             let slot = state.came_to_rest[number];
             // What was dropped meanwhile has no contacts any more.
-            if self.pairs.get(slot).has_points() {
-                let site = PairView::new(self.pairs.get(slot), slot, &self.colliders, &self.bodies);
+            if self.collision.pairs.get(slot).has_points() {
+                let site = PairView::new(self.collision.pairs.get(slot), slot, &self.colliders, &self.bodies);
                 let word = state.sync_pair(&site, &frame);
-                self.pairs.get_mut(slot).word = word;
+                self.collision.pairs.get_mut(slot).word = word;
             }
         }
         state.changed.is_new = false;
@@ -155,10 +155,10 @@ impl World {
 
     /// Looks at all pairs, also those that sleep, and says what it found.
     pub(super) fn sync_all(&self, state: &mut SupportState, frame: &PairFrame) -> Vec<(u32, Word)> {
-        let listed = self.pairs.listed();
-        let slots = listed.iter().map(|&(_, slot)| slot).chain(self.sleeping.pairs());
+        let listed = self.collision.pairs.listed();
+        let slots = listed.iter().map(|&(_, slot)| slot).chain(self.islands.sleeping.pairs());
         let look = |slot: u32| {
-            let site = PairView::new(self.pairs.get(slot), slot, &self.colliders, &self.bodies);
+            let site = PairView::new(self.collision.pairs.get(slot), slot, &self.colliders, &self.bodies);
             (slot, state.sync_pair(&site, frame))
         };
         slots.map(look).collect()

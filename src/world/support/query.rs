@@ -79,9 +79,9 @@ impl World {
         let links = node.below.iter().filter(|&&link| state.graph.is_supporting(link));
         let mut pairs: Vec<u32> =
             links.map(|&link| state.graph.link(link).pair).filter(|&slot| self.has_pair(state, slot)).collect();
-        pairs.sort_unstable_by_key(|&slot| self.pairs.get(slot).key);
+        pairs.sort_unstable_by_key(|&slot| self.collision.pairs.get(slot).key);
         pairs.dedup();
-        let contacts = pairs.iter().flat_map(|&slot| self.contacts_of_pair(self.pairs.get(slot).key, slot));
+        let contacts = pairs.iter().flat_map(|&slot| self.contacts_of_pair(self.collision.pairs.get(slot).key, slot));
         contacts.flat_map(|contact| contact.points().iter().map(|point| point.position).collect::<Vec<_>>()).collect()
     }
 
@@ -324,18 +324,18 @@ impl World {
     /// Whether the pair of a link is still there: the graph is of the last step, and edits since may have given the pair up.
     fn has_pair(&self, state: &SupportState, slot: u32) -> bool {
         let key = state.records.get(slot as usize).and_then(|record| record.key);
-        key.is_some_and(|key| self.pairs.holds(slot, key))
+        key.is_some_and(|key| self.collision.pairs.holds(slot, key))
     }
 
     /// Weight that links pass on from above to below (N).
     fn load_of(&self, state: &SupportState, frame: &PairFrame, links: impl Iterator<Item = u32>) -> f32 {
-        let per_substep = if self.last_substep > 0.0 { 1.0 / self.last_substep } else { 0.0 };
+        let per_substep = if self.last.substep > 0.0 { 1.0 / self.last.substep } else { 0.0 };
         let links = links.map(|link| (state.graph.link(link).pair, state.graph.link(link).lower));
         let mut pairs: Vec<(u32, u32)> = links.filter(|&(slot, _)| self.has_pair(state, slot)).collect();
-        pairs.sort_unstable_by_key(|&(slot, lower)| (self.pairs.get(slot).key, lower));
+        pairs.sort_unstable_by_key(|&(slot, lower)| (self.collision.pairs.get(slot).key, lower));
         pairs.dedup();
         let load = |&(slot, lower): &(u32, u32)| {
-            let pair = self.pairs.get(slot);
+            let pair = self.collision.pairs.get(slot);
             let site = super::PairView::new(pair, slot, &self.colliders, &self.bodies);
             let on_b = site.force(frame);
             if site.shapes.1.body == lower { -on_b } else { on_b }

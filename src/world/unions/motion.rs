@@ -196,12 +196,12 @@ impl World {
                     body.kinematic.path.get_or_insert_default().begin_step(step, dt, velocity);
                 }
                 match (was_mover, body.is_mover()) {
-                    (false, true) => self.movers.push(index),
+                    (false, true) => self.movers.slots.push(index),
                     (true, false) => self.rest_boxes(index),
                     _ => {}
                 }
             }
-            self.movers_sorted = false;
+            self.movers.are_sorted = false;
         }
     }
 

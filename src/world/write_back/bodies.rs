@@ -17,12 +17,12 @@ use crate::solve::state::WORLD_SLOT;
 use crate::solve::step::BatchStages;
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::step_history::History;
-use crate::world::World;
 use crate::world::body_shape_table::BodyShapeTable;
 use crate::world::drift::is_slow;
 use crate::world::fast::Path;
 use crate::world::substep_multiplier::Smoothness;
 use crate::world::unions::{Anchor, Unions};
+use crate::world::{Batches, Collision, LastStep, World};
 
 /// How far the square of a rotation's length may be from one before its body counts as broken; NaN is farther.
 const ROTATION_TOLERANCE: f32 = 1.0e-3;
@@ -141,14 +141,23 @@ impl World {
             sleep: Some(self.def.sleep).filter(|sleep| sleep.enabled || self.def.hold),
             dt,
             has_joints: self.joints.len() > 0,
-            some_are_fast: self.summaries.some_are_fast(),
+            some_are_fast: self.islands.summaries.some_are_fast(),
         }
     }
 
     /// Writes back the bodies of runs of small batches.
     pub(super) fn store_bodies_of_runs(&mut self, dt: f32) {
         let limits = self.write_limits(dt);
-        let Self { batches, stages, bodies, colliders, unions, index, scratch, threads, .. } = self;
+        let Self {
+            batches: Batches { list: batches, stages, .. },
+            bodies,
+            colliders,
+            unions,
+            collision: Collision { index, .. },
+            scratch,
+            threads,
+            ..
+        } = self;
         let (records, unions) = (SharedRecords::new(bodies, colliders, index), &*unions);
         scratch.runs.each(threads, |run, notes| {
             for number in run {
@@ -162,7 +171,17 @@ impl World {
 
     pub(super) fn store_bodies(&mut self, number: usize, dt: f32) {
         let limits = self.write_limits(dt);
-        let Self { batches, stages, bodies, colliders, unions, index, scratch, has_smooth_bodies, broken, threads, .. } = self;
+        let Self {
+            batches: Batches { list: batches, stages, .. },
+            bodies,
+            colliders,
+            unions,
+            collision: Collision { index, .. },
+            scratch,
+            last: LastStep { has_smooth_bodies, broken, .. },
+            threads,
+            ..
+        } = self;
         let batch = &batches[number];
         let mut tell = |noted: &mut BodyNotes, unions: &mut Unions| {
             broken.append(&mut noted.broken);

@@ -9,8 +9,8 @@ use crate::prefetch::{AHEAD, prefetch};
 use crate::solve::batch::Batch;
 use crate::solve::contact::TOUCHED;
 use crate::solve::disjoint::{DisjointSlices, Slots};
-use crate::world::World;
 use crate::world::body_shape_table::BodyShapeTable;
+use crate::world::{Batches, Collision, World};
 
 /// Manifolds of a batch from which on their multipliers are written back by all threads, and those that are worth another thread's while.
 pub(super) const SHARED_MANIFOLDS: usize = 1024;
@@ -82,7 +82,14 @@ impl World {
     /// Writes back the contacts of runs of small batches.
     pub(super) fn store_contacts_of_runs(&mut self, dt: f32) {
         let substep = dt / self.def.substeps as f32;
-        let Self { batches, pairs, index, support, scratch, threads, .. } = self;
+        let Self {
+            batches: Batches { list: batches, .. },
+            collision: Collision { pairs, index, .. },
+            support,
+            scratch,
+            threads,
+            ..
+        } = self;
         let is_judged = support.as_ref().is_some_and(|support| support.is_awake());
         let slots = DisjointSlices::new(pairs.slots_mut());
         scratch.runs.each(threads, |run, notes| {
@@ -99,7 +106,14 @@ impl World {
     pub(super) fn store_contacts(&mut self, number: usize, dt: f32) {
         self.store_blows(number);
         let substep = dt / self.def.substeps as f32;
-        let Self { batches, pairs, index, support, scratch, threads, .. } = self;
+        let Self {
+            batches: Batches { list: batches, .. },
+            collision: Collision { pairs, index, .. },
+            support,
+            scratch,
+            threads,
+            ..
+        } = self;
         let batch = &batches[number];
         let changed = &mut scratch.changed;
         let mut note = |index: &mut BodyShapeTable, slot: u32, pull: &Pull| {
@@ -143,7 +157,7 @@ impl World {
 
     /// Adds what contacts have given to the hits under way.
     fn store_blows(&mut self, number: usize) {
-        let Self { batches, pairs, .. } = self;
+        let Self { batches: Batches { list: batches, .. }, collision: Collision { pairs, .. }, .. } = self;
         if pairs.blows.is_empty() {
             return;
         }

@@ -9,7 +9,7 @@ use crate::solve::batch::Batch;
 use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
 use crate::solve::joint::JointEntry;
 use crate::workers::Workers;
-use crate::world::World;
+use crate::world::{Batches, World};
 
 /// Joints of a batch from which on all threads write them back, and those that are worth another thread's while: some 5 µs.
 pub(super) const SHARED_JOINTS: usize = 512;
@@ -42,7 +42,7 @@ impl JointNotes {
 impl World {
     /// Finds what each joint has borne in the mean of the step, as far as its rows say.
     pub(in crate::world) fn read_row_loads(&mut self, dt: f32) {
-        let Self { batches, batch_count, joints, scratch, threads, .. } = self;
+        let Self { batches: Batches { list: batches, count: batch_count, .. }, joints, scratch, threads, .. } = self;
         let write = |entry: &JointEntry, joint: &mut Joint| {
             (joint.force, joint.torque) = (entry.linear_sum / dt, entry.angular_sum / dt);
             if entry.traits.has_motor || joint.motors != [0.0; 6] {
@@ -64,14 +64,14 @@ impl World {
 
     /// Writes back the joints of runs of small batches.
     pub(super) fn store_joints_of_runs(&mut self) {
-        let Self { batches, joints, scratch, threads, .. } = self;
+        let Self { batches: Batches { list: batches, .. }, joints, scratch, threads, .. } = self;
         scratch.runs.each_joint(batches, joints, threads, |batch, entry, joint, noted| {
             store_joint(1.0 / batch.stride, entry, joint, noted);
         });
     }
 
     pub(super) fn store_joints(&mut self, number: usize) {
-        let Self { batches, joints, events, scratch, threads, .. } = self;
+        let Self { batches: Batches { list: batches, .. }, joints, events, scratch, threads, .. } = self;
         if scratch.runs.has(number) {
             if let Some(notes) = scratch.runs.notes_from(number) {
                 notes.joints.tell(joints, events);

@@ -7,7 +7,7 @@ use crate::body::Body;
 use crate::report::Moved;
 use crate::tight_vec::{make_room, make_room_behind};
 use crate::workers::MAX_PIECES;
-use crate::world::{StepScratch, World};
+use crate::world::{Collision, Islands, Movers, StepScratch, World};
 
 /// Bodies from which on all threads list those that moved, and those that are worth another thread's while: some 5 µs.
 const SHARED_MOVERS: usize = 512;
@@ -16,10 +16,10 @@ const MIN_MOVERS: usize = 128;
 impl World {
     /// Lists every body that moved; none where nothing stirs and nothing has fallen asleep.
     pub(in crate::world) fn list_moved(&mut self, stirs: bool) {
-        if !stirs && self.movers_sorted {
+        if !stirs && self.movers.are_sorted {
             return self.events.moved.clear();
         }
-        let Self { movers, bodies, events, report, threads, .. } = self;
+        let Self { movers: Movers { slots: movers, .. }, bodies, events, report, threads, .. } = self;
         let has_woken = AtomicBool::new(false);
         let moved = |&index: &u32| {
             let body = Some(&bodies[index]).filter(|body| is_listed(body))?;
@@ -62,12 +62,20 @@ impl World {
             movers.iter().for_each(|&index| bodies[index].woke &= !is_listed(&bodies[index]));
         }
         report.counts.moved = events.moved.len() as u32;
-        self.movers_sorted &= !self.some_are_driven;
+        self.movers.are_sorted &= !self.movers.some_are_driven;
     }
 
     /// Lists what began or ended to touch, where nobody asks for more: of what was solved that is noted as it is written back.
     pub(super) fn report_touches(&mut self) {
-        let Self { touches, pairs, colliders, bodies, events, hold, scratch: StepScratch { changed, .. }, .. } = self;
+        let Self {
+            collision: Collision { touches, pairs, .. },
+            colliders,
+            bodies,
+            events,
+            islands: Islands { hold, .. },
+            scratch: StepScratch { changed, .. },
+            ..
+        } = self;
         changed.extend(touches.parted().map(|touch| touch.slot));
         changed.sort_unstable_by_key(|&slot| pairs.get(slot).key);
         for slot in changed.drain(..) {
