@@ -2,14 +2,17 @@
 
 use std::ops::Range;
 
-use glam::{DVec2, Vec3};
+use glam::{DMat3, DVec2, DVec3, Quat, Vec3};
 
 use super::super::batch::Batch;
 use super::super::contact::{POINTS, tangents};
 use super::super::contact_block::ContactBlocks;
-use super::super::state::{BodyVelocity, Symmetric};
+use super::super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 use super::{Impact, ImpactBody, ImpactManifold, ImpactPoint};
 use crate::tight_vec::resize;
+
+/// Share of a spin's energy that is rounding.
+const ROUNDING: f64 = 1.0e-5;
 
 /// What is no body of the impact at hand.
 const NOBODY: u32 = u32::MAX;
@@ -30,7 +33,7 @@ pub(crate) struct Impacts {
     number: Vec<u32>,
     slots: Vec<u32>,
     /// What is added to velocities once poses have moved.
-    changes: Vec<(u32, [Vec3; 2])>,
+    changes: Vec<BodyChange>,
     /// Block, lane and multipliers that are carried on, of manifolds that were pressed with more in the impact.
     carried: Vec<(u32, u32, [f32; POINTS], f32)>,
 }
@@ -62,20 +65,20 @@ impl Impacts {
     }
 
     /// Number of the body of a slot in the impact at hand.
-    fn body(&mut self, slot: u32) -> u32 {
+    fn body(&mut self, slot: u32, motions: &[BodyMotion]) -> u32 {
         let number = &mut self.number[slot as usize];
         if *number == NOBODY {
             *number = self.slots.len() as u32;
             self.slots.push(slot);
-            self.impact.bodies.push(ImpactBody::of(&self.before[slot as usize]));
+            self.impact.bodies.push(ImpactBody::of(&self.before[slot as usize], &motions[slot as usize]));
         }
         *number
     }
 
     /// Takes a manifold into the impact at hand: those of its points that press or touch.
-    fn take(&mut self, contacts: &ContactBlocks, block: usize, lane: usize) {
+    fn take(&mut self, (contacts, motions): (&ContactBlocks, &[BodyMotion]), block: usize, lane: usize) {
         let from = &contacts.blocks[block];
-        let (a, b) = (self.body(from.a[lane]), self.body(from.b[lane]));
+        let (a, b) = (self.body(from.a[lane], motions), self.body(from.b[lane], motions));
         let extra = contacts.extras.get(from.extra as usize);
         let first = self.impact.points.len();
         for i in 0..usize::from(from.count[lane]) {
@@ -118,12 +121,19 @@ impl Impacts {
     }
 
     /// Gives velocities and multipliers back.
-    fn give_back(&mut self, contacts: &mut ContactBlocks, velocities: &[BodyVelocity], members: Range<usize>) {
+    fn give_back(&mut self, batch: &mut Batch, members: Range<usize>) {
+        let Batch { contacts, velocities, motions, .. } = batch;
         for (&slot, body) in self.slots.iter().zip(&self.impact.bodies) {
             self.number[slot as usize] = NOBODY;
             let now = &velocities[slot as usize];
-            let change = [body.linear - now.linear.as_dvec3(), body.angular - now.angular.as_dvec3()];
-            self.changes.push((slot, change.map(|change| change.as_vec3())));
+            let motion = &motions[slot as usize];
+            self.changes.push(BodyChange {
+                slot,
+                linear: (body.linear - now.linear.as_dvec3()).as_vec3(),
+                angular: (body.angular - now.angular.as_dvec3()).as_vec3(),
+                rotation: motion.rotation,
+                spin_energy: spin_energy(motion, body.angular),
+            });
         }
         for (manifold, &(.., block, lane)) in self.impact.manifolds.iter().zip(&self.members[members]) {
             let (number, l) = (block as usize, lane as usize);
@@ -178,10 +188,10 @@ impl Impacts {
             self.slots.clear();
             for place in first..first + count {
                 let (.., block, lane) = self.members[place];
-                self.take(&batch.contacts, block as usize, lane as usize);
+                self.take((&batch.contacts, &batch.motions), block as usize, lane as usize);
             }
             self.impact.solve(f64::from(threshold));
-            self.give_back(&mut batch.contacts, &batch.velocities, first..first + count);
+            self.give_back(batch, first..first + count);
             first += count;
         }
     }
@@ -191,10 +201,9 @@ impl Impacts {
     /// What is free keeps the angular momentum that it has then. Its bodies have moved on since the levers were formed, so a blow along one line
     /// is along two; were that made up for by a rotation of all, balls without friction would spin, and elastic ones gain energy.
     pub(crate) fn apply(&mut self, batch: &mut Batch) {
-        for (slot, [linear, angular]) in self.changes.drain(..) {
-            let velocity = &mut batch.velocities[slot as usize];
-            velocity.linear += linear;
-            velocity.angular += angular;
+        for change in self.changes.drain(..) {
+            let slot = change.slot as usize;
+            change.apply(&mut batch.velocities[slot], &batch.motions[slot]);
         }
         if !self.struck.is_empty() && !batch.free.is_empty() {
             let Batch { free, velocities, motions, poses, islands, .. } = batch;
@@ -255,13 +264,67 @@ fn island_of(batch: &Batch, number: usize) -> Option<u32> {
     batch.islands.partition_point(|&first| first <= slot).checked_sub(1).map(|island| island as u32)
 }
 
+/// What an impact changes of a body's velocity.
+#[derive(Debug, Clone, Copy)]
+struct BodyChange {
+    slot: u32,
+    linear: Vec3,
+    angular: Vec3,
+    /// How the body was turned when it was hit, and its energy of spin right after (J).
+    rotation: Quat,
+    spin_energy: f64,
+}
+
+impl BodyChange {
+    /// Changes the velocity of a body that has moved on since.
+    ///
+    /// Meanwhile it has turned. A change of spin about the axis of a needle is then also one across it, where the needle is up to a million times
+    /// heavier, and a heap of them gains energy without end. Where as it stands the change would make energy, it turns with the body.
+    fn apply(&self, velocity: &mut BodyVelocity, motion: &BodyMotion) {
+        velocity.linear += self.linear;
+        let before = velocity.angular;
+        velocity.angular += self.angular;
+        if motion.kind != MotionKind::Tumbling {
+            return;
+        }
+        let most = self.spin_energy * (1.0 + ROUNDING);
+        if spin_energy(motion, velocity.angular.as_dvec3()) <= most {
+            return;
+        }
+        velocity.angular = before + motion.rotation * (self.rotation.conjugate() * self.angular);
+        let energy = spin_energy(motion, velocity.angular.as_dvec3());
+        if energy > most {
+            velocity.angular *= (most / energy).sqrt() as f32;
+        }
+    }
+}
+
+/// Energy of a body's spin (J); none of what has no inertia.
+fn spin_energy(motion: &BodyMotion, angular: DVec3) -> f64 {
+    if motion.kind != MotionKind::Tumbling {
+        return 0.0;
+    }
+    let spin = (motion.rotation * motion.inertia_frame).as_dquat().normalize().conjugate() * angular;
+    0.5 * (spin * spin).dot(motion.inertia.as_dvec3())
+}
+
 impl ImpactBody {
-    fn of(velocity: &BodyVelocity) -> Self {
+    /// A blow lasts no time: a body answers to it with the inertia that it has at that moment, not with what its axes are smeared to by the turn
+    /// of a substep, with which sweeps work. By any other the law would keep the energy of another body.
+    fn of(velocity: &BodyVelocity, motion: &BodyMotion) -> Self {
+        let inverse_inertia = match motion.kind {
+            MotionKind::Tumbling => {
+                let axes = DMat3::from_quat((motion.rotation * motion.inertia_frame).as_dquat().normalize());
+                let free = DMat3::from_diagonal(motion.free_rotation().as_dvec3());
+                free * axes * DMat3::from_diagonal(motion.inertia.as_dvec3().recip()) * axes.transpose() * free
+            }
+            _ => Symmetric::to_mat3(velocity.inverse_inertia).as_dmat3(),
+        };
         Self {
             linear: velocity.linear.as_dvec3(),
             angular: velocity.angular.as_dvec3(),
             inverse_mass: velocity.inverse_mass.as_dvec3(),
-            inverse_inertia: Symmetric::to_mat3(velocity.inverse_inertia).as_dmat3(),
+            inverse_inertia,
         }
     }
 }
