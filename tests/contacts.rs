@@ -438,6 +438,23 @@ fn what_slides_goes_on_over_flush_surfaces() {
     }
 }
 
+#[test]
+fn boxes_slide_on_over_tiles_that_they_are_sunk_into() {
+    // Of the tiles' size: wider than they are, and narrower.
+    let boxes = [("wide", Vec3::new(2.0, 1.2, 1.2)), ("narrow", Vec3::new(0.4, 0.24, 0.32))];
+    for (size, speed, rate) in [(0.2, 7.0, 60.0), (0.2, 8.0, 60.0), (0.2, 9.0, 60.0)] {
+        for (name, half) in boxes {
+            let shape = Shape::cuboid(half * size).unwrap();
+            let (off, hop) = slide_over("tiles", size, &shape, Quat::IDENTITY, half.y, (speed, rate));
+            let fall = f64::from(9.81 / (rate * rate) / size);
+            assert!(
+                off < 0.02 && hop < 2.0e-3 + 0.05 * fall,
+                "{name} box, tiles of {size} m, {speed} m/s, {rate} Hz: off by {off} of its speed, {hop} sizes off the floor"
+            );
+        }
+    }
+}
+
 /// Energy of a marble after 40 s in a bowl of radius 2 m, from 0.12 rad, over what it began with.
 fn energy_kept_in_a_bowl(radius: f32, is_rolling: bool, rate: f32) -> f64 {
     const BOWL: f32 = 2.0;

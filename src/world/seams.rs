@@ -4,7 +4,7 @@
 //! both one surface, there would be none. Narrow phases see two shapes at a time and cannot know. Where a round body moves over at least two
 //! pairs with what does not move, a point e on K is left out if a face of another shape J carries the body there as well:
 //!
-//! * J presses, or nearly, with a face, in whose plane e lies, and e lies on J or its rim;
+//! * J presses, or nearly, with a face, in whose plane e lies, or as much under it as the body is sunk in there, and e lies on J or its rim;
 //! * e does not press as that face does: it is an edge, or a side;
 //! * K does not rise above that plane behind e, as a wall or a step would.
 
@@ -159,15 +159,19 @@ impl StaticSurface<'_> {
         if is_same || f.separation > 2.0 * e.flush || (!e.is_lone && alignment >= ALIKE) {
             return false;
         }
-        if f.normal.dot((e.at - f.at).as_vec3()).abs() > e.flush {
+        // What lies a little deep in one surface meets the side of the next by as much.
+        let height = f.normal.dot((e.at - f.at).as_vec3());
+        let depth = (-f.separation).max(0.0);
+        if height > e.flush || height < -(e.flush + depth) {
             return false;
         }
+        let at = e.at - (f.normal * height.min(0.0)).as_dvec3();
         let into = f.normal * alignment - e.normal;
         if into.length_squared() < UPRIGHT * UPRIGHT || !self.is_face(f) || (alignment >= ALIKE && self.is_face(e)) {
             return false;
         }
-        let behind = e.at + (f.normal * (2.0 * e.flush) + into.normalize() * (BEHIND * e.flush)).as_dvec3();
-        self.distance(f.shape, e.at) <= e.flush && self.distance(e.shape, behind) >= e.flush
+        let behind = at + (f.normal * (2.0 * e.flush) + into.normalize() * (BEHIND * e.flush)).as_dvec3();
+        self.distance(f.shape, at) <= e.flush && self.distance(e.shape, behind) >= e.flush
     }
 
     fn is_face(&self, point: &GlidePoint) -> bool {
