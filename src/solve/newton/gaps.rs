@@ -54,6 +54,8 @@ impl CoupledIsland {
         if displacements.iter().flatten().any(|value| !value.is_finite()) || displacements.is_empty() {
             return false;
         }
+        // In a loop only joints decide: what pushes it further out of an overlap opens it.
+        let worst = if *is_looped { worst } else { worst.max(problem.deepest_push()) };
         let turn = displacements.iter().map(|way| rate_of(way).angular.length_squared()).fold(0.0, f64::max);
         let most = if worst < lever * turn { worst / (lever * turn) } else { 1.0 };
         let may_turn = *is_looped && !patches.iter().any(Patch::presses);

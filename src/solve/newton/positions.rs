@@ -13,6 +13,11 @@ impl Problem {
         &self.unknowns[..self.masses.len().min(self.unknowns.len())]
     }
 
+    /// Greatest overlap that a displacement takes out (m).
+    pub(crate) fn deepest_push(&self) -> f64 {
+        self.terms.iter().map(|term| SHARE * term.push * term.gain[0]).fold(0.0, f64::max)
+    }
+
     /// Leaves overlaps as they are, and takes a new factor for the rows as they are now.
     pub(crate) fn forget_overlaps(&mut self) {
         self.terms.iter_mut().for_each(|term| term.push = 0.0);
