@@ -74,6 +74,40 @@ fn a_straight_row_between_points_that_are_too_close_sags_into_its_catenary() {
 }
 
 #[test]
+fn a_row_of_large_links_sags_as_soon_at_any_rate() {
+    const LINK: f32 = 5.0;
+    const COUNT: usize = 20;
+    let (span, mass, end) = (0.83 * LINK * COUNT as f32, 100.0, Vec3::X * (0.5 * LINK));
+    for rate in [30.0, 60.0, 120.0, 240.0] {
+        let mut world = world();
+        let (mut before, mut links) = (BodyId::NULL, Vec::new());
+        for number in 0..COUNT {
+            let across = mass * LINK * LINK / 12.0;
+            let properties = MassProperties::new(mass, Vec3::new(0.05 * across, across, across));
+            let place = f64::from(span) / COUNT as f64 * (number as f64 + 0.5);
+            let mut def = BodyDef::dynamic(Pose::at_xyz(place, 0.0, 0.0)).with_mass(Mass::Properties(properties));
+            (def.linear_damping, def.angular_damping) = (0.5, 0.5);
+            let own = world.create_body(&def).expect("a valid body");
+            hold(&mut world, [before, own], if number > 0 { end } else { Vec3::ZERO }, -end);
+            links.push(own);
+            before = own;
+        }
+        hold(&mut world, [before, BodyId::NULL], end, Vec3::X * span);
+        let length = LINK * COUNT as f32;
+        let (bottom, unit) = (-sag(f64::from(length), f64::from(span)), (length / 9.81).sqrt());
+        let lowest = |world: &World| links.iter().map(|&link| world.pose(link).expect("it stays").position.y).fold(0.0, f64::min);
+        let mut steps = 0;
+        while lowest(&world) > 0.8 * bottom && steps < (4.0 * unit * rate) as u32 {
+            world.step(1.0 / rate).expect("a valid step");
+            steps += 1;
+        }
+        // 1.00 at each of these rates.
+        let time = steps as f32 / rate / unit;
+        assert!((time - 1.0).abs() < 0.1, "{rate}/s: hangs after {time} √(l/g), bound 0.9 to 1.1");
+    }
+}
+
+#[test]
 fn a_straight_chain_is_picked_up_along_its_own_line() {
     for (rate, load) in [(30.0, 100.0), (60.0, 1.0e4), (240.0, 100.0)] {
         let mut world = world();

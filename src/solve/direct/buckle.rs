@@ -19,7 +19,8 @@
 //! The solve is damped by ε, so that μ is what presses and does not turn into a displacement without end where the line is all but straight.
 //! v begins as what the forces on the bodies would do, so that what may sag sags; where they do nothing across the line, as what no
 //! real row of links is without, a slight crookedness of each. Of that the turns of what is pressed are kept, M̃⁻¹ (−Ĝ) v, and held to what
-//! the joints allow. It is a displacement of positions: no velocity comes of it, and it is kept only if the worst error falls.
+//! the joints allow. It is a displacement of positions: no velocity comes of it, and it is kept only if the worst error falls. It goes all of
+//! the way at once: a greatest speed would have rows of large links sag late, and at each rate of steps at another time.
 //!
 //! Velocities have no solution there either: what a moving hook asks of a straight row, its rows cannot give to first order, and their
 //! multipliers rise without bound ([`Articulation::is_jammed`]). Such a substep is taken again from a row that is bent by as much as the
@@ -35,7 +36,7 @@ use super::stiffness;
 use super::system::PROJECTION_PASSES;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
-use crate::solve::joint::rows::{MAX_RECOVERY_SPEED, Phase, Rate};
+use crate::solve::joint::rows::{Phase, Rate};
 use crate::solve::rotation;
 
 /// What is added to the diagonal, over itself. A row of 16 links that sags by 0.1 of its length is as stiff as this along its line, and
@@ -126,8 +127,7 @@ impl Articulation {
         }
         let shortening: f64 =
             self.stiffness.iter().zip(&self.changes).map(|(g, change)| -change.angular.dot(*g * change.angular)).sum();
-        let most = MAX_RECOVERY_SPEED * self.h / self.greatest_path();
-        let way = (2.0 * gaps / shortening).sqrt().min(most);
+        let way = (2.0 * gaps / shortening).sqrt();
         // Written so that what is no number is refused.
         (shortening > 0.0 && way > 0.0 && way.is_finite()).then_some(way)
     }
