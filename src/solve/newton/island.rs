@@ -47,6 +47,8 @@ pub(super) struct CoupledOutcome {
     pub(super) kinetic: f64,
     /// Greatest speed at which rows that always hold have been left to part (m/s, rad/s).
     pub(super) strain: f64,
+    /// Whether joints give way in it.
+    gives: bool,
     /// Whether others are to take the step.
     is_rejected: bool,
     /// Whether it is to take the step, which it has not taken yet or is to take again.
@@ -135,7 +137,8 @@ impl CoupledIsland {
         self.rates.clear();
         self.local_poses.clear();
         self.patches.clear();
-        (self.outcome, self.handed_out) = (CoupledOutcome { is_pending: true, ..CoupledOutcome::default() }, 0);
+        let gives = self.outcome.gives;
+        (self.outcome, self.handed_out) = (CoupledOutcome { is_pending: true, gives, ..CoupledOutcome::default() }, 0);
         self.enlist(WORLD_SLOT, velocities, motions);
         for slot in self.slots.clone() {
             self.enlist(slot, velocities, motions);
@@ -211,7 +214,9 @@ impl CoupledIsland {
         self.outcome.gaps[1] = self.joint_gap(joints);
         (self.outcome.gain, self.outcome.kinetic) = (self.energy() - before, before);
         self.outcome.is_rejected = !self.is_sound();
-        self.outcome.is_pending = self.outcome.is_rejected && self.may_halve();
+        let contradicts = self.contradicts();
+        self.outcome.is_pending = self.outcome.is_rejected && (self.may_halve() || contradicts && !self.outcome.gives);
+        self.outcome.gives |= contradicts;
         let share = (1 << halvings) as f32;
         self.held.entries.iter_mut().for_each(|entry| *entry = entry.scaled(share));
         self.patches.iter_mut().for_each(|patch| patch.scale_impulses(f64::from(share)));
@@ -296,6 +301,10 @@ impl CoupledIsland {
         self.mask();
         self.find_stiffness(h);
         self.problem.begin();
+        if self.outcome.gives {
+            let give = self.give(h);
+            self.problem.give_way(give);
+        }
     }
 
     /// Puts speeds of what is not moved by rows into their biases, and takes locked axes out of them.

@@ -46,6 +46,11 @@ impl Problem {
         effort
     }
 
+    /// Whether any motor has no bound.
+    pub(super) fn has_boundless(&self) -> bool {
+        self.asked_without_bound().is_some()
+    }
+
     /// The greatest speed that a motor without a bound asks for (m/s, rad/s); none where there are no such motors.
     fn asked_without_bound(&self) -> Option<f64> {
         let of_links = self

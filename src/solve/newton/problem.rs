@@ -255,6 +255,15 @@ impl Problem {
         }));
     }
 
+    /// Has rows that always hold give way with this compliance, over their own response.
+    pub(super) fn give_way(&mut self, give: f64) {
+        for link in &mut self.links {
+            for row in 0..link.rows {
+                link.give[row] = link.give[row].max(give / PROXIMITY * link.proximity[row]);
+            }
+        }
+    }
+
     /// Greatest speed at which rigid rows have been left to part (m/s, rad/s); infinite where the velocity is no number.
     pub(crate) fn strain(&self) -> f64 {
         if !self.velocity.iter().flatten().all(|value| value.is_finite()) {

@@ -2,6 +2,8 @@
 
 use super::island::CoupledIsland;
 use super::patch::Patch;
+use crate::solve::direct::body::DirectBody;
+use crate::solve::joint::rows::Rate;
 
 /// Height by which a step may lift all that an island has, beyond what taking errors out of positions does (m): a straight line of planks that
 /// snaps taut under tonnes is lifted by as much, ropes and lifts by 1e-7.
@@ -24,6 +26,9 @@ const MAX_GAP: f64 = 3.0e-3;
 /// Share of the kinetic energy that is not worth a word.
 const ROUNDING: f64 = 1.0e-3;
 
+/// Least and greatest compliance of rows that give way, over their own response: a thousand times that of rows that hold, and what halves a blow.
+const GIVES: [f64; 2] = [1.0e-6, 1.0];
+
 impl CoupledIsland {
     /// Whether the step has come to an end, without a gain of energy that nothing has given, and without rows that contradict one another.
     pub(super) fn is_sound(&self) -> bool {
@@ -41,6 +46,21 @@ impl CoupledIsland {
     /// Whether rows that always hold have held.
     fn parts_slowly(&self) -> bool {
         self.outcome.strain <= MAX_STRAIN * self.held.mean_lever(&self.bodies).clamp(STRAINED_LEVERS[0], STRAINED_LEVERS[1])
+    }
+
+    /// Whether rows that always hold have not, though no motor without a bound pulls at them: they contradict one another, as those of a straight
+    /// line of links do that is pressed together.
+    pub(super) fn contradicts(&self) -> bool {
+        !self.parts_slowly() && !self.problem.has_boundless()
+    }
+
+    /// Compliance, over their own response, with which rows that contradict one another give way in a substep of length `h` (s). A straight
+    /// line of n links of length l that is pressed together at the speed u gets as short as it has to within the substep if its links go
+    /// aside at √(2 u l/(n h)). At a small angle θ they do at θ u/(ε + n θ²), at most u/2√(n ε): as much with ε = u h/(8 l).
+    pub(super) fn give(&self, h: f64) -> f64 {
+        let speed = |(body, rate): (&DirectBody, &Rate)| rate.linear.length() + body.pull() * h;
+        let fastest = self.bodies.iter().zip(&self.rates).map(speed).fold(0.0, f64::max);
+        (fastest * h / (16.0 * self.held.mean_lever(&self.bodies))).clamp(GIVES[0], GIVES[1])
     }
 
     /// Whether a step that is not sound is to be taken again in halved substeps. Rows that contradict one another do so in shorter ones too, and
