@@ -39,11 +39,6 @@ pub(crate) const MAX_RECOVERY_SPEED: f64 = 10.0;
 /// ρ = 0.56).
 pub(crate) const DRIVE_SHARE: f64 = 0.1;
 
-/// The same of a joint whose bodies have no other: its rows lean on its points, so that a visit solves both and ρ is what contacts leave.
-///
-/// From a half to one all of 720 servos arrive in time; with a tenth 140 are late by up to 0.4 s, with 0.3 20.
-pub(crate) const LONE_DRIVE_SHARE: f64 = 0.5;
-
 /// What rows are built for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Phase {

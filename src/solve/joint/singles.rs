@@ -203,7 +203,7 @@ impl Singles {
                 rebounds: entry.rebounds,
                 answer: &answer,
                 left: left[1],
-                closing_share: if entry.motors.are_chained { rows::DRIVE_SHARE } else { rows::LONE_DRIVE_SHARE },
+                closing_share: rows::DRIVE_SHARE,
                 // What hangs on other joints is not known here: a motor does not set it going faster than sweeps stop it.
                 most_speed: if entry.motors.are_chained { rows::MAX_RECOVERY_SPEED } else { f64::INFINITY },
                 applied: f64::from(u8::from(again)),
