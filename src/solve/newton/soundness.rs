@@ -63,7 +63,8 @@ impl CoupledIsland {
         (fastest * h / (16.0 * self.held.mean_lever(&self.bodies))).clamp(GIVES[0], GIVES[1])
     }
 
-    /// Whether a step that is not sound is to be taken again in halved substeps. Rows that contradict one another do so in shorter ones too, and
+    /// Whether a step that is not sound is to be taken again in halved substeps as it is. Rows that contradict one another do so in shorter ones
+    /// too, unless they give way, and
     /// what nothing presses on others solve as well.
     pub(super) fn may_halve(&self) -> bool {
         self.parts_slowly() && self.patches.iter().any(Patch::presses)
