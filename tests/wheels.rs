@@ -1,0 +1,121 @@
+//! What rolls on driven wheels goes as fast as they turn, and hangs in its springs as statics says.
+
+use std::f32::consts::TAU;
+
+use longspan::glam::{DVec3, Quat, Vec3};
+use longspan::{
+    BodyDef, BodyId, Geometry, JointDef, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, Softness, Solver, World, WorldDef,
+};
+
+const RADIUS: f32 = 0.4;
+const GRAVITY: f32 = 9.8;
+
+fn round(geometry: Geometry) -> ShapeDef {
+    let mut shape = ShapeDef::new(Shape::new(geometry).expect("a valid shape"));
+    shape.material.friction = 0.9;
+    shape
+}
+
+fn add(world: &mut World, at: DVec3, turned: Quat, shape: ShapeDef, mass: f32) -> BodyId {
+    let def = BodyDef::dynamic(Pose::at(at).rotated(turned)).with_shape(shape).with_mass(Mass::Total(mass));
+    world.create_body(&def).expect("a valid body")
+}
+
+fn join(world: &mut World, kind: JointKind, [a, b]: [BodyId; 2], at: DVec3, axis: Vec3) {
+    let frame = Quat::from_rotation_arc(Vec3::X, axis);
+    let mut def = JointDef::new(kind, a, b);
+    let place = |world: &World, body: BodyId| {
+        let pose = world.pose(body).expect("it exists");
+        Pose::at(pose.inverse_transform_point(at).as_dvec3()).rotated(pose.rotation.inverse() * frame)
+    };
+    (def.frame_a, def.frame_b) = (place(world, a), place(world, b));
+    world.create_joint(&def).expect("a valid joint");
+}
+
+/// A tonne on four wheels of 30 kg, on a floor at y = 0; between chassis and hubs are springs, where there are any.
+fn car(solver: Solver, wheel: Geometry, turn: f32, spring: Option<Softness>) -> (World, BodyId, Vec<BodyId>) {
+    let mut world =
+        World::new(&WorldDef { gravity: Vec3::NEG_Y * GRAVITY, solver, ..WorldDef::default() }).expect("a valid world");
+    world
+        .create_body(&BodyDef::fixed(Pose::IDENTITY).with_shape(round(Geometry::HalfSpace { normal: Vec3::Y })))
+        .expect("a floor");
+    let chassis = ShapeDef::new(Shape::cuboid(Vec3::new(1.5, 0.2, 0.6)).expect("a valid shape"));
+    let chassis = add(&mut world, DVec3::Y * 0.7, Quat::IDENTITY, chassis, 1000.0);
+    let upright = if matches!(wheel, Geometry::Ball { .. }) { Quat::IDENTITY } else { Quat::from_rotation_arc(Vec3::Y, Vec3::Z) };
+    let mut all = vec![chassis];
+    for (x, z) in [(-1.0, -0.8), (-1.0, 0.8), (1.0, -0.8), (1.0, 0.8)] {
+        let at = DVec3::new(x, f64::from(RADIUS), z);
+        let mut bearer = chassis;
+        if let Some(softness) = spring {
+            let mut shape = ShapeDef::new(Shape::cuboid(Vec3::splat(0.1)).expect("a valid shape"));
+            shape.filter.collides_with = 0;
+            let hub = add(&mut world, at, Quat::IDENTITY, shape, 15.0);
+            let motor = Motor::Position { target: 0.0, softness, max_force: f32::INFINITY };
+            join(&mut world, JointKind::Prismatic { limits: Limits::new(-0.3, 0.3), motor }, [bearer, hub], at, Vec3::Y);
+            (bearer, all) = (hub, [all, vec![hub]].concat());
+        }
+        let wheel = add(&mut world, at, upright, round(wheel.clone()), 30.0);
+        world.set_angular_velocity(wheel, Vec3::Z * -turn).expect("a valid velocity");
+        let motor = Motor::Velocity { target: -turn, max_force: f32::INFINITY };
+        join(&mut world, JointKind::Hinge { limits: Limits::NONE, motor }, [bearer, wheel], at, Vec3::Z);
+        all.push(wheel);
+    }
+    for &body in &all {
+        world.set_linear_velocity(body, Vec3::X * turn * RADIUS).expect("a valid velocity");
+    }
+    (world, chassis, all)
+}
+
+/// Within a step the point at which a wheel touches goes around it: by a third of a radian at 10 rad/s and 30 steps a second.
+#[test]
+fn a_car_drives_as_fast_as_its_wheels_turn() {
+    let wheels = [
+        Geometry::Cylinder { half_height: 0.15, radius: RADIUS },
+        Geometry::Ball { radius: RADIUS },
+        Geometry::Capsule { half_height: 0.1, radius: RADIUS },
+    ];
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        for wheel in &wheels {
+            for turn in [3.0_f32, 10.0, 30.0, 100.0] {
+                for rate in [30.0, 60.0, 240.0] {
+                    let (mut world, chassis, _) = car(solver, wheel.clone(), turn, None);
+                    for _ in 0..(2.0 * rate) as usize {
+                        world.step(1.0 / rate).expect("a valid step");
+                    }
+                    let what = format!("{solver:?}, {wheel:?}, {turn} rad/s, {rate}/s");
+                    let speed = world.linear_velocity(chassis).expect("it stays").x;
+                    let at = world.pose(chassis).expect("it stays").position;
+                    let (gone, told) = (f64::from(turn * RADIUS) * 2.0, turn * RADIUS);
+                    assert!((speed / told - 1.0).abs() < 2e-3, "{what}: {speed} m/s of {told}, bound 0.2 %");
+                    assert!((at.x / gone - 1.0).abs() < 2e-3, "{what}: gone {} m of {gone}, bound 0.2 %", at.x);
+                    assert!((at.y - 0.7).abs() < 5e-3, "{what}: the chassis is at {} m in place of 0.7, bound 5 mm", at.y);
+                    assert!(at.z.abs() < 5e-3, "{what}: {} m aside, bound 5 mm", at.z);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_car_hangs_in_its_springs_as_its_weight_says() {
+    for frequency in [1.0_f32, 1.5, 3.0] {
+        for rate in [30.0, 60.0, 240.0] {
+            let stiffness = 250.0 * (TAU * frequency).powi(2);
+            let softness = Softness { compliance: stiffness.recip(), damping: (stiffness * 250.0).sqrt() };
+            let wheel = Geometry::Cylinder { half_height: 0.15, radius: RADIUS };
+            let (mut world, chassis, all) = car(Solver::Auto, wheel, 10.0, Some(softness));
+            let mut gap = 0.0_f32;
+            for _ in 0..(6.0 * rate) as usize {
+                world.step(1.0 / rate).expect("a valid step");
+                gap = gap.max(world.report().residuals.joint_gap);
+            }
+            let (sag, what) = (f64::from(250.0 * GRAVITY / stiffness), format!("{frequency} Hz, {rate}/s"));
+            let [at, wheel] = [chassis, all[2]].map(|body| world.pose(body).expect("it stays").position);
+            let speed = world.linear_velocity(chassis).expect("it stays").x;
+            assert!((wheel.y - f64::from(RADIUS)).abs() < 2e-3, "{what}: a wheel's axle is at {} m, bound 2 mm off 0.4", wheel.y);
+            assert!((0.7 - sag - at.y).abs() < 2e-3, "{what}: the chassis sags to {} m, expected {} ± 0.002", at.y, 0.7 - sag);
+            assert!((speed - 4.0).abs() < 0.02, "{what}: {speed} m/s, expected 4 ± 0.02");
+            assert!(gap < 1e-3, "{what}: joints {gap} m open, bound 1 mm");
+        }
+    }
+}
