@@ -400,3 +400,62 @@ fn what_is_made_inside_a_sleeper_drives_it_out() {
         }
     }
 }
+
+/// A chain of bodies along x, each on the one before it by a fixed joint, the first on `base`.
+fn welded(world: &mut World, base: BodyId, count: u32) -> Vec<BodyId> {
+    let mut bodies = vec![base];
+    for i in 1..=count {
+        let def = BodyDef::dynamic(Pose::at_xyz(f64::from(i), 0.0, 0.0)).with_shape(cube(0.2));
+        let body = world.create_body(&def).unwrap();
+        let before = *bodies.last().unwrap();
+        let reach = if i == 1 { Vec3::X } else { Vec3::X * 0.5 };
+        let def = JointDef::new(JointKind::Fixed, before, body).at(reach, reach - Vec3::X);
+        world.create_joint(&def).unwrap();
+        bodies.push(body);
+    }
+    bodies.split_off(1)
+}
+
+#[test]
+fn what_is_welded_to_the_world_is_asleep() {
+    for (rate, count, gravity) in RATES.into_iter().flat_map(|rate| [(rate, 1, 9.81_f32), (rate, 5, 9.81), (rate, 5, 0.0)]) {
+        for (solver, on_static) in
+            [Solver::Auto, Solver::GaussSeidel].into_iter().flat_map(|solver| [(solver, false), (solver, true)])
+        {
+            let what = format!("{count} bodies, {gravity} m/s², {rate} Hz, {solver:?}, on a static body: {on_static}");
+            let mut world = World::new(&WorldDef { gravity: Vec3::NEG_Y * gravity, solver, ..WorldDef::default() }).unwrap();
+            let base = if on_static { world.create_body(&BodyDef::fixed(Pose::IDENTITY)).unwrap() } else { BodyId::NULL };
+            let bodies = welded(&mut world, base, count);
+            run(&mut world, 1.0, 1.0 / rate);
+            let is_awake = |world: &World, body: BodyId| world.is_awake(body).unwrap();
+            assert!(bodies.iter().all(|&body| !is_awake(&world, body)), "{what}: awake after a second");
+            // It is where it was made, and wakes as it is let go.
+            let last = bodies[bodies.len() - 1];
+            assert_eq!(world.pose(last).unwrap().position, DVec3::X * f64::from(count), "{what}");
+            let first = world.body_joints(bodies[0]).unwrap()[0];
+            world.destroy_joint(first).unwrap();
+            world.step(1.0 / rate).unwrap();
+            assert!(bodies.iter().all(|&body| is_awake(&world, body)), "{what}: asleep, and nothing holds it");
+        }
+    }
+}
+
+#[test]
+fn what_is_welded_to_the_world_is_awake_where_it_may_not_sleep_or_wears() {
+    let mut world = World::new(&WorldDef::default()).unwrap();
+    let body = welded(&mut world, BodyId::NULL, 1)[0];
+    run(&mut world, 0.1, 1.0 / 60.0);
+    assert!(!world.is_awake(body).unwrap());
+    world.set_can_sleep(body, false).unwrap();
+    run(&mut world, 1.0, 1.0 / 60.0);
+    assert!(world.is_awake(body).unwrap(), "it may not sleep");
+    world.set_can_sleep(body, true).unwrap();
+    let joint = world.body_joints(body).unwrap()[0];
+    let weight = 9.81 * world.mass_properties(body).unwrap().unwrap().mass;
+    for (limit, wears) in [(10.0 * weight, false), (1.5 * weight, true)] {
+        let damage = Some(Damage { from: 0.5, time: 60.0, half_life: f32::INFINITY });
+        world.set_joint_strength(joint, Strength { shear: limit, damage, ..Strength::UNBREAKABLE }).unwrap();
+        run(&mut world, 1.0, 1.0 / 60.0);
+        assert_eq!(world.is_awake(body).unwrap(), wears, "a limit of {limit} N under {weight} N");
+    }
+}

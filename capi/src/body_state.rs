@@ -186,7 +186,7 @@ pub extern "C" fn ls_body_can_sleep_set(world: LsWorld, body: LsBody, can_sleep:
     call("ls_body_can_sleep_set", || edit(world, |world| world.set_can_sleep(body.into(), can_sleep != 0)))
 }
 
-/// Whether a body is awake; static and kinematic bodies always are.
+/// Whether a body is awake; static and kinematic ones always are, what is welded to static ones and may sleep never is.
 ///
 /// @param world  the world; any value is safe
 /// @param body   a body of that world; any value is safe

@@ -3843,7 +3843,7 @@ LsResult ls_body_can_sleep_get(LsWorld world, LsBody body, uint32_t *out);
 LsResult ls_body_can_sleep_set(LsWorld world, LsBody body, uint32_t can_sleep);
 
 /**
- * Whether a body is awake; static and kinematic bodies always are.
+ * Whether a body is awake; static and kinematic ones always are, what is welded to static ones and may sleep never is.
  *
  * @param world  the world; any value is safe
  * @param body   a body of that world; any value is safe

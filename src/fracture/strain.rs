@@ -61,6 +61,12 @@ impl Strain {
         self.mean(strength.window, 0.0, &JointLoad::default())
     }
 
+    /// Whether its present load wears it out or is past a limit.
+    pub(crate) fn is_at_work(&self, strength: &Strength) -> bool {
+        let (share, _) = strength.share(&self.present(strength));
+        share > strength.damage.map_or(1.0, |damage| damage.from)
+    }
+
     /// What this load over the next `dt` (s) will make of the joint.
     pub(crate) fn judge(&self, strength: &Strength, load: &JointLoad, dt: f32) -> Judgement {
         let load = self.mean(strength.window, dt, load);

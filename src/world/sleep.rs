@@ -3,19 +3,30 @@
 use super::drift::{WATCHED_AGAIN, quiet_after};
 use super::wake::Edited;
 use super::{Collision, Movers, World};
-use crate::body::{BodyKind, SleepState};
+use crate::body::{Anchored, BodyKind, SleepState};
 use crate::collide::cache::Fate;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::BodyId;
 use crate::island::SleepingIsland;
 
 impl World {
-    /// Whether a body is awake; static and kinematic bodies always are.
+    /// Whether a body is awake; static and kinematic ones always are, what is welded to static ones and may sleep never is.
     ///
     /// # Errors
     /// The handle is not a body of this world.
     pub fn is_awake(&self, body: BodyId) -> Result<bool> {
-        Ok(self.bodies[self.bodies.find(body)?].is_awake())
+        let index = self.bodies.find(body)?;
+        Ok(self.bodies[index].is_awake() && !self.stands_welded(index))
+    }
+
+    /// Whether a body that may sleep stands because welds hold it to what is static, and no joint of it wears or bears too much.
+    fn stands_welded(&self, index: u32) -> bool {
+        let body = &self.bodies[index];
+        if body.anchored != Anchored::Still || !self.def.sleep.enabled || !body.settings.can_sleep {
+            return false;
+        }
+        let mut joints = body.joints.iter().filter_map(|&id| self.joints.find(id).ok()).map(|slot| &self.joints[slot]);
+        !joints.any(|joint| joint.strain.as_ref().is_some_and(|strain| strain.is_at_work(&joint.def.strength)))
     }
 
     /// Wakes a body and its island.
