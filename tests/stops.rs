@@ -132,6 +132,31 @@ fn a_door_rests_where_it_has_met_its_stop() {
 }
 
 #[test]
+fn a_door_thrown_at_its_stop_stays_there_however_far_it_turns_in_a_substep() {
+    for (rate, degrees) in RATES.into_iter().flat_map(|rate| [45.0_f32, 90.0, 91.0, 135.0].map(|degrees| (rate, degrees))) {
+        for (spin, width) in
+            [20.0_f32, 35.0, 50.0, 51.0, 70.0].into_iter().flat_map(|spin| [0.1_f32, 1.0, 3.0].map(|width| (spin, width)))
+        {
+            let mut world = world(Solver::Auto, 0.0);
+            let at = Pose::at_xyz(0.0, 0.5 * f64::from(width), 0.0);
+            let inertia = Vec3::new(0.0835, 0.3335, 0.4167) * (20.0 * width * width);
+            let def = BodyDef::dynamic(at).with_mass(Mass::Properties(MassProperties::new(20.0, inertia)));
+            let door = world.create_body(&def).expect("a valid body");
+            let open = degrees.to_radians();
+            let kind = JointKind::Hinge { limits: Limits::new(-0.5, open), motor: Motor::Off };
+            let joint = JointDef::new(kind, BodyId::NULL, door).at(Vec3::ZERO, Vec3::Y * (-0.5 * width));
+            let joint = world.create_joint(&joint).expect("a valid joint");
+            world.set_angular_velocity(door, Vec3::X * spin).expect("a body of the world");
+            world.set_linear_velocity(door, Vec3::Z * (0.5 * width * spin)).expect("a body of the world");
+            steps(&mut world, 1.0 / rate, 1.0);
+            let state = world.joint_state(joint).expect("it stays");
+            let what = format!("{width} m, {rate}/s, open to {degrees}° at {spin} rad/s");
+            assert!((state.position - open).abs() < 0.01, "{what}: at {} rad a second later, bound 10 mrad", state.position);
+        }
+    }
+}
+
+#[test]
 fn a_stop_between_two_free_bodies_shares_their_momentum() {
     for stop in Stop::ALL {
         for (rate, solver) in RATES.into_iter().flat_map(|rate| SOLVERS.map(|solver| (rate, solver))) {

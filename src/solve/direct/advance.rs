@@ -109,6 +109,8 @@ impl Articulation {
         }
         self.follow_angles(joints, h);
         self.note_rebounds();
+        // What a contact presses on is not free to follow a blow by joints alone.
+        let meets_stop = self.meets_stop(joints) && !self.touches.iter().any(ArticulationContact::presses);
         let settled = self.system.settled || self.touches.is_empty();
         let errors = self.find_errors(joints);
         let error = self.project(joints, errors);
@@ -122,6 +124,10 @@ impl Articulation {
             }
             self.outcome.safe += 1;
             self.outcome.unsettled |= !settled;
+            // What is left of the approach, a turn by a radian in this substep, the next one would be thrown back by.
+            if meets_stop {
+                self.end_approach(joints);
+            }
             return error;
         }
         self.outcome.halvings += 1;

@@ -60,6 +60,15 @@ impl Articulation {
     /// Ends a substep in which a stop was met by the impact that follows: what presses approaches no more, and stops with restitution are left
     /// at the speeds of `leaving`, by joint and row. Joints go on with the multipliers of the substep.
     pub(super) fn resolve_impact(&mut self, joints: &Pool<Joint, JointId>, leaving: &[(usize, u8, f64)]) {
+        self.end_approach(joints);
+        if !leaving.is_empty() {
+            self.leave_stops(leaving);
+        }
+        self.go_on_without_blow(leaving);
+    }
+
+    /// The first part of an impact: what presses approaches no more.
+    pub(super) fn end_approach(&mut self, joints: &Pool<Joint, JointId>) {
         self.stiffness.fill(DMat3::ZERO);
         wide_integrator::respond(&self.bodies4, 0.0, &self.local_poses, &self.stiffness, &mut self.bodies);
         self.predicted.clone_from(&self.local_poses);
@@ -78,10 +87,6 @@ impl Articulation {
             }
         }
         self.blow(1.0);
-        if !leaving.is_empty() {
-            self.leave_stops(leaving);
-        }
-        self.go_on_without_blow(leaving);
     }
 
     /// Solves the rows of an impact, and adds this share of the multipliers to the loads of the joints.
