@@ -7,6 +7,18 @@ use super::system::System;
 use crate::solve::joint::rows::{MAX_RECOVERY_SPEED, Rate};
 use crate::tuning::overruled::OVERRULED_COMPLIANCE;
 
+impl Row {
+    /// Whether it is at a bound, and asks to push less or to pull, as its bodies part or close at these rates.
+    fn wants_free(&self, pair: [Rate; 2]) -> bool {
+        let side = match self.state {
+            RowState::Low if self.min < self.max => 1.0,
+            RowState::High if self.min < self.max => -1.0,
+            _ => return false,
+        };
+        side * (self.rate(&pair) + self.bias + self.gamma * self.impulse) < -FREE_BELOW
+    }
+}
+
 /// Share of what a motor asks for, and speed beside it (m/s, rad/s), that a solve may leave.
 /// Why: what rows contradict each other by is of the size of what they ask for; what a solve leaves else is 1e-7 of it.
 /// Scenes: motors of 50 N m to without bound, held by ropes, welds and stops at 30 to 240 Hz. Test: tests/motors.rs
@@ -48,20 +60,22 @@ impl System {
                 RowState::Free if row.impulse > row.max => flips.push((number, RowState::High)),
                 RowState::Free => {}
                 RowState::Low | RowState::High => {
-                    if !may_free || row.min == row.max {
-                        continue;
-                    }
-                    let pair = nodes[node as usize].bodies.map(|body| rates[body as usize]);
-                    let error = row.rate(&pair) + row.bias + row.gamma * row.impulse;
-                    let wants_more = row.state == RowState::Low && error < -FREE_BELOW;
-                    let wants_less = row.state == RowState::High && error > FREE_BELOW;
-                    if wants_more || wants_less {
+                    if may_free && row.wants_free(nodes[node as usize].bodies.map(|body| rates[body as usize])) {
                         flips.push((number, RowState::Free));
                     }
                 }
             }
         }
         flips.len()
+    }
+
+    /// Whether passes that free nothing have kept a row in a state which it is not to be in: a contact that bodies go through.
+    pub(super) fn keeps_open(&self, rates: &[Rate]) -> bool {
+        self.bounded.iter().any(|&(number, node)| {
+            let row = &self.rows[number as usize];
+            let is_apart = self.beside.is_on && row.origin == Origin::Contact;
+            !is_apart && row.wants_free(self.nodes[node as usize].bodies.map(|body| rates[body as usize]))
+        })
     }
 
     /// Lists the motors and bearings that rub which what joints hold does not let have their way: they push with all they have, or without a

@@ -172,6 +172,8 @@ pub(crate) struct Articulation {
     /// built (rad).
     pub(super) lasting: ReusedFactor,
     pub(super) built: Vec<Vec3>,
+    /// Sum of the squares of the turns of substeps since its positions were mended (rad²), where it is swept.
+    pub(super) turned: f64,
     /// Way and turn of each body in the step as its rows were last looked at (m, rad).
     pub(super) followed: Vec<[Vec3; 2]>,
     /// Whether the inertia with which its bodies answer is that of the next substep already, where it is swept.

@@ -145,7 +145,8 @@ impl BesideRows {
                 break;
             }
         }
-        self.is_done = wrong == 0;
+        // The last passes free nothing: what they keep apart may still be gone through.
+        self.is_done = wrong == 0 && self.find_flips(rows, true) == 0;
         self.has_settled = true;
         if !is_factored {
             self.factorize(rows);

@@ -26,6 +26,7 @@ use crate::solve::disjoint::Slots;
 use crate::solve::joint::JointEntry;
 use crate::solve::joint::rows::{Phase, Rate};
 use crate::solve::state::{BodyMotion, BodyVelocity};
+use crate::tuning::mending::MAX_TURNED;
 
 /// Push of a body that joints yield to, as a share of the least error that positions are mended for.
 const PUSHED: f64 = 0.1;
@@ -45,6 +46,7 @@ impl Articulation {
         h: f64,
     ) {
         self.h = h;
+        self.turned = 0.0;
         self.find_answer(velocities, motions);
         for body in self.bodies.iter().filter(|body| body.is_dynamic()) {
             velocities.get_mut(body.slot).inverse_inertia = body.answer();
@@ -82,6 +84,8 @@ impl Articulation {
             self.take_rates(velocities);
         } else {
             self.find_answer(velocities, motions);
+            // Positions that wait to be mended have not been looked at.
+            self.follow_angles(joints, 0.0);
         }
         self.answer_contacts(velocities, motions, !has_answer);
         self.look_ahead(joints, motions, rest);
@@ -320,7 +324,13 @@ impl Articulation {
     ) -> Option<Settling> {
         if !is_end {
             self.keep_swept_impulses();
+            let waits = self.may_wait();
             if self.find_lasting(motions) {
+                return None;
+            }
+            if waits {
+                self.hand_back_impulses();
+                self.build_anew();
                 return None;
             }
         }
@@ -329,13 +339,29 @@ impl Articulation {
         self.load(velocities, motions);
         self.follow_angles(joints, 0.0);
         let has_rows = self.has_lasting_rows();
-        if self.lasting != ReusedFactor::Never {
-            self.lasting = ReusedFactor::No;
-        }
+        self.build_anew();
         Some(match has_rows {
             true => self.ask_lasting_rows(joints, self.least_to_mend()),
             false => Settling { errors: self.find_errors(joints), mends: false },
         })
+    }
+
+    /// Has the next substep build its rows.
+    fn build_anew(&mut self) {
+        if self.lasting != ReusedFactor::Never {
+            self.lasting = ReusedFactor::No;
+        }
+    }
+
+    /// Whether errors of positions may wait for the end of the step: rows leave gaps of half the square of a turn, of its lever.
+    fn may_wait(&mut self) -> bool {
+        let most = self.rates.iter().map(|rate| rate.angular.length_squared()).fold(0.0, f64::max);
+        self.turned += most * self.h * self.h;
+        let waits = self.turned <= MAX_TURNED;
+        if !waits {
+            self.turned = 0.0;
+        }
+        waits
     }
 
     /// Takes out what lasting rows have left, and moves the bodies.

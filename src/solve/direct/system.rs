@@ -329,11 +329,11 @@ impl System {
                 (fewest, patience) = (usize::MAX, PATIENCE);
             }
             if wrong + sliding == 0 {
-                self.settled &= !self.beside.is_on || self.beside.is_done;
+                self.settled &= (!self.beside.is_on || self.beside.is_done) && (may_free || !self.keeps_open(rates));
                 return pass;
             }
         }
-        self.settled &= wrong == 0;
+        self.settled &= wrong == 0 && !self.keeps_open(rates);
         most_passes
     }
 
