@@ -44,9 +44,6 @@ const BOUND_CHANGE: [f64; 2] = [0.1, 0.33];
 /// Slope at the end of a step, over that at its beginning, from which on the step is shortened, and to which.
 const STEEP: f64 = 1.0e-2;
 
-/// Terms that press without having pressed before from which on ADMM finds where to begin.
-const COLD_TERMS: usize = 4;
-
 /// Iterations of ADMM before a cold start and out of budget.
 const COLD_ITERATIONS: usize = 10;
 const FALLBACK_ITERATIONS: usize = 20;
@@ -90,8 +87,7 @@ impl Problem {
         self.find_radii();
         self.terms.iter_mut().for_each(Term::choose_compliance);
         let mut effort = Effort::default();
-        let cold = self.terms.iter().filter(|term| term.is_cold(with_bias(term, speed(term, &self.free)))).count();
-        if cold >= COLD_TERMS && budget > 1 {
+        if self.terms.iter().any(|term| term.is_cold(with_bias(term, speed(term, &self.free)))) && budget > 1 {
             self.find_start();
             effort.factors += 1;
         } else {
