@@ -104,7 +104,7 @@ impl Lift {
 #[test]
 fn a_scissor_lift_of_light_arms_holds_two_tonnes_where_it_was_made() {
     let actuators = [("a motor at rest", (Limits::NONE, HELD)), ("limits", (Limits::new(0.0, 0.0), Motor::Off))];
-    for (stages, lies_on_it) in [(5, false), (8, false), (9, false), (10, false), (12, false), (3, true), (8, true)] {
+    for (stages, lies_on_it) in [(5, false), (8, false), (3, true), (8, true)] {
         for (what, actuator) in actuators {
             for rate in RATES {
                 let mut lift = Lift::new(stages, 2000.0, lies_on_it, actuator);

@@ -249,11 +249,9 @@ impl IslandTraits {
     }
 
     /// Whether joints close a loop and bear more than a substep resolves. In the first step nobody knows what they bear: it is taken for
-    /// all that the bodies are pulled with, times their number. Links in a row multiply a load: the end of a lift of n stages rises by n times
-    /// what its foot closes by, and the foot bears as many times its weight.
+    /// all that the bodies are pulled with.
     fn is_stiff_loop(&self) -> bool {
-        let guess = self.stiffness * self.pull * f64::from(self.bodies);
-        let is_stiff = if self.is_loaded { self.is_stiff } else { guess > IMPLICIT_RANGE.0 };
+        let is_stiff = if self.is_loaded { self.is_stiff } else { self.stiffness * self.pull > IMPLICIT_RANGE.0 };
         self.is_looped && is_stiff
     }
 
