@@ -353,8 +353,12 @@ impl Articulation {
         }
     }
 
-    /// Whether errors of positions may wait for the end of the step: rows leave gaps of half the square of a turn, of its lever.
+    /// Whether errors of positions may wait for the end of the step: rows leave gaps of half the square of a turn, of its lever. Those of a loop
+    /// do not: its rows may contradict one another where it is not closed, which doubled the error of a ring's momentum.
     fn may_wait(&mut self) -> bool {
+        if self.topology.loops > 0 {
+            return false;
+        }
         let most = self.rates.iter().map(|rate| rate.angular.length_squared()).fold(0.0, f64::max);
         self.turned += most * self.h * self.h;
         let waits = self.turned <= MAX_TURNED;
