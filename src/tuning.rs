@@ -427,13 +427,13 @@ pub(crate) mod needles {
     pub(crate) const NEEDLE: f32 = 1.0e-3;
 }
 
-/// Positions of swept articulations: see `solve/direct/block_constraint.rs`.
+/// Positions of swept articulations without loops: see `solve/direct/block_constraint.rs`.
 pub(crate) mod mending {
     /// Sum of the squares of the turns of substeps, of the body that turns most, up to which errors of positions wait for the end of the
     /// step (rad²).
     /// Why: rows that turn by θ leave gaps of θ²/2 of their levers, so that half a hundredth is left until then; three times as much saves no more.
-    /// Scenes: ragdoll_rain, ragdoll_pile, track (0.003, 0.01 and 0.03 were tried: docs/lab/performance.md).
-    /// Test: tests/ragdolls_at_rest.rs
+    /// Scenes: ragdoll_rain, ragdoll_pile (0.003, 0.01 and 0.03 were tried: docs/lab/performance.md); track and hinge_loop have loops.
+    /// Test: tests/ragdolls_at_rest.rs, tests/overdetermined.rs
     pub(crate) const MAX_TURNED: f64 = 0.01;
 }
 

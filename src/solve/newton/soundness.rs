@@ -64,8 +64,7 @@ impl CoupledIsland {
     }
 
     /// Whether a step that is not sound is to be taken again in halved substeps as it is. Rows that contradict one another do so in shorter ones
-    /// too, unless they give way, and
-    /// what nothing presses on others solve as well.
+    /// too, unless they give way, and what nothing presses on others solve as well.
     pub(super) fn may_halve(&self) -> bool {
         self.parts_slowly() && self.patches.iter().any(Patch::presses)
     }
