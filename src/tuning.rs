@@ -433,7 +433,7 @@ pub(crate) mod mending {
     /// step (rad²).
     /// Why: rows that turn by θ leave gaps of θ²/2 of their levers, so that half a hundredth is left until then; three times as much saves no more.
     /// Scenes: ragdoll_rain, ragdoll_pile (0.003, 0.01 and 0.03 were tried: docs/lab/performance.md); track and hinge_loop have loops.
-    /// Test: tests/ragdolls_at_rest.rs, tests/overdetermined.rs
+    /// Test: tests/ragdolls_at_rest.rs
     pub(crate) const MAX_TURNED: f64 = 0.01;
 }
 
