@@ -1,8 +1,6 @@
 //! What has a formula agrees with it.
 
-mod common;
-
-use common::{Run, scene};
+use crate::common::{Run, scene};
 use longspan_scenes::DT;
 
 #[test]

@@ -1,9 +1,7 @@
 //! Scenes keep their promises at other rates and sizes: at 30, 120 and 240 steps a second, and a tenth and ten times as large on the same
 //! earth. All bounds are in the scene's own units, so that one holds for all of them.
 
-mod common;
-
-use common::{Run, scene};
+use crate::common::{Run, scene};
 
 /// How a scene is run: its key `rate`, where it has one, or others.
 const AT: [(&str, &[(&str, &str)]); 6] = [

@@ -1,7 +1,7 @@
 //! Joints and contacts in one solve, at numbers that nothing was tuned for: arches, bollards, winches, drums and lifts of other counts,
 //! masses, radii and rates than those of *block_constraint.rs*.
 //!
-//! `cargo test --release --test coupled_holdouts -- --ignored --nocapture` prints the table of *docs/lab/coupled.md*.
+//! `cargo test --release --test promises coupled_holdouts:: -- --ignored --nocapture` prints the table of *docs/lab/coupled.md*.
 
 use std::f64::consts::PI;
 

@@ -1,10 +1,8 @@
 //! The same calls give the same bits.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Run, scene};
+use crate::common::{self, Run, scene};
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, CollisionFilter, Material, ParallelFor, Pose, Shape, ShapeDef, Solver, World, WorldDef};
 

@@ -1,9 +1,7 @@
 //! What the direct joint solver promises, at default effort.
 
-use common::Run;
+use crate::common::{self, Run};
 use longspan_scenes::{Engine, LongspanEngine};
-
-mod common;
 
 #[test]
 fn ten_tonnes_do_not_stretch_a_chain() {

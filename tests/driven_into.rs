@@ -1,14 +1,11 @@
 //! A motor pushes what it drives against what is in the way, however strong it is, and stalls there: nothing is driven through a wall.
 
-#[path = "common/motor_kinds.rs"]
-mod motor_kinds;
-
+use crate::common::motor_kinds::{KINDS, Kind};
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
     BodyDef, BodyId, Drive, JointDef, JointId, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, SleepSettings, Solver,
     World, WorldDef,
 };
-use motor_kinds::{KINDS, Kind};
 
 const RATES: [f32; 3] = [30.0, 60.0, 240.0];
 

@@ -1,8 +1,6 @@
 //! Ten kilometres from the origin is like the origin.
 
-mod common;
-
-use common::Run;
+use crate::common::Run;
 
 /// Errors at 10 km may differ by 1 % of those at the origin, or by this where they are smaller (m).
 const FLOOR: f64 = 1e-6;

@@ -1,8 +1,6 @@
 //! Joints break at the loads that they were given, in the step that overloads them, and nothing is lost when they do.
 
-mod common;
-
-use common::{Run, scene};
+use crate::common::{Run, scene};
 use longspan::glam::{DVec3, Vec3, Vec3Swizzles};
 use longspan::{
     BodyDef, BodyId, BreakCause, BreakLimit, Damage, FractureSettings, JointDef, JointId, JointKind, Pose, Shape, ShapeDef,

@@ -1,10 +1,8 @@
 //! Hinge chains keep their plane, whatever the effort (Müller et al. 2017, §3.4).
 
-use common::Run;
+use crate::common::Run;
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, BodyId, BodyKind, JointDef, JointKind, Pose, Shape, ShapeDef, Solver, World, WorldDef};
-
-mod common;
 
 const DT: f32 = 1.0 / 60.0;
 

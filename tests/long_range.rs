@@ -1,8 +1,6 @@
 //! Long-range constraints: chains keep their length at default effort, and the loads reported are true.
 
-mod common;
-
-use common::Run;
+use crate::common::{self, Run};
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
     BodyDef, BodyId, BodyKind, BoundKind, BoundState, JointDef, JointId, JointKind, LongRangeDef, Mass, Pose, Shape, ShapeDef,

@@ -1,15 +1,12 @@
 //! Motors do what they are documented to do: servos go as fast as their force allows and stop on their target, speed limits hold, targets
 //! that move are followed, one-sided motors never push the other way, and all of them tell their true force.
 
-#[path = "common/motor_kinds.rs"]
-mod motor_kinds;
-
+use crate::common::motor_kinds::{KINDS, Kind};
 use longspan::glam::{Quat, Vec3};
 use longspan::{
     BodyDef, BodyId, Drive, ForceSide, JointAxisState, JointDef, JointId, JointKind, Limits, Mass, MassProperties, Motor, Pose,
     SleepSettings, Softness, Solver, World, WorldDef,
 };
-use motor_kinds::{KINDS, Kind};
 
 const SOLVERS: [Solver; 2] = [Solver::Auto, Solver::GaussSeidel];
 const RATES: [f32; 3] = [30.0, 60.0, 240.0];

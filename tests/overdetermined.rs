@@ -2,15 +2,13 @@
 //!
 //! All are turned so that nothing lies along an axis of the world: what repeats does so but for rounding and gaps.
 
-use common::Run;
+use crate::common::Run;
 use longspan::glam::{DMat4, DQuat, DVec3, EulerRot, Vec3};
 use longspan::{
     BodyDef, BodyId, JointDef, JointId, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, SleepSettings, Solver, World,
     WorldDef,
 };
 use longspan_scenes::Random;
-
-mod common;
 
 const DT: f32 = 1.0 / 60.0;
 const SECONDS: f32 = 6.0;

@@ -1,14 +1,11 @@
 //! Where something rigid overrules a motor, however strong it is, the velocities that are told are those that poses follow.
 
-#[path = "common/motor_kinds.rs"]
-mod motor_kinds;
-
+use crate::common::motor_kinds::{KINDS, Kind};
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
     BodyDef, BodyId, Drive, JointDef, JointId, JointKind, Limits, Mass, Motor, Pose, Shape, ShapeDef, SleepSettings, Solver,
     World, WorldDef,
 };
-use motor_kinds::{KINDS, Kind};
 
 const RATES: [f32; 4] = [30.0, 60.0, 120.0, 240.0];
 const SPEED: f32 = 2.0;

@@ -2,12 +2,9 @@
 //!
 //! `tests/common/oracle.rs` has the variables by which many cases are run by hand.
 
-#[path = "common/oracle.rs"]
-mod oracle;
-
+use crate::common::oracle::{Dice, add, all, cases, dice, scales};
 use longspan::glam::DVec3;
 use longspan::{Cast, Geometry, Pose, Shape, World, WorldDef};
-use oracle::{Dice, add, all, cases, dice, scales};
 
 /// A bumpy ground as a height field and as a mesh of the same triangles, and those triangles.
 fn grounds(dice: &mut Dice, scale: f64) -> ([Geometry; 2], Vec<[DVec3; 3]>) {

@@ -6,12 +6,9 @@
 //!
 //! `tests/common/oracle.rs` has the variables by which ten thousand cases of each pair are run by hand.
 
-#[path = "common/oracle.rs"]
-mod oracle;
-
+use crate::common::oracle::{Dice, RELATIVE, ROUNDING, Scene, Solid, all, each};
 use longspan::glam::{DQuat, DVec3, Vec3};
 use longspan::{Cast, Geometry, Pose, Shape};
-use oracle::{Dice, RELATIVE, ROUNDING, Scene, Solid, all, each};
 
 /// Where a ray enters a convex shape, by bisection (m).
 fn entry(solid: &Solid, origin: DVec3, direction: DVec3, length: f64) -> Option<f64> {

@@ -1,7 +1,6 @@
 //! A world that was saved and restored goes on as if nothing had been: the same bits, step for step.
 
-mod common;
-
+use crate::common;
 use std::collections::BTreeMap;
 use std::time::Instant;
 

@@ -1,8 +1,6 @@
 //! What joints span and contacts load: bridges, towers of struts and cables, nets, arches, lifts.
 
-mod common;
-
-use common::Run;
+use crate::common::Run;
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
     BodyDef, BodyId, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape, ShapeDef, SleepSettings, World,

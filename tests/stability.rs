@@ -1,8 +1,6 @@
 //! What stands, stands; what sleeps, wakes when it must; nothing passes through anything, and no scene gains energy.
 
-mod common;
-
-use common::{Run, scene};
+use crate::common::{Run, scene};
 use longspan::glam::{DVec3, Vec3};
 use longspan::{BoundKind, BoundState};
 use longspan_scenes::{Action, Effort, LongspanEngine, run};

@@ -1,8 +1,6 @@
 //! What is built loosely, or loses a stone, comes to rest; what must fall falls in its time.
 
-mod common;
-
-use common::Run;
+use crate::common::Run;
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, BodyId, Pose, Shape, ShapeDef, SleepSettings, World, WorldDef};
 

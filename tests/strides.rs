@@ -1,8 +1,6 @@
 //! What moves smoothly takes fewer substeps, and what is struck takes all of them.
 
-mod common;
-
-use common::{Run, scene};
+use crate::common::{self, Run, scene};
 use longspan::glam::{DVec3, Vec3};
 use longspan::{ArticulationSettings, BodyDef, BodyKind, JointKind, Limits, Mass, World};
 use longspan_scenes::{Effort, Engine, LongspanEngine, Scene};

@@ -1,8 +1,6 @@
 //! What stands by thrust: arches, cards and wedges, judged by equilibrium inside the friction cones.
 
-mod common;
-
-use common::Run;
+use crate::common::Run;
 use longspan::glam::Vec3;
 use longspan::{BodyDef, BodyId, Geometry, Mass, Material, Pose, Shape, ShapeDef, Verdict, World, WorldDef};
 

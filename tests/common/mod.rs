@@ -1,6 +1,9 @@
 //! Running scenes, and saying what was promised and what was found.
 #![allow(dead_code, reason = "each test program uses a part of this")]
 
+pub mod motor_kinds;
+pub mod oracle;
+
 use longspan::World;
 use longspan_scenes::{Effort, LongspanEngine, Measurement, Scene, build, run, run_watched};
 

@@ -51,7 +51,12 @@ impl Library {
     fn build() -> Self {
         let target = output_folder().parent().expect("cargo puts its folder for tests into the target folder");
         let mut cargo = Command::new(env!("CARGO"));
-        cargo.args(["build", "--quiet", "--package", "longspan-capi", "--target-dir"]).arg(target).current_dir(repository());
+        // With what `cargo test` selects, which is the libraries of all packages and what tests and examples need, dependencies have the
+        // same features as there: nothing but this library is compiled again.
+        cargo
+            .args(["build", "--quiet", "--lib", "--example", "stream_peer", "--target-dir"])
+            .arg(target)
+            .current_dir(repository());
         let folder = if cfg!(debug_assertions) {
             target.join("debug")
         } else {
