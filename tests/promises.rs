@@ -50,6 +50,7 @@ mod robustness;
 mod ropes;
 mod rotors;
 mod scales;
+mod self_stress;
 mod sleeping;
 mod slender;
 mod sliding;

@@ -201,6 +201,8 @@ impl CoupledIsland {
             self.outcome.effort.add(effort);
             self.outcome.driven += self.drive_work();
             self.outcome.strain = self.outcome.strain.max(self.problem.strain());
+            let passed = if substep + 1 == settings.substeps { f64::from(settings.dt) } else { 0.0 };
+            self.problem.relax(if effort.is_capped { f64::INFINITY } else { passed }, self.held.sources.len());
             self.held.keep_impulses(&self.problem);
             self.patches.iter_mut().for_each(|patch| patch.keep_impulses(&self.problem.terms));
             self.advance(h);

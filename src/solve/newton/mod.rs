@@ -6,7 +6,7 @@
 //! factorisation a substep. The derivation is in *docs/reference/coupled.md*.
 //!
 //! `elimination`, `factor`, `refine`, `term`, `problem`, `passes`, `admm` and `impact` are numbers on plain arrays and know nothing of the engine;
-//! `positions` is what they do for errors of positions, and `overruled` where rows contradict one another. `joints` (of `held`), `patch` and `masses` make joints, manifolds and bodies theirs,
+//! `positions` is what they do for errors of positions, `overruled` where rows contradict one another, and `self_stress` for forces that hold one another. `joints` (of `held`), `patch` and `masses` make joints, manifolds and bodies theirs,
 //! `stiffness` says how forces turn, `island` takes the step, `soundness` judges it, `rebound` what hits in it, and `gaps` closes what it leaves open. Which islands
 //! are solved here is said by [`plan`](crate::solve::plan).
 
@@ -43,6 +43,7 @@ mod positions;
 mod problem;
 mod rebound;
 mod refine;
+mod self_stress;
 mod soundness;
 mod stiffness;
 mod term;
