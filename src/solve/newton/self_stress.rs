@@ -9,14 +9,19 @@
 //! A d = −x Jᵀ λ_n,        δλ = −G J d / R − x λ_n
 //! ```
 //!
-//! is how much of what presses would be there again at once if a share x of it went, at the same velocity but for some R λ. What bears a
-//! load is; what only presses back is not.
+//! is how much of what presses would be there again at once if a share x of it went. What bears a load is, what only presses back is not.
+//! Bodies yield by d meanwhile, and what M d asks for in turn is found in the same way: a heavy load is told exactly then.
 //!
 //! Contacts alone: the tension of ropes and struts that hold one another is what a tower of them stands by.
 
+use super::factor::Vector;
 use super::problem::{Problem, push_term, speed};
 use super::term::{Law, Term};
 use crate::tuning::stress::{LEAST_PART, TIME_CONSTANT};
+
+/// Solves for what a change asks for in turn. A contact under load yields by up to 1e-3 m/s, a tenth of what gravity adds in a substep of 1 ms:
+/// after three a thousandth of a change is left.
+const ROUNDS: usize = 3;
 
 impl Term {
     /// Whether it is the normal of a contact that presses.
@@ -38,41 +43,70 @@ impl Problem {
             self.factorize();
         }
         let share = 1.0 / (1.0 + TIME_CONSTANT / time);
+        let room = &mut self.room;
+        let (mut changes, mut pulls) = (std::mem::take(&mut room.targets), std::mem::take(&mut room.residual));
+        if self.find_what_goes(share, contacts, LEAST_PART * share * most, (&mut changes, &mut pulls)) {
+            for (term, change) in self.terms.iter_mut().zip(&changes).filter(|(term, _)| term.give == 0.0) {
+                term.impulse = [term.impulse[0] + change[0], term.impulse[1] + change[1]];
+                if matches!(term.law, Law::Between(0.0, _)) {
+                    term.impulse[0] = term.impulse[0].max(0.0);
+                }
+            }
+            for (link, pull) in self.links.iter_mut().zip(&pulls) {
+                link.impulse.iter_mut().zip(pull).for_each(|(impulse, more)| *impulse += more);
+            }
+        }
+        (self.room.targets, self.room.residual) = (changes, pulls);
+    }
+
+    /// Finds by how much the impulses of terms and of joints change as a share of what presses goes; whether a contact loses more than
+    /// `least` of it.
+    fn find_what_goes(
+        &mut self,
+        share: f64,
+        contacts: usize,
+        least: f64,
+        (changes, pulls): (&mut Vec<[f64; 2]>, &mut Vec<Vector>),
+    ) -> bool {
         let bodies = self.masses.len();
-        let Self { terms, links, unknowns, structure, factor, room, .. } = self;
-        unknowns.clear();
-        unknowns.resize(bodies, [0.0; 6]);
-        let changes = &mut room.targets;
+        let mut product = std::mem::take(&mut self.room.product);
+        product.clear();
+        product.resize(bodies, [0.0; 6]);
         changes.clear();
-        for (number, term) in terms.iter().enumerate() {
-            let less = if number >= contacts && term.presses() { term.gained([-share * term.impulse[0], 0.0]) } else { [0.0; 2] };
-            push_term(term, less, unknowns);
-            changes.push(less);
+        for (number, term) in self.terms.iter().enumerate() {
+            let goes = number >= contacts && term.presses();
+            changes.push(if goes { term.gained([-share * term.impulse[0], 0.0]) } else { [0.0; 2] });
+            push_term(term, changes[number], &mut product);
         }
-        unknowns.resize(bodies + links.len(), [0.0; 6]);
-        factor.solve(structure, unknowns);
-        let mut greatest = 0.0_f64;
-        for (number, (term, change)) in terms.iter().zip(&mut *changes).enumerate() {
-            let speed = speed(term, unknowns);
-            let more = term.gained([-speed[0] / term.compliance, -speed[1] / term.compliance]);
-            *change = [change[0] + more[0], change[1] + more[1]];
-            if number >= contacts && term.presses() {
-                greatest = greatest.max(change[0].abs());
+        pulls.clear();
+        pulls.resize(self.links.len(), [0.0; 6]);
+        let mut lets_go = true;
+        for _ in 0..ROUNDS {
+            self.unknowns.clear();
+            self.unknowns.extend_from_slice(&product);
+            self.unknowns.resize(bodies + self.links.len(), [0.0; 6]);
+            let Self { unknowns, structure, factor, terms, .. } = self;
+            factor.solve(structure, unknowns);
+            let mut greatest = 0.0_f64;
+            for (number, (term, change)) in terms.iter().zip(&mut *changes).enumerate() {
+                let speed = speed(term, unknowns);
+                let more = term.gained([-speed[0] / term.compliance, -speed[1] / term.compliance]);
+                *change = [change[0] + more[0], change[1] + more[1]];
+                if number >= contacts && term.presses() {
+                    greatest = greatest.max(change[0].abs());
+                }
             }
-        }
-        // What is no number compares as nothing to let go.
-        let lets_go = greatest > LEAST_PART * share * most;
-        if !lets_go {
-            return;
-        }
-        for (term, change) in terms.iter_mut().zip(&*changes).filter(|(term, _)| term.give == 0.0) {
-            term.impulse = [term.impulse[0] + change[0], term.impulse[1] + change[1]];
-            if matches!(term.law, Law::Between(0.0, _)) {
-                term.impulse[0] = term.impulse[0].max(0.0);
+            for (pull, found) in pulls.iter_mut().zip(&unknowns[bodies..]) {
+                pull.iter_mut().zip(found).for_each(|(pull, more)| *pull -= more);
             }
+            // What is no number compares as nothing to let go.
+            lets_go = greatest > least;
+            if !lets_go {
+                break;
+            }
+            self.times(&self.unknowns[..bodies], &mut product);
         }
-        for (link, found) in links.iter_mut().zip(&unknowns[bodies..]) {
-            link.impulse.iter_mut().zip(found).for_each(|(impulse, more)| *impulse -= more);
-        }
+        self.room.product = product;
+        lets_go
     }
 }
