@@ -26,10 +26,22 @@ mod entered;
 #[cfg_attr(all(target_arch = "wasm32", target_os = "unknown"), path = "no_clock.rs")]
 mod clock;
 
+#[cfg(test)]
+mod plain_arrays;
+
 pub(crate) use clock::Moment;
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) use entered::{dispatched, in_registers};
+#[cfg(test)]
+pub(crate) use plain_arrays::{holds_plain_arrays, with_plain_arrays};
 pub(crate) use processor::*;
+
+/// Whether a test has asked for plain arrays in place of registers.
+#[cfg(not(test))]
+#[inline(always)]
+pub(crate) const fn holds_plain_arrays() -> bool {
+    false
+}
 
 /// As `in_registers`, of a kernel that is generic over [`Wide`](crate::lanes::wide::Wide).
 macro_rules! in_lanes {

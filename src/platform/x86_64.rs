@@ -11,7 +11,7 @@ macro_rules! dispatched {
     ($(#[$doc:meta])* $name:ident, $body:ident, ($($arg:ident: $type:ty),*) $(-> $result:ty)?) => {
         $(#[$doc])*
         pub(crate) fn $name($($arg: $type),*) $(-> $result)? {
-            if std::arch::is_x86_feature_detected!("avx2") {
+            if std::arch::is_x86_feature_detected!("avx2") && !$crate::platform::holds_plain_arrays() {
                 #[target_feature(enable = "avx2")]
                 fn with_avx2($($arg: $type),*) $(-> $result)? {
                     $body($($arg),*)
@@ -35,7 +35,7 @@ macro_rules! in_registers {
         $(#[$doc])*
         $vis fn $name($($arg: $type),*) $(-> $result)? {
             use $body as body;
-            if std::arch::is_x86_feature_detected!("avx2") {
+            if std::arch::is_x86_feature_detected!("avx2") && !$crate::platform::holds_plain_arrays() {
                 #[target_feature(enable = "avx2")]
                 fn with_avx2($($arg: $type),*) $(-> $result)? {
                     body::<$own>($($arg),*)

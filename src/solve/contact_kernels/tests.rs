@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use super::super::contact::{ContactImpulses, ContactInput, LANES};
 use super::super::state::{MotionKind, Symmetric};
 use super::*;
-use crate::lanes::wide::{Plain, Wide};
 use crate::material::PairMaterial;
+use crate::platform::with_plain_arrays;
 
 /// Everything that a kernel reads or writes.
 #[derive(Debug, Clone)]
@@ -86,30 +86,30 @@ fn numbers(bodies: &[BodyVelocity]) -> Vec<[[u32; 8]; 2]> {
     bodies.iter().map(|body| body.halves().map(|half| half.map(f32::to_bits))).collect()
 }
 
-fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
+fn run(scene: &Scene) -> Vec<u32> {
     let Scene { mut contacts, mut velocities, motions } = scene.clone();
     let moving = velocities.len() - 1;
-    masses::set::<W>(&mut contacts.whole(0), &velocities);
-    warm_start::all::<W>(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), &motions, 0.004, 0.006);
+    set_masses(&mut contacts.whole(0), &velocities);
+    warm_start(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), &motions, 0.004, 0.006);
     let mut anew = (contacts.clone(), velocities.clone());
-    sweep::all::<W>(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), false, false);
+    sweep(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), false, false);
     if contacts.extras.is_empty() {
         (0..anew.0.room_of(0)).for_each(|i| anew.0.rows_mut(0, i).closing_speed = [9.0; LANES]);
-        sweep::anew::<W>(&mut anew.0.all(), &mut DisjointMut::alone(&mut anew.1, moving), &motions, 0.004, false);
+        sweep_anew(&mut anew.0.all(), &mut DisjointMut::alone(&mut anew.1, moving), &motions, 0.004, false);
         assert_eq!(numbers(&anew.1), numbers(&velocities), "closing speeds formed in the sweep, and before it");
     }
-    sweep::all::<W>(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), true, true);
-    sweep::anew::<W>(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), &motions, 0.004, false);
-    recover::restitute::<W>(&mut contacts, &mut velocities, 0.1);
+    sweep(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), true, true);
+    sweep_anew(&mut contacts.all(), &mut DisjointMut::alone(&mut velocities, moving), &motions, 0.004, false);
+    restitute(&mut contacts, &mut velocities, 0.1);
     let mut at_once = (contacts.clone(), velocities.iter().map(BodyVelocity::at_rest).collect::<Vec<_>>());
-    let worst = recover::end_step::<W>(&mut contacts.all(), &motions);
+    let worst = end_step(&mut contacts.all(), &motions);
     let mut pushes: Vec<_> = velocities.iter().map(BodyVelocity::at_rest).collect();
-    recover::all::<W>(&mut contacts.all(), &mut DisjointMut::alone(&mut pushes, moving), 0.016);
-    let deepest = recover::begin::<W>(&mut at_once.0.all(), &motions, &mut DisjointMut::alone(&mut at_once.1, moving), 0.016);
+    recover(&mut contacts.all(), &mut DisjointMut::alone(&mut pushes, moving), 0.016);
+    let deepest = begin_recovery(&mut at_once.0.all(), &motions, &mut DisjointMut::alone(&mut at_once.1, moving), 0.016);
     assert_eq!((deepest.to_bits(), numbers(&at_once.1)), (worst.to_bits(), numbers(&pushes)), "at once, and one after the other");
     let limits = StatusThresholds { up: Vec3::Y, rise: 0.3, slips: [0.5, 1.0], speeds: [1.0, 3.0], reserve: 0.9 };
     let mut told = Vec::new();
-    tell::all::<W>(&mut contacts, &velocities, &limits, &mut told);
+    tell(&mut contacts, &velocities, &limits, &mut told);
 
     let block = &contacts.blocks[0];
     let points = (0..contacts.room_of(0)).map(|i| contacts.rows(0, i));
@@ -126,12 +126,10 @@ fn run<W: Wide>(scene: &Scene) -> Vec<u32> {
     lanes.chain(bodies).map(|x| x.to_bits()).chain(told).collect()
 }
 
-in_lanes!(run_in_registers, run, (scene: &Scene) -> Vec<u32>);
-
 proptest! {
     #[test]
     fn registers_and_arrays_give_the_same_bits(scene in scene()) {
-        prop_assert_eq!(run_in_registers(&scene), run::<Plain>(&scene));
+        prop_assert_eq!(run(&scene), with_plain_arrays(|| run(&scene)));
     }
 }
 
@@ -139,10 +137,10 @@ proptest! {
     #[test]
     fn a_block_never_pulls_and_stays_finite(scene in scene()) {
         let Scene { mut contacts, mut velocities, motions } = scene;
-            masses::set::<Plain>(&mut contacts.whole(0), &velocities);
+        set_masses(&mut contacts.whole(0), &velocities);
         let mut hand = DisjointMut::alone(&mut velocities, motions.len() - 1);
-        warm_start::all::<Plain>(&mut contacts.all(), &mut hand, &motions, 0.004, 0.002);
-        sweep::all::<Plain>(&mut contacts.all(), &mut hand, false, true);
+        warm_start(&mut contacts.all(), &mut hand, &motions, 0.004, 0.002);
+        sweep(&mut contacts.all(), &mut hand, false, true);
         let lambdas = (0..contacts.room_of(0)).flat_map(|i| contacts.rows(0, i).lambda);
         let least = lambdas.fold(0.0_f32, f32::min);
         prop_assert!(least >= 0.0, "a point pulls with {least} N·s");

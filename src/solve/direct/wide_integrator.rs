@@ -309,6 +309,7 @@ mod tests {
     use glam::{DQuat, Quat};
 
     use super::*;
+    use crate::platform::with_plain_arrays;
     use crate::solve::rotation::rotated;
     use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 
@@ -398,25 +399,18 @@ mod tests {
 
     #[test]
     fn wide_registers_give_the_same_bits() {
-        let run = |is_wide: bool| {
+        let run = || {
             let Five { mut bodies, bodies4, mut local_poses, mut rates, stiffness, mut histories } = five();
             let (start, start_rates) = (local_poses.clone(), rates.clone());
             let mut predicted = local_poses.clone();
             let order = SecondOrder::new(0.01, 0.01).expect("the ratio is one");
             let mut moved = Start { local_poses: &mut local_poses, rates: &mut rates, predicted: &mut predicted };
-            if is_wide {
-                predict(&bodies4, &order, 0.007, &histories, &mut moved);
-                respond(&bodies4, 0.007, &predicted, &stiffness, &mut bodies);
-                advance(&bodies4, 0.007, &bodies, &mut local_poses, &mut rates);
-                note(&bodies4, 0.01, &order, (&start, &start_rates), (&local_poses, &rates), &mut histories);
-            } else {
-                predict_body::<Plain>(&bodies4, &order, 0.007, &histories, &mut moved);
-                respond_body::<Plain>(&bodies4, 0.007, &predicted, &stiffness, &mut bodies);
-                advance_body::<Plain>(&bodies4, 0.007, &bodies, &mut local_poses, &mut rates);
-                note_body::<Plain>(&bodies4, 0.01, &order, (&start, &start_rates), (&local_poses, &rates), &mut histories);
-            }
+            predict(&bodies4, &order, 0.007, &histories, &mut moved);
+            respond(&bodies4, 0.007, &predicted, &stiffness, &mut bodies);
+            advance(&bodies4, 0.007, &bodies, &mut local_poses, &mut rates);
+            note(&bodies4, 0.01, &order, (&start, &start_rates), (&local_poses, &rates), &mut histories);
             (local_poses, histories)
         };
-        assert_eq!(run(true), run(false));
+        assert_eq!(run(), with_plain_arrays(run));
     }
 }

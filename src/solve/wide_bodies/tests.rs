@@ -4,7 +4,7 @@ use glam::{DVec3, Quat, Vec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::lanes::wide::{Plain, Wide};
+use crate::platform::with_plain_arrays;
 use crate::solve::state::Symmetric;
 
 const H: f32 = 1.0 / 240.0;
@@ -55,15 +55,14 @@ fn any_bodies() -> impl Strategy<Value = Bodies> {
 }
 
 /// A substep's kernels; what they leave behind, and which bodies they refused.
-fn run<W: Wide>((velocities, motions): &Bodies) -> (Bodies, Vec<PredictedPose>, Vec<u32>) {
+fn run((velocities, motions): &Bodies) -> (Bodies, Vec<PredictedPose>, Vec<u32>) {
     let (mut velocities, mut motions, mut poses) = (velocities.clone(), motions.clone(), WideBodies::default());
     poses.lay_out(&Workers::default(), (&velocities, &mut motions), &[], H);
-    kernels::apply_forces::<W>(&poses.blocks, &mut velocities[..], &motions, &mut poses.energies[..], H);
-    kernels::limit::<W>(&poses.blocks, &mut velocities[..]);
-    kernels::predict::<W>(&poses.blocks, &velocities, &motions, &mut poses.predicted_poses[..], &mut poses.refused, H);
+    poses.apply_forces(&Workers::default(), &mut velocities, &motions, H);
+    poses.limit_speeds(&Workers::default(), &mut velocities);
+    poses.predict(&Workers::default(), &velocities, &motions, H);
     let moving = motions.len() - 1;
-    let mut hands = (DisjointMut::alone(&mut velocities, moving), DisjointMut::alone(&mut motions, moving));
-    kernels::advance::<W>(&poses.blocks, &mut hands.0, &mut hands.1, &mut poses.refused, H);
+    poses.advance(&Workers::default(), (&mut velocities, &mut motions, moving), H);
     ((velocities, motions), poses.predicted_poses, poses.refused)
 }
 
@@ -72,16 +71,10 @@ fn bits(((velocities, motions), predicted_poses, refused): (Bodies, Vec<Predicte
     bodies.chain(predicted_poses.iter().flat_map(PredictedPose::halves)).flatten().map(|x| x.to_bits()).chain(refused).collect()
 }
 
-fn bits_of<W: Wide>(bodies: &Bodies) -> Vec<u32> {
-    bits(run::<W>(bodies))
-}
-
-in_lanes!(run_in_registers, bits_of, (bodies: &Bodies) -> Vec<u32>);
-
 proptest! {
     #[test]
     fn registers_and_arrays_give_the_same_bits(bodies in any_bodies()) {
-        prop_assert_eq!(run_in_registers(&bodies), bits_of::<Plain>(&bodies));
+        prop_assert_eq!(bits(run(&bodies)), with_plain_arrays(|| bits(run(&bodies))));
     }
 }
 

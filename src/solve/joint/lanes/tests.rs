@@ -7,7 +7,7 @@ use super::*;
 use crate::id::{BodyId, JointId, Pool, WorldTag};
 use crate::joint::JointDef;
 use crate::joint_record::Joint;
-use crate::lanes::wide::{Plain, Wide};
+use crate::platform::with_plain_arrays;
 use crate::solve::body_flags::BodyFlags;
 use crate::solve::color::Coloring;
 use crate::solve::joint::singles::Singles;
@@ -100,34 +100,32 @@ fn predicted_poses(scene: &Scene) -> Vec<PredictedPose> {
 }
 
 /// Everything that a substep's kernels leave behind, as bits.
-fn run<W: Wide>(holds: Holds, scene: &Scene) -> Vec<u32> {
+fn run(holds: Holds, scene: &Scene) -> Vec<u32> {
     let mut lanes = JointLanes::default();
     let joints = scene.entries.iter().zip(&scene.defs).enumerate();
     lanes.add(joints.map(|(number, (entry, def))| (number as u32, entry, [def.linear, def.angular])), holds, H);
     let Scene { mut velocities, mut motions, .. } = scene.clone();
     let blocks = lanes.len();
-    begin::all::<W>(&mut lanes, &motions);
-    rows::prepare::<W>(&mut lanes, &velocities, &predicted_poses(scene), H);
-    sweep::warm_start::<W>(&lanes, &mut velocities);
-    sweep::sweep::<W>(&mut lanes, 0, blocks, &mut velocities, false);
-    sweep::sweep::<W>(&mut lanes, 0, blocks, &mut velocities, true);
-    project::project::<W>(&lanes, 0, blocks, &mut velocities, &mut motions, 0.04);
+    begin_all(&mut lanes, &motions);
+    prepare_all(&mut lanes, &velocities, &predicted_poses(scene), H);
+    warm_start_all(&lanes, &mut velocities);
+    sweep_range(&mut lanes, 0, blocks, &mut velocities, false);
+    sweep_range(&mut lanes, 0, blocks, &mut velocities, true);
+    project_range(&lanes, 0, blocks, &mut velocities, &mut motions, 0.04);
     let mut worst = 0.0;
-    begin::worst_gap::<W>(&lanes, &motions, &mut worst);
+    worst_gap_of(&lanes, &motions, &mut worst);
     let bodies = velocities.iter().flat_map(|body| body.halves()).chain(motions.iter().flat_map(BodyMotion::halves));
     let rows = lanes.points.iter().flat_map(|block| block.impulse.iter().chain(&block.mass).chain(&block.bias));
     let turns = lanes.directions.iter().flat_map(|block| block.impulse.iter().chain(&block.mass).chain(&block.bias));
     bodies.flatten().chain(rows.chain(turns).flatten()).chain([&worst]).map(|x| x.to_bits()).collect()
 }
 
-in_lanes!(run_in_registers, run, (holds: Holds, scene: &Scene) -> Vec<u32>);
-
 proptest! {
     #[test]
     fn registers_and_arrays_give_the_same_bits(
         (holds, scene) in holds().prop_flat_map(|holds| (Just(holds), joints(holds))),
     ) {
-        prop_assert_eq!(run_in_registers(holds, &scene), run::<Plain>(holds, &scene));
+        prop_assert_eq!(run(holds, &scene), with_plain_arrays(|| run(holds, &scene)));
     }
 }
 
