@@ -392,7 +392,7 @@ fn disjoint(values: &mut [Lanes], a: usize, a_len: usize, b: usize, b_len: usize
 mod tests {
     use super::*;
     use crate::linalg::noise::Noise;
-    use crate::platform::with_plain_arrays;
+    use crate::platform::with_baseline;
 
     #[test]
     fn a_random_block_system_is_solved_to_rounding() {
@@ -432,7 +432,7 @@ mod tests {
         let (mut plain, mut plain_x) = (factor.clone(), x.clone());
         factorize(&mut factor, &plan);
         substitute(&factor, &plan, &mut x);
-        with_plain_arrays(|| {
+        with_baseline(|| {
             factorize(&mut plain, &plan);
             substitute(&plain, &plan, &mut plain_x);
         });

@@ -15,15 +15,15 @@ pub(crate) use dispatched;
 /// Makes a function that runs a kernel with the first of two kinds of registers.
 macro_rules! in_registers {
     (
-        $(#[$doc:meta])* $vis:vis $name:ident, $body:path, ($own:ty, $plain:ty), ($($arg:ident: $type:ty),*) $(-> $result:ty)?
+        $(#[$doc:meta])* $vis:vis $name:ident, $body:path, ($own:ty, $baseline:ty), ($($arg:ident: $type:ty),*) $(-> $result:ty)?
     ) => {
         $(#[$doc])*
         $vis fn $name($($arg: $type),*) $(-> $result)? {
             use $body as body;
             // The second kernel is compiled for tests alone.
             #[cfg(test)]
-            if $crate::platform::holds_plain_arrays() {
-                return body::<$plain>($($arg),*);
+            if $crate::platform::holds_to_baseline() {
+                return body::<$baseline>($($arg),*);
             }
             body::<$own>($($arg),*)
         }

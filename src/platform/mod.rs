@@ -13,41 +13,36 @@
 )]
 mod processor;
 
-#[cfg(any(target_arch = "aarch64", all(target_arch = "wasm32", target_feature = "simd128")))]
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64", all(target_arch = "wasm32", target_feature = "simd128")))]
 mod halves;
 #[cfg(any(target_arch = "aarch64", all(target_arch = "wasm32", target_feature = "simd128")))]
 use processor::{doubles, singles};
 
-// x86-64 has macros of its own: there alone a processor of the target may lack the registers.
+// x86-64 has macros of its own: there alone a processor of the target may lack the best registers.
 #[cfg(not(target_arch = "x86_64"))]
 mod entered;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
+#[cfg(target_arch = "x86_64")]
+use sse2::{doubles, singles};
 
 // A browser's module without a host has no clock that the standard library knows.
 #[cfg_attr(all(target_arch = "wasm32", target_os = "unknown"), path = "no_clock.rs")]
 mod clock;
 
-#[cfg(test)]
-mod plain_arrays;
+mod baseline;
 
+pub(crate) use baseline::*;
 pub(crate) use clock::Moment;
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) use entered::{dispatched, in_registers};
-#[cfg(test)]
-pub(crate) use plain_arrays::{holds_plain_arrays, with_plain_arrays};
 pub(crate) use processor::*;
-
-/// Whether a test has asked for plain arrays in place of registers.
-#[cfg(not(test))]
-#[inline(always)]
-pub(crate) const fn holds_plain_arrays() -> bool {
-    false
-}
 
 /// As `in_registers`, of a kernel that is generic over [`Wide`](crate::lanes::wide::Wide).
 macro_rules! in_lanes {
     ($(#[$doc:meta])* $vis:vis $name:ident, $body:path, ($($arg:ident: $type:ty),*) $(-> $result:ty)?) => {
         $crate::platform::in_registers!(
-            $(#[$doc])* $vis $name, $body, ($crate::platform::F32x8, $crate::lanes::wide::Plain),
+            $(#[$doc])* $vis $name, $body, ($crate::platform::F32x8, $crate::platform::Baseline32),
             ($($arg: $type),*) $(-> $result)?
         );
     };
@@ -59,7 +54,7 @@ pub(crate) use in_lanes;
 macro_rules! in_fours {
     ($(#[$doc:meta])* $vis:vis $name:ident, $body:path, ($($arg:ident: $type:ty),*) $(-> $result:ty)?) => {
         $crate::platform::in_registers!(
-            $(#[$doc])* $vis $name, $body, ($crate::platform::F64x4, $crate::lanes::four::Plain),
+            $(#[$doc])* $vis $name, $body, ($crate::platform::F64x4, $crate::platform::Baseline64),
             ($($arg: $type),*) $(-> $result)?
         );
     };

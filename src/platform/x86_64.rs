@@ -11,7 +11,7 @@ macro_rules! dispatched {
     ($(#[$doc:meta])* $name:ident, $body:ident, ($($arg:ident: $type:ty),*) $(-> $result:ty)?) => {
         $(#[$doc])*
         pub(crate) fn $name($($arg: $type),*) $(-> $result)? {
-            if std::arch::is_x86_feature_detected!("avx2") && !$crate::platform::holds_plain_arrays() {
+            if std::arch::is_x86_feature_detected!("avx2") && !$crate::platform::holds_to_baseline() {
                 #[target_feature(enable = "avx2")]
                 fn with_avx2($($arg: $type),*) $(-> $result)? {
                     $body($($arg),*)
@@ -30,12 +30,12 @@ pub(crate) use dispatched;
 /// first of two types where it has AVX2, else the second.
 macro_rules! in_registers {
     (
-        $(#[$doc:meta])* $vis:vis $name:ident, $body:path, ($own:ty, $plain:ty), ($($arg:ident: $type:ty),*) $(-> $result:ty)?
+        $(#[$doc:meta])* $vis:vis $name:ident, $body:path, ($own:ty, $baseline:ty), ($($arg:ident: $type:ty),*) $(-> $result:ty)?
     ) => {
         $(#[$doc])*
         $vis fn $name($($arg: $type),*) $(-> $result)? {
             use $body as body;
-            if std::arch::is_x86_feature_detected!("avx2") && !$crate::platform::holds_plain_arrays() {
+            if std::arch::is_x86_feature_detected!("avx2") && !$crate::platform::holds_to_baseline() {
                 #[target_feature(enable = "avx2")]
                 fn with_avx2($($arg: $type),*) $(-> $result)? {
                     body::<$own>($($arg),*)
@@ -43,7 +43,7 @@ macro_rules! in_registers {
                 // SAFETY: the processor has just been found to have AVX2, the only feature that the function needs.
                 return unsafe { with_avx2($($arg),*) };
             }
-            body::<$plain>($($arg),*)
+            body::<$baseline>($($arg),*)
         }
     };
 }

@@ -1,7 +1,7 @@
 //! The loops over contact blocks: effective masses, warm start, sweep, restitution, position recovery.
 //!
 //! Every kernel gathers the bodies of eight manifolds into lanes, computes one manifold a lane, and scatters the result. Kernels
-//! are generic over [`Wide`] and compiled twice, for AVX2 registers and for plain arrays; both give the same bits.
+//! are generic over [`Wide`] and compiled twice on x86-64, for registers of AVX2 and of SSE2; both give the same bits.
 
 mod masses;
 mod recover;

@@ -1,4 +1,4 @@
-//! Registers and plain arrays give the same bits.
+//! All registers give the same bits.
 
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use super::super::contact::{ContactImpulses, ContactInput, LANES};
 use super::super::state::{MotionKind, Symmetric};
 use super::*;
 use crate::material::PairMaterial;
-use crate::platform::with_plain_arrays;
+use crate::platform::with_baseline;
 
 /// Everything that a kernel reads or writes.
 #[derive(Debug, Clone)]
@@ -128,8 +128,8 @@ fn run(scene: &Scene) -> Vec<u32> {
 
 proptest! {
     #[test]
-    fn registers_and_arrays_give_the_same_bits(scene in scene()) {
-        prop_assert_eq!(run(&scene), with_plain_arrays(|| run(&scene)));
+    fn all_registers_give_the_same_bits(scene in scene()) {
+        prop_assert_eq!(run(&scene), with_baseline(|| run(&scene)));
     }
 }
 

@@ -309,7 +309,7 @@ mod tests {
     use glam::{DQuat, Quat};
 
     use super::*;
-    use crate::platform::with_plain_arrays;
+    use crate::platform::with_baseline;
     use crate::solve::rotation::rotated;
     use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
 
@@ -411,6 +411,6 @@ mod tests {
             note(&bodies4, 0.01, &order, (&start, &start_rates), (&local_poses, &rates), &mut histories);
             (local_poses, histories)
         };
-        assert_eq!(run(), with_plain_arrays(run));
+        assert_eq!(run(), with_baseline(run));
     }
 }

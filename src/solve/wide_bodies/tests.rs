@@ -1,10 +1,10 @@
-//! Registers and plain arrays give the same bits, and lanes what bodies do that are moved one by one.
+//! All registers give the same bits, and lanes what bodies do that are moved one by one.
 
 use glam::{DVec3, Quat, Vec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::platform::with_plain_arrays;
+use crate::platform::with_baseline;
 use crate::solve::state::Symmetric;
 
 const H: f32 = 1.0 / 240.0;
@@ -73,8 +73,8 @@ fn bits(((velocities, motions), predicted_poses, refused): (Bodies, Vec<Predicte
 
 proptest! {
     #[test]
-    fn registers_and_arrays_give_the_same_bits(bodies in any_bodies()) {
-        prop_assert_eq!(bits(run(&bodies)), with_plain_arrays(|| bits(run(&bodies))));
+    fn all_registers_give_the_same_bits(bodies in any_bodies()) {
+        prop_assert_eq!(bits(run(&bodies)), with_baseline(|| bits(run(&bodies))));
     }
 }
 

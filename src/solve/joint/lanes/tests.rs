@@ -1,4 +1,4 @@
-//! Registers and plain arrays give the same bits, and lanes the rows of joints that are swept one by one.
+//! All registers give the same bits, and lanes the rows of joints that are swept one by one.
 
 use glam::{DQuat, DVec3, Quat, Vec3};
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use super::*;
 use crate::id::{BodyId, JointId, Pool, WorldTag};
 use crate::joint::JointDef;
 use crate::joint_record::Joint;
-use crate::platform::with_plain_arrays;
+use crate::platform::with_baseline;
 use crate::solve::body_flags::BodyFlags;
 use crate::solve::color::Coloring;
 use crate::solve::joint::singles::Singles;
@@ -122,10 +122,10 @@ fn run(holds: Holds, scene: &Scene) -> Vec<u32> {
 
 proptest! {
     #[test]
-    fn registers_and_arrays_give_the_same_bits(
+    fn all_registers_give_the_same_bits(
         (holds, scene) in holds().prop_flat_map(|holds| (Just(holds), joints(holds))),
     ) {
-        prop_assert_eq!(run(holds, &scene), with_plain_arrays(|| run(holds, &scene)));
+        prop_assert_eq!(run(holds, &scene), with_baseline(|| run(holds, &scene)));
     }
 }
 
