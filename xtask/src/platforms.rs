@@ -207,7 +207,7 @@ fn web(toolchain: &Toolchain, host: &Host) -> Outcome<Vec<String>> {
 
 /// The tests that compare a processor's registers with plain arrays.
 fn lanes(toolchain: &Toolchain, runner: &str) -> Outcome<String> {
-    const TEST: &str = "registers_and_arrays_give_the_same_bits";
+    const TEST: &str = "all_registers_give_the_same_bits";
     let output = printed(toolchain.test(runner)?.args(["--package", "longspan", "--lib", TEST]))?;
     match output.lines().find(|line| line.starts_with("test result: ok.") && !line.contains(" 0 passed")) {
         Some(_) => Ok("registers as arrays".to_owned()),
