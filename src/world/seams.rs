@@ -22,8 +22,7 @@ use crate::id::{Pool, ShapeId};
 /// How far behind a point, in distances of which surfaces are flush, K is looked for above J's plane.
 const BEHIND: f32 = 10.0;
 
-/// Cosine between two normals from which on they press alike: points of a face of K support what lies on it, and are left out only if
-/// they are lone edges.
+/// Cosine between two normals from which on they press alike: points of a face of K support what lies on it.
 const ALIKE: f32 = 0.9;
 
 /// Sine of the angle from J's normal below which a point does not hold up what slides.
@@ -68,8 +67,6 @@ struct GlidePoint {
     slot: u32,
     number: usize,
     point: usize,
-    /// Whether it is the only one of its manifold.
-    is_lone: bool,
     /// Shape that does not move, and its part.
     shape: u32,
     part: u32,
@@ -133,7 +130,6 @@ fn list_points(
             slot: glide.slot,
             number,
             point,
-            is_lone: manifold.points.len() == 1,
             shape,
             part: parts[usize::from(!glide.is_second)],
             at: collider_state.position
@@ -156,7 +152,7 @@ impl StaticSurface<'_> {
     fn carries(&self, f: &GlidePoint, e: &GlidePoint) -> bool {
         let is_same = f.shape == e.shape && (f.part == e.part || !self.colliders[e.shape].shape.is_compound());
         let alignment = e.normal.dot(f.normal);
-        if is_same || f.separation > 2.0 * e.flush || (!e.is_lone && alignment >= ALIKE) {
+        if is_same || f.separation > 2.0 * e.flush {
             return false;
         }
         // What lies a little deep in one surface meets the side of the next by as much.
