@@ -87,7 +87,9 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers
         if buffers.candidates.is_empty() {
             pair.stand(allowed, buffers);
         }
-        buffers.candidates.retain(|c| depth >= 0.0 || c.separation >= MAX_DEEPENING * depth);
+        // Where they only just overlap, the depth found is noise.
+        let deepest = MAX_DEEPENING * depth - pair.slack(gap.distance());
+        buffers.candidates.retain(|c| depth >= 0.0 || c.separation >= deepest);
         allowed
     } else {
         pair.settle(&gap, buffers)
