@@ -4,7 +4,8 @@
 //! both one surface, there would be none. Narrow phases see two shapes at a time and cannot know. Where a round body moves over at least two
 //! pairs with what does not move, a point e on K is left out if a face of another shape J carries the body there as well:
 //!
-//! * J presses, or nearly, with a face, in whose plane e lies, or as much under it as the body is sunk in there, and e lies on J or its rim;
+//! * J presses with a face, or will before e does, in whose plane e lies, or as much under it as the body is sunk in there, and e lies on J, on its rim,
+//!   or on a third shape that is flush with J there;
 //! * e does not press as that face does: it is an edge, or a side;
 //! * K does not rise above that plane behind e, as a wall or a step would.
 
@@ -27,6 +28,10 @@ const ALIKE: f32 = 0.9;
 
 /// Sine of the angle from J's normal below which a point does not hold up what slides.
 const UPRIGHT: f32 = 1.0e-4;
+
+/// How far to the side of where it is a point may be found, over its separation: faces stand for directions whose distance they give to a
+/// share of 0.002, and may be turned from them by √(2·0.002).
+const UNSURE: f32 = 0.07;
 
 /// A pair of which one body moves over the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -74,7 +79,17 @@ struct GlidePoint {
     at: DVec3,
     normal: Vec3,
     separation: f32,
+    /// Speed at which the body comes nearer along the normal (m/s).
+    closing: f32,
     flush: f32,
+}
+
+impl GlidePoint {
+    /// Whether the body touches here already, or comes to do so before it gets to another point.
+    fn is_met_before(&self, other: &Self) -> bool {
+        let is_on_its_way = self.closing > 0.0 && self.separation * other.closing <= other.separation * self.closing;
+        self.separation <= 2.0 * other.flush || is_on_its_way
+    }
 }
 
 /// Buffers of the stage.
@@ -102,7 +117,7 @@ impl World {
                 list_points(glide, pairs.get(glide.slot), colliders, index, points);
             }
             let ground = StaticSurface { colliders, index };
-            for e in points.iter().filter(|e| points.iter().any(|f| ground.carries(f, e))) {
+            for e in points.iter().filter(|e| points.iter().any(|f| ground.carries(f, e, points))) {
                 let extent = index.least_extent(pairs.get(e.slot).key);
                 pairs.get_mut(e.slot).leave_out(e.number, e.point, extent);
             }
@@ -123,6 +138,7 @@ fn list_points(
     let (collider_state, sign) = (index.collider_state(shape), if glide.is_second { 1.0 } else { -1.0 });
     let turn_a = index.collider_state(a).rotation;
     let flush = FLUSH * index.least_extent(glide.key);
+    let velocity = index.collider_state(if glide.is_second { b } else { a }).velocity - collider_state.velocity;
     for (number, manifold) in pair.manifolds.iter().enumerate() {
         let parts = narrow::parts_of(&colliders[b].shape, manifold.part);
         let normal = turn_a * manifold.normal * sign;
@@ -136,6 +152,7 @@ fn list_points(
                 + (collider_state.rotation * if glide.is_second { place.on_a } else { place.on_b }).as_dvec3(),
             normal,
             separation: place.separation,
+            closing: -normal.dot(velocity),
             flush,
         }));
     }
@@ -148,16 +165,16 @@ struct StaticSurface<'a> {
 }
 
 impl StaticSurface<'_> {
-    /// Whether the surface at `f` carries what moves so that it does not meet `e`.
-    fn carries(&self, f: &GlidePoint, e: &GlidePoint) -> bool {
+    /// Whether the surface at `f` carries what moves so that it does not meet `e`; `points` are all of what moves.
+    fn carries(&self, f: &GlidePoint, e: &GlidePoint, points: &[GlidePoint]) -> bool {
         let is_same = f.shape == e.shape && (f.part == e.part || !self.colliders[e.shape].shape.is_compound());
         let alignment = e.normal.dot(f.normal);
-        if is_same || f.separation > 2.0 * e.flush {
+        if is_same || !f.is_met_before(e) {
             return false;
         }
-        // What lies a little deep in one surface meets the side of the next by as much.
+        // What lies a little deep in one surface meets the side of the next by as much, and what is far off is not seen exactly.
         let height = f.normal.dot((e.at - f.at).as_vec3());
-        let depth = (-f.separation).max(0.0);
+        let depth = (-f.separation).max(0.0) + UNSURE * e.separation.max(0.0);
         if height > e.flush || height < -(e.flush + depth) {
             return false;
         }
@@ -167,7 +184,12 @@ impl StaticSurface<'_> {
             return false;
         }
         let behind = at + (f.normal * (2.0 * e.flush) + into.normalize() * (BEHIND * e.flush)).as_dvec3();
-        self.distance(f.shape, at) <= e.flush && self.distance(e.shape, behind) >= e.flush
+        let above = (f.normal * (2.0 * e.flush)).as_dvec3();
+        // Also where a third one lies there, flush with J: what comes over a corner meets the tile across it before those beside it press.
+        let lies_there = |shape: u32| self.distance(shape, at) <= e.flush && self.distance(shape, at + above) >= e.flush;
+        let is_covered = self.distance(f.shape, at) <= e.flush
+            || points.iter().any(|other| other.shape != f.shape && other.shape != e.shape && lies_there(other.shape));
+        is_covered && self.distance(e.shape, behind) >= e.flush
     }
 
     fn is_face(&self, point: &GlidePoint) -> bool {
