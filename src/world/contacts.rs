@@ -6,7 +6,7 @@ use super::pairs::contact_pair;
 use super::{Collision, LastStep, World};
 use crate::body::SleepState;
 use crate::collide::collider::{self, Collider};
-use crate::collide::narrow::{self, Manifold, NarrowScratch};
+use crate::collide::narrow::{self, MAX_POINTS, Manifold, ManifoldPoint, NarrowScratch};
 use crate::collide::pairs::{PairKey, WorldManifold};
 use crate::collide::persistent_manifold::Carried;
 use crate::error::Result;
@@ -207,14 +207,15 @@ impl World {
         self.collision.pairs.get(slot).manifolds.iter().map(move |manifold| {
             let world = WorldManifold::new(&manifold, (shape_a, body_a), (shape_b, body_b));
             let mut contact = Contact::new(pair, world.normal, manifold.impulses.friction * per_substep);
-            for (i, point) in manifold.points.iter().enumerate() {
-                let on_a = body_a.center + world.lever_a[i].as_dvec3();
-                let on_b = body_b.center + world.lever_b[i].as_dvec3();
-                let middle = turn.conjugate() * (0.5 * (on_a + on_b) - origin).as_vec3();
-                let (position, separation) = match successor(&now, &manifold, (point.feature, middle), extent) {
-                    Some((middle, separation)) => (origin + (turn * middle).as_dvec3(), separation),
-                    None => (0.5 * (on_a + on_b), world.normal.dot((on_b - on_a).as_vec3())),
-                };
+            let apart = |i: usize| {
+                let (on_a, on_b) = (body_a.center + world.lever_a[i].as_dvec3(), body_b.center + world.lever_b[i].as_dvec3());
+                (0.5 * (on_a + on_b), world.normal.dot((on_b - on_a).as_vec3()))
+            };
+            let middles = |i: usize| turn.conjugate() * (apart(i).0 - origin).as_vec3();
+            let places = successors(&now, &manifold, middles, extent);
+            for i in 0..manifold.points.len() {
+                let place = places[i].map(|(middle, separation)| (origin + (turn * middle).as_dvec3(), separation));
+                let (position, separation) = place.unwrap_or_else(|| apart(i));
                 contact.push(ContactPoint { position, separation, normal_force: manifold.impulses.normal[i] * per_substep });
             }
             contact
@@ -227,16 +228,34 @@ impl World {
     }
 }
 
-/// The middle, in A's frame (m), and the separation (m) of the point that has taken the place of one with this feature, which has come to `at`:
-/// it is of the same feature, or else the nearest, on a surface that faces about the same way and not as far as the shapes are thick.
-fn successor(now: &[Manifold], before: &Carried, (feature, at): (u32, Vec3), extent: f32) -> Option<(Vec3, f32)> {
+/// Distance below which two points are at one place, over the lesser least extent.
+const ONE_PLACE: f32 = 1.0e-6;
+
+/// The middle, in A's frame (m), and the separation (m) of the point that has taken the place of each one of a manifold, which has come to
+/// `at`: it is of the same feature, or else the nearest that is no other's, on a surface that faces about the same way and not as far as the
+/// shapes are thick. Which corners of a face are kept may change with the last bit.
+fn successors(now: &[Manifold], before: &Carried, at: impl Fn(usize) -> Vec3, extent: f32) -> [Option<(Vec3, f32)>; MAX_POINTS] {
     let facing = now.iter().filter(|manifold| manifold.normal.dot(before.normal) > SAME_SIDE);
-    let points = facing.flat_map(|manifold| manifold.contacts().iter().map(move |point| (manifold, point)));
-    let placed = points.map(|(manifold, point)| {
-        let middle = point.on_a + manifold.normal * (0.5 * point.separation);
-        let is_another = (manifold.part, point.feature) != (before.part, feature);
-        (is_another, middle.distance_squared(at), (middle, point.separation))
+    let placed = facing.flat_map(|manifold| {
+        let middle = |point: &ManifoldPoint| point.on_a + manifold.normal * (0.5 * point.separation);
+        manifold.contacts().iter().map(move |point| ((manifold.part, point.feature), (middle(point), point.separation)))
     });
-    let best = placed.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
-    (best.1 <= extent * extent).then_some(best.2)
+    let mut places: [Option<(Vec3, f32)>; MAX_POINTS] = [None; MAX_POINTS];
+    for same in [true, false] {
+        for (i, old) in before.points.iter().enumerate() {
+            if places[i].is_some() {
+                continue;
+            }
+            // At a seam two parts have a point each at one place.
+            let is_free = |middle: Vec3| places.iter().flatten().all(|taken| taken.0.distance(middle) > ONE_PLACE * extent);
+            let fits = |&(feature, (middle, _)): &(_, (Vec3, f32))| {
+                (feature == (before.part, old.feature)) == same && (same || is_free(middle))
+            };
+            let distance_squared = |place: &(Vec3, f32)| place.0.distance_squared(at(i));
+            let nearest = placed.clone().filter(fits).map(|(_, place)| place);
+            let nearest = nearest.min_by(|a, b| distance_squared(a).total_cmp(&distance_squared(b)));
+            places[i] = nearest.filter(|place| distance_squared(place) <= extent * extent);
+        }
+    }
+    places
 }
