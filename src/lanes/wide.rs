@@ -100,6 +100,12 @@ impl<W: Wide> Wide3<W> {
         self.dot(self).sqrt()
     }
 
+    /// `then` where `mask` holds, else `other`.
+    #[inline(always)]
+    pub fn select(mask: W::Mask, then: Self, other: Self) -> Self {
+        Self::new(W::select(mask, then.x, other.x), W::select(mask, then.y, other.y), W::select(mask, then.z, other.z))
+    }
+
     /// Shortened where it is longer than `most`.
     #[inline(always)]
     pub fn shortened(self, most: W) -> Self {

@@ -8,7 +8,9 @@ use super::super::contact_block::MaterialRows;
 use super::super::contact_partition::BlockPart;
 use super::super::disjoint::DisjointMut;
 use super::super::state::{BodyMotion, BodyVelocity};
-use super::rows::{BlockManifolds, Faced, Single, lambdas, load_all, normal_rates, of_block, push_apart, store_lambdas};
+use super::rows::{
+    BlockManifolds, Faced, PerPoint, Single, lambdas, load_all, normal_rates, of_block, push_apart, store_lambdas,
+};
 use super::warm_start::close_in;
 use crate::lanes::wide::{Wide, Wide3};
 
@@ -59,7 +61,9 @@ fn close_in_and_visit<W: Wide, M: BlockManifolds>(
 }
 
 /// Solves the rows of each manifold of a block: rolling, friction, then the normal rows, or in the opposite order. What is solved last holds
-/// best, and that should be that nothing overlaps.
+/// best, and that should be that nothing overlaps. Where the normal rows of a face let go of load that friction counted on, friction is shortened
+/// to what is left and they are solved once more: a body that slid from piece to piece of a floor was slowed by up to 12 % more than µ of its
+/// weight. Of one point it is left: a marble that rolls over facets lost 5 % of its energy to it (`tests/bowls.rs`).
 ///
 /// A sweep back is the exact reverse of a sweep forth only if it also goes through the rows of each manifold backwards. With the same
 /// order on both ways the two are no symmetric operator, and carried multipliers let slow waves of load grow in large stacks.
@@ -83,7 +87,19 @@ fn visit<W: Wide, M: BlockManifolds>(
     }
     if presses_last {
         rub(of, extra, &mut side_a, &mut side_b);
-        press(of, &mut side_a, &mut side_b);
+        // A loop, not a second call, which would be half as much code again.
+        let mut before = None;
+        loop {
+            press(of, &mut side_a, &mut side_b);
+            if let Some(before) = before {
+                keep_others(of, &before, &mut side_a, &mut side_b);
+                break;
+            }
+            before = if M::COUNT > 1 { shorten(of, &mut side_a, &mut side_b) } else { None };
+            if before.is_none() {
+                break;
+            }
+        }
     }
     side_a.scatter(&of.block().a, velocities);
     side_b.scatter(&of.block().b, velocities);
@@ -172,6 +188,71 @@ fn rub<W: Wide, M: BlockManifolds>(
     }
     side_a.apply(-impulse, -torque_a);
     side_b.apply(impulse, torque_b);
+}
+
+/// Share of the square of friction that it may be beyond its disc, half as much of itself. At zero rounding alone has rows solved again; 0.5 % of
+/// friction is less than a stop may be off (`tests/flush_floors.rs`).
+const LET_GO: f32 = 1.0e-2;
+
+/// Lanes whose friction has been shortened, and what all were like before.
+#[derive(Clone, Copy)]
+struct Shortened<W: Wide> {
+    lanes: W::Mask,
+    lambdas: PerPoint<W>,
+    /// Linear and angular velocities of both sides.
+    velocities: [[Wide3<W>; 2]; 2],
+}
+
+/// Shortens the tangential multipliers to the disc of what presses by now: normal rows solved after them may have let go of load.
+#[inline(always)]
+fn shorten<W: Wide, M: BlockManifolds>(
+    of: &mut M,
+    side_a: &mut WideVelocities<W>,
+    side_b: &mut WideVelocities<W>,
+) -> Option<Shortened<W>> {
+    let lambdas = lambdas::<W, M>(of);
+    let mut load = W::zero();
+    for i in 0..M::COUNT {
+        load = load + lambdas[i];
+    }
+    let block = of.block_mut();
+    let old = [W::load(&block.tangent_lambda[0]), W::load(&block.tangent_lambda[1])];
+    let limit = W::load(&block.friction) * load;
+    let squared = old[0] * old[0] + old[1] * old[1];
+    let lanes = (squared * W::splat(1.0 - LET_GO)).above(limit * limit);
+    if !W::any(lanes) {
+        return None;
+    }
+    let before = Shortened { lanes, lambdas, velocities: [[side_a.linear, side_a.angular], [side_b.linear, side_b.angular]] };
+    let scale = W::select(lanes, limit / squared.sqrt(), W::splat(1.0));
+    let new = [old[0] * scale, old[1] * scale];
+    new[0].store(&mut block.tangent_lambda[0]);
+    new[1].store(&mut block.tangent_lambda[1]);
+    let [t1, t2] = tangents_in_lanes(Wide3::<W>::load(&block.normal));
+    let impulse = t1 * (new[0] - old[0]) + t2 * (new[1] - old[1]);
+    let (center_a, center_b) = of.centers::<W>();
+    side_a.apply(-impulse, -center_a.cross(impulse));
+    side_b.apply(impulse, center_b.cross(impulse));
+    Some(before)
+}
+
+/// Gives lanes whose friction has not been shortened back what they had: no manifold's bits depend on the others of its block.
+#[inline(always)]
+fn keep_others<W: Wide, M: BlockManifolds>(
+    of: &mut M,
+    before: &Shortened<W>,
+    side_a: &mut WideVelocities<W>,
+    side_b: &mut WideVelocities<W>,
+) {
+    let mut lambdas = lambdas::<W, M>(of);
+    for i in 0..M::COUNT {
+        lambdas[i] = W::select(before.lanes, lambdas[i], before.lambdas[i]);
+    }
+    store_lambdas::<W, M>(&lambdas, of);
+    for (side, [linear, angular]) in [side_a, side_b].into_iter().zip(before.velocities) {
+        side.linear = Wide3::select(before.lanes, side.linear, linear);
+        side.angular = Wide3::select(before.lanes, side.angular, angular);
+    }
 }
 
 /// Rolling rows of every lane.

@@ -55,9 +55,16 @@ fn manifold() -> impl Strategy<Value = ContactInput> {
     )
 }
 
+type Body = (BodyVelocity, BodyMotion);
+
+/// What may lie in a lane: a manifold, its bodies, and whether the first of these is the world.
+fn lane() -> impl Strategy<Value = (ContactInput, Body, Body, bool)> {
+    (manifold(), body(), body(), any::<bool>())
+}
+
 /// A block in which some lanes are empty or stand on the world; half of them of materials that need nothing beside it.
 fn scene() -> impl Strategy<Value = Scene> {
-    let lanes = prop::collection::vec((manifold(), body(), body(), any::<bool>()), 0..=LANES);
+    let lanes = prop::collection::vec(lane(), 0..=LANES);
     (lanes, any::<bool>(), any::<bool>()).prop_map(|(mut lanes, single, plain)| {
         for (input, ..) in lanes.iter_mut().filter(|_| plain) {
             input.material = PairMaterial { restitution: 0.0, rolling: 0.0, spinning: 0.0, ..input.material };
@@ -145,6 +152,42 @@ proptest! {
         let least = lambdas.fold(0.0_f32, f32::min);
         prop_assert!(least >= 0.0, "a point pulls with {least} N·s");
         prop_assert!(velocities.iter().all(|body| body.linear.is_finite() && body.angular.is_finite()));
+    }
+}
+
+/// Multipliers of a manifold of this material and velocities of its bodies after a sweep to and fro, with others in the block beside it.
+fn swept_beside(own: &(ContactInput, Body, Body, bool), others: &[(ContactInput, Body, Body, bool)]) -> Vec<u32> {
+    let mut contacts = ContactBlocks::default();
+    contacts.begin(1, 1);
+    contacts.lay_out(0..1, 0, true, 0);
+    let (mut velocities, mut motions) = (vec![BodyVelocity::FIXED], vec![BodyMotion::FIXED]);
+    for (l, (input, a, b, on_world)) in std::iter::once(own).chain(others).enumerate() {
+        let mut enlist = |(velocity, motion): Body| {
+            velocities.push(velocity);
+            motions.push(motion);
+            velocities.len() as u32 - 1
+        };
+        let slots = [if *on_world { 0 } else { enlist(*a) }, enlist(*b)];
+        let material = PairMaterial { restitution: 0.0, rolling: 0.0, spinning: 0.0, ..input.material };
+        contacts.whole(0).set_lane(l, &ContactInput { a: slots[0], b: slots[1], material, ..input.clone() }, 1.0e-3);
+    }
+    let count = if own.3 { 2 } else { 3 };
+    set_masses(&mut contacts.whole(0), &velocities);
+    let mut hand = DisjointMut::alone(&mut velocities, motions.len() - 1);
+    warm_start(&mut contacts.all(), &mut hand, &motions, 0.004, 0.002);
+    sweep(&mut contacts.all(), &mut hand, false, false);
+    sweep(&mut contacts.all(), &mut hand, true, true);
+    let points = (0..contacts.room_of(0)).map(|i| contacts.rows(0, i).lambda[0]);
+    let multipliers = points.chain(contacts.blocks[0].tangent_lambda.map(|lane| lane[0])).map(f32::to_bits);
+    multipliers.chain(numbers(&velocities[..count]).into_iter().flatten().flatten()).collect()
+}
+
+proptest! {
+    #[test]
+    fn a_manifold_is_solved_to_the_same_bits_whatever_is_in_its_block(
+        own in lane(), others in prop::collection::vec(lane(), 0..LANES),
+    ) {
+        prop_assert_eq!(swept_beside(&own, &others), swept_beside(&own, &[]));
     }
 }
 
