@@ -20,6 +20,7 @@ mod driven_into;
 mod events;
 mod far_origin;
 mod fast_bodies;
+mod flush_floors;
 mod fracture;
 mod held_units;
 mod hinge_planes;
