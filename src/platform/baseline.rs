@@ -3,13 +3,16 @@
 //! Kernels are entered with them where the processor lacks the best ones, and where a test asks for them to compare the two. A
 //! test that made kernels of its own for this would compile each of them twice more, whole, in one function.
 
+#[cfg(test)]
+pub(crate) use held::{holds_to_baseline, with_baseline};
+
 #[cfg(target_arch = "x86_64")]
 pub(crate) use super::halves::{F32x8 as Baseline32, F64x4 as Baseline64};
 #[cfg(all(test, not(target_arch = "x86_64")))]
 pub(crate) use crate::lanes::{four::Plain as Baseline64, wide::Plain as Baseline32};
 
 /// Whether this thread enters kernels with these registers although the processor has better ones.
-#[cfg(not(test))]
+#[cfg(all(target_arch = "x86_64", not(test)))]
 #[inline(always)]
 pub(crate) const fn holds_to_baseline() -> bool {
     false
@@ -42,6 +45,3 @@ mod held {
         run()
     }
 }
-
-#[cfg(test)]
-pub(crate) use held::{holds_to_baseline, with_baseline};

@@ -30,8 +30,10 @@ use sse2::{doubles, singles};
 #[cfg_attr(all(target_arch = "wasm32", target_os = "unknown"), path = "no_clock.rs")]
 mod clock;
 
+#[cfg(any(test, target_arch = "x86_64"))]
 mod baseline;
 
+#[cfg(any(test, target_arch = "x86_64"))]
 pub(crate) use baseline::*;
 pub(crate) use clock::Moment;
 #[cfg(not(target_arch = "x86_64"))]

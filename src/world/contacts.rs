@@ -213,10 +213,10 @@ impl World {
             };
             let middles = |i: usize| turn.conjugate() * (apart(i).0 - origin).as_vec3();
             let places = successors(&now, &manifold, middles, extent);
-            for i in 0..manifold.points.len() {
-                let place = places[i].map(|(middle, separation)| (origin + (turn * middle).as_dvec3(), separation));
+            for (i, (place, normal)) in places.into_iter().zip(manifold.impulses.normal).enumerate().take(manifold.points.len()) {
+                let place = place.map(|(middle, separation)| (origin + (turn * middle).as_dvec3(), separation));
                 let (position, separation) = place.unwrap_or_else(|| apart(i));
-                contact.push(ContactPoint { position, separation, normal_force: manifold.impulses.normal[i] * per_substep });
+                contact.push(ContactPoint { position, separation, normal_force: normal * per_substep });
             }
             contact
         })

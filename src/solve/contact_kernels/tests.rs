@@ -169,7 +169,7 @@ fn swept_beside(own: &(ContactInput, Body, Body, bool), others: &[(ContactInput,
         };
         let slots = [if *on_world { 0 } else { enlist(*a) }, enlist(*b)];
         let material = PairMaterial { restitution: 0.0, rolling: 0.0, spinning: 0.0, ..input.material };
-        contacts.whole(0).set_lane(l, &ContactInput { a: slots[0], b: slots[1], material, ..input.clone() }, 1.0e-3);
+        contacts.whole(0).set_lane(l, &ContactInput { a: slots[0], b: slots[1], material, ..*input }, 1.0e-3);
     }
     let count = if own.3 { 2 } else { 3 };
     set_masses(&mut contacts.whole(0), &velocities);
