@@ -211,8 +211,8 @@ impl World {
                 let (on_a, on_b) = (body_a.center + world.lever_a[i].as_dvec3(), body_b.center + world.lever_b[i].as_dvec3());
                 (0.5 * (on_a + on_b), world.normal.dot((on_b - on_a).as_vec3()))
             };
-            let middles = |i: usize| turn.conjugate() * (apart(i).0 - origin).as_vec3();
-            let places = successors(&now, &manifold, middles, extent);
+            let middle = |i: usize| turn.conjugate() * (apart(i).0 - origin).as_vec3();
+            let places = successors(&now, &manifold, middle, extent);
             for (i, (place, normal)) in places.into_iter().zip(manifold.impulses.normal).enumerate().take(manifold.points.len()) {
                 let place = place.map(|(middle, separation)| (origin + (turn * middle).as_dvec3(), separation));
                 let (position, separation) = place.unwrap_or_else(|| apart(i));

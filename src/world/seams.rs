@@ -1,11 +1,11 @@
 //! Stage that removes contacts at the seams between flush surfaces.
 //!
 //! What slides or rolls from one surface onto another that lies flush beside it meets the edge of the second, which is no obstacle: were
-//! both one surface, there would be none. Narrow phases see two shapes at a time and cannot know. Where a round body moves over at least two
-//! pairs with what does not move, a point e on K is left out if a face of another shape J carries the body there as well:
+//! both one surface, there would be none. Narrow phases see two shapes at a time and cannot know. Where a body moves over at least two pairs
+//! with what does not move, or over a compound, a point e on K is left out if a face of another shape or part J carries the body there as well:
 //!
-//! * J presses with a face, or will before e does, in whose plane e lies, or as much under it as the body is sunk in there, and e lies on J, on its rim,
-//!   or on a third shape that is flush with J there;
+//! * J presses with a face, or will before e does, and e lies in the plane of that face, or as much under it as the body is sunk in there;
+//! * e lies on J, on its rim, or on a third shape that is flush with J there;
 //! * e does not press as that face does: it is an edge, or a side;
 //! * K does not rise above that plane behind e, as a wall or a step would.
 
