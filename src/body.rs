@@ -343,12 +343,20 @@ impl Body {
         self.center = pose.transform_point(self.local_center);
     }
 
-    /// Gives the body new mass properties; its frame stays where it is.
+    /// Gives the body new mass properties; its frame stays where it is, and its points go on as fast as they did: a centre that
+    /// moves by d has the velocity v + ω × d, and what was gathered as F and τ there is F and τ − d × F here.
     pub(crate) fn set_mass(&mut self, mass: Option<MassProperties>) {
-        let pose = self.pose();
+        let (pose, before) = (self.pose(), self.local_center);
         self.mass = mass;
         self.local_center = mass.map_or(Vec3::ZERO, |mass| mass.center_of_mass);
         self.set_pose(pose);
+        let shift = self.rotation * (self.local_center - before);
+        if shift != Vec3::ZERO {
+            let change = self.angular_velocity.cross(shift) * free_axes(self.settings.locked_axes.translation);
+            self.linear_velocity = within_limit(self.linear_velocity + change, MAX_LINEAR_SPEED);
+            self.torque -= shift.cross(self.force);
+            self.history.center_moved(shift);
+        }
     }
 
     /// Inverse mass (1/kg); zero for what is not free.

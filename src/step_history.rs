@@ -98,6 +98,14 @@ impl StepHistory {
         self.set(History { swept_for: time, ..self.get() });
     }
 
+    /// Brings a lead to a centre of mass that an edit has moved by `shift` (m), and forgets anything else.
+    pub(crate) fn center_moved(&mut self, shift: Vec3) {
+        match &mut self.0 {
+            Some(kept) if kept.lead().is_some() => kept.linear_before += kept.momentum_before.cross(shift),
+            _ => self.forget(),
+        }
+    }
+
     /// Forgets everything; the room is kept, for a step that is to come.
     pub(crate) fn forget(&mut self) {
         if let Some(kept) = &mut self.0 {

@@ -2,6 +2,7 @@
 
 use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{BodyDef, Cast, Geometry, LocalPose, Pose, QueryFilter, RayHit, Shape, ShapeDef, ShapeId, World, WorldDef};
+use longspan_scenes::Random;
 
 const SCALES: [f32; 4] = [1.0e-3, 0.1, 1.0, 1.0e3];
 
@@ -121,6 +122,86 @@ fn what_a_cast_begins_in_is_left_out_and_what_is_behind_it_met() {
             }
         }
     }
+}
+
+#[test]
+fn what_one_part_of_a_cast_begins_in_is_left_out_for_all_of_its_parts() {
+    for scale in SCALES {
+        let size = f64::from(scale);
+        let mut world = world();
+        add(&mut world, cuboid(scale, scale, scale), Pose::IDENTITY);
+        let behind = add(&mut world, cuboid(scale, scale, scale), Pose::at(DVec3::X * 6.0 * size));
+        // The ball in front is in the box, and the one behind it would come to it.
+        for places in [[0.0, -2.0], [-2.0, 0.0]] {
+            let ball = |x: f32| (LocalPose::at(Vec3::X * x * scale), Geometry::Ball { radius: 0.3 * scale });
+            let pair = Shape::new(Geometry::Compound { parts: places.map(ball).to_vec() }).unwrap();
+            for turn in [Vec3::ZERO, Vec3::new(0.0, 0.1, 0.0)] {
+                let way = Cast { ignore_overlapped: true, turn, ..Cast::new(&pair, Pose::IDENTITY, DVec3::X * 10.0 * size) };
+                let met = cast(&world, &way).expect("there is one behind");
+                assert!(met.shape == behind && (met.distance - 4.7 * size).abs() < 5.0e-3 * size, "{scale} m: {met:?}");
+                let first = cast(&world, &Cast { ignore_overlapped: false, ..way }).expect("it begins in a box");
+                assert!(first.distance == 0.0 && first.depth > 1.2 * size, "{scale} m: {first:?}");
+            }
+        }
+    }
+}
+
+/// A few shapes of every kind about the origin, most of which overlap what is there.
+fn heap(dice: &mut Random, scale: f32) -> (World, Vec<ShapeId>) {
+    let mut world = world();
+    let shapes = (0..4).map(|_| {
+        let mut size = || scale * dice.between(0.5, 2.0);
+        let extents = [size(), size(), size()];
+        let geometry = match (dice.between(0.0, 7.0)) as u32 {
+            0 => Geometry::Ball { radius: extents[0] },
+            1 => hull(Vec3::from(extents)),
+            2 => sheet(extents[0], extents[1]),
+            3 => Geometry::HalfSpace { normal: Vec3::Y },
+            4 => {
+                let heights = (0..30).map(|_| scale * dice.between(-0.2, 0.2)).collect();
+                Geometry::HeightField { rows: 5, columns: 6, heights, size_x: 4.0 * extents[0], size_z: 4.0 * extents[1] }
+            }
+            5 => {
+                let part = |x: f32| (LocalPose::at(Vec3::X * x * scale), cuboid(extents[0], extents[1], extents[2]));
+                Geometry::Compound { parts: vec![part(0.0), part(20.0), part(1.0)] }
+            }
+            _ => cuboid(extents[0], extents[1], extents[2]),
+        };
+        let place = (dice.vector(0.7) * scale).as_dvec3();
+        let turn = if dice.between(0.0, 1.0) < 0.3 { Quat::IDENTITY } else { dice.rotation() };
+        add(&mut world, geometry, Pose::at(place).rotated(turn))
+    });
+    let shapes = shapes.collect();
+    (world, shapes)
+}
+
+#[test]
+fn of_several_shapes_that_a_solid_overlaps_the_deepest_is_named() {
+    let (mut dice, mut overlapped) = (Random::new(3), 0);
+    for number in 0..2000 {
+        let scale = SCALES[number % SCALES.len()];
+        let (world, shapes) = heap(&mut dice, scale);
+        let size = scale * dice.between(0.05, 1.0);
+        let probe = match number % 3 {
+            0 => Shape::ball(size).unwrap(),
+            1 => Shape::new(cuboid(size, 2.0 * size, 0.5 * size)).unwrap(),
+            _ => {
+                let part = |x: f32| (LocalPose::at(Vec3::X * x * size), Geometry::Ball { radius: size });
+                Shape::new(Geometry::Compound { parts: vec![part(0.0), part(3.0)] }).unwrap()
+            }
+        };
+        let at = Pose::at((dice.vector(1.0) * scale).as_dvec3()).rotated(dice.rotation());
+        let nearest = |accept: &(dyn Fn(ShapeId) -> bool + Sync)| {
+            let filter = QueryFilter { accept: Some(accept), ..QueryFilter::default() };
+            let found = world.nearest_shape(&probe, at, 10.0 * scale, &filter).unwrap();
+            found.map_or(f64::INFINITY, |found| found.distance.distance)
+        };
+        let alone = shapes.iter().map(|&shape| nearest(&|other| other == shape)).fold(f64::INFINITY, f64::min);
+        let all = nearest(&|_| true);
+        assert!(all == alone, "number {number}: {all} m of all, {alone} m of one by one");
+        overlapped += u32::from(all < 0.0);
+    }
+    assert!(overlapped > 1000, "only {overlapped} overlap");
 }
 
 #[test]

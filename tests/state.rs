@@ -1,6 +1,6 @@
 //! Legal calls in any order leave a world that steps, and one that restores to the bit.
 
-use longspan::glam::{Quat, Vec3};
+use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
     BodyDef, BodyId, BodyKind, FractureSettings, Geometry, JointDef, JointId, JointKind, LocalPose, LockedAxes, Mass,
     MassProperties, Pose, RecordedWorld, RecordingSink, Shape, ShapeDef, Solver, Strength, World, WorldDef,
@@ -354,4 +354,113 @@ fn a_joint_that_breaks_reports_a_finite_load_whatever_the_solve_found() {
     world.step(1.0e-6).unwrap();
     let [broken] = world.broken() else { panic!("one joint breaks") };
     assert!(broken.force.is_finite() && broken.torque.is_finite(), "{broken:?}");
+}
+
+/// A bar of two boxes that flies and turns, with another welded to it or not.
+fn flying_bar(solver: Solver, welded: bool) -> (World, BodyId) {
+    let mut world = World::new(&WorldDef { solver, gravity: Vec3::ZERO, ..WorldDef::default() }).unwrap();
+    let half = |x: f32| ShapeDef { local_pose: LocalPose::at(Vec3::X * x), ..box_of(0.5) };
+    let mut add = |at: DVec3, velocity: Vec3| {
+        let pose = Pose::at(at).rotated(Quat::from_rotation_z(0.3));
+        let def = BodyDef { linear_velocity: velocity, angular_velocity: Vec3::Z * 5.0, ..BodyDef::dynamic(pose) };
+        world.create_body(&def.with_shape(half(-0.5)).with_shape(half(0.5))).unwrap()
+    };
+    let bar = add(DVec3::ZERO, Vec3::new(1.0, 2.0, 3.0));
+    if welded {
+        let arm = Quat::from_rotation_z(0.3) * (Vec3::X * 2.0);
+        let other = add(arm.as_dvec3(), Vec3::new(1.0, 2.0, 3.0) + (Vec3::Z * 5.0).cross(arm));
+        world.create_joint(&JointDef::new(JointKind::Fixed, bar, other).at(Vec3::X, -Vec3::X)).unwrap();
+    }
+    steps(&mut world, 7);
+    (world, bar)
+}
+
+/// Velocity of the point of a body that is at `point` (world).
+fn velocity_at(world: &World, body: BodyId, point: DVec3) -> Vec3 {
+    let lever = (point - world.center_of_mass(body).unwrap()).as_vec3();
+    world.linear_velocity(body).unwrap() + world.angular_velocity(body).unwrap().cross(lever)
+}
+
+type Edit = (&'static str, fn(&mut World, BodyId));
+
+const MASS_EDITS: [Edit; 6] = [
+    ("attached", |world, body| {
+        let far = ShapeDef { local_pose: LocalPose::at(Vec3::new(0.5, 2.0, 1.0)), ..box_of(0.7) };
+        world.attach_shape(body, &far).unwrap();
+    }),
+    ("destroyed", |world, body| world.destroy_shape(world.body_shapes(body).unwrap()[0]).unwrap()),
+    ("form", |world, body| world.set_shape_def(world.body_shapes(body).unwrap()[0], &box_of(0.2)).unwrap()),
+    ("density", |world, body| {
+        let shape = world.body_shapes(body).unwrap()[1];
+        let def = world.shape_def(shape).unwrap();
+        world.set_shape_def(shape, &ShapeDef { density: 10.0 * def.density, ..def }).unwrap();
+    }),
+    ("mass", |world, body| {
+        let mass = MassProperties { center_of_mass: Vec3::new(0.3, -0.4, 0.2), ..MassProperties::new(7.0, Vec3::splat(3.0)) };
+        world.set_mass(body, Mass::Properties(mass)).unwrap();
+    }),
+    ("kinematic and back", |world, body| {
+        world.destroy_shape(world.body_shapes(body).unwrap()[1]).unwrap();
+        world.set_body_kind(body, BodyKind::Kinematic).unwrap();
+        world.set_body_kind(body, BodyKind::Dynamic).unwrap();
+    }),
+];
+
+#[test]
+fn an_edit_that_moves_the_centre_of_mass_leaves_every_point_its_velocity() {
+    for (solver, welded) in [Solver::Auto, Solver::GaussSeidel].into_iter().flat_map(|solver| [(solver, false), (solver, true)]) {
+        for (name, edit) in MASS_EDITS {
+            let (mut world, bar) = flying_bar(solver, welded);
+            let center = world.center_of_mass(bar).unwrap();
+            let points = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|lever| center + lever);
+            let before = points.map(|point| velocity_at(&world, bar, point));
+            edit(&mut world, bar);
+            assert!(world.center_of_mass(bar).unwrap().distance(center) > 0.1, "{name} moves the centre");
+            let after = points.map(|point| velocity_at(&world, bar, point));
+            let jump = before.iter().zip(&after).map(|(before, after)| before.distance(*after)).fold(0.0, f32::max);
+            assert!(jump < 1.0e-5, "{solver:?}, welded {welded}, {name}: {jump} m/s");
+            if welded {
+                // Two that turn as one still do; ω²r in 0.1 ms is 5 mm/s.
+                let going = velocity_at(&world, bar, center);
+                world.step(1.0e-4).unwrap();
+                let jump = velocity_at(&world, bar, center).distance(going);
+                assert!(jump < 2.0e-2, "{solver:?}, {name}: {jump} m/s in the first step");
+            }
+        }
+    }
+}
+
+#[test]
+fn half_of_a_turning_bar_flies_off_along_its_tangent() {
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        let (mut world, bar) = flying_bar(solver, false);
+        world.destroy_shape(world.body_shapes(bar).unwrap()[0]).unwrap();
+        let (start, from) = (world.linear_velocity(bar).unwrap(), world.center_of_mass(bar).unwrap());
+        let speed = (start - Vec3::new(1.0, 2.0, 3.0)).length();
+        assert!((speed - 2.5).abs() < 1.0e-4, "{solver:?}: {speed} m/s");
+        steps(&mut world, 30);
+        let off = (world.center_of_mass(bar).unwrap() - from).distance((start * (30.0 * DT)).as_dvec3());
+        assert!(off < 1.0e-4, "{solver:?}: {off} m off its straight way");
+    }
+}
+
+#[test]
+fn a_force_at_a_point_stays_there_when_the_centre_of_mass_moves() {
+    let turned = |edit_first: bool| {
+        let (mut world, bar) = flying_bar(Solver::Auto, false);
+        let point = world.center_of_mass(bar).unwrap() + DVec3::new(0.3, 0.2, 0.1);
+        let push = |world: &mut World| world.add_force_at(bar, Vec3::new(100.0, -2000.0, 300.0), point).unwrap();
+        if edit_first {
+            MASS_EDITS[0].1(&mut world, bar);
+            push(&mut world);
+        } else {
+            push(&mut world);
+            MASS_EDITS[0].1(&mut world, bar);
+        }
+        steps(&mut world, 1);
+        (world.linear_velocity(bar).unwrap(), world.angular_velocity(bar).unwrap())
+    };
+    let (first, last) = (turned(true), turned(false));
+    let off = [first.0.distance(last.0), first.1.distance(last.1)];
+    assert!(off[0] < 1.0e-5 && off[1] < 1.0e-5, "{off:?} m/s, rad/s");
 }

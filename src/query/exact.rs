@@ -114,22 +114,30 @@ pub(crate) fn first_on_sweep(collider: &Collider, sweep: &Sweep) -> Option<Met> 
     let (way, length) = (sweep.path_box(), sweep.path.length());
     let way = PathSegment { origin: way.origin - frame, ..way };
     let motion = CastMotion { path: sweep.path, turn: sweep.turn, center: DVec3::ZERO };
+    let mut probe = Vec::new();
+    sweep.probe.parts(frame, &mut |moving| probe.push(*moving));
+    let key = |met: &Meeting, triangle: Option<u32>| (met.share, met.gap.distance, triangle);
     let mut best: Option<(Meeting, Option<u32>, Option<u32>)> = None;
-    sweep.probe.parts(frame, &mut |moving| {
-        parts::along(collider_at(collider, frame), &way, &mut |fixed, _| {
-            let limit = best.map_or(1.0, |(best, ..)| best.share);
-            let found = cast::first_meeting(fixed, moving, &motion, limit);
-            let counts = |met: &Meeting| !(met.from_start && sweep.ignore_overlapped);
-            if let Some(met) = found.filter(counts)
-                && best.is_none_or(|(best, _, triangle)| {
-                    (met.share, met.gap.distance, fixed.triangle) < (best.share, best.gap.distance, triangle)
-                })
-            {
-                best = Some((met, fixed.part, fixed.triangle));
+    parts::along(collider_at(collider, frame), &way, &mut |fixed, _| {
+        let mut first: Option<Meeting> = None;
+        let mut is_overlapped = false;
+        for moving in &probe {
+            let limit = first.or(best.map(|(best, ..)| best)).map_or(1.0, |known| known.share);
+            let Some(met) = cast::first_meeting(fixed, moving, &motion, limit) else { continue };
+            is_overlapped |= met.from_start;
+            if first.is_none_or(|first| key(&met, None) < key(&first, None)) {
+                first = Some(met);
             }
-            // Along the path at least this much is still to be looked at; a turn may reach as far from its start.
-            best.map_or(f64::INFINITY, |(best, ..)| best.share * length)
-        });
+        }
+        // What one part of the probe begins in is left out for all of them.
+        let counting = first.filter(|_| !(is_overlapped && sweep.ignore_overlapped));
+        if let Some(met) = counting
+            && best.is_none_or(|(best, _, triangle)| key(&met, fixed.triangle) < key(&best, triangle))
+        {
+            best = Some((met, fixed.part, fixed.triangle));
+        }
+        // Along the path at least this much is still to be looked at; a turn may reach as far from its start.
+        best.map_or(f64::INFINITY, |(best, ..)| best.share * length)
     });
     best.map(|(met, part, triangle)| Met {
         distance: met.share * length,
@@ -188,7 +196,8 @@ pub(crate) fn nearest_point(collider: &Collider, point: DVec3, limit: f64) -> Op
 /// Visits the parts of a shape that may meet the box between two corners.
 type Near<'n, 'b> = &'n dyn Fn(DVec3, DVec3, &mut dyn FnMut(&ConvexPart<'b>));
 
-/// Visits every pair of parts whose boxes, widened by `margin`, meet. B is known by its box and by its parts.
+/// Visits every pair of parts whose boxes, widened by `margin`, meet; by one below zero they are not shrunk: what overlaps is as
+/// deep as it is, however little its box reaches into the other. B is known by its box and by its parts.
 fn pairs<'a, 'b>(
     a: PlacedPart<'a>,
     near_b: Near<'_, 'b>,
@@ -196,7 +205,7 @@ fn pairs<'a, 'b>(
     margin: f64,
     visit: &mut dyn FnMut(&ConvexPart<'a>, &ConvexPart<'b>),
 ) {
-    let room = DVec3::splat(margin);
+    let room = DVec3::splat(margin.max(0.0));
     parts::near(a, low - room, high + room, &mut |part_a| {
         let (low, high) = part_a.bounds();
         near_b(low - room, high + room, &mut |part_b| visit(part_a, part_b));
@@ -207,7 +216,7 @@ fn separation(a: PlacedPart, b: PlacedPart, limit: f64) -> Option<Distance> {
     search(a, &|low, high, visit| parts::near(b, low, high, visit), b.bounds(), limit)
 }
 
-/// The least gap between two shapes, in regions around B that grow until one holds it.
+/// The least gap between two shapes that is not above `limit`, which may be a depth, in regions around B that grow until one holds it.
 fn search(a: PlacedPart, near_b: Near, (low, high): (DVec3, DVec3), limit: f64) -> Option<Distance> {
     let (least, greatest) = a.bounds();
     let apart = (least - high).max(low - greatest).max(DVec3::ZERO).length();

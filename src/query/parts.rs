@@ -60,9 +60,10 @@ pub(super) fn along<'a>(of: PlacedPart<'a>, path: &PathSegment, visit: &mut dyn 
     }
 }
 
-/// Calls `visit` for each part of a shape that may meet the box from `low` to `high`, in the frame of the query (m).
+/// Calls `visit` for each part of a shape that may meet the box from `low` to `high`, in the frame of the query (m); an empty box
+/// is the point in its middle.
 pub(super) fn near<'a>(of: PlacedPart<'a>, low: DVec3, high: DVec3, visit: &mut dyn FnMut(&ConvexPart<'a>)) {
-    let path = PathSegment::still((low + high) * 0.5, (high - low) * 0.5);
+    let path = PathSegment::still((low + high) * 0.5, ((high - low) * 0.5).max(DVec3::ZERO));
     along(of, &path, &mut |part, _| {
         visit(part);
         f64::INFINITY
@@ -115,8 +116,8 @@ impl Grid<'_> {
         let main = usize::from(rate[1].abs() > rate[0].abs());
         let (low, high) = range(main, first, last);
         let mut limit = last;
-        for step in 0..=high - low {
-            let slice = if rate[main] < 0.0 { high - step } else { low + step };
+        for step in low..=high {
+            let slice = if rate[main] < 0.0 { high - (step - low) } else { step };
             let [near, far] =
                 [slice as f64 - half[main], (slice + 1) as f64 + half[main]].map(|at| (at - origin[main]) / rate[main]);
             let crosses = near.is_finite() && far.is_finite();
