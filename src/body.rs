@@ -232,7 +232,7 @@ pub(crate) enum SleepState {
 
 impl SleepState {
     /// Awake, and not quiet yet.
-    pub(crate) const AWAKE: Self = Self::Awake { quiet_for: 0.0, drift: Drift { linear: Vec3::ZERO, angular: Vec3::ZERO } };
+    pub(crate) const AWAKE: Self = Self::Awake { quiet_for: 0.0, drift: Drift::NONE };
 }
 
 /// Mean rate at which the pose of a quiet body changes (m/s, rad/s), which is not its velocity where overlaps are taken out of positions.
@@ -240,6 +240,13 @@ impl SleepState {
 pub(crate) struct Drift {
     pub linear: Vec3,
     pub angular: Vec3,
+    /// How fast both were a while ago: mean lengths, over a longer time.
+    pub linear_before: f32,
+    pub angular_before: f32,
+}
+
+impl Drift {
+    pub(crate) const NONE: Self = Self { linear: Vec3::ZERO, angular: Vec3::ZERO, linear_before: 0.0, angular_before: 0.0 };
 }
 
 impl Body {

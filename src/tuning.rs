@@ -115,6 +115,18 @@ pub(crate) mod drift {
     /// Scenes: heaps of boxes at 30, 60 and 240 Hz.
     /// Test: tests/sleeping.rs
     pub(crate) const TOUCHING_CREEP_SHARE: f32 = 0.5;
+    /// Time of the mean that a drift is compared with (s).
+    /// Why: the part of the quiet time in which nothing may creep, and longer than what a drift is averaged over.
+    /// Scenes: planks beyond an edge, heaps at 30, 60 and 240 Hz.
+    /// Test: tests/sleeping.rs
+    pub(crate) const GROWTH_TIME: f32 = 0.25;
+    /// Time within which a drift that grows must not pass the speed below which a body is quiet (s): of one without joints, and of one with.
+    /// Why: 5 cm/s in 5 s is a thousandth of g, which is what may be out of balance. Of 1680 planks, rods and poles beyond an edge 666 slept
+    /// without it, 338 with 1 s, 56 with 5 s (poles on the edge of their foot); heaps sleep 0.8 % later. What hangs swings, and grows for a
+    /// quarter of its period alone: with 5 s one ragdoll of eight never slept.
+    /// Scenes: planks, rods and poles beyond an edge, heaps at 30, 60 and 240 Hz, ragdoll_pile.
+    /// Test: tests/sleeping.rs
+    pub(crate) const GROWTH_AHEAD: [f32; 2] = [5.0, 1.0];
     /// Share of the quiet time that counts where something creeps or a joint is at work.
     /// Why: the rest of it has to pass without either.
     /// Scenes: slow motors, resting.

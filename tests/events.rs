@@ -51,6 +51,39 @@ fn a_hit_says_how_fast_and_how_hard() {
 }
 
 #[test]
+fn every_hit_has_begun_once_also_where_nothing_presses_any_more() {
+    let shapes = [Shape::ball(0.5), Shape::cuboid(Vec3::splat(0.5)), Shape::capsule(0.5, 0.5)].map(Result::unwrap);
+    for (shape, solver) in shapes.iter().flat_map(|shape| [(shape, Solver::Auto), (shape, Solver::GaussSeidel)]) {
+        for (rate, speed) in [(30.0, 2.0), (60.0, 7.0), (60.0, 30.0), (240.0, 7.0)] {
+            for (restitution, kind) in [(0.0, BodyKind::Static), (0.0, BodyKind::Dynamic), (0.4, BodyKind::Dynamic)] {
+                let def = WorldDef { gravity: Vec3::ZERO, solver, hit_threshold: 0.1, ..WorldDef::default() };
+                let mut world = World::new(&def).unwrap();
+                let mut add = |kind: BodyKind, x: f64, speed: f32| {
+                    let mut shape = ShapeDef::new(shape.clone());
+                    shape.material = Material { restitution, friction: 0.0, ..Material::default() };
+                    let def = BodyDef { kind, linear_velocity: Vec3::X * speed, ..BodyDef::dynamic(Pose::at_xyz(x, 0.0, 0.0)) };
+                    world.create_body(&def.with_shape(shape)).unwrap()
+                };
+                add(BodyKind::Dynamic, -2.237, speed);
+                add(kind, 0.0, 0.0);
+                let (mut hits, mut begun, mut before_hit) = (0, 0, 0);
+                for _ in 0..(4.0 * rate / speed) as u32 + 10 {
+                    world.step(1.0 / rate).unwrap();
+                    begun += world.contact_began().len();
+                    hits += world.hits().len();
+                    before_hit += if world.hits().is_empty() { 0 } else { begun };
+                }
+                let what = format!("{solver:?}, {rate} Hz, {speed} m/s, restitution {restitution}, {kind:?}");
+                assert!(
+                    hits == 1 && begun == 1 && before_hit == 1,
+                    "{what}: {hits} hits, {begun} begun, {before_hit} by the hit"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn what_is_slow_or_not_asked_for_is_no_hit() {
     for threshold in [8.0, f32::INFINITY] {
         let mut world = world(threshold);

@@ -145,7 +145,9 @@ pub unsafe extern "C" fn ls_world_islands_get(world: LsWorld, out: *mut *const L
     })
 }
 
-/// Pairs of shapes that began to touch in the last step.
+/// Pairs of shapes that began to press on each other in the last step: a force acts between them at its end, they have rebounded in
+/// it, or their hit is told. Shapes that touch or overlap while nothing presses them together are not among them, nor those that met
+/// slower than hit_threshold and press no more at the end of the step; ls_body_contacts_get lists both.
 ///
 /// @param world  the world; any value is safe
 /// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its
@@ -165,7 +167,7 @@ pub unsafe extern "C" fn ls_world_contacts_begun_get(
     })
 }
 
-/// Pairs of shapes that ceased to touch in the last step.
+/// Pairs of shapes that ceased to press on each other in the last step.
 ///
 /// @param world  the world; any value is safe
 /// @param out    the array, owned by the world, on LS_OK; may be read by any thread until the next step of the world or its

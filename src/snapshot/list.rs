@@ -274,7 +274,7 @@ stored_enum!(Solver { 0 => Auto {}, 1 => GaussSeidel {}, 2 => Direct {} });
 stored_enum!(Anchored { 0 => No {}, 1 => Still {}, 2 => Driven {} });
 stored_enum!(BodyKind { 0 => Static {}, 1 => Kinematic {}, 2 => Dynamic {} });
 stored_enum!(Mass { 0 => FromShapes {}, 1 => Total { 0: mass }, 2 => Properties { 0: properties } });
-stored!(Drift { linear, angular });
+stored!(Drift { linear, angular, linear_before, angular_before });
 stored_enum!(SleepState { 0 => Awake { quiet_for: quiet_for, drift: drift }, 1 => Asleep { island: island } });
 stored_enum!(CombineRule { 0 => GeometricMean {}, 1 => Average {}, 2 => Minimum {}, 3 => Multiply {}, 4 => Maximum {} });
 stored_enum!(Motor {

@@ -3,7 +3,11 @@
 //! Speed alone does not tell: a motor may turn by a milliradian a second, an embedded body is pushed out without any velocity, and a spring
 //! that turns back stands still for a moment. So poses tell. While a body is quiet its *drift* follows the rate at which its pose changes,
 //! averaged over some [`DRIFT_TIME`], so that what trembles in place has none. An island sleeps once none of its bodies drifts by more than
-//! a share of the speeds at which bodies are quiet, and none of its joints is at work:
+//! a share of the speeds at which bodies are quiet, nor ever faster, and none of its joints is at work. What is out of balance is slow at first:
+//! a plank whose centre is a little beyond an edge. But its drift grows, and where at that rate it would not be quiet any more within
+//! [`GROWTH_AHEAD`], it goes somewhere. A long body goes where its far end goes: as fast as it turns times its reach.
+//!
+//! A joint is at work so:
 //!
 //! * A motor that holds a speed, or is on its way at the greatest it may have, is at work while its joint follows it at
 //!   [`FOLLOWED_SHARE`] of that or more. One that is stalled is not.
@@ -26,7 +30,8 @@ use crate::settings::SleepSettings;
 use crate::solve::joint::{gap_of, placement_of};
 pub(super) use crate::tuning::drift::WATCHED_AGAIN;
 use crate::tuning::drift::{
-    ARRIVED, CREEP_SHARE, DRIFT_TIME, FOLLOWED_SHARE, MAX_TIME, MAX_WATCHED, RIGID_TIME, TOUCHING_CREEP_SHARE,
+    ARRIVED, CREEP_SHARE, DRIFT_TIME, FOLLOWED_SHARE, GROWTH_AHEAD, GROWTH_TIME, MAX_TIME, MAX_WATCHED, RIGID_TIME,
+    TOUCHING_CREEP_SHARE,
 };
 
 impl Drift {
@@ -34,15 +39,24 @@ impl Drift {
     pub(crate) fn follow(&mut self, (from, to): ((DVec3, Quat), (DVec3, Quat)), dt: f32, is_new: bool) {
         let turn = to.1 * from.1.conjugate();
         let sine = 2.0 / dt * if turn.w < 0.0 { -turn.xyz() } else { turn.xyz() };
-        let rate = Self { linear: (to.0 - from.0).as_vec3() / dt, angular: sine };
-        let share = if is_new { 1.0 } else { dt / (dt + DRIFT_TIME) };
-        self.linear += (rate.linear - self.linear) * share;
-        self.angular += (rate.angular - self.angular) * share;
+        let rate = [(to.0 - from.0).as_vec3() / dt, sine];
+        let [share, share_before] = [DRIFT_TIME, GROWTH_TIME].map(|time| if is_new { 1.0 } else { dt / (dt + time) });
+        self.linear += (rate[0] - self.linear) * share;
+        self.angular += (rate[1] - self.angular) * share;
+        self.linear_before += (self.linear.length() - self.linear_before) * share_before;
+        self.angular_before += (self.angular.length() - self.angular_before) * share_before;
     }
 
     /// Whether it is below these speeds (m/s, rad/s).
     fn is_below(&self, [linear, angular]: [f32; 2]) -> bool {
         self.linear.length() <= linear && self.angular.length() <= angular
+    }
+
+    /// Whether it grows, and at this rate will be above these speeds (m/s, rad/s) within `ahead` (s): a mean over the time T lags by a T behind
+    /// what grows at the rate a.
+    fn grows_past(&self, [linear, angular]: [f32; 2], ahead: f32) -> bool {
+        let grows = |now: f32, before: f32, limit: f32| now > before && now + (now - before) * (ahead / GROWTH_TIME) > limit;
+        grows(self.linear.length(), self.linear_before, linear) || grows(self.angular.length(), self.angular_before, angular)
     }
 }
 
@@ -133,10 +147,14 @@ impl World {
         })
     }
 
-    /// Whether a body goes somewhere, if slowly.
+    /// Whether a body goes somewhere, if slowly: on the whole, or with the end that is farthest from its centre of mass.
     pub(super) fn creeps(&self, index: u32) -> bool {
         let touches = self.collision.index.contact_force(index) != Vec3::ZERO;
-        !self.drift_of(index).is_below(creep_speeds(&self.def.sleep, touches))
+        let (body, drift, limits) = (&self.bodies[index], self.drift_of(index), &self.def.sleep);
+        let far_end = limits.linear_speed / self.reach_of(body);
+        let limits = SleepSettings { angular_speed: limits.angular_speed.min(far_end), ..*limits };
+        let ahead = GROWTH_AHEAD[usize::from(!body.joints.is_empty())];
+        !drift.is_below(creep_speeds(&limits, touches)) || drift.grows_past([limits.linear_speed, limits.angular_speed], ahead)
     }
 
     fn drift_of(&self, index: u32) -> Drift {

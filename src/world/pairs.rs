@@ -271,7 +271,14 @@ impl World {
             if let Some(contact) = self.contacts_of_pair(key, slot).max_by(heaviest).filter(|_| impulse > 0.0) {
                 let points = contact.points();
                 let point = points.iter().map(|point| point.position).sum::<DVec3>() / points.len() as f64;
-                self.events.hits.push(Hit { pair: contact.pair, point, normal: contact.normal, approach_speed, impulse });
+                let pair = contact.pair;
+                self.events.hits.push(Hit { pair, point, normal: contact.normal, approach_speed, impulse });
+                // What a hit has stopped need not press any more as its step ends.
+                let record = self.collision.pairs.get_mut(slot);
+                if !record.in_contact && !self.events.contact_ended.contains(&pair) {
+                    record.in_contact = true;
+                    self.events.contact_began.push(pair);
+                }
             }
             self.collision.pairs.blows.forget(slot);
         }

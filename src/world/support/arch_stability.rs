@@ -247,7 +247,7 @@ impl World {
     }
 
     /// How far a body reaches from its centre of mass (m).
-    fn reach_of(&self, body: &Body) -> f32 {
+    pub(in crate::world) fn reach_of(&self, body: &Body) -> f32 {
         let shapes = body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok());
         shapes.map(|shape| self.colliders[shape].reach).fold(0.0, f32::max)
     }
