@@ -183,7 +183,12 @@ fn spinning_friction_stops_a_spinning_ball_when_it_should() {
 #[test]
 fn locked_translations_and_rotations_stay_locked() {
     let run = Run::of("locked_axes", &[]);
-    assert!(run.error("free_shift_m") > 0.1, "the blow moved the box by only {} m: nothing is tested", run.error("free_shift_m"));
+    // Friction along what is free brakes it: 6 cm.
+    assert!(
+        run.error("free_shift_m") > 0.03,
+        "the blow moved the box by only {} m: nothing is tested",
+        run.error("free_shift_m")
+    );
     run.keeps("locked_shift_m", 1e-6, "m");
     // Rounding of a unit quaternion in f32: 1e-7 of a radian a substep.
     run.keeps("locked_turn_deg", 1e-3, "°");

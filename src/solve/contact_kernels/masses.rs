@@ -192,15 +192,16 @@ fn invert<W: Wide>(x: W, least: W) -> W {
 
 /// Inverse of [[m11, m12], [m12, m22]]: 11, 12, 22.
 ///
-/// Bodies that cannot turn make one direction immovable: those rows are left out rather than divided by nothing. So are both where
-/// the lesser eigenvalue is not above `least`.
+/// Bodies that cannot move along one direction make a matrix of rank one, λ v vᵀ with λ its trace: its inverse along v alone is the
+/// matrix over λ², so that friction works along what is free. Where λ is not above `least` both rows are left out.
 #[inline(always)]
 fn put_inverse2<W: Wide>(lanes: &mut [Lane; 3], m11: W, m12: W, m22: W, least: W) {
-    let zero = W::zero();
-    let determinant = m11 * m22 - m12 * m12;
+    let (zero, one) = (W::zero(), W::splat(1.0));
+    let (determinant, trace) = (m11 * m22 - m12 * m12, m11 + m22);
     let is_regular = determinant.above((W::splat(f32::EPSILON) * m11 * m22).max(least * m11.max(m22)));
-    let scale = W::select(is_regular, W::splat(1.0) / determinant, zero);
-    (m22 * scale).store(&mut lanes[0]);
-    (-m12 * scale).store(&mut lanes[1]);
-    (m11 * scale).store(&mut lanes[2]);
+    let scale = W::select(is_regular, one / determinant, zero);
+    let along = W::select(trace.above(least), one / trace, zero);
+    W::select(is_regular, m22 * scale, m11 * along * along).store(&mut lanes[0]);
+    W::select(is_regular, -m12 * scale, m12 * along * along).store(&mut lanes[1]);
+    W::select(is_regular, m11 * scale, m22 * along * along).store(&mut lanes[2]);
 }

@@ -110,7 +110,8 @@ fn visit<W: Wide, M: BlockManifolds>(
 /// What would stop the slip is taken if the disc holds it. Where it does not, the multipliers step against the slip by the lesser
 /// eigenvalue of `mass` and are shortened to the disc: that lowers the energy of the two rows, and stays where it is only if the
 /// multipliers point exactly against the slip. Were what would stop it shortened instead, they would point along `mass`·slip, and what
-/// slides would be turned by its own shape.
+/// slides would be turned by its own shape. Where bodies are free along one line only, `mass` is of rank one and `mass`·slip lies along
+/// that line: there it is shortened as it is, as the lesser eigenvalue would be zero.
 ///
 /// A multiplier that is nothing beside its limit, and whose square would be a denormal number, is zero.
 #[inline(always)]
@@ -126,9 +127,15 @@ fn in_disc<W: Wide>(mass: [W; 3], old: [W; 2], slip: [W; 2], limit: W) -> [W; 2]
         let (half, one) = (W::splat(0.5), W::splat(1.0));
         let (mean, apart) = ((m11 + m22) * half, (m11 - m22) * half);
         let greatest = mean + (apart * apart + m12 * m12).sqrt();
+        let determinant = m11 * m22 - m12 * m12;
         // As a quotient: the difference of two numbers that are almost equal would be rounding.
-        let least = W::select(greatest.above(zero), (m11 * m22 - m12 * m12).max(zero) / greatest, zero);
-        let stepped = [settled(old[0] - least * slip[0], negligible), settled(old[1] - least * slip[1], negligible)];
+        let least = W::select(greatest.above(zero), determinant.max(zero) / greatest, zero);
+        // The entries are rounded, each by half an epsilon.
+        let has_two_ways = determinant.above(W::splat(4.0 * f32::EPSILON) * m11 * m22);
+        let stepped = [
+            W::select(has_two_ways, settled(old[0] - least * slip[0], negligible), new[0]),
+            W::select(has_two_ways, settled(old[1] - least * slip[1], negligible), new[1]),
+        ];
         let size = (stepped[0] * stepped[0] + stepped[1] * stepped[1]).sqrt();
         let scale = W::select(size.above(limit), limit / size, one);
         // What sticks keeps its bits, whatever else is in the block.
