@@ -27,8 +27,20 @@ impl LoadedPoint {
     }
 }
 
-/// Sets the points' forces so that their columns add up to `demand`, as nearly as pushing can.
+/// Sets the points' forces so that their columns add up to `demand`, as nearly as pushing can, and to no more than its force.
+///
+/// The nearest balance of a moment that no pushing balances adds force: a load beside all its points would be carried many times.
 pub(crate) fn balance(points: &mut [LoadedPoint], demand: DVec3) {
+    distribute(points, demand);
+    let pushed: f64 = points.iter().map(|point| point.column.x * point.force).sum();
+    if pushed > demand.x {
+        let share = demand.x.max(0.0) / pushed;
+        points.iter_mut().for_each(|point| point.force *= share);
+    }
+}
+
+/// The forces of least norm that are nearest to `demand`.
+fn distribute(points: &mut [LoadedPoint], demand: DVec3) {
     for _ in 0..ACTIVE_SET_PASSES {
         let mut matrix = DMat3::ZERO;
         let (mut count, mut reach) = (0.0, 0.0);
@@ -144,6 +156,15 @@ mod tests {
         for (force, expected) in forces.iter().zip([1.25, 3.75, 1.25, 3.75]) {
             assert!((force - expected).abs() < 1e-4, "{forces:?} N");
         }
+    }
+
+    #[test]
+    fn a_load_beside_its_points_is_carried_once_at_most() {
+        // A crate whose two points lie on one edge, 5 cm apart, and whose centre is 0.5 m beside them.
+        let mut points = [-0.025, 0.025].map(|z| LoadedPoint::new(DVec3::new(1.0, -z, 0.001)));
+        balance(&mut points, DVec3::new(10.0, 0.0, 5.0));
+        let pushed: f64 = points.iter().map(|point| point.force).sum();
+        assert!(pushed <= 10.0 + 1e-9 && pushed > 9.9, "{pushed} N for 10 N");
     }
 
     #[test]
