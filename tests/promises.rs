@@ -46,6 +46,7 @@ mod query_grounds;
 mod query_oracles;
 mod ragdolls_at_rest;
 mod rebounds;
+mod released_loads;
 mod resting;
 mod robustness;
 mod ropes;

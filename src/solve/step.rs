@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::batch::{Batch, LongRangeRows};
 use super::body_warm_start::{self, BodyWarmStart};
-use super::contact_energy::ContactEnergy;
+use super::contact_energy::{ContactEnergy, LoadRelease};
 use super::contact_newton::ContactNewton;
 use super::direct::{Direct, SolveContext};
 use super::followed_velocity::FollowedVelocities;
@@ -39,6 +39,7 @@ pub(crate) struct BatchStages {
     pub joint_mesh: JointMesh,
     joint_energy: JointEnergy,
     pub contact_energy: ContactEnergy,
+    load_release: LoadRelease,
     followed: FollowedVelocities,
     impacts: Impacts,
     closing: JointClosing,
@@ -113,6 +114,9 @@ impl BatchStages {
         batch.joints.left = h * (settings.substeps - substep) as f32;
         batch.half_steps.begin_substep(&batch.velocities, substep, settings.substeps);
         self.apply_forces(batch, joints, threads, h, substep, settings.substeps);
+        if substep == 0 {
+            self.load_release.note(batch);
+        }
         self.joint_energy.note(threads, &batch.velocities, &batch.poses);
         self.impacts.note(&batch.velocities);
         batch.prepare_joints(joints, threads, h, false, true);
@@ -124,6 +128,7 @@ impl BatchStages {
         self.joint_energy.restrain(batch, joints, threads, is_weighed);
         self.contact_energy.dissipate(batch, threads, settings.iterations);
         if substep == 0 {
+            self.load_release.solve_anew(batch, threads, settings.iterations);
             batch.half_steps.halve_start(self.joint_energy.slots(), &mut batch.velocities);
         }
         batch.joints.end_substep(threads);

@@ -23,6 +23,7 @@
 //! swept one by one are not looked at: an island with any of those is left as it is.
 
 mod find;
+mod release;
 mod resolve_cold;
 
 use std::ops::Range;
@@ -36,6 +37,7 @@ use super::state::{BodyMotion, BodyVelocity};
 use super::wide_bodies::WideBodies;
 use crate::tuning::energy::{AFRESH, TORN};
 use crate::workers::Workers;
+pub(crate) use release::LoadRelease;
 use resolve_cold::ColdSolve;
 
 /// Growth of kinetic energy by the sweeps of a substep that is let be, as a share of it: rounding of `f32`.

@@ -17,7 +17,7 @@ pub(super) struct ColdSolve {
     /// Whether each slot is of an island that is solved once more.
     slots: Vec<bool>,
     /// Their blocks of contacts, in which lanes of other islands are empty, and the batch's number of each.
-    blocks: ContactBlocks,
+    pub(super) blocks: ContactBlocks,
     numbers: Vec<u32>,
 }
 
@@ -40,7 +40,7 @@ impl ColdSolve {
     }
 
     /// Takes the blocks of the chosen islands without their multipliers.
-    fn take(&mut self, contacts: &ContactBlocks) {
+    pub(super) fn take(&mut self, contacts: &ContactBlocks) {
         self.blocks.clear();
         self.numbers.clear();
         self.blocks.first_jointed = 0;
@@ -60,7 +60,7 @@ impl ColdSolve {
     }
 
     /// Hands the multipliers of the chosen islands back.
-    fn give_back(&mut self, contacts: &mut ContactBlocks) {
+    pub(super) fn give_back(&mut self, contacts: &mut ContactBlocks) {
         for (place, &number) in self.numbers.iter().enumerate() {
             let chosen = self.lanes(&self.blocks.blocks[place]);
             let (mut found, mut whole) = (self.blocks.whole(place), contacts.whole(number as usize));
