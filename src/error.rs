@@ -47,6 +47,8 @@ pub struct Error {
     pub argument: &'static str,
     /// What is wrong with it, as a short sentence without a full stop.
     pub problem: &'static str,
+    /// Number of the part of a compound whose argument that is.
+    pub part: Option<u32>,
 }
 
 /// Result of every fallible call.
@@ -55,13 +57,21 @@ pub type Result<T> = std::result::Result<T, Error>;
 impl Error {
     /// An error of `kind` about `argument`.
     pub const fn new(kind: ErrorKind, argument: &'static str, problem: &'static str) -> Self {
-        Self { kind, argument, problem }
+        Self { kind, argument, problem, part: None }
+    }
+
+    /// The same error about the part of a compound with this number.
+    pub(crate) fn in_part(self, number: usize) -> Self {
+        Self { part: u32::try_from(number).ok(), ..self }
     }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.argument, self.problem)
+        match self.part {
+            Some(part) => write!(f, "parts[{part}].{}: {}", self.argument, self.problem),
+            None => write!(f, "{}: {}", self.argument, self.problem),
+        }
     }
 }
 

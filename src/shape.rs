@@ -277,6 +277,17 @@ mod tests {
     }
 
     #[test]
+    fn what_is_wrong_with_a_part_is_told_with_its_number() {
+        let good = (LocalPose::IDENTITY, Geometry::Ball { radius: 1.0 });
+        let flat = (LocalPose::IDENTITY, Geometry::Box { half_extents: Vec3::new(1.0, -2.0, 1.0) });
+        let askew = (LocalPose { rotation: glam::Quat::from_xyzw(0.0, 0.0, 0.0, 2.0), ..LocalPose::IDENTITY }, good.1.clone());
+        let told =
+            |part| Shape::new(Geometry::Compound { parts: vec![good.clone(), good.clone(), part] }).unwrap_err().to_string();
+        assert_eq!(told(flat), "parts[2].half_extents.y: must be greater than zero");
+        assert!(told(askew).starts_with("parts[2].local_pose.rotation: "), "a rotation of a part");
+    }
+
+    #[test]
     fn a_box_of_water_weighs_its_volume() {
         let half = Vec3::new(0.1, 0.2, 0.3);
         let mass = Shape::cuboid(half).unwrap().mass_properties(1000.0).unwrap();

@@ -78,6 +78,14 @@ pub enum Failure {
 pub(crate) type Outcome<T> = Result<T, Failure>;
 
 impl Failure {
+    /// The same of the part of a compound with this number.
+    pub(crate) fn in_part(self, number: usize) -> Self {
+        match self {
+            Self::Refused(code, argument, problem) => Self::Described(code, format!("parts[{number}].{argument}: {problem}")),
+            other => other,
+        }
+    }
+
     pub(crate) fn code(&self) -> LsResult {
         match *self {
             Self::Refused(code, ..) | Self::Described(code, _) => code,
@@ -88,7 +96,10 @@ impl Failure {
 
 impl From<ls_core::Error> for Failure {
     fn from(error: ls_core::Error) -> Self {
-        Self::Refused(code_of(error.kind), error.argument, error.problem)
+        match error.part {
+            Some(_) => Self::Described(code_of(error.kind), error.to_string()),
+            None => Self::Refused(code_of(error.kind), error.argument, error.problem),
+        }
     }
 }
 

@@ -343,15 +343,16 @@ impl LsShapeDef {
     unsafe fn parts(&self) -> Outcome<Vec<(LocalPose, Geometry)>> {
         // SAFETY: as promised to this function.
         let parts = unsafe { read_array(self.parts, self.part_count, "parts") }?;
-        let part = |part: LsShapeDef| {
+        let part = |(number, part): (usize, LsShapeDef)| {
             // Stops a compound that contains itself.
             if part.kind == LS_SHAPE_COMPOUND {
                 return Err(Failure::Refused(LS_ERROR_NOT_APPLICABLE, "parts", "every part of a compound must be convex"));
             }
             // SAFETY: as promised to this function, for its parts too.
-            Ok((part.local_pose(), unsafe { part.geometry() }?))
+            let geometry = unsafe { part.geometry() }.map_err(|failure| failure.in_part(number))?;
+            Ok((part.local_pose(), geometry))
         };
-        parts.into_iter().map(part).collect()
+        parts.into_iter().enumerate().map(part).collect()
     }
 }
 

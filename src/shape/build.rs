@@ -170,11 +170,12 @@ fn compound(parts: &[(LocalPose, Geometry)]) -> Result<SharedShape> {
         return Err(Error::new(ErrorKind::Degenerate, "parts", "a compound needs at least one part"));
     }
     let mut built = Vec::with_capacity(parts.len());
-    for (pose, geometry) in parts {
+    for (number, (pose, geometry)) in parts.iter().enumerate() {
         if !geometry.is_solid() || matches!(geometry, Geometry::Compound { .. }) {
             return Err(Error::new(ErrorKind::NotApplicable, "parts", "every part of a compound must be convex"));
         }
-        built.push((pose.checked()?.to_parry(), build(geometry)?));
+        let pose = pose.checked().map_err(|error| error.in_part(number))?;
+        built.push((pose.to_parry(), build(geometry).map_err(|error| error.in_part(number))?));
     }
     Ok(SharedShape::compound(built))
 }
