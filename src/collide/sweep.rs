@@ -9,7 +9,7 @@ use crate::body::Body;
 
 /// Share of a shape's least extent that it and another must move against each other in a step before it is swept: less cannot miss
 /// what contacts see.
-const SWEEP_THRESHOLD: f32 = 0.25;
+pub(crate) const SWEEP_THRESHOLD: f32 = 0.25;
 
 /// Distance left between a body that is stopped and what it meets, as a share of its least extent.
 const STOP_SHORT: f32 = 0.01;

@@ -1,7 +1,9 @@
-//! Stage that stops bodies flagged fast at what they would have passed through.
+//! Stage that stops bodies at what they would have passed through.
 //!
 //! A step moves bodies from where they were to where the solver has put them. Those flagged fast are swept along that way, against all
-//! that is near it and moves along its own way at the same time. Touches are taken in the order in which they happen, and what has touched
+//! that is near it and moves along its own way at the same time. So are those that a hit has sent far from the way on which contacts were
+//! looked for, a corner of a small box that turns round it within the step, but only against what no row moves: what falls onto a floor
+//! stays on it. Touches are taken in the order in which they happen, and what has touched
 //! another goes on with it to the end of the step ([`paths`]); on its new way it may meet others. All are found before anything is put
 //! anywhere else.
 //!
@@ -16,6 +18,7 @@ use std::collections::BinaryHeap;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::{Islands, Movers, World};
+use crate::body::BodyKind;
 use crate::collide::broad::{FEW_SHAPES, LARGE_GROUP};
 use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer};
 use crate::joint_graph::union::UnionMotion;
@@ -23,6 +26,7 @@ use crate::joint_graph::union::UnionMotion;
 mod paths;
 
 pub(super) use paths::Path;
+pub(super) use paths::Swept;
 use paths::{Hold, NONE, Paths};
 
 /// A touch to come, in the order in which touches are taken: share of the step as the bits of a number that is not negative, swept shape,
@@ -33,6 +37,8 @@ type TimeOfImpact = (u64, u32, u32, [u32; 2]);
 #[derive(Debug, Default)]
 pub(super) struct Sweeps {
     pub paths: Vec<Path>,
+    /// Where bodies were when the step began that are not flagged fast.
+    pub starts: Vec<(u32, BodyPose)>,
     ways: Paths,
     /// Swept shapes, each with another that may be in its way.
     near: Vec<(u32, u32)>,
@@ -48,25 +54,31 @@ pub(super) struct Sweeps {
 impl World {
     /// Takes note of where bodies are that the step has not moved yet, if any may have to be stopped.
     pub(super) fn note_starts(&mut self) {
-        let Self { islands: Islands { summaries, .. }, movers: Movers { slots: movers, .. }, bodies, scratch, .. } = self;
+        let Self { islands: Islands { summaries, .. }, movers: Movers { slots: movers, some_are_driven, .. }, bodies, scratch, .. } =
+            self;
         let sweeps = &mut scratch.sweeps;
         sweeps.paths.clear();
-        if !summaries.some_are_fast() {
+        sweeps.starts.clear();
+        let some_are_fast = summaries.some_are_fast();
+        if !some_are_fast && !*some_are_driven {
             return;
         }
-        sweeps.ways.begin(bodies.slot_count());
         for &index in &*movers {
             let body = &bodies[index];
-            sweeps.ways.note_start(index, BodyPose { center: body.center, rotation: body.rotation });
+            if some_are_fast || body.kind == BodyKind::Kinematic {
+                sweeps.starts.push((index, BodyPose { center: body.center, rotation: body.rotation }));
+            }
         }
     }
 
-    /// Sweeps bodies flagged fast along their ways through the step.
+    /// Sweeps bodies that may have passed something along their ways through the step.
     pub(super) fn stop_fast_bodies(&mut self) {
         if self.scratch.sweeps.paths.is_empty() {
             return;
         }
         let mut sweeps = std::mem::take(&mut self.scratch.sweeps);
+        sweeps.ways.begin(self.bodies.slot_count());
+        sweeps.starts.iter().for_each(|&(body, start)| sweeps.ways.note_start(body, start));
         sweeps.paths.sort_unstable();
         sweeps.ways.lay_out(&sweeps.paths, |body| {
             let mass = self.bodies[body].mass.map_or(1.0, |mass| f64::from(mass.mass));
@@ -152,9 +164,10 @@ impl World {
     /// Two shapes that may meet, the one that is swept first.
     fn swept_pair(&self, ways: &Paths, shape: u32, other: u32) -> Option<(u32, u32)> {
         let (a, b) = (&self.colliders[shape], &self.colliders[other]);
-        let is_swept = |body: u32| ways.group_of(body) != NONE && self.bodies[body].settings.fast;
-        let may_meet = ways.group_of(a.body) != ways.group_of(b.body) && self.may_meet(a, b);
-        may_meet.then(|| if other < shape && is_swept(b.body) { (other, shape) } else { (shape, other) })
+        let swept = [a, b].map(|collider| ways.swept(collider.body));
+        let is_swept = swept.contains(&Swept::All) || !self.bodies[b.body].is_free();
+        let may_meet = is_swept && ways.group_of(a.body) != ways.group_of(b.body) && self.may_meet(a, b);
+        may_meet.then(|| if other < shape && swept[1] != Swept::Along { (other, shape) } else { (shape, other) })
     }
 
     /// Lists the swept shapes of a group with what may be in their way after a share of the step, but for strays; adds their own.
@@ -185,7 +198,7 @@ impl World {
     fn list_swept_shapes(&self, ways: &Paths, group: u32, time: f64, boxes: &mut Vec<(u32, Aabb)>) {
         for index in ways.members(group) {
             let body = &self.bodies[index];
-            if body.settings.fast {
+            if ways.swept(index) != Swept::Along {
                 let path = self.path_after(ways, index, time);
                 let shapes = body.shapes.iter().filter_map(|&id| self.colliders.find(id).ok());
                 boxes.extend(shapes.map(|shape| (shape, sweep::path_box(&self.colliders[shape], body, &path))));
@@ -216,7 +229,7 @@ impl World {
         }
         let moving = |i: usize| sweep::moving(colliders[i], &self.bodies[bodies[i]], self.path_after(ways, bodies[i], time));
         let (a, b) = (moving(0), moving(1));
-        let is_swept = ways.group_of(bodies[1]) != NONE && self.bodies[bodies[1]].settings.fast;
+        let is_swept = ways.swept(bodies[1]) != Swept::Along;
         let extent = if is_swept { colliders[0].least_extent.min(colliders[1].least_extent) } else { colliders[0].least_extent };
         let changes = bodies.map(|body| ways.changes_of(body));
         if let Some(share) = sweep::first_touch(&a, &b, (extent, changes == [0; 2]), parts) {

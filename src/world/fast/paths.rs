@@ -10,12 +10,24 @@ use glam::DVec3;
 use crate::collide::sweep::{BodyPath, BodyPose};
 use crate::world::body_shape_table::Marks;
 
+/// What a body is swept against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::world) enum Swept {
+    /// Nothing: it stops with what it is jointed to.
+    Along,
+    /// What no row moves: a hit has sent it another way than contacts were looked for on.
+    FixedOnly,
+    /// All that there is: it is flagged fast.
+    All,
+}
+
 /// A body that may have to be stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::world) struct Path {
     /// Batch, and articulation in it; a body without joints is one by itself.
     pub group: (u32, u32),
     pub body: u32,
+    pub swept: Swept,
 }
 
 /// In place of the number of a group, path or bundle.
@@ -35,6 +47,7 @@ struct Mover {
 struct Leg {
     body: u32,
     group: u32,
+    swept: Swept,
     mass: f64,
     from: BodyPose,
     to: BodyPose,
@@ -130,7 +143,7 @@ impl Paths {
             self.groups[group as usize].end = place + 1;
             let ((mass, to), mover) = (of_body(path.body), &mut self.movers[path.body as usize]);
             mover.leg = place;
-            self.legs.push(Leg { body: path.body, group, mass, from: mover.start, to });
+            self.legs.push(Leg { body: path.body, group, swept: path.swept, mass, from: mover.start, to });
         }
     }
 
@@ -156,6 +169,11 @@ impl Paths {
     /// Group of a body; [`NONE`] if it goes where the step has put it.
     pub fn group_of(&self, body: u32) -> u32 {
         self.leg_of(body).map_or(NONE, |leg| leg.group)
+    }
+
+    /// What a body is swept against.
+    pub fn swept(&self, body: u32) -> Swept {
+        self.leg_of(body).map_or(Swept::Along, |leg| leg.swept)
     }
 
     /// How often the way of a body has changed.

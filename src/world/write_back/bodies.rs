@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::body::{Body, SleepState, within_limit};
 use crate::collide::collider::Collider;
+use crate::collide::sweep::{BodyPose, SWEEP_THRESHOLD};
 use crate::dwell_time::DwellTime;
 use crate::id::{BodyId, Pool, ShapeId, Slot};
 use crate::joint_graph::union::UnionMotion;
@@ -19,7 +20,7 @@ use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::step_history::History;
 use crate::world::body_shape_table::BodyShapeTable;
 use crate::world::drift::is_slow;
-use crate::world::fast::Path;
+use crate::world::fast::{Path, Swept};
 use crate::world::substep_multiplier::Smoothness;
 use crate::world::unions::{Anchor, Unions};
 use crate::world::{Batches, Collision, LastStep, World};
@@ -36,8 +37,9 @@ pub(super) const MIN_SLOTS: usize = 128;
 pub(in crate::world) struct BodyNotes {
     /// Bodies whose motion is no number.
     broken: Vec<u32>,
-    /// Bodies that may have to be stopped on their paths.
+    /// Bodies that may have to be stopped on their paths, and where those were that are not flagged fast.
     paths: Vec<Path>,
+    starts: Vec<(u32, BodyPose)>,
     /// Motions of unions, by a member.
     unions: Vec<(u32, UnionMotion)>,
     has_smooth_bodies: bool,
@@ -118,18 +120,19 @@ impl BodyRecords<'_> {
         }
     }
 
-    /// Has the shapes of a body follow it; how far they reach from its centre (m).
-    fn shapes_follow(&mut self, index: u32) -> f32 {
+    /// Has the shapes of a body follow it; how far they reach from its centre, and their least extent (m).
+    fn shapes_follow(&mut self, index: u32) -> (f32, f32) {
         let Self { bodies, colliders, .. } = self;
-        let Some(body) = &bodies.get(index).value else { return 0.0 };
-        let mut reach = 0.0_f32;
+        let (mut reach, mut least_extent) = (0.0_f32, f32::INFINITY);
+        let Some(body) = &bodies.get(index).value else { return (reach, least_extent) };
         for &id in &body.shapes {
             if let Some(collider) = &mut colliders.get_mut(Pool::<Collider, ShapeId>::place_of(id)).value {
                 collider.follow(body);
                 reach = reach.max(collider.reach);
+                least_extent = least_extent.min(collider.least_extent);
             }
         }
-        reach
+        (reach, least_extent)
     }
 }
 
@@ -186,6 +189,7 @@ impl World {
         let mut tell = |noted: &mut BodyNotes, unions: &mut Unions| {
             broken.append(&mut noted.broken);
             scratch.sweeps.paths.append(&mut noted.paths);
+            scratch.sweeps.starts.append(&mut noted.starts);
             *has_smooth_bodies |= std::mem::take(&mut noted.has_smooth_bodies);
             for (member, motion) in noted.unions.drain(..) {
                 if let Some(union) = unions.of_mut(member).filter(|union| union.anchor == Anchor::Free) {
@@ -280,10 +284,17 @@ impl Moves<'_> {
         let steady = stages.momentum_pass.is_slow(slot);
         for &member in members {
             let Some(body) = records.body(member) else { continue };
+            let group = (number as u32, batch.direct.group_of(slot as u32));
             if is_swept {
-                let group = (number as u32, batch.direct.group_of(slot as u32));
-                noted.paths.push(Path { group, body: member });
+                let swept = if body.settings.fast { Swept::All } else { Swept::Along };
+                noted.paths.push(Path { group, body: member, swept });
             }
+            let may_stray = motion.constrained && !is_swept && union.is_none() && body.joints.is_empty();
+            let start = may_stray.then(|| BodyPose { center: body.center, rotation: body.rotation });
+            let astray = may_stray.then(|| {
+                let turn = motion.turn - body.angular_velocity * limits.dt;
+                (motion.displacement - body.linear_velocity * limits.dt, turn)
+            });
             let own = match union {
                 Some(_) => unions.motion_of(member, &to),
                 None => to,
@@ -297,7 +308,13 @@ impl Moves<'_> {
             body.angular_velocity = within_limit(own.angular, MAX_ANGULAR_SPEED);
             body.history.forget();
             body.times.settling.count(steady, limits.dt);
-            let reach = records.shapes_follow(member);
+            let (reach, least_extent) = records.shapes_follow(member);
+            if let (Some(start), Some((shift, turn))) = (start, astray)
+                && shift.length() + turn.length() * reach > SWEEP_THRESHOLD * least_extent
+            {
+                noted.paths.push(Path { group, body: member, swept: Swept::FixedOnly });
+                noted.starts.push((member, start));
+            }
             let Some(body) = records.body(member) else { continue };
             let is_calm = own.linear.length() + own.angular.length() * reach < calm_speeds[usize::from(!body.joints.is_empty())];
             body.times.calm_for.count(is_calm, limits.dt);
