@@ -1,9 +1,8 @@
 //! Stage that stops bodies at what they would have passed through.
 //!
 //! A step moves bodies from where they were to where the solver has put them. Those flagged fast are swept along that way, against all
-//! that is near it and moves along its own way at the same time. So are those that a hit has sent far from the way on which contacts were
-//! looked for, a corner of a small box that turns round it within the step, but only against what no row moves: what falls onto a floor
-//! stays on it. Touches are taken in the order in which they happen, and what has touched
+//! that is near it and moves along its own way at the same time. So are those that a hit has sent off their way ([`astray`]), but only against
+//! what no row moves: what falls onto a floor stays on it. Touches are taken in the order in which they happen, and what has touched
 //! another goes on with it to the end of the step ([`paths`]); on its new way it may meet others. All are found before anything is put
 //! anywhere else.
 //!
@@ -23,11 +22,12 @@ use crate::collide::broad::{FEW_SHAPES, LARGE_GROUP};
 use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer};
 use crate::joint_graph::union::UnionMotion;
 
+mod astray;
 mod paths;
 
-pub(super) use paths::Path;
-pub(super) use paths::Swept;
+pub(super) use astray::Start;
 use paths::{Hold, NONE, Paths};
+pub(super) use paths::{Path, Swept};
 
 /// A touch to come, in the order in which touches are taken: share of the step as the bits of a number that is not negative, swept shape,
 /// the other, and how often the ways of the two had changed when it was found.
@@ -54,8 +54,13 @@ pub(super) struct Sweeps {
 impl World {
     /// Takes note of where bodies are that the step has not moved yet, if any may have to be stopped.
     pub(super) fn note_starts(&mut self) {
-        let Self { islands: Islands { summaries, .. }, movers: Movers { slots: movers, some_are_driven, .. }, bodies, scratch, .. } =
-            self;
+        let Self {
+            islands: Islands { summaries, .. },
+            movers: Movers { slots: movers, some_are_driven, .. },
+            bodies,
+            scratch,
+            ..
+        } = self;
         let sweeps = &mut scratch.sweeps;
         sweeps.paths.clear();
         sweeps.starts.clear();

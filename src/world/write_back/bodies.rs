@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use crate::body::{Body, SleepState, within_limit};
 use crate::collide::collider::Collider;
-use crate::collide::sweep::{BodyPose, SWEEP_THRESHOLD};
+use crate::collide::sweep::BodyPose;
 use crate::dwell_time::DwellTime;
 use crate::id::{BodyId, Pool, ShapeId, Slot};
 use crate::joint_graph::union::UnionMotion;
@@ -20,7 +20,7 @@ use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::step_history::History;
 use crate::world::body_shape_table::BodyShapeTable;
 use crate::world::drift::is_slow;
-use crate::world::fast::{Path, Swept};
+use crate::world::fast::{Path, Start, Swept};
 use crate::world::substep_multiplier::Smoothness;
 use crate::world::unions::{Anchor, Unions};
 use crate::world::{Batches, Collision, LastStep, World};
@@ -290,11 +290,7 @@ impl Moves<'_> {
                 noted.paths.push(Path { group, body: member, swept });
             }
             let may_stray = motion.constrained && !is_swept && union.is_none() && body.joints.is_empty();
-            let start = may_stray.then(|| BodyPose { center: body.center, rotation: body.rotation });
-            let astray = may_stray.then(|| {
-                let turn = motion.turn - body.angular_velocity * limits.dt;
-                (motion.displacement - body.linear_velocity * limits.dt, turn)
-            });
+            let start = may_stray.then(|| Start::of(body));
             let own = match union {
                 Some(_) => unions.motion_of(member, &to),
                 None => to,
@@ -309,11 +305,9 @@ impl Moves<'_> {
             body.history.forget();
             body.times.settling.count(steady, limits.dt);
             let (reach, least_extent) = records.shapes_follow(member);
-            if let (Some(start), Some((shift, turn))) = (start, astray)
-                && shift.length() + turn.length() * reach > SWEEP_THRESHOLD * least_extent
-            {
+            if let Some(start) = start.filter(|start| start.goes_astray(motion, limits.dt, (reach, least_extent))) {
                 noted.paths.push(Path { group, body: member, swept: Swept::FixedOnly });
-                noted.starts.push((member, start));
+                noted.starts.push((member, start.pose));
             }
             let Some(body) = records.body(member) else { continue };
             let is_calm = own.linear.length() + own.angular.length() * reach < calm_speeds[usize::from(!body.joints.is_empty())];
