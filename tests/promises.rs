@@ -56,6 +56,7 @@ mod self_stress;
 mod sleeping;
 mod slender;
 mod sliding;
+mod soft_stops;
 mod snapshots;
 mod spans;
 mod stability;

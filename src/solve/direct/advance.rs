@@ -49,6 +49,13 @@ impl Articulation {
             self.restore();
             return Some(self.advance_in_parts(joints, h, self.parts_for_rotors(), depth, before));
         }
+        if self.has_soft_stops
+            && !self.is_meeting
+            && let Some(meeting) = self.meets_soft_stop(joints, h, second_order)
+        {
+            self.restore();
+            return Some(self.meet_softly(joints, h, &meeting, depth, before));
+        }
         let mut meets_stop = self.meets_stop(joints);
         let knows_past = second_order;
         if meets_stop && second_order {
@@ -78,8 +85,9 @@ impl Articulation {
             if meets_stop {
                 self.resolve_impact(joints, &approaches);
             }
-            if self.is_under_way || meets_stop {
-                // Neither a blow is what the bodies go on with, nor a motor that may brake in the next substep.
+            if self.is_under_way || meets_stop || (self.has_soft_stops && self.is_on_hard_spring(joints, h)) {
+                // Neither a blow is what the bodies go on with, nor a motor that may brake in the next substep, nor a spring that no substep
+                // resolves.
                 self.histories.fill(History::NONE);
                 self.continues = None;
             }

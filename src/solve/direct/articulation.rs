@@ -139,6 +139,14 @@ pub(crate) struct Articulation {
     pub(super) places: Vec<DVec3>,
     /// Whether any of its stops gives back of the speed at which it is met.
     pub(super) rebounds: bool,
+    /// Whether any of its stops, or anything else of its joints gives.
+    pub(super) has_soft_stops: bool,
+    pub(super) has_springs: bool,
+    /// Whether a substep is taken in parts because a soft stop is met in it, and how long the last part of such a one was (s).
+    pub(super) is_meeting: bool,
+    pub(super) met_in_parts: Option<f64>,
+    /// Length of the shortest substep that it may choose (s).
+    pub(super) finest: f64,
     /// Whether any of its bodies is damped.
     pub(super) is_damped: bool,
     /// Whether a joint ties it to something that it does not move.
@@ -212,6 +220,8 @@ impl Articulation {
         self.is_damped = false;
         self.is_under_way = false;
         self.rebounds = false;
+        self.has_soft_stops = false;
+        self.has_springs = false;
         self.solves_left = 0;
         self.bodies.clear();
         self.origins.clear();
@@ -244,6 +254,8 @@ impl Articulation {
     /// Takes in a joint between bodies of these numbers.
     pub(super) fn add_joint(&mut self, entry: JointEntry, ends: [u32; 2]) {
         self.rebounds |= entry.restitution > 0.0;
+        self.has_soft_stops |= entry.traits.has_soft_stops;
+        self.has_springs |= entry.traits.has_springs;
         self.entries.push(entry);
         self.ends.push(ends);
     }

@@ -30,7 +30,7 @@ use crate::linalg::narrowing;
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds;
 use crate::solve::joint::row_sink::RowSink;
-use crate::solve::joint::rows::{Phase, Rate, RowRates};
+use crate::solve::joint::rows::{Phase, Rate, RowRates, ScalarRow};
 use crate::solve::joint::{LocalPose, rebound};
 use crate::solve::rotation;
 
@@ -44,9 +44,34 @@ const SHARES: usize = 40;
 /// Gain of kinetic energy by an impact that is rounding.
 const ROUNDING: f64 = 1.0e-6;
 
+/// A stop as a substep begins.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StopState {
+    /// Number of its row.
+    pub id: u8,
+    /// How far it is (m, rad), and how that changes.
+    pub distance: f64,
+    pub rate: f64,
+    /// What a unit of its impulse changes of the rate, with the rest of the joint held (1/kg, 1/(kg·m²)).
+    pub ease: f64,
+}
+
+impl StopState {
+    /// C̈ of it, where the stops were so a substep of length `h` (s) before: C then was C − Ċ h + ½ C̈ h² to second order.
+    pub(super) fn acceleration(&self, before: &[Self], h: f64) -> f64 {
+        let last = before.iter().find(|last| last.id == self.id).map_or(self.distance - self.rate * h, |last| last.distance);
+        if h > 0.0 { 2.0 * (last - self.distance + self.rate * h) / (h * h) } else { 0.0 }
+    }
+}
+
 impl Articulation {
-    /// Stops of a joint that press and did not before this substep, as bits of their rows.
+    /// Rigid stops of a joint that press and did not before this substep, as bits of their rows.
     fn met_by(&self, number: usize, joints: &Pool<Joint, JointId>) -> u32 {
+        if self.entries[number].traits.has_soft_stops { 0 } else { self.newly_pressing(number, joints) }
+    }
+
+    /// Stops of a joint that press and did not before this substep, as bits of their rows.
+    pub(super) fn newly_pressing(&self, number: usize, joints: &Pool<Joint, JointId>) -> u32 {
         let (entry, before) = (&self.entries[number], &self.began.joints[number]);
         let met = entry.impulses.pressing() & !before.pressing;
         if met != 0 && joints[entry.joint].stops_of(met) != 0 { met } else { 0 }
@@ -79,7 +104,7 @@ impl Articulation {
             for row in &mut self.system.rows[node.first as usize..node.last as usize] {
                 let acts = match row.origin {
                     Origin::Contact => false,
-                    Origin::Scalar(id) if row.is_stop() => pressing >> id & 1 == 1,
+                    Origin::Scalar(id) if row.is_stop() => row.gamma == 0.0 && pressing >> id & 1 == 1,
                     Origin::Scalar(id) if self.entries[number].motors.rows.axis(id).is_some() => false,
                     _ => row.gamma == 0.0 && !row.has_bounds(),
                 };
@@ -164,18 +189,16 @@ impl Articulation {
             );
             let starts = self.stops_at(number, joints, local_poses, rates);
             let before = if knows_past { self.stops_at(number, joints, past, rates) } else { Vec::new() };
-            for &(id, distance, rate) in starts.iter().filter(|(id, ..)| met >> id & 1 == 1) {
-                let last = before.iter().find(|last| last.0 == id).map_or(distance - rate * h, |last| last.1);
-                // C at the start of the last substep, to second order: C − Ċ h + ½ C̈ h².
-                let acceleration = if h > 0.0 { 2.0 * (last - distance + rate * h) / (h * h) } else { 0.0 };
-                leaving.push((number, id, restitution * rebound::speed_of_impact(distance, rate, acceleration)));
+            for stop in starts.iter().filter(|stop| met >> stop.id & 1 == 1) {
+                let acceleration = stop.acceleration(&before, h);
+                leaving.push((number, stop.id, restitution * rebound::speed_of_impact(stop.distance, stop.rate, acceleration)));
             }
         }
         leaving
     }
 
     /// Where a body stood at the start of the last substep before this one.
-    fn stance_before(&self, body: usize) -> LocalPose {
+    pub(super) fn stance_before(&self, body: usize) -> LocalPose {
         let (history, (place, rotation)) = (&self.histories[body], self.began.local_poses[body]);
         let is_known = self.bodies[body].is_dynamic() && history.h > 0.0;
         if !is_known {
@@ -184,21 +207,32 @@ impl Articulation {
         (place - history.displacement.as_dvec3(), rotation::rotated(rotation, -history.turn.as_dvec3()))
     }
 
-    /// Stops of a joint between bodies that stand and move so: their rows, distances and rates.
-    fn stops_at(
+    /// Stops of a joint between bodies that stand and move so.
+    pub(super) fn stops_at(
         &mut self,
         number: usize,
         joints: &Pool<Joint, JointId>,
         local_poses: [LocalPose; 2],
         rates: [Rate; 2],
-    ) -> Vec<(u8, f64, f64)> {
-        let entry = &self.entries[number];
+    ) -> Vec<StopState> {
+        let (entry, bodies) = (&self.entries[number], self.links[number].bodies.map(|body| &self.bodies[body as usize]));
         let placement = entry.placement(local_poses[0], local_poses[1]);
         let all = (Phase::Position { most: f64::INFINITY }, RowRates { bodies: rates, frames: None });
         let geometry = JointGeometry::at(&placement);
-        let mut sink = RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked);
+        let answer = |side: usize| bodies[side].answer_at(&local_poses[side]);
+        let mut sink = RowSink {
+            answer: &answer,
+            ..RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked)
+        };
         kinds::add_rows(&mut sink);
-        self.asked.iter().filter(|row| row.is_stop()).map(|row| (row.id, row.bias, row.jacobian.rate(&rates))).collect()
+        let stops = sink.scalars.iter().filter(|row| row.is_stop());
+        let state = |row: &ScalarRow| StopState {
+            id: row.id,
+            distance: row.bias,
+            rate: row.jacobian.rate(&rates),
+            ease: sink.ease_along(&row.jacobian),
+        };
+        stops.map(state).collect()
     }
 
     /// Lists the stops with restitution that may be met in a substep of first order, of length `h` (s), whose rows have just been built.

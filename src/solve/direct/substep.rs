@@ -145,7 +145,10 @@ impl Articulation {
         for (i, body) in self.bodies.iter().enumerate() {
             if let Some(mass) = body.free_mass() {
                 let (now, next) = (self.began.rates[i].linear, self.rates[i].linear);
-                let jerk = self.histories[i].note_jerk(now, next, &self.order, self.h, self.dt).length();
+                let mut jerk = self.histories[i].note_jerk(now, next, &self.order, self.h, self.dt).length();
+                if self.has_springs {
+                    jerk = jerk.max(self.angular_jerk(i));
+                }
                 sum += mass * jerk;
                 total += mass;
                 worst = worst.max(jerk);

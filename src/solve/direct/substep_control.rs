@@ -50,6 +50,7 @@ impl Articulation {
         let (substeps, dt) = (settings.substeps, f64::from(settings.dt));
         let has_target = settings.articulations.error_target > 0.0;
         let (most, bound) = (settings.articulations.ceiling() * substeps, self.most_surprise(settings));
+        self.finest = dt / f64::from(most);
         let over = |surprise: LocalError| (if has_target { surprise.worst } else { surprise.mean } / bound).sqrt();
         // Carried multipliers are those of the world's substep.
         let unknown = if has_target { most } else { substeps };
@@ -62,11 +63,22 @@ impl Articulation {
         self.scale_impulses((h / self.world_substep) as f32);
         let mut error = None;
         loop {
-            (self.surprise, self.rotor_share) = (LocalError::default(), 0.0);
+            (self.surprise, self.rotor_share, self.met_in_parts) = (LocalError::default(), 0.0, None);
             let smooth = self.mode != Mode::Safe;
             error = Some(self.advance(joints, h, 0, error));
             (rest, left) = (rest - 1, left - h);
             let over = over(self.surprise).max(self.rotor_share / rotors::MUST_FALL);
+            if let Some(part) = self.met_in_parts {
+                // What a spring has begun to push goes on as finely.
+                rest = ((left / part).round() as u32).max(u32::from(rest > 0));
+                let before = std::mem::replace(&mut h, if rest > 0 { left / f64::from(rest) } else { part });
+                self.scale_impulses((h / before) as f32);
+                needed = needed.max(dt / part * over);
+                if rest == 0 || self.outcome.unsettled {
+                    break;
+                }
+                continue;
+            }
             needed = needed.max(dt / h * over);
             // What is unsettled is taken back, and its contacts are swept.
             if rest == 0 || self.outcome.unsettled {

@@ -7,7 +7,7 @@ use super::friction;
 use super::geometry::Placement;
 use super::row_sink::RowSink;
 use super::rows::HeldDirections;
-use crate::joint::{JointDef, JointKind, Limits, Motor, SphericalMotor};
+use crate::joint::{JointDef, JointKind, Limits, Motor, Softness, SphericalMotor};
 
 /// Adds the rows of the joint's kind.
 pub(crate) fn add_rows(sink: &mut RowSink) {
@@ -137,6 +137,39 @@ pub(crate) fn has_rigid_motor(kind: &JointKind) -> bool {
         },
         JointKind::Generic { linear, angular } => linear.iter().chain(angular).any(|axis| is_rigid(&axis.motor)),
     }
+}
+
+/// Whether a joint has stops that give.
+pub(crate) fn has_soft_stops(def: &JointDef) -> bool {
+    let stops = |limits: &Limits| limits.min < limits.max && *limits != Limits::NONE;
+    def.limit.compliance > 0.0
+        && match &def.kind {
+            JointKind::Fixed => false,
+            JointKind::Hinge { limits, .. } | JointKind::Prismatic { limits, .. } | JointKind::Distance { limits, .. } => {
+                stops(limits)
+            }
+            JointKind::Spherical { .. } => limits_angles(&def.kind),
+            JointKind::Generic { linear, angular } => linear.iter().chain(angular).any(|axis| stops(&axis.limits)),
+        }
+}
+
+/// Whether anything of a joint gives as a spring does: what it holds, its stops or its motors.
+pub(crate) fn has_springs(def: &JointDef) -> bool {
+    let gives = |softness: &Softness| softness.compliance > 0.0;
+    let drives = |motor: &Motor| motor.drive().is_some_and(|drive| drive.target.is_some() && gives(&drive.softness));
+    gives(&def.linear)
+        || gives(&def.angular)
+        || has_soft_stops(def)
+        || match &def.kind {
+            JointKind::Fixed => false,
+            JointKind::Hinge { motor, .. } | JointKind::Prismatic { motor, .. } | JointKind::Distance { motor, .. } => {
+                drives(motor)
+            }
+            JointKind::Spherical { motor, .. } => {
+                matches!(motor, SphericalMotor::Position { softness, .. } if gives(softness))
+            }
+            JointKind::Generic { linear, angular } => linear.iter().chain(angular).any(|axis| drives(&axis.motor)),
+        }
 }
 
 /// Whether a joint of this kind has a rigid position motor of bounded force.

@@ -26,6 +26,10 @@ pub(crate) struct JointTraits {
     pub has_motor: bool,
     /// Whether it has one that does not give as a spring does.
     pub has_rigid_motor: bool,
+    /// Whether it has stops that give.
+    pub has_soft_stops: bool,
+    /// Whether anything of it gives as a spring does.
+    pub has_springs: bool,
     /// What it asks of its articulation.
     pub solver: Solver,
 }
@@ -42,6 +46,8 @@ impl JointTraits {
         gives_by_motors_alone: false,
         has_motor: false,
         has_rigid_motor: false,
+        has_soft_stops: false,
+        has_springs: false,
         solver: Solver::Auto,
     };
 
@@ -61,6 +67,8 @@ impl JointTraits {
             // What a stop gives back is more than it had in the substep before.
             has_motor: kinds::has_motor(&def.kind) || def.restitution > 0.0,
             has_rigid_motor: kinds::has_rigid_motor(&def.kind),
+            has_soft_stops: kinds::has_soft_stops(def),
+            has_springs: kinds::has_springs(def),
             solver: def.solver,
         }
     }

@@ -147,6 +147,11 @@ impl RowSink<'_> {
         }
     }
 
+    /// What a unit of impulse along a coordinate changes of its rate, with the rest of the joint held (1/kg, 1/(kg·m²)).
+    pub(crate) fn ease_along(&self, jacobian: &Jacobian) -> f64 {
+        self.ease_of(jacobian).ease
+    }
+
     /// Whether the rows are for sweeps, which close a part of what a motor has left.
     fn is_swept(&self) -> bool {
         self.closing_share < 1.0

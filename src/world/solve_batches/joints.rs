@@ -128,7 +128,8 @@ impl BatchInput<'_> {
             linear_sum: Vec3::ZERO,
             angular_sum: Vec3::ZERO,
             acted: joint.acted.map(|acted| acted * stride),
-            restitution: def.restitution,
+            // What gives comes back by itself.
+            restitution: if traits.has_soft_stops { 0.0 } else { def.restitution },
             rebounds: joint.rebounds,
             pressed: 0,
             motors: if traits.has_motor {
