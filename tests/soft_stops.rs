@@ -1,10 +1,10 @@
 //! Soft stops are springs and dampers from where they are met on: what flies into one goes as deep, stays as long and comes back as fast
 //! as a damped mass on a spring does, and never faster than it came.
 
-use longspan::glam::{DVec3, Vec3};
+use longspan::glam::{DVec3, Quat, Vec3};
 use longspan::{
-    Axis, BodyDef, BodyId, JointDef, JointId, JointKind, Limits, Mass, MassProperties, Motor, Pose, SleepSettings, Softness,
-    Solver, SphericalMotor, World, WorldDef,
+    Axis, BodyDef, BodyId, JointDef, JointId, JointKind, Limits, Mass, MassProperties, Motor, Pose, Shape, ShapeDef,
+    SleepSettings, Softness, Solver, SphericalMotor, World, WorldDef,
 };
 
 /// Moment of inertia over mass times the square of the size.
@@ -272,4 +272,93 @@ fn matrix(solver: Solver, frequencies: &[f64], dampings: &[f64]) -> Vec<Case> {
 fn what_flies_into_a_soft_stop_goes_as_a_damped_mass_on_a_spring() {
     let cases = matrix(Solver::Auto, &[1.0, 4.0, 10.0, 20.0], &[0.0, 0.2, 0.7, 1.0, 2.0]);
     all_keep(cases.into_iter(), [0.03, 0.03]);
+}
+
+#[test]
+fn swept_joints_meet_soft_stops_as_springs_to_first_order() {
+    let cases = matrix(Solver::GaussSeidel, &[1.0, 4.0], &[0.0, 0.2, 1.0]);
+    let resolved = cases.into_iter().filter(|case| f64::from(case.rate) >= 30.0 * case.frequency);
+    all_keep(resolved, [0.25, 0.25]);
+}
+
+#[test]
+fn what_no_substep_resolves_comes_back_no_faster_than_it_came() {
+    for (stop, solver) in Stop::ALL.into_iter().flat_map(|stop| [Solver::Auto, Solver::GaussSeidel].map(|solver| (stop, solver)))
+    {
+        for (rate, frequency) in RATES.into_iter().flat_map(|rate| [10.0, 33.0, 100.0, 300.0, 1000.0, 5000.0].map(|f| (rate, f)))
+        {
+            for (damping, phase) in [0.0, 0.1, 1.0].into_iter().flat_map(|damping| [0.0, 0.3, 0.7, 0.95].map(|p| (damping, p))) {
+                for speed in [0.05, 1.0, 4.0] {
+                    let case = Case { stop, solver, rate, frequency, damping, phase, speed, ..Case::PLAIN };
+                    let (mut world, moved, _) = case.build();
+                    let mut fastest = 0.0_f64;
+                    for _ in 0..40 {
+                        world.step(1.0 / rate).expect("a valid step");
+                        fastest = fastest.max(case.velocity(&world, moved).abs());
+                    }
+                    // Resolved ones are off by as much as their period.
+                    let most = f64::from(speed) * 1.01;
+                    assert!(fastest <= most, "{fastest} of {speed} /s: {case:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_weight_that_falls_on_a_soft_stop_comes_to_rest_where_that_bears_it() {
+    for (solver, rate) in [Solver::Auto, Solver::GaussSeidel].into_iter().flat_map(|solver| RATES.map(|rate| (solver, rate))) {
+        for (frequency, size) in [3.0_f64, 10.0, 50.0].into_iter().flat_map(|f| [0.1_f32, 1.0, 10.0].map(|size| (f, size))) {
+            let case = Case { solver, rate, frequency, damping: 0.5, size, ..Case::PLAIN };
+            let mut world = world(solver, Vec3::X * 9.81);
+            let moved = body(&mut world, Vec3::ZERO, case.mass, size);
+            let way = 0.05 * size;
+            let mut joint = JointDef::new(Stop::Slider.kind(way, size), BodyId::NULL, moved);
+            joint.limit = case.softness();
+            world.create_joint(&joint).expect("a valid joint");
+            for _ in 0..(4.0 * rate) as u32 {
+                world.step(1.0 / rate).expect("a valid step");
+            }
+            let omega = std::f64::consts::TAU * frequency;
+            let (depth, expected) = (case.position(&world, moved) - f64::from(way), 9.81 / (omega * omega));
+            let speed = case.velocity(&world, moved).abs();
+            assert!((depth - expected).abs() < 0.02 * expected, "rests {depth} m deep instead of {expected} m: {case:?}");
+            assert!(speed < 0.01 * expected * omega, "still at {speed} m/s: {case:?}");
+        }
+    }
+}
+
+/// A block on a soft stop of its slider, and another that lies on it or is thrown on it.
+#[test]
+fn a_soft_stop_bears_what_lies_on_what_it_holds() {
+    for (solver, rate) in [Solver::Auto, Solver::GaussSeidel].into_iter().flat_map(|solver| RATES.map(|rate| (solver, rate))) {
+        for frequency in [3.0_f64, 8.0] {
+            let mut world = world(solver, Vec3::NEG_Y * 9.81);
+            let mut block = |y: f64| {
+                let shape = Shape::cuboid(Vec3::splat(0.25)).expect("a valid shape");
+                let def = BodyDef::dynamic(Pose::at(DVec3::Y * y)).with_shape(ShapeDef::new(shape)).with_mass(Mass::Total(2.0));
+                world.create_body(&def).expect("a valid body")
+            };
+            let (lower, upper) = (block(0.05), block(0.56));
+            let upwards = Pose::IDENTITY.rotated(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+            let limits = Limits::new(0.0, 10.0);
+            let mut joint = JointDef::new(JointKind::Prismatic { limits, motor: Motor::Off }, BodyId::NULL, lower);
+            (joint.frame_a, joint.frame_b) = (upwards, upwards);
+            let omega = std::f64::consts::TAU * frequency;
+            let stiffness = 4.0 * omega * omega;
+            joint.limit = Softness { compliance: (1.0 / stiffness) as f32, damping: (4.0 * omega) as f32 };
+            world.create_joint(&joint).expect("a valid joint");
+            let mut lowest = f64::INFINITY;
+            for _ in 0..(3.0 * rate) as u32 {
+                world.step(1.0 / rate).expect("a valid step");
+                lowest = lowest.min(world.pose(lower).expect("it stays").position.y);
+            }
+            let what = format!("{solver:?}, {rate}/s, {frequency} Hz");
+            let (found, expected) = (world.pose(lower).expect("it stays").position.y, -4.0 * 9.81 / stiffness);
+            let above = world.pose(upper).expect("it stays").position.y - found;
+            assert!((found / expected - 1.0).abs() < 0.03, "{what}: rests at {found} m instead of {expected} m");
+            assert!((above - 0.5).abs() < 0.01, "{what}: the upper block is {above} m above the lower one");
+            assert!(lowest < expected * 1.1, "{what}: no deeper than {lowest} m on its way to {expected} m");
+        }
+    }
 }

@@ -56,6 +56,11 @@ impl Articulation {
             self.restore();
             return Some(self.meet_softly(joints, h, &meeting, depth, before));
         }
+        if second_order && self.has_soft_stops && self.leaves_stiff_spring(joints, h) {
+            self.restore();
+            (self.order, second_order) = (SecondOrder::EULER, false);
+            momentum = self.substep(joints, h, Mode::Smooth);
+        }
         let mut meets_stop = self.meets_stop(joints);
         let knows_past = second_order;
         if meets_stop && second_order {
@@ -85,7 +90,7 @@ impl Articulation {
             if meets_stop {
                 self.resolve_impact(joints, &approaches);
             }
-            if self.is_under_way || meets_stop || (self.has_soft_stops && self.is_on_hard_spring(joints, h)) {
+            if self.is_under_way || meets_stop || (self.has_soft_stops && self.note_spring_phase(joints, h)) {
                 // Neither a blow is what the bodies go on with, nor a motor that may brake in the next substep, nor a spring that no substep
                 // resolves.
                 self.histories.fill(History::NONE);

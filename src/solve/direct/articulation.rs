@@ -142,9 +142,12 @@ pub(crate) struct Articulation {
     /// Whether any of its stops, or anything else of its joints gives.
     pub(super) has_soft_stops: bool,
     pub(super) has_springs: bool,
-    /// Whether a substep is taken in parts because a soft stop is met in it, and how long the last part of such a one was (s).
+    /// Whether a substep is taken in parts because a soft stop is met in it; and of the last one that was, how long its last part was, and how long
+    /// substeps may become from there on (s).
     pub(super) is_meeting: bool,
-    pub(super) met_in_parts: Option<f64>,
+    pub(super) met_in_parts: Option<[f64; 2]>,
+    /// Greatest phase of what swings on soft stops in a substep (rad).
+    pub(super) spring_phase: f64,
     /// Length of the shortest substep that it may choose (s).
     pub(super) finest: f64,
     /// Whether any of its bodies is damped.

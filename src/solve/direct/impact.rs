@@ -220,10 +220,8 @@ impl Articulation {
         let all = (Phase::Position { most: f64::INFINITY }, RowRates { bodies: rates, frames: None });
         let geometry = JointGeometry::at(&placement);
         let answer = |side: usize| bodies[side].answer_at(&local_poses[side]);
-        let mut sink = RowSink {
-            answer: &answer,
-            ..RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked)
-        };
+        let mut sink =
+            RowSink { answer: &answer, ..RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked) };
         kinds::add_rows(&mut sink);
         let stops = sink.scalars.iter().filter(|row| row.is_stop());
         let state = |row: &ScalarRow| StopState {

@@ -18,7 +18,8 @@
 //!
 //! From there on parts are so short that a body on the spring goes through [`PART_PHASE`] in each, as far as the step may be divided: ω² = w/α, w
 //! being what the stop's impulse moves with the rest of its joint held. The first is of first order and a fraction of that, the ones after it
-//! grow. Where they cannot be that short, all that press on the stop are of first order: energy can only fall.
+//! grow. Where they cannot be that short, the one that leaves the stop is of first order, and where they do not resolve the spring at all, every one is:
+//! energy can only fall.
 
 use glam::DVec3;
 
@@ -27,7 +28,17 @@ use super::impact::StopState;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::step_history::History;
-use crate::tuning::soft_stops::{FIRST_PARTS, HARD_PHASE, MIN_SHARE, PART_PHASE};
+use crate::tuning::soft_stops::{AT_REST, HARD_PHASE, PART_PHASE};
+
+/// Part of [`PART_PHASE`] that is the first whole one; those before it are half of the next each. What a damper does all at once is left to a
+/// substep of first order, which is off by its length squared.
+const FIRST_PARTS: u32 = 4;
+
+/// Phase of a spring in a substep (rad) that is clearly more than the greatest that parts have.
+const STIFF_PHASE: f64 = 1.2 * PART_PHASE;
+
+/// Share of a substep that is not worth a part of its own: it moves nothing.
+const MIN_SHARE: f64 = 0.02;
 
 /// A soft stop that is met in a substep.
 #[derive(Debug, Clone, Copy)]
@@ -51,7 +62,7 @@ impl StopState {
 }
 
 impl Articulation {
-    /// The first of the soft stops that this substep of length `h` (s) meets, unless it is one of first order that meets them at its start.
+    /// The first of the soft stops that this substep of length `h` (s) meets.
     pub(super) fn meets_soft_stop(&mut self, joints: &Pool<Joint, JointId>, h: f64, second_order: bool) -> Option<Meeting> {
         let mut first: Option<Meeting> = None;
         for number in 0..self.entries.len() {
@@ -73,8 +84,7 @@ impl Articulation {
             let joint = &joints[self.entries[number].joint];
             for stop in starts.iter().filter(|stop| met >> stop.id & 1 == 1) {
                 // What the host moves is somewhere else by then.
-                let after =
-                    if joint.drive().is_some() { 0.0 } else { stop.met_after(stop.acceleration(&before, last)) };
+                let after = if joint.drive().is_some() { 0.0 } else { stop.met_after(stop.acceleration(&before, last)) };
                 let after = if after < MIN_SHARE * h { 0.0 } else { after.min(h) };
                 let frequency = (stop.ease / f64::from(joint.def.limit.compliance)).sqrt();
                 let earliest = first.map_or(after, |first| first.after.min(after));
@@ -82,7 +92,7 @@ impl Articulation {
                 first = Some(Meeting { after: earliest, frequency: highest });
             }
         }
-        first.filter(|meeting| second_order || meeting.after > 0.0)
+        first
     }
 
     /// Takes a substep of length `h` (s), which has been undone, in parts: up to where a soft stop is met, and on from there.
@@ -95,6 +105,7 @@ impl Articulation {
         before: Option<f64>,
     ) -> f64 {
         self.is_meeting = true;
+        let whole = (PART_PHASE / meeting.frequency).max(self.finest);
         let (mut error, mut last) = (before, h);
         let mut take = |articulation: &mut Self, part: f64| {
             articulation.scale_impulses((part / last) as f32);
@@ -111,14 +122,13 @@ impl Articulation {
             // Forces of before say nothing of those from here on.
             self.histories.fill(History::NONE);
             self.continues = None;
-            let whole = (PART_PHASE / meeting.frequency).max(self.finest).min(rest);
-            for part in parts(rest, whole) {
+            for part in parts(rest, whole.min(rest)) {
                 take(self, part);
             }
         }
         self.scale_impulses((h / last) as f32);
         self.is_meeting = false;
-        self.met_in_parts = Some(last);
+        self.met_in_parts = Some([last, whole]);
         error.expect("there are parts")
     }
 
@@ -131,20 +141,61 @@ impl Articulation {
         }
     }
 
-    /// Whether a soft stop presses that a substep of length `h` (s) does not resolve.
-    pub(super) fn is_on_hard_spring(&mut self, joints: &Pool<Joint, JointId>, h: f64) -> bool {
-        (0..self.entries.len()).any(|number| {
+    /// Twice the length of the last substep (s), if that is less than those `most` times as long by which the step would go on: where a stop was
+    /// met late in the last step, its parts were short, and what the spring does is to be followed without a break.
+    pub(super) fn grows_from(&self, most: f64) -> Option<f64> {
+        let next = 2.0 * f64::from(self.histories.iter().map(|history| history.h).fold(0.0, f32::max));
+        (self.has_soft_stops && next < most && self.second_order(next).is_some()).then_some(next)
+    }
+
+    /// Length up to which the next substep may be as long, after one of length `h` (s) that was too long by a factor of `over`: substeps go on
+    /// towards `whole`, none more than twice as long as the one before.
+    pub(super) fn next_length(&self, h: f64, over: f64, whole: f64) -> f64 {
+        let wanted = if over > 1.0 { h / over } else { 2.0 * h };
+        wanted.min(whole).max(self.finest).min(2.0 * h)
+    }
+
+    /// Finds the phases ω h (rad) through which the bodies on soft stops have gone in a substep of length `h` (s); returns whether one is more
+    /// than a substep resolves.
+    pub(super) fn note_spring_phase(&mut self, joints: &Pool<Joint, JointId>, h: f64) -> bool {
+        let mut is_hard = false;
+        for number in 0..self.entries.len() {
             let entry = &self.entries[number];
             let pressing = if entry.traits.has_soft_stops { entry.impulses.pressing() } else { 0 };
+            let pressing = pressing & self.began.joints[number].pressing;
             let joint = &joints[entry.joint];
             if pressing == 0 || joint.stops_of(pressing) == 0 {
+                continue;
+            }
+            let compliance = f64::from(joint.def.limit.compliance);
+            let bodies = self.links[number].bodies.map(|body| body as usize);
+            let (poses, rates) = (bodies.map(|body| self.local_poses[body]), bodies.map(|body| self.rates[body]));
+            for stop in self.stops_at(number, joints, poses, rates).iter().filter(|stop| pressing >> stop.id & 1 == 1) {
+                let frequency = (stop.ease / compliance).sqrt();
+                is_hard |= frequency * h > HARD_PHASE;
+                if stop.rate.abs() > AT_REST * frequency * stop.distance.abs() {
+                    self.spring_phase = self.spring_phase.max(frequency * h);
+                }
+            }
+        }
+        is_hard
+    }
+
+    /// Whether the bodies leave a soft stop in this substep of length `h` (s) that goes through more of its spring than one of second order resolves.
+    /// That counts the force at its start for half of its length, wherever in it the force ends, and goes on with a share of it: more comes back
+    /// than went in, by up to ⅛ (ω h)² of the speed.
+    pub(super) fn leaves_stiff_spring(&mut self, joints: &Pool<Joint, JointId>, h: f64) -> bool {
+        (0..self.entries.len()).any(|number| {
+            let (entry, before) = (&self.entries[number], &self.began.joints[number]);
+            let left = if entry.traits.has_soft_stops { before.pressing & !entry.impulses.pressing() } else { 0 };
+            let joint = &joints[entry.joint];
+            if left == 0 || joint.stops_of(left) == 0 {
                 return false;
             }
             let bodies = self.links[number].bodies.map(|body| body as usize);
-            let (poses, rates) = (bodies.map(|body| self.local_poses[body]), bodies.map(|body| self.rates[body]));
-            let least = f64::from(joint.def.limit.compliance) * (HARD_PHASE / h).powi(2);
-            let stops = self.stops_at(number, joints, poses, rates);
-            stops.iter().any(|stop| pressing >> stop.id & 1 == 1 && stop.ease > least)
+            let (poses, rates) = (bodies.map(|body| self.began.local_poses[body]), bodies.map(|body| self.began.rates[body]));
+            let least = f64::from(joint.def.limit.compliance) * (STIFF_PHASE / h).powi(2);
+            self.stops_at(number, joints, poses, rates).iter().any(|stop| left >> stop.id & 1 == 1 && stop.ease > least)
         })
     }
 

@@ -16,6 +16,7 @@ use super::rotors;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
 use crate::solve::StepSettings;
+use crate::tuning::soft_stops::PART_PHASE;
 
 /// Change of velocity beyond a steady one that a second-order substep of the default effort may have in an articulation of one
 /// metre (m/s); at another effort it goes with the square of the substep.
@@ -60,29 +61,38 @@ impl Articulation {
             (rest, needed) = (rest.max(least), f64::from(least));
         }
         let mut h = dt / f64::from(rest);
+        // Where soft stops are met substeps grow to this length.
+        let mut growth = None;
+        if self.has_soft_stops {
+            let whole = dt / f64::from(self.noted_substeps().clamp(1, most));
+            if let Some(next) = self.grows_from(whole) {
+                (rest, growth) = ((dt / next).ceil() as u32, Some(whole));
+                h = dt / f64::from(rest);
+            }
+        }
         self.scale_impulses((h / self.world_substep) as f32);
         let mut error = None;
         loop {
-            (self.surprise, self.rotor_share, self.met_in_parts) = (LocalError::default(), 0.0, None);
+            (self.surprise, self.rotor_share) = (LocalError::default(), 0.0);
+            (self.met_in_parts, self.spring_phase) = (None, 0.0);
             let smooth = self.mode != Mode::Safe;
             error = Some(self.advance(joints, h, 0, error));
             (rest, left) = (rest - 1, left - h);
-            let over = over(self.surprise).max(self.rotor_share / rotors::MUST_FALL);
-            if let Some(part) = self.met_in_parts {
-                // What a spring has begun to push goes on as finely.
-                rest = ((left / part).round() as u32).max(u32::from(rest > 0));
-                let before = std::mem::replace(&mut h, if rest > 0 { left / f64::from(rest) } else { part });
-                self.scale_impulses((h / before) as f32);
-                needed = needed.max(dt / part * over);
-                if rest == 0 || self.outcome.unsettled {
-                    break;
-                }
-                continue;
+            let over = over(self.surprise).max(self.rotor_share / rotors::MUST_FALL).max(self.spring_phase / PART_PHASE);
+            if let Some([part, whole]) = self.met_in_parts {
+                self.scale_impulses((part / h) as f32);
+                (h, growth) = (part, Some(whole));
             }
             needed = needed.max(dt / h * over);
             // What is unsettled is taken back, and its contacts are swept.
             if rest == 0 || self.outcome.unsettled {
                 break;
+            }
+            if let Some(whole) = growth.filter(|_| self.mode != Mode::Safe) {
+                rest = (left / self.next_length(h, over, whole)).ceil().max(1.0) as u32;
+                let before = std::mem::replace(&mut h, left / f64::from(rest));
+                self.scale_impulses((h / before) as f32);
+                continue;
             }
             let finer = if smooth && self.mode == Mode::Safe {
                 // What it has met has had no say in how long its smooth substeps were.
@@ -114,7 +124,7 @@ impl Articulation {
 
     /// Substeps that the last step found to be enough, or where there is none to go by `unknown`, and up to `most` for what turns fast.
     fn wanted_substeps(&self, [unknown, most]: [u32; 2], dt: f64) -> u32 {
-        let wanted = self.histories.iter().map(|history| history.substeps).max().unwrap_or(0);
+        let wanted = self.noted_substeps();
         match self.mode {
             Mode::Safe if wanted > 0 => wanted.min(unknown),
             Mode::Smooth | Mode::SecondOrder if wanted > 0 && self.second_order(dt / f64::from(wanted)).is_some() => wanted,
@@ -129,6 +139,11 @@ impl Articulation {
             }
             _ => unknown,
         }
+    }
+
+    /// Substeps that the last step found to be enough; none where nothing is known.
+    fn noted_substeps(&self) -> u32 {
+        self.histories.iter().map(|history| history.substeps).max().unwrap_or(0)
     }
 
     /// Greatest angular speed of a body whose centre of mass goes round a joint (rad/s).

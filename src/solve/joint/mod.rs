@@ -49,7 +49,7 @@ use super::disjoint::DisjointSlices;
 use super::integrate::PredictedPose;
 use super::state::{BodyMotion, BodyVelocity};
 use crate::id::{JointId, Pool};
-use crate::joint::JointKind;
+use crate::joint::{JointKind, Limits};
 use crate::joint_record::Joint;
 use crate::workers::Workers;
 
@@ -306,6 +306,17 @@ pub(crate) fn gap_of(kind: &JointKind, placement: &Placement) -> f64 {
             let gap = placement.local_gap();
             DVec3::from_array(std::array::from_fn(|i| beyond(gap[i], linear[i].limits.min, linear[i].limits.max))).length()
         }
+    }
+}
+
+/// The same where all limits of the joint give.
+pub(crate) fn gap_without_limits(kind: &JointKind, placement: &Placement) -> f64 {
+    match kind {
+        JointKind::Prismatic { .. } => placement.local_gap().with_x(0.0).length(),
+        JointKind::Distance { .. } => 0.0,
+        // Six axes that hold their points do so as a ball joint does, and not by limits.
+        JointKind::Generic { linear, .. } if linear.iter().any(|axis| axis.limits != Limits::new(0.0, 0.0)) => 0.0,
+        _ => gap_of(kind, placement),
     }
 }
 

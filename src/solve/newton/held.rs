@@ -12,7 +12,7 @@ use crate::linalg::narrowing;
 use crate::solve::direct::body::DirectBody;
 use crate::solve::joint::body_response::BodyResponse;
 use crate::solve::joint::rows::{Rate, ScalarRow};
-use crate::solve::joint::{JointEntry, LocalPose, driven, gap_of};
+use crate::solve::joint::{JointEntry, LocalPose, driven, gap_of, gap_without_limits};
 
 /// Lever below which a joint is in the centre of mass of its body, over the body's radius of gyration: frames are rounded.
 const CENTRAL: f64 = 1.0e-3;
@@ -237,7 +237,9 @@ impl JointSet {
     fn gaps<'a>(&'a self, joints: &'a Pool<Joint, JointId>, local_poses: &'a [LocalPose]) -> impl Iterator<Item = f64> + 'a {
         self.entries.iter().zip(&self.ends).map(|(entry, ends)| {
             let [a, b] = ends.map(|body| local_poses[body]);
-            gap_of(&joints[entry.joint].def.kind, &entry.placement(a, b))
+            let (def, placement) = (&joints[entry.joint].def, entry.placement(a, b));
+            // How deep a soft stop is pressed in is no gap.
+            if def.limit.compliance > 0.0 { gap_without_limits(&def.kind, &placement) } else { gap_of(&def.kind, &placement) }
         })
     }
 }
