@@ -18,8 +18,7 @@
 //!
 //! From there on parts are so short that a body on the spring goes through [`PART_PHASE`] in each, as far as the step may be divided: ω² = w/α, w
 //! being what the stop's impulse moves with the rest of its joint held. The first is of first order and a fraction of that, the ones after it
-//! grow. Where they cannot be that short, the one that leaves the stop is of first order, and where they do not resolve the spring at all, every one is:
-//! energy can only fall.
+//! grow. The one that leaves the stop is of first order, and where they cannot resolve the spring, every one is: energy can only fall.
 
 use glam::DVec3;
 
@@ -33,9 +32,6 @@ use crate::tuning::soft_stops::{AT_REST, HARD_PHASE, PART_PHASE};
 /// Part of [`PART_PHASE`] that is the first whole one; those before it are half of the next each. What a damper does all at once is left to a
 /// substep of first order, which is off by its length squared.
 const FIRST_PARTS: u32 = 4;
-
-/// Phase of a spring in a substep (rad) that is clearly more than the greatest that parts have.
-const STIFF_PHASE: f64 = 1.2 * PART_PHASE;
 
 /// Share of a substep that is not worth a part of its own: it moves nothing.
 const MIN_SHARE: f64 = 0.02;
@@ -181,21 +177,12 @@ impl Articulation {
         is_hard
     }
 
-    /// Whether the bodies leave a soft stop in this substep of length `h` (s) that goes through more of its spring than one of second order resolves.
-    /// That counts the force at its start for half of its length, wherever in it the force ends, and goes on with a share of it: more comes back
-    /// than went in, by up to ⅛ (ω h)² of the speed.
-    pub(super) fn leaves_stiff_spring(&mut self, joints: &Pool<Joint, JointId>, h: f64) -> bool {
-        (0..self.entries.len()).any(|number| {
-            let (entry, before) = (&self.entries[number], &self.began.joints[number]);
+    /// Whether the bodies leave a soft stop in this substep. One of second order counts the force at its start for a quarter of its length, wherever
+    /// in it the force ends, and goes on with a share of the last one: up to ⅛ (ω h)² of the speed more would come back than went in.
+    pub(super) fn leaves_soft_stop(&self, joints: &Pool<Joint, JointId>) -> bool {
+        self.entries.iter().zip(&self.began.joints).any(|(entry, before)| {
             let left = if entry.traits.has_soft_stops { before.pressing & !entry.impulses.pressing() } else { 0 };
-            let joint = &joints[entry.joint];
-            if left == 0 || joint.stops_of(left) == 0 {
-                return false;
-            }
-            let bodies = self.links[number].bodies.map(|body| body as usize);
-            let (poses, rates) = (bodies.map(|body| self.began.local_poses[body]), bodies.map(|body| self.began.rates[body]));
-            let least = f64::from(joint.def.limit.compliance) * (STIFF_PHASE / h).powi(2);
-            self.stops_at(number, joints, poses, rates).iter().any(|stop| left >> stop.id & 1 == 1 && stop.ease > least)
+            left != 0 && joints[entry.joint].stops_of(left) != 0
         })
     }
 
