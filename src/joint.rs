@@ -117,7 +117,7 @@ pub struct JointDef {
     pub linear: Softness,
     /// Give of the rows that hold directions together.
     pub angular: Softness,
-    /// Give of the stops at limits.
+    /// Give of the stops at limits: springs and dampers from where they are met on, which only push.
     pub limit: Softness,
     /// Dry friction, ≥ 0: of a hinge about its axis (N·m), of a prismatic joint along it (N), of a spherical joint against any
     /// rotation (N·m, the greatest length of its torque). Other kinds have none.

@@ -86,14 +86,14 @@ impl SoftParams {
     /// The same of a stop that is met after a share of the substep: until then its damper has nothing to act on, though its row sees the rate of
     /// all of it. A damper that acted from the start would brake what has yet to come to the stop, the farther away the more it is damped.
     fn from_meeting(self, error: Error1, rate: [f64; 2]) -> Self {
+        if self.rigid || error.start <= 0.0 {
+            return self;
+        }
         let end = match self.phase {
             Phase::Velocity { .. } => error.predicted,
             Phase::Tangent { h } => error.start + h * (rate[0] + rate[1]),
             Phase::Position { .. } => return self,
         };
-        if self.rigid || error.start <= 0.0 {
-            return self;
-        }
         let within = if end < 0.0 { end / (end - error.start) } else { 0.0 };
         let share = self.share / (self.share + (1.0 - self.share) * within);
         Self { gamma: self.gamma / self.share * share, share, ..self }
