@@ -85,7 +85,7 @@ impl SoftParams {
 
     /// The same of a stop that is met after a share of the substep: until then its damper has nothing to act on, though its row sees the rate of
     /// all of it. A damper that acted from the start would brake what has yet to come to the stop, the farther away the more it is damped.
-    fn from_meeting(self, error: Error1, rate: [f64; 2]) -> Self {
+    fn once_met(self, error: Error1, rate: [f64; 2]) -> Self {
         if self.rigid || error.start <= 0.0 {
             return self;
         }
@@ -331,7 +331,7 @@ impl ScalarRow {
     ) -> Self {
         let mut rate = rates.read(|rates| jacobian.rate(rates), 0.0);
         rate[1] += driven;
-        let give = if let Demand::AtLeast(error) = demand { give.from_meeting(error, rate) } else { give };
+        let give = if let Demand::AtLeast(error) = demand { give.once_met(error, rate) } else { give };
         let moves = !matches!(give.phase, Phase::Position { .. });
         let (mut gamma, mut acts) = (give.gamma, give.acts());
         let (bias, min, max) = match demand {
