@@ -19,6 +19,20 @@ const STOP_SHORT: f32 = 0.01;
 /// extent, which what passes through a thin wall overlaps by.
 const DEPTH: f32 = 0.05;
 
+/// The same of a body that is stopped only where contacts could not take it out on the side that it came from: its middle would be inside.
+const DEEP: f32 = 0.4;
+
+/// How a body is swept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// As rows have sent it: it may be in the other already.
+    Own,
+    /// As rows have sent what is swept only as contacts may have missed something.
+    OwnUnseen,
+    /// As something else has sent it, which is no reason to go deeper.
+    Sent,
+}
+
 /// Box around the way of a shape.
 pub(crate) fn path_box(collider: &Collider, body: &Body, path: &BodyPath) -> Aabb {
     let margin = collider.least_extent * STOP_SHORT + path.bulge(collider.reach);
@@ -32,21 +46,24 @@ pub(crate) fn moving<'a>(collider: &'a Collider, body: &Body, path: BodyPath) ->
     MovingShape { shape: &collider.shape, path, place, reach: collider.reach }
 }
 
-/// Share of the way after which a swept shape of this least extent (m) first touches another, if it goes on into it. Where it goes its own way,
-/// as rows have sent it, it may be in the other already; where something else has sent it, that is no reason to go deeper.
+/// Share of the way after which a swept shape of this least extent (m) first touches another, if it goes on into it.
 pub(crate) fn first_touch(
     swept: &MovingShape,
     other: &MovingShape,
-    (extent, goes_its_own_way): (f32, bool),
+    (extent, way): (f32, Way),
     buffer: &mut ImpactBuffer,
 ) -> Option<f64> {
     let (a, b) = (&swept.path, &other.path);
     let shift = ((a.end.center - a.start.center) - (b.end.center - b.start.center)).length() as f32;
     // What turns in place does not leave the ball that it holds.
     let turning = swept.turning() * (swept.reach - 0.5 * extent).max(0.0) + other.turning() * other.reach;
-    if shift + turning <= if goes_its_own_way { SWEEP_THRESHOLD * extent } else { DEPTH * extent } {
+    if shift + turning <= if way == Way::Sent { DEPTH * extent } else { SWEEP_THRESHOLD * extent } {
         return None;
     }
-    let limits = Limits { short: STOP_SHORT * extent, depth: DEPTH * extent, passes_deep: goes_its_own_way };
+    let limits = Limits {
+        short: STOP_SHORT * extent,
+        depth: extent * if way == Way::OwnUnseen { DEEP } else { DEPTH },
+        passes_deep: way != Way::Sent,
+    };
     impact::first_touch(swept, other, &limits, buffer)
 }

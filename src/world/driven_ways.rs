@@ -13,7 +13,7 @@ use super::{Collision, World};
 use crate::body::BodyKind;
 use crate::collide::collider::own_margin;
 use crate::collide::pairs::PairKey;
-use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer};
+use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer, Way};
 use crate::joint_graph::union::UnionMotion;
 
 /// Times that a step is solved again for what is driven, at most: a lift under its load under another, which meets a ceiling.
@@ -136,7 +136,7 @@ impl World {
                 }
                 let Some(way) = self.solved_path(other.body, dt) else { return false };
                 let at = sweep::moving(other, &self.bodies[other.body], way);
-                sweep::first_touch(&moving, &at, (collider.least_extent, false), parts).is_some()
+                sweep::first_touch(&moving, &at, (collider.least_extent, Way::Sent), parts).is_some()
             };
             if self.collision.broad.overlapping(&bounds).any(meets) {
                 furthest = Some(furthest.map_or(further, |furthest| furthest.max(further)));

@@ -2,7 +2,7 @@
 //!
 //! A step moves bodies from where they were to where the solver has put them. Those flagged fast are swept along that way, against all
 //! that is near it and moves along its own way at the same time. So are those that a hit has sent off their way ([`astray`]), but only against
-//! what no row moves: what falls onto a floor stays on it. Touches are taken in the order in which they happen, and what has touched
+//! what stands still: what falls onto a floor stays on it. Touches are taken in the order in which they happen, and what has touched
 //! another goes on with it to the end of the step ([`paths`]); on its new way it may meet others. All are found before anything is put
 //! anywhere else.
 //!
@@ -14,12 +14,12 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::{Islands, Movers, World};
-use crate::body::BodyKind;
 use crate::collide::broad::{FEW_SHAPES, LARGE_GROUP};
-use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer};
+use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer, Way};
 use crate::joint_graph::union::UnionMotion;
 
 mod astray;
@@ -54,25 +54,16 @@ pub(super) struct Sweeps {
 impl World {
     /// Takes note of where bodies are that the step has not moved yet, if any may have to be stopped.
     pub(super) fn note_starts(&mut self) {
-        let Self {
-            islands: Islands { summaries, .. },
-            movers: Movers { slots: movers, some_are_driven, .. },
-            bodies,
-            scratch,
-            ..
-        } = self;
+        let Self { islands: Islands { summaries, .. }, movers: Movers { slots: movers, .. }, bodies, scratch, .. } = self;
         let sweeps = &mut scratch.sweeps;
         sweeps.paths.clear();
         sweeps.starts.clear();
-        let some_are_fast = summaries.some_are_fast();
-        if !some_are_fast && !*some_are_driven {
+        if !summaries.some_are_fast() {
             return;
         }
         for &index in &*movers {
             let body = &bodies[index];
-            if some_are_fast || body.kind == BodyKind::Kinematic {
-                sweeps.starts.push((index, BodyPose { center: body.center, rotation: body.rotation }));
-            }
+            sweeps.starts.push((index, BodyPose { center: body.center, rotation: body.rotation }));
         }
     }
 
@@ -170,9 +161,15 @@ impl World {
     fn swept_pair(&self, ways: &Paths, shape: u32, other: u32) -> Option<(u32, u32)> {
         let (a, b) = (&self.colliders[shape], &self.colliders[other]);
         let swept = [a, b].map(|collider| ways.swept(collider.body));
-        let is_swept = swept.contains(&Swept::All) || !self.bodies[b.body].is_free();
+        let is_swept = swept.contains(&Swept::All) || self.stands_still(b.body);
         let may_meet = is_swept && ways.group_of(a.body) != ways.group_of(b.body) && self.may_meet(a, b);
         may_meet.then(|| if other < shape && swept[1] != Swept::Along { (other, shape) } else { (shape, other) })
+    }
+
+    /// Whether no row moves a body, and the host does not either.
+    fn stands_still(&self, index: u32) -> bool {
+        let body = &self.bodies[index];
+        !body.is_free() && (body.linear_velocity, body.angular_velocity) == (Vec3::ZERO, Vec3::ZERO)
     }
 
     /// Lists the swept shapes of a group with what may be in their way after a share of the step, but for strays; adds their own.
@@ -237,7 +234,12 @@ impl World {
         let is_swept = ways.swept(bodies[1]) != Swept::Along;
         let extent = if is_swept { colliders[0].least_extent.min(colliders[1].least_extent) } else { colliders[0].least_extent };
         let changes = bodies.map(|body| ways.changes_of(body));
-        if let Some(share) = sweep::first_touch(&a, &b, (extent, changes == [0; 2]), parts) {
+        let way = match changes == [0; 2] {
+            true if bodies.iter().any(|&body| ways.swept(body) == Swept::All) => Way::Own,
+            true => Way::OwnUnseen,
+            false => Way::Sent,
+        };
+        if let Some(share) = sweep::first_touch(&a, &b, (extent, way), parts) {
             let at = time + (1.0 - time) * share;
             touches.push(Reverse((at.to_bits(), swept, other, changes)));
         }
@@ -258,7 +260,16 @@ impl World {
                 }
                 continue;
             }
+            let fall = self.def.gravity;
             let body = &mut self.bodies[index];
+            if ways.swept(index) == Swept::FixedOnly {
+                // Gravity has worked on the rest of the way, too.
+                let work = (body.center - stop.center).dot((fall * body.settings.gravity_scale).as_dvec3());
+                let square = f64::from(body.linear_velocity.length_squared());
+                if work > 0.0 && square > 0.0 {
+                    body.linear_velocity *= (1.0 - 2.0 * work / square).max(0.0).sqrt() as f32;
+                }
+            }
             (body.center, body.rotation) = (stop.center, stop.rotation);
             self.shapes_follow(index);
         }

@@ -9,7 +9,7 @@ use glam::Vec3;
 use crate::body::Body;
 use crate::collide::sweep::{BodyPose, SWEEP_THRESHOLD};
 use crate::solve::state::BodyMotion;
-use crate::tuning::fast::FAR_TURN;
+use crate::tuning::fast::{FAR_TURN, SLENDER};
 
 /// A body before a step is written back to it.
 #[derive(Debug, Clone, Copy)]
@@ -27,6 +27,9 @@ impl Start {
 
     /// Whether a step of length `dt` (s) has taken it off its way; `reach` is how far it reaches from its centre (m).
     pub(in crate::world) fn goes_astray(&self, motion: &BodyMotion, dt: f32, (reach, least_extent): (f32, f32)) -> bool {
+        if reach > SLENDER * least_extent {
+            return false;
+        }
         let aside = (motion.displacement - self.linear * dt).length();
         let turned_aside = (motion.turn - self.angular * dt).length();
         aside + turned_aside * reach > SWEEP_THRESHOLD * least_extent || motion.turn.length() > FAR_TURN

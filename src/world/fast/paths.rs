@@ -15,7 +15,7 @@ use crate::world::body_shape_table::Marks;
 pub(in crate::world) enum Swept {
     /// Nothing: it stops with what it is jointed to.
     Along,
-    /// What no row moves: a hit has sent it another way than contacts were looked for on.
+    /// What stands still, whatever touches it: a hit has sent it another way than contacts were looked for on.
     FixedOnly,
     /// All that there is: it is flagged fast.
     All,
