@@ -4,6 +4,8 @@
 //! checks that none of these lines is missing. What is a tolerance of an algorithm, a size of a buffer or a number of pieces of work
 //! stands beside the code that uses it.
 
+pub(crate) mod plan;
+
 /// Bodies that are swept along the way that a step has taken them: see `world/fast/astray.rs`.
 pub(crate) mod fast {
     /// Turn in a step from which on what a body is made of comes where contacts have not been looked for (rad).
@@ -408,43 +410,6 @@ pub(crate) mod surface {
     /// Scenes: as above; with 0 a ball of 3 cm in a bowl of 20 cm lost 25 to 50 % in 40 s.
     /// Test: tests/bowls.rs
     pub(crate) const MAX_SINK: f32 = 5.0e-3;
-}
-
-/// Which solver an island gets: see `solve/plan.rs`.
-pub(crate) mod plan {
-    /// How often the substeps are halved of a step that opens joints, or gains energy, where contacts press.
-    /// Why: links of 0.3 m under a box of 30 kg that falls by 0.7 m turn by half a radian in 1/120 s, which opens their joints by a tenth of their length;
-    /// in a quarter of that by less than a hundredth, which is closed.
-    /// Scenes: net at 30 to 240 Hz, a tenth and ten times as large.
-    /// Test: tests/catalogue.rs
-    pub(crate) const MAX_HALVINGS: u32 = 2;
-    /// Mass of what presses, over that of what a joint holds against it, from which on sweeps do not bear it.
-    /// Why: a net of rods of 0.2 kg and 316 knots bears boxes of 8 kg by sweeps, and lets all of 30 kg fall through; planks of 10 kg bear
-    /// walkers of 100 kg.
-    /// Scenes: nets of rods and ropes under boxes, rope bridges under walkers.
-    /// Test: tests/ropes.rs
-    pub(crate) const HEAVY: f32 = 50.0;
-    /// Greatest mass over the least up to which sweeps carry the loads of what nothing fixed holds, and direct solves those of a loop that
-    /// touches nothing.
-    /// Why: sweeps take a body that is pushed for as heavy as it is alone. What joints hold to the world is as heavy as the world in all
-    /// directions but those it may move in: fingers of a kilogram on a moved palm drop two kilograms by 25 mm at any ratio. What is free is
-    /// no heavier than all of it, and keeps its angular momentum in sweeps and direct solves, where geometric stiffness resists turns of the
-    /// whole: a free loop of six hinges that touches itself loses nearly all of it. A loop that stands on something fixed has none to keep: a
-    /// tower of struts and cables of like masses sinks by 3 to 5 cm where it is swept.
-    /// Scenes: ragdoll_rain, grippers, loops of hinges, towers of struts and cables.
-    /// Test: tests/spans.rs
-    pub(crate) const ALIKE: f32 = 5.0;
-    /// Least cosine between a contact's normal and the vertical for one body to stand on the other, rather than lean on its side.
-    /// Why: 45°; joints of arches are steeper than that from the springers up to half-way, stones of stacks lie flat.
-    /// Scenes: arches of 7 to 31 stones, towers, columns.
-    /// Test: tests/arches.rs
-    pub(crate) const STANDS: f32 = 0.7;
-    /// Bodies of a row that lean on their sides alone from which on sweeps, which pass a load on by one contact at a time, do not bear it.
-    /// Why: of an arch of seven stones three do, and it sinks by 0.6 mm at 30 Hz where it is swept; of 17 seven, and it sinks by 17 mm; of 31
-    /// fifteen, and by 53.
-    /// Scenes: arches of 7 to 31 stones at 30 to 240 Hz.
-    /// Test: tests/arches.rs
-    pub(crate) const LEANING: u32 = 3;
 }
 
 /// Motors without a greatest force that meet what has none either: see `solve/newton/overruled.rs` and `solve/direct/active_set.rs`.
