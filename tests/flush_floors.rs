@@ -238,3 +238,44 @@ fn a_contact_tells_each_of_its_points_once() {
         }
     }
 }
+
+/// A floor of parts that the host moves along at this speed (m/s), and what goes over it at 2.5 m/s: how far its speed over the floor is off (share),
+/// and how high it hops (m).
+fn on_the_move(name: &str, carried: f64, rate: f32) -> [f64; 2] {
+    let mut world = World::new(&WorldDef::default()).expect("a valid world");
+    let slides = name == "box";
+    let surface = material(if slides { 0.0 } else { 0.5 }, 0.0);
+    let with = |geometry| ShapeDef { material: surface, ..ShapeDef::new(Shape::new(geometry).expect("a valid shape")) };
+    let cell = |i: i32, k: i32| LocalPose::at(Vec3::new(f64::from(i) as f32 * 0.5, -0.1, (f64::from(k) as f32 + 0.37) * 0.5));
+    let tile = || Geometry::Box { half_extents: Vec3::new(0.25, 0.1, 0.25) };
+    let parts = (-3..30).flat_map(|i| (-3..3).map(move |k| (i, k))).map(|(i, k)| (cell(i, k), tile())).collect();
+    let mut floor = BodyDef::kinematic(Pose::at(DVec3::ZERO)).with_shape(with(Geometry::Compound { parts }));
+    floor.linear_velocity = Vec3::X * carried as f32;
+    world.create_body(&floor).expect("a valid body");
+    let (geometry, height, rotation) = form(name, if slides { 0.3 } else { 0.15 });
+    let mut def = BodyDef::dynamic(Pose::at_xyz(0.0, f64::from(height), 0.0).rotated(rotation)).with_shape(with(geometry));
+    def.linear_velocity = Vec3::X * (carried as f32 + 2.5);
+    def.angular_velocity = if slides { Vec3::ZERO } else { Vec3::NEG_Z * (2.5 / height) };
+    let body = world.create_body(&def).expect("a valid body");
+    let mut hop = 0.0_f64;
+    for _ in 0..(3.0 * rate) as u32 {
+        world.step(1.0 / rate).expect("a valid step");
+        hop = hop.max((world.pose(body).expect("it stays").position.y - f64::from(height)).abs());
+    }
+    let speed = f64::from(world.linear_velocity(body).expect("it stays").x) - carried;
+    [(speed / 2.5 - 1.0).abs(), hop]
+}
+
+#[test]
+fn a_floor_of_parts_that_moves_along_is_a_floor() {
+    for (name, rate) in
+        ["ball", "capsule", "cylinder", "box"].into_iter().flat_map(|name| [30.0, 60.0, 240.0].map(|rate| (name, rate)))
+    {
+        for carried in [3.0, -8.0, 20.0] {
+            let [off, hop] = on_the_move(name, carried, rate);
+            // Only floors that stand still had no seams: boxes lost 98 % of their speed, balls 38 % and hopped by 35 mm.
+            assert!(off < 2.0e-3, "{name} on a floor at {carried} m/s, {rate} Hz: speed off by {off}");
+            assert!(hop < 1.0e-3, "{name} on a floor at {carried} m/s, {rate} Hz: hops by {hop} m");
+        }
+    }
+}

@@ -7,7 +7,7 @@ use glam::{DVec3, Quat, Vec3};
 use parry3d::bounding_volume::Aabb;
 
 use super::collider::{Collider, margin_of};
-use crate::body::Body;
+use crate::body::{Body, BodyKind};
 use crate::material::Material;
 
 /// Copies of what [`Collider`] and [`Body`] have when contacts are brought up to date.
@@ -32,6 +32,8 @@ pub(crate) struct ColliderState {
     pub still: bool,
     /// Whether it is a ball or a shape of circles.
     pub is_round: bool,
+    /// Whether the host moves the body.
+    is_driven: bool,
 }
 
 /// Way in a step from which on a body glides, over the lesser least extent: what goes less far loses nothing to speak of at a seam.
@@ -57,6 +59,7 @@ impl ColliderState {
         material: Material::PLAIN,
         still: true,
         is_round: false,
+        is_driven: false,
     };
 
     pub(crate) fn of(shape: &Collider, body: &Body) -> Self {
@@ -74,6 +77,7 @@ impl ColliderState {
             material: shape.material,
             still: body.held || !is_mover,
             is_round: shape.shape.is_round(),
+            is_driven: body.kind == BodyKind::Kinematic,
         }
     }
 
@@ -88,22 +92,29 @@ impl ColliderState {
         gravity * ((self.fall - other.fall) * dt)
     }
 
-    /// Speed of its farthest point at most (m/s).
-    fn speed(&self) -> f32 {
-        self.velocity.length() + self.turning
+    /// Whether another body moves over this one, rather than this over that: this is what the host moves, or else what moves along more slowly.
+    pub(crate) fn is_ground_of(&self, other: &Self) -> bool {
+        match self.is_driven == other.is_driven {
+            true => self.velocity.length_squared() < other.velocity.length_squared(),
+            false => self.is_driven,
+        }
     }
 
-    /// Whether the body moves along more slowly than another.
-    pub(crate) fn is_slower_than(&self, other: &Self) -> bool {
-        self.velocity.length_squared() < other.velocity.length_squared()
+    /// Whether what lies on the body cannot push it.
+    pub(crate) fn is_unmoved(&self) -> bool {
+        self.still || self.is_driven
     }
 
-    /// Whether the body moves along over another that hardly moves.
+    /// Whether the body moves along over another that hardly moves, but as the host moves it along.
     pub(crate) fn glides_over(&self, other: &Self, dt: f32) -> bool {
         let way = MIN_GLIDE * self.least_extent.min(other.least_extent);
-        let speed_squared = self.velocity.length_squared();
+        let [over, own] = match other.is_driven {
+            true => [self.velocity - other.velocity, Vec3::ZERO],
+            false => [self.velocity, other.velocity],
+        };
+        let speed_squared = over.length_squared();
         let moves = speed_squared * (dt * dt) > way * way;
-        moves && other.speed() < STILLNESS * speed_squared.sqrt()
+        moves && own.length() + other.turning < STILLNESS * speed_squared.sqrt()
     }
 
     /// Distance at which two shapes become contacts even without relative motion (m).

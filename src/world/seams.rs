@@ -50,10 +50,10 @@ impl Glide {
         if !pair.may_touch || a.body == b.body {
             return None;
         }
-        let is_second = a.is_slower_than(b);
+        let is_second = a.is_ground_of(b);
         let (still, mover) = if is_second { (a, b) } else { (b, a) };
         // Blocks of a heap lie on each other's faces, and one by one they are no floor.
-        if !(mover.is_round || still.still) {
+        if !(mover.is_round || still.is_unmoved()) {
             return None;
         }
         mover.glides_over(still, dt).then_some(Self { body: mover.body, key, slot, is_second })
