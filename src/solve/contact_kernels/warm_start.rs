@@ -109,9 +109,6 @@ pub(super) fn close_in<W: Wide, M: BlockManifolds>(of: &mut M, motions: &[BodyMo
 /// ω × (v − v_A) t, with v that of the contact and v_A that of its own centre. Left out, what rests on a turntable is carried off along
 /// the tangent in each step, outwards by ½ ω² dt of its radius a second. On what other bodies move the term would be a force that answers
 /// to its own result.
-///
-/// The levers of what stands there turn as well, about the normal: ω_n × (ω_n × r) t. Under one manifold in the middle they are short; where a
-/// body stands on several pieces, each would push its part of it another way.
 fn lean<M: BlockManifolds>(of: &M, extra: &mut MaterialRows, velocities: &DisjointMut<'_, BodyVelocity>, middle: f32) {
     let block = of.block();
     extra.has_lean = false;
@@ -128,23 +125,17 @@ fn lean<M: BlockManifolds>(of: &M, extra: &mut MaterialRows, velocities: &Disjoi
         let n = at(&block.normal, l);
         // Of the slip alone: along the normal the forces of the substep are in it that the contact will take.
         let slip = (at_b - at_a).reject_from_normalized(n);
-        // The contact goes with a face of what is moved, or, where it touches at a point, as if that did not roll: a ball as its centre, the
-        // corner of a box that stands on another piece too as that corner.
-        let own = |side: &BodyVelocity, lever: Vec3| match M::COUNT > 1 {
-            true => Vec3::ZERO,
-            false => side.angular.reject_from_normalized(n).cross(lever).reject_from_normalized(n),
+        // The contact goes with a face of what is moved, or as the centre of what touches at a point.
+        let own = |side: &BodyVelocity, lever: Vec3| if M::COUNT > 1 { Vec3::ZERO } else { side.angular.cross(lever) };
+        let change_a = if turns[0] {
+            a.angular.cross(at_a + slip - own(b, lever_b).reject_from_normalized(n) - a.linear)
+        } else {
+            Vec3::ZERO
         };
-        let goes_round = |side: &BodyVelocity, lever: Vec3| {
-            let about_normal = side.angular.project_onto_normalized(n);
-            about_normal.cross(about_normal.cross(lever))
-        };
-        let change_a = match turns[0] {
-            true => a.angular.cross(at_a + slip - own(b, lever_b) - a.linear),
-            false => goes_round(a, lever_a),
-        };
-        let change_b = match turns[1] {
-            true => b.angular.cross(at_b - slip - own(a, lever_a) - b.linear),
-            false => goes_round(b, lever_b),
+        let change_b = if turns[1] {
+            b.angular.cross(at_b - slip - own(a, lever_a).reject_from_normalized(n) - b.linear)
+        } else {
+            Vec3::ZERO
         };
         let change = (change_b - change_a) * middle;
         let (t1, t2) = tangents(n);
