@@ -405,7 +405,7 @@ impl PairApproach<'_> {
         }
     }
 
-    /// Puts the points where the contact is at the start, where the host turns a side: rows of friction take them for that, see
+    /// Puts the points on a side that the host turns where the contact is at the start: rows of friction take them for that, see
     /// `contact_kernels/warm_start.rs`. What lies on it at several points goes with its own points there, else as if it did not roll.
     fn carry_back(&self, manifold: &mut Manifold, t: f32) {
         let normal = self.a.rotation * manifold.normal;
@@ -420,18 +420,12 @@ impl PairApproach<'_> {
                 side.rotation.conjugate() * (contact - side.velocity).reject_from_normalized(normal) * t
             };
             let contacts = [own(self.b, self.angular[1], point.on_b), own(self.a, self.angular[0], point.on_a)];
-            let turned = |side: &ColliderState, angular: Vec3, on: Vec3| {
-                let about_normal = angular.project_onto_normalized(normal);
-                side.rotation.conjugate() * about_normal.cross(side.offset + side.rotation * on) * t
-            };
-            point.on_a -= match self.is_turned[0] {
-                true => back(self.a, contacts[0]),
-                false => turned(self.a, self.angular[0], point.on_a),
-            };
-            point.on_b -= match self.is_turned[1] {
-                true => back(self.b, contacts[1]),
-                false => turned(self.b, self.angular[1], point.on_b),
-            };
+            if self.is_turned[0] {
+                point.on_a -= back(self.a, contacts[0]);
+            }
+            if self.is_turned[1] {
+                point.on_b -= back(self.b, contacts[1]);
+            }
         }
     }
 }

@@ -125,8 +125,12 @@ fn lean<M: BlockManifolds>(of: &M, extra: &mut MaterialRows, velocities: &Disjoi
         let n = at(&block.normal, l);
         // Of the slip alone: along the normal the forces of the substep are in it that the contact will take.
         let slip = (at_b - at_a).reject_from_normalized(n);
-        // The contact goes with a face of what is moved, or as the centre of what touches at a point.
-        let own = |side: &BodyVelocity, lever: Vec3| if M::COUNT > 1 { Vec3::ZERO } else { side.angular.cross(lever) };
+        // The contact goes with a face of what is moved, or, where it touches at a point, as if that did not roll: a ball as its centre, the
+        // corner of a box that stands on another piece too as that corner.
+        let own = |side: &BodyVelocity, lever: Vec3| match M::COUNT > 1 {
+            true => Vec3::ZERO,
+            false => side.angular.reject_from_normalized(n).cross(lever),
+        };
         let change_a = if turns[0] {
             a.angular.cross(at_a + slip - own(b, lever_b).reject_from_normalized(n) - a.linear)
         } else {
