@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::common::{self, Run, scene};
 use longspan::glam::{DVec3, Quat, Vec3};
-use longspan::{BodyDef, CollisionFilter, Material, ParallelFor, Pose, Shape, ShapeDef, Solver, World, WorldDef};
+use longspan::{BodyDef, CollisionFilter, Geometry, Material, ParallelFor, Pose, Shape, ShapeDef, Solver, World, WorldDef};
 
 fn hash_on(threads: usize, name: &str, keys: &[(&str, &str)]) -> u64 {
     Run::on_threads(scene(name, keys), threads).world().state_hash()
@@ -87,6 +87,32 @@ fn any_job_system_and_any_number_of_threads_give_one_island_the_same_bits() {
     }
     assert_eq!(heap(1, Some(Arc::new(Inline))), one, "state hashes with all parts inline, backwards, and on one thread");
     assert_eq!(heap(1, Some(Arc::new(Crowd))), one, "state hashes with a thread a part and on one");
+}
+
+/// State of columns of boxes and balls that have fallen onto each other and lean, most of which lose the load of what rolls off them.
+fn columns_that_lose_their_load(threads: u32) -> u64 {
+    let mut world = World::new(&WorldDef { threads, ..WorldDef::default() }).unwrap();
+    let ground = ShapeDef::new(Shape::new(Geometry::HalfSpace { normal: Vec3::Y }).unwrap());
+    world.create_body(&BodyDef::fixed(Pose::IDENTITY).with_shape(ground)).unwrap();
+    for i in 0..700 {
+        let (layer, place) = (f64::from(i / 64), i % 64);
+        let [x, z] = [place % 8, place / 8].map(|number| 1.05 * f64::from(number));
+        let pose = Pose::at(DVec3::new(x + 0.01 * f64::from(i % 5), 0.6 + 1.02 * layer, z));
+        let shape = if i % 3 == 0 { Shape::ball(0.5) } else { Shape::cuboid(Vec3::splat(0.5)) }.unwrap();
+        world.create_body(&BodyDef::dynamic(pose).with_shape(ShapeDef::new(shape))).unwrap();
+    }
+    for _ in 0..60 {
+        world.step(1.0 / 60.0).unwrap();
+    }
+    world.state_hash()
+}
+
+#[test]
+fn columns_that_lose_their_load_have_the_same_bits_on_any_number_of_threads() {
+    let one = columns_that_lose_their_load(1);
+    for threads in [2, 4] {
+        assert_eq!(columns_that_lose_their_load(threads), one, "state hashes on {threads} threads and on one");
+    }
 }
 
 #[test]

@@ -56,6 +56,7 @@ impl ContactBlocks {
     /// do.
     pub(crate) fn colored_pieces(&mut self, range: &Range<usize>, places: usize) -> ColoredPieces<'_> {
         let Self { blocks, faces, extras, colors, cuts, firsts, first_jointed: _ } = self;
+        debug_assert_eq!(colors.last().map_or(0, |last| last.blocks.end), blocks.len(), "blocks of no colour are left out");
         let mut ends = SmallVec::<[usize; 128]>::new();
         let colors = || colors.iter().filter(|color| range.contains(&color.blocks.start));
         for color in colors().filter(|color| is_worth_cutting(color)) {

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::super::batch::Batch;
+use super::super::color::ColorRange;
 use super::super::contact::LANES;
 use super::super::contact_block::{ContactBlock, ContactBlocks};
 use super::super::joint_energy::put_back_unmoved;
@@ -39,13 +40,25 @@ impl ColdSolve {
         std::array::from_fn(|l| self.slots[block.a[l] as usize] || self.slots[block.b[l] as usize])
     }
 
-    /// Takes the blocks of the chosen islands without their multipliers.
+    /// Takes the blocks of the chosen islands without their multipliers, in the colours that they have.
     pub(super) fn take(&mut self, contacts: &ContactBlocks) {
         self.blocks.clear();
         self.numbers.clear();
         self.blocks.first_jointed = 0;
-        for (number, block) in contacts.blocks.iter().enumerate() {
-            let chosen = self.lanes(block);
+        for color in &contacts.colors {
+            let first = self.blocks.len();
+            self.take_blocks(contacts, color.blocks.start..color.points);
+            let points = self.blocks.len();
+            self.take_blocks(contacts, color.points..color.blocks.end);
+            let blocks = first..self.blocks.len();
+            self.blocks.colors.push(ColorRange { blocks, points, ..*color });
+        }
+    }
+
+    /// Takes what is chosen of blocks that follow one another.
+    fn take_blocks(&mut self, contacts: &ContactBlocks, numbers: Range<usize>) {
+        for number in numbers {
+            let chosen = self.lanes(&contacts.blocks[number]);
             if chosen == [false; LANES] {
                 continue;
             }
