@@ -18,6 +18,7 @@ mod determinism;
 mod direct;
 mod driven_into;
 mod events;
+mod falling;
 mod far_origin;
 mod fast_bodies;
 mod flush_floors;

@@ -18,6 +18,7 @@ use super::wrapped_bound::BatchWraps;
 use crate::tight_vec::{extend_tightly, make_room, resize};
 use crate::workers::Workers;
 
+mod falling;
 mod lanes;
 
 pub(crate) use lanes::LaneLayout;
@@ -107,6 +108,8 @@ pub(crate) struct Batch {
     pub bodies: Vec<u32>,
     /// First slot of each island.
     pub islands: Vec<u32>,
+    /// Whether each island touches what does not fall.
+    standing: Vec<bool>,
     pub velocities: Vec<BodyVelocity>,
     pub motions: Vec<BodyMotion>,
     pub body_flags: Vec<BodyFlags>,

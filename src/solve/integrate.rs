@@ -55,7 +55,7 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
     // Rows on bodies of tiny inertia can ask for any speed.
     limit_speeds(velocity, motion);
     motion.displacement += velocity.linear * h;
-    if motion.is_dynamic() && !motion.constrained {
+    if motion.is_dynamic() && (!motion.constrained || motion.falls) {
         // The velocity has gained the whole substep's acceleration; a free path is a parabola.
         motion.displacement -=
             Vec3::select(velocity.inverse_mass.cmpgt(Vec3::ZERO), motion.acceleration * (0.5 * h * h), Vec3::ZERO);

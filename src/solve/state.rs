@@ -140,6 +140,8 @@ pub(crate) struct BodyMotion {
     pub young: bool,
     /// Whether any row acts on this body.
     pub constrained: bool,
+    /// Whether those rows act only between bodies that fall as this one does.
+    pub falls: bool,
     /// Whether the world inertia was formed anew in this substep.
     pub refreshed: bool,
     /// Whether the body is moved with seven others.
@@ -186,6 +188,7 @@ impl BodyMotion {
         steady: true,
         young: false,
         constrained: false,
+        falls: false,
         refreshed: false,
         in_lanes: false,
         locked_rotation: [false; 3],

@@ -89,6 +89,7 @@ impl BatchStages {
         self.momentum_pass.prepare(batch, threads, settings.gravity, h);
         self.contact_newton.prepare(batch, settings.gravity, h);
         batch.lay_out_bounds(h);
+        batch.mark_falling();
         batch.poses.lay_out(threads, (&batch.velocities, &mut batch.motions), &batch.body_flags, h);
         batch.poses.limit_spins_of_needles(&mut batch.velocities, h);
         self.joint_energy.find_islands(batch);

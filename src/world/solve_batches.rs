@@ -237,6 +237,7 @@ impl BatchInput<'_> {
             young: lead.times.settling.is_young(),
             jointed,
             constrained: jointed,
+            falls: false,
             driven: union.members.iter().any(|&member| self.driven.drives(member)),
             ..BodyMotion::FIXED
         };
@@ -277,6 +278,7 @@ impl BatchInput<'_> {
             young: body.times.settling.is_young(),
             jointed: !body.joints.is_empty(),
             constrained: !body.joints.is_empty(),
+            falls: false,
             driven: self.driven.drives(index),
             ..BodyMotion::FIXED
         };

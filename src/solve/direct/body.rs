@@ -39,7 +39,7 @@ pub(crate) struct DirectBody {
     pub(super) inertia: DMat3,
     pub(super) top: Top,
     /// Acceleration, and torque; of what the host moves, linear and angular acceleration.
-    pub(super) acceleration: DVec3,
+    pub(crate) acceleration: DVec3,
     pub(super) torque: DVec3,
     pub(super) linear_damping: f64,
     pub(super) angular_damping: f64,

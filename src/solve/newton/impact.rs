@@ -28,7 +28,7 @@ const MAX_FACTORS: u32 = 40;
 
 impl Term {
     /// Whether it takes part in impacts: a contact's normal or a rigid stop.
-    fn is_one_sided(&self) -> bool {
+    pub(super) fn is_one_sided(&self) -> bool {
         self.rows == 1 && self.give == 0.0 && matches!(self.law, Law::Between(0.0, most) if most == f64::INFINITY)
     }
 }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use glam::{DMat3, DVec3};
 
+use super::fall::IslandBodies;
 use super::held::{Ends, JointSet, rate_of, settle_row, settle_term, vector};
 use super::joints::MultiplierSlot;
 use super::masses::mass_of;
@@ -76,7 +77,7 @@ pub(crate) struct CoupledIsland {
     pub patches: Vec<Patch>,
     outline: Outline,
     pub(super) problem: Problem,
-    /// Whether a contact presses on each body.
+    /// Whether anything presses on each body of the problem, or on one that it touches.
     pressed: Vec<bool>,
     traces: Vec<f64>,
     torques: Vec<DMat3>,
@@ -422,14 +423,9 @@ impl CoupledIsland {
 
     /// Moves the bodies by what has been found.
     fn advance(&mut self, h: f64) {
-        let Self { problem, bodies, rates, local_poses, patches, held: JointSet { ends, .. }, pressed, .. } = self;
-        pressed.clear();
-        pressed.resize(bodies.len(), false);
-        ends.iter().flatten().for_each(|&body| pressed[body] = true);
-        patches
-            .iter()
-            .filter(|patch| patch.presses())
-            .for_each(|patch| patch.bodies.iter().for_each(|&body| pressed[body] = true));
+        let Self { problem, bodies, moved, rates, local_poses, patches, held: JointSet { ends, .. }, pressed, .. } = self;
+        let island = IslandBodies { bodies, moved, joint_ends: ends };
+        let fall = island.find_pressed(problem, patches, h, pressed);
         let is_finite = problem.velocity.iter().flatten().all(|value| value.is_finite());
         let mut next = 0;
         for (number, (body, rate)) in bodies.iter().zip(&mut *rates).enumerate() {
@@ -439,10 +435,14 @@ impl CoupledIsland {
                 if is_finite {
                     *rate = rate_of(&problem.velocity[next]);
                 }
-                next += 1;
                 body.limit_speed(rate);
-                // A free path is a parabola.
-                let mean = if pressed[number] { rate.linear } else { (rate.linear + before.linear) * 0.5 };
+                let mean = match fall {
+                    Some(acceleration) => rate.linear - acceleration * (0.5 * h),
+                    None if pressed[next] => rate.linear,
+                    // A free path is a parabola.
+                    None => (rate.linear + before.linear) * 0.5,
+                };
+                next += 1;
                 let turn = body.turn(stance, rate, h);
                 *stance = (stance.0 + mean * h, turn.rotation);
                 rate.angular = turn.angular;

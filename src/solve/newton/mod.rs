@@ -29,6 +29,7 @@ use crate::workers::Workers;
 mod admm;
 mod elimination;
 mod factor;
+mod fall;
 mod gaps;
 mod held;
 mod impact;

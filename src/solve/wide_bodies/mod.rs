@@ -138,9 +138,9 @@ fn suits(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
 }
 
 /// Whether a body is moved in lanes, but nothing else of it done there: its inertia, and with it the masses of contacts, is formed
-/// anew only after it has turned. What touches nothing falls along a parabola, and is moved by itself.
+/// anew only after it has turned. What falls does so along a parabola, and is moved by itself.
 fn is_pushed(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
-    !motion.jointed && motion.constrained && is_free(velocity, motion)
+    !motion.jointed && motion.constrained && !motion.falls && is_free(velocity, motion)
 }
 
 fn is_free(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {

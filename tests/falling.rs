@@ -1,0 +1,77 @@
+//! What falls together stays together, and falls as a single body does.
+
+use longspan::glam::{DVec3, Quat, Vec3};
+use longspan::{BodyDef, BodyId, Geometry, LocalPose, Pose, Shape, ShapeDef, World, WorldDef};
+
+const GRAVITY: f64 = 9.81;
+
+/// A hollow cube of this width (m), the walls of which are a fiftieth of it thick, and things that touch them from inside.
+struct Room {
+    world: World,
+    room: BodyId,
+    things: Vec<BodyId>,
+}
+
+impl Room {
+    fn new(width: f32, shape: &Shape, density: f32) -> Self {
+        let mut world = World::new(&WorldDef { gravity: Vec3::NEG_Y * GRAVITY as f32, ..WorldDef::default() }).unwrap();
+        let (half, wall) = (0.5 * width, 0.02 * width);
+        let walls = (0..6).map(|side| {
+            let mut extents = Vec3::splat(half + wall);
+            extents[side / 2] = 0.5 * wall;
+            let mut position = Vec3::ZERO;
+            position[side / 2] = (half + 0.5 * wall) * if side % 2 == 0 { -1.0 } else { 1.0 };
+            let shape = ShapeDef::new(Shape::new(Geometry::Box { half_extents: extents }).unwrap());
+            ShapeDef { local_pose: LocalPose { position, rotation: Quat::IDENTITY }, ..shape }
+        });
+        let room = world.create_body(&walls.fold(BodyDef::dynamic(Pose::IDENTITY), BodyDef::with_shape)).unwrap();
+        let (w, near) = (f64::from(width), 0.45 * f64::from(width));
+        let places = [
+            DVec3::new(0.0, near, 0.0),
+            DVec3::new(0.25 * w, -near, 0.0),
+            DVec3::new(near, 0.2 * w, 0.0),
+            DVec3::new(-0.25 * w, near, 0.25 * w),
+            DVec3::new(0.0, 0.0, near),
+            // One that touches nothing.
+            DVec3::new(0.0, -0.1 * w, -0.2 * w),
+        ];
+        let part = ShapeDef { density, ..ShapeDef::new(shape.clone()) };
+        let things = places.map(|at| world.create_body(&BodyDef::dynamic(Pose::at(at)).with_shape(part.clone())).unwrap());
+        Self { world, room, things: things.to_vec() }
+    }
+
+    /// Greatest distance that a thing has gone from its place in the room, and the room from its parabola (m), in a second.
+    fn strays(mut self, rate: u32) -> [f64; 2] {
+        let place = |world: &World, body: BodyId| world.pose(body).unwrap().position;
+        let places =
+            |world: &World| self.things.iter().map(|&body| place(world, body) - place(world, self.room)).collect::<Vec<_>>();
+        let before = places(&self.world);
+        for _ in 0..rate {
+            self.world.step(1.0 / rate as f32).unwrap();
+        }
+        let moved = places(&self.world).iter().zip(&before).map(|(now, before)| (now - before).length()).fold(0.0, f64::max);
+        [moved, (place(&self.world, self.room).y + 0.5 * GRAVITY).abs()]
+    }
+}
+
+#[test]
+fn what_lies_in_a_falling_room_falls_with_it() {
+    for width in [0.05_f32, 0.2, 2.0, 20.0] {
+        let half = 0.05 * width;
+        let shapes = [
+            ("ball", Shape::ball(half).unwrap()),
+            ("box", Shape::cuboid(Vec3::splat(half)).unwrap()),
+            ("cylinder", Shape::new(Geometry::Cylinder { half_height: half, radius: half }).unwrap()),
+        ];
+        for (name, shape) in &shapes {
+            for density in [10.0, 1000.0, 1.0e5] {
+                for rate in [30, 60, 120, 240] {
+                    let [moved, off] = Room::new(width, shape, density).strays(rate);
+                    let case = format!("{name} of {density} kg/m³ in a room of {width} m at {rate} Hz");
+                    assert!(moved < 5.0e-4 * f64::from(width), "{case}: moved by {moved:.2e} m in it");
+                    assert!(off < 1.0e-4, "{case}: {off:.2e} m off the parabola");
+                }
+            }
+        }
+    }
+}
