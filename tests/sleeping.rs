@@ -267,8 +267,8 @@ fn times_to_sleep(world: &mut World, bodies: &[BodyId], dt: f32) -> [f32; 2] {
     [f32::INFINITY, slow.unwrap_or(f32::INFINITY)]
 }
 
-/// Bodies that fall on a floor, side by side and on each other.
-fn heap(def: &WorldDef, shape: impl Fn(usize) -> Shape, layers: usize) -> (World, Vec<BodyId>) {
+/// Bodies that fall on a floor, side by side and on each other, from so much (m) higher.
+fn heap(def: &WorldDef, shape: impl Fn(usize) -> Shape, layers: usize, lift: f64) -> (World, Vec<BodyId>) {
     let mut world = World::new(def).unwrap();
     floor(&mut world);
     let at = |number: usize| {
@@ -276,7 +276,7 @@ fn heap(def: &WorldDef, shape: impl Fn(usize) -> Shape, layers: usize) -> (World
         let (x, z) = ((place % 3) as f64 - 1.0, (place / 3) as f64 - 1.0);
         let lean = 0.1 * (layer % 3) as f64;
         Pose {
-            position: DVec3::new(0.9 * x + lean, 0.6 + 0.8 * layer as f64, 0.9 * z - lean),
+            position: DVec3::new(0.9 * x + lean, 0.6 + lift + 0.8 * layer as f64, 0.9 * z - lean),
             rotation: Quat::from_rotation_y(0.3 * number as f32) * Quat::from_rotation_x(0.2 * (number % 5) as f32),
         }
     };
@@ -298,10 +298,23 @@ fn a_heap_sleeps_as_soon_as_its_bodies_have_been_slow_for_long_enough() {
     for rate in RATES {
         for hold in [true, false] {
             let def = WorldDef { hold, ..WorldDef::default() };
-            for (name, (mut world, bodies)) in [("boxes", heap(&def, boxes, 4)), ("mixed", heap(&def, mixed, 3))] {
+            for (name, (mut world, bodies)) in [("boxes", heap(&def, boxes, 4, 0.0)), ("mixed", heap(&def, mixed, 3, 0.0))] {
                 let [asleep, slow] = times_to_sleep(&mut world, &bodies, 1.0 / rate);
                 assert!(asleep <= 1.2 * slow, "{name}, {rate} Hz, hold {hold}: asleep after {asleep} s, slow after {slow} s");
             }
+        }
+    }
+}
+
+/// A heap sways as its load goes to and fro, at a speed that grows for a quarter of each period.
+#[test]
+fn a_heap_that_sways_sleeps_too() {
+    let boxes = |_: usize| Shape::cuboid(Vec3::new(0.4, 0.3, 0.35)).unwrap();
+    for rate in [30.0, 120.0] {
+        for lift in 0..6 {
+            let (mut world, bodies) = heap(&WorldDef::default(), boxes, 4, 0.001 * f64::from(lift));
+            let [asleep, slow] = times_to_sleep(&mut world, &bodies, 1.0 / rate);
+            assert!(asleep <= 1.2 * slow, "{lift} mm higher, {rate} Hz: asleep after {asleep} s, slow after {slow} s");
         }
     }
 }

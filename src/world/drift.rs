@@ -4,8 +4,8 @@
 //! that turns back stands still for a moment. So poses tell. While a body is quiet its *drift* follows the rate at which its pose changes,
 //! averaged over some [`DRIFT_TIME`], so that what trembles in place has none. An island sleeps once none of its bodies drifts by more than
 //! a share of the speeds at which bodies are quiet, nor ever faster, and none of its joints is at work. What is out of balance is slow at first:
-//! a plank whose centre is a little beyond an edge. But its drift grows, and where at that rate it would not be quiet any more within
-//! [`GROWTH_AHEAD`], it goes somewhere. A long body goes where its far end goes: as fast as it turns times its reach.
+//! a plank whose centre is a little beyond an edge. But its drift grows, and while at that rate it would not be quiet any more within
+//! [`GROWTH_AHEAD`], it is kept awake. What sways gets faster too, but for a quarter of its period alone, and sleeps when it gets slower. A long body goes where its far end goes: as fast as it turns times its reach.
 //!
 //! A joint is at work so:
 //!
@@ -153,8 +153,15 @@ impl World {
         let (body, drift, limits) = (&self.bodies[index], self.drift_of(index), &self.def.sleep);
         let far_end = limits.linear_speed / self.reach_of(body);
         let limits = SleepSettings { angular_speed: limits.angular_speed.min(far_end), ..*limits };
+        !drift.is_below(creep_speeds(&limits, touches))
+    }
+
+    /// Whether a body is slow, but gets faster in such a way that it will not be for long.
+    pub(super) fn gathers_speed(&self, index: u32) -> bool {
+        let (body, limits) = (&self.bodies[index], &self.def.sleep);
+        let far_end = limits.linear_speed / self.reach_of(body);
         let ahead = GROWTH_AHEAD[usize::from(!body.joints.is_empty())];
-        !drift.is_below(creep_speeds(&limits, touches)) || drift.grows_past([limits.linear_speed, limits.angular_speed], ahead)
+        self.drift_of(index).grows_past([limits.linear_speed, limits.angular_speed.min(far_end)], ahead)
     }
 
     fn drift_of(&self, index: u32) -> Drift {

@@ -94,7 +94,7 @@ impl World {
             let is_calm = |known: BodySummary| known.is_calm() && !known.is_jointed();
             let may_be_candidate = !is_held && known().all(is_calm) && is_due();
             // What is embedded comes out without a velocity.
-            let is_candidate = may_be_candidate && !members.iter().any(|&index| self.creeps(index));
+            let is_candidate = may_be_candidate && !members.iter().any(|&index| self.creeps(index) || self.gathers_speed(index));
             hold.islands.push(is_held);
             hold.candidates.push(is_candidate);
             any |= is_candidate;

@@ -123,7 +123,8 @@ impl World {
         let (since, is_due) = (WATCHED_AGAIN * self.def.sleep.time, quiet_for >= self.def.sleep.time);
         // As if it had been watched for ever, and as it was: springs may want it to be watched for longer.
         if !(self.goes_somewhere(members, f32::INFINITY) || is_due && self.rests_on_a_mover(members)) {
-            return is_due && !self.goes_somewhere(members, quiet_for - since);
+            let gathers_speed = || members.iter().any(|&index| self.gathers_speed(index));
+            return is_due && !self.goes_somewhere(members, quiet_for - since) && !gathers_speed();
         }
         if let SleepState::Awake { quiet_for, .. } = &mut self.bodies[members[0]].sleep {
             *quiet_for = since;
