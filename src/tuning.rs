@@ -154,7 +154,7 @@ pub(crate) mod drift {
     /// Time of the mean that a drift is compared with (s).
     /// Why: the part of the quiet time in which nothing may creep, and longer than what a drift is averaged over.
     /// Scenes: planks beyond an edge, heaps at 30, 60 and 240 Hz.
-    /// Test: tests/sleeping.rs
+    /// Test: tests/tipping.rs
     pub(crate) const GROWTH_TIME: f32 = 0.25;
     /// Time within which a drift that grows must not pass the speed below which a body is quiet (s): of one without joints, and of one with.
     /// Why: 5 cm/s in 5 s is a thousandth of g, which is what may be out of balance. Of 1680 planks, rods and poles beyond an edge 666 slept
@@ -162,7 +162,7 @@ pub(crate) mod drift {
     /// quarter of its period alone, and may sleep in the others: as long as all of the watch had to be without growth, 9 heaps of 16
     /// slept up to half later at 30 Hz, and one lay awake for 25 s.
     /// Scenes: planks, rods and poles beyond an edge, heaps at 30, 60 and 240 Hz, ragdoll_pile.
-    /// Test: tests/sleeping.rs
+    /// Test: tests/tipping.rs
     pub(crate) const GROWTH_AHEAD: [f32; 2] = [5.0, 1.0];
     /// Share of the quiet time that counts where something creeps or a joint is at work.
     /// Why: the rest of it has to pass without either.

@@ -69,6 +69,7 @@ mod stress;
 mod strides;
 mod support;
 mod thrust;
+mod tipping;
 mod unions;
 mod waking;
 mod wheels;

@@ -3,7 +3,7 @@
 use glam::{Mat3, Quat, Vec3};
 
 use super::rotation::{self, MAX_TURN};
-use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
+use super::state::{BodyMotion, BodyVelocity, Constraints, MotionKind, Symmetric};
 use crate::linalg::rotation32::{NEGLIGIBLE_SPEED, quaternion_of, rotated, settled};
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::tuning::needles::NEEDLE;
@@ -55,7 +55,7 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
     // Rows on bodies of tiny inertia can ask for any speed.
     limit_speeds(velocity, motion);
     motion.displacement += velocity.linear * h;
-    if motion.is_dynamic() && (!motion.constrained || motion.falls) {
+    if motion.is_dynamic() && motion.constraints != Constraints::Holding {
         // The velocity has gained the whole substep's acceleration; a free path is a parabola.
         motion.displacement -=
             Vec3::select(velocity.inverse_mass.cmpgt(Vec3::ZERO), motion.acceleration * (0.5 * h * h), Vec3::ZERO);

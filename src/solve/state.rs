@@ -138,10 +138,7 @@ pub(crate) struct BodyMotion {
     pub steady: bool,
     /// Whether it was made, or put where it is, a short while ago.
     pub young: bool,
-    /// Whether any row acts on this body.
-    pub constrained: bool,
-    /// Whether those rows act only between bodies that fall as this one does.
-    pub falls: bool,
+    pub constraints: Constraints,
     /// Whether the world inertia was formed anew in this substep.
     pub refreshed: bool,
     /// Whether the body is moved with seven others.
@@ -156,6 +153,17 @@ const _: () = assert!(std::mem::offset_of!(BodyMotion, rotation) == 32 && std::m
 
 /// Two cache lines: all motions of a batch are gone through several times a substep.
 const _: () = assert!(size_of::<BodyMotion>() == 128);
+
+/// What acts on a body beside forces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Constraints {
+    /// No row.
+    None,
+    /// Rows between bodies that fall as it does.
+    Falling,
+    /// Any others.
+    Holding,
+}
 
 /// How a slot is integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -187,8 +195,7 @@ impl BodyMotion {
         direct: false,
         steady: true,
         young: false,
-        constrained: false,
-        falls: false,
+        constraints: Constraints::None,
         refreshed: false,
         in_lanes: false,
         locked_rotation: [false; 3],

@@ -29,7 +29,7 @@ use crate::solve::contact::ContactInput;
 use crate::solve::disjoint::{DisjointSlices, Slots};
 use crate::solve::distance_bound::BoundEntry;
 use crate::solve::joint::JointEnd;
-use crate::solve::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric, WORLD_SLOT};
+use crate::solve::state::{BodyMotion, BodyVelocity, Constraints, MotionKind, Symmetric, WORLD_SLOT};
 use crate::solve::step::BatchStages;
 use crate::solve::taut_line::TautEntry;
 use crate::tight_vec::make_room;
@@ -236,8 +236,7 @@ impl BatchInput<'_> {
             steady: lead.times.settling.is_steady(),
             young: lead.times.settling.is_young(),
             jointed,
-            constrained: jointed,
-            falls: false,
+            constraints: if jointed { Constraints::Holding } else { Constraints::None },
             driven: union.members.iter().any(|&member| self.driven.drives(member)),
             ..BodyMotion::FIXED
         };
@@ -277,8 +276,7 @@ impl BatchInput<'_> {
             steady: body.times.settling.is_steady(),
             young: body.times.settling.is_young(),
             jointed: !body.joints.is_empty(),
-            constrained: !body.joints.is_empty(),
-            falls: false,
+            constraints: if body.joints.is_empty() { Constraints::None } else { Constraints::Holding },
             driven: self.driven.drives(index),
             ..BodyMotion::FIXED
         };

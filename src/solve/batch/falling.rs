@@ -6,6 +6,7 @@
 
 use glam::Vec3;
 
+use super::super::state::Constraints;
 use super::Batch;
 
 impl Batch {
@@ -31,7 +32,7 @@ impl Batch {
                 motion.acceleration == fall && flags.is_loose() && flags.is_unlocked()
             };
             if slots.len() > 1 && fall != Vec3::ZERO && slots.clone().all(falls) {
-                motions[slots].iter_mut().for_each(|motion| motion.falls = true);
+                motions[slots].iter_mut().for_each(|motion| motion.constraints = Constraints::Falling);
             }
         }
     }

@@ -21,7 +21,7 @@ use super::body_flags::BodyFlags;
 use super::contact::{LANES, Lane, Lane3};
 use super::disjoint::{DisjointMut, Shared};
 use super::integrate::{self, PredictedPose};
-use super::state::{BodyMotion, BodyVelocity, MotionKind, Symmetric};
+use super::state::{BodyMotion, BodyVelocity, Constraints, MotionKind, Symmetric};
 use crate::platform::in_lanes;
 use crate::tight_vec::{make_room_behind, resize};
 use crate::workers::Workers;
@@ -140,7 +140,14 @@ fn suits(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
 /// Whether a body is moved in lanes, but nothing else of it done there: its inertia, and with it the masses of contacts, is formed
 /// anew only after it has turned. What falls does so along a parabola, and is moved by itself.
 fn is_pushed(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
-    !motion.jointed && motion.constrained && !motion.falls && is_free(velocity, motion)
+    !motion.jointed && motion.constraints == Constraints::Holding && is_free(velocity, motion)
+}
+
+/// Takes note of contacts that hold a body.
+fn note_contacts(motion: &mut BodyMotion, flags: Option<&BodyFlags>) {
+    if motion.constraints == Constraints::None && flags.is_some_and(|flags| flags.is_touched()) {
+        motion.constraints = Constraints::Holding;
+    }
 }
 
 fn is_free(velocity: &BodyVelocity, motion: &BodyMotion) -> bool {
@@ -259,7 +266,7 @@ impl WideBodies {
     fn lay_out_all(&mut self, (velocities, motions): (&[BodyVelocity], &mut [BodyMotion]), body_flags: &[BodyFlags], h: f32) {
         let Self { blocks, pushed, singles, alone, others, last, .. } = self;
         for (slot, (velocity, motion)) in velocities.iter().zip(motions.iter_mut()).enumerate() {
-            motion.constrained |= body_flags.get(slot).is_some_and(|role| role.is_touched());
+            note_contacts(motion, body_flags.get(slot));
             motion.in_lanes = suits(velocity, motion);
             if motion.in_lanes {
                 motion.refreshed = motion.kind == MotionKind::Tumbling;
@@ -294,7 +301,7 @@ impl WideBodies {
         threads.share(bodies.zip((0..).step_by(piece)), |(((velocities, motions), are_pushed), first)| {
             for (((velocity, motion), own), slot) in velocities.iter().zip(motions).zip(are_pushed).zip(first..) {
                 debug_assert!(!motion.jointed, "it is in a joint");
-                motion.constrained |= body_flags.get(slot).is_some_and(|role| role.is_touched());
+                note_contacts(motion, body_flags.get(slot));
                 motion.in_lanes = false;
                 *own = is_pushed(velocity, motion);
             }

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::platform::with_baseline;
-use crate::solve::state::Symmetric;
+use crate::solve::state::{Constraints, Symmetric};
 
 const H: f32 = 1.0 / 240.0;
 
@@ -32,7 +32,7 @@ fn body(spin: f32) -> impl Strategy<Value = (BodyVelocity, BodyMotion)> {
                 angular_damping: girth * 0.2,
                 kind: if is_round { MotionKind::Round } else { MotionKind::Tumbling },
                 jointed: true,
-                constrained: true,
+                constraints: Constraints::Holding,
                 ..BodyMotion::FIXED
             };
             (BodyVelocity { linear, angular, ..at_rest }, motion)

@@ -14,7 +14,7 @@ use crate::prefetch::{AHEAD, prefetch};
 use crate::settings::SleepSettings;
 use crate::solve::batch::Batch;
 use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
-use crate::solve::state::WORLD_SLOT;
+use crate::solve::state::{Constraints, WORLD_SLOT};
 use crate::solve::step::BatchStages;
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 use crate::step_history::History;
@@ -289,7 +289,7 @@ impl Moves<'_> {
                 let swept = if body.settings.fast { Swept::All } else { Swept::Along };
                 noted.paths.push(Path { group, body: member, swept });
             }
-            let may_stray = motion.constrained && !is_swept && union.is_none() && body.joints.is_empty();
+            let may_stray = motion.constraints != Constraints::None && !is_swept && union.is_none() && body.joints.is_empty();
             let start = may_stray.then(|| Start::of(body));
             let own = match union {
                 Some(_) => unions.motion_of(member, &to),
