@@ -18,6 +18,7 @@ use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::{Islands, Movers, World};
+use crate::body::Body;
 use crate::collide::broad::{FEW_SHAPES, LARGE_GROUP};
 use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer, Way};
 use crate::joint_graph::union::UnionMotion;
@@ -51,6 +52,10 @@ pub(super) struct Sweeps {
     parts: ImpactBuffer,
 }
 
+fn mass_of(body: &Body) -> f64 {
+    body.mass.map_or(1.0, |mass| f64::from(mass.mass))
+}
+
 impl World {
     /// Takes note of where bodies are that the step has not moved yet, if any may have to be stopped.
     pub(super) fn note_starts(&mut self) {
@@ -76,10 +81,7 @@ impl World {
         sweeps.ways.begin(self.bodies.slot_count());
         sweeps.starts.iter().for_each(|&(body, start)| sweeps.ways.note_start(body, start));
         sweeps.paths.sort_unstable();
-        sweeps.ways.lay_out(&sweeps.paths, |body| {
-            let mass = self.bodies[body].mass.map_or(1.0, |mass| f64::from(mass.mass));
-            (mass, self.end_of(body))
-        });
+        sweeps.ways.lay_out(&sweeps.paths, |body| (mass_of(&self.bodies[body]), self.end_of(body)));
         sweeps.touches.clear();
         self.find_first_touches(&mut sweeps);
         while let Some(Reverse((time, swept, other, changes))) = sweeps.touches.pop() {
@@ -132,6 +134,11 @@ impl World {
         for (i, other) in [(0, 1), (1, 0)] {
             if !is_swept[other] {
                 let body = bodies[other];
+                let record = &self.bodies[body];
+                let is_loose = record.is_free() && record.joints.is_empty() && self.unions.moving(body).is_none();
+                if is_loose && ways.take_along(time, bodies[i], body, (mass_of(record), self.end_of(body))) {
+                    continue;
+                }
                 let hold = if self.bodies[body].is_free() { Hold::ByMover(body) } else { Hold::ByFixed(body) };
                 let path = self.path_after(ways, body, time);
                 ways.meet_other(time, bodies[i], hold, path);

@@ -2,7 +2,7 @@
 //!
 //! Bodies that joints or a union connect form a *group*, which moves as one. Groups that hit each other form a *bundle* for the rest of the
 //! step. A bundle that has hit nothing else keeps its own path. One that has hit a body which is not swept moves with that body, as if it lay
-//! on it. All others move by the mean of their groups' displacements, weighted by mass, like bodies that collide without restitution. Bodies
+//! on it; but what is lighter than the bundle and free goes along with the bundle, so that a crate is not held up by what is in it. All others move by the mean of their groups' displacements, weighted by mass, like bodies that collide without restitution. Bodies
 //! in a moving lift therefore hit what they would hit on the ground.
 
 use glam::DVec3;
@@ -215,6 +215,26 @@ impl Paths {
             self.carry(time, bundle, [path.start, path.end]);
             self.bundles[bundle as usize].hold = hold;
         }
+    }
+
+    /// Has a free body that is lighter than what it meets, and goes where the step has put it so far, be carried by that from a share of
+    /// the step on. False if it is not lighter; `mass` and `end` are its own.
+    pub fn take_along(&mut self, time: f64, by: u32, body: u32, (mass, end): (f64, BodyPose)) -> bool {
+        let Some(&carrier) = self.leg_of(by) else { return false };
+        let bundle = self.groups[carrier.group as usize].bundle;
+        if !self.moved.has(body) || mass >= self.way_ahead(bundle, time).0 {
+            return false;
+        }
+        self.changed.clear();
+        let (leg, group) = (self.legs.len() as u32, self.groups.len() as u32);
+        let mover = &mut self.movers[body as usize];
+        mover.leg = leg;
+        self.legs.push(Leg { body, group, swept: Swept::All, mass, from: mover.start, to: end });
+        self.groups.push(Group { first: leg, end: leg + 1, bundle: group, next: NONE, since: 0.0, changes: 0 });
+        self.bundles.push(Bundle { hold: Hold::Free, last: group });
+        self.carry(time, group, [self.pose_at(&carrier, time), carrier.to]);
+        self.join(bundle, group);
+        true
     }
 
     /// Has two bodies that may both have to be stopped go on together.
