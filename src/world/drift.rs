@@ -5,7 +5,8 @@
 //! averaged over some [`DRIFT_TIME`], so that what trembles in place has none. An island sleeps once none of its bodies drifts by more than
 //! a share of the speeds at which bodies are quiet, nor ever faster, and none of its joints is at work. What is out of balance is slow at first:
 //! a plank whose centre is a little beyond an edge. But its drift grows, and while at that rate it would not be quiet any more within
-//! [`GROWTH_AHEAD`], it is kept awake. What sways gets faster too, but for a quarter of its period alone, and sleeps when it gets slower. A long body goes where its far end goes: as fast as it turns times its reach.
+//! [`GROWTH_AHEAD`], it is kept awake. What sways gets faster too, but for a quarter of its period alone, and sleeps when it gets slower. A long
+//! body goes where its far end goes: as fast as it turns times its reach.
 //!
 //! A joint is at work so:
 //!

@@ -2,7 +2,7 @@
 //!
 //! A substep moves bodies by the velocities at its end, which have gained the whole substep's acceleration a h: a body that nothing presses
 //! is put back by ½ a h², onto its parabola, and one that is pressed is not. No row sees the difference, for it is not one of
-//! velocities. So a body that comes to touch a pressed one within that way goes on as that does. And where nothing that presses or holds
+//! velocities. So a body that comes to touch a pressed one, but for that way, goes on as that does. And where nothing that presses or holds
 //! stands, all are put back by the same way: the island falls as a single body would.
 
 use glam::DVec3;
@@ -43,10 +43,10 @@ impl IslandBodies<'_> {
         if !stands && bodies.iter().all(falls) {
             return Some(fall);
         }
-        let way = 0.5 * fall.length() * h;
+        let difference = 0.5 * fall.length() * h;
         let meets = |[a, b]: [u32; 2], pressed: &[bool]| a != FIXED && b != FIXED && pressed[a as usize] != pressed[b as usize];
         while let Some(term) = problem.terms.iter().find(|term| {
-            meets(term.bodies, pressed) && term.is_one_sided() && speed(term, &problem.velocity)[0] + term.bias[0] <= way
+            meets(term.bodies, pressed) && term.is_one_sided() && speed(term, &problem.velocity)[0] + term.bias[0] <= difference
         }) {
             term.bodies.iter().for_each(|&body| pressed[body as usize] = true);
         }

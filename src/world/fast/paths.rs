@@ -2,8 +2,9 @@
 //!
 //! Bodies that joints or a union connect form a *group*, which moves as one. Groups that hit each other form a *bundle* for the rest of the
 //! step. A bundle that has hit nothing else keeps its own path. One that has hit a body which is not swept moves with that body, as if it lay
-//! on it; but what is lighter than the bundle and free goes along with the bundle, so that a crate is not held up by what is in it. All others move by the mean of their groups' displacements, weighted by mass, like bodies that collide without restitution. Bodies
-//! in a moving lift therefore hit what they would hit on the ground.
+//! on it; but what is lighter than the bundle and free goes along with the bundle, so that a crate is not held up by what is in it. All others
+//! move by the mean of their groups' displacements, weighted by mass, like bodies that collide without restitution. Bodies in a moving lift
+//! therefore hit what they would hit on the ground.
 
 use glam::DVec3;
 
