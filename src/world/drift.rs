@@ -151,18 +151,21 @@ impl World {
     /// Whether a body goes somewhere, if slowly: on the whole, or with the end that is farthest from its centre of mass.
     pub(super) fn creeps(&self, index: u32) -> bool {
         let touches = self.collision.index.contact_force(index) != Vec3::ZERO;
-        let (body, drift, limits) = (&self.bodies[index], self.drift_of(index), &self.def.sleep);
-        let far_end = limits.linear_speed / self.reach_of(body);
-        let limits = SleepSettings { angular_speed: limits.angular_speed.min(far_end), ..*limits };
-        !drift.is_below(creep_speeds(&limits, touches))
+        !self.drift_of(index).is_below(creep_speeds(&self.quiet_limits(index), touches))
     }
 
     /// Whether a body is slow, but gets faster in such a way that it will not be for long.
     pub(super) fn gathers_speed(&self, index: u32) -> bool {
-        let (body, limits) = (&self.bodies[index], &self.def.sleep);
-        let far_end = limits.linear_speed / self.reach_of(body);
-        let ahead = GROWTH_AHEAD[usize::from(!body.joints.is_empty())];
-        self.drift_of(index).grows_past([limits.linear_speed, limits.angular_speed.min(far_end)], ahead)
+        let SleepSettings { linear_speed, angular_speed, .. } = self.quiet_limits(index);
+        let ahead = GROWTH_AHEAD[usize::from(!self.bodies[index].joints.is_empty())];
+        self.drift_of(index).grows_past([linear_speed, angular_speed], ahead)
+    }
+
+    /// Speeds at which a body is quiet, and its far end as well.
+    fn quiet_limits(&self, index: u32) -> SleepSettings {
+        let limits = &self.def.sleep;
+        let far_end = limits.linear_speed / self.reach_of(&self.bodies[index]);
+        SleepSettings { angular_speed: limits.angular_speed.min(far_end), ..*limits }
     }
 
     fn drift_of(&self, index: u32) -> Drift {
