@@ -57,13 +57,25 @@ pub(crate) fn advance(velocity: &mut BodyVelocity, motion: &mut BodyMotion, h: f
     motion.displacement += velocity.linear * h;
     if motion.is_dynamic() && motion.constraints != Constraints::Holding {
         // The velocity has gained the whole substep's acceleration; a free path is a parabola.
+        let share = share_gained(velocity.linear, motion.acceleration, motion.linear_damping);
         motion.displacement -=
-            Vec3::select(velocity.inverse_mass.cmpgt(Vec3::ZERO), motion.acceleration * (0.5 * h * h), Vec3::ZERO);
+            Vec3::select(velocity.inverse_mass.cmpgt(Vec3::ZERO), motion.acceleration * (0.5 * share * h * h), Vec3::ZERO);
     }
     let turned = turn(velocity, motion, h);
     motion.turn += turned.mean * h;
     motion.rotation = turned.rotation;
     velocity.angular = turned.angular;
+}
+
+/// Share of its acceleration `a` (m/s²) that a body of velocity `v` gains in speed, as damping `c` (1/s) takes the rest: none of it at
+/// a/c, the speed at which it goes on falling. What only slows down has all of it, as without damping: the sum of h v over its substeps
+/// is v/c then, which is how far it comes.
+pub(crate) fn share_gained(v: Vec3, a: Vec3, c: f32) -> f32 {
+    let squared = a.length_squared();
+    if c == 0.0 || squared == 0.0 {
+        return 1.0;
+    }
+    (1.0 - c * (v.dot(a) / squared)).clamp(0.0, 1.0)
 }
 
 /// Where a body would be at the end of the substep at its present velocity.

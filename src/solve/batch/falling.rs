@@ -26,10 +26,10 @@ impl Batch {
         for number in (0..islands.len()).filter(|&number| !standing[number]) {
             let next = islands.get(number + 1).map_or(end, |&next| next as usize);
             let slots = islands[number] as usize..next;
-            let fall = motions[slots.start].acceleration;
+            let (fall, damping) = (motions[slots.start].acceleration, motions[slots.start].linear_damping);
             let falls = |slot: usize| {
                 let (motion, flags) = (&motions[slot], body_flags[slot]);
-                motion.acceleration == fall && flags.is_loose() && flags.is_unlocked()
+                motion.acceleration == fall && motion.linear_damping == damping && flags.is_loose() && flags.is_unlocked()
             };
             if slots.len() > 1 && fall != Vec3::ZERO && slots.clone().all(falls) {
                 motions[slots].iter_mut().for_each(|motion| motion.constraints = Constraints::Falling);

@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::super::integrate;
 use super::super::joint::LocalPose;
 use super::super::joint::body_response::BodyResponse;
 use super::super::joint::rows::Rate;
@@ -41,7 +42,7 @@ pub(crate) struct DirectBody {
     /// Acceleration, and torque; of what the host moves, linear and angular acceleration.
     pub(crate) acceleration: DVec3,
     pub(super) torque: DVec3,
-    pub(super) linear_damping: f64,
+    pub(crate) linear_damping: f64,
     pub(super) angular_damping: f64,
 }
 
@@ -120,6 +121,12 @@ impl DirectBody {
     /// Whether it loses speed by itself.
     pub(super) fn is_damped(&self) -> bool {
         self.linear_damping != 0.0 || self.angular_damping != 0.0
+    }
+
+    /// As [`integrate::share_gained`].
+    pub(crate) fn share_gained(&self, rate: &Rate) -> f64 {
+        let (v, a) = (rate.linear.as_vec3(), self.acceleration.as_vec3());
+        f64::from(integrate::share_gained(v, a, self.linear_damping as f32))
     }
 
     /// By how much heavier it answers along and about its axes in a substep of length `h` (s): 1 + h c.

@@ -38,8 +38,9 @@ impl IslandBodies<'_> {
                 }
             }
         }
-        let fall = first?.acceleration;
-        let falls = |body: &DirectBody| !body.is_dynamic() || (body.free_axes() == [1.0; 6] && body.acceleration == fall);
+        let (fall, damping) = (first?.acceleration, first?.linear_damping);
+        let falls_alike = |body: &DirectBody| body.acceleration == fall && body.linear_damping == damping;
+        let falls = |body: &DirectBody| !body.is_dynamic() || (body.free_axes() == [1.0; 6] && falls_alike(body));
         if !stands && bodies.iter().all(falls) {
             return Some(fall);
         }

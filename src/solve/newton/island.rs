@@ -437,7 +437,7 @@ impl CoupledIsland {
                 }
                 body.limit_speed(rate);
                 let mean = match fall {
-                    Some(acceleration) => rate.linear - acceleration * (0.5 * h),
+                    Some(acceleration) => rate.linear - acceleration * (0.5 * h * body.share_gained(rate)),
                     None if pressed[next] => rate.linear,
                     // A free path is a parabola.
                     None => (rate.linear + before.linear) * 0.5,
