@@ -82,6 +82,20 @@ impl Articulation {
         !self.is_points && (0..self.entries.len()).any(|number| self.met_by(number, joints) != 0)
     }
 
+    /// Whether a motor that pushes one way alone lets go in this substep. One of second order goes on with a share of what the motor did in the
+    /// last, which it can't take back: from rest a joint would come to 1.5 times its target, and keep that speed.
+    pub(super) fn lets_go_of_motor(&self) -> bool {
+        self.system.bounded.iter().any(|&(row, node)| {
+            let row = &self.system.rows[row as usize];
+            match (row.origin, self.began.joints.get(node as usize)) {
+                (Origin::Scalar(id), Some(before)) => {
+                    row.drives_one_way() && row.impulse == 0.0 && before.impulses.scalar[id as usize] != 0.0
+                }
+                _ => false,
+            }
+        })
+    }
+
     /// Ends a substep in which a stop was met by the impact that follows: what presses approaches no more, and stops with restitution are left
     /// at the speeds of `leaving`, by joint and row. Joints go on with the multipliers of the substep.
     pub(super) fn resolve_impact(&mut self, joints: &Pool<Joint, JointId>, leaving: &[(usize, u8, f64)]) {

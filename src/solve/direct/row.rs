@@ -109,6 +109,11 @@ impl Row {
         self.min == 0.0 && self.max == f64::INFINITY && !self.drives
     }
 
+    /// Whether the row is that of a motor that pushes one way alone.
+    pub(super) fn drives_one_way(&self) -> bool {
+        self.drives && (self.min == 0.0) != (self.max == 0.0)
+    }
+
     pub(super) fn fix(&mut self, impulse: f64) {
         self.impulse = impulse;
         self.state = RowState::High;
