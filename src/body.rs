@@ -253,7 +253,7 @@ impl Body {
     pub(crate) fn new(def: &BodyDef, mass: Option<MassProperties>) -> Self {
         let local_center = mass.map_or(Vec3::ZERO, |mass| mass.center_of_mass);
         let moves = def.kind != BodyKind::Static;
-        Self {
+        let mut body = Self {
             kind: def.kind,
             center: def.pose.transform_point(local_center),
             rotation: def.pose.rotation,
@@ -283,6 +283,16 @@ impl Body {
             anchored: Anchored::No,
             history: StepHistory::default(),
             quarantined: false,
+        };
+        body.stop_along_locked_axes();
+        body
+    }
+
+    /// Takes away the velocity along and about axes that are locked. A kinematic body moves as the host says.
+    pub(crate) fn stop_along_locked_axes(&mut self) {
+        if self.is_dynamic() {
+            self.linear_velocity *= free_axes(self.settings.locked_axes.translation);
+            self.angular_velocity *= free_axes(self.settings.locked_axes.rotation);
         }
     }
 
@@ -368,16 +378,23 @@ impl Body {
 
     /// Inverse mass (1/kg); zero for what is not free.
     pub(crate) fn inverse_mass(&self) -> f32 {
-        match &self.mass {
-            Some(mass) if self.is_free() => 1.0 / mass.mass,
-            _ => 0.0,
-        }
+        if self.is_free() { self.own_inverse_mass() } else { 0.0 }
+    }
+
+    /// Inverse mass that it has once nothing holds it (1/kg).
+    pub(crate) fn own_inverse_mass(&self) -> f32 {
+        self.mass.map_or(0.0, |mass| 1.0 / mass.mass)
     }
 
     /// Inverse inertia tensor in world axes (1/(kg·m²)), locked axes taken out.
     pub(crate) fn world_inverse_inertia(&self) -> Mat3 {
+        if self.is_free() { self.own_inverse_inertia() } else { Mat3::ZERO }
+    }
+
+    /// Inverse inertia tensor that it has once nothing holds it: world axes (1/(kg·m²)), locked axes taken out.
+    pub(crate) fn own_inverse_inertia(&self) -> Mat3 {
         match &self.mass {
-            Some(mass) if self.is_free() => {
+            Some(mass) => {
                 let inverse = crate::shape::inertia_tensor(1.0 / mass.principal_inertia, self.rotation * mass.inertia_frame);
                 without_locked(inverse, self.settings.locked_axes.rotation)
             }

@@ -181,8 +181,7 @@ impl World {
     pub fn set_locked_axes(&mut self, body: BodyId, locked: LockedAxes) -> Result<()> {
         self.change(body, |body| {
             body.settings.locked_axes = locked;
-            body.linear_velocity *= crate::body::free_axes(locked.translation);
-            body.angular_velocity *= crate::body::free_axes(locked.rotation);
+            body.stop_along_locked_axes();
         })?;
         let index = self.bodies.find(body)?;
         if !self.bodies[index].joints.is_empty() {
@@ -236,6 +235,7 @@ impl World {
         }
         let stood = !record.is_mover();
         edit(record);
+        record.stop_along_locked_axes();
         record.kinematic.driven = false;
         if record.acts_as() == BodyKind::Dynamic || (stood && record.is_mover()) {
             self.wake_for(Edited::Body(index));
@@ -252,11 +252,12 @@ impl World {
         Ok(())
     }
 
-    /// What is anchored moves as its anchor does.
+    /// What is anchored moves as its anchor does. Another velocity is a blow to its joints in the next step, where those want to know.
     pub(super) fn keep_anchored(&mut self, index: u32) {
-        let body = &mut self.bodies[index];
-        if body.anchored != Anchored::No {
-            (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+        let Self { unions, bodies, .. } = self;
+        let body = &mut bodies[index];
+        if body.anchored != Anchored::No && !unions.of(index).is_some_and(|union| union.wanted) {
+            (body.linear_velocity, body.angular_velocity) = unions.velocities_of(index);
         }
     }
 

@@ -3,7 +3,6 @@
 use glam::{DVec3, Vec3};
 
 use super::World;
-use super::unions::Anchor;
 use super::wake::Edited;
 use crate::body::{Body, checked_velocity};
 use crate::check;
@@ -97,17 +96,13 @@ impl World {
         let record = &self.bodies[index];
         let (impulse, angular) = load(record);
         let free = crate::body::free_axes(record.settings.locked_axes.translation);
-        let linear = record.linear_velocity + impulse * free * record.inverse_mass();
-        let angular = record.angular_velocity + record.world_inverse_inertia() * angular;
+        let linear = record.linear_velocity + impulse * free * record.own_inverse_mass();
+        let angular = record.angular_velocity + record.own_inverse_inertia() * angular;
         checked_velocity("impulse", linear, MAX_LINEAR_SPEED)?;
         checked_velocity("impulse", angular, MAX_ANGULAR_SPEED)?;
         self.bodies[index].linear_velocity = linear;
         self.bodies[index].angular_velocity = angular;
-        // An impulse on what is anchored ends in its joints with the next step, where those want to know.
-        let is_felt = self.unions.of(index).is_some_and(|union| union.wanted && union.anchor == Anchor::Still);
-        if !is_felt {
-            self.keep_anchored(index);
-        }
+        self.keep_anchored(index);
         self.wake_for(Edited::Body(index));
         Ok(())
     }

@@ -86,6 +86,7 @@ impl World {
             (record.force, record.torque) = (Vec3::ZERO, Vec3::ZERO);
             record.held = false;
         }
+        record.stop_along_locked_axes();
         self.collision.index.forget_force(index);
         self.apply_mass(index, mass);
         self.topology_changed();

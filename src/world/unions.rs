@@ -124,6 +124,12 @@ impl Unions {
         self.places.get(body as usize).copied().unwrap_or(UnionPlace::OUTSIDE)
     }
 
+    /// Linear and angular velocity that a member has as its union does; none outside one.
+    pub(super) fn velocities_of(&self, body: u32) -> (Vec3, Vec3) {
+        let place = self.place(body);
+        self.of(body).map_or((Vec3::ZERO, Vec3::ZERO), |union| union.velocities_at(&place))
+    }
+
     /// Union that a body belongs to.
     pub(super) fn of(&self, body: u32) -> Option<&Union> {
         let place = self.places.get(body as usize)?;
@@ -314,16 +320,16 @@ impl World {
     /// Brings unions up to date with the joints, and their motion with what was done to members.
     pub(super) fn form_unions(&mut self, dt: f32) {
         self.flood_unions();
-        self.drive_anchored(Some(dt));
         self.gather_members(false);
+        self.drive_anchored(Some(dt));
         self.settle_movers();
     }
 
     /// The same within a step, where joints have broken: unions that are left have their motion and forces of this step already.
     pub(super) fn form_unions_again(&mut self) {
         self.flood_unions();
-        self.drive_anchored(None);
         self.gather_members(true);
+        self.drive_anchored(None);
         self.settle_movers();
     }
 
@@ -334,7 +340,7 @@ impl World {
         for (&member, jolt) in union.members.iter().zip(&union.jolts) {
             let body = &mut bodies[member];
             let (linear, angular) =
-                (jolt.force.as_vec3() * body.inverse_mass(), body.world_inverse_inertia() * jolt.torque.as_vec3());
+                (jolt.force.as_vec3() * body.own_inverse_mass(), body.own_inverse_inertia() * jolt.torque.as_vec3());
             body.linear_velocity = within_limit(body.linear_velocity - linear, MAX_LINEAR_SPEED);
             body.angular_velocity = within_limit(body.angular_velocity - angular, MAX_ANGULAR_SPEED);
         }

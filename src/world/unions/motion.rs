@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Anchor, UnionPlace, Unions, shapes_follow};
+use super::{Anchor, Union, UnionPlace, Unions, shapes_follow};
 use crate::body::{Anchored, Body, within_limit};
 use crate::joint_graph::union::loads::Wrench;
 use crate::joint_graph::union::matching::{Loose, fit_velocity};
@@ -64,24 +64,26 @@ impl World {
     /// Notes what the host did to the members of an anchored union: forces act on its joints, and so do impulses, which end there.
     pub(super) fn gather_pushes(&mut self, slot: u32) {
         let Self { unions, bodies, .. } = self;
-        let Unions { records, pushed, .. } = unions;
+        let Unions { records, places, pushed, .. } = unions;
         let Some(union) = &mut records[slot as usize] else { return };
-        let still = union.anchor == Anchor::Still;
+        // What is new on something that moves has no velocity of its union yet.
+        let is_known = union.anchor == Anchor::Still || union.before.is_some();
         for (number, &index) in union.members.iter().enumerate() {
             let body = &mut bodies[index];
             if body.force != Vec3::ZERO || body.torque != Vec3::ZERO {
                 union.pushes.push((index, body.force, body.torque));
                 pushed.push(index);
             }
-            if still && (body.linear_velocity != Vec3::ZERO || body.angular_velocity != Vec3::ZERO) {
+            let (linear, angular) = union.velocities_at(&places[index as usize]);
+            if is_known && (body.linear_velocity != linear || body.angular_velocity != angular) {
                 let Some(mass) = body.mass else { continue };
                 union.jolts.resize(union.members.len(), Wrench::default());
                 let inertia = inertia_of(&mass, body.rotation.as_dquat().normalize());
                 union.jolts[number] = Wrench {
-                    force: -body.linear_velocity.as_dvec3() * f64::from(mass.mass),
-                    torque: -(inertia * body.angular_velocity.as_dvec3()),
+                    force: (linear - body.linear_velocity).as_dvec3() * f64::from(mass.mass),
+                    torque: inertia * (angular - body.angular_velocity).as_dvec3(),
                 };
-                (body.linear_velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+                (body.linear_velocity, body.angular_velocity) = (linear, angular);
             }
         }
         pushed.sort_unstable();
@@ -213,12 +215,22 @@ impl World {
                 let lead = union.lead;
                 let motion = self.anchored_motion(lead);
                 self.place_members(lead, motion);
+                self.keep_members_along(lead);
             }
         }
         for index in std::mem::take(&mut self.unions.pushed) {
             if self.bodies.get(index).is_some_and(|body| body.anchored != Anchored::No) {
                 (self.bodies[index].force, self.bodies[index].torque) = (Vec3::ZERO, Vec3::ZERO);
             }
+        }
+    }
+
+    /// Gives the members of an anchored union the velocities that they have with it.
+    fn keep_members_along(&mut self, lead: u32) {
+        let Self { unions, bodies, .. } = self;
+        let Some(union) = unions.of(lead) else { return };
+        for &index in &union.members {
+            (bodies[index].linear_velocity, bodies[index].angular_velocity) = union.velocities_at(&unions.places[index as usize]);
         }
     }
 
@@ -253,6 +265,14 @@ impl World {
             (body.center, body.rotation) = (at.center, at.rotation);
             shapes_follow(body, colliders);
         }
+    }
+}
+
+impl Union {
+    /// Linear and angular velocity of a member.
+    pub(super) fn velocities_at(&self, place: &UnionPlace) -> (Vec3, Vec3) {
+        let motion = self.motion.at(place.offset, place.rotation);
+        (within_limit(motion.linear, MAX_LINEAR_SPEED), within_limit(motion.angular, MAX_ANGULAR_SPEED))
     }
 }
 
