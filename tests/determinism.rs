@@ -71,7 +71,7 @@ fn heap(threads: u32, jobs: Option<Arc<dyn ParallelFor>>) -> u64 {
         let shape = ShapeDef { material, ..ShapeDef::new(shape) };
         world.create_body(&BodyDef::dynamic(pose).with_shape(shape)).unwrap();
     }
-    for _ in 0..90 {
+    for _ in 0..60 {
         world.step(1.0 / 60.0).unwrap();
     }
     let counts = world.report().counts;
@@ -82,7 +82,7 @@ fn heap(threads: u32, jobs: Option<Arc<dyn ParallelFor>>) -> u64 {
 #[test]
 fn any_job_system_and_any_number_of_threads_give_one_island_the_same_bits() {
     let one = heap(1, None);
-    for threads in [2, 3, 5, 8] {
+    for threads in [2, 3, 7] {
         assert_eq!(heap(threads, None), one, "state hashes on {threads} threads and on one");
     }
     assert_eq!(heap(1, Some(Arc::new(Inline))), one, "state hashes with all parts inline, backwards, and on one thread");
@@ -168,7 +168,7 @@ fn a_net_that_is_cut_into_strips_has_the_same_bits_on_any_number_of_threads() {
 
 #[test]
 fn jointed_bodies_have_the_same_bits_on_any_number_of_threads() {
-    same_on_any_number_of_threads("violent", &[("what", "joints"), ("n", "200"), ("seconds", "2")]);
+    same_on_any_number_of_threads("violent", &[("what", "joints"), ("n", "200"), ("seconds", "0.5")]);
 }
 
 #[test]

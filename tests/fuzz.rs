@@ -3,7 +3,10 @@
 //! Every seed is a world of its own and gives the same calls wherever it runs. `LONGSPAN_FUZZ_SEEDS=first..last` and
 //! `LONGSPAN_FUZZ_CALLS=n` take others, for a search of hours; a failure names its seed and call.
 
+use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Mutex;
+use std::thread::{available_parallelism, scope};
 
 use longspan::glam::Vec3;
 use longspan::{
@@ -395,11 +398,24 @@ fn random_calls_leave_a_world_that_steps_and_restores_to_the_bit() {
     let seeds = ends.map_or(SEEDS, |(first, last)| first.parse().expect("a number")..last.parse().expect("a number"));
     let calls = from_environment("LONGSPAN_FUZZ_CALLS").unwrap_or(CALLS);
     let mended = if chosen.is_none() { &MENDED[..] } else { &[] };
-    for seed in seeds.chain(mended.iter().copied()) {
-        let mut fuzz = Fuzz::new(seed);
-        for number in 0..calls {
-            let outcome = catch_unwind(AssertUnwindSafe(|| fuzz.call()));
-            assert!(outcome.is_ok(), "seed {seed}, call {number}");
+    let waiting = Mutex::new(seeds.chain(mended.iter().copied()));
+    let threads = available_parallelism().map_or(1, NonZero::get);
+    scope(|threads_of_test| {
+        for _ in 0..threads {
+            threads_of_test.spawn(|| {
+                loop {
+                    let Some(seed) = waiting.lock().unwrap().next() else { break };
+                    run(seed, calls);
+                }
+            });
         }
+    });
+}
+
+fn run(seed: u64, calls: u32) {
+    let mut fuzz = Fuzz::new(seed);
+    for number in 0..calls {
+        let outcome = catch_unwind(AssertUnwindSafe(|| fuzz.call()));
+        assert!(outcome.is_ok(), "seed {seed}, call {number}");
     }
 }
