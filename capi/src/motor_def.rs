@@ -77,7 +77,9 @@ pub struct LsSphericalMotor {
 }
 
 impl LsDrive {
-    /// Nothing more.
+    /// Nothing more. Not in the header: C has no infinity of this name.
+    ///
+    /// cbindgen:ignore
     pub const NONE: Self = Self { target_velocity: 0.0, max_speed: f32::INFINITY, side: LS_FORCE_BOTH, reserved: 0 };
 
     /// What the motor of a joint is told beside what `LsMotor` says.

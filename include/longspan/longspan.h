@@ -864,8 +864,6 @@ typedef struct LsDrive {
     /** Not used; 0. */
     uint32_t reserved;
 } LsDrive;
-/** Nothing more. */
-#define LsDrive_NONE (LsDrive){ .target_velocity = 0.0, .max_speed = f32_INFINITY, .side = LS_FORCE_BOTH, .reserved = 0 }
 
 /**
  * Everything a joint starts with. Fill it with ls_joint_def_init first.
