@@ -322,3 +322,64 @@ fn a_motor_that_a_rope_stops_tells_its_force_and_no_speed() {
         }
     }
 }
+
+/// What else holds the lid of [`a_servo_moves_what_other_joints_hold_as_well`].
+#[derive(Debug, Clone, Copy)]
+enum SecondHold {
+    Hinge,
+    Ball,
+    SlackRope,
+    Servo,
+}
+
+#[test]
+fn a_servo_moves_what_other_joints_hold_as_well() {
+    let about_z = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
+    let target = 0.3;
+    for second in [SecondHold::Hinge, SecondHold::Ball, SecondHold::SlackRope, SecondHold::Servo] {
+        for (solver, rate) in SOLVERS.into_iter().flat_map(|solver| RATES.map(|rate| (solver, rate))) {
+            for size in [0.1_f32, 1.0, 10.0] {
+                let (mass, gravity) = (20.0 * size.powi(3), 9.81);
+                let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+                let def = WorldDef { gravity: Vec3::NEG_Y * gravity, solver, sleep, ..WorldDef::default() };
+                let mut world = World::new(&def).expect("a valid world");
+                let properties = MassProperties::new(mass, Vec3::splat(0.1 * mass * size * size));
+                let lid = BodyDef::dynamic(Pose::at_xyz(f64::from(size), 0.0, 0.0)).with_mass(Mass::Properties(properties));
+                let lid = world.create_body(&lid).expect("a valid body");
+                let mut hold = |kind: JointKind, along: f32| {
+                    let mut def = JointDef::new(kind, BodyId::NULL, lid);
+                    def.frame_a = Pose::at_xyz(0.0, 0.0, f64::from(along)).rotated(about_z);
+                    def.frame_b = Pose::at_xyz(f64::from(-size), 0.0, f64::from(along)).rotated(about_z);
+                    world.create_joint(&def).expect("a valid joint")
+                };
+                let (limits, load) = (Limits::NONE, mass * gravity * size);
+                let motor = Motor::Position { target, softness: Softness::RIGID, max_force: 3.0 * load };
+                let servo = hold(JointKind::Hinge { limits, motor }, -0.5 * size);
+                let kind = match second {
+                    SecondHold::Hinge => JointKind::Hinge { limits, motor: Motor::Off },
+                    SecondHold::Ball => {
+                        let (swing_limit, motor) = (std::f32::consts::PI, longspan::SphericalMotor::Off);
+                        JointKind::Spherical { swing_limit, twist_limits: limits, motor }
+                    }
+                    SecondHold::SlackRope => {
+                        JointKind::Distance { limits: Limits::new(0.0, size), spring_length: None, motor: Motor::Off }
+                    }
+                    SecondHold::Servo => JointKind::Hinge { limits, motor },
+                };
+                hold(kind, 0.5 * size);
+                let mut over = 0.0_f32;
+                // Mechanics allow 0.3 s √(size/m), and sweeps close a tenth of what is left in a substep.
+                let steps = ((0.8 * size.sqrt() + 0.5) * rate) as u32;
+                for _ in 0..steps {
+                    world.step(1.0 / rate).expect("a valid step");
+                    over = over.max(world.joint_axis_state(servo, 0).expect("the joint has this axis").position - target);
+                }
+                let state = world.joint_axis_state(servo, 0).expect("the joint has this axis");
+                let what = format!("{second:?}, {size} m by {solver:?} at {rate}/s");
+                assert!((state.position - target).abs() < 2.0e-3, "{what}: after {steps} steps at {} rad", state.position);
+                // As of a servo without a second joint, above.
+                assert!(over < 1.0e-2, "{what}: overshoots by {over} rad");
+            }
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::contacts::ArticulationContact;
+use super::servo_loops::ServoTrial;
 use crate::joint_rebounds::Rebounds;
 use crate::joint_record::JointImpulses;
 use crate::solve::joint::LocalPose;
@@ -35,12 +36,24 @@ pub(super) enum ReusedFactor {
     Good,
 }
 
-/// The two parts of each joint with a servo, and room to find them.
+/// What a servo moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum ServoLoad {
+    /// The bodies of its joint, as far as is known.
+    Own,
+    /// The two parts that its joint connects, as they answer.
+    Parts([BodyResponse; 2]),
+    /// All bodies of the loops that its joint closes.
+    Loop,
+}
+
+/// What each servo moves, and room to find it.
 #[derive(Debug, Default)]
 pub(super) struct ServoParts {
     /// By joint; empty where no joint has a servo.
-    pub answers: Vec<Option<[BodyResponse; 2]>>,
+    pub loads: Vec<ServoLoad>,
     pub reached: Vec<bool>,
+    pub trial: ServoTrial,
 }
 
 /// How a step of an articulation went.

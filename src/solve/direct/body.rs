@@ -233,6 +233,13 @@ impl DirectBody {
         excess - self.torque.dot(turn)
     }
 
+    /// Power of gravity, forces and torques at this rate (W).
+    pub(super) fn power(&self, rate: &Rate) -> f64 {
+        let free = self.undamped.cmpgt(DVec3::ZERO);
+        let force = DVec3::select(free, self.acceleration / DVec3::select(free, self.undamped, DVec3::ONE), DVec3::ZERO);
+        force.dot(rate.linear) + if self.is_dynamic() { self.torque.dot(rate.angular) } else { 0.0 }
+    }
+
     /// Acceleration by gravity and forces (m/s²).
     pub(crate) fn pull(&self) -> f64 {
         self.acceleration.length()

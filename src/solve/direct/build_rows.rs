@@ -1,8 +1,11 @@
 //! The rows of an articulation's joints and contacts, as each phase of a substep asks for them.
 
+use std::cell::RefCell;
+
 use glam::DVec3;
 
 use super::articulation::Articulation;
+use super::articulation_state::ServoLoad;
 use super::body::DirectBody;
 use super::distance_stiffness;
 use super::redundancy::Redundancy;
@@ -10,13 +13,13 @@ use crate::id::{JointId, Pool};
 use crate::joint_rebounds::Rebounds;
 use crate::joint_record::{Joint, JointImpulses};
 use crate::solve::joint::LocalPose;
-use crate::solve::joint::body_response::BodyResponse;
+use crate::solve::joint::body_response::{BodyResponse, MotorAnswers};
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
 use crate::solve::joint::kinds;
 use crate::solve::joint::reach::FarStops;
 use crate::solve::joint::row_sink::RowSink;
-use crate::solve::joint::rows::{HeldDirections, Phase, Rate, RowRates};
+use crate::solve::joint::rows::{HeldDirections, Jacobian, Phase, Rate, RowRates};
 
 /// Where a joint is as its rows are built: at the start of the substep, as predicted for its end, and where gradients are taken if that
 /// is at neither.
@@ -58,12 +61,20 @@ impl Articulation {
         if !in_place {
             self.find_parts(joints);
         }
-        self.is_under_way &= in_place;
         if self.coupled && !in_place {
             let Self { stops, entries, .. } = self;
             stops.resize_with(entries.len(), FarStops::default);
             stops.iter_mut().zip(&*entries).for_each(|(stops, entry)| stops.know(&joints[entry.joint].def.kind));
         }
+        if !in_place && self.parts.loads.contains(&ServoLoad::Loop) {
+            self.add_rows(joints, phase);
+            self.parts.trial.take(&self.system);
+        }
+        self.add_rows(joints, phase);
+    }
+
+    fn add_rows(&mut self, joints: &Pool<Joint, JointId>, phase: Phase) {
+        self.is_under_way &= matches!(phase, Phase::Position { .. });
         self.system.clear();
         let mut next_touch = 0;
         for number in 0..self.links.len() {
@@ -130,7 +141,7 @@ impl Articulation {
         let joint = &joints[self.entries[number].joint];
         let placements = self.placements_of(number, joint, phase, ends);
         let geometry = placements.geometry();
-        let Self { entries, links, rates, local_poses, bodies, asked, stops, parts, .. } = self;
+        let Self { entries, links, rates, local_poses, bodies, asked, stops, parts, topology, .. } = self;
         let (entry, link) = (&mut entries[number], &links[number]);
         let [a, b] = link.bodies.map(|body| body as usize);
         let driven =
@@ -144,16 +155,22 @@ impl Articulation {
         let is_free = self.coupled && !in_place && are_stops_far(&mut stops[number]);
         let frames = driven.filter(|_| !in_place).map(|driven| driven.rates);
         let both = (phase, RowRates { bodies: [rates[a], rates[b]], frames });
+        let load = parts.loads.get(number).copied().unwrap_or(ServoLoad::Own);
+        let answer = |side: usize| match load {
+            ServoLoad::Parts(parts) => parts[side],
+            ServoLoad::Own | ServoLoad::Loop => answer_of(&bodies[link.bodies[side] as usize]),
+        };
+        let is_known = load == ServoLoad::Loop && parts.trial.is_ready;
+        let trial = RefCell::new(&mut parts.trial);
+        let in_loop = |way: &Jacobian| trial.borrow_mut().ease_of(number, way, topology, bodies);
+        let in_loop = Some(&in_loop as &dyn Fn(&Jacobian) -> [f64; 2]).filter(|_| is_known);
         let mut sink = RowSink {
             driven,
             impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
             rebounds: if in_place { Rebounds::NONE } else { entry.rebounds },
             share: phase.h() / self.h,
             has_stops: !is_free,
-            answer: &|side| {
-                let parts = parts.answers.get(number).copied().flatten();
-                parts.map_or_else(|| answer_of(&bodies[link.bodies[side] as usize]), |parts| parts[side])
-            },
+            answers: MotorAnswers { bodies: &answer, in_loop },
             left: ends[1],
             ..RowSink::new(geometry, &joint.def, both, entry.angles, asked)
         };

@@ -3,11 +3,12 @@
 //! A servo brakes in time only if it knows what it has set going: an arm's shoulder moves the whole arm and what the hand holds. With
 //! the joint taken out an articulation falls into two parts; each is taken as one rigid body, of mass M = Σ m and inertia about its
 //! centre I = Σ (I + m (|r|² 1 − r rᵀ)), since other servos hold. A part with something that does not move does not move either.
-//! Where the joint closes a loop there are no two parts, and its own bodies stand for them.
+//! Where the joint closes a loop, what does not move being one body, there are no two parts: see *servo_loops.rs*.
 
 use glam::{DMat3, DVec3};
 
 use super::articulation::Articulation;
+use super::articulation_state::ServoLoad;
 use super::topology::NodeBodies;
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
@@ -23,22 +24,23 @@ impl Articulation {
     /// Finds what the servos move, at the present poses.
     pub(super) fn find_parts(&mut self, joints: &Pool<Joint, JointId>) {
         let mut parts = std::mem::take(&mut self.parts);
-        parts.answers.clear();
+        parts.loads.clear();
+        parts.trial.is_ready = false;
         let is_small = (2..=MAX_JOINTS).contains(&self.entries.len());
         if is_small && self.entries.iter().any(|entry| entry.traits.has_motor) {
             for number in 0..self.entries.len() {
                 let entry = &self.entries[number];
                 let is_servo = entry.traits.has_motor && kinds::has_servo(&joints[entry.joint].def.kind);
-                let answers = if is_servo { self.parts_of(number, &mut parts.reached) } else { None };
-                parts.answers.push(answers);
+                parts.loads.push(if is_servo { self.load_of(number, &mut parts.reached) } else { ServoLoad::Own });
             }
         }
         self.parts = parts;
     }
 
-    fn parts_of(&self, number: usize, reached: &mut Vec<bool>) -> Option<[BodyResponse; 2]> {
+    fn load_of(&self, number: usize, reached: &mut Vec<bool>) -> ServoLoad {
         let ends = self.links[number].bodies;
         let mut answers = [BodyResponse::NONE; 2];
+        let mut stands = [true; 2];
         for side in 0..2 {
             if !self.bodies[ends[side] as usize].is_dynamic() {
                 continue;
@@ -65,16 +67,17 @@ impl Articulation {
                 }
             }
             if reached[ends[1 - side] as usize] {
-                return None;
+                return ServoLoad::Loop;
             }
-            let hangs = self.links.iter().take(self.entries.len()).enumerate().any(|(other, link)| {
+            stands[side] = self.links.iter().take(self.entries.len()).enumerate().any(|(other, link)| {
                 other != number && !moves(self, link) && link.bodies.iter().any(|&body| reached[body as usize])
             });
-            if !hangs {
-                answers[side] = self.composite(ends[side] as usize, reached)?;
+            if !stands[side] {
+                let Some(part) = self.composite(ends[side] as usize, reached) else { return ServoLoad::Own };
+                answers[side] = part;
             }
         }
-        Some(answers)
+        if stands == [true; 2] { ServoLoad::Loop } else { ServoLoad::Parts(answers) }
     }
 
     /// The bodies that have been reached, as one, seen from the centre of mass of `body`.

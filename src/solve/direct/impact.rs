@@ -27,6 +27,7 @@ use crate::id::{JointId, Pool};
 use crate::joint_rebounds::Rebounds;
 use crate::joint_record::Joint;
 use crate::linalg::narrowing;
+use crate::solve::joint::body_response::MotorAnswers;
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds;
 use crate::solve::joint::row_sink::RowSink;
@@ -234,8 +235,9 @@ impl Articulation {
         let all = (Phase::Position { most: f64::INFINITY }, RowRates { bodies: rates, frames: None });
         let geometry = JointGeometry::at(&placement);
         let answer = |side: usize| bodies[side].answer_at(&local_poses[side]);
+        let answers = MotorAnswers { bodies: &answer, in_loop: None };
         let mut sink =
-            RowSink { answer: &answer, ..RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked) };
+            RowSink { answers, ..RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked) };
         kinds::add_rows(&mut sink);
         let stops = sink.scalars.iter().filter(|row| row.is_stop());
         let state = |row: &ScalarRow| StopState {

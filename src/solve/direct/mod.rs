@@ -10,7 +10,7 @@
 //! | `build_rows`, `topology`, `layout`, `system`, `row`, `active_set`, `packed_rows`, `refine` | the rows, their matrix, which of them act, the solve |
 //! | `ball_joint_system`, `ball_joints` | the same for articulations of ball joints alone |
 //! | `redundancy`, `loops` | rows that repeat others |
-//! | `body`, `stiffness`, `distance_stiffness`, `composite` | inertia, geometric stiffness, what a motor moves |
+//! | `body`, `stiffness`, `distance_stiffness`, `composite`, `servo_loops` | inertia, geometric stiffness, what a motor moves |
 //! | `multistep`, `rotor`, `rotors` | second order in time; bodies that spin fast |
 //! | `project`, `projection_energy`, `buckle` | position correction, and the energy that it may not add |
 //! | `impact`, `soft_stops` | stops that are met |
@@ -75,6 +75,7 @@ mod rejection_cache;
 mod rotor;
 mod rotors;
 mod row;
+mod servo_loops;
 mod soft_stops;
 mod speculative_contacts;
 pub(crate) mod stiffness;

@@ -381,7 +381,7 @@ impl System {
         }
     }
 
-    fn solve_active(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
+    pub(super) fn solve_active(&mut self, topology: &Topology, bodies: &[DirectBody], rates: &mut [Rate]) {
         let Self { nodes, rows, factor, packed_rows, counts, beside, .. } = self;
         if !std::mem::replace(&mut self.is_factored, true) {
             self.is_exact = false;

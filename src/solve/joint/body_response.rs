@@ -2,10 +2,25 @@
 
 use glam::{DMat3, DVec3};
 
-use super::rows::Rate;
+use super::rows::{Jacobian, Rate};
+
+/// How what a motor moves answers to it.
+#[derive(Clone, Copy)]
+pub(crate) struct MotorAnswers<'a> {
+    /// Each of the joint's two bodies, or what stands for it.
+    pub bodies: &'a dyn Fn(usize) -> BodyResponse,
+    /// A coordinate of a joint that closes a loop: what a unit of impulse along it changes of its rate with all other joints held
+    /// (1/kg, 1/(kg·m²)), and what external forces accelerate it by (m/s², rad/s²).
+    pub in_loop: Option<&'a dyn Fn(&Jacobian) -> [f64; 2]>,
+}
+
+impl MotorAnswers<'_> {
+    /// Of what has no motors.
+    pub(crate) const NONE: Self = Self { bodies: &|_| BodyResponse::NONE, in_loop: None };
+}
 
 /// How a body answers: what a unit of momentum moves it by, and what external forces accelerate it by.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BodyResponse {
     /// (1/kg).
     pub inverse_mass: DVec3,

@@ -16,7 +16,8 @@
 //! a = w F − d, with F the greatest force, w = J M⁻¹ Jᵀ the inverse effective mass of the coordinate *with the rest of the joint held*
 //! (a door of mass m on a lever r is m r² heavier than about its centre), and d what external forces accelerate it by, both found by
 //! orthogonalising J against the joint's other rows in the metric of M⁻¹. An articulation
-//! gives what hangs on other joints too (*../direct/composite.rs*); of a for what is not known [`BRAKING_SHARE`] is left.
+//! gives what hangs on other joints too (*../direct/composite.rs*, in loops *servo_loops.rs*); of a for what is not known
+//! [`BRAKING_SHARE`] is left.
 //!
 //! A *reference* that moves at u has r(t) = target − u (T − t), T the end of the step: all of this is then about x − r and v − u.
 
@@ -113,7 +114,7 @@ impl HeldRows {
 impl RowSink<'_> {
     /// How a coordinate answers; the rows that the joint holds rigidly have been added before.
     fn ease_of(&self, jacobian: &Jacobian) -> Ease {
-        let answers = [(self.answer)(0), (self.answer)(1)];
+        let answers = [0, 1].map(self.answers.bodies);
         let none = Rate { linear: DVec3::ZERO, angular: DVec3::ZERO };
         let mut held = HeldRows { rows: [(Covector([none; 2]), [none; 2], 0.0); 6], count: 0 };
         let axes = |held: HeldDirections| match held {
@@ -145,6 +146,18 @@ impl RowSink<'_> {
             acceleration: row.dot(&answers.map(|answer| answer.acceleration())),
             rate: row.dot(&self.rates.bodies),
         }
+    }
+
+    /// Deceleration that a rigid motor with forces in these bounds can hold on its way to C = 0 from `error`.
+    fn braking(&self, jacobian: &Jacobian, error: f64, bounds: [f64; 2]) -> f64 {
+        let found = match self.answers.in_loop {
+            Some(in_loop) => in_loop(jacobian),
+            None => {
+                let Ease { ease, acceleration, .. } = self.ease_of(jacobian);
+                [ease, acceleration]
+            }
+        };
+        braking(found, error, bounds)
     }
 
     /// What a unit of impulse along a coordinate changes of its rate, with the rest of the joint held (1/kg, 1/(kg·m²)).
@@ -188,8 +201,8 @@ impl RowSink<'_> {
         if drive.softness.compliance > 0.0 {
             self.pull(&jacobian, error, speed, &drive, bounds, id);
         } else {
-            let ease = if drive.max_force < f32::INFINITY { Some(self.ease_of(&jacobian)) } else { None };
-            let braking = ease.map_or(f64::INFINITY, |ease| braking(&ease, error.start, drive.bounds()));
+            let is_bounded = drive.max_force < f32::INFINITY;
+            let braking = if is_bounded { self.braking(&jacobian, error.start, drive.bounds()) } else { f64::INFINITY };
             let most = most_speed(&jacobian, f64::from(drive.max_speed).min(self.most_speed), h / self.share);
             self.approach(&jacobian, error, MotorApproach { braking, most, speed }, bounds, id);
         }
@@ -244,8 +257,8 @@ impl RowSink<'_> {
         let mut closing = DVec3::ZERO;
         if softness.compliance == 0.0 {
             let braking = if max_torque < f32::INFINITY {
-                let ease = self.ease_of(&Jacobian::angular(axes * start.normalize_or(DVec3::X)));
-                braking(&ease, start.length(), [-f64::from(max_torque), f64::from(max_torque)])
+                let way = Jacobian::angular(axes * start.normalize_or(DVec3::X));
+                self.braking(&way, start.length(), [-f64::from(max_torque), f64::from(max_torque)])
             } else {
                 f64::INFINITY
             };
@@ -278,12 +291,13 @@ struct MotorApproach {
     speed: f64,
 }
 
-/// Deceleration that a motor with forces in these bounds can hold on its way to C = 0 from `error`.
-fn braking(ease: &Ease, error: f64, [least, most]: [f64; 2]) -> f64 {
+/// Deceleration that a motor with forces in these bounds can hold on its way to C = 0 from `error`, along a coordinate that answers so and is
+/// accelerated by this much.
+fn braking([ease, acceleration]: [f64; 2], error: f64, [least, most]: [f64; 2]) -> f64 {
     let way = -error.signum();
     let against = if way > 0.0 { -least } else { most };
-    let found = ease.ease * against - way * ease.acceleration;
-    BRAKING_SHARE * found.max(MIN_BRAKING * ease.ease * most.max(-least))
+    let found = ease * against - way * acceleration;
+    BRAKING_SHARE * found.max(MIN_BRAKING * ease * most.max(-least))
 }
 
 /// Greatest speed of a coordinate (m/s, rad/s) in a substep of length `h` (s).

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::angles::nearest;
-use super::body_response::BodyResponse;
+use super::body_response::MotorAnswers;
 use super::driven::DrivenParts;
 use super::geometry::{JointGeometry, Placement};
 use super::rows::{BlockRow, Demand, Error1, Error3, HeldDirections, Jacobian, Phase, RowRates, ScalarRow, SoftParams};
@@ -31,8 +31,8 @@ pub(crate) struct RowSink<'a> {
     pub scalars: &'a mut Vec<ScalarRow>,
     /// Angles near those of the substep's start, turns counted (rad).
     pub angles: [f64; 3],
-    /// How each body answers: asked for where a motor has to know what it can do.
-    pub answer: &'a dyn Fn(usize) -> BodyResponse,
+    /// Asked for where a motor has to know what it can do.
+    pub answers: MotorAnswers<'a>,
     /// From the end of the substep to that of the step (s).
     pub left: f64,
     /// Share of what is left that a rigid position motor closes in a substep at most, and its greatest speed (m/s, rad/s).
@@ -70,7 +70,7 @@ impl<'a> RowSink<'a> {
             direction: None,
             scalars,
             angles,
-            answer: &|_| BodyResponse::NONE,
+            answers: MotorAnswers::NONE,
             left: 0.0,
             closing_share: 1.0,
             most_speed: f64::INFINITY,

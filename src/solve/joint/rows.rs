@@ -142,7 +142,7 @@ impl SoftParams {
 }
 
 /// Velocity of a body (m/s, rad/s).
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rate {
     pub linear: DVec3,
     pub angular: DVec3,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DVec3, Mat3, Vec3};
 
 use super::angles;
-use super::body_response::BodyResponse;
+use super::body_response::{BodyResponse, MotorAnswers};
 use super::driven::{self, DrivenParts};
 use super::geometry::{JointGeometry, Placement};
 use super::kinds;
@@ -201,7 +201,7 @@ impl Singles {
                 driven,
                 impulses: &entry.impulses,
                 rebounds: entry.rebounds,
-                answer: &answer,
+                answers: MotorAnswers { bodies: &answer, in_loop: None },
                 left: left[1],
                 closing_share: rows::DRIVE_SHARE,
                 // What hangs on other joints is not known here: a motor does not set it going faster than sweeps stop it.

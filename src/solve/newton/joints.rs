@@ -7,7 +7,7 @@ use super::patch::{row, turning_row};
 use super::problem::JointBlock;
 use super::term::{Law, Term};
 use crate::joint_record::{Joint, JointImpulses};
-use crate::solve::joint::body_response::BodyResponse;
+use crate::solve::joint::body_response::{BodyResponse, MotorAnswers};
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
 use crate::solve::joint::kinds;
@@ -98,7 +98,7 @@ impl Asking<'_> {
         let mut sink = RowSink {
             driven,
             impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
-            answer: &|side| answers[side],
+            answers: MotorAnswers { bodies: &|side| answers[side], in_loop: None },
             left: left[1],
             ..RowSink::new(JointGeometry::at(placement), &joint.def, (phase, rates), entry.angles, scalars)
         };
