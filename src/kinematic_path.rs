@@ -22,10 +22,26 @@
 //! From 2 q follows that a motion that begins at once has no slope in its first step, nor where it ends or turns back in one: it moves at V,
 //! neither lags nor runs ahead. An acceleration that begins with a step has q = ½ in its second and is exact from there; one that ends with
 //! a step has q = 2 and leaves no slope behind.
+//!
+//! **Jumps.** What is left of a change between steps once both have their slopes is a jump. That of a smooth track is of second order in dt,
+//! that of a body which starts, stops or turns back at once is all of the change: a blow to what hangs on it, which must not be
+//! taken for an acceleration that goes on.
 
 use glam::Vec3;
 
 use crate::pose::Pose;
+
+/// Share of the change of velocity between two steps that a jump is at least.
+/// Why: it is ½ in the second step of an acceleration that begins with a step, and all where a velocity jumps.
+const UNEXPLAINED: f32 = 0.75;
+
+/// Share of the greater of the two velocities that a jump is at least.
+/// Why: a second-order substep throws what is taut by ⅔ of a jump; of less than this it is as little as a step of first order is off by.
+/// What a host that rounds its poses leaves is far less. Test: tests/moved_anchors.rs
+const NOTICEABLE_SHARE: f32 = 0.1;
+
+/// Jump that is rounding of poses (m/s, rad/s).
+const ROUNDING: f32 = 1.0e-4;
 
 /// What is known of a body that the host moves.
 #[derive(Debug, Clone, Default)]
@@ -44,11 +60,12 @@ pub(crate) struct KinematicPath {
 }
 
 impl KinematicPath {
-    /// Begins a step of this number and length `dt` (s), through which the body moves at this mean velocity.
-    pub(crate) fn begin_step(&mut self, step: u64, dt: f32, velocity: [Vec3; 2]) {
+    /// Begins a step of this number and length `dt` (s), through which the body moves at this mean velocity; returns whether that begins with
+    /// a jump.
+    pub(crate) fn begin_step(&mut self, step: u64, dt: f32, velocity: [Vec3; 2]) -> bool {
         if self.step == step {
             // A body may be listed twice.
-            return;
+            return false;
         }
         if self.step + 1 != step {
             // It has stood in the steps between.
@@ -57,7 +74,13 @@ impl KinematicPath {
         let between = 0.5 * (self.dt + dt);
         let change = [0, 1].map(|part| (velocity[part] - self.velocity[part]) / between);
         let slope = [0, 1].map(|part| limited(change[part], self.change[part]));
-        *self = Self { target: self.target, step, dt, velocity, change, slope };
+        let before = std::mem::replace(self, Self { target: self.target, step, dt, velocity, change, slope });
+        (0..2).any(|part| {
+            let [from, to] = [before.velocity[part], velocity[part]];
+            let jump = (to - from - 0.5 * (slope[part] * dt + before.slope[part] * before.dt)).length();
+            let is_large = jump > (NOTICEABLE_SHARE * from.length().max(to.length())).max(ROUNDING);
+            is_large && jump > UNEXPLAINED * (to - from).length()
+        })
     }
 
     /// Whether its velocity changes within the step.
@@ -131,6 +154,24 @@ mod tests {
             let [start, end] = [0, 1].map(|after| velocity((step + after) as f32 * DT));
             assert!((found[0] - start).abs() < 1.0e-5 && (found[1] - end).abs() < 1.0e-5, "step {step}: {found:?}");
         }
+    }
+
+    #[test]
+    fn what_starts_stops_or_turns_back_at_once_jumps_and_a_smooth_track_does_not() {
+        let jumps = |track: &dyn Fn(f32) -> f32| {
+            let mut path = KinematicPath::default();
+            let jumps = (1..60).filter(|&step| {
+                let mean = (track(step as f32 * DT) - track((step - 1) as f32 * DT)) / DT;
+                path.begin_step(step as u64, DT, [Vec3::X * mean, Vec3::ZERO])
+            });
+            jumps.collect::<Vec<i32>>()
+        };
+        assert_eq!(jumps(&|t| (t - 10.0 * DT).clamp(0.0, 12.0 * DT)), [11, 23], "starts and stops");
+        assert_eq!(jumps(&|t| (t - 20.0 * DT).abs()), [1, 21], "moves and turns back");
+        assert_eq!(jumps(&|t| t + 0.4 * (t - 20.0 * DT).max(0.0)), [1, 21], "moves and goes faster");
+        assert_eq!(jumps(&|t| 0.5 * t * t), [1], "is accelerated from rest");
+        assert_eq!(jumps(&|t| (8.0 * t).sin()), [1], "swings");
+        assert_eq!(jumps(&|t| 1.0 - (8.0 * t).cos()), [1], "swings from rest");
     }
 
     #[test]

@@ -5,6 +5,9 @@ use glam::Vec3;
 /// Linear and angular velocity (m/s, rad/s), or a change of it.
 pub(crate) type Twist = [Vec3; 2];
 
+/// Length of the substep where nothing is known but that the next one begins with a blow.
+const JOLTED: f32 = -2.0;
+
 /// Length of the substep where nothing is known but a lead: see `solve/velocity_half_step.rs`.
 const TOLD: f32 = -1.0;
 
@@ -51,6 +54,12 @@ impl History {
         linear: Vec3::ZERO,
         angular: Vec3::ZERO,
     };
+
+    /// Whether what holds the body has changed its velocity at once: neither what was before the next substep leads on from there, nor does
+    /// that substep itself.
+    pub(crate) fn is_jolted(&self) -> bool {
+        self.h == JOLTED
+    }
 
     /// Of a body that sweeps have moved, and whose velocity was told with this lead.
     pub(crate) fn leading([linear, angular]: Twist) -> Self {
@@ -111,6 +120,11 @@ impl StepHistory {
         if let Some(kept) = &mut self.0 {
             **kept = History::NONE;
         }
+    }
+
+    /// Notes that what holds the body has changed its velocity at once.
+    pub(crate) fn jolt(&mut self) {
+        self.set(History { h: JOLTED, ..History::NONE });
     }
 
     pub(crate) fn forget_lead(&mut self) {

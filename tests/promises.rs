@@ -37,6 +37,7 @@ mod long_range_bounds;
 mod loops;
 mod machines;
 mod motors;
+mod moved_anchors;
 mod moved_bodies;
 mod overdetermined;
 mod overruled_motors;

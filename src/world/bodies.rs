@@ -280,7 +280,8 @@ impl World {
         if self.movers.are_sorted && !self.movers.some_are_driven {
             return;
         }
-        for &index in &self.movers.slots {
+        for place in 0..self.movers.slots.len() {
+            let index = self.movers.slots[place];
             let Some(body) = self.bodies.get(index) else { continue };
             if body.kind != BodyKind::Kinematic {
                 continue;
@@ -303,7 +304,9 @@ impl World {
                 None => {}
             }
             let velocity = [body.linear_velocity, body.angular_velocity];
-            body.kinematic.path.get_or_insert_default().begin_step(self.report.step, dt, velocity);
+            if body.kinematic.path.get_or_insert_default().begin_step(self.report.step, dt, velocity) {
+                self.jolt_what_hangs_on(index);
+            }
         }
         self.movers.are_sorted = false;
     }

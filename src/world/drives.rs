@@ -46,7 +46,7 @@ impl World {
         }
         if change.is_put || change.is_sudden {
             for index in bodies.into_iter().flatten() {
-                self.bodies[index].history.forget();
+                self.jolt(index);
             }
         }
         if change.is_over {
@@ -56,6 +56,27 @@ impl World {
         // Whether a joint is driven decides how it is solved.
         self.islands.groups.joint_changed(slot, &self.joints[slot]);
         !change.is_over
+    }
+
+    /// Notes that what holds a body has changed its velocity at once.
+    fn jolt(&mut self, index: u32) {
+        let solved = self.unions.moving(index).map_or(index, |union| union.lead);
+        if self.bodies[solved].is_free() {
+            self.bodies[solved].history.jolt();
+        }
+    }
+
+    /// The same of all that hangs on a kinematic body, or on what is welded to it.
+    pub(super) fn jolt_what_hangs_on(&mut self, kinematic: u32) {
+        let mut hangs = std::mem::take(&mut self.scratch.slots);
+        hangs.clear();
+        hangs.extend(self.jointed_to(kinematic));
+        for union in self.unions.driven_by(kinematic) {
+            let outer = union.outer.iter().filter_map(|&slot| self.joints.get(slot));
+            hangs.extend(outer.flat_map(|joint| joint.bodies).flatten());
+        }
+        hangs.iter().for_each(|&index| self.jolt(index));
+        self.scratch.slots = hangs;
     }
 
     /// Rotation from a body's axes to those of what the solver moves: its union, or the world where the body is static.

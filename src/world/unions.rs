@@ -146,6 +146,11 @@ impl Unions {
         self.of(body).filter(|union| union.anchor == Anchor::Free)
     }
 
+    /// Those that this kinematic body drives.
+    pub(super) fn driven_by(&self, kinematic: u32) -> impl Iterator<Item = &Union> {
+        self.records.iter().flatten().filter(move |union| union.anchor == Anchor::Driven(kinematic))
+    }
+
     /// What a member does where its union does this.
     pub(super) fn motion_of(&self, member: u32, union: &UnionMotion) -> UnionMotion {
         let place = self.place(member);

@@ -90,8 +90,9 @@ impl Articulation {
             if meets_stop {
                 self.resolve_impact(joints, &approaches);
             }
-            if self.is_under_way || meets_stop || (self.has_soft_stops && self.note_spring_phase(joints, h)) {
-                // Neither a blow is what the bodies go on with, nor a motor that may brake in the next substep, nor a spring that no substep
+            let is_jolted = std::mem::take(&mut self.is_jolted);
+            if is_jolted || self.is_under_way || meets_stop || (self.has_soft_stops && self.note_spring_phase(joints, h)) {
+                // Neither a blow is what the bodies go on with, be it of a stop or of what holds them, nor a motor that may brake in the next substep, nor a spring that no substep
                 // resolves.
                 self.histories.fill(History::NONE);
                 self.continues = None;

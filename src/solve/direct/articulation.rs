@@ -172,6 +172,8 @@ pub(crate) struct Articulation {
     pub(super) left: f64,
     /// From the start of the substep for which rows are built to the end of the step, where it is swept (s).
     pub(super) rest: f64,
+    /// Whether what holds it changes its velocity at once as the next substep begins.
+    pub(super) is_jolted: bool,
     /// Whether a rigid position motor was on its way in the last substep.
     pub(super) is_under_way: bool,
     /// What its servos move.
@@ -340,6 +342,10 @@ impl Articulation {
         self.solves_left = halvings * SOLVES_PER_HALVING;
         self.mode = if self.touches.iter().any(ArticulationContact::presses) { Mode::Safe } else { Mode::Smooth };
         (self.continues, self.after_first_order) = (None, false);
+        self.is_jolted = self.histories.iter().any(History::is_jolted);
+        if self.is_jolted {
+            self.histories.fill(History::NONE);
+        }
         let energy = self.energy();
         self.take_substeps(joints, settings);
         let gained = self.energy() - energy;
