@@ -14,12 +14,13 @@
 //!
 //! **Restitution.** Stops that give back e of the speed v⁻ at which they were met ([`rebound`](crate::solve::joint::rebound)) are then asked for
 //! J v ≥ e v⁻, once more with all else that holds or presses. For one e that is Poisson's rule: what stopped the bodies acts once more by the
-//! share e, so that no energy comes of it. Where several stops with different e are met at once it may: then as much of it acts as
+//! share e, so that no energy comes of it, as seen from what the host moves. Where several stops with different e are met at once it may: then as much of it acts as
 //! energy allows.
 
 use glam::{DMat3, DVec3};
 
 use super::articulation::Articulation;
+use super::body::DirectBody;
 use super::row::{Origin, RowState};
 use super::system::PASSES;
 use super::wide_integrator;
@@ -28,6 +29,7 @@ use crate::joint_rebounds::Rebounds;
 use crate::joint_record::Joint;
 use crate::linalg::narrowing;
 use crate::solve::joint::body_response::MotorAnswers;
+use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::JointGeometry;
 use crate::solve::joint::kinds;
 use crate::solve::joint::row_sink::RowSink;
@@ -102,7 +104,7 @@ impl Articulation {
     pub(super) fn resolve_impact(&mut self, joints: &Pool<Joint, JointId>, leaving: &[(usize, u8, f64)]) {
         self.end_approach(joints);
         if !leaving.is_empty() {
-            self.leave_stops(leaving);
+            self.leave_stops(joints, leaving);
         }
         self.go_on_without_blow(leaving);
     }
@@ -153,22 +155,29 @@ impl Articulation {
     }
 
     /// Lets stops be left, at no more energy than the bodies had when the substep began.
-    fn leave_stops(&mut self, leaving: &[(usize, u8, f64)]) {
+    fn leave_stops(&mut self, joints: &Pool<Joint, JointId>, leaving: &[(usize, u8, f64)]) {
+        for &(number, id, _) in leaving {
+            let node = &self.system.nodes[number];
+            let mut rows = self.system.rows[node.first as usize..node.last as usize].iter_mut();
+            if let Some(row) = rows.find(|row| row.origin == Origin::Scalar(id)) {
+                row.state = RowState::Free;
+            }
+        }
+        let carried = self.carried_along(joints);
         for &(number, id, speed) in leaving {
             let node = &self.system.nodes[number];
             let mut rows = self.system.rows[node.first as usize..node.last as usize].iter_mut();
             if let Some(row) = rows.find(|row| row.origin == Origin::Scalar(id)) {
                 row.bias -= speed;
-                row.state = RowState::Free;
             }
         }
         let stopped = self.rates.clone();
         self.blow(1.0);
-        let most = self.energy_at_start();
+        let most = self.energy_at_start(&carried);
         let left = self.rates.clone();
         let mut share = 1.0;
         for _ in 0..SHARES {
-            if self.energy() <= most {
+            if self.energy_beside(&carried, &self.local_poses, &self.rates, self.left) <= most {
                 break;
             }
             share *= LESS;
@@ -179,10 +188,39 @@ impl Articulation {
         }
     }
 
-    /// Kinetic energy less the work of forces when the substep began, and a little for rounding (J).
-    fn energy_at_start(&self) -> f64 {
-        let bodies = self.bodies.iter().zip(&self.began.rates).zip(self.began.local_poses.iter().zip(&self.step_start));
-        let energy: f64 = bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum();
+    /// What the bodies would do by what the host moves alone, as the rows of an impact hold and press; empty where it moves nothing.
+    ///
+    /// What the host moves does work, and how much depends on who looks. Seen from what moves along, none of the rows does any.
+    fn carried_along(&mut self, joints: &Pool<Joint, JointId>) -> Vec<Rate> {
+        let moves = |(body, rate): (&DirectBody, &Rate)| !body.is_dynamic() && *rate != Rate::ZERO;
+        let is_driven = self.entries.iter().any(|entry| joints[entry.joint].drive().is_some());
+        if !is_driven && !self.bodies.iter().zip(&self.rates).any(moves) {
+            return Vec::new();
+        }
+        let mut carried = self.rates.clone();
+        carried.iter_mut().zip(&self.bodies).filter(|(_, body)| body.is_dynamic()).for_each(|(rate, _)| *rate = Rate::ZERO);
+        self.system.begin(&self.bodies);
+        self.system.solve_active(&self.topology, &self.bodies, &mut carried);
+        carried
+    }
+
+    /// Kinetic energy less the work of forces since the start of the step, as seen from what moves at the rates `carried` (J); the poses are those
+    /// of so long before its end (s).
+    fn energy_beside(&self, carried: &[Rate], poses: &[LocalPose], rates: &[Rate], left: f64) -> f64 {
+        let bodies = self.bodies.iter().zip(rates).zip(poses.iter().zip(&self.step_start));
+        if carried.is_empty() {
+            return bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum();
+        }
+        let energy = |(((body, rate), (stance, start)), along): (((&DirectBody, &Rate), (&LocalPose, &LocalPose)), &Rate)| {
+            let seen = Rate { linear: rate.linear - along.linear, angular: rate.angular - along.angular };
+            body.energy(stance, &seen, start) + body.power(along) * (self.dt - left)
+        };
+        bodies.zip(carried).map(energy).sum()
+    }
+
+    /// The same when the substep began, and a little for rounding.
+    fn energy_at_start(&self, carried: &[Rate]) -> f64 {
+        let energy = self.energy_beside(carried, &self.began.local_poses, &self.began.rates, self.began.left);
         energy + ROUNDING * self.kinetic_energy()
     }
 
@@ -202,8 +240,9 @@ impl Articulation {
                 f64::from(self.histories[bodies[0]].h.max(self.histories[bodies[1]].h)),
                 bodies.map(|body| self.stance_before(body)),
             );
-            let starts = self.stops_at(number, joints, local_poses, rates);
-            let before = if knows_past { self.stops_at(number, joints, past, rates) } else { Vec::new() };
+            let left = self.began.left;
+            let starts = self.stops_at(number, joints, local_poses, rates, left);
+            let before = if knows_past { self.stops_at(number, joints, past, rates, left + h) } else { Vec::new() };
             for stop in starts.iter().filter(|stop| met >> stop.id & 1 == 1) {
                 let acceleration = stop.acceleration(&before, h);
                 leaving.push((number, stop.id, restitution * rebound::speed_of_impact(stop.distance, stop.rate, acceleration)));
@@ -215,35 +254,43 @@ impl Articulation {
     /// Where a body stood at the start of the last substep before this one.
     pub(super) fn stance_before(&self, body: usize) -> LocalPose {
         let (history, (place, rotation)) = (&self.histories[body], self.began.local_poses[body]);
-        let is_known = self.bodies[body].is_dynamic() && history.h > 0.0;
-        if !is_known {
+        if !self.bodies[body].is_dynamic() {
+            let (rate, h) = (&self.began.rates[body], self.histories.iter().map(|history| history.h).fold(0.0, f32::max));
+            return (place - rate.linear * f64::from(h), rotation::rotated(rotation, -rate.angular * f64::from(h)));
+        }
+        if history.h <= 0.0 {
             return (place, rotation);
         }
         (place - history.displacement.as_dvec3(), rotation::rotated(rotation, -history.turn.as_dvec3()))
     }
 
-    /// Stops of a joint between bodies that stand and move so.
+    /// Stops of a joint between bodies that stand and move so, so long before the end of the step (s).
     pub(super) fn stops_at(
         &mut self,
         number: usize,
         joints: &Pool<Joint, JointId>,
         local_poses: [LocalPose; 2],
         rates: [Rate; 2],
+        left: f64,
     ) -> Vec<StopState> {
         let (entry, bodies) = (&self.entries[number], self.links[number].bodies.map(|body| &self.bodies[body as usize]));
-        let placement = entry.placement(local_poses[0], local_poses[1]);
-        let all = (Phase::Position { most: f64::INFINITY }, RowRates { bodies: rates, frames: None });
+        let drive = joints[entry.joint].drive();
+        let [a, b] = [&local_poses[0], &local_poses[1]];
+        let placement = driven::before(entry.placement(*a, *b), drive, [a, b], left);
+        let driven = drive.map(|drive| DrivenParts::new(drive, [a, b], &placement, [left; 2]));
+        let rates = RowRates { bodies: rates, frames: driven.map(|driven| driven.rates) };
+        let all = (Phase::Position { most: f64::INFINITY }, rates);
         let geometry = JointGeometry::at(&placement);
         let answer = |side: usize| bodies[side].answer_at(&local_poses[side]);
         let answers = MotorAnswers { bodies: &answer, in_loop: None };
         let mut sink =
-            RowSink { answers, ..RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked) };
+            RowSink { driven, answers, ..RowSink::new(geometry, &joints[entry.joint].def, all, entry.angles, &mut self.asked) };
         kinds::add_rows(&mut sink);
         let stops = sink.scalars.iter().filter(|row| row.is_stop());
         let state = |row: &ScalarRow| StopState {
             id: row.id,
             distance: row.bias,
-            rate: row.jacobian.rate(&rates),
+            rate: row.jacobian.rate(&rates.bodies) + row.driven,
             ease: sink.ease_along(&row.jacobian),
         };
         stops.map(state).collect()
@@ -262,8 +309,9 @@ impl Articulation {
                 let row = &self.system.rows[number as usize];
                 let Origin::Scalar(id) = row.origin else { continue };
                 if row.is_stop() && entry.impulses.scalar[id as usize] <= 0.0 {
-                    let distance = row.bias.max(0.0) * h;
-                    let speed = rebound::speed_after(entry.restitution, distance, row.rate(&rates), row.rate(&forces), h);
+                    let distance = (row.bias - row.driven).max(0.0) * h;
+                    let rate = row.rate(&rates) + row.driven;
+                    let speed = rebound::speed_after(entry.restitution, distance, rate, row.rate(&forces), h);
                     self.approaches.push((number, speed));
                 }
             }

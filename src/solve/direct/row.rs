@@ -42,6 +42,8 @@ pub(crate) struct Row {
     pub linear: [DVec3; 2],
     pub angular: [DVec3; 2],
     pub bias: f64,
+    /// As [`rows::ScalarRow::driven`].
+    pub(super) driven: f64,
     pub(super) gamma: f64,
     pub(super) min: f64,
     pub(super) max: f64,
@@ -68,6 +70,7 @@ impl Row {
         linear: [DVec3::ZERO; 2],
         angular: [DVec3::ZERO; 2],
         bias: 0.0,
+        driven: 0.0,
         gamma: 0.0,
         min: f64::NEG_INFINITY,
         max: f64::INFINITY,

@@ -69,14 +69,15 @@ impl Articulation {
             }
             let bodies = self.links[number].bodies.map(|body| body as usize);
             let (poses, rates) = (bodies.map(|body| self.began.local_poses[body]), bodies.map(|body| self.began.rates[body]));
-            let starts = self.stops_at(number, joints, poses, rates);
+            let last = f64::from(self.histories[bodies[0]].h.max(self.histories[bodies[1]].h));
+            let left = self.began.left;
+            let starts = self.stops_at(number, joints, poses, rates, left);
             let before = if second_order {
                 let past = bodies.map(|body| self.stance_before(body));
-                self.stops_at(number, joints, past, rates)
+                self.stops_at(number, joints, past, rates, left + last)
             } else {
                 Vec::new()
             };
-            let last = f64::from(self.histories[bodies[0]].h.max(self.histories[bodies[1]].h));
             let joint = &joints[self.entries[number].joint];
             for stop in starts.iter().filter(|stop| met >> stop.id & 1 == 1) {
                 // What the host moves is somewhere else by then.
@@ -166,7 +167,8 @@ impl Articulation {
             let compliance = f64::from(joint.def.limit.compliance);
             let bodies = self.links[number].bodies.map(|body| body as usize);
             let (poses, rates) = (bodies.map(|body| self.local_poses[body]), bodies.map(|body| self.rates[body]));
-            for stop in self.stops_at(number, joints, poses, rates).iter().filter(|stop| pressing >> stop.id & 1 == 1) {
+            let stops = self.stops_at(number, joints, poses, rates, self.left);
+            for stop in stops.iter().filter(|stop| pressing >> stop.id & 1 == 1) {
                 let frequency = (stop.ease / compliance).sqrt();
                 is_hard |= frequency * h > HARD_PHASE;
                 if stop.rate.abs() > AT_REST * frequency * stop.distance.abs() {

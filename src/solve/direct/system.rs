@@ -124,7 +124,7 @@ impl System {
             });
         }
         for row in scalars {
-            let (bias, gamma, min, max) = (row.bias, row.gamma, row.min, row.max);
+            let (bias, driven, gamma, min, max) = (row.bias, row.driven, row.gamma, row.min, row.max);
             let carried = f64::from(row.impulse);
             // A carried multiplier is rounded.
             let (state, impulse) = match (row.acts, min < max) {
@@ -139,7 +139,18 @@ impl System {
                 _ => (Origin::Scalar(row.id), Redundancy::Often),
             };
             let drives = row.drives;
-            self.rows.push(Row { bias, gamma, min, max, impulse, state, repeats, drives, ..Row::of(&row.jacobian, origin) });
+            self.rows.push(Row {
+                bias,
+                driven,
+                gamma,
+                min,
+                max,
+                impulse,
+                state,
+                repeats,
+                drives,
+                ..Row::of(&row.jacobian, origin)
+            });
         }
         self.nodes.push(SystemNode { bodies, first, last: self.rows.len() as u32 });
     }

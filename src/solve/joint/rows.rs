@@ -149,6 +149,8 @@ pub(crate) struct Rate {
 }
 
 impl Rate {
+    pub(crate) const ZERO: Self = Self { linear: DVec3::ZERO, angular: DVec3::ZERO };
+
     pub(crate) fn of(body: &BodyVelocity) -> Self {
         Self { linear: body.linear.as_dvec3(), angular: body.angular.as_dvec3() }
     }
@@ -305,6 +307,8 @@ pub(crate) enum Demand {
 pub(crate) struct ScalarRow {
     pub jacobian: Jacobian,
     pub bias: f64,
+    /// Rate of its error by what the host moves of the joint, which the bias has in it where the row is one of velocities (m/s, rad/s).
+    pub driven: f64,
     pub gamma: f64,
     pub min: f64,
     pub max: f64,
@@ -352,7 +356,7 @@ impl ScalarRow {
         };
         let impulse = if acts { impulse.clamp(min as f32, max as f32) } else { 0.0 };
         let drives = matches!(demand, Demand::Speed { .. } | Demand::Drive { .. } | Demand::Approach { .. });
-        Self { jacobian, bias, gamma, min, max, acts, drives, impulse, id }
+        Self { jacobian, bias, driven: rate[1], gamma, min, max, acts, drives, impulse, id }
     }
 
     /// Whether there is a greatest multiplier on both sides.
@@ -363,7 +367,7 @@ impl ScalarRow {
     /// Has a stop be left at this speed at least (m/s, rad/s), if it is above zero.
     pub(super) fn leave_at(&mut self, speed: f64) {
         if speed > 0.0 {
-            self.bias = self.bias.min(-speed);
+            self.bias = self.bias.min(self.driven - speed);
         }
     }
 }

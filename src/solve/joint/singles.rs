@@ -215,8 +215,8 @@ impl Singles {
                 let force = |slot: u32| Rate { linear: motions[slot as usize].acceleration.as_dvec3(), angular: DVec3::ZERO };
                 let forces = [force(entry.a), force(entry.b)];
                 for row in self.asked.iter().filter(|row| row.is_stop() && row.impulse <= 0.0) {
-                    let (rate, acceleration) = (row.jacobian.rate(&rates.bodies), row.jacobian.rate(&forces));
-                    let distance = row.bias.max(0.0) * f64::from(h);
+                    let (rate, acceleration) = (row.jacobian.rate(&rates.bodies) + row.driven, row.jacobian.rate(&forces));
+                    let distance = (row.bias - row.driven).max(0.0) * f64::from(h);
                     let speed = rebound::speed_after(entry.restitution, distance, rate, acceleration, f64::from(h));
                     self.approaches.push((number, row.id, speed as f32));
                 }
