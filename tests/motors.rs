@@ -383,3 +383,33 @@ fn a_servo_moves_what_other_joints_hold_as_well() {
         }
     }
 }
+
+#[test]
+fn a_spring_stretched_beyond_its_stop_presses_on_it_and_yields_to_more() {
+    for (kind, solver) in KINDS.into_iter().flat_map(|kind| SOLVERS.map(|solver| (kind, solver))) {
+        for rate in RATES {
+            let begin = if kind == Kind::Distance { 0.5 } else { 0.0 };
+            let softness = Softness { compliance: 0.01, damping: 5.0 };
+            let motor = Motor::Position { target: begin + 1.0, softness, max_force: f32::INFINITY };
+            let mut rig = rig(kind, motor, Limits::new(begin - 1.0, begin + 0.2), 0.0, solver, 4);
+            let mut under = |push: f32| {
+                let mut state = JointAxisState::default();
+                for _ in 0..(3.0 * rate) as u32 {
+                    if kind.turns() {
+                        rig.world.add_torque(rig.body, Vec3::NEG_Z * push).expect("a valid torque");
+                    } else {
+                        rig.world.add_force(rig.body, Vec3::NEG_Y * push).expect("a valid force");
+                    }
+                    state = rig.step(1.0 / rate);
+                }
+                state
+            };
+            let what = format!("{kind:?} by {solver:?} at {rate}/s");
+            // 100 N/m, or N·m/rad, over 0.8.
+            let (alone, pushed, overcome) = (under(0.0), under(40.0), under(100.0));
+            assert!((alone.motor - 80.0).abs() < 0.8, "{what}: presses with {} of 80", alone.motor);
+            assert!((pushed.position - 0.2).abs() < 1.0e-3, "{what}: pushed with 40 it stands at {} of 0.2", pushed.position);
+            assert!(overcome.position.abs() < 0.01, "{what}: pushed with 100 it stands at {} of 0", overcome.position);
+        }
+    }
+}

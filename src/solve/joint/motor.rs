@@ -195,10 +195,13 @@ impl RowSink<'_> {
             return;
         }
         let speed = f64::from(drive.velocity);
-        let target = f64::from(target.clamp(limits.min, limits.max)) - speed * (self.left + h / self.share);
+        // A servo stops at its joint's own stops; a spring that is stretched beyond them presses on them.
+        let is_spring = drive.softness.compliance > 0.0;
+        let target = if is_spring { target } else { target.clamp(limits.min, limits.max) };
+        let target = f64::from(target) - speed * (self.left + h / self.share);
         let error = Error1 { start: (start - target) * factor, predicted: (predicted - target) * factor };
         let speed = speed * factor;
-        if drive.softness.compliance > 0.0 {
+        if is_spring {
             self.pull(&jacobian, error, speed, &drive, bounds, id);
         } else {
             let is_bounded = drive.max_force < f32::INFINITY;
