@@ -7,6 +7,7 @@ use super::friction;
 use super::geometry::Placement;
 use super::row_sink::RowSink;
 use super::rows::HeldDirections;
+use super::spherical::locks_swing;
 use crate::joint::{JointDef, JointKind, Limits, Motor, Softness, SphericalMotor};
 
 /// Adds the rows of the joint's kind.
@@ -59,7 +60,8 @@ pub(crate) fn most_rows(def: &JointDef) -> u32 {
         JointKind::Hinge { limits, motor } | JointKind::Prismatic { limits, motor } => 5 + stops(limits) + driven(motor),
         JointKind::Spherical { swing_limit, twist_limits, motor } => {
             let drive = if *motor == SphericalMotor::Off { 0 } else { 3 };
-            3 + u32::from(*swing_limit < std::f32::consts::PI) + stops(twist_limits) + drive
+            let swing = if locks_swing(*swing_limit) { 2 } else { u32::from(*swing_limit < std::f32::consts::PI) };
+            3 + swing + stops(twist_limits) + drive
         }
         JointKind::Distance { .. } if ties_points(def) => 3,
         JointKind::Distance { limits, spring_length, motor } => {
@@ -81,12 +83,13 @@ pub(crate) fn held_rows(def: &JointDef) -> (u32, bool) {
     let held = match &def.kind {
         JointKind::Fixed => 6,
         JointKind::Hinge { limits, motor } | JointKind::Prismatic { limits, motor } => 5 + of_axis(limits, motor),
-        JointKind::Spherical { twist_limits, motor, .. } => {
+        JointKind::Spherical { swing_limit, twist_limits, motor } => {
+            let swing = if locks_swing(*swing_limit) { 2 } else { 0 };
             let max_torque = match *motor {
                 SphericalMotor::Off => 0.0,
                 SphericalMotor::Velocity { max_torque, .. } | SphericalMotor::Position { max_torque, .. } => max_torque,
             };
-            3 + of_axis(twist_limits, &Motor::Off) + if max_torque == f32::INFINITY { 3 } else { 0 }
+            3 + swing + of_axis(twist_limits, &Motor::Off) + if max_torque == f32::INFINITY { 3 } else { 0 }
         }
         JointKind::Distance { .. } if ties_points(def) => 3,
         JointKind::Distance { limits, spring_length, motor } => of_axis(limits, motor) + u32::from(spring_length.is_some()),

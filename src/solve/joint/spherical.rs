@@ -2,7 +2,8 @@
 //! limited, and the rotation driven.
 //!
 //! Swing: C = limit − acos(a_a·a_b), gradient the unit vector a_a × a_b. Twist: the x part of the swing–twist split of
-//! R_aᵀ R_b; its gradient is (a_a + a_b)/(1 + a_a·a_b), the axis about which twist changes and swing does not.
+//! R_aᵀ R_b; its gradient is (a_a + a_b)/(1 + a_a·a_b), the axis about which twist changes and swing does not. Where swing is locked the axes
+//! lie along one another, and a_a × a_b is nothing: both directions across them are held then, as a hinge holds them.
 
 use glam::DVec3;
 
@@ -11,8 +12,11 @@ use super::row_sink::RowSink;
 use super::rows::{Demand, Error1, HeldDirections, Jacobian, SoftParams};
 use crate::joint::{Limits, Motor, SphericalMotor};
 
-/// Swing below which its axis has no meaning; no limit that small is ever reached from there in one substep (rad).
+/// Swing below which its axis has no meaning (rad): a limit below it locks, and no other is ever reached from there in one substep.
 const MIN_SWING: f64 = 1.0e-4;
+
+/// Multiplier of the first of two rows that hold the axes along one another.
+const LOCKED_SWING: u8 = 7;
 
 /// 1 + cos(swing) below which twist has no meaning: the axes are all but opposite.
 const MIN_TWIST_DENOMINATOR: f64 = 1.0e-2;
@@ -20,7 +24,9 @@ const MIN_TWIST_DENOMINATOR: f64 = 1.0e-2;
 pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, motor: SphericalMotor) {
     let g = sink.geometry.gradient;
     let (axis_a, axis_b) = (g.a.frame * DVec3::X, g.b.frame * DVec3::X);
-    if swing_limit < std::f32::consts::PI && sink.has_stops {
+    if locks_swing(swing_limit) {
+        hold_axes(sink);
+    } else if swing_limit < std::f32::consts::PI && sink.has_stops {
         let across = axis_a.cross(axis_b);
         let sine = across.length();
         if sine > MIN_SWING {
@@ -42,6 +48,22 @@ pub(crate) fn rows(sink: &mut RowSink, swing_limit: f32, twist_limits: Limits, m
     sink.hold_points(HeldDirections::All);
     drive(sink, motor);
     sink.rub_about_point(sink.def.friction);
+}
+
+/// Whether a joint with this greatest swing has none.
+pub(super) fn locks_swing(swing_limit: f32) -> bool {
+    f64::from(swing_limit) < MIN_SWING
+}
+
+/// Holds the joint axes along one another, about both axes of A's frame across them.
+fn hold_axes(sink: &mut RowSink) {
+    let give = SoftParams::new(sink.def.limit, sink.phase);
+    let axes = sink.geometry.gradient.axes_a();
+    let (start, predicted) = sink.geometry.read(Placement::axis_error);
+    for i in 1..3 {
+        let error = Error1 { start: start[i], predicted: predicted[i] };
+        sink.scalar(Jacobian::angular(axes.col(i)), Demand::Equal(error), give, LOCKED_SWING + i as u8 - 1);
+    }
 }
 
 /// Angle between the joint axes (rad).
