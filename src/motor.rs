@@ -160,20 +160,21 @@ pub enum SphericalMotor {
     /// Nothing.
     #[default]
     Off,
-    /// Holds an angular velocity of B against A, in A's joint frame (rad/s), with at most `max_torque` (N·m).
+    /// Holds an angular velocity of B against A, in A's joint frame (rad/s), with at most `max_torque` (N·m) about
+    /// each of the frame's axes.
     Velocity {
         /// Angular velocity to hold.
         target: Vec3,
-        /// Greatest torque, may be infinite.
+        /// Greatest torque about each axis, may be infinite.
         max_torque: f32,
     },
-    /// Pulls towards a rotation of B's joint frame in A's, with at most `max_torque` (N·m).
+    /// Pulls towards a rotation of B's joint frame in A's, with at most `max_torque` (N·m) about each axis of A's.
     Position {
         /// Rotation to reach, unit quaternion.
         target: Quat,
         /// Spring and damper.
         softness: Softness,
-        /// Greatest torque, may be infinite.
+        /// Greatest torque about each axis, may be infinite.
         max_torque: f32,
     },
 }

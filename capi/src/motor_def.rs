@@ -72,7 +72,7 @@ pub struct LsSphericalMotor {
     pub target_rotation: [f32; 4],
     /// Spring and damper of LS_MOTOR_POSITION.
     pub softness: LsSoftness,
-    /// Greatest torque (N m), may be INFINITY.
+    /// Greatest torque about each axis of A's joint frame (N m), may be INFINITY: about (1, 1, 1) up to 1.73 times as much.
     pub max_torque: f32,
 }
 

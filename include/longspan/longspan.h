@@ -804,7 +804,7 @@ typedef struct LsSphericalMotor {
     float target_rotation[4];
     /** Spring and damper of LS_MOTOR_POSITION. */
     struct LsSoftness softness;
-    /** Greatest torque (N m), may be INFINITY. */
+    /** Greatest torque about each axis of A's joint frame (N m), may be INFINITY: about (1, 1, 1) up to 1.73 times as much. */
     float max_torque;
 } LsSphericalMotor;
 
