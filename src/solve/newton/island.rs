@@ -381,7 +381,7 @@ impl CoupledIsland {
                 let axis = (rows.gap / length).any_orthonormal_pair();
                 for across in [axis.0, axis.1] {
                     let jacobian = [0, 1].map(|side| super::patch::row(side, across, rows.levers[side]));
-                    problem.stiff.push(Stiff { bodies, jacobian, gain: h * pull / length, steady: 0.0 });
+                    problem.stiff.push(Stiff { bodies, jacobian, gain: h * pull / length, steady: None });
                 }
             }
         }
@@ -391,7 +391,7 @@ impl CoupledIsland {
             let bodies = patch.bodies.map(|body| moved[body]);
             let Problem { terms, stiff, .. } = problem;
             let pressing = |term: u32| terms[term as usize].impulse_now();
-            let take = |jacobian, gain, steady| stiff.push(Stiff { bodies, jacobian, gain, steady });
+            let take = |jacobian, gain, steady| stiff.push(Stiff { bodies, jacobian, gain, steady: Some(steady) });
             patch.rolling((local_poses, began, rates), h, pressing, take, |side, turns, impulse| {
                 if bodies[side] != FIXED {
                     let sums = &mut steady[bodies[side] as usize];

@@ -249,7 +249,7 @@ fn take_in(
         // What no joint holds has been collided as it will stand when it presses.
         let is_jointed = [contact.a, contact.b].iter().any(|&slot| motions[slot as usize].jointed);
         if let Some(surfaces) = records.surfaces(number as u32).filter(|_| is_jointed) {
-            patch.curve(surfaces);
+            patch.curve(surfaces, [contact.a, contact.b].map(|slot| motions[slot as usize].is_dynamic()));
             patch.settle(&records.tangency(number as u32));
         }
         islands[place].patches.push(patch);

@@ -84,12 +84,12 @@ impl Patch {
         self.twist *= factor;
     }
 
-    /// Lets it follow surfaces that bend.
-    pub(crate) fn curve(&mut self, ([of_a, of_b], [reach_a, reach_b]): Surfaces) {
+    /// Lets it follow surfaces that bend. Only a side that forces may turn rolls on the other.
+    pub(crate) fn curve(&mut self, ([of_a, of_b], [reach_a, reach_b]): Surfaces, turns: [bool; 2]) {
         let normal = self.spots.normal();
         self.spots.curve([of_b, of_a], reach_b.min(reach_a));
-        let as_b = Rolling::new([of_b, of_a], normal, reach_b).map(|rolling| (rolling, reach_b));
-        let as_a = Rolling::new([of_a, of_b], -normal, reach_a).map(|rolling| (rolling, reach_a));
+        let as_b = Rolling::new([of_b, of_a], normal, reach_b).filter(|_| turns[1]).map(|rolling| (rolling, reach_b));
+        let as_a = Rolling::new([of_a, of_b], -normal, reach_a).filter(|_| turns[0]).map(|rolling| (rolling, reach_a));
         self.rolling = [as_b, as_a];
     }
 

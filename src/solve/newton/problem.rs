@@ -18,7 +18,8 @@ use super::term::{FIXED, Term};
 pub(super) const PROXIMITY: f64 = 1.0e-9;
 
 /// Share of K v₀ on the right: 0 is backward Euler, at 1 next to nothing is lost and what swings fast rings on. The rest is K times the
-/// steady velocity of what goes round a drum: a rope that runs is not held back by what keeps its links from swinging.
+/// steady velocity of what goes round a drum: a rope that runs is not held back by what keeps its links from swinging. Of what a contact
+/// resists rolling with, the rest acts on how bodies turn alone.
 const RIGHT_SHARE: f64 = 0.5;
 
 /// Mass of one body with its damping, and the stiffness of its rotation.
@@ -73,8 +74,8 @@ pub(crate) struct Stiff {
     pub bodies: [u32; 2],
     pub jacobian: [Vector; 2],
     pub gain: f64,
-    /// J v where its body goes steadily round another.
-    pub steady: f64,
+    /// J v where its body goes steadily round another, if it is what a contact resists rolling with.
+    pub steady: Option<f64>,
 }
 
 /// Room for a solve.
@@ -171,9 +172,17 @@ impl Problem {
             drive
         }));
         for stiff in stiff.iter() {
-            let had = rate(stiff.bodies, [&stiff.jacobian[0], &stiff.jacobian[1]], before);
-            let push = stiff.gain * (RIGHT_SHARE * had + (1.0 - RIGHT_SHARE) * stiff.steady);
-            push_along(stiff.bodies, [&stiff.jacobian[0], &stiff.jacobian[1]], push, drive);
+            let jacobian = [&stiff.jacobian[0], &stiff.jacobian[1]];
+            let had = rate(stiff.bodies, jacobian, before);
+            let Some(steady) = stiff.steady else {
+                push_along(stiff.bodies, jacobian, stiff.gain * RIGHT_SHARE * had, drive);
+                continue;
+            };
+            // What turns otherwise than it would going steadily round is damped by a torque. No force holds it back on its way: what does
+            // not go round, as the deck under a wheel, rolls as far as it would.
+            push_along(stiff.bodies, jacobian, stiff.gain * had, drive);
+            let about = stiff.jacobian.map(|row| [0.0, 0.0, 0.0, row[3], row[4], row[5]]);
+            push_along(stiff.bodies, [&about[0], &about[1]], stiff.gain * (1.0 - RIGHT_SHARE) * (steady - had), drive);
         }
     }
 
