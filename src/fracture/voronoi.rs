@@ -161,19 +161,31 @@ impl Cells {
         Err(Error::new(ErrorKind::Degenerate, "geometry", "is too thin to find seeds inside"))
     }
 
-    /// A body for each cell: `body` with the hull of the cell, which in all else is `shape`; `body.pose` is that of the solid.
+    /// A body for each cell: `body` with the hull of the cell, which in all else is `shape`; `body.pose` and its velocities are those of
+    /// the solid, and the cells have its momentum.
     ///
     /// # Errors
     /// A cell that was changed after the cut is no solid.
     pub fn bodies(&self, body: &BodyDef, shape: &ShapeDef) -> Result<Vec<BodyDef>> {
+        let solid_center = self.center();
         let piece = |cell: &Cell| {
             let hull = ShapeDef { shape: Shape::new(Geometry::ConvexHull { points: cell.points.clone() })?, ..shape.clone() };
             let pose = body.pose.transform(&Pose::at(cell.center.as_dvec3()));
-            let lever = (pose.position - body.pose.position).as_vec3();
+            // The linear velocity of a body is that of its centre of mass.
+            let lever = body.pose.rotation * (cell.center.as_dvec3() - solid_center).as_vec3();
             let linear_velocity = body.linear_velocity + body.angular_velocity.cross(lever);
             Ok(BodyDef { pose, linear_velocity, shapes: vec![hull], ..body.clone() })
         };
         self.cells.iter().map(piece).collect()
+    }
+
+    /// Centre of mass of all cells, in the frame of the solid (m).
+    fn center(&self) -> DVec3 {
+        let (volume, moment) = self.cells.iter().fold((0.0, DVec3::ZERO), |(volume, moment), cell| {
+            let own = f64::from(cell.volume);
+            (volume + own, moment + cell.center.as_dvec3() * own)
+        });
+        if volume > 0.0 { moment / volume } else { DVec3::ZERO }
     }
 
     /// A fixed joint for each bond, its axis the face's normal from the first cell to the second; the bodies are still to be named.

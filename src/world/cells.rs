@@ -10,7 +10,7 @@ use crate::shape::ShapeDef;
 
 impl World {
     /// Makes the cells of a solid as bodies, held together by fixed joints that break as `material` says. `body` and `shape` are
-    /// those of the solid: its pose, velocity of its frame, density and surface; `body.shapes` and `body.mass` are not used.
+    /// those of the solid: its pose, velocities, density and surface; `body.shapes` and `body.mass` are not used.
     ///
     /// # Errors
     /// As [`create_body`](Self::create_body) and [`create_joint`](Self::create_joint); nothing has been made then.
