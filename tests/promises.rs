@@ -6,6 +6,7 @@ mod accuracy;
 mod angles;
 mod arches;
 mod bowls;
+mod breaking;
 mod buckling;
 mod casts;
 mod catalogue;

@@ -7,8 +7,8 @@
 //! the step's budget are *condemned*: they break at the start of the next step.
 //!
 //! A joint bears a part of the step before it breaks: as much of its load as takes it to its limit. That part, the least among the
-//! joints that break in one island together, is given to its two bodies as one impulse at one point, which keeps momentum and adds
-//! no energy that the unbroken body would not have had.
+//! joints that break in one island together, is given to its two bodies as one that the joint could give them where they are at the
+//! step's start ([`World::given_back`]), which keeps momentum and adds no energy that the unbroken body would not have had.
 
 use glam::{DVec3, Quat, Vec3};
 
@@ -22,6 +22,7 @@ use crate::fracture::{BreakCause, JointBreak, JointLoad, Piece, Split, Strength}
 use crate::id::JointId;
 use crate::joint::JointKind;
 use crate::joint_record::Joint;
+use crate::solve::joint::kinds::{holds_points, is_distance};
 use crate::speed_limits::{MAX_ANGULAR_SPEED, MAX_LINEAR_SPEED};
 
 mod query;
@@ -236,6 +237,7 @@ impl World {
         let (id, bodies, def) = (self.joints.handle_of(slot), joint.bodies, joint.def);
         let point = self.joint_point(joint, 1);
         let axes = self.end(joint, 0).frame;
+        let (points, force) = self.given_back(joint, axes * load.force);
         self.events.broken.push(JointBreak {
             joint: id,
             user_word: def.user_word,
@@ -249,7 +251,7 @@ impl World {
             step: self.report.step,
         });
         self.report.counts.joints_broken += 1;
-        let (linear, angular) = (axes * load.force * (part * dt), axes * load.torque * (part * dt));
+        let (linear, angular) = (force * (part * dt), axes * load.torque * (part * dt));
         if matches!(def.kind, JointKind::Fixed) {
             self.fracture.seeds.push(bodies);
         }
@@ -260,11 +262,28 @@ impl World {
         }
         // What stood like its anchor has a mass of its own again once the joint is gone.
         self.remove_joint(slot);
-        for (body, sign) in bodies.into_iter().zip([-1.0, 1.0]) {
+        for ((body, point), sign) in bodies.into_iter().zip(points).zip([-1.0, 1.0]) {
             if let Some(body) = body.filter(|_| part * dt > 0.0) {
                 self.push(body, point, linear * sign, angular * sign);
             }
         }
+    }
+
+    /// Where on A and on B a joint's load acts at the step's start, and what of the force on B, a mean over the step turned back to its
+    /// start, the joint could exert there.
+    ///
+    /// Rows push both bodies at one point: B's, or halfway between the two where what holds them together gives. A distance joint
+    /// pushes along the line between its points, each body at its own. What the line has turned by in the step would be a lever of the
+    /// joint's length.
+    fn given_back(&self, joint: &Joint, force: Vec3) -> ([DVec3; 2], Vec3) {
+        let [a, b] = [0, 1].map(|side| self.joint_point(joint, side));
+        if is_distance(&joint.def) {
+            // The line does not turn with A.
+            let line = (b - a).as_vec3().normalize_or_zero();
+            return ([a, b], line * line.dot(joint.force));
+        }
+        let point = if joint.def.linear.compliance > 0.0 && holds_points(&joint.def.kind) { a + (b - a) * 0.5 } else { b };
+        ([point; 2], force)
     }
 
     /// An impulse (N·s) at a point and one about it (N·m·s).

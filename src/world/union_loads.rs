@@ -21,6 +21,7 @@ use crate::joint_graph::union::loads::{BondStiffness, UnionBond, UnionMember, Wr
 use crate::joint_graph::union::{UnionMotion, inertia_of};
 use crate::report::JointOverload;
 use crate::solve::contact::ContactImpulses;
+use crate::solve::joint::kinds::is_distance;
 
 /// Whether somebody wants to know the load of a joint in every step.
 pub(super) fn wants_load(def: &JointDef) -> bool {
@@ -204,9 +205,9 @@ impl World {
     fn take_outer_joints(&self, union: &Union, needed: &mut [Wrench]) {
         for &slot in &union.outer {
             let joint = &self.joints[slot];
-            // The force acts at B's point, on both.
-            let point = self.joint_point(joint, 1);
             for side in 0..2 {
+                // The force acts at B's point, on both; that of a distance joint on each body at its own.
+                let point = self.joint_point(joint, if is_distance(&joint.def) { side } else { 1 });
                 let Some(index) = joint.bodies[side] else { continue };
                 let Ok(end) = union.members.binary_search(&index) else { continue };
                 let sign = if side == 1 { 1.0 } else { -1.0 };

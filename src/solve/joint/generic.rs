@@ -6,9 +6,10 @@
 
 use super::angles::Turning;
 use super::geometry::Placement;
+use super::kinds::holds_points;
 use super::row_sink::{JointCoordinate, RowSink};
 use super::rows::{Demand, Error1, HeldDirections, SoftParams};
-use crate::joint::{Axis, Limits};
+use crate::joint::Axis;
 
 /// Multiplier of the first row of an axis; those of the others follow, three each.
 const fn first_row(axis: usize) -> u8 {
@@ -16,7 +17,7 @@ const fn first_row(axis: usize) -> u8 {
 }
 
 pub(crate) fn rows(sink: &mut RowSink, linear: &[Axis; 3], angular: &[Axis; 3]) {
-    let is_held = linear.iter().all(|axis| axis.limits == Limits::new(0.0, 0.0));
+    let is_held = holds_points(&sink.def.kind);
     if is_held {
         sink.hold_points(HeldDirections::All);
     }

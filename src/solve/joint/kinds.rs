@@ -247,6 +247,15 @@ pub(crate) fn is_hinge(kind: &JointKind) -> bool {
     matches!(kind, JointKind::Hinge { .. })
 }
 
+/// Whether a joint of this kind holds its two points together, in all directions.
+pub(crate) fn holds_points(kind: &JointKind) -> bool {
+    match kind {
+        JointKind::Fixed | JointKind::Hinge { .. } | JointKind::Spherical { .. } => true,
+        JointKind::Prismatic { .. } | JointKind::Distance { .. } => false,
+        JointKind::Generic { linear, .. } => linear.iter().all(|axis| axis.limits == Limits::new(0.0, 0.0)),
+    }
+}
+
 /// Whether a joint has rows along the line between its points.
 pub(crate) fn is_distance(def: &JointDef) -> bool {
     matches!(def.kind, JointKind::Distance { .. }) && !ties_points(def)

@@ -1,0 +1,154 @@
+//! What bodies have of a joint that breaks: momentum as before, and no spin, energy or speed that it could not have given them.
+
+use crate::common::oracle::dice;
+use longspan::glam::{DVec3, Vec3};
+use longspan::{
+    Axis, BodyDef, BodyId, BondMaterial, Cells, Geometry, JointDef, JointKind, Limits, Mass, Material, Motor, Pose, Shape,
+    ShapeDef, Softness, Solver, Strength, World, WorldDef,
+};
+
+fn solid(geometry: Geometry) -> ShapeDef {
+    let material = Material { friction: 0.0, ..Material::default() };
+    ShapeDef { material, ..ShapeDef::new(Shape::new(geometry).expect("a form")) }
+}
+
+/// Greatest spin (rad/s) of a ball that two rods hold by its centre while what falls on it breaks them, and whether it has.
+fn spin_of_a_ball_between_rods(solver: Solver, rate: u32, size: f32) -> (f32, bool) {
+    let mut world = World::new(&WorldDef { solver, ..WorldDef::default() }).expect("a valid world");
+    let at = |x: f32, y: f32| Pose::at((Vec3::new(x, y, 0.0) * size).as_dvec3());
+    let body = |world: &mut World, geometry: Geometry, pose: Pose, mass: f32| {
+        let def = BodyDef::dynamic(pose).with_shape(solid(geometry)).with_mass(Mass::Total(mass * size.powi(3)));
+        world.create_body(&def).expect("a valid body")
+    };
+    let ball = body(&mut world, Geometry::Ball { radius: 0.06 * size }, at(0.0, 3.0), 1.0);
+    // Its limit in impulse goes with mass times speed.
+    let limit = 2.0e4 * size.powf(3.5);
+    let strength = Strength { tension: limit, compression: limit, ..Strength::UNBREAKABLE };
+    for (side, is_first) in [(1.0, false), (-1.0, true)] {
+        let kind = JointKind::Distance { limits: Limits::new(size, size), spring_length: None, motor: Motor::Off };
+        let [body_a, body_b] = if is_first { [ball, BodyId::NULL] } else { [BodyId::NULL, ball] };
+        let mut def = JointDef { strength, ..JointDef::new(kind, body_a, body_b) };
+        *(if is_first { &mut def.frame_b } else { &mut def.frame_a }) = at(side, 3.0);
+        world.create_joint(&def).expect("a valid joint");
+    }
+    body(&mut world, Geometry::Box { half_extents: Vec3::new(0.8, 0.3, 0.3) * size }, at(0.0, 3.66), 500.0);
+    let mut most = 0.0_f32;
+    for _ in 0..rate {
+        world.step(1.0 / rate as f32).expect("a valid step");
+        most = most.max(world.angular_velocity(ball).expect("the ball").length());
+    }
+    (most, world.joint_count() < 2)
+}
+
+#[test]
+fn rods_that_break_turn_no_ball_that_they_hold_by_its_centre() {
+    let mut broke = 0;
+    for solver in [Solver::Auto, Solver::GaussSeidel] {
+        for rate in [30, 60, 240] {
+            for size in [0.1, 1.0, 10.0] {
+                let (spin, has_broken) = spin_of_a_ball_between_rods(solver, rate, size);
+                broke += u32::from(has_broken);
+                let what = format!("{solver:?}, {rate} Hz, {size} m");
+                assert!(spin < 1e-3, "{what}: the ball turns at {spin} rad/s, with no lever about its centre");
+            }
+        }
+    }
+    assert!(broke >= 9, "{broke} of 18 break");
+}
+
+/// Linear and angular momentum (about the origin) of all bodies.
+fn momentum(world: &World, bodies: &[BodyId]) -> [DVec3; 2] {
+    bodies.iter().fold([DVec3::ZERO; 2], |[linear, angular], &body| {
+        let (mass, center) = (world.mass_properties(body).unwrap().unwrap(), world.center_of_mass(body).unwrap());
+        let push = world.linear_velocity(body).unwrap().as_dvec3() * f64::from(mass.mass);
+        let axes = (world.pose(body).unwrap().rotation * mass.inertia_frame).as_dquat();
+        let turn = axes.conjugate() * world.angular_velocity(body).unwrap().as_dvec3();
+        [linear + push, angular + center.cross(push) + axes * (turn * mass.principal_inertia.as_dvec3())]
+    })
+}
+
+#[test]
+fn a_joint_of_any_kind_that_breaks_keeps_momentum() {
+    let soft = Softness { compliance: 1.0e-4, damping: 10.0 };
+    let rod = |limits, spring_length| JointKind::Distance { limits, spring_length, motor: Motor::Off };
+    let kinds = [
+        (JointKind::Fixed, Softness::RIGID),
+        (JointKind::Hinge { limits: Limits::NONE, motor: Motor::Off }, soft),
+        (JointKind::Spherical { swing_limit: 1.0, twist_limits: Limits::NONE, motor: Default::default() }, soft),
+        (rod(Limits::new(1.0, 1.0), None), Softness::RIGID),
+        (rod(Limits::NONE, Some(0.9)), soft),
+        (JointKind::Prismatic { limits: Limits::new(-0.1, 0.1), motor: Motor::Off }, Softness::RIGID),
+        (
+            JointKind::Generic {
+                linear: [Axis::limited(-0.1, 0.1), Axis::LOCKED, Axis::LOCKED],
+                angular: [Axis::LOCKED, Axis::FREE, Axis::LOCKED],
+            },
+            Softness::RIGID,
+        ),
+    ];
+    let mut broken = 0;
+    for (solver, rate) in [Solver::Auto, Solver::GaussSeidel].into_iter().flat_map(|solver| [30, 240].map(|rate| (solver, rate)))
+    {
+        for (kind, linear) in kinds {
+            let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, solver, ..WorldDef::default() }).unwrap();
+            let mut bar = |x: f64| {
+                let def = BodyDef::dynamic(Pose::at_xyz(x, 0.0, 0.0));
+                world.create_body(&def.with_shape(solid(Geometry::Box { half_extents: Vec3::new(0.4, 0.1, 0.2) }))).unwrap()
+            };
+            let bodies = [bar(-0.5), bar(0.5)];
+            let reach = if matches!(kind, JointKind::Distance { .. }) { 0.0 } else { 0.5 };
+            let strength = Strength {
+                tension: 100.0,
+                compression: 100.0,
+                shear: 100.0,
+                bending: 20.0,
+                torsion: 20.0,
+                ..Strength::UNBREAKABLE
+            };
+            let def = JointDef { linear, strength, ..JointDef::new(kind, bodies[0], bodies[1]) };
+            let def = JointDef { frame_a: Pose::at_xyz(reach, 0.0, 0.0), frame_b: Pose::at_xyz(-reach, 0.0, 0.0), ..def };
+            world.create_joint(&def).unwrap();
+            world.add_impulse_at(bodies[1], Vec3::new(60.0, 90.0, -50.0), DVec3::new(0.8, 0.1, 0.1)).unwrap();
+            world.add_torque(bodies[0], Vec3::new(500.0, 0.0, 200.0)).unwrap();
+            world.step(1.0 / rate as f32).unwrap();
+            let torque = DVec3::new(500.0, 0.0, 200.0) / f64::from(rate);
+            let push = DVec3::new(60.0, 90.0, -50.0);
+            let expected = [push, DVec3::new(0.8, 0.1, 0.1).cross(push) + torque];
+            let found = momentum(&world, &bodies);
+            broken += world.broken().len();
+            for (found, expected) in found.into_iter().zip(expected) {
+                let off = (found - expected).length() / expected.length();
+                assert!(off < 2.0e-2, "{kind:?}, {solver:?}, {rate} Hz: momentum {found} instead of {expected}");
+            }
+        }
+    }
+    assert!(broken >= 14, "{broken} of 28 break");
+}
+
+#[test]
+fn cells_of_a_flying_solid_have_its_momentum() {
+    let mut dice = dice(7);
+    let corners = [(0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (2.0, 1.0, 0.0), (2.0, 0.0, 1.0)];
+    for size in [0.01_f32, 1.0, 100.0] {
+        let points: Vec<Vec3> = corners.iter().map(|&(x, y, z)| Vec3::new(x, y, z) * size).collect();
+        let forms = [Geometry::Box { half_extents: Vec3::new(1.0, 0.5, 0.5) * size }, Geometry::ConvexHull { points }];
+        for geometry in forms {
+            let shape = solid(geometry.clone());
+            let def = BodyDef {
+                linear_velocity: Vec3::new(3.0, 0.0, -1.0) * size,
+                angular_velocity: Vec3::new(0.5, 1.0, 2.0),
+                ..BodyDef::dynamic(dice.pose(DVec3::Y * 5.0 * f64::from(size)))
+            };
+            let mut world = World::new(&WorldDef::default()).unwrap();
+            let whole = world.create_body(&def.clone().with_shape(shape.clone())).unwrap();
+            let expected = momentum(&world, &[whole]);
+            world.destroy_body(whole).unwrap();
+            let cells = Cells::cut(&geometry, &Cells::random_seeds(&geometry, 20, 1).unwrap()).unwrap();
+            let (bodies, _) = world.create_cells(&cells, &def, &shape, &BondMaterial::brittle(1.0e9)).unwrap();
+            for (found, expected) in momentum(&world, &bodies).into_iter().zip(expected) {
+                let off = (found - expected).length() / expected.length();
+                assert!(off < 1.0e-4, "{geometry:?}: cells have {found}, the solid {expected}");
+            }
+        }
+    }
+}
