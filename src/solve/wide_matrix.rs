@@ -8,8 +8,12 @@ use super::contact::Lane;
 use crate::lanes::wide::{Wide, Wide3};
 use crate::linalg::rotation32::{COSINE_TERMS, NEGLIGIBLE_WAY, SINE_TERMS};
 
-/// Share of the product of its diagonal below which a determinant is that of a matrix without inverse.
-const SINGULAR: f32 = 1.0e-7;
+/// Determinant of a matrix without inverse, over the product of its diagonal: rounding of `f32` leaves as much of zero.
+pub(crate) const SINGULAR: f32 = 1.0e-7;
+
+/// Sum of the minors of a matrix of rank two at least, over the square of its trace: above what rounding of `f32` leaves of zero by so much
+/// that the inverse is good to some hundredths.
+pub(crate) const RANK_TWO: f32 = 1.0e-6;
 
 /// A symmetric 3×3 matrix in each lane: xx, yy, zz, xy, xz, yz.
 #[derive(Clone, Copy)]
@@ -123,10 +127,31 @@ impl<W: Wide> Wide6<W> {
         adjugate.scaled(W::select(is_regular, W::splat(1.0) / determinant, W::zero()))
     }
 
+    /// The inverse of a matrix of positive or zero eigenvalues on the directions in which it moves anything, zero on the others, as
+    /// `inverse_where_it_moves` of one joint.
+    #[inline(always)]
+    pub fn inverse_where_it_moves(&self) -> Self {
+        let inverse = self.inverse();
+        let trace = self.trace();
+        let dropped = W::select(inverse.trace().above(W::zero()), W::zero(), trace * trace);
+        let is_dropped = dropped.above(W::splat(f32::MIN_POSITIVE));
+        if !W::any(is_dropped) {
+            return inverse;
+        }
+        let adjugate = self.adjugate();
+        let (minors, one) = (adjugate.trace(), W::splat(1.0));
+        let null = adjugate.scaled(-trace / minors);
+        let of_two = (null + self.scaled(-one)).plus_diagonal(Wide3::new(trace, trace, trace)).scaled(one / minors);
+        let of_one = self.scaled(one / dropped);
+        let is_of_two = minors.above(W::splat(RANK_TWO) * dropped);
+        Self::select(is_dropped, Self::select(is_of_two, of_two, of_one), inverse)
+    }
+
     /// The inverse on the directions across a unit vector, zero along it.
     ///
-    /// With A = P M P of rank two, P being the projection across, A⁻¹ = (tr A P − A)/d there, d = (tr² A − tr A²)/2. Zero where A is
-    /// singular, or so small that d is below the normal numbers and 1/d may be infinite.
+    /// With A = P M P of rank two, P being the projection across, A⁻¹ = (tr A P − A)/d there, d = (tr² A − tr A²)/2. Of rank one, where
+    /// bodies with locked axes move in one direction alone, it is A/tr² A. Zero where A is so small that its square is below the normal
+    /// numbers and the inverse may be infinite.
     #[inline(always)]
     pub fn inverse_across(&self, n: Wide3<W>) -> Self {
         let along = self.mul(n);
@@ -149,9 +174,10 @@ impl<W: Wide> Wide6<W> {
         // The adjugate of a matrix of rank two is d n nᵀ.
         let determinant = adjugate.0[0] + adjugate.0[1] + adjugate.0[2];
         let least = (W::splat(f32::EPSILON * 0.25) * (trace * trace)).max(W::splat(f32::MIN_POSITIVE));
-        let factor = W::select(determinant.above(least), W::splat(1.0) / determinant, W::zero());
         let one = W::splat(1.0);
-        Self([
+        let is_of_two = determinant.above(least);
+        let factor = W::select(is_of_two, one / determinant, W::zero());
+        let of_two = Self([
             trace * (one - n.x * n.x) - axx,
             trace * (one - n.y * n.y) - ayy,
             trace * (one - n.z * n.z) - azz,
@@ -159,7 +185,10 @@ impl<W: Wide> Wide6<W> {
             -(trace * n.x * n.z) - axz,
             -(trace * n.y * n.z) - ayz,
         ])
-        .scaled(factor)
+        .scaled(factor);
+        let squared = W::select(is_of_two, W::zero(), trace * trace);
+        let is_of_one = squared.above(W::splat(f32::MIN_POSITIVE));
+        if W::any(is_of_one) { Self::select(is_of_one, a.scaled(one / squared), of_two) } else { of_two }
     }
 
     /// Sum of its diagonal.

@@ -5,6 +5,7 @@ use glam::{Mat3, Vec3};
 use super::friction;
 use super::rows::{self, HeldDirections};
 use crate::solve::state::BodyVelocity;
+use crate::solve::wide_matrix::{RANK_TWO, SINGULAR};
 
 /// Three rows solved together.
 #[derive(Debug, Clone, Copy)]
@@ -21,27 +22,46 @@ pub(crate) struct BlockRow {
 /// Inverse of `k` on the held directions.
 fn inverse_on(held: HeldDirections, k: Mat3) -> Mat3 {
     match held {
-        HeldDirections::All => inverse_or_zero(k),
+        HeldDirections::All => inverse_where_it_moves(k),
         HeldDirections::Across(axis) => {
             let (u, v) = crate::solve::contact::tangents(axis.as_vec3());
             let (a, b, c) = (u.dot(k * u), u.dot(k * v), v.dot(k * v));
             let determinant = a * c - b * b;
-            if determinant <= f32::EPSILON * a * c {
-                return Mat3::ZERO;
-            }
             let outer = |x: Vec3, y: Vec3| Mat3::from_cols(x * y.x, x * y.y, x * y.z);
-            (outer(u, u) * c - (outer(u, v) + outer(v, u)) * b + outer(v, v) * a) * (1.0 / determinant)
+            let across = outer(u, v) + outer(v, u);
+            if determinant <= f32::EPSILON * a * c {
+                return of_rank_one(outer(u, u) * a + across * b + outer(v, v) * c);
+            }
+            (outer(u, u) * c - across * b + outer(v, v) * a) * (1.0 / determinant)
         }
     }
 }
 
-/// Determinant of a matrix without inverse, over the product of its diagonal: rounding of `f32` leaves as much of zero.
-const SINGULAR: f32 = 1.0e-7;
-
-fn inverse_or_zero(k: Mat3) -> Mat3 {
+/// Inverse of a matrix of positive or zero eigenvalues on the directions in which it moves anything, zero on the others (Moore and Penrose).
+///
+/// Bodies with locked axes do not move in every direction. With N the adjugate over its trace d, which of a matrix of rank two is the
+/// square of its null direction, K⁺ = (tr K (1 − N) − K)/d; of rank one, K⁺ = K/tr² K.
+fn inverse_where_it_moves(k: Mat3) -> Mat3 {
     let determinant = k.determinant();
     let scale = k.x_axis.x * k.y_axis.y * k.z_axis.z;
-    if determinant > SINGULAR * scale { k.inverse() } else { Mat3::ZERO }
+    if determinant > SINGULAR * scale {
+        return k.inverse();
+    }
+    let [x, y, z] = [k.x_axis, k.y_axis, k.z_axis];
+    let adjugate = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+    let trace_of = |m: &Mat3| m.x_axis.x + m.y_axis.y + m.z_axis.z;
+    let (trace, minors) = (trace_of(&k), trace_of(&adjugate));
+    if minors > RANK_TWO * trace * trace {
+        ((Mat3::IDENTITY - adjugate * (1.0 / minors)) * trace - k) * (1.0 / minors)
+    } else {
+        of_rank_one(k)
+    }
+}
+
+/// The same of a matrix of rank one, or zero.
+fn of_rank_one(k: Mat3) -> Mat3 {
+    let trace = k.x_axis.x + k.y_axis.y + k.z_axis.z;
+    if trace * trace > f32::MIN_POSITIVE { k * (1.0 / (trace * trace)) } else { Mat3::ZERO }
 }
 
 impl BlockRow {

@@ -31,7 +31,7 @@ pub(super) fn project<W: Wide>(
         let half_gap = points.gap * W::splat(0.5);
         let (arm_a, arm_b) = (points.levers.0 + half_gap, points.levers.1 - half_gap);
         let moved = push_b.angular.cross(arm_b) - push_a.angular.cross(arm_a);
-        let mass = (a.response_at(arm_a) + b.response_at(arm_b)).inverse();
+        let mass = (a.response_at(arm_a) + b.response_at(arm_b)).inverse_where_it_moves();
         let impulse = mass.mul(moved + points.gap.clamped(most)) * -W::load(&block.give.rigid);
         push_a.apply(-impulse, -arm_a.cross(impulse));
         push_b.apply(impulse, arm_b.cross(impulse));
@@ -57,7 +57,7 @@ fn turn_back<W: Wide>(
     let tilt = Tilt::of(block, &stands.0.rotation, &stands.1.rotation);
     let k = a.inverse_inertia + b.inverse_inertia;
     let mass = match block.holds {
-        Holds::Frame => k.inverse(),
+        Holds::Frame => k.inverse_where_it_moves(),
         Holds::Axis | Holds::Points => k.inverse_across(tilt.axes.0),
     };
     mass.mul(tilt.error.clamped(most)) * -W::load(&block.give.rigid)

@@ -66,7 +66,7 @@ fn hold_points<W: Wide>(
 
     let gamma = W::load(&block.give.gamma);
     let k = a.response_at(arm_a) + b.response_at(arm_b);
-    let mass = k.plus_diagonal(Wide3::new(gamma, gamma, gamma)).inverse();
+    let mass = k.plus_diagonal(Wide3::new(gamma, gamma, gamma)).inverse_where_it_moves();
     // (C* − C₀)/h − J v*: the velocities of the centres of mass cancel.
     let curvature = (way_b - way_a) * W::splat(1.0 / h) - (b.angular.cross(arm_b) - a.angular.cross(arm_a));
     let bias = curvature * W::load(&block.give.share) + gap * W::load(&block.give.start);
@@ -97,7 +97,7 @@ fn hold_frames<W: Wide>(
 
     let gamma = W::load(&block.give.gamma);
     let k = a.inverse_inertia + b.inverse_inertia;
-    k.plus_diagonal(Wide3::new(gamma, gamma, gamma)).inverse().store(&mut block.mass);
+    k.plus_diagonal(Wide3::new(gamma, gamma, gamma)).inverse_where_it_moves().store(&mut block.mass);
     let (change, start) = (eased(turn_a, change, implicit), eased(turn_a, start, implicit));
     let curvature = change * W::splat(1.0 / h) - (b.angular - a.angular);
     (curvature * W::load(&block.give.share) + start * W::load(&block.give.start)).store(&mut block.bias);
