@@ -193,13 +193,11 @@ fn cone_side(inside: &mut Stretch, o: DVec3, d: DVec3, half_height: f64, radius:
         }
     } else if a > 0.0 {
         inside.cut_quadric(a, b, c, normal);
-    } else if let Some((first, second)) = roots(a, b, c) {
-        // Steeper than the side: inside one nappe before the first root and inside the other after the second. Between the
-        // planes of the ends there is only one of them.
-        let (mut before, mut after) = (*inside, *inside);
-        before.to = before.to.min(first);
-        after.cut(second, f64::INFINITY, || normal(second));
-        *inside = if before.is_empty() { after } else { before };
+    } else {
+        // Steeper than the side: inside one nappe before the first root and inside the other after the second, which is this one for a
+        // line that leads away from its tip. Through the tip the two roots are one, up to rounding.
+        let (first, second) = roots(a, b, c).unwrap_or((-b / a, -b / a));
+        if d.y < 0.0 { inside.cut(second, f64::INFINITY, || normal(second)) } else { inside.to = inside.to.min(first) }
     }
 }
 
