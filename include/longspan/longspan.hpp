@@ -14,6 +14,7 @@
 #ifndef LONGSPAN_HPP
 #define LONGSPAN_HPP
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -292,7 +293,8 @@ public:
     Span<LsPiece> pieces() const { return array<LsPiece>(ls_world_pieces_get); }
     Span<LsBody> piece_bodies() const { return array<LsBody>(ls_world_piece_bodies_get); }
 
-    /// What joints bear. `create_cells` cuts a box or convex hull along the cells of these seeds (x, y, z of each, in its frame).
+    /// What joints bear. `create_cells` cuts a box or convex hull along the cells of these seeds (x, y, z of each, in its frame); it throws
+    /// where their number is no multiple of three.
     void set_strength(LsJoint joint, const LsStrength &strength) { check(ls_joint_strength_set(world_, joint, &strength)); }
     LsJointStress stress(LsJoint joint) const {
         LsJointStress stress;
@@ -302,6 +304,9 @@ public:
     void apply_fractures(Span<LsJoint> joints) { check(ls_world_fractures_apply(world_, joints.data(), joints.size())); }
     std::vector<LsJoint> near_breaking(float least) const { return list<LsJoint>(ls_world_joints_near_breaking_get, least); }
     Cells create_cells(const LsBodyDef &body, const LsShapeDef &shape, const std::vector<float> &seeds, const LsBondMaterial &material) {
+        if (seeds.size() % 3 != 0) {
+            throw Error(LS_ERROR_OUT_OF_RANGE, "create_cells: seeds: is not three numbers for each");
+        }
         const std::size_t count = seeds.size() / 3;
         Cells cells{std::vector<LsBody>(count), std::vector<LsJoint>(count * 8)};
         std::size_t body_count = 0, joint_count = 0;
@@ -509,12 +514,19 @@ class Accumulator {
 public:
     explicit Accumulator(float dt) noexcept : dt_(dt) {}
     float dt() const noexcept { return dt_; }
-    /// Adds the frame's time, and returns how many steps are due, at most `most`: time beyond that is dropped.
+    /// Adds the frame's time, and returns how many steps are due, 0 to `most`: time beyond that is dropped. A clock that has gone back, or a
+    /// time that is no number, adds none.
     int steps(double frame_seconds, int most) noexcept {
-        rest_ += frame_seconds;
-        int due = static_cast<int>(rest_ / dt_);
-        rest_ -= static_cast<double>(due) * dt_;
-        return due < most ? due : most;
+        rest_ += frame_seconds > 0.0 ? frame_seconds : 0.0;
+        const double due = std::floor(rest_ / dt_);
+        if (!(due < most)) {
+            // Of the time beyond, what is less than a step stays, so that the picture goes on where it was between two steps.
+            rest_ = std::fmod(rest_, dt_);
+            rest_ = rest_ >= 0.0 ? rest_ : 0.0;
+            return most > 0 ? most : 0;
+        }
+        rest_ -= due * dt_;
+        return static_cast<int>(due);
     }
     /// How far now is from the last step to the next one, 0 to 1.
     float share() const noexcept { return static_cast<float>(rest_ / dt_); }

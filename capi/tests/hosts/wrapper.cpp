@@ -35,6 +35,13 @@ int main() {
         expect(accumulator.share() >= 0.0f && accumulator.share() <= 1.0f, "the share is one");
     }
     expect(steps >= 119 && steps <= 120, "2 s are 120 steps");
+    longspan::Accumulator strange(1.0f / 60.0f);
+    for (const double frame : {4e7, 1e300, static_cast<double>(INFINITY)}) {
+        expect(strange.steps(frame, 4) == 4, "of a frame however long at most these steps are due");
+        expect(strange.share() >= 0.0f && strange.share() <= 1.0f, "the share is one after it");
+    }
+    expect(strange.steps(-0.1, 4) == 0 && strange.steps(static_cast<double>(NAN), 4) == 0, "no time makes no steps");
+    expect(strange.steps(1.5 / 60.0, 4) <= 2 && strange.share() >= 0.0f, "and the next frame is as any other");
     expect(std::fabs(world.pose(box).position[1] - 0.5) < 1e-3, "the box lies on the ground");
     expect(std::fabs(world.state(joint).force[1] - 9810.0f) < 200.0f, "the joint carries the other box");
     expect(world.report().step == static_cast<std::uint64_t>(steps), "the report counts them");

@@ -74,6 +74,13 @@ static void walls_and_support() {
     const LsBondMaterial mortar = {2e5f, 2e6f, 2e5f, 1.0f / 60.0f, 0, 0.5f, 1.0f, 1e9f};
     const longspan::Cells cells = world.create_cells(longspan::BodyDef(LS_BODY_DYNAMIC).at(5, 0.5, 0), wall, seeds, mortar);
     expect(cells.bodies.size() == 12 && cells.joints.size() >= 11, "a wall of twelve cells");
+    seeds.pop_back();
+    try {
+        world.create_cells(longspan::BodyDef(LS_BODY_DYNAMIC), wall, seeds, mortar);
+        expect(false, "seeds that are no points throw");
+    } catch (const longspan::Error &error) {
+        expect(error.code() == LS_ERROR_OUT_OF_RANGE, "seeds that are no points are out of range");
+    }
     for (int i = 0; i < 20; ++i) {
         world.step(1.0f / 60.0f);
     }
