@@ -3,9 +3,9 @@
 //! The origin lies inside the body of all b − a. A polytope of its points grows from the simplex that GJK left: the face
 //! nearest to the origin is pushed out to the surface until it lies on it. Its distance is the depth, its normal the way in.
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 
-use super::gjk::{Simplex, SimplexVertex};
+use super::gjk::{self, Closest, Simplex, SimplexVertex};
 use super::part::ConvexPart;
 
 /// Error of the depth at which the search ends, over the depth and over the size of the parts.
@@ -19,6 +19,15 @@ const ALIGNED: f64 = 1.0e-12;
 
 /// Steps of the search: round rims take the most.
 const MAX_STEPS: usize = 256;
+
+/// Steps after those, at one place: each halves an arc of a rim or more, and so quarters the error.
+const LAST_STEPS: usize = 48;
+
+/// How far the deepest points may be beside each other before they are looked for anew, over the size of the parts: rounding.
+const ASIDE: f64 = 1.0e-9;
+
+/// How far apart the parts are moved for that, over their size: little beside what they curve over, much beside rounding.
+const ROOM: f64 = 1.0e-4;
 
 /// How deep two parts overlap, without their rounding.
 pub(super) struct Depth {
@@ -56,14 +65,18 @@ pub(super) fn depth(a: &ConvexPart, b: &ConvexPart, simplex: &Simplex) -> Depth 
     }
     // The way out along any direction is no shorter than the least; the polytope is no deeper. Between the two lies the answer, and
     // where they are nearest to each other the points are surest: a later step may fold the surface at a needle.
-    let mut least = f64::INFINITY;
+    let (mut least, mut shortest) = (f64::INFINITY, DVec3::Y);
     let (mut doubt, mut found) = (f64::INFINITY, None);
-    for _ in 0..MAX_STEPS {
-        let nearest = nearest(&faces);
+    for step in 0..MAX_STEPS + LAST_STEPS {
+        // Where two parts are round about one line, the way out is as short all round: no number of steps makes all of the rim exact. What
+        // is left of them goes to where the last corner is.
+        let nearest = nearest(&faces, (step >= MAX_STEPS).then(|| corners.len() - 1));
         let (normal, distance) = (faces[nearest].normal, faces[nearest].distance);
         let next = SimplexVertex::support(a, b, normal);
         let way_out = normal.dot(next.offset);
-        least = least.min(way_out);
+        if way_out < least {
+            (least, shortest) = (way_out, normal);
+        }
         if found.is_none() || way_out - distance < doubt {
             (doubt, found) = (way_out - distance, Some(way_through(&faces, &corners, nearest, way_out)));
         }
@@ -74,7 +87,22 @@ pub(super) fn depth(a: &ConvexPart, b: &ConvexPart, simplex: &Simplex) -> Depth 
         }
     }
     let found = found.unwrap_or_else(|| way_through(&faces, &corners, 0, faces[0].distance));
-    Depth { depth: found.depth.max(0.0), ..found }
+    let is_shortest = found.depth <= least + TOLERANCE.0 * least + TOLERANCE.1 * size;
+    let way = found.on_a - found.on_b;
+    if is_shortest && way.distance(found.normal * found.depth) <= ASIDE * size {
+        return Depth { depth: found.depth.max(0.0), ..found };
+    }
+    // Where the surface was surest is not where the way out is shortest, or its needles hide what is behind it.
+    let (depth, normal) = if is_shortest { (found.depth, found.normal) } else { (least, -shortest) };
+    let (on_a, on_b) = opposite(a, b, normal * depth, normal * (ROOM * size)).unwrap_or((found.on_a, found.on_b));
+    Depth { depth: depth.max(0.0), normal, on_a, on_b }
+}
+
+/// The points that a way out leads from and to: the nearest ones once B is pushed out by it, and by some room more.
+fn opposite(a: &ConvexPart, b: &ConvexPart, way_out: DVec3, room: DVec3) -> Option<(DVec3, DVec3)> {
+    let pushed = b.moved(way_out + room, DQuat::IDENTITY, DVec3::ZERO);
+    let Closest::Apart { on_a, .. } = gjk::closest(a, &pushed) else { return None };
+    Some((on_a, on_a - way_out))
 }
 
 /// The way out of a given length across a face: the points on A and B that it leads from and to.
@@ -90,8 +118,14 @@ fn way_through(faces: &[EpaFace], corners: &[SimplexVertex], number: usize, dept
     Depth { depth, normal: -normal, on_a, on_b: on_b - normal * off }
 }
 
-fn nearest(faces: &[EpaFace]) -> usize {
-    (1..faces.len()).fold(0, |best, i| if faces[i].distance < faces[best].distance { i } else { best })
+/// The face nearest to the origin, of all or of those at a corner.
+fn nearest(faces: &[EpaFace], at: Option<usize>) -> usize {
+    let counts = |face: &EpaFace| at.is_none_or(|corner| face.corners.contains(&corner));
+    let nearer = |best: usize, i: usize| {
+        let (face, known) = (&faces[i], &faces[best]);
+        if counts(face) && (!counts(known) || face.distance < known.distance) { i } else { best }
+    };
+    (1..faces.len()).fold(0, nearer)
 }
 
 /// Adds corners until there are four that are not in one plane; where all are, the normal of a plane that holds them.

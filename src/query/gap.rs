@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::epa;
 use super::gjk::{self, Closest};
-use super::part::ConvexPart;
+use super::part::{ConvexPart, PartForm};
 
 /// How much less than the distance found the planes of a face may be apart and still give the normal: over the distance and
 /// over the reach of the smaller part. The face is exact, what the search found is good to its last step. Over the greatest
@@ -49,12 +49,20 @@ pub(super) fn gap(a: &ConvexPart, b: &ConvexPart) -> Option<Gap> {
             let distance = offset.length();
             Gap { distance, normal: offset / distance, on_a, on_b }
         }
-        Closest::Overlap(simplex) => {
+        Closest::Overlap(simplex) => of_point(a, b).or_else(|| of_point(b, a).map(Gap::swapped)).unwrap_or_else(|| {
             let found = epa::depth(a, b, &simplex);
             Gap { distance: -found.depth, normal: found.normal, on_a: found.on_a, on_b: found.on_b }
-        }
+        }),
     };
     Some(rounded(prefer_faces(a, b, core), a, b))
+}
+
+/// The way out of A of a point B inside it.
+fn of_point(a: &ConvexPart, b: &ConvexPart) -> Option<Gap> {
+    let PartForm::Point = b.form else { return None };
+    let on_b = b.place.origin;
+    let (depth, normal) = a.way_out(on_b)?;
+    Some(Gap { distance: -depth, normal, on_a: on_b + normal * depth, on_b })
 }
 
 /// Distance of two parts that do not overlap; 0 or less if they do. Cheaper than [`gap`] where they overlap deep.

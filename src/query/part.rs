@@ -57,7 +57,7 @@ impl PartPose {
         self.axes * point + self.origin
     }
 
-    fn then(self, position: Vec3, rotation: Quat) -> Self {
+    pub(super) fn then(self, position: Vec3, rotation: Quat) -> Self {
         let inner = Self::new(position.as_dvec3(), rotation);
         Self { origin: self.to_frame(inner.origin), axes: self.axes * inner.axes }
     }
@@ -232,6 +232,35 @@ impl<'a> ConvexPart<'a> {
         }
     }
 
+    /// How deep a point inside the form is, less its rounding (m), and the outward normal of the nearest place of its surface, in the frame of
+    /// the query; none of forms without an inside.
+    pub(super) fn way_out(&self, point: DVec3) -> Option<(f64, DVec3)> {
+        let p = self.place.to_local(point);
+        let around = || DVec3::new(p.x, 0.0, p.z).try_normalize().unwrap_or(DVec3::X);
+        let nearer = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 < a.0 { b } else { a };
+        let (depth, normal) = match self.form {
+            PartForm::Box { half_extents } => {
+                let axis = |i: usize| (half_extents[i] - p[i].abs(), DVec3::AXES[i] * 1.0_f64.copysign(p[i]));
+                nearer(nearer(axis(0), axis(1)), axis(2))
+            }
+            PartForm::Cylinder { half_height, radius } => {
+                let end = (half_height - p.y.abs(), DVec3::Y * 1.0_f64.copysign(p.y));
+                nearer(end, (radius - libm::hypot(p.x, p.z), around()))
+            }
+            PartForm::Cone { half_height, radius } => {
+                let steepness = radius / (2.0 * half_height);
+                let slant = libm::hypot(1.0, steepness);
+                let side = (steepness * (half_height - p.y) - libm::hypot(p.x, p.z)) / slant;
+                nearer((half_height + p.y, DVec3::NEG_Y), (side, (around() + DVec3::Y * steepness) / slant))
+            }
+            PartForm::Hull(hull) => {
+                hull.planes().iter().map(|&(normal, offset)| (offset - normal.dot(p), normal)).reduce(nearer)?
+            }
+            PartForm::Point | PartForm::Segment { .. } | PartForm::Triangle(_) | PartForm::HalfSpace { .. } => return None,
+        };
+        Some((depth, self.place.axes * normal))
+    }
+
     /// Outward normal of a half-space in the frame of the query; none of any other form.
     pub(super) fn half_space(&self) -> Option<DVec3> {
         match self.form {
@@ -243,8 +272,10 @@ impl<'a> ConvexPart<'a> {
     /// The same part, moved (m) and then turned about a point.
     pub(super) fn moved(&self, path: DVec3, turn: DQuat, about: DVec3) -> Self {
         let turn = DMat3::from_quat(turn);
-        let place = PartPose { origin: turn * (self.place.origin - about) + about + path, axes: turn * self.place.axes };
-        Self { place, ..*self }
+        let to = |point: DVec3| turn * (point - about) + about + path;
+        let form = if let PartForm::Triangle(corners) = self.form { PartForm::Triangle(corners.map(to)) } else { self.form };
+        let place = PartPose { origin: to(self.place.origin), axes: turn * self.place.axes };
+        Self { form, place, ..*self }
     }
 }
 
