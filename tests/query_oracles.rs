@@ -6,9 +6,9 @@
 //!
 //! `tests/common/oracle.rs` has the variables by which ten thousand cases of each pair are run by hand.
 
-use crate::common::oracle::{Dice, RELATIVE, ROUNDING, Scene, Solid, all, each};
-use longspan::glam::{DQuat, DVec3, Vec3};
-use longspan::{Cast, Geometry, Pose, Shape};
+use crate::common::oracle::{Dice, RELATIVE, ROUNDING, Scene, Solid, add, all, dice, each};
+use longspan::glam::{DQuat, DVec3, Quat, Vec3};
+use longspan::{Cast, Distance, Geometry, Pose, Shape, World, WorldDef};
 
 /// Where a ray enters a convex shape, by bisection (m).
 fn entry(solid: &Solid, origin: DVec3, direction: DVec3, length: f64) -> Option<f64> {
@@ -253,4 +253,102 @@ fn nearest_points_are_on_the_surface_and_nothing_is_nearer() {
             && ((point - found.point).length() - found.distance).abs() <= allowed;
         is_right.then_some(()).ok_or(format!("{found:?}, {plane} m by a plane"))
     });
+}
+
+#[test]
+fn a_ray_from_inside_a_cone_meets_it_where_it_begins() {
+    let mut dice = dice(11);
+    for size in [0.01, 1.0, 100.0] {
+        for round in 0..200 {
+            let (height, radius) = (dice.between(0.2, 1.0) * size, dice.between(0.2, 1.0) * size);
+            let geometry = Geometry::Cone { half_height: height as f32, radius: radius as f32 };
+            let scene = Scene::new(geometry, dice.pose(DVec3::ZERO));
+            let y = dice.between(-0.99, 0.9) * height;
+            let aside = if round % 2 == 0 { 0.0 } else { radius * (height - y) / (2.0 * height) * dice.between(0.0, 0.9) };
+            let turn = scene.target.rotation();
+            for along in [-1.0, 1.0] {
+                let ray = Cast::ray(
+                    turn * DVec3::new(aside, y, 0.0),
+                    turn * DVec3::new(0.0, along * dice.between(0.1, 5.0) * size, 0.0),
+                );
+                let found = scene.world.cast(&ray, &all()).unwrap();
+                let what = format!("{:?}, {aside} m beside the axis, {y} m up, towards {along}", scene.target.geometry);
+                assert_eq!(found.map(|found| found.distance), Some(0.0), "{what}");
+            }
+        }
+    }
+}
+
+/// What is between two shapes, each on a body of its own.
+fn between(a: (&Geometry, Pose), b: (&Geometry, Pose)) -> Distance {
+    let mut world = World::new(&WorldDef::default()).unwrap();
+    let [a, b] = [a, b].map(|(geometry, pose)| add(&mut world, geometry.clone(), pose));
+    world.shape_distance(a, b).unwrap()
+}
+
+#[test]
+fn a_ball_inside_a_solid_is_as_deep_as_its_nearest_face_says() {
+    let mut dice = dice(12);
+    for kind in [1, 3, 4, 5] {
+        for round in 0..200 {
+            let geometry = dice.form(kind, 1.0);
+            let (pose, radius) = (dice.pose(DVec3::ZERO), dice.between(0.05, 1.0) as f32);
+            let solid = Solid::new(geometry.clone(), pose);
+            // Every other one on the axis.
+            let beside = if round % 2 == 0 { DVec3::ZERO } else { dice.vector(0.3) };
+            let center = solid.rotation() * (DVec3::Y * dice.between(-0.5, 0.5) + beside);
+            let outside = solid.outside(center);
+            if outside < 0.0 {
+                let found = between((&geometry, pose), (&Geometry::Ball { radius }, Pose::at(center)));
+                let expected = outside - f64::from(radius);
+                let off = (found.distance - expected).abs();
+                assert!(off < 1.0e-8, "{geometry:?}, a ball of {radius} m at {center}: {found:?}, expected {expected} m");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_deepest_points_of_round_solids_are_opposite_each_other() {
+    let mut dice = dice(13);
+    for round in 0..3000 {
+        let kinds = [2 + round % 3, 2 + round / 3 % 3];
+        let [a, b] = kinds.map(|kind| dice.form(kind, 1.0));
+        let poses = [dice.pose(DVec3::ZERO), {
+            let at = dice.vector(0.7);
+            dice.pose(at)
+        }];
+        let found = between((&a, poses[0]), (&b, poses[1]));
+        if found.distance < 0.0 {
+            let aside = (found.point_b - found.point_a - found.normal.as_dvec3() * found.distance).length();
+            // The normal is of single precision.
+            assert!(aside < 3.0e-7, "{a:?} and {b:?}, {poses:?}: points {aside} m beside each other, {found:?}");
+        }
+    }
+}
+
+#[test]
+fn round_solids_about_one_line_are_as_deep_as_their_radii_say() {
+    let (outer, inner) =
+        (Geometry::Cylinder { half_height: 3.0, radius: 1.0 }, Geometry::Cylinder { half_height: 2.0, radius: 0.75 });
+    let mut dice = dice(14);
+    for _ in 0..50 {
+        let pose = dice.pose(DVec3::ZERO);
+        let beside = Pose { position: pose.rotation.as_dquat().normalize() * DVec3::Y * dice.between(-1.0, 1.0), ..pose };
+        let found = between((&outer, pose), (&inner, beside));
+        assert!((found.distance + 1.75).abs() < 1.0e-6, "{pose:?}: {found:?}, expected -1.75 m");
+    }
+}
+
+#[test]
+fn equal_cubes_turned_by_a_quarter_are_one_edge_deep() {
+    let points = (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0).collect();
+    let cube = Geometry::ConvexHull { points };
+    for axis in Vec3::AXES {
+        for quarters in -1_i8..=1 {
+            let turn = Quat::from_axis_angle(axis, f32::from(quarters) * std::f32::consts::FRAC_PI_2);
+            let found = between((&cube, Pose::IDENTITY), (&cube, Pose::IDENTITY.rotated(turn)));
+            assert!((found.distance + 2.0).abs() < 1.0e-6, "turned about {axis} by {quarters}: {found:?}, expected -2 m");
+        }
+    }
 }
