@@ -8,7 +8,7 @@
 
 use crate::common::oracle::{Dice, RELATIVE, ROUNDING, Scene, Solid, add, all, dice, each};
 use longspan::glam::{DQuat, DVec3, Quat, Vec3};
-use longspan::{Cast, Distance, Geometry, Pose, Shape, World, WorldDef};
+use longspan::{BodyDef, Cast, Distance, Geometry, LocalPose, Pose, Shape, ShapeDef, World, WorldDef};
 
 /// Where a ray enters a convex shape, by bisection (m).
 fn entry(solid: &Solid, origin: DVec3, direction: DVec3, length: f64) -> Option<f64> {
@@ -349,6 +349,32 @@ fn equal_cubes_turned_by_a_quarter_are_one_edge_deep() {
             let turn = Quat::from_axis_angle(axis, f32::from(quarters) * std::f32::consts::FRAC_PI_2);
             let found = between((&cube, Pose::IDENTITY), (&cube, Pose::IDENTITY.rotated(turn)));
             assert!((found.distance + 2.0).abs() < 1.0e-6, "turned about {axis} by {quarters}: {found:?}, expected -2 m");
+        }
+    }
+}
+
+#[test]
+fn a_shape_beside_its_body_is_where_both_poses_put_it() {
+    let mut dice = dice(15);
+    for size in [1.0, 100.0, 10_000.0] {
+        for round in 0..100 {
+            let half = Vec3::new(1.0, 0.3, 0.7) * size as f32;
+            let mut local = dice.pose(DVec3::ZERO);
+            local.position = dice.vector(size).as_vec3().as_dvec3();
+            let local_pose = LocalPose { position: local.position.as_vec3(), rotation: local.rotation };
+            let shape = ShapeDef { local_pose, density: 1.0e-3, ..ShapeDef::new(Shape::cuboid(half).unwrap()) };
+            let pose = dice.pose(DVec3::ZERO);
+            let def = if round % 2 == 0 { BodyDef::fixed(pose) } else { BodyDef::dynamic(pose) };
+            let mut world = World::new(&WorldDef::default()).unwrap();
+            let body = world.create_body(&def.with_shape(shape)).unwrap();
+            let pose = world.pose(body).unwrap();
+            let [outer, inner] = [pose.rotation, local.rotation].map(|turn| turn.as_dquat().normalize());
+            // 2 mm above its upper face.
+            let on_box = DVec3::new(dice.between(-0.9, 0.9), 1.0, dice.between(-0.9, 0.9)) * half.as_dvec3() + DVec3::Y * 2.0e-3;
+            let point = pose.position + outer * (local.position + inner * on_box);
+            let found = world.nearest_point(point, 1.0, &all()).unwrap().expect("the box is near");
+            let off = (found.distance - 2.0e-3).abs();
+            assert!(off < 1.0e-9 * size + 1.0e-10, "a box of {size} m, {local:?} on {pose:?}: off by {off} m");
         }
     }
 }

@@ -8,6 +8,7 @@ use super::part::{ConvexPart, PartForm, PartPose};
 use super::parts::{self, PlacedPart};
 use super::region::PathSegment;
 use super::{Distance, Probe, ray};
+use crate::body::Body;
 use crate::collide::collider::Collider;
 use crate::pose::Pose;
 use crate::shape::{Geometry, Shape};
@@ -77,17 +78,35 @@ fn placed(shape: &Shape, pose: Pose, frame: DVec3) -> PlacedPart<'_> {
     PlacedPart { shape, place: PartPose::new(pose.position - frame, pose.rotation) }
 }
 
-fn collider_at(collider: &Collider, frame: DVec3) -> PlacedPart<'_> {
-    let (position, rotation) = collider.place;
-    PlacedPart { shape: &collider.shape, place: PartPose::new(position - frame, rotation) }
+/// A shape of a world, and the body that it is on.
+#[derive(Clone, Copy)]
+pub(crate) struct BodyShape<'a> {
+    pub collider: &'a Collider,
+    pub body: &'a Body,
+}
+
+impl<'a> BodyShape<'a> {
+    /// The shape in the frame of a query: its own pose after that of its body. As collision keeps them together, in single precision, it is off
+    /// by the rounding of its distance from the body's centre.
+    fn at(&self, frame: DVec3) -> PlacedPart<'a> {
+        let (pose, own) = (self.body.pose(), &self.collider.local_pose);
+        let place = PartPose::new(pose.position - frame, pose.rotation).then(own.position, own.rotation);
+        PlacedPart { shape: &self.collider.shape, place }
+    }
+
+    /// The origin of a query between this shape and another: that of a solid is near it.
+    fn frame_with(&self, other: &BodyShape) -> DVec3 {
+        let solid = if self.collider.shape.geometry().is_solid() { self } else { other };
+        solid.collider.place.0
+    }
 }
 
 /// Where a ray first meets a shape; from outside, if what it begins in is left out.
-pub(crate) fn first_on_ray(collider: &Collider, of: &PathSegment, ignore_overlapped: bool) -> Option<Met> {
+pub(crate) fn first_on_ray(shape: BodyShape, of: &PathSegment, ignore_overlapped: bool) -> Option<Met> {
     let (direction, length) = (of.direction, of.length);
     let path = PathSegment { origin: DVec3::ZERO, ..*of };
     let mut best: Option<Met> = None;
-    parts::along(collider_at(collider, of.origin), &path, &mut |part, _| {
+    parts::along(shape.at(of.origin), &path, &mut |part, _| {
         let limit = best.map_or(length, |best| best.distance);
         if let Some((distance, normal)) = ray::enter(part, DVec3::ZERO, direction, limit)
             && !(distance == 0.0 && ignore_overlapped)
@@ -109,7 +128,7 @@ pub(crate) fn first_on_ray(collider: &Collider, of: &PathSegment, ignore_overlap
 }
 
 /// Where a moving solid first meets a shape.
-pub(crate) fn first_on_sweep(collider: &Collider, sweep: &Sweep) -> Option<Met> {
+pub(crate) fn first_on_sweep(shape: BodyShape, sweep: &Sweep) -> Option<Met> {
     let frame = sweep.probe.pose.position;
     let (way, length) = (sweep.path_box(), sweep.path.length());
     let way = PathSegment { origin: way.origin - frame, ..way };
@@ -118,7 +137,7 @@ pub(crate) fn first_on_sweep(collider: &Collider, sweep: &Sweep) -> Option<Met> 
     sweep.probe.parts(frame, &mut |moving| probe.push(*moving));
     let key = |met: &Meeting, triangle: Option<u32>| (met.share, met.gap.distance, triangle);
     let mut best: Option<(Meeting, Option<u32>, Option<u32>)> = None;
-    parts::along(collider_at(collider, frame), &way, &mut |fixed, _| {
+    parts::along(shape.at(frame), &way, &mut |fixed, _| {
         let mut first: Option<Meeting> = None;
         let mut is_overlapped = false;
         for moving in &probe {
@@ -151,16 +170,15 @@ pub(crate) fn first_on_sweep(collider: &Collider, sweep: &Sweep) -> Option<Met> 
 }
 
 /// Whether a solid and a shape overlap or touch.
-pub(crate) fn overlaps(collider: &Collider, probe: &Probe) -> bool {
+pub(crate) fn overlaps(shape: BodyShape, probe: &Probe) -> bool {
     let frame = probe.pose.position;
-    meet(collider_at(collider, frame), probe.placed(frame))
+    meet(shape.at(frame), probe.placed(frame))
 }
 
 /// Whether two shapes of a world overlap or touch.
-pub(crate) fn shapes_overlap(a: &Collider, b: &Collider) -> bool {
-    // The origin of a solid is near it.
-    let frame = if a.shape.geometry().is_solid() { a.place.0 } else { b.place.0 };
-    meet(collider_at(a, frame), collider_at(b, frame))
+pub(crate) fn shapes_overlap(a: BodyShape, b: BodyShape) -> bool {
+    let frame = a.frame_with(&b);
+    meet(a.at(frame), b.at(frame))
 }
 
 fn meet(a: PlacedPart, b: PlacedPart) -> bool {
@@ -172,23 +190,23 @@ fn meet(a: PlacedPart, b: PlacedPart) -> bool {
 }
 
 /// Nearest points of a solid and a shape not farther apart than `limit` (m), or those of least overlap.
-pub(crate) fn distance_to(collider: &Collider, probe: &Probe, limit: f64) -> Option<Distance> {
+pub(crate) fn distance_to(shape: BodyShape, probe: &Probe, limit: f64) -> Option<Distance> {
     let frame = probe.pose.position;
-    separation(collider_at(collider, frame), probe.placed(frame), limit).map(|found| found.in_world(frame))
+    separation(shape.at(frame), probe.placed(frame), limit).map(|found| found.in_world(frame))
 }
 
 /// Nearest points of two shapes of a world, or those of least overlap; none of two half-spaces.
-pub(crate) fn distance_between(a: &Collider, b: &Collider) -> Option<Distance> {
-    let frame = if a.shape.geometry().is_solid() { a.place.0 } else { b.place.0 };
-    separation(collider_at(a, frame), collider_at(b, frame), f64::INFINITY).map(|found| found.in_world(frame))
+pub(crate) fn distance_between(a: BodyShape, b: BodyShape) -> Option<Distance> {
+    let frame = a.frame_with(&b);
+    separation(a.at(frame), b.at(frame), f64::INFINITY).map(|found| found.in_world(frame))
 }
 
 /// The nearest point of a shape not farther than `limit` (m); the point itself inside.
-pub(crate) fn nearest_point(collider: &Collider, point: DVec3, limit: f64) -> Option<Distance> {
+pub(crate) fn nearest_point(shape: BodyShape, point: DVec3, limit: f64) -> Option<Distance> {
     let place = PartPose { origin: DVec3::ZERO, axes: glam::DMat3::IDENTITY };
     let part = ConvexPart { form: PartForm::Point, place, rounding: 0.0, part: None, triangle: None };
     let here = (DVec3::ZERO, DVec3::ZERO);
-    let found = search(collider_at(collider, point), &|_, _, visit| visit(&part), here, limit)?.in_world(point);
+    let found = search(shape.at(point), &|_, _, visit| visit(&part), here, limit)?.in_world(point);
     let is_inside = found.distance <= 0.0;
     Some(if is_inside { Distance { distance: 0.0, point_a: point, ..found } } else { found })
 }

@@ -33,7 +33,8 @@ mod ray;
 mod region;
 
 pub(crate) use exact::{
-    Met, Sweep, distance_between, distance_to, first_on_ray, first_on_sweep, nearest_point, overlaps, probe_box, shapes_overlap,
+    BodyShape, Met, Sweep, distance_between, distance_to, first_on_ray, first_on_sweep, nearest_point, overlaps, probe_box,
+    shapes_overlap,
 };
 pub(crate) use region::PathSegment;
 

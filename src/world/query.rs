@@ -10,7 +10,9 @@ use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::ShapeId;
 use crate::pose::Pose;
-use crate::query::{self, Cast, Distance, Met, NearestPoint, NearestShape, PathSegment, Probe, QueryFilter, Ray, RayHit, Way};
+use crate::query::{
+    self, BodyShape, Cast, Distance, Met, NearestPoint, NearestShape, PathSegment, Probe, QueryFilter, Ray, RayHit, Way,
+};
 use crate::shape::Shape;
 
 /// Rays of a batch below which it stays on one thread.
@@ -33,7 +35,7 @@ impl World {
     /// A number of the ray that is not finite, a direction that is not of unit length, a length outside 0 … 1e7 m.
     pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter) -> Result<Option<RayHit>> {
         let path = ray.checked()?;
-        Ok(self.first_hit(&path, filter, |slot| query::first_on_ray(&self.colliders[slot], &path, false)))
+        Ok(self.first_hit(&path, filter, |slot| query::first_on_ray(self.on_body(slot), &path, false)))
     }
 
     /// Every shape that a ray meets, nearest first, where the ray first meets it; `out` is cleared.
@@ -42,7 +44,7 @@ impl World {
     /// As [`cast_ray`](Self::cast_ray).
     pub fn cast_ray_all(&self, ray: &Ray, filter: &QueryFilter, out: &mut Vec<RayHit>) -> Result<()> {
         let path = ray.checked()?;
-        self.all_hits(&path, filter, out, |slot| query::first_on_ray(&self.colliders[slot], &path, false));
+        self.all_hits(&path, filter, out, |slot| query::first_on_ray(self.on_body(slot), &path, false));
         Ok(())
     }
 
@@ -56,7 +58,7 @@ impl World {
         }
         let checked = rays.iter().map(|ray| ray.checked()).collect::<Result<Vec<PathSegment>>>()?;
         let cast = |(path, hit): (&PathSegment, &mut Option<RayHit>)| {
-            *hit = self.first_hit(path, filter, |slot| query::first_on_ray(&self.colliders[slot], path, false));
+            *hit = self.first_hit(path, filter, |slot| query::first_on_ray(self.on_body(slot), path, false));
         };
         if rays.len() < MIN_PARALLEL_RAYS || self.threads.has_host() {
             checked.iter().zip(out).for_each(cast);
@@ -98,9 +100,9 @@ impl World {
     pub fn cast(&self, cast: &Cast, filter: &QueryFilter) -> Result<Option<RayHit>> {
         let ignore = cast.ignore_overlapped;
         Ok(match cast.checked()? {
-            Way::Ray(path) => self.first_hit(&path, filter, |slot| query::first_on_ray(&self.colliders[slot], &path, ignore)),
+            Way::Ray(path) => self.first_hit(&path, filter, |slot| query::first_on_ray(self.on_body(slot), &path, ignore)),
             Way::Sweep(sweep) => {
-                self.first_hit(&sweep.path_box(), filter, |slot| query::first_on_sweep(&self.colliders[slot], &sweep))
+                self.first_hit(&sweep.path_box(), filter, |slot| query::first_on_sweep(self.on_body(slot), &sweep))
             }
         })
     }
@@ -113,10 +115,10 @@ impl World {
         let ignore = cast.ignore_overlapped;
         match cast.checked()? {
             Way::Ray(path) => {
-                self.all_hits(&path, filter, out, |slot| query::first_on_ray(&self.colliders[slot], &path, ignore));
+                self.all_hits(&path, filter, out, |slot| query::first_on_ray(self.on_body(slot), &path, ignore));
             }
             Way::Sweep(sweep) => {
-                self.all_hits(&sweep.path_box(), filter, out, |slot| query::first_on_sweep(&self.colliders[slot], &sweep));
+                self.all_hits(&sweep.path_box(), filter, out, |slot| query::first_on_sweep(self.on_body(slot), &sweep));
             }
         }
         Ok(())
@@ -130,7 +132,7 @@ impl World {
         let probe = Probe::checked(shape, pose)?;
         out.clear();
         for (_, slot) in self.candidates(&query::probe_box(&probe)) {
-            if self.counts(slot, filter) && query::overlaps(&self.colliders[slot], &probe) {
+            if self.counts(slot, filter) && query::overlaps(self.on_body(slot), &probe) {
                 out.push(self.colliders.handle_of(slot));
             }
         }
@@ -167,7 +169,7 @@ impl World {
         check::position("point", point)?;
         let reach = f64::from(query::query_length("max_distance", max_distance)?);
         let around = PathSegment::still(point, DVec3::splat(reach));
-        let found = self.nearest(&around, reach, filter, |slot, limit| query::nearest_point(&self.colliders[slot], point, limit));
+        let found = self.nearest(&around, reach, filter, |slot, limit| query::nearest_point(self.on_body(slot), point, limit));
         Ok(found.map(|(slot, found)| NearestPoint {
             shape: self.colliders.handle_of(slot),
             body: self.bodies.handle_of(self.colliders[slot].body),
@@ -193,7 +195,7 @@ impl World {
         let reach = f64::from(query::query_length("max_distance", max_distance)?);
         let own = query::probe_box(&probe);
         let around = PathSegment { half: own.half + DVec3::splat(reach), ..own };
-        let found = self.nearest(&around, reach, filter, |slot, limit| query::distance_to(&self.colliders[slot], &probe, limit));
+        let found = self.nearest(&around, reach, filter, |slot, limit| query::distance_to(self.on_body(slot), &probe, limit));
         Ok(found.map(|(slot, distance)| {
             let body = self.bodies.handle_of(self.colliders[slot].body);
             NearestShape { shape: self.colliders.handle_of(slot), body, distance }
@@ -206,8 +208,9 @@ impl World {
     /// # Errors
     /// A handle of no shape of this world; two half-spaces.
     pub fn shape_distance(&self, a: ShapeId, b: ShapeId) -> Result<Distance> {
-        let (slot_a, slot_b) = (self.colliders.find(a)?, self.colliders.find(b)?);
-        query::distance_between(&self.colliders[slot_a], &self.colliders[slot_b]).ok_or(Error::new(
+        let find = |shape: ShapeId, argument| self.colliders.find(shape).map_err(|error| Error { argument, ..error });
+        let (slot_a, slot_b) = (find(a, "a")?, find(b, "b")?);
+        query::distance_between(self.on_body(slot_a), self.on_body(slot_b)).ok_or(Error::new(
             ErrorKind::NotApplicable,
             "b",
             "two half-spaces have no nearest points",
@@ -275,6 +278,12 @@ impl World {
             part: met.part,
             triangle: met.triangle,
         }
+    }
+
+    /// A shape with its body, as questions take it.
+    pub(super) fn on_body(&self, slot: u32) -> BodyShape<'_> {
+        let collider = &self.colliders[slot];
+        BodyShape { collider, body: &self.bodies[collider.body] }
     }
 
     fn counts(&self, slot: u32, filter: &QueryFilter) -> bool {

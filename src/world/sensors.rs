@@ -82,7 +82,7 @@ impl World {
         if b.sensor || a.body == b.body || both_static || body_b.quarantined || !a.filter.accepts(&b.filter) {
             return false;
         }
-        query::shapes_overlap(a, b)
+        query::shapes_overlap(self.on_body(sensor), self.on_body(visitor))
     }
 }
 
