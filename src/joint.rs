@@ -16,6 +16,7 @@ use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::fracture::Strength;
 use crate::id::BodyId;
+use crate::motor::MotorNames;
 pub use crate::motor::{Drive, ForceSide, Limits, Motor, Softness, SphericalMotor};
 use crate::pose::Pose;
 use crate::settings::Solver;
@@ -213,8 +214,8 @@ impl JointKind {
         match &mut self {
             Self::Fixed => {}
             Self::Hinge { limits, motor } | Self::Prismatic { limits, motor } => {
-                check::range("limits", limits.min, limits.max)?;
-                motor.check()?;
+                check::range(MotorNames::ONLY.limits, limits.min, limits.max)?;
+                motor.check(&MotorNames::ONLY)?;
             }
             Self::Spherical { swing_limit, twist_limits, motor } => {
                 if check::not_negative("swing_limit", *swing_limit)? > std::f32::consts::PI {
@@ -242,12 +243,12 @@ impl JointKind {
                 if let Some(length) = *spring_length {
                     check::not_negative("spring_length", length)?;
                 }
-                motor.check()?;
+                motor.check(&MotorNames::ONLY)?;
             }
             Self::Generic { linear, angular } => {
-                for axis in linear.iter().chain(angular.iter()) {
-                    check::range("limits", axis.limits.min, axis.limits.max)?;
-                    axis.motor.check()?;
+                for (axis, names) in linear.iter().chain(angular.iter()).zip(&MotorNames::OF_AXES) {
+                    check::range(names.limits, axis.limits.min, axis.limits.max)?;
+                    axis.motor.check(names)?;
                 }
             }
         }

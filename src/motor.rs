@@ -142,16 +142,56 @@ impl Motor {
         }
     }
 
-    pub(crate) fn check(&self) -> Result<()> {
+    /// Checks what it is told; errors say what it is by these names.
+    pub(crate) fn check(&self, names: &MotorNames) -> Result<()> {
         let Some(drive) = self.drive() else { return Ok(()) };
         let is_velocity = matches!(self, Self::Velocity { .. });
-        check::finite(if is_velocity { "motor.target" } else { "motor.velocity" }, drive.velocity)?;
-        check::finite("motor.target", drive.target.unwrap_or_default())?;
-        drive.softness.check("motor.compliance", "motor.damping")?;
-        check::bound("motor.max_force", drive.max_force)?;
-        check::bound("motor.max_speed", drive.max_speed)?;
+        check::finite(if is_velocity { names.target } else { names.velocity }, drive.velocity)?;
+        check::finite(names.target, drive.target.unwrap_or_default())?;
+        drive.softness.check(names.compliance, names.damping)?;
+        check::bound(names.max_force, drive.max_force)?;
+        check::bound(names.max_speed, drive.max_speed)?;
         Ok(())
     }
+}
+
+/// What errors call the fields of a motor, and the limits beside it.
+pub(crate) struct MotorNames {
+    pub limits: &'static str,
+    target: &'static str,
+    velocity: &'static str,
+    compliance: &'static str,
+    damping: &'static str,
+    max_force: &'static str,
+    max_speed: &'static str,
+}
+
+macro_rules! motor_names {
+    ($of:literal) => {
+        MotorNames {
+            limits: concat!($of, "limits"),
+            target: concat!($of, "motor.target"),
+            velocity: concat!($of, "motor.velocity"),
+            compliance: concat!($of, "motor.compliance"),
+            damping: concat!($of, "motor.damping"),
+            max_force: concat!($of, "motor.max_force"),
+            max_speed: concat!($of, "motor.max_speed"),
+        }
+    };
+}
+
+impl MotorNames {
+    /// Those of a joint with one coordinate.
+    pub(crate) const ONLY: Self = motor_names!("");
+    /// Those of the six axes of a generic joint.
+    pub(crate) const OF_AXES: [Self; 6] = [
+        motor_names!("linear[0]."),
+        motor_names!("linear[1]."),
+        motor_names!("linear[2]."),
+        motor_names!("angular[0]."),
+        motor_names!("angular[1]."),
+        motor_names!("angular[2]."),
+    ];
 }
 
 /// What drives the rotation of a spherical joint.

@@ -94,7 +94,7 @@ fn what_is_slow_or_not_asked_for_is_no_hit() {
         }
     }
     let mut world = world(1.0);
-    assert_eq!(world.set_hit_threshold(-1.0).unwrap_err().argument, "hit_threshold");
+    assert_eq!(world.set_hit_threshold(-1.0).unwrap_err().argument, "speed");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::boundary::call;
 use crate::enums;
 use crate::handle::LsBody;
 use crate::math::LsPose;
-use crate::motor_def::{LsDrive, LsMotor, LsSoftness, LsSphericalMotor, motor};
+use crate::motor_def::{LsDrive, LsMotor, LsSoftness, LsSphericalMotor, driven, motor};
 use crate::pointer::host;
 use crate::result::{Failure, LS_ERROR_UNSUPPORTED, LsResult, Outcome};
 use crate::sized::{Definition, SizedOut, Versioned};
@@ -226,8 +226,8 @@ impl TryFrom<&LsJointDef> for JointKind {
             LS_JOINT_GENERIC => {
                 let [x, y, z, about_x, about_y, about_z] = def.axis_drives;
                 Self::Generic {
-                    linear: axes(def.linear_axes, [x, y, z])?,
-                    angular: axes(def.angular_axes, [about_x, about_y, about_z])?,
+                    linear: axes("linear_axes", def.linear_axes, ([x, y, z], 0))?,
+                    angular: axes("angular_axes", def.angular_axes, ([about_x, about_y, about_z], 3))?,
                 }
             }
             _ => return Err(enums::unknown("kind")),
@@ -235,9 +235,14 @@ impl TryFrom<&LsJointDef> for JointKind {
     }
 }
 
-fn axes([x, y, z]: [LsAxis; 3], drives: [LsDrive; 3]) -> Outcome<[Axis; 3]> {
-    let axis = |axis: LsAxis, drive| Ok::<_, Failure>(Axis { limits: axis.limits.into(), motor: motor(axis.motor, drive)? });
-    Ok([axis(x, drives[0])?, axis(y, drives[1])?, axis(z, drives[2])?])
+/// Three axes of `list`, and what more their motors are told, the first of which has a number among those of all six.
+fn axes(list: &str, axes: [LsAxis; 3], (drives, first): ([LsDrive; 3], usize)) -> Outcome<[Axis; 3]> {
+    let axis = |number: usize| {
+        let motor = Motor::try_from(axes[number].motor).map_err(|failure| failure.in_element(list, number))?;
+        let driven = driven(motor, drives[number]).map_err(|failure| failure.in_element("axis_drives", first + number))?;
+        Ok::<_, Failure>(Axis { limits: axes[number].limits.into(), motor: driven })
+    };
+    Ok([axis(0)?, axis(1)?, axis(2)?])
 }
 
 impl TryFrom<&JointDef> for LsJointDef {

@@ -98,14 +98,21 @@ impl LsDrive {
     }
 }
 
-/// A motor with what more it is told.
+/// The motor of a joint's only coordinate with what more it is told.
 pub fn motor(motor: LsMotor, drive: LsDrive) -> Outcome<Motor> {
-    let plain = Motor::try_from(motor)?;
+    driven(motor.try_into()?, drive).map_err(|failure| match failure {
+        Failure::Refused(code, _, problem) => Failure::Refused(code, "motor_drive.side", problem),
+        other => other,
+    })
+}
+
+/// A motor with what more it is told.
+pub fn driven(plain: Motor, drive: LsDrive) -> Outcome<Motor> {
     let side = match drive.side {
         LS_FORCE_BOTH => ForceSide::Both,
         LS_FORCE_PULL => ForceSide::Pull,
         LS_FORCE_PUSH => ForceSide::Push,
-        _ => return Err(enums::unknown("motor.side")),
+        _ => return Err(enums::unknown("side")),
     };
     let is_plain = drive.target_velocity == 0.0 && drive.max_speed == f32::INFINITY && side == ForceSide::Both;
     Ok(match plain.drive().filter(|_| !is_plain) {

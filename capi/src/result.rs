@@ -1,5 +1,6 @@
 //! Result codes, and how the failures of the solver and of the boundary become one.
 
+use std::borrow::Cow;
 use std::ffi::c_char;
 
 use ls_core::ErrorKind;
@@ -80,9 +81,15 @@ pub(crate) type Outcome<T> = Result<T, Failure>;
 impl Failure {
     /// The same of the part of a compound with this number.
     pub(crate) fn in_part(self, number: usize) -> Self {
+        self.in_element("parts", number)
+    }
+
+    /// The same of an element of a list.
+    pub(crate) fn in_element(self, list: &str, number: usize) -> Self {
         match self {
-            Self::Refused(code, argument, problem) => Self::Described(code, format!("parts[{number}].{argument}: {problem}")),
-            other => other,
+            Self::Refused(code, argument, problem) => Self::Described(code, format!("{list}[{number}].{argument}: {problem}")),
+            Self::Described(code, what) => Self::Described(code, format!("{list}[{number}].{what}")),
+            other @ Self::Panicked(_) => other,
         }
     }
 
@@ -96,11 +103,45 @@ impl Failure {
 
 impl From<ls_core::Error> for Failure {
     fn from(error: ls_core::Error) -> Self {
+        let code = code_of(error.kind);
+        let own = match name_in_c(error.argument) {
+            Cow::Borrowed(argument) => Self::Refused(code, argument, error.problem),
+            Cow::Owned(argument) => Self::Described(code, format!("{argument}: {}", error.problem)),
+        };
         match error.part {
-            Some(_) => Self::Described(code_of(error.kind), error.to_string()),
-            None => Self::Refused(code_of(error.kind), error.argument, error.problem),
+            Some(part) => own.in_part(part as usize),
+            None => own,
         }
     }
+}
+
+/// What the header calls an argument of the core.
+fn name_in_c(argument: &'static str) -> Cow<'static, str> {
+    let own = match argument {
+        "local_pose.position" => "local_position",
+        "local_pose.rotation" => "local_rotation",
+        "vertices" => "points",
+        "geometry" => "shape",
+        "twist_limits" => "limits",
+        "motor.velocity" => "motor_drive.target_velocity",
+        "motor.max_speed" => "motor_drive.max_speed",
+        "motor.max_torque" => "spherical_motor.max_torque",
+        _ => return of_axis(argument).map_or(Cow::Borrowed(argument), Cow::Owned),
+    };
+    Cow::Borrowed(own)
+}
+
+/// The same of an axis of a generic joint.
+fn of_axis(argument: &str) -> Option<String> {
+    let (list, first) = if argument.starts_with("linear[") { ("linear_axes", 0) } else { ("angular_axes", 3) };
+    let (axis, field) = argument.strip_prefix("linear[").or(argument.strip_prefix("angular["))?.split_once("].")?;
+    let number: usize = axis.parse().ok()?;
+    Some(match field {
+        "motor.velocity" => format!("axis_drives[{}].target_velocity", first + number),
+        "motor.max_speed" => format!("axis_drives[{}].max_speed", first + number),
+        "motor.compliance" | "motor.damping" => format!("{list}[{axis}].{}", field.replacen("motor", "motor.softness", 1)),
+        _ => format!("{list}[{axis}].{field}"),
+    })
 }
 
 fn code_of(kind: ErrorKind) -> LsResult {

@@ -5,6 +5,7 @@ use glam::Vec3;
 use super::World;
 use super::wake::Edited;
 use crate::body::BodyKind;
+use crate::check;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId, ShapeId};
 use crate::joint::JointDef;
@@ -182,6 +183,7 @@ impl World {
     /// # Errors
     /// The speed is negative or not finite.
     pub fn set_restitution_threshold(&mut self, speed: f32) -> Result<()> {
+        check::not_negative("speed", speed)?;
         self.change_def(|def| def.restitution_threshold = speed)
     }
 
@@ -190,6 +192,7 @@ impl World {
     /// # Errors
     /// The speed is negative or NaN.
     pub fn set_hit_threshold(&mut self, speed: f32) -> Result<()> {
+        check::bound("speed", speed)?;
         self.change_def(|def| def.hit_threshold = speed)
     }
 
