@@ -217,6 +217,40 @@ fn what_falls_rebounds_straight() {
     }
 }
 
+/// What goes further in a step than a floor is thick would be beside its neighbours, or behind them, had it not rebounded: they held it there.
+#[test]
+fn what_goes_further_than_a_floor_is_thick_rebounds() {
+    let scales = [(0.05_f32, 30.0_f32), (0.05, 60.0), (0.5, 30.0), (2.0, 30.0)];
+    for (floor, (size, rate)) in FLOORS.into_iter().flat_map(|floor| scales.map(|scale| (floor, scale))) {
+        // Away from the seams, over the size; strides over the radius, five of which are as thick as a piece.
+        for (stride, place) in
+            [3.0_f32, 6.0, 12.0, 24.0].into_iter().flat_map(|stride| [-20.69_f32, -20.1, -19.7].map(|x| (stride, x)))
+        {
+            for fast in [false, true] {
+                let radius = 0.2 * size;
+                let speed = stride * radius * rate;
+                let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, ..WorldDef::default() }).expect("a valid world");
+                world.set_restitution_threshold(0.1 * speed).expect("a valid speed");
+                lay(&mut world, floor, size, (16, 8), material(0.5, 0.8));
+                let ball =
+                    ShapeDef { material: material(0.5, 0.8), ..ShapeDef::new(Shape::ball(radius).expect("a valid shape")) };
+                let at = Vec3::new(place * size, radius * (1.0 + 0.4 * stride), -4.63 * size).as_dvec3();
+                let def = BodyDef { fast, linear_velocity: Vec3::NEG_Y * speed, ..BodyDef::dynamic(Pose::at(at)) };
+                let body = world.create_body(&def.with_shape(ball)).expect("a valid body");
+                for _ in 0..3 {
+                    world.step(1.0 / rate).expect("a valid step");
+                }
+                let off = (world.linear_velocity(body).expect("it stays") - Vec3::Y * (0.8 * speed)).length() / speed;
+                assert!(
+                    off < 0.02,
+                    "a ball of {radius} m at {place} sizes of a piece, {stride} radii a step at {rate}/s on {floor}, fast {fast}: its rebound \
+                     is off by {off} of its speed, bound 0.02"
+                );
+            }
+        }
+    }
+}
+
 /// Which corners of an octagon are kept of a contact may change from step to step; two were told at the place of one.
 #[test]
 fn a_contact_tells_each_of_its_points_once() {

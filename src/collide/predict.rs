@@ -221,8 +221,15 @@ impl PairApproach<'_> {
             let (share, turns) = self.look_ahead(shapes, start, (ahead, extent / path), margin, found);
             put_back(found, share, turns);
         } else if self.a.is_round || self.b.is_round {
+            let began_apart = found.nearest() > 0.0;
             let (share, turns) = self.follow(shapes, extent, (path, 1.0), margin, found);
-            put_back(found, share, turns);
+            found.manifolds.retain_mut(|manifold| {
+                let is_apart = nearest_of(manifold) >= 0.0;
+                self.put_back(manifold, share * self.step.dt, turns);
+                // What is apart at both ends of its way, beside or behind the other at last, has passed no such plane: it began on the far side
+                // of it. What rebounds from something else would be kept there.
+                !(began_apart && is_apart && nearest_of(manifold) < -FLUSH * extent)
+            });
         } else {
             let now = found.nearest_normal();
             std::mem::swap(found.manifolds, found.spare);
