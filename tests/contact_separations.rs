@@ -108,3 +108,30 @@ fn a_contact_tells_how_far_its_surfaces_are_apart_now() {
         }
     }
 }
+
+/// What spins about its own axis by more than it shows: a contact that was looked for as far as it could reach told overlaps of half a metre.
+#[test]
+fn a_contact_of_what_spins_past_tells_the_true_gap() {
+    for (rate, size) in RATES.into_iter().flat_map(|rate| [0.006_f32, 0.06, 0.6].map(|size| (rate, size))) {
+        let shapes = [Geometry::Ball { radius: size }, Geometry::Capsule { half_height: size, radius: 0.5 * size }];
+        for (shape, turn) in shapes.into_iter().flat_map(|shape| [0.5_f32, 2.0, 8.0, 17.0].map(|turn| (shape.clone(), turn))) {
+            let mut world = World::new(&WorldDef { gravity: Vec3::ZERO, ..WorldDef::default() }).expect("a valid world");
+            let [spins, rests] = [(0.0, turn * rate), (6.0, 0.0)].map(|(place, spin)| {
+                let at = Pose::at(Vec3::X.as_dvec3() * f64::from(place * size));
+                let def = BodyDef::dynamic(at).with_shape(ShapeDef::new(Shape::new(shape.clone()).expect("a valid shape")));
+                world.create_body(&BodyDef { angular_velocity: Vec3::Y * spin, ..def }).expect("a valid body")
+            });
+            world.set_linear_velocity(spins, Vec3::X * (5.0 * size)).expect("it stays");
+            for _ in 0..(0.1 * rate) as u32 {
+                world.step(1.0 / rate).expect("a valid step");
+                let [a, b] = [spins, rests].map(|body| world.body_shapes(body).expect("it stays")[0]);
+                let gap = world.shape_distance(a, b).expect("they stay").distance;
+                for contact in world.contacts_of(rests).expect("it stays").filter(|contact| contact.points().len() == 1) {
+                    let off = (f64::from(contact.points()[0].separation) - gap).abs() / f64::from(size);
+                    let what = format!("{shape:?} that spins by {turn} rad a step at {rate}/s");
+                    assert!(off < 1.0e-3, "{what}: a gap is told that is off by {off} of its size, bound 1e-3");
+                }
+            }
+        }
+    }
+}

@@ -204,15 +204,20 @@ impl World {
         // A flat mesh has no thickness.
         let solid = |extent: f32| if extent > 0.0 { extent } else { f32::INFINITY };
         let extent = solid(shape_a.least_extent).min(solid(shape_b.least_extent));
-        self.collision.pairs.get(slot).manifolds.iter().map(move |manifold| {
+        let manifolds = &self.collision.pairs.get(slot).manifolds;
+        let only = nearest_pair(&now).filter(|_| manifolds.len() == 1);
+        manifolds.iter().map(move |manifold| {
             let world = WorldManifold::new(&manifold, (shape_a, body_a), (shape_b, body_b));
-            let mut contact = Contact::new(pair, world.normal, manifold.impulses.friction * per_substep);
+            let only = only.filter(|_| manifold.points.len() == 1);
+            let normal = only.map_or(world.normal, |(normal, _)| (turn * normal).normalize());
+            let mut contact = Contact::new(pair, normal, manifold.impulses.friction * per_substep);
             let apart = |i: usize| {
                 let (on_a, on_b) = (body_a.center + world.lever_a[i].as_dvec3(), body_b.center + world.lever_b[i].as_dvec3());
                 (0.5 * (on_a + on_b), world.normal.dot((on_b - on_a).as_vec3()))
             };
             let middle = |i: usize| turn.conjugate() * (apart(i).0 - origin).as_vec3();
-            let places = successors(&now, &manifold, middle, extent);
+            let mut places = successors(&now, &manifold, middle, extent);
+            places[0] = only.map_or(places[0], |(_, place)| Some(place));
             for (i, (place, normal)) in places.into_iter().zip(manifold.impulses.normal).enumerate().take(manifold.points.len()) {
                 let place = place.map(|(middle, separation)| (origin + (turn * middle).as_dvec3(), separation));
                 let (position, separation) = place.unwrap_or_else(|| apart(i));
@@ -226,6 +231,14 @@ impl World {
     pub(super) fn may_meet(&self, a: &Collider, b: &Collider) -> bool {
         super::pairs::may_collide(a, b, &self.bodies, &self.joints, &self.unions)
     }
+}
+
+/// Normal, middle (m) and separation (m), in A's frame, of the only point of the only manifold, if there is no other: it takes the place of any such
+/// point, however far the shapes have turned.
+fn nearest_pair(now: &[Manifold]) -> Option<(Vec3, (Vec3, f32))> {
+    let [manifold] = now else { return None };
+    let [point] = manifold.contacts() else { return None };
+    Some((manifold.normal, (point.on_a + manifold.normal * (0.5 * point.separation), point.separation)))
 }
 
 /// Distance below which two points are at one place, over the lesser least extent.
