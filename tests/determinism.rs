@@ -4,7 +4,11 @@ use std::sync::Arc;
 
 use crate::common::{self, Run, scene};
 use longspan::glam::{DVec3, Quat, Vec3};
-use longspan::{BodyDef, CollisionFilter, Geometry, Material, ParallelFor, Pose, Shape, ShapeDef, Solver, World, WorldDef};
+use longspan::{
+    BodyDef, BodyId, CollisionFilter, Geometry, JointDef, JointKind, Limits, Material, Motor, ParallelFor, Pose, Shape, ShapeDef,
+    Softness, Solver, World, WorldDef,
+};
+use longspan_scenes::Random;
 
 fn hash_on(threads: usize, name: &str, keys: &[(&str, &str)]) -> u64 {
     Run::on_threads(scene(name, keys), threads).world().state_hash()
@@ -255,6 +259,104 @@ fn what_tumbles_beside_a_ragdoll_in_lockstep_changes_no_bit_of_it() {
                 differs, None,
                 "{solver:?}: first step after which ragdolls differ beside others that fall from {height} m higher"
             );
+        }
+    }
+}
+
+/// Makes a chain of boxes at `x` (m) that its joints draw together, and that collide with each other.
+fn open_chain(world: &mut World, x: f64, speed: f32, random: &mut Random) -> Vec<BodyId> {
+    let cube = ShapeDef::new(Shape::cuboid(Vec3::splat(0.3)).unwrap());
+    let mut boxes = Vec::new();
+    for number in 0..8 {
+        let place = Pose::at_xyz(x + 0.8 * f64::from(number), 5.0, 0.0);
+        let (linear_velocity, angular_velocity) = (random.vector(speed), random.vector(speed));
+        let def = BodyDef { linear_velocity, angular_velocity, ..BodyDef::dynamic(place).with_shape(cube.clone()) };
+        let body = world.create_body(&def).unwrap();
+        if let Some(&last) = boxes.last() {
+            let joint = JointDef::new(JointKind::SPHERICAL, last, body).at(Vec3::X * 0.4 + random.vector(0.15), Vec3::X * -0.4);
+            world.create_joint(&JointDef { collide_connected: true, ..joint }).unwrap();
+        }
+        boxes.push(body);
+    }
+    boxes
+}
+
+/// Makes a bar at a place that a motor on a joint to the world turns, which is solved by sweeps.
+fn swept_bar(world: &mut World, place: Pose, limits: Limits, motor: Motor) {
+    let cube = ShapeDef::new(Shape::cuboid(Vec3::splat(0.3)).unwrap());
+    let bar = world.create_body(&BodyDef::dynamic(place).with_shape(cube)).unwrap();
+    let hinge = JointDef::new(JointKind::Hinge { limits, motor }, BodyId::NULL, bar);
+    let hinge = JointDef { frame_a: place, solver: Solver::GaussSeidel, restitution: 0.5, ..hinge };
+    world.create_joint(&hinge).unwrap();
+}
+
+const TURNS: Motor = Motor::Velocity { target: 0.3, max_force: f32::INFINITY };
+
+/// Velocities of chains after each step, with bars that swept motors turn 500 m away.
+fn chains_beside(bars: u32, seed: u64) -> Vec<Vec<[Vec3; 2]>> {
+    let mut random = Random::new(seed);
+    let mut world = World::new(&WorldDef::default()).unwrap();
+    let mut boxes = Vec::new();
+    for x in [0.0, 50.0, 100.0, 150.0, 200.0, 250.0] {
+        for bar in 0..bars {
+            swept_bar(&mut world, Pose::at_xyz(x, 2.0 * f64::from(bar), 500.0), Limits::NONE, TURNS);
+        }
+        boxes.extend(open_chain(&mut world, x, 20.0, &mut random));
+    }
+    let mut step = |_| {
+        world.step(1.0 / 60.0).unwrap();
+        boxes.iter().map(|&body| [world.linear_velocity(body).unwrap(), world.angular_velocity(body).unwrap()]).collect()
+    };
+    (0..20).map(&mut step).collect()
+}
+
+#[test]
+fn motors_in_another_island_change_no_bit_of_one_without() {
+    for seed in 0..6 {
+        let alone = chains_beside(0, seed);
+        for bars in [1, 2] {
+            let beside = chains_beside(bars, seed);
+            let differs = alone.iter().zip(&beside).position(|(alone, beside)| alone != beside);
+            assert_eq!(differs, None, "seed {seed}: first step after which chains differ beside {bars} motors each");
+        }
+    }
+}
+
+/// Rows of joints that are swept one by one are laid out only where there are any: what is left of those of another scene must not be swept.
+#[test]
+fn what_a_world_has_stepped_before_a_restore_makes_no_difference() {
+    let save = |world: &World| {
+        let mut bytes = Vec::new();
+        world.save(&mut bytes);
+        bytes
+    };
+    let softness = Softness { compliance: 0.0, damping: 0.0 };
+    let motors = [
+        (Limits::NONE, TURNS),
+        (Limits::NONE, Motor::Position { target: 0.3, softness, max_force: f32::INFINITY }),
+        (Limits { min: -0.01, max: 0.01 }, Motor::Velocity { target: 9.0, max_force: 1.0e5 }),
+    ];
+    for (limits, motor) in motors {
+        let mut driven = World::new(&WorldDef::default()).unwrap();
+        swept_bar(&mut driven, Pose::IDENTITY, limits, motor);
+        let driven = save(&driven);
+        let mut used = World::new(&WorldDef::default()).unwrap();
+        let mut random = Random::new(7);
+        for round in 0..30 {
+            let solver = [Solver::Auto, Solver::GaussSeidel][round % 2];
+            let mut chain = World::new(&WorldDef { solver, ..WorldDef::default() }).unwrap();
+            open_chain(&mut chain, 0.0, 50.0, &mut random);
+            let chain = save(&chain);
+            used.restore(&driven).unwrap();
+            used.step(1.0 / 60.0).unwrap();
+            used.restore(&chain).unwrap();
+            let mut fresh = World::new(&WorldDef::default()).unwrap();
+            fresh.restore(&chain).unwrap();
+            for step in 0..20 {
+                used.step(1.0 / 60.0).unwrap();
+                fresh.step(1.0 / 60.0).unwrap();
+                assert_eq!(used.state_hash(), fresh.state_hash(), "{motor:?}, {solver:?}, round {round}, step {step}");
+            }
         }
     }
 }

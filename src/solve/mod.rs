@@ -45,6 +45,7 @@ pub(crate) mod velocity_half_step;
 mod wide_bodies;
 mod wide_matrix;
 pub(crate) mod wrapped_bound;
+mod yielding_motors;
 
 pub(crate) use crate::contact::status;
 

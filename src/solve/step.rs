@@ -17,6 +17,7 @@ use super::joint_mesh::JointMesh;
 use super::momentum_pass::MomentumPass;
 use super::recovery::Recovery;
 use super::slides::Slides;
+use super::yielding_motors::YieldingMotors;
 use super::{StepSettings, contact_kernels, integrate, parallel_contacts};
 use crate::id::{JointId, Pool};
 use crate::joint_record::Joint;
@@ -26,15 +27,13 @@ use crate::workers::Workers;
 /// sweeps is short: a bound changes little in it, and building its row costs as much as sweeping it twice.
 const LONG_SUBSTEP: u32 = 3;
 
-/// Sweeps of contacts and joints at the end of a substep in which motors do what they did before.
-const YIELDING_SWEEPS: u32 = 2;
-
 /// What each stage of a batch's step keeps to itself: the batch has what they share.
 #[derive(Debug, Default)]
 pub(crate) struct BatchStages {
     initial_impulses: InitialImpulses,
     pub momentum_pass: MomentumPass,
     contact_newton: ContactNewton,
+    yielding: YieldingMotors,
     pub body_warm_start: BodyWarmStart,
     pub joint_mesh: JointMesh,
     joint_energy: JointEnergy,
@@ -242,7 +241,7 @@ impl BatchStages {
                 batch.sweep_bounds(true);
             }
         }
-        batch.yield_motors(threads);
+        self.yielding.apply(batch, threads);
     }
 
     /// Sweeps position rows on where joints are left ajar.
@@ -362,24 +361,6 @@ impl Batch {
         self.long_range.bounds.add_loads();
         self.long_range.wraps.add_loads();
         self.long_range.taut.add_loads();
-    }
-
-    /// Ends the sweeps with what joints hold and contacts stop, where motors drive against them: a sweep back ends with joints, and a motor that it
-    /// ends with has its way, through any wall.
-    fn yield_motors(&mut self, threads: &Workers) {
-        if self.contacts.first_jointed == self.contacts.len() || !self.joints.hold_motors() {
-            return;
-        }
-        for _ in 0..YIELDING_SWEEPS {
-            self.sweep_jointed_contacts(threads);
-            self.joints.sweep(threads, &mut self.velocities, false);
-        }
-        self.sweep_jointed_contacts(threads);
-    }
-
-    fn sweep_jointed_contacts(&mut self, threads: &Workers) {
-        let moving = self.moving();
-        parallel_contacts::sweep_jointed(&mut self.contacts, threads, (&mut self.velocities[..], moving));
     }
 
     /// One sweep over the bounds, or backwards.

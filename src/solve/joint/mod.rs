@@ -43,8 +43,9 @@ use geometry::{Placement, WorldFrame};
 use lanes::JointLanes;
 pub(crate) use lanes::rows::{implicit_share, turning_ease as turning_ease_in_lanes};
 pub(crate) use link::{JointEnd, JointLink, JointTraits};
-use singles::Singles;
+use singles::{KeptRows, Singles};
 
+use super::contact::Lane3;
 use super::disjoint::DisjointSlices;
 use super::integrate::PredictedPose;
 use super::state::{BodyMotion, BodyVelocity};
@@ -86,6 +87,14 @@ pub(crate) struct BatchJoints {
     left_over: Vec<u32>,
     /// Numbers of the joints in the order of their parts: the joints themselves stay where they are, as they are large.
     order: Vec<u32>,
+}
+
+/// Rows of a batch as they were.
+#[derive(Debug, Default)]
+pub(crate) struct KeptJoints {
+    /// Multipliers of the points and directions of each block.
+    lanes: Vec<[Lane3; 2]>,
+    singles: KeptRows,
 }
 
 /// What is swept of one colour: blocks, then joints one by one.
@@ -159,9 +168,26 @@ impl BatchJoints {
         }
     }
 
-    /// Has motors do for the rest of the substep what they do now; whether there are any.
-    pub(crate) fn hold_motors(&mut self) -> bool {
-        self.singles.hold_motors(&self.entries)
+    /// Slots of the bodies of each joint with a motor.
+    pub(crate) fn motor_slots(&self) -> impl Iterator<Item = [u32; 2]> {
+        self.singles.motor_slots(&self.entries)
+    }
+
+    /// Has motors do for the rest of the substep what they do now.
+    pub(crate) fn hold_motors(&mut self) {
+        self.singles.hold_motors(&self.entries);
+    }
+
+    /// Keeps the rows of a batch of several islands as they are: none of its joints is in a strip, which a large island alone has.
+    pub(crate) fn keep(&self, kept: &mut KeptJoints) {
+        self.lanes.keep(&mut kept.lanes);
+        self.singles.keep(&mut kept.singles);
+    }
+
+    /// Puts the rows of joints back that are on none of these slots.
+    pub(crate) fn put_back(&mut self, kept: &KeptJoints, slots: &[bool]) {
+        self.lanes.put_back(&kept.lanes, slots);
+        self.singles.put_back(&kept.singles, slots);
     }
 
     /// Sets the multipliers of joints on these slots to nothing.

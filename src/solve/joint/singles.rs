@@ -122,13 +122,25 @@ pub(super) struct Singles {
     approaches: Vec<(usize, u8, f32)>,
 }
 
+/// Rows as they were.
+#[derive(Debug, Default)]
+pub(super) struct KeptRows {
+    rows: Vec<SingleJointRows>,
+    scalars: Vec<ScalarRow>,
+}
+
 impl Singles {
     /// Forgets all joints and rows but keeps the memory.
     pub(super) fn clear(&mut self) {
-        self.numbers.clear();
-        self.turned.clear();
-        self.rows.clear();
-        self.scalars.clear();
+        // All of it: a step without swept joints builds no rows, and would go on with what is left of the step before.
+        let Self { numbers, turned, rows, scalars, any_motors, asked, approaches } = self;
+        numbers.clear();
+        turned.clear();
+        rows.clear();
+        scalars.clear();
+        *any_motors = false;
+        asked.clear();
+        approaches.clear();
     }
 
     pub(super) fn add(&mut self, numbers: &[u32]) {
@@ -257,17 +269,37 @@ impl Singles {
         }
     }
 
-    /// Has motors do for the rest of the substep what they do now; whether there are any.
-    pub(super) fn hold_motors(&mut self, entries: &[JointEntry]) -> bool {
-        let Self { rows, scalars, any_motors, .. } = self;
-        if !*any_motors {
-            return false;
-        }
+    /// Slots of the bodies of each joint with a motor.
+    pub(super) fn motor_slots(&self, entries: &[JointEntry]) -> impl Iterator<Item = [u32; 2]> {
+        let rows = if self.any_motors { &self.rows[..] } else { &[] };
+        rows.iter().filter(|rows| entries[rows.entry].traits.has_motor).map(|rows| [rows.a, rows.b])
+    }
+
+    /// Has motors do for the rest of the substep what they do now.
+    pub(super) fn hold_motors(&mut self, entries: &[JointEntry]) {
+        let Self { rows, scalars, .. } = self;
         for rows in rows.iter().filter(|rows| entries[rows.entry].traits.has_motor) {
             let motors = entries[rows.entry].motors.rows;
             rows.scalars(scalars).iter_mut().filter(|row| motors.axis(row.id).is_some()).for_each(ScalarRow::hold);
         }
-        true
+    }
+
+    /// Keeps all rows as they are.
+    pub(super) fn keep(&self, kept: &mut KeptRows) {
+        kept.rows.clone_from(&self.rows);
+        kept.scalars.clone_from(&self.scalars);
+    }
+
+    /// Puts the rows of joints back that are on none of these slots.
+    pub(super) fn put_back(&mut self, kept: &KeptRows, slots: &[bool]) {
+        let Self { rows, scalars, .. } = self;
+        for (rows, kept_rows) in
+            rows.iter_mut().zip(&kept.rows).filter(|(rows, _)| !(slots[rows.a as usize] || slots[rows.b as usize]))
+        {
+            *rows = *kept_rows;
+            let own = rows.scalars.0 as usize..rows.scalars.1 as usize;
+            scalars[own.clone()].copy_from_slice(&kept.scalars[own]);
+        }
     }
 
     /// One sweep over a range of joints.

@@ -325,6 +325,25 @@ impl JointLanes {
         }
     }
 
+    /// Keeps the multipliers of points and directions of each block as they are.
+    pub(super) fn keep(&self, kept: &mut Vec<[Lane3; 2]>) {
+        let of_directions = |block: &PointBlock| block.directions.map(|number| self.directions[number as usize].impulse);
+        kept.clear();
+        kept.extend(self.points.iter().map(|block| [block.impulse, of_directions(block).unwrap_or_default()]));
+    }
+
+    /// Puts the multipliers of joints back that are on none of these slots.
+    pub(super) fn put_back(&mut self, kept: &[[Lane3; 2]], slots: &[bool]) {
+        for (block, [points, turns]) in self.points.iter_mut().zip(kept) {
+            for l in (0..block.count as usize).filter(|&l| !(slots[block.a[l] as usize] || slots[block.b[l] as usize])) {
+                put(&mut block.impulse, l, get(points, l));
+                if let Some(number) = block.directions {
+                    put(&mut self.directions[number as usize].impulse, l, get(turns, l));
+                }
+            }
+        }
+    }
+
     /// Adds the substep's multipliers to their sums.
     pub(crate) fn add_loads(&mut self) {
         let add = |sum: &mut Lane3, impulse: &Lane3| {
