@@ -351,6 +351,11 @@ impl Body {
         self.is_free() && self.is_mover() && !self.held
     }
 
+    /// Whether it is awake and moves, or is held for the moment.
+    pub(crate) fn is_under_way(&self) -> bool {
+        self.is_awake() && (self.held || self.linear_velocity != Vec3::ZERO || self.angular_velocity != Vec3::ZERO)
+    }
+
     pub(crate) fn pose(&self) -> Pose {
         Pose { position: self.center - (self.rotation * self.local_center).as_dvec3(), rotation: self.rotation }
     }

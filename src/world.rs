@@ -101,6 +101,8 @@ struct Movers {
     are_sorted: bool,
     /// Whether some of those that are sorted are kinematic: they stop being movers without a word.
     some_are_driven: bool,
+    /// Bodies that moved until fixed joints came to hold them to something static in this step.
+    stopped: Vec<u32>,
     /// Joints whose stops or frames the host has moved of late.
     driven_joints: Vec<u32>,
 }
@@ -283,6 +285,7 @@ impl World {
 
     fn begin_step(&mut self, dt: f32) {
         self.events.begin_step();
+        self.movers.stopped.clear();
         self.forget_driven();
         self.forget_escaped();
         let (step, time) = (self.report.step + 1, self.report.time + f64::from(dt));

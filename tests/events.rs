@@ -217,6 +217,36 @@ fn what_wakes_says_so() {
 }
 
 #[test]
+fn what_is_welded_in_flight_says_that_it_sleeps() {
+    for (pieces, solver) in [1, 3].into_iter().flat_map(|pieces| [(pieces, Solver::Auto), (pieces, Solver::GaussSeidel)]) {
+        let mut world = World::new(&WorldDef { solver, ..WorldDef::default() }).unwrap();
+        let cube = ShapeDef::new(Shape::cuboid(Vec3::splat(0.5)).unwrap());
+        let at = |number: u32| Pose::at_xyz(f64::from(number), 10.0, 0.0);
+        let bodies: Vec<BodyId> = (0..pieces)
+            .map(|number| world.create_body(&BodyDef::dynamic(at(number)).with_shape(cube.clone())).unwrap())
+            .collect();
+        for pair in bodies.windows(2) {
+            world.create_joint(&JointDef::new(JointKind::Fixed, pair[0], pair[1]).at(Vec3::X * 0.5, Vec3::X * -0.5)).unwrap();
+        }
+        run(&mut world, 30);
+        let weld =
+            JointDef { frame_a: world.pose(bodies[0]).unwrap(), ..JointDef::new(JointKind::Fixed, BodyId::NULL, bodies[0]) };
+        let weld = world.create_joint(&weld).unwrap();
+        assert!(bodies.iter().all(|&body| world.is_awake(body).unwrap()));
+        world.step(DT).unwrap();
+        let told: Vec<_> = world.moved().iter().map(|moved| (moved.body, moved.fell_asleep, moved.linear_velocity)).collect();
+        assert_eq!(told, bodies.iter().map(|&body| (body, true, Vec3::ZERO)).collect::<Vec<_>>(), "{solver:?}");
+        assert!(!bodies.iter().any(|&body| world.is_awake(body).unwrap()));
+        assert_eq!(world.report().counts.moved, pieces);
+        world.step(DT).unwrap();
+        assert!(world.moved().is_empty(), "{solver:?}: told once");
+        world.destroy_joint(weld).unwrap();
+        world.step(DT).unwrap();
+        assert_eq!(world.moved().len() as u32, pieces, "{solver:?}: it falls again");
+    }
+}
+
+#[test]
 fn a_body_may_become_another_kind_while_the_world_lives() {
     let mut world = world(f32::INFINITY);
     let (lower, upper) = (ball(&mut world, 0.5, 0.0), ball(&mut world, 1.5, 0.0));

@@ -20,7 +20,7 @@ impl World {
     }
 
     /// Whether a body that may sleep stands because welds hold it to what is static, and no joint of it wears or bears too much.
-    fn stands_welded(&self, index: u32) -> bool {
+    pub(super) fn stands_welded(&self, index: u32) -> bool {
         let body = &self.bodies[index];
         if body.anchored != Anchored::Still || !self.def.sleep.enabled || !body.settings.can_sleep {
             return false;

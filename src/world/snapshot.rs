@@ -50,7 +50,7 @@ impl World {
             report: _,
             support: _,
             fracture: _,
-            movers: Movers { slots: _, are_sorted: _, some_are_driven: _, driven_joints: _ },
+            movers: Movers { slots: _, are_sorted: _, some_are_driven: _, stopped: _, driven_joints: _ },
             // In tables of their own.
             bodies: _,
             colliders: _,

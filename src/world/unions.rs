@@ -298,6 +298,9 @@ impl World {
     fn set_anchored(&mut self, members: &[u32], anchored: Anchored) {
         let is_other = |&index: &u32| self.bodies.get(index).is_some_and(|body| body.anchored != anchored);
         let changed: Vec<u32> = members.iter().copied().filter(is_other).collect();
+        if anchored == Anchored::Still {
+            self.movers.stopped.extend(changed.iter().filter(|&&index| self.bodies[index].is_under_way()));
+        }
         for &index in &changed {
             self.wake_for(Edited::Body(index));
         }

@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::report_contact;
-use crate::body::Body;
+use crate::body::{Anchored, Body};
+use crate::id::{BodyId, Pool};
 use crate::report::Moved;
 use crate::tight_vec::{make_room, make_room_behind};
 use crate::workers::MAX_PIECES;
@@ -19,7 +20,7 @@ impl World {
         if !stirs && self.movers.are_sorted {
             return self.events.moved.clear();
         }
-        let Self { movers: Movers { slots: movers, .. }, bodies, events, report, threads, .. } = self;
+        let Self { movers: Movers { slots: movers, .. }, bodies, events, threads, .. } = self;
         let has_woken = AtomicBool::new(false);
         let moved = |&index: &u32| {
             let body = Some(&bodies[index]).filter(|body| is_listed(body))?;
@@ -61,8 +62,32 @@ impl World {
         if has_woken.into_inner() {
             movers.iter().for_each(|&index| bodies[index].woke &= !is_listed(&bodies[index]));
         }
-        report.counts.moved = events.moved.len() as u32;
         self.movers.are_sorted &= !self.movers.some_are_driven;
+        self.list_stopped();
+        self.report.counts.moved = self.events.moved.len() as u32;
+    }
+
+    /// Adds the bodies that moved until fixed joints came to hold them: nothing tells of them from now on.
+    fn list_stopped(&mut self) {
+        let mut stopped = std::mem::take(&mut self.movers.stopped);
+        stopped.sort_unstable();
+        stopped.dedup();
+        for index in stopped.drain(..) {
+            let Some(body) = self.bodies.get(index).filter(|body| body.anchored == Anchored::Still) else { continue };
+            let moved = Moved {
+                body: self.bodies.handle_of(index),
+                user_word: body.settings.user_word,
+                pose: body.pose(),
+                linear_velocity: body.linear_velocity,
+                angular_velocity: body.angular_velocity,
+                fell_asleep: self.stands_welded(index),
+                woke: false,
+            };
+            let list = &mut self.events.moved;
+            let place = list.partition_point(|other| Pool::<Body, BodyId>::place_of(other.body) < index);
+            list.insert(place, moved);
+        }
+        self.movers.stopped = stopped;
     }
 
     /// Lists what began or ended to touch, where nobody asks for more: of what was solved that is noted as it is written back.
