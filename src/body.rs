@@ -240,13 +240,14 @@ impl SleepState {
 pub(crate) struct Drift {
     pub linear: Vec3,
     pub angular: Vec3,
-    /// How fast both were a while ago: mean lengths, over a longer time.
-    pub linear_before: f32,
-    pub angular_before: f32,
+    /// What both were a while ago: means over a longer time.
+    pub linear_before: Vec3,
+    pub angular_before: Vec3,
 }
 
 impl Drift {
-    pub(crate) const NONE: Self = Self { linear: Vec3::ZERO, angular: Vec3::ZERO, linear_before: 0.0, angular_before: 0.0 };
+    pub(crate) const NONE: Self =
+        Self { linear: Vec3::ZERO, angular: Vec3::ZERO, linear_before: Vec3::ZERO, angular_before: Vec3::ZERO };
 }
 
 impl Body {

@@ -72,6 +72,7 @@ mod strides;
 mod support;
 mod thrust;
 mod tipping;
+mod turning_points;
 mod unions;
 mod waking;
 mod wheels;

@@ -3,10 +3,14 @@
 //! Speed alone does not tell: a motor may turn by a milliradian a second, an embedded body is pushed out without any velocity, and a spring
 //! that turns back stands still for a moment. So poses tell. While a body is quiet its *drift* follows the rate at which its pose changes,
 //! averaged over some [`DRIFT_TIME`], so that what trembles in place has none. An island sleeps once none of its bodies drifts by more than
-//! a share of the speeds at which bodies are quiet, nor ever faster, and none of its joints is at work. What is out of balance is slow at first:
-//! a plank whose centre is a little beyond an edge. But its drift grows, and while at that rate it would not be quiet any more within
-//! [`GROWTH_AHEAD`], it is kept awake. What sways gets faster too, but for a quarter of its period alone, and sleeps when it gets slower. A long
-//! body goes where its far end goes: as fast as it turns times its reach.
+//! a share of the speeds at which bodies are quiet, nor ever faster, and none of its joints is at work. A long body goes where its far end
+//! goes: as fast as it turns times its reach.
+//!
+//! What is out of balance is slow at first: a plank whose centre is a little beyond an edge. What rolls up a slope is slow where it turns
+//! back. But the drift of both changes: at the rate a, from rest, either would not be quiet any more within [`GROWTH_AHEAD`], and is kept
+//! awake. The sign of its speed says nothing: it passes zero at a turning point, and a does not. Two changes must agree on a, as far as they
+//! go in one direction: that of the drift over [`GROWTH_TIME`], and that of the velocity over [`DRIFT_TIME`], which is over as soon as a body
+//! has come to rest. What sways changes its velocity too, but no longer where it is fastest, and sleeps there.
 //!
 //! A joint is at work so:
 //!
@@ -44,8 +48,8 @@ impl Drift {
         let [share, share_before] = [DRIFT_TIME, GROWTH_TIME].map(|time| if is_new { 1.0 } else { dt / (dt + time) });
         self.linear += (rate[0] - self.linear) * share;
         self.angular += (rate[1] - self.angular) * share;
-        self.linear_before += (self.linear.length() - self.linear_before) * share_before;
-        self.angular_before += (self.angular.length() - self.angular_before) * share_before;
+        self.linear_before += (self.linear - self.linear_before) * share_before;
+        self.angular_before += (self.angular - self.angular_before) * share_before;
     }
 
     /// Whether it is below these speeds (m/s, rad/s).
@@ -53,11 +57,16 @@ impl Drift {
         self.linear.length() <= linear && self.angular.length() <= angular
     }
 
-    /// Whether it grows, and at this rate will be above these speeds (m/s, rad/s) within `ahead` (s): a mean over the time T lags by a T behind
-    /// what grows at the rate a.
-    fn grows_past(&self, [linear, angular]: [f32; 2], ahead: f32) -> bool {
-        let grows = |now: f32, before: f32, limit: f32| now > before && now + (now - before) * (ahead / GROWTH_TIME) > limit;
-        grows(self.linear.length(), self.linear_before, linear) || grows(self.angular.length(), self.angular_before, angular)
+    /// Whether it changes at such a rate that a body with these velocities (m/s, rad/s) will be above these speeds within [`GROWTH_AHEAD`],
+    /// from now on or from rest: a mean over the time T lags by a T behind what grows at the rate a.
+    fn leads_past(&self, limits: [f32; 2], [linear, angular]: [Vec3; 2]) -> bool {
+        let leads = |drift: Vec3, before: Vec3, velocity: Vec3, limit: f32| {
+            let [change, latest] = [(drift - before) / GROWTH_TIME, (velocity - drift) / DRIFT_TIME];
+            let agreed = (latest.dot(change) / change.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+            let gained = change * (agreed * GROWTH_AHEAD);
+            gained.length().max((drift + gained).length()) > limit
+        };
+        leads(self.linear, self.linear_before, linear, limits[0]) || leads(self.angular, self.angular_before, angular, limits[1])
     }
 }
 
@@ -154,11 +163,11 @@ impl World {
         !self.drift_of(index).is_below(creep_speeds(&self.quiet_limits(index), touches))
     }
 
-    /// Whether a body is slow, but gets faster in such a way that it will not be for long.
+    /// Whether a body is slow, but its velocity changes in such a way that it will not be for long.
     pub(super) fn gathers_speed(&self, index: u32) -> bool {
         let SleepSettings { linear_speed, angular_speed, .. } = self.quiet_limits(index);
-        let ahead = GROWTH_AHEAD[usize::from(!self.bodies[index].joints.is_empty())];
-        self.drift_of(index).grows_past([linear_speed, angular_speed], ahead)
+        let body = &self.bodies[index];
+        self.drift_of(index).leads_past([linear_speed, angular_speed], [body.linear_velocity, body.angular_velocity])
     }
 
     /// Speeds at which a body is quiet, and its far end as well.
