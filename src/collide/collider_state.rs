@@ -36,7 +36,8 @@ pub(crate) struct ColliderState {
     is_driven: bool,
 }
 
-/// Way in a step from which on a body glides, over the lesser least extent: what goes less far loses nothing to speak of at a seam.
+/// Way in a step from which on a body glides over another that moves, over the lesser least extent: what goes less far loses nothing to
+/// speak of at a seam. Over what can't be pushed it glides at any speed, for what lies there at rest must not be held by a seam either.
 const MIN_GLIDE: f32 = 1.0e-4;
 
 /// Speed, over that of what glides over it, below which a body is still.
@@ -92,11 +93,11 @@ impl ColliderState {
         gravity * ((self.fall - other.fall) * dt)
     }
 
-    /// Whether another body moves over this one, rather than this over that: this is what the host moves, or else what moves along more slowly.
+    /// Whether another body moves over this one, rather than this over that: this is what can't be pushed, or else what moves along more slowly.
     pub(crate) fn is_ground_of(&self, other: &Self) -> bool {
-        match self.is_driven == other.is_driven {
+        match self.is_unmoved() == other.is_unmoved() {
             true => self.velocity.length_squared() < other.velocity.length_squared(),
-            false => self.is_driven,
+            false => self.is_unmoved(),
         }
     }
 
@@ -105,7 +106,7 @@ impl ColliderState {
         self.still || self.is_driven
     }
 
-    /// Whether the body moves along over another that hardly moves, but as the host moves it along.
+    /// Whether the body moves along over another that hardly moves, but as the host moves it along, or may begin to.
     pub(crate) fn glides_over(&self, other: &Self, dt: f32) -> bool {
         let way = MIN_GLIDE * self.least_extent.min(other.least_extent);
         let [over, own] = match other.is_driven {
@@ -113,8 +114,10 @@ impl ColliderState {
             false => [self.velocity, other.velocity],
         };
         let speed_squared = over.length_squared();
-        let moves = speed_squared * (dt * dt) > way * way;
-        moves && own.length() + other.turning < STILLNESS * speed_squared.sqrt()
+        if speed_squared * (dt * dt) <= way * way {
+            return other.is_unmoved() && other.turning == 0.0 && !self.is_unmoved();
+        }
+        own.length() + other.turning < STILLNESS * speed_squared.sqrt()
     }
 
     /// Distance at which two shapes become contacts even without relative motion (m).

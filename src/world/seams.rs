@@ -4,7 +4,8 @@
 //! both one surface, there would be none. Narrow phases see two shapes at a time and cannot know. Where a body moves over at least two pairs
 //! with what does not move, or over a compound, a point e on K is left out if a face of another shape or part J carries the body there as well:
 //!
-//! * J presses with a face, or will before e does, and e lies in the plane of that face, or as much under it as the body is sunk in there;
+//! * J presses with a face, or will before e does, and e lies in the plane of that face, or as much under it as the body is sunk in there, or K
+//!   ends there at that plane;
 //! * e lies on J, on its rim, or on a third shape that is flush with J there;
 //! * e does not press as that face does: it is an edge, or a side;
 //! * K does not rise above that plane behind e, as a wall or a step would.
@@ -172,18 +173,24 @@ impl StaticSurface<'_> {
         if is_same || !f.is_met_before(e) {
             return false;
         }
-        // What lies a little deep in one surface meets the side of the next by as much, and what is far off is not seen exactly.
-        let height = f.normal.dot((e.at - f.at).as_vec3());
-        let depth = (-f.separation).max(0.0) + UNSURE * e.separation.max(0.0);
-        if height > e.flush || height < -(e.flush + depth) {
-            return false;
-        }
-        let at = e.at - (f.normal * height.min(0.0)).as_dvec3();
         let into = f.normal * alignment - e.normal;
         if into.length_squared() < UPRIGHT * UPRIGHT || !self.is_face(f) || (alignment >= ALIKE && self.is_face(e)) {
             return false;
         }
-        let behind = at + (f.normal * (2.0 * e.flush) + into.normalize() * (BEHIND * e.flush)).as_dvec3();
+        let further = into.normalize() * (BEHIND * e.flush);
+        let height = f.normal.dot((e.at - f.at).as_vec3());
+        let at = e.at - (f.normal * height).as_dvec3();
+        // What lies a little deep in one surface meets the side of the next by as much, and what is far off is not seen exactly.
+        let depth = (-f.separation).max(0.0) + UNSURE * e.separation.max(0.0);
+        // What fell has points of the pose that it would have had below the plane: of a side that ends at the plane, they are no more.
+        let is_at_plane = height <= e.flush && height >= -(e.flush + depth);
+        if !is_at_plane {
+            let is_met = height > 0.0 && self.distance(e.shape, e.at + further.as_dvec3()) < e.flush;
+            if is_met || self.distance(e.shape, at) > e.flush {
+                return false;
+            }
+        }
+        let behind = at + (f.normal * (2.0 * e.flush) + further).as_dvec3();
         let above = (f.normal * (2.0 * e.flush)).as_dvec3();
         // Also where a third one lies there, flush with J: what comes over a corner meets the tile across it before those beside it press.
         let lies_there = |shape: u32| self.distance(shape, at) <= e.flush && self.distance(shape, at + above) >= e.flush;
