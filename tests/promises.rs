@@ -66,6 +66,7 @@ mod springs;
 mod stability;
 mod stacks;
 mod state;
+mod sticks;
 mod stops;
 mod stress;
 mod strides;

@@ -135,6 +135,7 @@ impl BoxPair {
             edges = self.best_edges(&axes, to_beat, margin)?;
             if let Some(edges) = edges.take_if(|edges| edges.separation > clear_lead) {
                 *manifold = self.on_edges(&edges, relative, margin)?;
+                self.add_points_of_face(face, margin, manifold);
                 return Some(());
             }
         }

@@ -27,6 +27,34 @@ impl BoxPair {
         deepest
     }
 
+    /// Adds to the one point of two edges those over a face, as far apart as they are along the edges' normal: what lies on an edge and turns
+    /// about it comes down on the face. Seen only once it overlaps there, a stick on another would roll from edge to edge for ever.
+    pub(super) fn add_points_of_face(&self, face: &FaceAxis, margin: f32, manifold: &mut Manifold) {
+        let mut over = Manifold::default();
+        self.on_face(face, margin, &mut over);
+        let (normal, cosine) = (manifold.normal, over.normal.dot(manifold.normal));
+        if manifold.count != 1 || cosine <= 0.0 {
+            return;
+        }
+        let first = manifold.points[0];
+        // One of four is that of the edges, or near it.
+        let beside = |point: &ManifoldPoint| point.on_a.distance_squared(first.on_a);
+        let nearest = (0..usize::from(over.count)).min_by(|&i, &j| beside(&over.points[i]).total_cmp(&beside(&over.points[j])));
+        for (number, point) in over.contacts().iter().enumerate() {
+            let separation = (point.separation / cosine).max(first.separation);
+            if (usize::from(over.count) == MAX_POINTS && Some(number) == nearest) || separation > margin {
+                continue;
+            }
+            let mut placed = ManifoldPoint { separation, ..*point };
+            if face.of_b {
+                placed.on_b = self.in_b(point.on_a + normal * separation);
+            } else {
+                placed.on_a = self.center + self.axes * point.on_b - normal * separation;
+            }
+            manifold.push(placed);
+        }
+    }
+
     /// Like [`on_face`](Self::on_face), for A's face across `axis`. Works in axes of which the third is the face's.
     fn over_face(&self, axis: usize, margin: f32, manifold: &mut Manifold) -> f32 {
         let turn = AxisCycle(axis);
