@@ -222,3 +222,41 @@ fn what_is_fast_is_stopped_by_thin_walls() {
         }
     }
 }
+
+/// Where the pressed points of something that has been thrown on a floor hang in the air when it has come to rest, over its size.
+fn greatest_gap_at_rest(form: &str, size: f32, rate: f32, throw: u32) -> f32 {
+    let mut world = world(9.81);
+    world.create_body(&BodyDef::fixed(Pose::IDENTITY).with_shape(shape(Geometry::HalfSpace { normal: Vec3::Y }, 0.4))).unwrap();
+    let geometry = match form {
+        "coin" => Geometry::Cylinder { half_height: 0.04 * size, radius: 0.5 * size },
+        "cone" => Geometry::Cone { half_height: 0.4 * size, radius: 0.4 * size },
+        "plate" => cuboid(0.5 * size, 0.04 * size, 0.5 * size),
+        _ => cuboid(0.5 * size, 0.5 * size, 0.5 * size),
+    };
+    let turn =
+        Quat::from_euler(longspan::glam::EulerRot::XYZ, 0.7 + 0.9 * throw as f32, 0.4 * throw as f32, 1.1 + 0.6 * throw as f32);
+    let mut def = BodyDef::dynamic(Pose::at(DVec3::Y * f64::from(1.6 * size)).rotated(turn)).with_shape(shape(geometry, 0.4));
+    def.linear_velocity = Vec3::X * size.sqrt() * 0.5;
+    let body = world.create_body(&def).unwrap();
+    for _ in 0..(8.0 * rate) as u32 {
+        world.step(1.0 / rate).unwrap();
+    }
+    let points = world.contacts_of(body).unwrap().flat_map(|contact| contact.points().to_vec()).collect::<Vec<_>>();
+    let pressed = points.iter().filter(|point| point.normal_force > 0.0);
+    pressed.fold(0.0_f32, |most, point| most.max(point.separation)) / size
+}
+
+#[test]
+fn what_has_been_thrown_lies_on_the_points_that_bear_it() {
+    for form in ["coin", "cone", "plate", "cube"] {
+        for (size, rate) in [(0.1_f32, 60.0_f32), (0.1, 240.0), (0.5, 30.0), (0.5, 60.0), (0.03, 60.0)] {
+            // What a substep of free fall closes may stay open, more at the end of a lever.
+            let bound = 3.0 * 9.81 / (4.0 * rate).powi(2) / size + 1.0e-3;
+            for throw in 0..6 {
+                let gap = greatest_gap_at_rest(form, size, rate, throw);
+                // Points that had inherited their load bore it where they were: coins of 10 cm 11 mm above the floor.
+                assert!(gap < bound, "{form} of {size} m at {rate} Hz, throw {throw}: bears at {gap} of its size, bound {bound}");
+            }
+        }
+    }
+}

@@ -232,8 +232,9 @@ impl Manifolds {
     }
 }
 
-/// Separation of an unloaded point up to which it belongs to the region of a pressed face, over the smaller shape's extent.
-const TOUCHING_SHARE: f32 = 1.0e-3;
+/// Separation of an unloaded point up to which it belongs to the region of a pressed face, over the smaller shape's extent; a loaded one
+/// that is further off may have nothing to press on.
+pub(crate) const TOUCHING_SHARE: f32 = 1.0e-3;
 
 /// Points of a pressed manifold that are pressed or touch, as bits; none where nothing is pressed. `extent` is the lesser least
 /// extent of the two shapes (m).

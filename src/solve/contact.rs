@@ -30,6 +30,8 @@ pub(crate) struct ContactInput {
     pub lever_a: [Vec3; POINTS],
     pub lever_b: [Vec3; POINTS],
     pub separation: [f32; POINTS],
+    /// Separation up to which a point touches (m).
+    pub touching: f32,
     pub count: usize,
     pub material: PairMaterial,
     pub impulses: ContactImpulses,

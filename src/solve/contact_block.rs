@@ -64,6 +64,8 @@ pub(crate) struct ContactBlock {
     pub tangent_mass: [Lane; 3],
     pub tangent_lambda: [Lane; 2],
     pub friction: Lane,
+    /// 1 where one of several points that begins the step under load is further off than what touches.
+    pub hangs: Lane,
     /// Points of each manifold, and whether it begins with a multiplier of one of them.
     pub count: [u8; LANES],
     pub is_pressed: [bool; LANES],
@@ -148,6 +150,7 @@ impl ContactBlock {
         tangent_mass: [ZERO; 3],
         tangent_lambda: [ZERO; 2],
         friction: ZERO,
+        hangs: ZERO,
         count: [0; LANES],
         is_pressed: [false; LANES],
         face: NONE,

@@ -14,6 +14,7 @@ use crate::body::{Body, BodyKind};
 use crate::collide::cache::PairCache;
 use crate::collide::collider::Collider;
 use crate::collide::pairs::WorldManifold;
+use crate::collide::persistent_manifold::TOUCHING_SHARE;
 use crate::id::{BodyId, JointId, Pool, ShapeId};
 use crate::joint_graph::Derived;
 use crate::joint_graph::plane::Chain;
@@ -352,6 +353,7 @@ impl BatchInput<'_> {
             lever_a: world.lever_a.map(|lever| lever + shift_a),
             lever_b: world.lever_b.map(|lever| lever + shift_b),
             separation: std::array::from_fn(|i| carried.points.get(i).map_or(0.0, |point| point.separation)),
+            touching: TOUCHING_SHARE * a.least_extent.min(b.least_extent),
             count: ends.points as usize,
             material: PairMaterial::combine(&a.material, &b.material),
             impulses: carried.impulses.scaled(scale),

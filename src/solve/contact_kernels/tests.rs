@@ -43,6 +43,7 @@ fn manifold() -> impl Strategy<Value = ContactInput> {
             lever_a: points.map(|point| point.0),
             lever_b: points.map(|point| point.1),
             separation: points.map(|point| point.2),
+            touching: 1.0e-3,
             count,
             material: PairMaterial { friction, restitution, rolling, spinning: if rolling > 0.05 { 0.01 } else { 0.0 } },
             impulses: ContactImpulses {
@@ -206,6 +207,7 @@ fn a_box_on_an_incline_is_told_by_its_slip_its_friction_and_its_slope() {
             lever_a: [Vec3::ZERO; 4],
             lever_b: [normal * -0.5; 4],
             separation: [0.0; 4],
+            touching: 1.0e-3,
             count: 2,
             material,
             impulses,

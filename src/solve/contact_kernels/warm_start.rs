@@ -91,14 +91,22 @@ fn start<W: Wide, M: BlockManifolds>(
 ///
 /// which grows by k/2 − (1 − g) a substep: any k lets the slow waves of a large stack grow until it falls. So the gap stays until the
 /// load is off the point.
+///
+/// Where a point is further off than what touches, it may only have inherited its load: a manifold has turned with its body, or is that of a pose
+/// to come. There a gap counts as closed up to λ/m h, the way by which the multiplier λ alone parts the bodies within a substep, which what a
+/// sweep leaves is a share of. Beyond, the point bears nothing: taken for loaded, it would hold the body up in the air for ever. In stacks of
+/// thousands (`many_contacts`) gaps that touch may be greater than that, so it is not asked of these.
 #[inline(always)]
 pub(super) fn close_in<W: Wide, M: BlockManifolds>(of: &mut M, motions: &[BodyMotion], h: f32) {
     let separation = separations::<W, M>(of, motions);
     let inverse_h = W::splat(1.0 / h);
+    let hangs = W::load(&of.block().hangs).above(W::zero());
     for (i, separation) in separation.into_iter().enumerate().take(M::COUNT) {
         let rows = of.rows_mut(i);
-        let pressed = W::load(&rows.lambda).above(W::zero());
-        W::select(pressed, W::zero(), separation.max(W::zero()) * inverse_h).store(&mut rows.closing_speed);
+        let gap = separation.max(W::zero());
+        let borne = W::select(hangs, gap * W::load(&rows.inverse_diagonal), W::zero());
+        let is_loaded = (W::load(&rows.lambda) * W::splat(h)).above(borne);
+        W::select(is_loaded, W::zero(), gap * inverse_h).store(&mut rows.closing_speed);
     }
 }
 
