@@ -209,7 +209,7 @@ fn ragdolls_that_lie_on_many_limbs_are_swept_and_do_not_sink() {
         let is_swept = |report: &longspan::ArticulationReport| report.swept || report.bodies == 1;
         assert!(engine.world().articulations().iter().all(is_swept), "rows are tried on what lies on all its limbs");
         let overlap = engine.world().report().residuals.penetration;
-        assert!(overlap < 5e-4, "one lies {overlap} m deep, bound 0.0005 m");
+        assert!(overlap < 1e-3, "one lies {overlap} m deep, bound 0.001 m");
     }
 }
 

@@ -86,10 +86,10 @@ fn wind_up(rate: f32, weight: f32) -> [f64; 2] {
 
 /// A box that turns at 20 rad/s winds up 4 m of chain with 100 kg, which comes to hang in its own turns. It can give them no more
 /// than they have when they turn with it stretched out. How they come to hang is chaotic, so weights that differ by 10 g are tried. Of 24
-/// runs at 60 steps a second eight had a gap of 5 to 47 cm for a moment, at 120 one of 2 cm; of five, two may. The middle energy of twelve
+/// runs at 60 steps a second eight had a gap of 5 to 47 cm for a moment, at 120 one of 2 cm; of 15 later three had. Of nine, four may. The middle energy of twelve
 /// at 240 steps a second was 0.6 to 1.8 once; of two sets a day apart it was 1.98 and 2.00, each between 1.7 and 2.3 but for one.
 fn winds_up_without_throwing(rate: f32) {
-    let weights = (0..5_u8).map(|number| 100.0 + 0.01 * f32::from(number));
+    let weights = (0..9_u8).map(|number| 100.0 + 0.01 * f32::from(number));
     let [mut gains, mut gaps] = [Vec::new(), Vec::new()];
     for [gain, gap] in weights.map(|weight| wind_up(rate, weight)) {
         gains.push(gain);
@@ -100,7 +100,7 @@ fn winds_up_without_throwing(rate: f32) {
     {
         numbers.sort_by(f64::total_cmp);
         println!("{rate} steps a second: {numbers:.5?} {of}");
-        assert!(numbers[2] < middle && numbers[3] < most, "{rate} steps a second: {numbers:?} {of}");
+        assert!(numbers[4] < middle && numbers[6] < most, "{rate} steps a second: {numbers:?} {of}");
     }
 }
 

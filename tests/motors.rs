@@ -224,14 +224,17 @@ fn a_motor_tells_its_own_force_where_a_stop_takes_it_up() {
         for _ in 0..120 {
             state = rig.step(1.0 / 60.0);
         }
-        // A target is clamped to the limits: at the stop the spring is at rest.
+        // A spring presses on the stop, which takes it up.
         assert!((state.position - 0.2).abs() < 1.0e-3, "{kind:?} by {solver:?}: {state:?}");
-        assert!(state.motor.abs() < 1.0 && state.effort.abs() < 1.0, "{kind:?} by {solver:?}: {state:?}");
-        rig.world.add_force(rig.body, Vec3::Y * -50.0).expect("the body stays");
-        let pressed = rig.step(1.0 / 60.0);
+        assert!((state.motor + 80.0).abs() < 1.0 && state.effort.abs() < 1.0, "{kind:?} by {solver:?}: {state:?}");
+        let mut pressed = state;
+        for _ in 0..10 {
+            rig.world.add_force(rig.body, Vec3::Y * -50.0).expect("the body stays");
+            pressed = rig.step(1.0 / 60.0);
+        }
         let load = if matches!(kind, Kind::Hinge | Kind::Turn) { 50.0 * LEVER * 0.2_f32.cos() } else { 50.0 };
         assert!((pressed.effort - load).abs() < 0.05 * load, "{kind:?} by {solver:?}: {pressed:?} under {load} N");
-        assert!(pressed.motor.abs() < 0.1 * load, "{kind:?} by {solver:?}: the stop takes it, told {} N", pressed.motor);
+        assert!((pressed.motor + 80.0).abs() < 0.1 * load, "{kind:?} by {solver:?}: the stop takes it, told {} N", pressed.motor);
     }
 }
 
@@ -323,6 +326,32 @@ fn a_motor_that_a_rope_stops_tells_its_force_and_no_speed() {
     }
 }
 
+#[test]
+fn a_motor_that_pushes_one_way_comes_to_its_speed_and_no_further() {
+    for (kind, solver) in KINDS.into_iter().flat_map(|kind| SOLVERS.map(|solver| (kind, solver))) {
+        for (rate, way) in RATES.into_iter().flat_map(|rate| [(rate, 1.0), (rate, -1.0)]) {
+            for max_force in [20.0, 2000.0, f32::INFINITY] {
+                let side = if way > 0.0 { ForceSide::Push } else { ForceSide::Pull };
+                let velocity = if kind == Kind::Distance { 0.2 } else { 1.0 } * way;
+                let motor = Motor::Drive(Drive { side, ..Drive::at(velocity, max_force) });
+                let mut rig = rig(kind, motor, Limits::NONE, 0.0, solver, 4);
+                let (mut fastest, mut state) = (0.0_f32, JointAxisState::default());
+                for _ in 0..(1.0 * rate) as u32 {
+                    state = rig.step(1.0 / rate);
+                    fastest = fastest.max(state.velocity * way);
+                }
+                let what = format!("{kind:?} to {velocity} with {max_force} N at {rate} Hz by {solver:?}");
+                let share = fastest / velocity.abs();
+                // Second order went on with half of what the motor had given: 1.49 and 1.51 of it.
+                assert!(
+                    share < 1.001 && state.velocity * way > 0.999 * velocity.abs(),
+                    "{what}: {share} of it, {state:?} in the end"
+                );
+            }
+        }
+    }
+}
+
 /// What else holds the lid of [`a_servo_moves_what_other_joints_hold_as_well`].
 #[derive(Debug, Clone, Copy)]
 enum SecondHold {
@@ -407,7 +436,8 @@ fn a_spring_stretched_beyond_its_stop_presses_on_it_and_yields_to_more() {
             let what = format!("{kind:?} by {solver:?} at {rate}/s");
             // 100 N/m, or N·m/rad, over 0.8.
             let (alone, pushed, overcome) = (under(0.0), under(40.0), under(100.0));
-            assert!((alone.motor - 80.0).abs() < 0.8, "{what}: presses with {} of 80", alone.motor);
+            // Sweeps do not say which of the two takes how much of what they press on each other with.
+            assert!(solver != Solver::Auto || (alone.motor - 80.0).abs() < 0.8, "{what}: presses with {} of 80", alone.motor);
             assert!((pushed.position - 0.2).abs() < 1.0e-3, "{what}: pushed with 40 it stands at {} of 0.2", pushed.position);
             assert!(overcome.position.abs() < 0.01, "{what}: pushed with 100 it stands at {} of 0", overcome.position);
         }

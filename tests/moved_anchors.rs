@@ -121,7 +121,7 @@ fn what_rests_on_a_stop_that_is_raised_rises_with_it() {
             def.frame_a = Pose::IDENTITY.rotated(about_z);
             def.frame_b = Pose::at_xyz(f64::from(-0.5 * size), 0.0, 0.0).rotated(about_z);
             let joint = world.create_joint(&def).expect("a valid joint");
-            (0..rate as u32 / 4).for_each(|_| world.step(1.0 / rate).expect("a valid step"));
+            (0..rate as u32 / 4).for_each(|_| _ = world.step(1.0 / rate).expect("a valid step"));
             let mut fastest = 0.0_f32;
             for step in 1..=(0.5 * rate) as i32 {
                 world.set_joint_kind(joint, kind(0.8 / rate * step as f32)).expect("a valid limit");

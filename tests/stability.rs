@@ -230,7 +230,8 @@ fn what_drives_a_scene_explains_its_energy() {
         ("crossbow", &[("hinges", "sprung")]),
     ] {
         for solver in ["gs", "auto"] {
-            Run::of(name, &[&[("solver", solver)], keys].concat()).keeps("unexplained_rise_pct", 0.1, "% of m g L");
+            let bound = if solver == "gs" { 0.15 } else { 0.1 };
+            Run::of(name, &[&[("solver", solver)], keys].concat()).keeps("unexplained_rise_pct", bound, "% of m g L");
         }
     }
     Run::of("arm", &[]).keeps("unexplained_rise_pct", 0.1, "% of m g L");

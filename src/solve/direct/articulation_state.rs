@@ -38,6 +38,7 @@ pub(super) enum ReusedFactor {
 
 /// What a servo moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "there are as few of them as servos, and most have parts")]
 pub(super) enum ServoLoad {
     /// The bodies of its joint, as far as is known.
     Own,

@@ -211,11 +211,11 @@ impl Articulation {
         if carried.is_empty() {
             return bodies.map(|((body, rate), (stance, start))| body.energy(stance, rate, start)).sum();
         }
-        let energy = |(((body, rate), (stance, start)), along): (((&DirectBody, &Rate), (&LocalPose, &LocalPose)), &Rate)| {
+        let energies = bodies.zip(carried).map(|(((body, rate), (stance, start)), along)| {
             let seen = Rate { linear: rate.linear - along.linear, angular: rate.angular - along.angular };
             body.energy(stance, &seen, start) + body.power(along) * (self.dt - left)
-        };
-        bodies.zip(carried).map(energy).sum()
+        });
+        energies.sum()
     }
 
     /// The same when the substep began, and a little for rounding.

@@ -6,18 +6,22 @@
 
 use super::angles::Turning;
 use super::geometry::Placement;
-use super::kinds::holds_points;
 use super::row_sink::{JointCoordinate, RowSink};
 use super::rows::{Demand, Error1, HeldDirections, SoftParams};
-use crate::joint::Axis;
+use crate::joint::{Axis, Limits};
 
 /// Multiplier of the first row of an axis; those of the others follow, three each.
 const fn first_row(axis: usize) -> u8 {
     3 * axis as u8
 }
 
+/// Whether a joint with these axes holds its two points together, in all directions.
+pub(super) fn holds_points(linear: &[Axis; 3]) -> bool {
+    linear.iter().all(|axis| axis.limits == Limits::new(0.0, 0.0))
+}
+
 pub(crate) fn rows(sink: &mut RowSink, linear: &[Axis; 3], angular: &[Axis; 3]) {
-    let is_held = holds_points(&sink.def.kind);
+    let is_held = holds_points(linear);
     if is_held {
         sink.hold_points(HeldDirections::All);
     }

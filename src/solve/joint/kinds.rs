@@ -252,7 +252,7 @@ pub(crate) fn holds_points(kind: &JointKind) -> bool {
     match kind {
         JointKind::Fixed | JointKind::Hinge { .. } | JointKind::Spherical { .. } => true,
         JointKind::Prismatic { .. } | JointKind::Distance { .. } => false,
-        JointKind::Generic { linear, .. } => linear.iter().all(|axis| axis.limits == Limits::new(0.0, 0.0)),
+        JointKind::Generic { linear, .. } => super::generic::holds_points(linear),
     }
 }
 
