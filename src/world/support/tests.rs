@@ -90,7 +90,7 @@ fn made_anew(world: &World) -> SupportState {
 
 /// How near to the edge of what a body stands on links that are kept may say the other thing than those made anew (m).
 fn close_to(node: &SupportNode) -> f32 {
-    5e-3 * hull::reach(node.hull()).max(0.1)
+    2e-2 * hull::reach(node.hull()).max(0.1)
 }
 
 /// Whether a body below stands on the edge itself, or a point that the body stands on is at the edge of where the one below can carry, or
