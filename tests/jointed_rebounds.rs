@@ -72,7 +72,8 @@ fn apex(world: &World, ball: BodyId) -> f64 {
 fn a_ball_comes_up_from_a_plate_as_restitution_says_whatever_joints_hold_it() {
     let plate_box = Geometry::Box { half_extents: Vec3::new(1.0, 0.1, 1.0) };
     for rate in RATES {
-        for (mass, restitution) in [(0.1, 1.0_f32), (1.0, 1.0), (1.0, 0.6), (20.0, 1.0), (1000.0, 1.0)] {
+        for (mass, restitution) in [(0.1, 1.0_f32), (1.0, 1.0), (1.0, 0.6), (20.0, 1.0), (50.0, 1.0), (100.0, 0.8), (1000.0, 1.0)]
+        {
             for how in HOLDS {
                 let mut world = world(9.81);
                 let plate = body(&mut world, mass, DVec3::ZERO, plate_box.clone(), (0.0, 0.5));
@@ -90,8 +91,7 @@ fn a_ball_comes_up_from_a_plate_as_restitution_says_whatever_joints_hold_it() {
                         expected *= f64::from(restitution * restitution);
                         let (found, what) =
                             (apex(&world, ball), format!("{mass} kg held by {how} at {rate} Hz, e {restitution}"));
-                        // A plate a thousand times as heavy as the ball leaves a hinge's stop by 1 % of what it gives.
-                        assert!((found / expected - 1.0).abs() < 0.015, "{what}: comes up {found} m, expected {expected} m");
+                        assert!((found / expected - 1.0).abs() < 0.005, "{what}: comes up {found} m, expected {expected} m");
                         bounces += 1;
                     }
                     was_rising = is_rising;

@@ -72,9 +72,10 @@ impl Problem {
         gained.max(0.0) / term.restitution
     }
 
-    /// Whether a one-sided term is closed within the substep.
+    /// Whether a one-sided term is closed within the substep: it pressed in the last one, or forces close it. Those of the bodies alone do not
+    /// say it of what rests, as a door on its stop hangs on its hinge, and the light end of a lever is pressed up.
     fn touches(&self, term: &Term) -> bool {
-        term.is_one_sided() && speed(term, &self.free)[0] + term.bias[0] <= 0.0
+        term.is_one_sided() && (term.impulse_now() > 0.0 || speed(term, &self.free)[0] + term.bias[0] <= 0.0)
     }
 
     /// Speed at which a term closes in at the start of the substep.
