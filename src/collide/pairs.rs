@@ -180,6 +180,7 @@ impl Pair {
             let moving = moving();
             let reach = Reach { motion, margin, is_pressed: self.pressed, before: &self.manifolds };
             let PairScratch { narrow, manifolds, spare, .. } = scratch;
+            narrow.last = (self.manifolds.len() == 1).then(|| self.manifolds.get(0).normal);
             let mut found = FoundContacts { scratch: narrow, manifolds, spare };
             predict::collide((a, b), &moving, step, relative, reach, &mut found);
             self.take(&scratch.manifolds, &mut scratch.carried);

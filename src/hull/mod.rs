@@ -16,10 +16,12 @@ use parry3d::query::gjk::VoronoiSimplex;
 use parry3d::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
 use parry3d::shape::{FeatureId, Shape, ShapeType, SupportMap, TypedShape};
 
+mod abreast;
 mod exact;
 mod faces;
 pub(crate) mod weight;
 
+use abreast::Abreast;
 pub(crate) use faces::Face;
 use faces::Faces;
 
@@ -86,6 +88,9 @@ impl Triangulation {
 pub(crate) struct Hull {
     surface: Triangulation,
     faces: Faces,
+    /// Corners, and normals of the faces.
+    corners: Abreast,
+    normals: Abreast,
     /// Outward unit normal of each triangle, and how far its plane is from the origin along it (m).
     planes: Vec<(DVec3, f64)>,
     /// Corners that an edge joins to a corner: `links[starts[i]..starts[i + 1]]`; empty for a few points.
@@ -109,7 +114,10 @@ impl Hull {
         };
         let planes = surface.triangles.iter().map(plane).collect();
         let reach = surface.points.iter().map(|point| point.as_dvec3().length()).fold(0.0, f64::max);
-        let mut hull = Self { surface, faces, planes, links: Vec::new(), starts: Vec::new(), extremes: [0; 6], reach };
+        let corners = Abreast::of(surface.points.iter().copied());
+        let normals = Abreast::of(faces.all.iter().map(|face| face.normal));
+        let (links, starts) = (Vec::new(), Vec::new());
+        let mut hull = Self { surface, faces, corners, normals, planes, links, starts, extremes: [0; 6], reach };
         if hull.points().len() > FEW_POINTS {
             hull.link();
         }
@@ -143,6 +151,11 @@ impl Hull {
     /// Flat faces.
     pub(crate) fn faces(&self) -> &[Face] {
         &self.faces.all
+    }
+
+    /// The face whose normal is nearest to a direction.
+    pub(crate) fn facing(&self, direction: Vec3) -> &Face {
+        &self.faces.all[self.normals.farthest(direction) as usize]
     }
 
     /// Corners of a face, counter-clockwise seen from outside.
@@ -185,7 +198,7 @@ impl Hull {
 }
 
 /// The first of the points that are highest along a direction. The height of the best is kept: looked up and reckoned again for each point it
-/// takes a third longer, and four points abreast take longer still.
+/// takes a third longer.
 fn highest(points: &[Vec3], direction: DVec3) -> u32 {
     let (mut best, mut found) = (f64::NEG_INFINITY, 0);
     for (index, point) in points.iter().enumerate() {
@@ -199,7 +212,9 @@ fn highest(points: &[Vec3], direction: DVec3) -> u32 {
 
 impl SupportMap for Hull {
     fn local_support_point(&self, direction: Vec3) -> Vec3 {
-        self.surface.points[self.farthest(direction.as_dvec3()) as usize]
+        let farthest =
+            if self.starts.is_empty() { self.corners.farthest(direction) } else { self.farthest(direction.as_dvec3()) };
+        self.surface.points[farthest as usize]
     }
 }
 

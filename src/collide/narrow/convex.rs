@@ -10,12 +10,14 @@
 use glam::Vec3;
 use parry3d::math::Pose3;
 use parry3d::query::details::NormalConstraints;
+use parry3d::query::epa::EPA;
 use parry3d::shape::SupportMap;
 
 use super::capsule::Segment;
 use super::clip;
 use super::distance::{self, ConvexGap, Nearest};
 use super::face::{self, Corner, Feature};
+use super::known_face::Known;
 use super::part::Part;
 use super::plane::ContactPlane;
 use super::reduce::{PointCandidate, reduce_into};
@@ -58,6 +60,7 @@ pub(super) struct Buffers {
     pub corners_a: Vec<Corner>,
     pub corners_b: Vec<Corner>,
     pub candidates: Vec<PointCandidate>,
+    epa: EPA,
     polygon: Vec<clip::ClipVertex>,
     clipped: Vec<clip::ClipVertex>,
 }
@@ -74,10 +77,21 @@ impl SupportMap for Core<'_> {
     }
 }
 
-/// Part B against part A.
-pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers: &mut Buffers) -> Option<Manifold> {
+/// Part B against part A, whose contact of the last step had the normal `last`.
+pub(super) fn collide(
+    a: &Part,
+    b: &Part,
+    relative: &Pose3,
+    margin: f32,
+    last: Option<Vec3>,
+    buffers: &mut Buffers,
+) -> Option<Manifold> {
     let pair = ConvexPair::near(a, b, relative, margin)?;
-    let gap = pair.gap(margin)?;
+    let (gap, face) = match last.and_then(|last| pair.known(last, margin, buffers)) {
+        Some(Known::Apart) => return None,
+        Some(Known::Under(gap, of_a)) => (gap, Some((gap, of_a))),
+        None => (pair.gap(margin, last, &mut buffers.epa)?, None),
+    };
     let allowed = pair.allowed_normal(gap.normal)?;
     // However little the neighbours have turned it, their normal is the right one: a normal tilted by θ pushes sideways with θ of the
     // weight, and nothing holds what can roll.
@@ -92,7 +106,7 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, buffers
         buffers.candidates.retain(|c| depth >= 0.0 || c.separation >= deepest);
         allowed
     } else {
-        pair.settle(&gap, buffers)
+        pair.settle(&gap, face, buffers)
     };
     let candidates = &mut buffers.candidates;
     candidates.retain(|c| c.separation <= margin);
@@ -120,26 +134,26 @@ pub(super) fn separation(a: &Part, b: &Part, relative: &Pose3, limit: f32) -> Op
         (_, &Part::HalfSpace { normal }) => Some((relative.rotation * -normal, above(normal, a, &relative.inverse())?)),
         _ => {
             let pair = ConvexPair::near(a, b, relative, limit)?;
-            let gap = pair.gap(limit)?;
+            let gap = pair.gap(limit, None, &mut EPA::new())?;
             Some((gap.normal, pair.along(gap.normal).distance() - pair.radii))
         }
     }
 }
 
 impl ConvexGap {
-    fn distance(&self) -> f32 {
+    pub(super) fn distance(&self) -> f32 {
         self.normal.dot(self.on_b - self.on_a)
     }
 }
 
-struct ConvexPair<'a> {
-    a: &'a Part<'a>,
-    b: &'a Part<'a>,
-    relative: &'a Pose3,
+pub(super) struct ConvexPair<'a> {
+    pub a: &'a Part<'a>,
+    pub b: &'a Part<'a>,
+    pub relative: &'a Pose3,
     /// Rounding of both (m).
-    radii: f32,
+    pub radii: f32,
     /// Reach of the smaller (m).
-    size: f32,
+    pub size: f32,
     slop: f32,
 }
 
@@ -163,8 +177,9 @@ impl<'a> ConvexPair<'a> {
         })
     }
 
-    /// Nearest points of the cores, or those of deepest overlap; none if the parts are further apart than `margin`.
-    fn gap(&self, margin: f32) -> Option<ConvexGap> {
+    /// Nearest points of the cores, or those of deepest overlap; none if the parts are further apart than `margin`. The search begins along
+    /// the normal `last`, if there is one.
+    fn gap(&self, margin: f32, last: Option<Vec3>, epa: &mut EPA) -> Option<ConvexGap> {
         let scale = 1.0 / self.size;
         let pose = Pose3::from_parts(self.relative.translation * scale, self.relative.rotation);
         let limit = (margin + self.radii) * scale;
@@ -172,11 +187,11 @@ impl<'a> ConvexPair<'a> {
         let mut unsound: Option<ConvexGap> = None;
         for attempt in 0..ATTEMPTS {
             let seed = match (&unsound, attempt) {
-                (_, 0) => None,
+                (_, 0) => last,
                 (Some(gap), 1) => Some(gap.normal),
                 _ => Some(self.relative.translation.any_orthogonal_vector().try_normalize().unwrap_or(Vec3::Z)),
             };
-            match distance::nearest(&a, &b, &pose, limit + SLACK.1, seed) {
+            match distance::nearest(&a, &b, &pose, limit + SLACK.1, seed, epa) {
                 Nearest::Found(gap) => {
                     let gap = ConvexGap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size, ..gap };
                     if self.is_sound(&gap) {
@@ -190,12 +205,12 @@ impl<'a> ConvexPair<'a> {
             }
         }
         let apart = unsound.filter(|gap| gap.distance() > 0.0).and_then(|gap| self.approach(gap));
-        self.within(apart.unwrap_or_else(|| self.pull_apart(&a, &b, unsound)), margin)
+        self.within(apart.unwrap_or_else(|| self.pull_apart((&a, &b), unsound, epa)), margin)
     }
 
     /// Parts that touch, or nearly: from the best direction known, they are moved apart until GJK sees clearly, and what it
     /// sees there is taken back if it is a shorter way out.
-    fn pull_apart(&self, a: &Core, b: &Core, unsound: Option<ConvexGap>) -> ConvexGap {
+    fn pull_apart(&self, (a, b): (&Core, &Core), unsound: Option<ConvexGap>, epa: &mut EPA) -> ConvexGap {
         let mut best = self.best_own_direction();
         if let Some(gap) = unsound.map(|gap| self.along(gap.normal))
             && gap.distance() > best.distance()
@@ -205,7 +220,7 @@ impl<'a> ConvexPair<'a> {
         for _ in 0..ATTEMPTS {
             let shift = best.normal * (CLEARANCE * self.size - best.distance());
             let pose = Pose3::from_parts((self.relative.translation + shift) / self.size, self.relative.rotation);
-            let Nearest::Found(gap) = distance::nearest(a, b, &pose, f32::MAX, Some(best.normal)) else { break };
+            let Nearest::Found(gap) = distance::nearest(a, b, &pose, f32::MAX, Some(best.normal), epa) else { break };
             let gap = ConvexGap { on_a: gap.on_a * self.size, on_b: gap.on_b * self.size - shift, ..gap };
             if !self.is_sound(&gap) || gap.distance() <= best.distance() {
                 break;
@@ -248,7 +263,7 @@ impl<'a> ConvexPair<'a> {
     }
 
     /// The gap that a unit `normal` proves: between the parts' extreme points along it.
-    fn along(&self, normal: Vec3) -> ConvexGap {
+    pub(super) fn along(&self, normal: Vec3) -> ConvexGap {
         let on_b = *self.relative * self.b.core_support(self.relative.rotation.inverse() * -normal);
         ConvexGap { on_a: self.a.core_support(normal), on_b, normal }
     }
@@ -291,9 +306,9 @@ impl<'a> ConvexPair<'a> {
         Some(allowed)
     }
 
-    /// Fills the candidates, with the normal of a face if one is as good as that of `gap`; returns the normal.
-    fn settle(&self, gap: &ConvexGap, buffers: &mut Buffers) -> Vec3 {
-        if let Some((under_face, of_a)) = self.face_as_good(gap) {
+    /// Fills the candidates, with the normal of a face if one is as good as that of `gap`, which may be known; returns the normal.
+    fn settle(&self, gap: &ConvexGap, face: Option<(ConvexGap, bool)>, buffers: &mut Buffers) -> Vec3 {
+        if let Some((under_face, of_a)) = face.or_else(|| self.face_as_good(gap)) {
             self.facing_features(under_face.normal, buffers);
             if self.is_found(&under_face, &buffers.candidates) {
                 return under_face.normal;
@@ -349,7 +364,7 @@ impl<'a> ConvexPair<'a> {
 
     /// Fills the candidates with the corners of the common part of the two features that face each other along `normal`.
     fn facing_features(&self, normal: Vec3, buffers: &mut Buffers) {
-        let Buffers { corners_a, corners_b, candidates, polygon, clipped } = buffers;
+        let Buffers { corners_a, corners_b, candidates, polygon, clipped, .. } = buffers;
         candidates.clear();
         let feature_a = face::find(self.a, normal, corners_a);
         let feature_b = face::find(self.b, self.relative.rotation.inverse() * -normal, corners_b);

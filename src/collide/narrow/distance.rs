@@ -35,8 +35,16 @@ pub(super) enum Nearest {
     Beyond(Vec3),
 }
 
-/// Nearest points or least overlap of shapes not further apart than `limit`; the search starts along `seed`.
-pub(super) fn nearest(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3, limit: f32, seed: Option<Vec3>) -> Nearest {
+/// Nearest points or least overlap of shapes not further apart than `limit`; the search starts along `seed`, and nothing that `epa` has kept
+/// is used but its memory.
+pub(super) fn nearest(
+    a: &impl SupportMap,
+    b: &impl SupportMap,
+    relative: &Pose3,
+    limit: f32,
+    seed: Option<Vec3>,
+    epa: &mut EPA,
+) -> Nearest {
     let mut simplex = VoronoiSimplex::new();
     let direction = seed.or_else(|| relative.translation.try_normalize()).unwrap_or(Vec3::X);
     simplex.reset(CsoPoint::from_shapes(relative, a, b, direction));
@@ -45,7 +53,7 @@ pub(super) fn nearest(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3
         GJKResult::ClosestPoints(on_a, on_b, normal) => found((on_a, on_b, normal)),
         GJKResult::NoIntersection(direction) | GJKResult::Proximity(direction) => Nearest::Beyond(direction),
         GJKResult::Intersection if can_expand(&simplex) => {
-            EPA::new().closest_points(relative, a, b, &simplex).map_or(Nearest::Beyond(Vec3::X), found)
+            epa.closest_points(relative, a, b, &simplex).map_or(Nearest::Beyond(Vec3::X), found)
         }
         GJKResult::Intersection => Nearest::Beyond(Vec3::X),
     }

@@ -54,11 +54,9 @@ pub(super) fn find(part: &Part, direction: Vec3, corners: &mut Vec<Corner>) -> F
             Feature::Edge
         }
         Part::Hull(hull) => {
-            let faces = hull.faces();
-            let best = (1..faces.len())
-                .fold(0, |best, i| if faces[i].normal.dot(direction) > faces[best].normal.dot(direction) { i } else { best });
-            corners.extend(hull.corners(&faces[best]).iter().map(|&id| (hull.points()[id as usize], id as u16)));
-            Feature::Face { normal: faces[best].normal }
+            let face = hull.facing(direction);
+            corners.extend(hull.corners(face).iter().map(|&id| (hull.points()[id as usize], id as u16)));
+            Feature::Face { normal: face.normal }
         }
         Part::Triangle { triangle, .. } => {
             corners.extend((0..).zip(triangle.vertices()).map(|(id, &corner)| (corner, id)));
@@ -117,10 +115,7 @@ pub(super) fn nearest(part: &Part, direction: Vec3) -> Option<Vec3> {
         }
         Part::Cylinder { .. } => Some(Vec3::new(0.0, 1.0_f32.copysign(direction.y), 0.0)),
         Part::Cone { .. } => Some(Vec3::NEG_Y),
-        Part::Hull(hull) => {
-            let facing = |n: &Vec3| n.dot(direction);
-            hull.faces().iter().map(|face| face.normal).reduce(|best, n| if facing(&n) > facing(&best) { n } else { best })
-        }
+        Part::Hull(hull) => Some(hull.facing(direction).normal),
         Part::Triangle { triangle, .. } => triangle.normal().map(|n| n * 1.0_f32.copysign(n.dot(direction))),
         Part::Ball { .. } | Part::Capsule { .. } | Part::HalfSpace { .. } => None,
     }

@@ -8,8 +8,8 @@
 //!          └─ composite.rs: parts of compounds, triangles of meshes and height fields near the other shape
 //! ```
 //!
-//! Nothing is remembered between calls: the same arguments give the same bits, whatever was asked before. Tolerances are
-//! fractions of the smaller shape plus the rounding of the larger, so that 1 mm and 1 km behave alike.
+//! Nothing is remembered between calls: the same arguments give the same bits, whatever was asked before; one of them may be the normal of
+//! the last step. Tolerances are fractions of the smaller shape plus the rounding of the larger, so that 1 mm and 1 km behave alike.
 
 use glam::Vec3;
 use parry3d::math::Pose3;
@@ -28,6 +28,7 @@ mod distance;
 mod face;
 mod half_space;
 pub(crate) mod impact;
+mod known_face;
 mod part;
 mod part_pairs;
 mod plane;
@@ -108,6 +109,8 @@ impl Manifold {
 /// Buffers kept between calls so that nothing is allocated; they carry nothing from one call to the next.
 #[derive(Default)]
 pub(crate) struct NarrowScratch {
+    /// Normal of the pair's one contact in the last step, in A's frame: an argument of the call to come.
+    pub last: Option<Vec3>,
     polygons: convex::Buffers,
     triangle: triangle::TriangleBuffer,
     parts_a: Vec<u32>,
@@ -166,7 +169,14 @@ pub(crate) fn distance_to(shape: &Shape, point: Vec3) -> f32 {
 
 fn collide_parts(a: &Shape, b: &Shape, relative: &Pose3, margin: f32, scratch: &mut NarrowScratch, out: &mut Vec<Manifold>) {
     match (part::Part::whole(a), part::Part::whole(b)) {
-        (Some(part_a), Some(part_b)) => part_pairs::collide(&part_a, &part_b, relative, margin, scratch, out),
-        _ => composite::collide(a, b, relative, margin, scratch, out),
+        (Some(part_a), Some(part_b)) => {
+            let last = scratch.last;
+            part_pairs::collide(&part_a, &part_b, relative, margin, scratch, out);
+            scratch.last = last;
+        }
+        _ => {
+            scratch.last = None;
+            composite::collide(a, b, relative, margin, scratch, out);
+        }
     }
 }

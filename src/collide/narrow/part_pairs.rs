@@ -45,7 +45,7 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, scratch
                 _ => Segment { center: relative.translation, half: Vec3::ZERO },
             };
             let beside = cylinder::side_core((half_height, radius), &core, b.rounding(), relative, margin);
-            out.extend(beside.unwrap_or_else(|| convex::collide(a, b, relative, margin, &mut scratch.polygons)));
+            out.extend(beside.unwrap_or_else(|| convex::collide(a, b, relative, margin, scratch.last, &mut scratch.polygons)));
         }
         (_, Part::HalfSpace { .. })
         | (Part::Ball { .. } | Part::Capsule { .. }, Part::Cylinder { .. })
@@ -54,11 +54,12 @@ pub(super) fn collide(a: &Part, b: &Part, relative: &Pose3, margin: f32, scratch
         | (Part::Ball { .. } | Part::Box { .. }, Part::Triangle { .. }) => {
             let inverse = relative.inverse();
             let before = out.len();
+            scratch.last = scratch.last.map(|last| inverse.rotation * -last);
             collide(b, a, &inverse, margin, scratch, out);
             for manifold in &mut out[before..] {
                 manifold.swap(&inverse);
             }
         }
-        _ => out.extend(convex::collide(a, b, relative, margin, &mut scratch.polygons)),
+        _ => out.extend(convex::collide(a, b, relative, margin, scratch.last, &mut scratch.polygons)),
     }
 }
