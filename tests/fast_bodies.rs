@@ -330,3 +330,94 @@ fn what_is_thrown_onto_a_floor_and_not_flagged_does_not_fall_through() {
     // Before such bodies were swept, 45 of 1440.
     assert!(fallen.is_empty(), "{} of {runs}: {fallen:?}", fallen.len());
 }
+
+/// A wide paddle of this half width (m) that the host turns, or a door of much mass that turns by itself, and a body at rest in its way; greatest
+/// speed that the body gets, over that of the edge of the paddle times √2.
+fn thrown_by_paddle(shape: &Shape, half: f32, spin: f32, (rate, is_door): (f32, bool), draw: &mut Draw) -> f32 {
+    let mut world = world(0.0);
+    let paddle = surface(Shape::cuboid(Vec3::new(half, half, half / 60.0)).unwrap(), 0.3, 0.0);
+    let def = match is_door {
+        true => BodyDef::dynamic(Pose::IDENTITY).with_shape(ShapeDef { density: 1.0e6, ..paddle }),
+        false => BodyDef::kinematic(Pose::IDENTITY).with_shape(paddle),
+    };
+    world.create_body(&BodyDef { angular_velocity: Vec3::X * spin, ..def }).unwrap();
+    let at = Vec3::new(1.3 * draw.next() - 0.65, 1.3 * draw.next() - 0.65, 0.2 + 0.5 * draw.next()) * half;
+    let def = BodyDef { fast: true, ..BodyDef::dynamic(Pose::at(at.as_dvec3()).rotated(draw.rotation())) };
+    let body = world.create_body(&def.with_shape(surface(shape.clone(), 0.3, 0.0))).unwrap();
+    let mut fastest = 0.0_f32;
+    for _ in 0..(8.0 / spin * rate) as usize {
+        world.step(1.0 / rate).unwrap();
+        fastest = fastest.max(world.linear_velocity(body).unwrap().length());
+    }
+    fastest / (spin * half * std::f32::consts::SQRT_2)
+}
+
+/// What a turning paddle pushes slides along it to its edge, and leaves it there at √2 of its speed at most. Held to its place on the paddle for
+/// the rest of a step it kept the speed that it was to slide with, and got more in each step.
+#[test]
+fn what_turns_throws_what_is_fast_as_it_should() {
+    let mut draw = Draw(11);
+    for (half, is_door) in [(0.09_f32, false), (0.9, false), (0.9, true), (9.0, false)] {
+        for (rate, turn) in
+            [30.0_f32, 60.0, 120.0].into_iter().flat_map(|rate| [0.05_f32, 0.1, 0.2, 0.4].map(|turn| (rate, turn)))
+        {
+            for (name, shape) in
+                solids(0.13 * half).into_iter().filter(|(name, _)| matches!(*name, "ball" | "capsule" | "cylinder"))
+            {
+                for case in 0..6 {
+                    let found = thrown_by_paddle(&shape, half, turn * rate, (rate, is_door), &mut draw);
+                    assert!(
+                        found < 1.2,
+                        "a {name} thrown by a {} of {half} m that turns by {turn} rad a step at {rate} Hz, case {case}: {found} of what it \
+                         may get, bound 1.2",
+                        if is_door { "door" } else { "paddle" }
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// A turntable is wide, and what it turns is not thrown or carried by what it does elsewhere: no touch is taken that is none.
+#[test]
+fn what_is_fast_moves_on_a_turntable_as_what_is_not() {
+    for (size, rate) in [(0.1_f32, 30.0_f32), (0.1, 60.0), (0.1, 240.0), (1.0, 60.0)] {
+        for (name, shape) in solids(size) {
+            for turn in [0.02_f32, 0.05, 0.1] {
+                let ends = [false, true].map(|fast| {
+                    let mut world = world(9.81 * size / 0.1);
+                    let mut table = surface(Shape::cuboid(Vec3::new(80.0, 5.0, 80.0) * size).unwrap(), 1.0, 0.0);
+                    table.local_pose.position = Vec3::NEG_Y * (5.0 * size);
+                    let spin = turn * rate;
+                    let def = BodyDef { angular_velocity: Vec3::Y * spin, ..BodyDef::kinematic(Pose::IDENTITY) };
+                    world.create_body(&def.with_shape(table)).unwrap();
+                    // Within what friction holds: ω² r < μ g.
+                    let radius = (0.5 * 98.1 * size / (spin * spin)).min(5.0 * size);
+                    let (lies, height) = match name {
+                        "capsule" => (Quat::from_rotation_x(std::f32::consts::FRAC_PI_2), 0.5),
+                        "plank" => (Quat::from_rotation_x(std::f32::consts::FRAC_PI_2), 0.25),
+                        _ => (Quat::IDENTITY, 0.5),
+                    };
+                    let at = Vec3::new(radius, height * size, 0.0).as_dvec3();
+                    let def = BodyDef {
+                        fast,
+                        linear_velocity: Vec3::NEG_Z * (spin * radius),
+                        angular_velocity: Vec3::Y * spin,
+                        ..BodyDef::dynamic(Pose::at(at).rotated(lies))
+                    };
+                    let body = world.create_body(&def.with_shape(surface(shape.clone(), 1.0, 0.0))).unwrap();
+                    for _ in 0..rate as u32 {
+                        world.step(1.0 / rate).unwrap();
+                    }
+                    (world.pose(body).unwrap().position, radius)
+                });
+                let apart = (ends[0].0 - ends[1].0).length() as f32 / ends[0].1;
+                assert!(
+                    apart < 0.02,
+                    "a {name} of {size} m on a turntable that turns by {turn} rad a step at {rate} Hz: flagged it is {apart} of its \
+                     distance from the middle elsewhere after a second, bound 0.02"
+                );
+            }
+        }
+    }
+}

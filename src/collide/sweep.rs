@@ -1,5 +1,6 @@
 //! Continuous detection for fast bodies: sweeps the path of a body through the step and stops the body where it first touches.
 
+use glam::Vec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
 use super::collider::Collider;
@@ -46,13 +47,14 @@ pub(crate) fn moving<'a>(collider: &'a Collider, body: &Body, path: BodyPath) ->
     MovingShape { shape: &collider.shape, path, place, reach: collider.reach }
 }
 
-/// Share of the way after which a swept shape of this least extent (m) first touches another, if it goes on into it.
+/// Share of the way after which a swept shape of this least extent (m) first touches another, if it goes on into it, and the direction from it
+/// to the other then (unit vector, world axes).
 pub(crate) fn first_touch(
     swept: &MovingShape,
     other: &MovingShape,
     (extent, way): (f32, Way),
     buffer: &mut ImpactBuffer,
-) -> Option<f64> {
+) -> Option<(f64, Vec3)> {
     let (a, b) = (&swept.path, &other.path);
     let shift = ((a.end.center - a.start.center) - (b.end.center - b.start.center)).length() as f32;
     // What turns in place does not leave the ball that it holds.

@@ -22,6 +22,7 @@ use crate::body::Body;
 use crate::collide::broad::{FEW_SHAPES, LARGE_GROUP};
 use crate::collide::sweep::{self, BodyPath, BodyPose, ImpactBuffer, Way};
 use crate::joint_graph::union::UnionMotion;
+use crate::shape::Shape;
 
 mod astray;
 mod paths;
@@ -31,8 +32,8 @@ use paths::{Hold, NONE, Paths};
 pub(super) use paths::{Path, Swept};
 
 /// A touch to come, in the order in which touches are taken: share of the step as the bits of a number that is not negative, swept shape,
-/// the other, and how often the ways of the two had changed when it was found.
-type TimeOfImpact = (u64, u32, u32, [u32; 2]);
+/// the other, how often the ways of the two had changed when it was found, and the bits of the direction from the first to the other.
+type TimeOfImpact = (u64, u32, u32, [u32; 2], [u32; 3]);
 
 /// Buffers of the stage.
 #[derive(Debug, Default)]
@@ -84,10 +85,10 @@ impl World {
         sweeps.ways.lay_out(&sweeps.paths, |body| (mass_of(&self.bodies[body]), self.end_of(body)));
         sweeps.touches.clear();
         self.find_first_touches(&mut sweeps);
-        while let Some(Reverse((time, swept, other, changes))) = sweeps.touches.pop() {
+        while let Some(Reverse((time, swept, other, changes, normal))) = sweeps.touches.pop() {
             let bodies = [swept, other].map(|shape| self.colliders[shape].body);
             if bodies.map(|body| sweeps.ways.changes_of(body)) == changes {
-                self.meet(&mut sweeps, f64::from_bits(time), bodies);
+                self.meet(&mut sweeps, f64::from_bits(time), bodies, Vec3::from(normal.map(f32::from_bits)));
             }
         }
         for group in 0..sweeps.ways.group_count() {
@@ -127,8 +128,18 @@ impl World {
         sweeps.near = near;
     }
 
-    /// Has two bodies that touch go on together, and looks what they meet then.
-    fn meet(&self, sweeps: &mut Sweeps, time: f64, bodies: [u32; 2]) {
+    /// Whether what slides along a body can't come to another part of it, as in a room or a corner.
+    fn is_one_convex_piece(&self, body: u32) -> bool {
+        let is_convex = |shape: &Shape| shape.geometry().is_solid() && !shape.is_compound();
+        let one = match *self.bodies[body].shapes {
+            [one] => self.colliders.find(one).ok(),
+            _ => None,
+        };
+        one.is_some_and(|slot| is_convex(&self.colliders[slot].shape)) && self.unions.number_of(body).is_none()
+    }
+
+    /// Has two bodies that touch go on together, and looks what they meet then; `normal` points from the first to the second.
+    fn meet(&self, sweeps: &mut Sweeps, time: f64, bodies: [u32; 2], normal: Vec3) {
         let Sweeps { ways, .. } = sweeps;
         let is_swept = bodies.map(|body| ways.group_of(body) != NONE);
         for (i, other) in [(0, 1), (1, 0)] {
@@ -141,7 +152,8 @@ impl World {
                 }
                 let hold = if self.bodies[body].is_free() { Hold::ByMover(body) } else { Hold::ByFixed(body) };
                 let path = self.path_after(ways, body, time);
-                ways.meet_other(time, bodies[i], hold, path);
+                let across = self.is_one_convex_piece(body).then_some(if i == 0 { normal } else { -normal });
+                ways.meet_other(time, bodies[i], hold, path, across);
             }
         }
         if is_swept == [true; 2] {
@@ -236,7 +248,11 @@ impl World {
         if ways.are_together(bodies) {
             return;
         }
-        let moving = |i: usize| sweep::moving(colliders[i], &self.bodies[bodies[i]], self.path_after(ways, bodies[i], time));
+        let mut paths = bodies.map(|body| self.path_after(ways, body, time));
+        if ways.slides_on(bodies[0]) == Some(bodies[1]) {
+            paths = paths::as_seen_from(paths);
+        }
+        let moving = |i: usize| sweep::moving(colliders[i], &self.bodies[bodies[i]], paths[i]);
         let (a, b) = (moving(0), moving(1));
         let is_swept = ways.swept(bodies[1]) != Swept::Along;
         let extent = if is_swept { colliders[0].least_extent.min(colliders[1].least_extent) } else { colliders[0].least_extent };
@@ -246,9 +262,9 @@ impl World {
             true => Way::OwnUnseen,
             false => Way::Sent,
         };
-        if let Some(share) = sweep::first_touch(&a, &b, (extent, way), parts) {
+        if let Some((share, normal)) = sweep::first_touch(&a, &b, (extent, way), parts) {
             let at = time + (1.0 - time) * share;
-            touches.push(Reverse((at.to_bits(), swept, other, changes)));
+            touches.push(Reverse((at.to_bits(), swept, other, changes, normal.to_array().map(f32::to_bits))));
         }
     }
 

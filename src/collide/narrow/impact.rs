@@ -1,8 +1,9 @@
 //! When two moving shapes first overlap, by conservative advancement (Mirtich 1996).
 //!
 //! With n the direction along which two convex parts are a distance s apart, s cannot shrink faster than their centres approach along
-//! n plus what both turn at their reach. So nothing happens for s over that speed, and the search goes on from there. Over a straight
-//! path between convex parts s is a convex function of time: the steps are those of Newton's method from the safe side.
+//! n plus what both turn along n: |n × ω| times how far from a body's middle the two can meet. So nothing happens for s over that speed, and
+//! the search goes on from there. Over a straight path between convex parts s is a convex function of time: the steps are those of Newton's
+//! method from the safe side.
 //!
 //! What counts is an overlap of `depth`: surfaces that slide or roll on each other touch all along, and must not be stopped.
 
@@ -51,7 +52,7 @@ impl BodyPath {
 
     /// How fast the body turns at most (rad over the way).
     fn turning(&self) -> f32 {
-        turn_between(&self.start, &self.end)
+        turn_between(&self.start, &self.end).length()
     }
 
     /// How far what reaches so far from the centre of mass (m) swings out beside the two ends of the way.
@@ -87,9 +88,10 @@ pub(crate) struct ImpactBuffer {
     parts: Vec<u32>,
 }
 
-/// Share of the way after which `a` is near `b` on a way that leads deep into it, if it does.
-pub(crate) fn first_touch(a: &MovingShape, b: &MovingShape, limits: &Limits, buffer: &mut ImpactBuffer) -> Option<f64> {
-    let mut first: Option<f64> = None;
+/// Share of the way after which `a` is near `b` on a way that leads deep into it, if it does, and the direction from `a` to `b` then (unit
+/// vector, world axes).
+pub(crate) fn first_touch(a: &MovingShape, b: &MovingShape, limits: &Limits, buffer: &mut ImpactBuffer) -> Option<(f64, Vec3)> {
+    let mut first: Option<(f64, Vec3)> = None;
     for id_a in 0..composite::part_count(a.shape) {
         let Some((part_a, place_a)) = composite::part_at(a.shape, id_a) else { continue };
         let bounds = path_bounds(&part_a, &place_a, a, b, limits.short);
@@ -100,10 +102,10 @@ pub(crate) fn first_touch(a: &MovingShape, b: &MovingShape, limits: &Limits, buf
                 a: MovingPart { part: &part_a, place: place_a, on: a },
                 b: MovingPart { part: &part_b, place: place_b, on: b },
             };
-            if let Some(time) = pair.first_touch(*limits)
-                && first.is_none_or(|least| time < least)
+            if let Some(touch) = pair.first_touch(*limits)
+                && first.is_none_or(|least| touch.0 < least.0)
             {
-                first = Some(time);
+                first = Some(touch);
             }
         }
     }
@@ -121,12 +123,11 @@ fn path_bounds(part: &Part, place: &Pose3, a: &MovingShape, b: &MovingShape, mar
     (0.0..f32::INFINITY).contains(&margin).then(|| whole.loosened(margin))
 }
 
-/// Greatest speed at which the rotation between two poses turns, if it goes evenly on the chord (rad over the stretch): 4 tan(θ/4) of a turn
-/// by θ, at most 4/π as fast as an even one.
-fn turn_between(from: &BodyPose, to: &BodyPose) -> f32 {
-    let between = from.rotation.conjugate() * to.rotation;
-    let sine = Vec3::new(between.x, between.y, between.z).length();
-    4.0 * sine / (1.0 + between.w.abs())
+/// Greatest angular velocity between two poses, if the rotation goes evenly on the chord (rad over the stretch, world axes): along one axis, and
+/// 4 tan(θ/4) of a turn by θ, at most 4/π as fast as an even one.
+fn turn_between(from: &BodyPose, to: &BodyPose) -> Vec3 {
+    let between = to.rotation * from.rotation.conjugate();
+    Vec3::new(between.x, between.y, between.z) * (4.0 / (1.0 + between.w.abs()))
 }
 
 /// Pose of one place in the frame of another.
@@ -156,13 +157,17 @@ struct MovingPart<'a> {
 }
 
 impl MovingPart<'_> {
-    /// Distance from the body's centre of mass to the farthest point of the part's core (m).
-    fn core_reach(&self) -> f32 {
+    /// Distance from the body's centre of mass to the farthest point of the part's core (m) that may meet another part on its way: what is
+    /// further off than that ever is does not count.
+    fn core_reach(&self, other: &Self) -> f32 {
         let center = self.on.place.0 + self.on.place.1 * self.place.translation;
-        match self.part {
+        let whole = match self.part {
             Part::HalfSpace { .. } => self.on.reach,
             part => center.length() + part.reach() - part.rounding(),
-        }
+        };
+        let [own, others] = [self, other].map(|side| &side.on.path);
+        let apart = [(own.start, others.start), (own.end, others.end)].map(|(a, b)| (a.center - b.center).length() as f32);
+        whole.min(apart[0].max(apart[1]) + other.on.reach + self.part.rounding())
     }
 }
 
@@ -172,14 +177,15 @@ struct PartPair<'a> {
 }
 
 impl PartPair<'_> {
-    /// Share of the way after which the two are near each other, if they come deep into one another.
-    fn first_touch(&self, Limits { short, mut depth, passes_deep }: Limits) -> Option<f64> {
+    /// Share of the way after which the two are near each other, if they come deep into one another, and the direction from A to B then.
+    fn first_touch(&self, Limits { short, mut depth, passes_deep }: Limits) -> Option<(f64, Vec3)> {
         let [a, b] = [&self.a.on.path, &self.b.on.path];
         let closing = ((a.end.center - a.start.center) - (b.end.center - b.start.center)).as_vec3();
-        let turning = self.a.on.turning() * self.a.core_reach() + self.b.on.turning() * self.b.core_reach();
+        let spins = [a, b].map(|path| turn_between(&path.start, &path.end));
+        let reaches = [self.a.core_reach(&self.b), self.b.core_reach(&self.a)];
         // Rates over the way, on which `gone` runs from 0 to 1.
-        let fastest = closing.length() + turning;
-        let (mut gone, mut near_since) = (0.0, None);
+        let fastest = closing.length() + spins[0].length() * reaches[0] + spins[1].length() * reaches[1];
+        let (mut gone, mut near_since, mut last) = (0.0, None, None);
         for _ in 0..MAX_SEARCHES {
             let to_go = (1.0 - gone) as f32;
             let (normal, separation) = self.gap(gone, (fastest * to_go).max(2.0 * short))?;
@@ -187,24 +193,27 @@ impl PartPair<'_> {
                 match gone {
                     0.0 if passes_deep => return None,
                     0.0 => depth -= separation,
-                    _ => return Some(near_since.unwrap_or(gone)),
+                    _ => return Some(near_since.unwrap_or((gone, normal))),
                 }
             }
             match near_since {
-                None if separation <= short => near_since = Some(gone),
+                None if separation <= short => near_since = Some((gone, normal)),
                 Some(_) if separation > 2.0 * short => near_since = None,
                 _ => {}
             }
             let aim = if near_since.is_some() { -depth } else { 0.5 * short };
+            // What turns about the normal does not come closer along it.
+            let turning = normal.cross(spins[0]).length() * reaches[0] + normal.cross(spins[1]).length() * reaches[1];
             let speed = normal.dot(closing) + turning;
             if speed * to_go <= separation - aim {
                 // From here on nothing brings them to what is aimed at.
                 return None;
             }
             gone += f64::from((separation - aim) / speed);
+            last = Some((gone, normal));
         }
         // Nobody knows what comes then: what turns fast close to another goes no further in this step.
-        Some(near_since.unwrap_or(gone))
+        near_since.or(last)
     }
 
     /// Direction from A to B in world axes, and how far they are apart along it (m); none if further than `limit`.

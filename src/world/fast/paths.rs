@@ -5,8 +5,13 @@
 //! on it; but what is lighter than the bundle and free goes along with the bundle, so that a crate is not held up by what is in it. All others
 //! move by the mean of their groups' displacements, weighted by mass, like bodies that collide without restitution. Bodies in a moving lift
 //! therefore hit what they would hit on the ground.
+//!
+//! What lies still on another for the rest of a step loses that part of its way across it, and no velocity. If the other turns, the direction in
+//! which it pushes turns too, and what it gives in each step would add up while the body stays: so a body *slides* there, as far as its own way
+//! leads across the surface, until it touches once more. In a room, or on anything else of several pieces, it would slide into the next: there
+//! it stays.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::collide::sweep::{BodyPath, BodyPose};
 use crate::world::body_shape_table::Marks;
@@ -80,6 +85,13 @@ pub(super) enum Hold {
 }
 
 impl Hold {
+    fn body(self) -> Option<u32> {
+        match self {
+            Self::Free => None,
+            Self::ByMover(body) | Self::ByFixed(body) => Some(body),
+        }
+    }
+
     fn rank(self) -> u8 {
         match self {
             Self::Free => 0,
@@ -93,6 +105,8 @@ impl Hold {
 #[derive(Debug, Clone, Copy)]
 struct Bundle {
     hold: Hold,
+    /// Whether it goes on across the surface of what holds it.
+    slides: bool,
     /// Last group.
     last: u32,
 }
@@ -114,6 +128,12 @@ fn carried([now, end]: [BodyPose; 2], at: BodyPose) -> BodyPose {
     let turn = end.rotation * now.rotation.conjugate();
     let center = end.center + turn.as_dquat() * (at.center - now.center);
     BodyPose { center, rotation: (turn * at.rotation).normalize() }
+}
+
+/// Two ways as the body of the second sees them, in the axes that it has at their start.
+pub(super) fn as_seen_from([own, other]: [BodyPath; 2]) -> [BodyPath; 2] {
+    let end = carried([other.end, other.start], own.end);
+    [BodyPath { start: own.start, end }, BodyPath { start: other.start, end: other.start }]
 }
 
 impl Paths {
@@ -138,7 +158,7 @@ impl Paths {
             let number = self.groups.len() as u32;
             if place == 0 || paths[place as usize - 1].group != path.group {
                 self.groups.push(Group { first: place, end: place, bundle: number, next: NONE, since: 0.0, changes: 0 });
-                self.bundles.push(Bundle { hold: Hold::Free, last: number });
+                self.bundles.push(Bundle { hold: Hold::Free, slides: false, last: number });
             }
             let group = self.groups.len() as u32 - 1;
             self.groups[group as usize].end = place + 1;
@@ -188,6 +208,12 @@ impl Paths {
         a.is_some() && a == b
     }
 
+    /// What a body goes on across the surface of.
+    pub fn slides_on(&self, body: u32) -> Option<u32> {
+        let Bundle { hold, slides, .. } = self.bundles[self.groups[self.leg_of(body)?.group as usize].bundle as usize];
+        hold.body().filter(|_| slides)
+    }
+
     /// Where a body goes after a share of the step; `end` is where the step has put it.
     pub fn path_after(&self, body: u32, time: f64, end: BodyPose) -> BodyPath {
         if let Some(leg) = self.leg_of(body) {
@@ -208,14 +234,29 @@ impl Paths {
         if time <= since { leg.from } else { leg.from.lerp(&leg.to, (time - since) / (1.0 - since)) }
     }
 
-    /// Has a body go on with one that is not swept, from a share of the step on; `path` is where that goes from then on.
-    pub fn meet_other(&mut self, time: f64, body: u32, hold: Hold, path: BodyPath) {
+    /// Has a body go on with one that is not swept, from a share of the step on; `path` is where that goes from then on, and `across` the
+    /// direction in which it is touched, if the body may slide on it.
+    pub fn meet_other(&mut self, time: f64, body: u32, hold: Hold, path: BodyPath, across: Option<Vec3>) {
         self.changed.clear();
-        let Some(bundle) = self.leg_of(body).map(|leg| self.groups[leg.group as usize].bundle) else { return };
-        if self.bundles[bundle as usize].hold.rank() < hold.rank() {
-            self.carry(time, bundle, [path.start, path.end]);
-            self.bundles[bundle as usize].hold = hold;
+        let Some(&leg) = self.leg_of(body) else { return };
+        let bundle = self.groups[leg.group as usize].bundle;
+        let before = self.bundles[bundle as usize];
+        let is_new = before.hold.rank() < hold.rank();
+        if !is_new && !(before.slides && before.hold.rank() == hold.rank()) {
+            return;
         }
+        let across = across.filter(|_| is_new && path.start.rotation != path.end.rotation);
+        let way = across.map_or(DVec3::ZERO, |normal| self.way_across(&leg, time, path, normal));
+        let carrier = [path.start, path.end];
+        self.redirect(time, bundle, |from| carried(carrier, BodyPose { center: from.center + way, ..from }));
+        self.bundles[bundle as usize] = Bundle { hold, slides: across.is_some(), ..before };
+    }
+
+    /// What a body's way from a share of the step on leads it across the surface of another, in the axes that that has then (m).
+    fn way_across(&self, leg: &Leg, time: f64, path: BodyPath, normal: Vec3) -> DVec3 {
+        let [own, _] = as_seen_from([BodyPath { start: self.pose_at(leg, time), end: leg.to }, path]);
+        let (way, normal) = (own.end.center - own.start.center, normal.as_dvec3());
+        way - normal * way.dot(normal).max(0.0)
     }
 
     /// Has a free body that is lighter than what it meets, and goes where the step has put it so far, be carried by that from a share of
@@ -232,7 +273,7 @@ impl Paths {
         mover.leg = leg;
         self.legs.push(Leg { body, group, swept: Swept::All, mass, from: mover.start, to: end });
         self.groups.push(Group { first: leg, end: leg + 1, bundle: group, next: NONE, since: 0.0, changes: 0 });
-        self.bundles.push(Bundle { hold: Hold::Free, last: group });
+        self.bundles.push(Bundle { hold: Hold::Free, slides: false, last: group });
         self.carry(time, group, [self.pose_at(&carrier, time), carrier.to]);
         self.join(bundle, group);
         true
