@@ -90,7 +90,7 @@ pub(super) fn collide(
     let (gap, face) = match last.and_then(|last| pair.known(last, margin, buffers)) {
         Some(Known::Apart) => return None,
         Some(Known::Under(gap, of_a)) => (gap, Some((gap, of_a))),
-        None => (pair.gap(margin, last, &mut buffers.epa)?, None),
+        None => (pair.gap(margin, &mut buffers.epa)?, None),
     };
     let allowed = pair.allowed_normal(gap.normal)?;
     // However little the neighbours have turned it, their normal is the right one: a normal tilted by θ pushes sideways with θ of the
@@ -134,7 +134,7 @@ pub(super) fn separation(a: &Part, b: &Part, relative: &Pose3, limit: f32) -> Op
         (_, &Part::HalfSpace { normal }) => Some((relative.rotation * -normal, above(normal, a, &relative.inverse())?)),
         _ => {
             let pair = ConvexPair::near(a, b, relative, limit)?;
-            let gap = pair.gap(limit, None, &mut EPA::new())?;
+            let gap = pair.gap(limit, &mut EPA::new())?;
             Some((gap.normal, pair.along(gap.normal).distance() - pair.radii))
         }
     }
@@ -177,9 +177,8 @@ impl<'a> ConvexPair<'a> {
         })
     }
 
-    /// Nearest points of the cores, or those of deepest overlap; none if the parts are further apart than `margin`. The search begins along
-    /// the normal `last`, if there is one.
-    fn gap(&self, margin: f32, last: Option<Vec3>, epa: &mut EPA) -> Option<ConvexGap> {
+    /// Nearest points of the cores, or those of deepest overlap; none if the parts are further apart than `margin`.
+    fn gap(&self, margin: f32, epa: &mut EPA) -> Option<ConvexGap> {
         let scale = 1.0 / self.size;
         let pose = Pose3::from_parts(self.relative.translation * scale, self.relative.rotation);
         let limit = (margin + self.radii) * scale;
@@ -187,7 +186,7 @@ impl<'a> ConvexPair<'a> {
         let mut unsound: Option<ConvexGap> = None;
         for attempt in 0..ATTEMPTS {
             let seed = match (&unsound, attempt) {
-                (_, 0) => last,
+                (_, 0) => None,
                 (Some(gap), 1) => Some(gap.normal),
                 _ => Some(self.relative.translation.any_orthogonal_vector().try_normalize().unwrap_or(Vec3::Z)),
             };
