@@ -23,6 +23,7 @@ use crate::solve::batch::Batch;
 use crate::solve::step::BatchStages;
 use crate::workers::{ParallelFor, Workers};
 
+mod always_overlap;
 mod assign_constraints;
 mod bodies;
 mod body_shape_table;

@@ -3,6 +3,7 @@
 mod common;
 
 mod accuracy;
+mod always_overlap;
 mod angles;
 mod arches;
 mod bowls;

@@ -86,7 +86,8 @@ pub struct LsJointDef {
     pub break_force: f32,
     /// Torque at which the joint is reported as overloaded (N m), >= 0; default INFINITY, which is never.
     pub break_torque: f32,
-    /// Not 0: the two bodies collide with each other; default 0.
+    /// Not 0: the two bodies collide with each other; default 0. Two bodies that joints hold at one point of a third, or of the world, so that
+    /// they overlap by a tenth of the thinner one however they turn, never collide.
     pub collide_connected: u32,
     /// The host's own word; the library only hands it back.
     pub user_word: u64,

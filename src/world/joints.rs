@@ -3,6 +3,7 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::World;
+use super::long_range::holds_points;
 use super::wake::Edited;
 use crate::error::{Error, ErrorKind, Result};
 use crate::id::{BodyId, JointId};
@@ -39,6 +40,7 @@ impl World {
         if let ([Some(a), Some(b)], false) = (bodies, def.collide_connected) {
             self.drop_pairs_between(a, b);
         }
+        self.review_pairs_of_joint(slot);
         self.topology_changed();
         self.long_range.graph_changed();
         self.joint_changed(slot);
@@ -265,6 +267,10 @@ impl World {
         }
         self.joint_changed(slot);
         self.joints[slot].def = def;
+        let holds = |def: &JointDef| holds_points(def).then_some([def.frame_a.position, def.frame_b.position]);
+        if holds(&before) != holds(&def) {
+            self.review_pairs_of_joint(slot);
+        }
         self.note_drive(slot, &before);
         self.islands.groups.joint_changed(slot, &self.joints[slot]);
         self.joint_changed(slot);

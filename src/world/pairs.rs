@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 
+use super::always_overlap::always_overlap;
 use super::seams::Glide;
 use super::surface_energy::BallOnSurface;
 use super::touching_pairs::TouchingPair;
@@ -326,6 +327,7 @@ pub(super) fn may_collide(
         && (body_a.is_mover() || body_b.is_mover())
         && !(body_a.quarantined || body_b.quarantined)
         && !kept_apart((a.body, body_a), (b.body, body_b), joints)
+        && !always_overlap((a, body_a), (b, body_b), joints)
 }
 
 /// Whether a joint between two bodies forbids that they collide.

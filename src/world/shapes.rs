@@ -120,12 +120,16 @@ impl World {
         let (few, other) = if self.bodies[a].shapes.len() <= self.bodies[b].shapes.len() { (a, b) } else { (b, a) };
         for id in self.bodies[few].shapes.clone() {
             let Ok(slot) = self.colliders.find(id) else { continue };
-            for (key, pair) in self.pairs_of_shape(slot) {
-                let (first, second) = key.shapes();
-                let between = if first == slot { second } else { first };
-                if self.colliders[between].body == other {
-                    self.give_up_pair(key, pair);
-                }
+            self.drop_pairs_where(slot, |world, shape| world.colliders[shape].body == other);
+        }
+    }
+
+    /// Gives up the active pairs of a shape with those others.
+    pub(super) fn drop_pairs_where(&mut self, slot: u32, is_one: impl Fn(&Self, u32) -> bool) {
+        for (key, pair) in self.pairs_of_shape(slot) {
+            let (first, second) = key.shapes();
+            if is_one(self, if first == slot { second } else { first }) {
+                self.give_up_pair(key, pair);
             }
         }
     }
