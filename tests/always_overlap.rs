@@ -1,7 +1,9 @@
 //! Bodies that joints hold at one point of a third, and inside of each other: slings from a hook, beads on a string.
 
 use longspan::glam::{DVec3, Quat, Vec3};
-use longspan::{BodyDef, BodyId, JointDef, JointId, JointKind, Mass, Pose, Shape, ShapeDef, SleepSettings, World, WorldDef};
+use longspan::{
+    BodyDef, BodyId, Geometry, JointDef, JointId, JointKind, Mass, Pose, Shape, ShapeDef, SleepSettings, World, WorldDef,
+};
 
 fn world(gravity: f32) -> World {
     let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
@@ -42,7 +44,7 @@ enum Hook {
 /// Three chains of so many links from a hook to a plate that is pushed, in units of `size`, joined at their tips or in the middles of their round ends.
 fn slings(world: &mut World, hook: Hook, (size, links, apart): (f32, usize, f32), by_tips: bool) -> Vec<BodyId> {
     let plate_at = Vec3::Y * size;
-    let plate = Shape::cylinder(0.03 * size, 0.5 * size).unwrap();
+    let plate = Shape::new(Geometry::Cylinder { half_height: 0.03 * size, radius: 0.5 * size }).unwrap();
     let mut bodies = vec![body(world, 50.0, Pose::at(plate_at.as_dvec3()), plate)];
     let top = Vec3::Y * (4.0 * size);
     let hook = match hook {
@@ -122,7 +124,7 @@ fn only_what_always_overlaps_does_not_collide() {
             let mut world = world(0.0);
             let hub = match by_world {
                 true => BodyId::NULL,
-                false => body(&mut world, 1000.0, Pose::IDENTITY, Shape::ball(0.01).unwrap()),
+                false => world.create_body(&BodyDef::fixed(Pose::IDENTITY)).unwrap(),
             };
             let bars = [-0.5, 0.5].map(|side| {
                 let at = Vec3::X * (apart * side);
