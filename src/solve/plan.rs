@@ -10,7 +10,7 @@ use super::joint::JointLink;
 use super::state::{BodyMotion, BodyVelocity, WORLD_SLOT};
 use crate::report::IslandPlan;
 use crate::settings::Solver;
-use crate::tuning::plan::{ALIKE, HEAVY, LEANING, STANDS};
+use crate::tuning::plan::{ALIKE, ASIDE, HEAVY, LEANING, STANDS, TALL};
 
 /// Multiplications that a factorisation takes for each body at least: those of a link at the end of a chain, held at one point.
 const LEAST_WORK: u64 = 567;
@@ -56,6 +56,10 @@ struct IslandTraits {
     /// Contacts, and how many of its bodies lean on others by their sides alone, where it is a row without joints.
     contacts: [u32; 2],
     is_swept: bool,
+    /// Whether it touches something that the host moves.
+    is_carried: bool,
+    /// Whether a contact of a row bears its load aside of its middle.
+    is_uneven: bool,
     /// Whether joints close a loop, through what does not move or without it.
     is_looped: bool,
     /// Whether any of its joints is known to bear anything, and whether the force of one turns a body faster than a substep of second
@@ -163,7 +167,11 @@ impl Planner {
         }
         count_articulations(looks, links, motions, island_of, (grouped, sizes));
         for look in looks.iter_mut().filter(|look| look.is_row()) {
-            look.contacts[1] = count_leaning(look.first..look.first + look.bodies, contacts, settings.gravity, stances);
+            let slots = look.first..look.first + look.bodies;
+            look.is_uneven = contacts
+                .iter()
+                .any(|contact| [contact.a, contact.b].iter().any(|slot| slots.contains(slot)) && is_aside(contact));
+            look.contacts[1] = count_leaning(slots, contacts, settings.gravity, stances);
         }
         plans.clear();
         plans.extend(looks.iter().map(IslandTraits::plan));
@@ -235,6 +243,8 @@ impl IslandTraits {
         self.borne.meetings += u32::from(ends.iter().all(|motion| motion.is_dynamic()));
         self.borne.rows += contact.count as u64 + u64::from(FRICTION_ROWS);
         self.borne.is_more |= !ends.iter().any(|motion| is_loose(motion)) || !ends.iter().all(|motion| motion.is_dynamic());
+        let moves = |slot: u32| velocities[slot as usize].linear != Vec3::ZERO || velocities[slot as usize].angular != Vec3::ZERO;
+        self.is_carried |= [contact.a, contact.b].into_iter().any(|slot| !motions[slot as usize].is_dynamic() && moves(slot));
         let is_driven = ends.iter().any(|motion| motion.driven);
         if self.joints == 0 || !contact.presses() && !is_driven && !may_meet(contact, velocities, settings) {
             return;
@@ -263,6 +273,12 @@ impl IslandTraits {
     /// Whether its bodies touch one another in a row, between two that are fixed or moved at most.
     fn is_row(&self) -> bool {
         self.joints == 0 && is_row(self.bodies, self.contacts[0])
+    }
+
+    /// Whether it is a row that sweeps do not hold up: it leans, what it bears would turn it over, or may so at any time, as its ground moves.
+    fn is_row_to_solve(&self) -> bool {
+        let would_tip = self.bodies <= TALL && (self.is_carried || self.is_uneven);
+        self.is_row() && (would_tip || self.contacts[1] >= LEANING)
     }
 
     /// Whether the least and the greatest mass are within [`ALIKE`], and joints do more than hold points together.
@@ -304,7 +320,7 @@ impl IslandTraits {
 
     fn plan(&self) -> IslandPlan {
         match self {
-            Self { joints: 0, .. } if self.contacts[1] < LEANING || self.is_large() => IslandPlan::Loose,
+            Self { joints: 0, .. } if !self.is_row_to_solve() || self.is_large() => IslandPlan::Loose,
             Self { joints: 0, .. } => IslandPlan::Coupled,
             Self { is_swept: true, .. } => IslandPlan::Swept,
             Self { touches: false, .. } if !self.is_stiff_loop() => IslandPlan::Apart,
@@ -408,6 +424,21 @@ fn count_leaning(slots: std::ops::Range<u32>, contacts: &[ContactInput], gravity
         }
     }
     stances.iter().filter(|stance| **stance == [true, false]).count() as u32
+}
+
+/// Whether a contact bears its load aside of the middle of its points, by more than [`ASIDE`] of the way to the farthest.
+fn is_aside(contact: &ContactInput) -> bool {
+    let (points, loads) = (&contact.lever_a[..contact.count], &contact.impulses.normal[..contact.count]);
+    let load: f32 = loads.iter().sum();
+    // Written so that a NaN is none.
+    let bears = load > 0.0;
+    if !bears {
+        return false;
+    }
+    let middle = points.iter().sum::<Vec3>() / points.len() as f32;
+    let center = points.iter().zip(loads).map(|(&point, &own)| point * own).sum::<Vec3>() / load;
+    let reach = points.iter().map(|point| point.distance_squared(middle)).fold(0.0, f32::max);
+    center.distance_squared(middle) > ASIDE * ASIDE * reach
 }
 
 /// Speed at which a point of a contact opens (m/s).
