@@ -56,8 +56,9 @@ struct IslandTraits {
     /// Contacts, and how many of its bodies lean on others by their sides alone, where it is a row without joints.
     contacts: [u32; 2],
     is_swept: bool,
-    /// Whether it touches something that the host moves.
+    /// Whether it touches something that the host moves, and something that it turns.
     is_carried: bool,
+    is_turned: bool,
     /// Whether a contact of a row bears its load aside of its middle.
     is_uneven: bool,
     /// Whether joints close a loop, through what does not move or without it.
@@ -243,8 +244,10 @@ impl IslandTraits {
         self.borne.meetings += u32::from(ends.iter().all(|motion| motion.is_dynamic()));
         self.borne.rows += contact.count as u64 + u64::from(FRICTION_ROWS);
         self.borne.is_more |= !ends.iter().any(|motion| is_loose(motion)) || !ends.iter().all(|motion| motion.is_dynamic());
-        let moves = |slot: u32| velocities[slot as usize].linear != Vec3::ZERO || velocities[slot as usize].angular != Vec3::ZERO;
-        self.is_carried |= [contact.a, contact.b].into_iter().any(|slot| !motions[slot as usize].is_dynamic() && moves(slot));
+        for slot in [contact.a, contact.b].map(|slot| slot as usize).into_iter().filter(|&slot| !motions[slot].is_dynamic()) {
+            self.is_carried |= velocities[slot].linear != Vec3::ZERO;
+            self.is_turned |= velocities[slot].angular != Vec3::ZERO;
+        }
         let is_driven = ends.iter().any(|motion| motion.driven);
         if self.joints == 0 || !contact.presses() && !is_driven && !may_meet(contact, velocities, settings) {
             return;
@@ -275,9 +278,10 @@ impl IslandTraits {
         self.joints == 0 && is_row(self.bodies, self.contacts[0])
     }
 
-    /// Whether it is a row that sweeps do not hold up: it leans, what it bears would turn it over, or may so at any time, as its ground moves.
+    /// Whether it is a row that sweeps do not hold up: it leans, what it bears would turn it over, or may so at any time, as its ground moves. On
+    /// what turns sweeps follow the ground's turn within a step, as one problem does not.
     fn is_row_to_solve(&self) -> bool {
-        let would_tip = self.bodies <= TALL && (self.is_carried || self.is_uneven);
+        let would_tip = self.bodies <= TALL && !self.is_turned && (self.is_carried || self.is_uneven);
         self.is_row() && (would_tip || self.contacts[1] >= LEANING)
     }
 
