@@ -99,6 +99,26 @@ impl JointKind {
         Self::Spherical { swing_limit: std::f32::consts::PI, twist_limits: Limits::NONE, motor: SphericalMotor::Off };
     /// A prismatic joint without limits or motor.
     pub const PRISMATIC: Self = Self::Prismatic { limits: Limits::NONE, motor: Motor::Off };
+
+    /// What drives each of its axes, and between which limits, as far as that has a motor of its own; of a spherical joint what holds a speed
+    /// about each axis of A's frame.
+    pub(crate) fn drives(&self) -> [Option<(Drive, Limits)>; 6] {
+        let driven = |limits: &Limits, motor: &Motor| motor.drive().map(|drive| (drive, *limits));
+        match self {
+            Self::Fixed => [None; 6],
+            Self::Hinge { limits, motor } | Self::Prismatic { limits, motor } | Self::Distance { limits, motor, .. } => {
+                [driven(limits, motor), None, None, None, None, None]
+            }
+            Self::Spherical { motor, .. } => {
+                let SphericalMotor::Velocity { target, max_torque } = *motor else { return [None; 6] };
+                let [x, y, z] = target.to_array().map(|speed| Some((Drive::at(speed, max_torque), Limits::NONE)));
+                [x, y, z, None, None, None]
+            }
+            Self::Generic { linear: [x, y, z], angular: [u, v, w] } => {
+                [x, y, z, u, v, w].map(|axis| driven(&axis.limits, &axis.motor))
+            }
+        }
+    }
 }
 
 /// Everything a joint starts with.

@@ -66,6 +66,8 @@ pub(crate) struct Joint {
     pub drive: Option<Box<JointDrive>>,
     /// What the motor of each axis did, mean over the last step (N, N·m).
     pub motors: [f32; 6],
+    /// Axes whose motor pushed harder in the last step than in the one before, as bits.
+    pub straining: u8,
     /// At which speeds stops are to be left that were met in the last substep.
     pub rebounds: Rebounds,
 }
@@ -85,6 +87,7 @@ impl Joint {
             pressed: 0,
             drive: None,
             motors: [0.0; 6],
+            straining: 0,
             rebounds: Rebounds::NONE,
         }
     }
@@ -119,7 +122,7 @@ impl Joint {
         self.impulses = JointImpulses::ZERO;
         self.force = Vec3::ZERO;
         self.torque = Vec3::ZERO;
-        self.motors = [0.0; 6];
+        (self.motors, self.straining) = ([0.0; 6], 0);
         self.acted = [Vec3::ZERO; 2];
         self.rebounds = Rebounds::NONE;
         if let Some(strain) = &mut self.strain {

@@ -29,6 +29,7 @@ mod held_units;
 mod hinge_planes;
 mod hold;
 mod hulls;
+mod jacks;
 mod jammed;
 mod joint_friction;
 mod jointed_rebounds;

@@ -235,7 +235,7 @@ impl Stored for StepHistory {
     }
 }
 
-stored!(Joint { def, bodies, impulses, angles, force, torque, acted, strain, pressed, drive, motors, rebounds });
+stored!(Joint { def, bodies, impulses, angles, force, torque, acted, strain, pressed, drive, motors, straining, rebounds });
 stored!(Rebounds { rows, speeds });
 stored!(KinematicPath { target, step, dt, velocity, change, slope });
 stored!(JointDrive { stops, frames, found, since, carried, solved });

@@ -307,9 +307,9 @@ impl IslandTraits {
     }
 
     /// Whether articulations that touch one another are better swept: nothing that is fixed holds them, or there is more to press than to
-    /// hold, as in a heap of ragdolls.
+    /// hold, as in a heap of ragdolls. Where something heavy presses, as a car does on its jack, sweeps do not bear it.
     fn is_heap(&self) -> bool {
-        self.articulations >= 2 && self.may_be_heap()
+        self.articulations >= 2 && self.may_be_heap() && !self.borne.is_heavy
     }
 
     /// The same, as far as is known without counting articulations.

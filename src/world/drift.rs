@@ -15,7 +15,8 @@
 //! A joint is at work so:
 //!
 //! * A motor that holds a speed, or is on its way at the greatest it may have, is at work while its joint follows it at
-//!   [`FOLLOWED_SHARE`] of that or more. One that is stalled is not.
+//!   [`FOLLOWED_SHARE`] of that or more. One that is stalled is not, unless it pushes harder in each step: sweeps bring a load on a light body to
+//!   bear over many steps. At the rate at which its force grows it would be [`FOLLOWED_SHARE`] greater within [`GROWTH_AHEAD`].
 //! * A spring of stiffness k with a damper c that creeps at the rate r has r c/k left to where it balances whatever else bears on it, for the
 //!   damper carries what the spring is out of balance by. It is at work while that is more than [`ARRIVED`].
 //! * A spring that swings at the angular frequency ω passes its balance at the rate of ω times its amplitude, and is slow where it turns back.
@@ -32,7 +33,7 @@ use crate::body::{Body, Drift, SleepState};
 use crate::joint::{Axis, JointKind, Motor, Softness, SphericalMotor};
 use crate::joint_record::Joint;
 use crate::settings::SleepSettings;
-use crate::solve::joint::{gap_of, placement_of};
+use crate::solve::joint::{axis_of, gap_of, placement_of};
 pub(super) use crate::tuning::drift::WATCHED_AGAIN;
 use crate::tuning::drift::{
     ARRIVED, CREEP_SHARE, DRIFT_TIME, FOLLOWED_SHARE, GROWTH_AHEAD, GROWTH_TIME, MAX_TIME, MAX_WATCHED, RIGID_TIME,
@@ -120,6 +121,15 @@ impl JointEnd<'_> {
     }
 }
 
+/// Axes whose motor pushes harder, at these forces before and after a step of `dt` (N, N·m; s), as bits.
+pub(super) fn straining(before: &[f32; 6], after: &[f32; 6], dt: f32) -> u8 {
+    let grows = |axis: usize| {
+        let (before, after) = (before[axis].abs(), after[axis].abs());
+        (after - before) * GROWTH_AHEAD > FOLLOWED_SHARE * after * dt
+    };
+    (0..6).fold(0, |bits, axis| bits | u8::from(grows(axis)) << axis)
+}
+
 /// Whether a joint moves towards something, given what it does along or about one of its axes.
 struct DriftCoordinate {
     /// Its rate (m/s or rad/s).
@@ -184,9 +194,33 @@ impl World {
         }
     }
 
+    /// Whether a rigid motor of a joint pushes harder and harder short of where it is to go.
+    fn motor_strains(&self, joint: &Joint) -> bool {
+        if joint.straining == 0 {
+            return false;
+        }
+        let placement = self.placement(joint);
+        joint.def.kind.drives().iter().enumerate().any(|(axis, driven)| {
+            let Some((drive, limits)) = driven.filter(|_| joint.straining >> axis & 1 == 1) else { return false };
+            // The axes of a spherical joint's motor have no place, and no limits.
+            let reading = axis_of(&joint.def.kind, &placement, joint.angles, axis);
+            let (at, turns) = reading.map_or((0.0, true), |reading| (reading.position as f32, reading.turns));
+            let left = match drive.target {
+                Some(target) => (target.clamp(limits.min, limits.max) - at).abs(),
+                None if drive.velocity > 0.0 => limits.max - at,
+                None if drive.velocity < 0.0 => at - limits.min,
+                None => 0.0,
+            };
+            drive.softness.compliance == 0.0 && left > ARRIVED[usize::from(turns)]
+        })
+    }
+
     /// Whether a joint moves its bodies towards something.
     fn joint_works(&self, slot: u32, quiet_for: f32) -> bool {
         let joint = &self.joints[slot];
+        if self.motor_strains(joint) {
+            return true;
+        }
         let ends = [self.end(joint, 0), self.end(joint, 1)];
         let [a, b] = [0, 1].map(|side| JointEnd {
             body: joint.bodies[side].map(|index| &self.bodies[index]),

@@ -289,7 +289,7 @@ impl World {
     }
 
     /// Where a joint's two frames are.
-    fn placement(&self, joint: &Joint) -> Placement {
+    pub(super) fn placement(&self, joint: &Joint) -> Placement {
         let [a, b] = [self.end(joint, 0), self.end(joint, 1)];
         let levers = [a.lever, b.lever].map(|lever| lever.as_dvec3());
         placement_of(b.origin - a.origin, levers, [a.frame, b.frame].map(|frame| frame.as_dquat().normalize()))

@@ -9,6 +9,7 @@ use crate::solve::batch::Batch;
 use crate::solve::disjoint::{DisjointPart, DisjointSlices, Slots};
 use crate::solve::joint::JointEntry;
 use crate::workers::Workers;
+use crate::world::drift::straining;
 use crate::world::{Batches, World};
 
 /// Joints of a batch from which on all threads write them back, and those that are worth another thread's while: some 5 µs.
@@ -46,7 +47,9 @@ impl World {
         let write = |entry: &JointEntry, joint: &mut Joint| {
             (joint.force, joint.torque) = (entry.linear_sum / dt, entry.angular_sum / dt);
             if entry.traits.has_motor || joint.motors != [0.0; 6] {
+                let before = joint.motors;
                 joint.motors = entry.motors.sums.map(|impulse| if impulse.is_finite() { impulse / dt } else { 0.0 });
+                joint.straining = straining(&before, &joint.motors, dt);
             }
             if !joint.force.is_finite() || !joint.torque.is_finite() {
                 (joint.force, joint.torque) = (Vec3::ZERO, Vec3::ZERO);
