@@ -21,7 +21,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::joint::{JointDef, JointKind, Limits};
+use crate::joint::{JointDef, JointKind, Limits, SphericalMotor};
 use crate::pose::Pose;
 
 /// Numbers of the rows of stops; the lower one of a coordinate, the upper one after it.
@@ -115,6 +115,16 @@ impl JointDrive {
         before.frame_a != after.frame_a || before.frame_b != after.frame_b || stops_of(&before.kind) != stops_of(&after.kind)
     }
 
+    /// Whether an edit from `before` to `after` has a motor ask for another speed at once, or any where there was none.
+    pub(crate) fn is_motor_jolted(before: &JointDef, after: &JointDef) -> bool {
+        let [before, after] = [before, after].map(|def| motor_speeds(&def.kind));
+        before.into_iter().zip(after).any(|speeds| match speeds {
+            (_, None) => false,
+            (None, Some(_)) => true,
+            (Some(before), Some(after)) => is_sudden(after - before, after, before),
+        })
+    }
+
     /// Whether a snapshot can have it.
     pub(crate) fn is_finite(&self) -> bool {
         let rates = [&self.found, &self.carried, &self.solved];
@@ -176,6 +186,14 @@ impl JointDrive {
 
 fn is_sudden(change: Vec3, carried: Vec3, before: Vec3) -> bool {
     change.length() > (SUDDEN * carried.length().max(before.length())).max(NOTICEABLE)
+}
+
+/// Speeds that the motors of a joint ask for (m/s, rad/s), as far as they are on: that about a point as one, or those of each axis.
+fn motor_speeds(kind: &JointKind) -> [Option<Vec3>; 6] {
+    if let JointKind::Spherical { motor: SphericalMotor::Velocity { target, .. }, .. } = kind {
+        return [Some(*target), None, None, None, None, None];
+    }
+    kind.drives().map(|driven| driven.map(|(drive, _)| Vec3::X * drive.velocity))
 }
 
 /// The share of `now` that was there before.

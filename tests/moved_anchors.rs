@@ -3,8 +3,8 @@
 
 use longspan::glam::{Quat, Vec3};
 use longspan::{
-    BodyDef, BodyId, JointDef, JointKind, Limits, Mass, MassProperties, Motor, Pose, SleepSettings, Solver, SphericalMotor,
-    World, WorldDef,
+    BodyDef, BodyId, Drive, JointDef, JointKind, Limits, Mass, MassProperties, Motor, Pose, SleepSettings, Solver,
+    SphericalMotor, World, WorldDef,
 };
 
 const RATES: [f32; 4] = [30.0, 60.0, 120.0, 240.0];
@@ -182,6 +182,52 @@ fn a_rebound_has_the_speed_at_which_a_load_and_a_moving_hook_or_stop_meet() {
             let what = format!("{approach:?} moves, slides: {slides}, by {solver:?} at {rate}/s");
             // Half of 3 m/s; a per cent is left to rounding of when in a substep they meet.
             assert!((speed - 1.5).abs() < 0.015, "{what}: parts at {speed} of 1.5 m/s");
+        }
+    }
+}
+
+/// What moves a load up at once: a servo whose target moves, or a motor that holds a speed.
+#[derive(Debug, Clone, Copy)]
+enum Start {
+    Servo,
+    Speed,
+}
+
+#[test]
+fn what_hangs_on_a_motor_that_starts_at_once_rises_with_it() {
+    for (start, rate) in [Start::Servo, Start::Speed].into_iter().flat_map(|start| RATES.map(|rate| (start, rate))) {
+        for (size, share) in [0.1_f32, 1.0, 10.0].into_iter().flat_map(|size| [0.3_f32, 3.0, 0.0].map(|share| (size, share))) {
+            if matches!(start, Start::Servo) && share > 1.0 {
+                // What lags behind its target goes faster to catch up.
+                continue;
+            }
+            let mut world = world(Solver::Auto, 9.81);
+            let hook = load(&mut world, Vec3::ZERO, size);
+            let low = load(&mut world, Vec3::NEG_Y * size, size);
+            let speed = 0.7_f32;
+            // What bears both and takes them to the speed within this share of a substep.
+            let max_force = 4.0 * (9.81 + speed * 4.0 * rate / share);
+            let kind = |target: Option<f32>, velocity: f32| {
+                let drive = Drive { target, velocity, ..Drive::at(velocity, max_force) };
+                JointKind::Prismatic { limits: Limits::NONE, motor: Motor::Drive(drive) }
+            };
+            let begin = matches!(start, Start::Servo).then_some(0.0);
+            let up = Pose::IDENTITY.rotated(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+            let mut def = JointDef::new(kind(begin, 0.0), BodyId::NULL, hook);
+            (def.frame_a, def.frame_b) = (up, up);
+            let joint = world.create_joint(&def).expect("a valid joint");
+            let rope = JointKind::Distance { limits: Limits::new(0.0, size), spring_length: None, motor: Motor::Off };
+            world.create_joint(&JointDef::new(rope, hook, low)).expect("a valid joint");
+            (0..(0.5 * rate) as u32).for_each(|_| _ = world.step(1.0 / rate).expect("a valid step"));
+            for step in 1..=(0.3 * rate) as i32 {
+                world.set_joint_kind(joint, kind(begin.map(|_| speed / rate * step as f32), speed)).expect("a valid motor");
+                world.step(1.0 / rate).expect("a valid step");
+                for body in [hook, low] {
+                    let found = world.linear_velocity(body).expect("it is there").y;
+                    let what = format!("{start:?} of {size} m with {max_force} N at {rate}/s");
+                    assert!((found - speed).abs() < 0.01 * speed, "{what}: after {step} steps {found} m/s of {speed}");
+                }
+            }
         }
     }
 }

@@ -17,6 +17,19 @@ impl World {
         }
     }
 
+    /// Notes that an edit of a joint, which was `before`, may have its motor ask for another speed at once. Bodies that sweeps move go on from
+    /// no earlier substep, and what was told of them stays known.
+    pub(super) fn note_motor_speed(&mut self, slot: u32, before: &JointDef) {
+        let (bodies, def) = (self.joints[slot].bodies, self.joints[slot].def);
+        if JointDrive::is_motor_jolted(before, &def) {
+            for index in bodies.into_iter().flatten() {
+                if self.bodies[index].history.lead().is_none() {
+                    self.jolt(index);
+                }
+            }
+        }
+    }
+
     /// Finds how fast the host moves stops and frames of joints, and has those start from nothing that have been put somewhere else.
     pub(super) fn drive_joints(&mut self, dt: f32) {
         let mut driven = std::mem::take(&mut self.movers.driven_joints);

@@ -272,6 +272,7 @@ impl World {
             self.review_pairs_of_joint(slot);
         }
         self.note_drive(slot, &before);
+        self.note_motor_speed(slot, &before);
         self.islands.groups.joint_changed(slot, &self.joints[slot]);
         self.joint_changed(slot);
         self.topology_changed();

@@ -88,14 +88,16 @@ impl Articulation {
     /// Whether a motor that pushes one way alone lets go in this substep. One of second order goes on with a share of what the motor did in the
     /// last, which it can't take back: from rest a joint would come to 1.5 times its target, and keep that speed.
     pub(super) fn lets_go_of_motor(&self) -> bool {
+        let of_whole = 1.0 / self.order.euler_share;
         self.system.bounded.iter().any(|&(row, node)| {
-            let row = &self.system.rows[row as usize];
-            match (row.origin, self.began.joints.get(node as usize)) {
-                (Origin::Scalar(id), Some(before)) => {
-                    row.drives_one_way() && row.impulse == 0.0 && before.impulses.scalar[id as usize] != 0.0
-                }
-                _ => false,
+            let (row, node) = (&self.system.rows[row as usize], node as usize);
+            let (Origin::Scalar(id), Some(before)) = (row.origin, self.began.joints.get(node)) else { return false };
+            let before = f64::from(before.impulses.scalar[id as usize]);
+            if row.drives_one_way() {
+                return row.impulse == 0.0 && before != 0.0;
             }
+            let is_motor = row.drives && self.entries[node].motors.rows.axis(id).is_some();
+            is_motor && row.is_at_bound(before / of_whole) && !row.is_at_bound(row.impulse)
         })
     }
 

@@ -10,6 +10,9 @@ use crate::solve::joint::rows::{self, Rate};
 /// of a body that is moved away from one with locked axes, have some that rise without end.
 pub(super) const MAX_IMPULSE: f64 = 1.0e16;
 
+/// Share of a bound from which on a multiplier is at it.
+const NEAR: f64 = 0.999;
+
 /// Whether a row with bounds is part of the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum RowState {
@@ -115,6 +118,11 @@ impl Row {
     /// Whether the row is that of a motor that pushes one way alone.
     pub(super) fn drives_one_way(&self) -> bool {
         self.drives && (self.min == 0.0) != (self.max == 0.0)
+    }
+
+    /// Whether a multiplier is the greatest that it may have, either way, but for the rounding of those that are carried.
+    pub(super) fn is_at_bound(&self, impulse: f64) -> bool {
+        (self.max > 0.0 && impulse >= NEAR * self.max) || (self.min < 0.0 && impulse <= NEAR * self.min)
     }
 
     pub(super) fn fix(&mut self, impulse: f64) {
