@@ -184,3 +184,53 @@ fn hits_on_a_chain_in_free_flight_gain_no_energy_and_keep_momentum() {
         }
     }
 }
+
+/// Arms whose hinges have elastic stops, thrown without gravity: each blow goes through all links, and what is met gives back what it takes.
+#[test]
+fn arms_on_elastic_stops_keep_their_energy() {
+    for (links, rate) in (1..=3).flat_map(|links| RATES.map(|rate| (links, rate))) {
+        for size in [0.1_f32, 1.0, 10.0] {
+            let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+            let def = WorldDef { gravity: Vec3::ZERO, restitution_threshold: 0.0, sleep, ..WorldDef::default() };
+            let mut world = World::new(&def).unwrap();
+            let about_z = Quat::from_rotation_y(-0.5 * PI);
+            let mut arm = vec![BodyId::NULL];
+            for link in 0..links {
+                let half = Vec3::new(0.5, 0.05, 0.05) * size;
+                let mut shape = ShapeDef::new(Shape::cuboid(half).unwrap());
+                shape.filter.collides_with = 0;
+                let pose = Pose::at_xyz(f64::from(size) * (f64::from(link) + 0.5), 0.0, 0.0);
+                let body = BodyDef { mass: Mass::Total(1.0), ..BodyDef::dynamic(pose) }.with_shape(shape);
+                let body = world.create_body(&body).unwrap();
+                let kind = JointKind::Hinge { limits: Limits::new(-0.8, 0.8), motor: Motor::Off };
+                let mut def = JointDef { restitution: 1.0, ..JointDef::new(kind, arm[arm.len() - 1], body) };
+                let at = |along: f32| Pose::at_xyz(f64::from(along * size), 0.0, 0.0).rotated(about_z);
+                (def.frame_a, def.frame_b) = (at(if link == 0 { 0.0 } else { 0.5 }), at(-0.5));
+                world.create_joint(&def).unwrap();
+                arm.push(body);
+            }
+            let thrown = arm[arm.len() - 1];
+            world.set_angular_velocity(thrown, Vec3::Z * 4.0).unwrap();
+            world.set_linear_velocity(thrown, Vec3::Y * (2.0 * size)).unwrap();
+            world.step(1.0 / rate).unwrap();
+            let inertia = (1.0 + 0.01) / 12.0;
+            let energy = |world: &World| {
+                let of = |&body: &BodyId| {
+                    let (speed, turn) = (world.linear_velocity(body).unwrap() / size, world.angular_velocity(body).unwrap());
+                    0.5 * speed.length_squared() + 0.5 * inertia * turn.length_squared()
+                };
+                arm[1..].iter().map(of).sum::<f32>()
+            };
+            let begun = energy(&world);
+            let mut met = 0;
+            for _ in 0..(6.0 * rate) as u32 {
+                world.step(1.0 / rate).unwrap();
+                met += world.joint_stops().len();
+            }
+            let left = energy(&world) / begun;
+            let what = format!("{links} links of {size} m at {rate}/s, {met} stops met");
+            assert!(met >= 10, "{what}: it turns about");
+            assert!((0.9..1.001).contains(&left), "{what}: {left} of the energy is left after 6 s");
+        }
+    }
+}

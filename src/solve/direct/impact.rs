@@ -40,12 +40,19 @@ use crate::solve::rotation;
 /// Length of a substep (s) over which what is left of a gap asks for no speed. What the host moves of a joint asks for its own.
 const LONG: f64 = 1.0e9;
 
-/// Of what stops give back where that is more energy than there was: by how much less is tried, and how often.
-const LESS: f64 = 0.9;
-const SHARES: usize = 40;
-
 /// Gain of kinetic energy by an impact that is rounding.
 const ROUNDING: f64 = 1.0e-6;
+
+/// Greatest share of what stops give back with which bodies have no more than `most` of the energy (J) that they have with none of it, half and
+/// all: energy is of second degree in velocities.
+fn share_within(most: f64, [none, half, all]: [f64; 3]) -> f64 {
+    let square = 2.0 * (none + all - 2.0 * half);
+    let slope = all - none - square;
+    let root = (slope * slope + 4.0 * square * (most - none)).max(0.0).sqrt();
+    // Twice the product of both roots over the other one: no difference of what is nearly alike.
+    let share = if slope > 0.0 { 2.0 * (most - none) / (slope + root) } else { (root - slope) / (2.0 * square) };
+    if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 }
+}
 
 /// A stop as a substep begins.
 #[derive(Debug, Clone, Copy)]
@@ -85,8 +92,9 @@ impl Articulation {
         !self.is_points && (0..self.entries.len()).any(|number| self.met_by(number, joints) != 0)
     }
 
-    /// Whether a motor that pushes one way alone lets go in this substep. One of second order goes on with a share of what the motor did in the
-    /// last, which it can't take back: from rest a joint would come to 1.5 times its target, and keep that speed.
+    /// Whether a motor lets go in this substep: one that pushes one way alone, or one that has done all it can and is where it was to be. A substep
+    /// of second order goes on with a share of what it did in the last, which one that pushes one way can't take back, nor any from what hangs
+    /// on a rope: from rest a joint would come to 1.5 times its target, and what it draws up fly on.
     pub(super) fn lets_go_of_motor(&self) -> bool {
         let of_whole = 1.0 / self.order.euler_share;
         self.system.bounded.iter().any(|&(row, node)| {
@@ -177,16 +185,17 @@ impl Articulation {
         self.blow(1.0);
         let most = self.energy_at_start(&carried);
         let left = self.rates.clone();
-        let mut share = 1.0;
-        for _ in 0..SHARES {
-            if self.energy_beside(&carried, &self.local_poses, &self.rates, self.left) <= most {
-                break;
-            }
-            share *= LESS;
+        let mut at = |share: f64| {
             for ((rate, stopped), left) in self.rates.iter_mut().zip(&stopped).zip(&left) {
                 rate.linear = stopped.linear.lerp(left.linear, share);
                 rate.angular = stopped.angular.lerp(left.angular, share);
             }
+            self.energy_beside(&carried, &self.local_poses, &self.rates, self.left)
+        };
+        let all = at(1.0);
+        if all > most {
+            let energies = [at(0.0), at(0.5), all];
+            at(share_within(most, energies));
         }
     }
 
