@@ -2,8 +2,8 @@
 
 use longspan::glam::{Quat, Vec3};
 use longspan::{
-    Axis, BodyDef, BodyId, JointDef, JointKind, Limits, Mass, MassProperties, Motor, Pose, SleepSettings, Softness, Solver,
-    SphericalMotor, World, WorldDef,
+    Axis, BodyDef, BodyId, Geometry, JointDef, JointKind, Limits, Mass, MassProperties, Motor, Pose, Shape, ShapeDef,
+    SleepSettings, Softness, Solver, SphericalMotor, World, WorldDef,
 };
 
 const INERTIA: f32 = 0.1;
@@ -138,4 +138,51 @@ fn a_spring_swings_as_the_closed_form_says_along_and_about() {
     }
     println!("{count} cases, worst {:.4} of the swing: {}", worst.0, worst.1);
     assert!(wrong == 0, "{wrong} of {count} springs are off by more than 2 % of their swing; worst {:.4}: {}", worst.0, worst.1);
+}
+
+/// A platform on an undamped spring throws a ball that lies on it, twice as heavy, as both pass the spring's length.
+#[test]
+fn a_spring_gives_what_lies_on_it_all_that_it_has() {
+    for (rate, size) in [30.0, 60.0, 240.0_f32].into_iter().flat_map(|rate| [0.1, 1.0, 10.0_f32].map(|size| (rate, size))) {
+        for frequency in [2.0, 4.0, 8.0_f32] {
+            let frequency = frequency / size.sqrt();
+            let omega = std::f32::consts::TAU * frequency;
+            // Substeps of a phase of 0.4 rad at most.
+            if omega > 0.4 * 4.0 * rate {
+                continue;
+            }
+            let sleep = SleepSettings { enabled: false, ..SleepSettings::default() };
+            let gravity = Vec3::NEG_Y * 9.81;
+            let mut world = World::new(&WorldDef { gravity, sleep, ..WorldDef::default() }).expect("a valid world");
+            let mut put = |geometry: Geometry, y: f32, mass: f32| {
+                let shape = ShapeDef::new(Shape::new(geometry).expect("a valid shape"));
+                let pose = Pose::at_xyz(0.0, f64::from(y * size), 0.0);
+                let def = BodyDef::dynamic(pose).with_shape(shape).with_mass(Mass::Total(mass));
+                world.create_body(&def).expect("a valid body")
+            };
+            let platform = put(Geometry::Box { half_extents: Vec3::new(0.3, 0.05, 0.3) * size }, 0.0, 1.0);
+            let ball = put(Geometry::Ball { radius: 0.1 * size }, 0.15, 2.0);
+            let softness = Softness { compliance: 1.0 / (3.0 * omega * omega), damping: 0.0 };
+            let motor = Motor::Position { target: 0.3 * size, softness, max_force: f32::INFINITY };
+            let mut def = JointDef::new(JointKind::Prismatic { limits: Limits::NONE, motor }, BodyId::NULL, platform);
+            let up = Pose::IDENTITY.rotated(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+            (def.frame_a, def.frame_b) = (up, up);
+            world.create_joint(&def).expect("a valid joint");
+            let way = 0.3 * size;
+            let squared = omega * omega * way * way - 2.0 * 9.81 * way;
+            let expected = f64::from(way + squared / (2.0 * 9.81));
+            let seconds = 1.0 / frequency + 1.2 * squared.sqrt() / 9.81;
+            let mut highest = 0.0_f64;
+            for _ in 0..(seconds * rate) as u32 {
+                world.step(1.0 / rate).expect("a valid step");
+                highest = highest.max(world.pose(ball).expect("it is there").position.y - f64::from(0.15 * size));
+            }
+            let share = highest / expected;
+            // What the last of so long substeps leaves of when the two part.
+            assert!(
+                (share - 1.0).abs() < 0.06,
+                "{frequency} Hz, {size} m, {rate}/s: thrown {share} times as high as energy says"
+            );
+        }
+    }
 }

@@ -62,7 +62,7 @@ impl Articulation {
                     };
                     (levers, (ends[number].gap - spots[number].gap) / h - approach(&bodies, &levers, rates))
                 }
-                Phase::Tangent { .. } => (spots[number].pushed(own), DVec3::ZERO),
+                Phase::Tangent { .. } | Phase::Leap { .. } => (spots[number].pushed(own), DVec3::ZERO),
                 Phase::Position { most } => {
                     (spots[number].pushed(own), spots[number].gap.clamp(DVec3::splat(-most), DVec3::splat(most)))
                 }

@@ -93,7 +93,7 @@ impl Articulation {
         while let Some(touch) = touches.get(*next).filter(|touch| touch.node as usize == node) {
             let spots = touch.spots(local_poses, step_start);
             match phase {
-                Phase::Velocity { h } | Phase::Tangent { h } => {
+                Phase::Velocity { h } | Phase::Tangent { h } | Phase::Leap { h } => {
                     touch.add_rows(system, &spots, &rates[touch.other as usize], h);
                 }
                 Phase::Position { .. } => touch.add_position_rows(system, &spots, *h),

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::geometry::Placement;
 use super::row_sink::RowSink;
-use super::rows::{Demand, Error1, HeldDirections, Jacobian, SoftParams};
+use super::rows::{Demand, Error1, HeldDirections, Jacobian};
 use crate::joint::{JointDef, JointKind, Limits, Motor, Softness};
 
 /// Gap below which the direction has no meaning and A's joint axis stands in for it (m).
@@ -39,7 +39,7 @@ pub(crate) fn rows(sink: &mut RowSink, limits: Limits, spring_length: Option<f32
     if let Some(rest) = spring_length.map(f64::from) {
         let error =
             Error1 { start: sink.geometry.start.gap.length() - rest, predicted: sink.geometry.predicted.gap.length() - rest };
-        let give = SoftParams::new(sink.def.linear, sink.phase);
+        let give = sink.spring(sink.def.linear, &[jacobian]);
         sink.scalar(jacobian, Demand::Equal(error), give, 3);
     }
 }

@@ -7,7 +7,7 @@
 use super::angles::Turning;
 use super::geometry::Placement;
 use super::row_sink::{JointCoordinate, RowSink};
-use super::rows::{Demand, Error1, HeldDirections, SoftParams};
+use super::rows::{Demand, Error1, HeldDirections};
 use crate::joint::{Axis, Limits};
 
 /// Multiplier of the first row of an axis; those of the others follow, three each.
@@ -62,7 +62,7 @@ fn add_angle(sink: &mut RowSink, angle: &JointCoordinate, axis: &Axis, i: usize)
         let ([first, last], rate) = sink.stop_at(f64::from(axis.limits.min), id);
         let factor = angle.factor;
         let error = Error1 { start: (angle.start - first) * factor, predicted: (angle.predicted - last) * factor };
-        let give = SoftParams::new(sink.def.angular, sink.phase);
+        let give = sink.spring(sink.def.angular, &[angle.jacobian]);
         return sink.driven_scalar(angle.jacobian, -rate * factor, Demand::Equal(error), give, id);
     }
     if sink.has_rows(axis.limits, axis.motor) {

@@ -157,7 +157,7 @@ impl RowSink<'_> {
                 [ease, acceleration]
             }
         };
-        braking(found, error, bounds)
+        braking(found.unwrap_or_else(own), error, bounds)
     }
 
     /// What a unit of impulse along a coordinate changes of its rate, with the rest of the joint held (1/kg, 1/(kg·m²)).
@@ -213,7 +213,7 @@ impl RowSink<'_> {
 
     /// A spring and damper, no faster than it may be: where it would be, a motor at that speed with what the spring has left.
     fn pull(&mut self, jacobian: &Jacobian, error: Error1, speed: f64, drive: &Drive, bounds: [f64; 2], id: u8) {
-        let (give, speed) = (SoftParams::new(drive.softness, self.phase), [speed / self.share, speed]);
+        let (give, speed) = (self.spring(drive.softness, &[*jacobian]), [speed / self.share, speed]);
         let most = f64::from(drive.max_speed);
         if most < f64::INFINITY {
             let ease = self.ease_of(jacobian);
@@ -275,7 +275,7 @@ impl RowSink<'_> {
             let (jacobian, id) = (Jacobian::angular(axes.col(i)), 4 + i as u8);
             if softness.compliance > 0.0 {
                 let demand = Demand::Drive { error, speed: [0.0; 2], bounds };
-                self.scalar(jacobian, demand, SoftParams::new(softness, self.phase), id);
+                self.scalar(jacobian, demand, self.spring(softness, &[jacobian]), id);
             } else {
                 let demand = Demand::Approach { error, closing: closing[i] / self.share, speed: 0.0, bounds };
                 self.scalar(jacobian, demand, SoftParams::rigid(self.phase), id);

@@ -7,9 +7,10 @@ use super::body_response::MotorAnswers;
 use super::driven::DrivenParts;
 use super::geometry::{JointGeometry, Placement};
 use super::rows::{BlockRow, Demand, Error1, Error3, HeldDirections, Jacobian, Phase, RowRates, ScalarRow, SoftParams};
-use crate::joint::{JointDef, Limits, Motor};
+use crate::joint::{JointDef, Limits, Motor, Softness};
 use crate::joint_rebounds::Rebounds;
 use crate::joint_record::JointImpulses;
+use crate::tuning::springs::HARD_PHASE;
 
 /// Rows of one joint for one substep, as its kind asks for them.
 pub(crate) struct RowSink<'a> {
@@ -92,6 +93,19 @@ pub(crate) struct JointCoordinate {
 }
 
 impl RowSink<'_> {
+    /// Give of a spring along these coordinates: one that keeps its energy where substeps resolve it, as far as the joint's own bodies tell.
+    pub(crate) fn spring(&self, softness: Softness, ways: &[Jacobian]) -> SoftParams {
+        if softness.compliance > 0.0
+            && let Phase::Leap { h } = self.phase
+        {
+            let ease = ways.iter().map(|way| self.ease_along(way)).fold(0.0, f64::max);
+            if ease * h * h <= HARD_PHASE * HARD_PHASE * f64::from(softness.compliance) {
+                return SoftParams::keeping(softness, self.phase);
+            }
+        }
+        SoftParams::new(softness, self.phase)
+    }
+
     /// Holds the joint points together in the directions `held`.
     pub(crate) fn hold_points(&mut self, held: HeldDirections) {
         let g = &self.geometry;
@@ -108,8 +122,10 @@ impl RowSink<'_> {
         };
         let (start, predicted) = g.read(seen);
         let error = Error3 { start, predicted };
-        let give = SoftParams::new(self.def.linear, self.phase);
         let levers = [lever_a, lever_b];
+        let (axes, count) = held.axes();
+        let ways = axes.map(|axis| Jacobian { linear: axis, angular_a: lever_a.cross(axis), angular_b: lever_b.cross(axis) });
+        let give = self.spring(self.def.linear, &ways[..count]);
         self.point = Some(BlockRow::point(&self.rates, levers, error, held, give, self.impulses.point));
     }
 
@@ -119,7 +135,8 @@ impl RowSink<'_> {
         let in_world = |placement: &Placement| frame * error(placement);
         let (start, predicted) = g.read(in_world);
         let error = Error3 { start, predicted };
-        let give = SoftParams::new(self.def.angular, self.phase);
+        let (axes, count) = held.axes();
+        let give = self.spring(self.def.angular, &axes.map(Jacobian::angular)[..count]);
         self.direction = Some(BlockRow::direction(&self.rates, error, held, give, self.impulses.angular));
     }
 

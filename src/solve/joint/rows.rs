@@ -22,6 +22,18 @@
 //! **Tangent rows** are velocity rows with the prediction left linear, C* = C₀ + h J v*: a rigid row is J v = 0 then, so that no
 //! solution has more kinetic energy than v* had.
 //!
+//! **Leaps.** Where nothing but v₁ moves the bodies, x₁ = x₀ + h v₁, that spring takes (ω h)² of its energy in each substep, all of it within a
+//! second where ω h is a quarter. One that gives way by C₀/4 and by what this substep *changes* of the rate,
+//!
+//! ```text
+//! p = −(h/α) (C₀ + ¼ h (J v₁ − J v₀)) − h c J v₁,
+//! ```
+//!
+//! is the trapezoidal rule with velocities told half a substep late: 4 sin²(φ/2) = s/(1 + s/4), s = (ω h)², turns by φ in each, and the
+//! determinant of the two is 1, so that it loses nothing at any s. At rest it bears what it bears by C₀. It is a row as above with 4 α for α
+//! and 4 C₀ − h J v₀ for C₀. What no substep resolves it would have swing for ever, so beyond ω h = 1 springs stay as they are; and stops,
+//! which begin within a substep.
+//!
 //! **Position rows** take rigid errors out after the substep, J δ = −C, by displacements that leave no velocity behind.
 
 use glam::{DVec3, Vec3};
@@ -46,6 +58,8 @@ pub(crate) enum Phase {
     Velocity { h: f64 },
     /// The same, to first order at the substep's start.
     Tangent { h: f64 },
+    /// The same where nothing but the velocities found moves the bodies, so that springs may keep their energy.
+    Leap { h: f64 },
     /// Displacements that take out errors of at most this much (m or rad).
     Position { most: f64 },
 }
@@ -54,7 +68,7 @@ impl Phase {
     /// Length of the substep (s); displacements have none, and nothing in them depends on it.
     pub(crate) fn h(self) -> f64 {
         match self {
-            Self::Velocity { h } | Self::Tangent { h } => h,
+            Self::Velocity { h } | Self::Tangent { h } | Self::Leap { h } => h,
             Self::Position { .. } => 1.0,
         }
     }
@@ -68,6 +82,8 @@ pub(crate) struct SoftParams {
     gamma: f64,
     share: f64,
     rigid: bool,
+    /// Whether it is a spring that keeps its energy.
+    keeps: bool,
 }
 
 impl SoftParams {
@@ -76,7 +92,12 @@ impl SoftParams {
         let compliance = f64::from(softness.compliance);
         let k = f64::from(softness.damping) * compliance / h;
         let share = 1.0 / (1.0 + k);
-        Self { phase, gamma: compliance / (h * h) * share, share, rigid: compliance == 0.0 }
+        Self { phase, gamma: compliance / (h * h) * share, share, rigid: compliance == 0.0, keeps: false }
+    }
+
+    /// A spring that keeps its energy where nothing but the velocities found moves the bodies; others lose (ω h)² of it in a substep.
+    pub(crate) fn keeping(softness: Softness, phase: Phase) -> Self {
+        Self { keeps: true, ..Self::new(Softness { compliance: 4.0 * softness.compliance, ..softness }, phase) }
     }
 
     pub(crate) fn rigid(phase: Phase) -> Self {
@@ -91,7 +112,7 @@ impl SoftParams {
         }
         let end = match self.phase {
             Phase::Velocity { .. } => error.predicted,
-            Phase::Tangent { h } => error.start + h * (rate[0] + rate[1]),
+            Phase::Tangent { h } | Phase::Leap { h } => error.start + h * (rate[0] + rate[1]),
             Phase::Position { .. } => return self,
         };
         let within = if end < 0.0 { end / (end - error.start) } else { 0.0 };
@@ -108,7 +129,7 @@ impl SoftParams {
     pub(crate) fn curvature(&self, error: Error1, [rate, driven]: [f64; 2]) -> f64 {
         match self.phase {
             Phase::Velocity { h } => (error.predicted - error.start) / h - (rate + driven),
-            Phase::Tangent { .. } | Phase::Position { .. } => 0.0,
+            Phase::Tangent { .. } | Phase::Leap { .. } | Phase::Position { .. } => 0.0,
         }
     }
 
@@ -117,7 +138,8 @@ impl SoftParams {
         match self.phase {
             Phase::Position { most } => error.start.clamp(-most, most),
             _ if self.rigid => rate[1] + self.curvature(error, rate),
-            Phase::Velocity { h } | Phase::Tangent { h } => {
+            Phase::Leap { h } if self.keeps => rate[1] + (4.0 * error.start / h - rate[0] - rate[1]) * self.share,
+            Phase::Velocity { h } | Phase::Tangent { h } | Phase::Leap { h } => {
                 rate[1] + (error.start / h + self.curvature(error, rate)) * self.share
             }
         }
@@ -127,7 +149,7 @@ impl SoftParams {
     fn stop(&self, error: Error1, rate: [f64; 2]) -> f64 {
         match self.phase {
             Phase::Position { most } => error.start.max(-most),
-            Phase::Velocity { h } | Phase::Tangent { h } if self.rigid => {
+            Phase::Velocity { h } | Phase::Tangent { h } | Phase::Leap { h } if self.rigid => {
                 rate[1] + error.start.max(0.0) / h + self.curvature(error, rate)
             }
             _ => self.bias(error, rate),
@@ -137,7 +159,9 @@ impl SoftParams {
     /// Bias of a spring and damper towards C = 0, whose reference moves at `speed`, and γ; `speed` is what moves it over the length of the
     /// row's part of the substep, and what its damper sees.
     pub(crate) fn spring(&self, error: Error1, speed: [f64; 2], rate: [f64; 2]) -> (f64, f64) {
-        (self.bias(error, rate) - speed[0] * self.share - speed[1] * (1.0 - self.share), self.gamma)
+        // What keeps its energy sees how much the rate to its reference changes.
+        let moved = if self.keeps { 0.0 } else { speed[0] * self.share };
+        (self.bias(error, rate) - moved - speed[1] * (1.0 - self.share), self.gamma)
     }
 }
 

@@ -54,12 +54,13 @@ impl<'a> Ends<'a> {
         left: [f64; 2],
     ) -> Asking<'a> {
         let Self { bodies, moved, rates, local_poses } = self;
+        let is_asked = entry.traits.has_motor || !entry.traits.gives_by_motors_alone;
         Asking {
             joint: &joints[entry.joint],
             local_poses: ends.map(|body| local_poses[body]),
             rates: ends.map(|body| rates[body]),
-            answers: ends
-                .map(|body| if entry.traits.has_motor { bodies[body].answer_at(&local_poses[body]) } else { BodyResponse::NONE }),
+            answers: ends.map(|body| if is_asked { bodies[body].answer_at(&local_poses[body]) } else { BodyResponse::NONE }),
+            in_loop: None,
             moved: ends.map(|body| moved[body]),
             h,
             left,

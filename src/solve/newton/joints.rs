@@ -165,7 +165,7 @@ impl Sink<'_> {
             levers: [placement.a.lever, placement.b.lever],
             gap: placement.gap,
         };
-        let [point, direction] = asking.blocks(entry, &placement, Phase::Tangent { h }, self.asked);
+        let [point, direction] = asking.blocks(entry, &placement, Phase::Leap { h }, self.asked);
         let mut link = JointBlock::new(moved);
         if let Some(block) = point {
             rows.holds_points = matches!(block.held, HeldDirections::All);
