@@ -130,7 +130,7 @@ impl Articulation {
             Mode::Smooth | Mode::SecondOrder if wanted > 0 && self.second_order(dt / f64::from(wanted)).is_some() => wanted,
             // What is new begins well; what whips about stays at the effort that the host asks for.
             _ if wanted == 0 => {
-                let turn = self.greatest_turn() * dt;
+                let turn = self.greatest_turn(dt);
                 if turn > LONG_TURN * f64::from(unknown) {
                     ((turn / FIRST_TURN).ceil() as u32).min(most).max(unknown)
                 } else {
@@ -146,18 +146,20 @@ impl Articulation {
         self.histories.iter().map(|history| history.substeps).max().unwrap_or(0)
     }
 
-    /// Greatest angular speed of a body whose centre of mass goes round a joint (rad/s).
-    fn greatest_turn(&self) -> f64 {
+    /// Greatest turn within a time (s) of a body whose centre of mass goes round a joint, at the speed that it has and what forces add to that in
+    /// this time if it hangs on the joint alone (rad).
+    fn greatest_turn(&self, time: f64) -> f64 {
         let mut greatest = 0.0_f64;
         for (link, entry) in self.links.iter().zip(&self.entries) {
             for (side, &body) in link.bodies.iter().enumerate() {
                 let (own, angular) = (&self.bodies[body as usize], self.rates[body as usize].angular);
-                let Some(mass) = own.free_mass().filter(|_| angular.length() > greatest) else { continue };
+                let Some(mass) = own.free_mass() else { continue };
                 let lever = self.local_poses[body as usize].1 * entry.local_lever[side];
-                let in_place = BALANCED * BALANCED * own.top.inertia.max_element() / mass * angular.length_squared();
-                if angular.cross(lever).length_squared() > in_place {
-                    greatest = angular.length();
-                }
+                let square = own.top.inertia.max_element() / mass;
+                let in_place = BALANCED * BALANCED * square * angular.length_squared();
+                let speed = if angular.cross(lever).length_squared() > in_place { angular.length() } else { 0.0 };
+                let gained = lever.cross(own.acceleration).length() / (square + lever.length_squared()) * time;
+                greatest = greatest.max((speed + gained) * time);
             }
         }
         greatest
