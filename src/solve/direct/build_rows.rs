@@ -162,8 +162,8 @@ impl Articulation {
         };
         let is_known = load == ServoLoad::Loop && parts.trial.is_ready;
         let trial = RefCell::new(&mut parts.trial);
-        let in_loop = |way: &Jacobian| trial.borrow_mut().ease_of(number, way, topology, bodies);
-        let in_loop = Some(&in_loop as &dyn Fn(&Jacobian) -> [f64; 2]).filter(|_| is_known);
+        let in_loop = |way: &Jacobian| Some(trial.borrow_mut().ease_of(number, way, topology, bodies));
+        let in_loop = Some(&in_loop as &dyn Fn(&Jacobian) -> Option<[f64; 2]>).filter(|_| is_known);
         let mut sink = RowSink {
             driven,
             impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },

@@ -5,14 +5,15 @@ use glam::{DMat3, DVec3};
 use super::rows::{Jacobian, Rate};
 
 /// What a unit of impulse along a coordinate changes of its rate (1/kg, 1/(kg·m²)), and what external forces accelerate it by (m/s², rad/s²).
-pub(crate) type CoordinateAnswer<'a> = &'a dyn Fn(&Jacobian) -> [f64; 2];
+/// None where nothing but its own bodies tells.
+pub(crate) type CoordinateAnswer<'a> = &'a dyn Fn(&Jacobian) -> Option<[f64; 2]>;
 
 /// How what a motor moves answers to it.
 #[derive(Clone, Copy)]
 pub(crate) struct MotorAnswers<'a> {
     /// Each of the joint's two bodies, or what stands for it.
     pub bodies: &'a dyn Fn(usize) -> BodyResponse,
-    /// A coordinate of a joint that closes a loop, with all other joints held.
+    /// A coordinate with all other joints held, by a factor of them.
     pub in_loop: Option<CoordinateAnswer<'a>>,
 }
 

@@ -214,6 +214,11 @@ impl MotorRows {
         }
     }
 
+    /// Whether the multiplier `id` is that of a motor which has a coordinate of its own.
+    pub(crate) fn is_of_one_axis(self, id: u8) -> bool {
+        self != Self::Three && self.axis(id).is_some()
+    }
+
     /// The axis whose motor has the multiplier `id`.
     pub(crate) fn axis(self, id: u8) -> Option<usize> {
         let (is_one, axis) = match self {

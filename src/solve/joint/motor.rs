@@ -150,12 +150,10 @@ impl RowSink<'_> {
 
     /// Deceleration that a rigid motor with forces in these bounds can hold on its way to C = 0 from `error`.
     fn braking(&self, jacobian: &Jacobian, error: f64, bounds: [f64; 2]) -> f64 {
-        let found = match self.answers.in_loop {
-            Some(in_loop) => in_loop(jacobian),
-            None => {
-                let Ease { ease, acceleration, .. } = self.ease_of(jacobian);
-                [ease, acceleration]
-            }
+        let found = self.answers.in_loop.and_then(|in_loop| in_loop(jacobian));
+        let own = || {
+            let Ease { ease, acceleration, .. } = self.ease_of(jacobian);
+            [ease, acceleration]
         };
         braking(found.unwrap_or_else(own), error, bounds)
     }

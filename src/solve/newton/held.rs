@@ -1,17 +1,21 @@
 //! The joints of an island, with the records of each in the substep.
 
+use std::cell::RefCell;
+
 use glam::DVec3;
 
 use super::joints::{Asking, JointAssembly, MultiplierSlot, Sink, Source};
-use super::problem::{JointBlock, Problem};
+use super::problem::{Inverses, JointBlock, Problem};
+use super::servos::ServoTrial;
 use super::term::{Law, Term};
 use crate::id::{JointId, Pool};
 use crate::joint_rebounds::Rebounds;
 use crate::joint_record::Joint;
 use crate::linalg::narrowing;
 use crate::solve::direct::body::DirectBody;
-use crate::solve::joint::body_response::BodyResponse;
-use crate::solve::joint::rows::{Rate, ScalarRow};
+use crate::solve::joint::body_response::{BodyResponse, CoordinateAnswer};
+use crate::solve::joint::kinds::{self, MotorRows};
+use crate::solve::joint::rows::{Jacobian, Rate, ScalarRow};
 use crate::solve::joint::{JointEntry, LocalPose, driven, gap_of, gap_without_limits};
 
 /// Lever below which a joint is in the centre of mass of its body, over the body's radius of gyration: frames are rounded.
@@ -81,7 +85,8 @@ impl JointSet {
         self.ends.push(ends);
     }
 
-    /// Adds the rows of all to the problem of a substep of length `h` (s), whose start and end are so far from the end of the step (s).
+    /// Adds the rows of all to the problem of a substep of length `h` (s), whose start and end are so far from the end of the step (s). Where a
+    /// servo is on its way, first on trial.
     pub(super) fn add_rows(
         &mut self,
         joints: &Pool<Joint, JointId>,
@@ -90,14 +95,14 @@ impl JointSet {
         h: f64,
         left: [f64; 2],
     ) {
-        let Self { entries, ends, rows, sources, asked, arguments, argument_ranges, .. } = self;
-        rows.clear();
-        sources.clear();
-        let mut sink = Sink { links: &mut problem.links, terms: &mut problem.terms, sources, asked };
-        for (entry, ends) in entries.iter_mut().zip(&*ends) {
-            let asking = of.asking(joints, entry, ends, h, left);
-            rows.push(sink.add(entry, &asking));
+        self.put_rows(joints, problem, of, (h, left), false);
+        let mut entries = self.entries.iter().zip(&self.rows);
+        if entries.any(|(entry, rows)| rows.is_under_way && kinds::has_servo(&joints[entry.joint].def.kind)) {
+            self.mask(problem, of.bodies, of.rates);
+            problem.try_servos(self, h);
+            self.put_rows(joints, problem, of, (h, left), true);
         }
+        let Self { rows, sources, arguments, argument_ranges, .. } = self;
         for (rows, &(first, last)) in rows.iter().zip(&*argument_ranges) {
             let known = &arguments[first as usize..last as usize];
             for number in rows.terms.0 as usize..rows.terms.1 as usize {
@@ -108,6 +113,58 @@ impl JointSet {
                     (term.is_known, term.argument[0]) = (true, *argument);
                 }
             }
+        }
+    }
+
+    /// Makes the rows of all, whose servos may ask the factor of those that have been made before.
+    fn put_rows(
+        &mut self,
+        joints: &Pool<Joint, JointId>,
+        problem: &mut Problem,
+        of: Ends<'_>,
+        (h, left): (f64, [f64; 2]),
+        is_tried: bool,
+    ) {
+        let Self { entries, ends, rows, sources, asked, .. } = self;
+        let Problem { links, terms, factor, structure, masses, inverses, forces, unknowns, .. } = problem;
+        let inverses = Inverses { masses, angular: inverses };
+        let trial = ServoTrial { factor, structure, inverses, forces, joints: entries.len(), room: RefCell::new(unknowns) };
+        links.clear();
+        terms.clear();
+        rows.clear();
+        sources.clear();
+        let mut sink = Sink { links, terms, sources, asked };
+        for (entry, ends) in entries.iter_mut().zip(&*ends) {
+            let holds = entry.motors.rows != MotorRows::Three;
+            let in_loop = |way: &Jacobian| {
+                let (linear, a, b) = (way.linear, way.angular_a, way.angular_b);
+                let mut rows = [[-linear, -a], [linear, b]].map(|[v, w]| [v.x, v.y, v.z, w.x, w.y, w.z]);
+                for (row, &end) in rows.iter_mut().zip(ends) {
+                    settle_row(row, &of.bodies[end], &Rate::ZERO);
+                }
+                trial.answer(ends.map(|end| of.moved[end]), &rows, holds)
+            };
+            let asking = Asking {
+                in_loop: Some(&in_loop as CoordinateAnswer<'_>).filter(|_| is_tried),
+                ..of.asking(joints, entry, ends, h, left)
+            };
+            rows.push(sink.add(entry, &asking));
+        }
+    }
+
+    /// Puts speeds of what is not moved by rows into the biases of all, and takes locked axes out of them.
+    pub(super) fn mask(&self, problem: &mut Problem, bodies: &[DirectBody], rates: &[Rate]) {
+        for (link, ends) in problem.links.iter_mut().zip(&self.ends) {
+            for side in 0..2 {
+                let (body, rate) = (&bodies[ends[side]], &rates[ends[side]]);
+                for row in 0..link.rows {
+                    link.bias[row] += settle_row(&mut link.jacobian[side][row], body, rate);
+                }
+            }
+        }
+        for (rows, ends) in self.rows.iter().zip(&self.ends) {
+            let terms = &mut problem.terms[rows.terms.0 as usize..rows.terms.1 as usize];
+            terms.iter_mut().for_each(|term| settle_term(term, *ends, bodies, rates));
         }
     }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DMat3, DVec3};
 
 use super::fall::IslandBodies;
-use super::held::{Ends, JointSet, rate_of, settle_row, settle_term, vector};
+use super::held::{Ends, JointSet, rate_of, settle_term, vector};
 use super::joints::MultiplierSlot;
 use super::masses::mass_of;
 use super::outline::{JointOutline, Outline};
@@ -312,21 +312,9 @@ impl CoupledIsland {
 
     /// Puts speeds of what is not moved by rows into their biases, and takes locked axes out of them.
     fn mask(&mut self) {
-        let Self { problem, bodies, rates, held: JointSet { ends, rows, sources, .. }, patches, .. } = self;
-        for (link, ends) in problem.links.iter_mut().zip(&*ends) {
-            for side in 0..2 {
-                let (body, rate) = (&bodies[ends[side]], &rates[ends[side]]);
-                for row in 0..link.rows {
-                    link.bias[row] += settle_row(&mut link.jacobian[side][row], body, rate);
-                }
-            }
-        }
-        let first_of_patches = sources.len();
-        let joint_terms = rows.iter().zip(&*ends).flat_map(|(rows, ends)| (rows.terms.0..rows.terms.1).map(move |_| *ends));
-        for (term, ends) in problem.terms[..first_of_patches].iter_mut().zip(joint_terms) {
-            settle_term(term, ends, bodies, rates);
-        }
-        let mut next = first_of_patches;
+        let Self { problem, bodies, rates, held, patches, .. } = self;
+        held.mask(problem, bodies, rates);
+        let mut next = held.sources.len();
         for patch in patches {
             for _ in 0..patch.term_count() {
                 settle_term(&mut problem.terms[next], patch.bodies, bodies, rates);

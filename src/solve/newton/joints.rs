@@ -7,7 +7,7 @@ use super::patch::{row, turning_row};
 use super::problem::JointBlock;
 use super::term::{Law, Term};
 use crate::joint_record::{Joint, JointImpulses};
-use crate::solve::joint::body_response::{BodyResponse, MotorAnswers};
+use crate::solve::joint::body_response::{BodyResponse, CoordinateAnswer, MotorAnswers};
 use crate::solve::joint::driven::{self, DrivenParts};
 use crate::solve::joint::geometry::{JointGeometry, Placement};
 use crate::solve::joint::kinds;
@@ -48,6 +48,8 @@ pub(super) struct JointAssembly {
     pub terms: (u32, u32),
     /// Whether it holds its points together in all directions.
     pub holds_points: bool,
+    /// Whether a servo of it is on its way.
+    pub is_under_way: bool,
     pub levers: [DVec3; 2],
     pub gap: DVec3,
 }
@@ -69,6 +71,8 @@ pub(super) struct Asking<'a> {
     pub local_poses: [LocalPose; 2],
     pub rates: [Rate; 2],
     pub answers: [BodyResponse; 2],
+    /// How all that joints hold answers, where its servos are to know.
+    pub in_loop: Option<CoordinateAnswer<'a>>,
     /// Numbers by which rows know them.
     pub moved: [u32; 2],
     /// Length of the substep, and how far its start and its end are from the end of the step (s).
@@ -89,7 +93,7 @@ impl Asking<'_> {
         placement: &Placement,
         phase: Phase,
         scalars: &mut Vec<rows::ScalarRow>,
-    ) -> [Option<rows::BlockRow>; 2] {
+    ) -> ([Option<rows::BlockRow>; 2], bool) {
         let Self { joint, local_poses: [a, b], rates, answers, left, .. } = self;
         let in_place = matches!(phase, Phase::Position { .. });
         let driven =
@@ -98,14 +102,14 @@ impl Asking<'_> {
         let mut sink = RowSink {
             driven,
             impulses: if in_place { &JointImpulses::ZERO } else { &entry.impulses },
-            answers: MotorAnswers { bodies: &|side| answers[side], in_loop: None },
+            answers: MotorAnswers { bodies: &|side| answers[side], in_loop: self.in_loop },
             left: left[1],
             ..RowSink::new(JointGeometry::at(placement), &joint.def, (phase, rates), entry.angles, scalars)
         };
         kinds::add_rows(&mut sink);
-        let (point, direction, arrives) = (sink.point, sink.direction, sink.arrives);
+        let (blocks, arrives, is_under_way) = ([sink.point, sink.direction], sink.arrives, sink.is_under_way);
         entry.pressed |= if in_place { 0 } else { arrives };
-        [point, direction]
+        (blocks, is_under_way)
     }
 
     /// Finds the errors of its rows where its bodies have moved to, along the axes that the rows have. A stop that is overrun and does not press, as
@@ -118,7 +122,7 @@ impl Asking<'_> {
         (sources, scalars): (&[Source], &mut Vec<rows::ScalarRow>),
     ) -> bool {
         let placement = self.placement(entry);
-        let blocks = self.blocks(entry, &placement, Phase::Position { most: MAX_RECOVERY_SPEED * self.h }, scalars);
+        let (blocks, _) = self.blocks(entry, &placement, Phase::Position { most: MAX_RECOVERY_SPEED * self.h }, scalars);
         // A free axis has turned with its body, and how far B is along it is no error.
         let [point, direction] = blocks.map(|block| {
             block.filter(|block| block.acts).map_or(DVec3::ZERO, |block| match block.held {
@@ -162,10 +166,12 @@ impl Sink<'_> {
             sources: [Source::NONE; 6],
             terms: (first, first),
             holds_points: false,
+            is_under_way: false,
             levers: [placement.a.lever, placement.b.lever],
             gap: placement.gap,
         };
-        let [point, direction] = asking.blocks(entry, &placement, Phase::Leap { h }, self.asked);
+        let ([point, direction], is_under_way) = asking.blocks(entry, &placement, Phase::Leap { h }, self.asked);
+        rows.is_under_way = is_under_way;
         let mut link = JointBlock::new(moved);
         if let Some(block) = point {
             rows.holds_points = matches!(block.held, HeldDirections::All);

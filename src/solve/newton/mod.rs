@@ -5,10 +5,11 @@
 //! island is one problem, solved by Newton's method from where the last substep left it: at rest, and wherever nothing changes, by one
 //! factorisation a substep. The derivation is in *docs/reference/coupled.md*.
 //!
-//! `elimination`, `factor`, `refine`, `term`, `problem`, `passes`, `admm` and `impact` are numbers on plain arrays and know nothing of the engine;
-//! `positions` is what they do for errors of positions, `overruled` where rows contradict one another, and `self_stress` for forces that hold one another. `joints` (of `held`), `patch` and `masses` make joints, manifolds and bodies theirs,
-//! `stiffness` says how forces turn, `island` takes the step, `soundness` judges it, `rebound` what hits in it, and `gaps` closes what it leaves open. Which islands
-//! are solved here is said by [`plan`](crate::solve::plan).
+//! `elimination`, `factor`, `refine`, `term`, `problem`, `passes`, `admm` and `impact` are numbers on plain arrays and know nothing of the
+//! engine; `positions` is what they do for errors of positions, `overruled` where rows contradict one another, and `self_stress` for forces that
+//! hold one another. `servos` says what servos move. `joints` (of `held`), `patch` and `masses` make joints, manifolds and bodies theirs,
+//! `stiffness` says how forces turn, `island` takes the step, `soundness` judges it, `rebound` what hits in it, and `gaps` closes what it leaves
+//! open. Which islands are solved here is said by [`plan`](crate::solve::plan).
 
 #![expect(clippy::needless_range_loop, reason = "an index names a row or a column of several arrays alike")]
 
@@ -45,6 +46,7 @@ mod problem;
 mod rebound;
 mod refine;
 mod self_stress;
+mod servos;
 mod soundness;
 mod stiffness;
 mod term;

@@ -116,7 +116,9 @@ pub(crate) struct Problem {
     /// Whether the factor is that of the terms as they are.
     pub(super) is_stale: bool,
     /// Inverse inertia of each body, with its damping.
-    inverses: Vec<glam::DMat3>,
+    pub(super) inverses: Vec<glam::DMat3>,
+    /// Forces on the bodies, for servos that ask (N, N·m).
+    pub(super) forces: Vec<Vector>,
 }
 
 impl Problem {
@@ -315,7 +317,7 @@ impl BodyMass {
     }
 
     /// Product with a velocity, with this share of the stiffness.
-    fn times(&self, v: &Vector, share: f64) -> Vector {
+    pub(super) fn times(&self, v: &Vector, share: f64) -> Vector {
         let mut result = [0.0; 6];
         for i in 0..3 {
             result[i] = self.linear[i] * v[i];
@@ -326,15 +328,16 @@ impl BodyMass {
 }
 
 /// Answers of bodies to pushes.
-struct Inverses<'a> {
-    masses: &'a [BodyMass],
+#[derive(Clone, Copy)]
+pub(super) struct Inverses<'a> {
+    pub masses: &'a [BodyMass],
     /// Inverse of each one's inertia.
-    angular: &'a [glam::DMat3],
+    pub angular: &'a [glam::DMat3],
 }
 
 impl Inverses<'_> {
     /// J M⁻¹ Jᵀ of one side of a row.
-    fn ease(&self, body: u32, row: &Vector) -> f64 {
+    pub(super) fn ease(&self, body: u32, row: &Vector) -> f64 {
         if body == FIXED {
             return 0.0;
         }
