@@ -4,11 +4,11 @@
 //! both one surface, there would be none. Narrow phases see two shapes at a time and cannot know. Where a body moves over at least two pairs
 //! with what does not move, or over a compound, a point e on K is left out if a face of another shape or part J carries the body there as well:
 //!
-//! * J presses with a face, or will before e does, and e lies in the plane of that face, or as much under it as the body is sunk in there, or K
-//!   ends there at that plane;
+//! * J presses with a face, or keeps the body above the plane of one, and e lies in that plane, or as much under it as the body is sunk in there,
+//!   or K ends there at that plane: nothing above a plane comes to a point of it before it comes to the plane;
 //! * e lies on J, on its rim, or on a third shape that is flush with J there;
 //! * e does not press as that face does: it is an edge, or a side;
-//! * K does not rise above that plane behind e, as a wall or a step would.
+//! * K does not rise above that plane behind e, as a wall or a step would, and nothing else is there: what lies against a side of J makes it none.
 
 use glam::{DVec3, Vec3};
 
@@ -80,17 +80,7 @@ struct GlidePoint {
     at: DVec3,
     normal: Vec3,
     separation: f32,
-    /// Speed at which the body comes nearer along the normal (m/s).
-    closing: f32,
     flush: f32,
-}
-
-impl GlidePoint {
-    /// Whether the body touches here already, or comes to do so before it gets to another point.
-    fn is_met_before(&self, other: &Self) -> bool {
-        let is_on_its_way = self.closing > 0.0 && self.separation * other.closing <= other.separation * self.closing;
-        self.separation <= 2.0 * other.flush || is_on_its_way
-    }
 }
 
 /// Buffers of the stage.
@@ -139,7 +129,6 @@ fn list_points(
     let (collider_state, sign) = (index.collider_state(shape), if glide.is_second { 1.0 } else { -1.0 });
     let turn_a = index.collider_state(a).rotation;
     let flush = FLUSH * index.least_extent(glide.key);
-    let velocity = index.collider_state(if glide.is_second { b } else { a }).velocity - collider_state.velocity;
     for (number, manifold) in pair.manifolds.iter().enumerate() {
         let parts = narrow::parts_of(&colliders[b].shape, manifold.part);
         let normal = turn_a * manifold.normal * sign;
@@ -153,7 +142,6 @@ fn list_points(
                 + (collider_state.rotation * if glide.is_second { place.on_a } else { place.on_b }).as_dvec3(),
             normal,
             separation: place.separation,
-            closing: -normal.dot(velocity),
             flush,
         }));
     }
@@ -170,7 +158,7 @@ impl StaticSurface<'_> {
     fn carries(&self, f: &GlidePoint, e: &GlidePoint, points: &[GlidePoint]) -> bool {
         let is_same = f.shape == e.shape && (f.part == e.part || !self.colliders[e.shape].shape.is_compound());
         let alignment = e.normal.dot(f.normal);
-        if is_same || !f.is_met_before(e) {
+        if is_same {
             return false;
         }
         let into = f.normal * alignment - e.normal;
@@ -196,7 +184,13 @@ impl StaticSurface<'_> {
         let lies_there = |shape: u32| self.distance(shape, at) <= e.flush && self.distance(shape, at + above) >= e.flush;
         let is_covered = self.distance(f.shape, at) <= e.flush
             || points.iter().any(|other| other.shape != f.shape && other.shape != e.shape && lies_there(other.shape));
-        is_covered && self.distance(e.shape, behind) >= e.flush
+        // What lies against a side of J does so to both hands of e; what rises beside the way does to one.
+        let rises = |shape: u32, place: DVec3| self.distance(shape, place) < e.flush;
+        let aside = (f.normal.cross(further).normalize() * (2.0 * e.flush)).as_dvec3();
+        let is_filled = |place: DVec3| {
+            points.iter().any(|other| other.shape != f.shape && other.shape != e.shape && rises(other.shape, place))
+        };
+        is_covered && !rises(e.shape, behind) && !(is_filled(behind + aside) && is_filled(behind - aside))
     }
 
     fn is_face(&self, point: &GlidePoint) -> bool {
