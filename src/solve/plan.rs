@@ -36,12 +36,25 @@ struct BorneTraits {
     bodies: u32,
     /// Contacts between two bodies that move.
     meetings: u32,
-    /// Rows of all contacts of the island.
+    /// Contacts of the island, and rows of them all.
+    contacts: u32,
     rows: u64,
     /// Whether anything else touches something, or they anything that does not move.
     is_more: bool,
     /// Whether something presses that is [`HEAVY`] times what joints hold against it.
     is_heavy: bool,
+}
+
+/// What is known of bodies that may stand on or lean on one another in a row, without joints.
+#[derive(Debug, Clone, Copy, Default)]
+struct RowTraits {
+    /// Those that lean on others by their sides alone.
+    leaning: u32,
+    /// Whether any touches something that the host moves, and something that it turns.
+    is_carried: bool,
+    is_turned: bool,
+    /// Whether a contact bears its load aside of its middle.
+    is_uneven: bool,
 }
 
 /// What is known of an island.
@@ -53,14 +66,8 @@ struct IslandTraits {
     joints: u32,
     /// Groups of two bodies and more that joints connect, of what may be a heap.
     articulations: u32,
-    /// Contacts, and how many of its bodies lean on others by their sides alone, where it is a row without joints.
-    contacts: [u32; 2],
+    row: RowTraits,
     is_swept: bool,
-    /// Whether it touches something that the host moves, and something that it turns.
-    is_carried: bool,
-    is_turned: bool,
-    /// Whether a contact of a row bears its load aside of its middle.
-    is_uneven: bool,
     /// Whether joints close a loop, through what does not move or without it.
     is_looped: bool,
     /// Whether any of its joints is known to bear anything, and whether the force of one turns a body faster than a substep of second
@@ -169,10 +176,10 @@ impl Planner {
         count_articulations(looks, links, motions, island_of, (grouped, sizes));
         for look in looks.iter_mut().filter(|look| look.is_row()) {
             let slots = look.first..look.first + look.bodies;
-            look.is_uneven = contacts
+            look.row.is_uneven = contacts
                 .iter()
                 .any(|contact| [contact.a, contact.b].iter().any(|slot| slots.contains(slot)) && is_aside(contact));
-            look.contacts[1] = count_leaning(slots, contacts, settings.gravity, stances);
+            look.row.leaning = count_leaning(slots, contacts, settings.gravity, stances);
         }
         plans.clear();
         plans.extend(looks.iter().map(IslandTraits::plan));
@@ -240,13 +247,13 @@ impl IslandTraits {
         settings: &StepSettings,
     ) {
         let ends = [contact.a, contact.b].map(|slot| &motions[slot as usize]);
-        self.contacts[0] += 1;
+        self.borne.contacts += 1;
         self.borne.meetings += u32::from(ends.iter().all(|motion| motion.is_dynamic()));
         self.borne.rows += contact.count as u64 + u64::from(FRICTION_ROWS);
         self.borne.is_more |= !ends.iter().any(|motion| is_loose(motion)) || !ends.iter().all(|motion| motion.is_dynamic());
         for slot in [contact.a, contact.b].map(|slot| slot as usize).into_iter().filter(|&slot| !motions[slot].is_dynamic()) {
-            self.is_carried |= velocities[slot].linear != Vec3::ZERO;
-            self.is_turned |= velocities[slot].angular != Vec3::ZERO;
+            self.row.is_carried |= velocities[slot].linear != Vec3::ZERO;
+            self.row.is_turned |= velocities[slot].angular != Vec3::ZERO;
         }
         let is_driven = ends.iter().any(|motion| motion.driven);
         if self.joints == 0 || !contact.presses() && !is_driven && !may_meet(contact, velocities, settings) {
@@ -275,14 +282,14 @@ impl IslandTraits {
 
     /// Whether its bodies touch one another in a row, between two that are fixed or moved at most.
     fn is_row(&self) -> bool {
-        self.joints == 0 && is_row(self.bodies, self.contacts[0])
+        self.joints == 0 && is_row(self.bodies, self.borne.contacts)
     }
 
     /// Whether it is a row that sweeps do not hold up: it leans, what it bears would turn it over, or may so at any time, as its ground moves. On
     /// what turns sweeps follow the ground's turn within a step, as one problem does not.
     fn is_row_to_solve(&self) -> bool {
-        let would_tip = self.bodies <= TALL && !self.is_turned && (self.is_carried || self.is_uneven);
-        self.is_row() && (would_tip || self.contacts[1] >= LEANING)
+        let would_tip = self.bodies <= TALL && !self.row.is_turned && (self.row.is_carried || self.row.is_uneven);
+        self.is_row() && (would_tip || self.row.leaning >= LEANING)
     }
 
     /// Whether the least and the greatest mass are within [`ALIKE`], and joints do more than hold points together.
@@ -301,7 +308,7 @@ impl IslandTraits {
     /// The same, as far as is known without counting articulations.
     fn may_carry(&self) -> bool {
         let BorneTraits { bodies, rows, is_more, is_heavy, .. } = self.borne;
-        let is_borne = (1..=MAX_RIDERS).contains(&bodies) && self.contacts[0] <= MAX_MANIFOLDS && !is_more && !is_heavy;
+        let is_borne = (1..=MAX_RIDERS).contains(&bodies) && self.borne.contacts <= MAX_MANIFOLDS && !is_more && !is_heavy;
         let is_held = self.touches && self.is_plain && self.is_anchored;
         is_borne && is_held && are_few(rows, u64::from(self.joints) * WORK_OF_POINT)
     }

@@ -47,5 +47,5 @@ pub(crate) const ASIDE: f32 = 3.0e-3;
 /// Why: a stack of n cubes tips at g/n: of 64 at 0.15 m/s², so that nothing carries more of them. Solved as one, each takes twenty times as long
 /// as swept; towers of a thousand that a ball hits are swept.
 /// Scenes: stacks on platforms, towers of 200 to 1,000 blocks.
-/// Test: tests/moved_bodies.rs, tests/stacks.rs
+/// Test: tests/moved_bodies.rs
 pub(crate) const TALL: u32 = 64;

@@ -10,9 +10,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::World;
 use super::long_range::holds_points;
-use super::pairs::may_collide;
 use crate::body::Body;
 use crate::collide::collider::Collider;
 use crate::id::{JointId, Pool};
@@ -104,34 +102,5 @@ fn ball_at(collider: &Collider, point: Vec3) -> Option<Ball> {
             found.is_inside.then(|| Ball { radius: (found.point - at).length(), distance: 0.0 })
         }
         Geometry::HalfSpace { .. } | Geometry::TriangleMesh { .. } | Geometry::HeightField { .. } => None,
-    }
-}
-
-impl World {
-    /// Brings pairs up to date with what a joint holds together from now on, or no longer does.
-    pub(super) fn review_pairs_of_joint(&mut self, joint: u32) {
-        let bodies = self.joints[joint].bodies;
-        for (body, other) in [(bodies[0], bodies[1]), (bodies[1], bodies[0])] {
-            let Some(body) = body else { continue };
-            if self.bodies[body].is_free() {
-                self.review_pairs_of(body);
-            } else if let Some(other) = other {
-                // A floor has too many pairs: of them, those with what the other holds.
-                let held = self.bodies[other].joints.iter().flat_map(|&id| self.joints[self.joints.slot_of(id)].bodies);
-                let held: Vec<u32> = held.flatten().filter(|&held| held != other && self.bodies[held].is_free()).collect();
-                held.into_iter().for_each(|held| self.review_pairs_of(held));
-            }
-        }
-    }
-
-    fn review_pairs_of(&mut self, body: u32) {
-        for id in self.bodies[body].shapes.clone() {
-            let Ok(shape) = self.colliders.find(id) else { continue };
-            self.collision.broad.revisit(shape);
-            self.drop_pairs_where(shape, |world, other| {
-                let [own, other] = [shape, other].map(|shape| &world.colliders[shape]);
-                !may_collide(own, other, &world.bodies, &world.joints, &world.unions)
-            });
-        }
     }
 }

@@ -15,6 +15,7 @@ use parry3d::shape::SupportMap;
 
 use super::capsule::Segment;
 use super::clip;
+use super::convex_pair::ConvexPair;
 use super::distance::{self, ConvexGap, Nearest};
 use super::face::{self, Corner, Feature};
 use super::known_face::Known;
@@ -34,9 +35,6 @@ const SKEW: f32 = 1.0e-3;
 /// How far outside a face the point of deepest overlap may be, as a fraction of the smaller part: corners stand for round
 /// rims, and directions are not exact.
 const OVERHANG: f32 = 0.02;
-
-/// How far outside a face a vertex counts as over it, as a fraction of the smaller part.
-const CLIP_SLOP: f32 = 1.0e-4;
 
 /// Where a triangle's neighbours have turned the normal, points deeper than this many times the original depth are thought
 /// to belong to another triangle.
@@ -87,7 +85,7 @@ pub(super) fn collide(
     buffers: &mut Buffers,
 ) -> Option<Manifold> {
     let pair = ConvexPair::near(a, b, relative, margin)?;
-    let (gap, face) = match last.and_then(|last| pair.known(last, margin, buffers)) {
+    let (gap, face) = match last.and_then(|last| pair.known(last, margin, &mut buffers.corners_a)) {
         Some(Known::Apart) => return None,
         Some(Known::Under(gap, of_a)) => (gap, Some((gap, of_a))),
         None => (pair.gap(margin, &mut buffers.epa)?, None),
@@ -140,43 +138,7 @@ pub(super) fn separation(a: &Part, b: &Part, relative: &Pose3, limit: f32) -> Op
     }
 }
 
-impl ConvexGap {
-    pub(super) fn distance(&self) -> f32 {
-        self.normal.dot(self.on_b - self.on_a)
-    }
-}
-
-pub(super) struct ConvexPair<'a> {
-    pub a: &'a Part<'a>,
-    pub b: &'a Part<'a>,
-    pub relative: &'a Pose3,
-    /// Rounding of both (m).
-    pub radii: f32,
-    /// Reach of the smaller (m).
-    pub size: f32,
-    slop: f32,
-}
-
-impl<'a> ConvexPair<'a> {
-    /// Two parts, if they may be nearer to each other than `margin`.
-    fn near(a: &'a Part<'a>, b: &'a Part<'a>, relative: &'a Pose3, margin: f32) -> Option<Self> {
-        let (reach_a, reach_b) = (a.reach(), b.reach());
-        // Written so that a NaN is no contact.
-        let near = relative.translation.length() <= reach_a + reach_b + margin;
-        if !near || !relative.rotation.is_finite() {
-            return None;
-        }
-        let size = reach_a.min(reach_b);
-        Some(Self {
-            a,
-            b,
-            relative,
-            radii: a.rounding() + b.rounding(),
-            size,
-            slop: CLIP_SLOP * size + 4.0 * f32::EPSILON * reach_a.max(reach_b),
-        })
-    }
-
+impl ConvexPair<'_> {
     /// Nearest points of the cores, or those of deepest overlap; none if the parts are further apart than `margin`.
     fn gap(&self, margin: f32, epa: &mut EPA) -> Option<ConvexGap> {
         let scale = 1.0 / self.size;
@@ -259,12 +221,6 @@ impl<'a> ConvexPair<'a> {
 
     fn slack(&self, distance: f32) -> f32 {
         SLACK.0 * distance.abs() + SLACK.1 * self.size
-    }
-
-    /// The gap that a unit `normal` proves: between the parts' extreme points along it.
-    pub(super) fn along(&self, normal: Vec3) -> ConvexGap {
-        let on_b = *self.relative * self.b.core_support(self.relative.rotation.inverse() * -normal);
-        ConvexGap { on_a: self.a.core_support(normal), on_b, normal }
     }
 
     /// The best direction that the parts themselves suggest: their faces, their axes, and from centre to centre.

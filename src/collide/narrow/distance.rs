@@ -16,6 +16,13 @@ pub(super) struct ConvexGap {
     pub normal: Vec3,
 }
 
+impl ConvexGap {
+    /// How far the points are apart along the direction (m).
+    pub(super) fn distance(&self) -> f32 {
+        self.normal.dot(self.on_b - self.on_a)
+    }
+}
+
 /// Nearest points of shapes that do not touch; none if they do, or if GJK gives up.
 pub(super) fn apart(a: &impl SupportMap, b: &impl SupportMap, relative: &Pose3) -> Option<ConvexGap> {
     let mut simplex = VoronoiSimplex::new();

@@ -8,9 +8,9 @@
 
 use glam::Vec3;
 
-use super::convex::{Buffers, ConvexPair};
+use super::convex_pair::ConvexPair;
 use super::distance::ConvexGap;
-use super::face::{self, Feature};
+use super::face::{self, Corner, Feature};
 use super::plane::ContactPlane;
 
 /// Cosine between the last normal and that of a face from which on they may be one: some turn of a step.
@@ -30,7 +30,7 @@ pub(super) enum Known {
 
 impl ConvexPair<'_> {
     /// What the normal `last`, in A's frame, tells of parts no further apart than `margin`, if anything.
-    pub(super) fn known(&self, last: Vec3, margin: f32, buffers: &mut Buffers) -> Option<Known> {
+    pub(super) fn known(&self, last: Vec3, margin: f32, corners: &mut Vec<Corner>) -> Option<Known> {
         [true, false].into_iter().find_map(|of_a| {
             let (part, toward) = if of_a { (self.a, last) } else { (self.b, self.relative.rotation.inverse() * -last) };
             let outward = face::nearest(part, toward).filter(|outward| outward.dot(toward) >= SAME_FACE)?;
@@ -46,9 +46,8 @@ impl ConvexPair<'_> {
                 return None;
             }
             let point = if of_a { extreme.on_b } else { self.relative.inverse_transform_point(extreme.on_a) };
-            let is_face =
-                matches!(face::find(part, outward, &mut buffers.corners_a), Feature::Face { normal } if normal == outward);
-            let is_over = ContactPlane::across(outward).is_over(&buffers.corners_a, point, distance.min(0.0));
+            let is_face = matches!(face::find(part, outward, corners), Feature::Face { normal } if normal == outward);
+            let is_over = ContactPlane::across(outward).is_over(corners, point, distance.min(0.0));
             let gap = if of_a {
                 ConvexGap { on_a: extreme.on_b - normal * distance, ..extreme }
             } else {

@@ -23,6 +23,7 @@ mod capsule_box;
 mod clip;
 mod composite;
 mod convex;
+mod convex_pair;
 mod cylinder;
 mod distance;
 mod face;

@@ -56,9 +56,7 @@ impl Articulation {
             self.restore();
             return Some(self.meet_softly(joints, h, &meeting, depth, before));
         }
-        let lets_go = self.lets_go_of_motor();
-        self.is_jolted |= lets_go;
-        if second_order && (lets_go || (self.has_soft_stops && self.leaves_soft_stop(joints))) {
+        if second_order & self.lets_go_of_motor() || second_order && self.has_soft_stops && self.leaves_soft_stop(joints) {
             self.restore();
             (self.order, second_order) = (SecondOrder::EULER, false);
             momentum = self.substep(joints, h, Mode::Smooth);

@@ -94,10 +94,10 @@ impl Articulation {
 
     /// Whether a motor lets go in this substep: one that pushes one way alone, or one that has done all it can and is where it was to be. A substep
     /// of second order goes on with a share of what it did in the last, which one that pushes one way can't take back, nor any from what hangs
-    /// on a rope: from rest a joint would come to 1.5 times its target, and what it draws up fly on.
-    pub(super) fn lets_go_of_motor(&self) -> bool {
+    /// on a rope: from rest a joint would come to 1.5 times its target, and what it draws up fly on. That is a jolt to the substeps that follow.
+    pub(super) fn lets_go_of_motor(&mut self) -> bool {
         let of_whole = 1.0 / self.order.euler_share;
-        self.system.bounded.iter().any(|&(row, node)| {
+        let lets_go = self.system.bounded.iter().any(|&(row, node)| {
             let (row, node) = (&self.system.rows[row as usize], node as usize);
             let (Origin::Scalar(id), Some(before)) = (row.origin, self.began.joints.get(node)) else { return false };
             let before = f64::from(before.impulses.scalar[id as usize]);
@@ -106,7 +106,9 @@ impl Articulation {
             }
             let is_motor = row.drives && self.entries[node].motors.rows.axis(id).is_some();
             is_motor && row.is_at_bound(before / of_whole) && !row.is_at_bound(row.impulse)
-        })
+        });
+        self.is_jolted |= lets_go;
+        lets_go
     }
 
     /// Ends a substep in which a stop was met by the impact that follows: what presses approaches no more, and stops with restitution are left

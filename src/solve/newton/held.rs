@@ -85,6 +85,15 @@ impl JointSet {
         self.ends.push(ends);
     }
 
+    /// Numbers of the terms of servos.
+    fn servo_terms(&self) -> impl Iterator<Item = usize> {
+        self.entries.iter().zip(&self.rows).flat_map(move |(entry, rows)| {
+            let is_one = |id| entry.motors.rows.is_of_one_axis(id);
+            let is_servo = move |number: &usize| matches!(self.sources[*number].place, MultiplierSlot::Scalar(id) if is_one(id));
+            (rows.terms.0 as usize..rows.terms.1 as usize).filter(is_servo)
+        })
+    }
+
     /// Adds the rows of all to the problem of a substep of length `h` (s), whose start and end are so far from the end of the step (s). Where a
     /// servo is on its way, first on trial.
     pub(super) fn add_rows(
@@ -99,7 +108,7 @@ impl JointSet {
         let mut entries = self.entries.iter().zip(&self.rows);
         if entries.any(|(entry, rows)| rows.is_under_way && kinds::has_servo(&joints[entry.joint].def.kind)) {
             self.mask(problem, of.bodies, of.rates);
-            problem.try_servos(self, h);
+            problem.try_servos(self.servo_terms(), h);
             self.put_rows(joints, problem, of, (h, left), true);
         }
         let Self { rows, sources, arguments, argument_ranges, .. } = self;

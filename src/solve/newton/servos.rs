@@ -16,8 +16,6 @@ use std::cell::RefCell;
 
 use super::elimination::Elimination;
 use super::factor::{Factor, Vector, dot};
-use super::held::JointSet;
-use super::joints::MultiplierSlot;
 use super::problem::{Inverses, Problem, push_along};
 use super::term::FIXED;
 
@@ -60,18 +58,15 @@ impl ServoTrial<'_> {
 }
 
 impl Problem {
-    /// Factorises the rows of joints with their servos, which have just been built for a substep of length `h` (s), and finds the forces on
-    /// all bodies.
-    pub(super) fn try_servos(&mut self, held: &JointSet, h: f64) {
+    /// Factorises the rows of joints with their servos, the terms of these numbers, which have just been built for a substep of length `h` (s), and
+    /// finds the forces on all bodies.
+    pub(super) fn try_servos(&mut self, servos: impl Iterator<Item = usize>, h: f64) {
         self.begin();
         self.terms.iter_mut().for_each(|term| (term.gain, term.compliance) = ([0.0; 2], 1.0));
-        for (entry, rows) in held.entries.iter().zip(&held.rows) {
-            for number in rows.terms.0 as usize..rows.terms.1 as usize {
-                let term = &mut self.terms[number];
-                let MultiplierSlot::Scalar(id) = held.sources[number].place else { continue };
-                if entry.motors.rows.is_of_one_axis(id) && term.give == 0.0 {
-                    (term.gain[0], term.compliance) = (1.0, HOLD * term.ease);
-                }
+        for number in servos {
+            let term = &mut self.terms[number];
+            if term.give == 0.0 {
+                (term.gain[0], term.compliance) = (1.0, HOLD * term.ease);
             }
         }
         self.factorize();
