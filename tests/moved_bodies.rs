@@ -197,7 +197,7 @@ fn lean(cubes: usize, rate: f64, size: f32, by_velocity: bool) -> f64 {
 #[test]
 fn a_stack_stands_on_what_carries_it_along() {
     for (cubes, rate, size, by_velocity) in [
-        (4, 60.0, 0.6, false),
+        (5, 60.0, 0.6, false),
         (10, 30.0, 0.6, false),
         (10, 60.0, 0.6, true),
         (10, 60.0, 0.06, false),

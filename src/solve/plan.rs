@@ -288,7 +288,8 @@ impl IslandTraits {
     /// Whether it is a row that sweeps do not hold up: it leans, what it bears would turn it over, or may so at any time, as its ground moves. On
     /// what turns sweeps follow the ground's turn within a step, as one problem does not.
     fn is_row_to_solve(&self) -> bool {
-        let would_tip = self.bodies <= TALL && !self.row.is_turned && (self.row.is_carried || self.row.is_uneven);
+        let may_tip = (TALL[0]..=TALL[1]).contains(&self.bodies) && !self.row.is_turned;
+        let would_tip = may_tip && (self.row.is_carried || self.row.is_uneven);
         self.is_row() && (would_tip || self.row.leaning >= LEANING)
     }
 

@@ -37,9 +37,9 @@ pub(super) fn always_overlap(
         held_points(body_b, b.body, joints).any(|on_b| {
             let gap = (on_a.there - on_b.there).length() as f32;
             let may = on_a.other == on_b.other && on_a.other != Some(b.body) && gap < widest;
-            may && ball_at(a, on_a.here)
-                .zip(ball_at(b, on_b.here))
-                .is_some_and(|(in_a, in_b)| in_a.radius + in_b.radius - gap.hypot(in_a.distance).hypot(in_b.distance) > least)
+            may && ball_at(a, on_a.here).zip(ball_at(b, on_b.here)).is_some_and(|(in_a, in_b)| {
+                in_a.radius + in_b.radius - Vec3::new(gap, in_a.distance, in_b.distance).length() > least
+            })
         })
     })
 }
