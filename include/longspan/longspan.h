@@ -230,7 +230,7 @@
 
 /**
  * Plan of an island: joints meet contacts, or close a loop and bear more than a substep resolves, or bodies without joints lean on one another
- * in a row, as stones of an arch: all of it is one problem.
+ * in a row, as stones of an arch, or stand on each other on what moves or bear their load aside: all of it is one problem.
  */
 #define LS_PLAN_COUPLED 0
 
@@ -902,7 +902,10 @@ typedef struct LsJointDef {
     float break_force;
     /** Torque at which the joint is reported as overloaded (N m), >= 0; default INFINITY, which is never. */
     float break_torque;
-    /** Not 0: the two bodies collide with each other; default 0. */
+    /**
+     * Not 0: the two bodies collide with each other; default 0. Two bodies that joints hold at one point of a third, or of the world, so that
+     * they overlap by a tenth of the thinner one however they turn, never collide.
+     */
     uint32_t collide_connected;
     /** The host's own word; the library only hands it back. */
     uint64_t user_word;
