@@ -160,3 +160,20 @@ fn only_what_always_overlaps_does_not_collide() {
         }
     }
 }
+
+/// The next bead but one of a string touches where the string bends, and is what bounds how far.
+#[test]
+fn beads_that_are_apart_on_a_straight_string_collide() {
+    let mut world = world(0.0);
+    let [left, middle, right] = [(-0.06, 1.0_f32), (0.0, 100.0), (0.06, 1.0)]
+        .map(|(x, mass)| body(&mut world, mass, Pose::at(DVec3::X * x), Shape::ball(0.05).unwrap()));
+    ball_joint(&mut world, (left, Vec3::X * 0.03), (middle, Vec3::X * -0.03));
+    ball_joint(&mut world, (middle, Vec3::X * 0.03), (right, Vec3::X * -0.03));
+    [left, right].map(|bead| world.set_linear_velocity(bead, Vec3::Y).unwrap());
+    let mut touched = false;
+    for _ in 0..60 {
+        world.step(1.0 / 60.0).unwrap();
+        touched |= world.contacts_of(left).unwrap().any(|contact| contact.normal_force() > 0.0);
+    }
+    assert!(touched, "beads of 10 cm on a string that bends, 12 cm apart where it is straight, do not touch");
+}

@@ -2,8 +2,8 @@
 //!
 //! Slings from one hook, ropes from one ring, bars in one node: two bodies are jointed to the same third one, or both to the world, at points p
 //! and q of theirs that are a distance g apart. Let the ball that is as thick as a body and lies in it next to its point have the radius ρ
-//! and its centre at the distance d from the point. Where the bodies are turned up to right angles from each other and from the way between
-//! the points, the centres are no more than √(g² + d_A² + d_B²) apart. Where that is less than ρ_A + ρ_B they overlap, and as good
+//! and its centre at the distance d from the point. The centres are no more than g + d_A + d_B apart, and where both bodies are turned by
+//! 60° and more out of the line of the points, no more than g + ½ (d_A + d_B). Where that is less than ρ_A + ρ_B they overlap there, and as good
 //! as always: capsules held by their tips do but in one line. Contacts can't part them, and joints bring them back whenever contacts have
 //! tried: links of three chains from one point were pushed up again and again, and gained a quarter of their energy in ten seconds. So they do
 //! not collide, as bodies do not that a joint connects.
@@ -37,9 +37,9 @@ pub(super) fn always_overlap(
         held_points(body_b, b.body, joints).any(|on_b| {
             let gap = (on_a.there - on_b.there).length() as f32;
             let may = on_a.other == on_b.other && on_a.other != Some(b.body) && gap < widest;
-            may && ball_at(a, on_a.here).zip(ball_at(b, on_b.here)).is_some_and(|(in_a, in_b)| {
-                in_a.radius + in_b.radius - Vec3::new(gap, in_a.distance, in_b.distance).length() > least
-            })
+            may && ball_at(a, on_a.here)
+                .zip(ball_at(b, on_b.here))
+                .is_some_and(|(in_a, in_b)| in_a.radius + in_b.radius - gap - 0.5 * (in_a.distance + in_b.distance) > least)
         })
     })
 }
