@@ -169,7 +169,7 @@ fn beads_that_are_apart_on_a_straight_string_collide() {
         .map(|(x, mass)| body(&mut world, mass, Pose::at(DVec3::X * x), Shape::ball(0.05).unwrap()));
     ball_joint(&mut world, (left, Vec3::X * 0.03), (middle, Vec3::X * -0.03));
     ball_joint(&mut world, (middle, Vec3::X * 0.03), (right, Vec3::X * -0.03));
-    [left, right].map(|bead| world.set_linear_velocity(bead, Vec3::Y).unwrap());
+    [left, right].into_iter().for_each(|bead| world.set_linear_velocity(bead, Vec3::Y).unwrap());
     let mut touched = false;
     for _ in 0..60 {
         world.step(1.0 / 60.0).unwrap();

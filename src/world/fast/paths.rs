@@ -242,7 +242,8 @@ impl Paths {
         let bundle = self.groups[leg.group as usize].bundle;
         let before = self.bundles[bundle as usize];
         let is_new = before.hold.rank() < hold.rank();
-        if !is_new && !(before.slides && before.hold.rank() == hold.rank()) {
+        let goes_on = before.slides && before.hold.rank() == hold.rank();
+        if !(is_new || goes_on) {
             return;
         }
         let across = across.filter(|_| is_new && path.start.rotation != path.end.rotation);
