@@ -344,6 +344,23 @@ proptest! {
         }
     }
 
+    /// Of what is apart any direction may be told; what overlaps may go back along one that is longer by a hundredth of its reach.
+    #[test]
+    fn the_last_normal_changes_no_distance((a, b, pose) in pairs(convex), wild in direction()) {
+        let fresh = manifolds(&a, &b, pose, 1.0);
+        let Some(distance) = deepest(&fresh) else { return Ok(()) };
+        let (mut scratch, mut out) = (NarrowScratch::default(), Vec::new());
+        for last in [fresh[0].normal, wild, Vec3::X, Vec3::NEG_Y, Vec3::Z] {
+            scratch.last = Some(last);
+            collide(&a, &b, pose, 1.0, &mut scratch, &mut out);
+            let reach = size(&a).min(size(&b)) * 3.0_f32.sqrt();
+            let found = deepest(&out).unwrap_or(f32::INFINITY);
+            let least = if distance > 0.0 { 0.005 } else { 0.012 };
+            prop_assert!(found >= distance - least * reach, "{found} m after {last}, {distance} without: {a:?} {b:?} {pose:?}");
+            prop_assert!(found <= distance + 0.005 * reach || distance > 0.99, "{found} m after {last}, {distance} without: {a:?} {b:?}");
+        }
+    }
+
     #[test]
     fn a_used_scratch_changes_nothing((a, b, pose) in pairs(convex), (c, d, other) in pairs(convex)) {
         let fresh = manifolds(&a, &b, pose, 1.0);
